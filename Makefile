@@ -33,16 +33,21 @@ demo: deps
 KERNEL := $(shell if grep -qw avx512vl /proc/cpuinfo; then echo SKYLAKEX; elif grep -qw avx2 /proc/cpuinfo; then echo HASWELL; fi 2>/dev/null)
 BLAS = OPENBLAS_NUM_THREADS=1 $(if $(KERNEL),OPENBLAS_CORETYPE=$(KERNEL))
 
+# The library and the crates above it, and with the studies and the fuzzing all that stands on the library.
+CRATES = -p stickslip -p stickslip-output -p stickslip-exchange -p stickslip-cli
+ABOVE = -p stickslip-output -p stickslip-exchange -p stickslip-cli -p stickslip-studies -p stickslip-fuzz
+
 # Unit tests take seconds however they are compiled. Tests run side by side, so that each has one thread.
 test: deps
-	cargo test --lib --config profile.test.package.stickslip.opt-level=0
+	cargo test -p stickslip --lib --config profile.test.package.stickslip.opt-level=0
+	$(BLAS) cargo test $(ABOVE) --lib
 	$(BLAS) cargo test --workspace --exclude stickslip-python --bins --example outside --test '*'
-	cargo test --doc
+	cargo test $(CRATES) --doc
 
 # The headers of SuiteSparse are hidden.
 pure: export SUITESPARSE_INCLUDE_DIR = /nonexistent
 pure:
-	cargo test --no-default-features --features faer,cli
+	cargo test $(CRATES) --no-default-features --features faer
 
 campaign: deps
 	$(BLAS) cargo test --release --workspace --exclude stickslip-python --bins --test '*' -- --ignored
@@ -53,10 +58,10 @@ mumps: deps
 	@dpkg -s $(MUMPS_PACKAGES) >/dev/null 2>&1 || { $(SUDO) apt-get update -q && \
 		$(SUDO) env DEBIAN_FRONTEND=noninteractive apt-get install -qy --no-install-recommends $(MUMPS_PACKAGES); }
 	cargo build --release --features mumps
-	$(BLAS) cargo test --features mumps --lib --config profile.test.package.stickslip.opt-level=0 -- mumps
-	$(BLAS) cargo test --features mumps --test large
+	$(BLAS) cargo test -p stickslip --features mumps --lib --config profile.test.package.stickslip.opt-level=0 -- mumps
+	$(BLAS) cargo test -p stickslip-cli --features mumps --test large
 	cargo clippy --features mumps --all-targets --quiet -- -D warnings
-	cargo clippy --no-default-features --features cli,faer,mumps --quiet -- -D warnings
+	cargo clippy --no-default-features --features faer,mumps --quiet -- -D warnings
 
 PETSC_PACKAGES = petsc-dev libmetis-dev openmpi-bin libopenmpi-dev pkg-config
 
@@ -64,8 +69,8 @@ petsc: deps
 	@pkg-config --exists petsc || { $(SUDO) apt-get update -q && \
 		$(SUDO) env DEBIAN_FRONTEND=noninteractive apt-get install -qy --no-install-recommends $(PETSC_PACKAGES); }
 	cargo build --release --features petsc
-	$(BLAS) cargo test --features petsc --lib --config profile.test.package.stickslip.opt-level=0 -- multigrid petsc forcing
-	$(BLAS) cargo test --features petsc --test large
+	$(BLAS) cargo test -p stickslip --features petsc --lib --config profile.test.package.stickslip.opt-level=0 -- multigrid petsc forcing
+	$(BLAS) cargo test -p stickslip-cli --features petsc --test large
 	cargo clippy --features petsc --all-targets --quiet -- -D warnings
 
 # The packages of every build and every check, for `.ci/run`.
@@ -76,7 +81,7 @@ packages: deps
 PYTHON = target/python/bin/python
 PYTHON_WHEELS ?= python3.10 python3.11 python3.12 python3.13
 # In the profile and with the features of what is compiled for the program without C libraries: all but the module itself is there then.
-PYTHON_BUILD ?= --profile dev --features cli
+PYTHON_BUILD ?= --profile dev --features schema
 # What the environment was made of; when python/requirements.txt changes, the environment is made again.
 PYTHON_TOOLS = target/python/requirements.txt
 # The system's libraries that the wheel of gmsh is linked to.
@@ -98,7 +103,7 @@ python-module: $(PYTHON_TOOLS)
 # A test that lacks a package fails here, and is skipped elsewhere.
 python: python-module
 	cd python && . ../target/python/bin/activate && mypy --no-error-summary && STICKSLIP_ALL_PACKAGES=1 python -m pytest -q -rs
-	cargo test --quiet --no-default-features --features faer,cli --test supply -- --ignored
+	cargo test -p stickslip --quiet --no-default-features --features faer --test supply -- --ignored
 
 # Two at a time, each with one thread.
 python-docs: python-module
@@ -116,21 +121,21 @@ wheel-test: wheel
 	python/wheel_test.sh target/wheels/stickslip-*-abi3-*.whl $(PYTHON_WHEELS)
 
 bench: deps
-	cargo bench --bench factor
-	cargo bench --bench history
-	cargo bench --bench interior
-	cargo bench --bench cholesky
-	cargo bench --bench condensed
-	cargo bench --bench scaling
-	cargo bench --bench scaling3d
-	cargo bench --bench crossover
+	cargo bench -p stickslip-studies --bench factor
+	cargo bench -p stickslip-studies --bench history
+	cargo bench -p stickslip-studies --bench interior
+	cargo bench -p stickslip-studies --bench cholesky
+	cargo bench -p stickslip-studies --bench condensed
+	cargo bench -p stickslip-studies --bench scaling
+	cargo bench -p stickslip-studies --bench scaling3d
+	cargo bench -p stickslip-studies --bench crossover
 
 KERNELS = assembly condensation jacobian residual dense-factor substitution bn-iteration
 
 # callgrind takes a program, and cargo names it: the last executable that it builds is this one.
 instructions: deps
 	@command -v valgrind >/dev/null || $(SUDO) env DEBIAN_FRONTEND=noninteractive apt-get install -qy --no-install-recommends valgrind
-	@program=$$(cargo bench --bench instructions --no-run --message-format=json 2>/dev/null \
+	@program=$$(cargo bench -p stickslip-studies --bench instructions --no-run --message-format=json 2>/dev/null \
 		| sed -n 's/.*"executable":"\([^"]*instructions-[^"]*\)".*/\1/p'); \
 	for kernel in $(KERNELS); do \
 		count=$$(valgrind --tool=callgrind --callgrind-out-file=/dev/null '--toggle-collect=*measured_kernel*' \

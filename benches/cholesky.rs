@@ -10,9 +10,9 @@ mod common;
 use std::time::Instant;
 
 use common::block;
-use stickslip::linear::{self, Cholesky, FactorInfo, LinearError};
-use stickslip::report::Table;
-use stickslip::sparse::Symmetric;
+use stickslip::algebra::linear::{self, Cholesky, FactorInfo, LinearError};
+use stickslip::algebra::sparse::Symmetric;
+use stickslip_output::Table;
 
 const ROUNDS: usize = 5;
 
@@ -63,7 +63,7 @@ fn main() {
 }
 
 /// The displacements that a row of `C_n` or `C_t` reaches.
-fn contact_displacements(problem: &stickslip::problem::ContactProblem) -> Vec<usize> {
+fn contact_displacements(problem: &stickslip::solver::problem::ContactProblem) -> Vec<usize> {
     let rows = (0..problem.contacts()).flat_map(|i| problem.c_n().row(i).iter().chain(problem.c_t().row(i)));
     let mut last: Vec<usize> = rows.map(|&(unknown, _)| unknown).collect();
     last.sort_unstable();

@@ -9,7 +9,7 @@ mod common;
 
 use common::run::{Case, Elements, is_child, measure};
 use common::{Rows, option};
-use stickslip::history::Method;
+use stickslip::solver::history::Method;
 
 fn main() {
     if is_child(Method::PaperBn) {

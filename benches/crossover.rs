@@ -8,7 +8,7 @@ mod common;
 
 use common::run::{Case, Elements, is_child, measure};
 use common::{Rows, option};
-use stickslip::history::Method;
+use stickslip::solver::history::Method;
 
 const MESHES: [&str; 18] = [
     "25", "50", "100", "200", "400", "1000x4", "2000x4", "4000x4", "1000x16", "2000x16", "2000x50", "8x8x8",

@@ -13,13 +13,14 @@ use std::time::Instant;
 
 use common::run::Elements;
 use common::{Who, compare, prune, scene};
-use stickslip::formulation::{Bdiff, FormulationScaling};
-use stickslip::linear::{self, LinearSolver, RefinedSolver, Strategy, Umfpack, backward_error};
-use stickslip::model::Model;
-use stickslip::problem::{Increment, State};
-use stickslip::report::{Table, peak_rss_bytes};
-use stickslip::sparse::Csc;
-use stickslip::units::Scaling;
+use stickslip::algebra::linear::{self, LinearSolver, RefinedSolver, Strategy, Umfpack, backward_error};
+use stickslip::algebra::sparse::Csc;
+use stickslip::base::units::Scaling;
+use stickslip::body::model::Model;
+use stickslip::run::report::peak_rss_bytes;
+use stickslip::solver::formulation::{Bdiff, FormulationScaling};
+use stickslip::solver::problem::{Increment, State};
+use stickslip_output::Table;
 
 const ITERATIONS: usize = 5;
 

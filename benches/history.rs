@@ -9,10 +9,11 @@
 mod common;
 
 use common::{Naive, Who, block, compare};
-use stickslip::history::{self, HistorySettings, Method, Observer, Status, SystemSolver};
-use stickslip::linear::{self, LinearSolver, Umfpack};
-use stickslip::report::{Table, cpu_seconds};
-use stickslip::units::Scaling;
+use stickslip::algebra::linear::{self, LinearSolver, Umfpack};
+use stickslip::base::units::Scaling;
+use stickslip::run::report::cpu_seconds;
+use stickslip::solver::history::{self, HistorySettings, Method, Observer, Status, SystemSolver};
+use stickslip_output::Table;
 
 fn main() {
     let mut table = Table::new(&[

@@ -7,11 +7,12 @@
 mod common;
 
 use common::block;
-use stickslip::condense::Condensed;
-use stickslip::formulation::{Bdiff, FormulationScaling};
-use stickslip::linear::{self, Dense, RefinedSolver, SparseCholesky};
-use stickslip::model::Model;
-use stickslip::problem::{ContactProblem, Increment, State};
+use stickslip::algebra::linear::{self, Dense, RefinedSolver, SparseCholesky};
+use stickslip::body::model::Model;
+use stickslip::run::discretise;
+use stickslip::solver::condensation::Condensed;
+use stickslip::solver::formulation::{Bdiff, FormulationScaling};
+use stickslip::solver::problem::{ContactProblem, Increment, State};
 
 /// What callgrind counts: everything called from here, see the Makefile.
 #[inline(never)]
@@ -44,7 +45,7 @@ fn main() {
     let mut direct = RefinedSolver::from(Dense::default());
     direct.analyze(formulation.jacobian()).unwrap();
     match kernel.as_str() {
-        "assembly" => measured_kernel(&mut || drop(Model::new(&scene).unwrap())),
+        "assembly" => measured_kernel(&mut || drop(discretise(&scene).unwrap())),
         "condensation" => measured_kernel(&mut || {
             drop(Condensed::new(&model.problem, &model.loading, SparseCholesky::default()).unwrap());
         }),

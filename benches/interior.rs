@@ -13,12 +13,12 @@ mod common;
 use std::time::Instant;
 
 use common::block;
-use stickslip::formulation::{Constrained, FormulationScaling, InteriorPoint, NewtonSystem, Partition};
-use stickslip::linear::{self, FactorInfo, LinearSolver, RefinedSolver, Umfpack, backward_error};
-use stickslip::model::Model;
-use stickslip::problem::Increment;
-use stickslip::report::Table;
-use stickslip::sparse::SystemMatrix;
+use stickslip::algebra::linear::{self, FactorInfo, LinearSolver, RefinedSolver, Umfpack, backward_error};
+use stickslip::algebra::sparse::SystemMatrix;
+use stickslip::body::model::Model;
+use stickslip::solver::formulation::{Constrained, FormulationScaling, InteriorPoint, NewtonSystem, Partition};
+use stickslip::solver::problem::Increment;
+use stickslip_output::Table;
 
 const PRODUCTS: [f64; 3] = [1.0, 1e-4, 1e-8];
 const ROUNDS: usize = 3;

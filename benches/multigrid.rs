@@ -12,11 +12,11 @@ use std::sync::Arc;
 use std::sync::mpsc::{Sender, channel};
 
 use common::Rows;
-use stickslip::linear::{FactorInfo, Form, LinearError, LinearSolver, Multigrid, SparseLu};
-use stickslip::report::thread_cpu_seconds;
+use stickslip::algebra::linear::{FactorInfo, Form, LinearError, LinearSolver, Multigrid, SparseLu};
+use stickslip::algebra::sparse::Pattern;
+use stickslip::run::report::thread_cpu_seconds;
 use stickslip::run::{Run, grid};
 use stickslip::scene::Scene;
-use stickslip::sparse::Pattern;
 
 /// Multigrid that solves each system to 1e-10, and tells how many iterations that took.
 struct Tight {
@@ -145,7 +145,7 @@ fn scene(name: &str, changes: &[&str]) -> Scene {
         let text = TWO_CUBES.replace("LOWER", lower).replace("UPPER", upper);
         return Scene::parse("two cubes", &text, &[]).unwrap();
     }
-    let path = format!("{}/data/scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    let path = format!("{}/../data/scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
     let changes: Vec<_> = changes.iter().chain(&["time.increments=2"]).map(|text| text.parse().unwrap()).collect();
     Scene::read(path.as_ref(), &changes).unwrap()
 }

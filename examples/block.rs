@@ -5,16 +5,16 @@
 #![allow(clippy::print_stdout)]
 
 use std::ops::ControlFlow;
-use stickslip::history::{IncrementView, Observer};
 use stickslip::run::Run;
 use stickslip::scene::Scene;
+use stickslip::solver::history::{IncrementView, Observer};
 
 /// One character for each contact node, one line for each increment.
 struct Picture;
 
 impl Observer for Picture {
     fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
-        use stickslip::laws::ContactStatus::{Open, Slip, Stick};
+        use stickslip::solver::laws::ContactStatus::{Open, Slip, Stick};
         let nodes = step.statuses.iter().map(|status| match status {
             Open => ' ',
             Stick => '#',

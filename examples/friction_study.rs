@@ -4,9 +4,9 @@
 
 #![allow(clippy::print_stdout)]
 
-use stickslip::report::Table;
 use stickslip::run::Run;
 use stickslip::scene::{Override, Scene};
+use stickslip_output::Table;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut table = Table::new(&["mu", "status", "sum p_n, MN", "sum p_t, MN", "stick", "slip", "open"]);

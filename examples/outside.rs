@@ -7,14 +7,14 @@
 use std::sync::Arc;
 
 use std::ops::ControlFlow;
-use stickslip::history::{self, HistorySettings, Method, Observer, SystemSolver};
-use stickslip::linear::{FactorInfo, LinearError, LinearSolver};
-use stickslip::loading::{LoadCase, Loading};
-use stickslip::nonlinear::LinearSystem;
-use stickslip::problem::{ContactProblem, Parts};
+use stickslip::algebra::linear::{FactorInfo, LinearError, LinearSolver};
+use stickslip::algebra::sparse::{Csc, Csr, Pattern, Symmetric};
 use stickslip::run::Run;
 use stickslip::scene::Scene;
-use stickslip::sparse::{Csc, Csr, Pattern, Symmetric};
+use stickslip::solver::history::{self, HistorySettings, Method, Observer, SystemSolver};
+use stickslip::solver::loading::{LoadCase, Loading};
+use stickslip::solver::newton::LinearSystem;
+use stickslip::solver::problem::{ContactProblem, Parts};
 
 /// Gauss and Jordan, in a dense matrix.
 #[derive(Default)]

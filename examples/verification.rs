@@ -8,11 +8,11 @@ mod hertz;
 use std::error::Error;
 
 use hertz::Hertz;
-use stickslip::model::Model;
-use stickslip::problem::State;
-use stickslip::report::{Axis, Chart, Curve, Dash, Line, Marker, Panel, Scale, write_file};
+use stickslip::body::model::Model;
 use stickslip::run::{Recording, Run};
 use stickslip::scene::{Override, Scene};
+use stickslip::solver::problem::State;
+use stickslip_output::{Axis, Chart, Curve, Dash, Line, Marker, Panel, Scale, write_file};
 
 const YOUNG: f64 = 210e9;
 const RADIUS: f64 = 100.0;

@@ -8,11 +8,16 @@
 //! - contact (4): `w_n = C_n u ≤ g`, `p_n ≥ 0`, `p_n (w_n - g) = 0`;
 //! - friction, backward Euler (8): `|p_t| ≤ μ p_n`, dissipating most against `w_t - w̄_t`, `w_t = C_t u`.
 //!
-//! Data flows one way: [`scene`] (TOML) → [`model`] ([`mesh`], [`fem`], [`contact`]) → [`problem`]
-//! (algebra only) → [`formulation`] (the equations `H(z) = 0` and their Jacobian on one fixed
-//! pattern) → [`nonlinear`] (Algorithms BN and IP) with [`linear`] (sparse LU) → [`history`] (increments and
-//! verdicts) → [`report`]. [`local`] solves problems in contact forces alone, whose matrix may be singular. [`events`] follows the exact path in time instead. [`run`] is the door to all of it. [`solvability`] tells beforehand what to expect of a
-//! problem, [`uniqueness`] afterwards how far friction is from making a solution ambiguous.
+//! Data flows one way, from room to room:
+//!
+//! | room | what it does |
+//! | --- | --- |
+//! | [`scene`] | reads TOML into a description of bodies, loads and contacts |
+//! | [`body`] | meshes, finite elements and contact geometry: from a description to matrices |
+//! | [`solver`] | the paper: contact laws, Algorithms BN and IP, histories of increments; it knows no mesh |
+//! | [`algebra`] | sparse matrices and linear solvers |
+//! | [`run`] | the door to all of it: a scene or a model in, a report out |
+//! | [`base`] | what every room stands on |
 //!
 //! ```
 //! use stickslip::run::Run;
@@ -26,44 +31,12 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-pub mod auto;
-pub mod checkpoint;
-pub mod compare;
-pub mod condense;
-pub mod contact;
-pub mod description;
-pub mod estimate;
-pub mod events;
-pub mod exchange;
-pub mod fem;
-pub mod formula;
-pub mod formulation;
-pub mod history;
-pub mod initial_working_set;
-mod input;
-pub mod input_error;
-pub mod jobs;
-pub mod laws;
-pub mod linear;
-pub mod loading;
-pub mod local;
-pub mod memory;
-pub mod mesh;
-pub mod model;
-pub mod nonlinear;
-pub mod null_space;
-pub mod problem;
-pub mod report;
+pub mod algebra;
+pub mod base;
+pub mod body;
 pub mod run;
 pub mod scene;
-pub mod solvability;
-pub mod sparse;
-pub mod sweep;
-pub mod timeline;
-pub mod union_find;
-pub mod uniqueness;
-pub mod units;
-pub mod vector;
+pub mod solver;
 
 /// The README, whose Rust is compiled and run with the examples of the documentation.
 #[cfg(doctest)]

@@ -2,8 +2,8 @@
 //! written.
 //!
 //! ```
-//! use stickslip::history::{Method, SolverChoice};
-//! use stickslip::model::Model;
+//! use stickslip::solver::history::{Method, SolverChoice};
+//! use stickslip::body::model::Model;
 //! use stickslip::run::{Recording, Run};
 //! use stickslip::scene::Scene;
 //!
@@ -23,6 +23,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod auto;
 mod companion;
 mod discretise;
 mod error;
@@ -32,6 +33,7 @@ mod increments;
 mod leaps;
 mod need;
 mod recording;
+pub mod report;
 mod sharing;
 mod start;
 mod suited;
@@ -50,24 +52,24 @@ pub use need::Need;
 pub use recording::{RecordedIncrement, Recording};
 pub use suited::{Unsuited, unsuited};
 
-use crate::auto::{Choice, Done, Faster, factorizations};
-use crate::checkpoint::Checkpoint;
-use crate::formulation::Layout;
-use crate::history::{
-    self, HistoryOutcome, HistorySettings, IncrementRecord, JumpSolver, LinearAlgebra, Observer, SolverChoice, Status,
-    SystemSolver,
-};
-use crate::initial_working_set::{self, InitialWorkingSet};
-use crate::laws::{ContactStatus, KktScales};
-use crate::linear::RefinedSolver;
-use crate::memory::Budget;
-use crate::model::Model;
-use crate::problem::State;
-use crate::report::{
+use crate::algebra::linear::RefinedSolver;
+use crate::base::memory::Budget;
+use crate::body::model::Model;
+use crate::run::auto::{Choice, Done, Faster, factorizations};
+use crate::run::report::{
     CompanionEstimate, Estimates, Facts, Leap, Measured, RankRecord, RunReport, Warning, cpu_seconds, peak_rss_bytes,
 };
 use crate::scene::Scene;
-use crate::uniqueness::{self, CriticalFriction};
+use crate::solver::checkpoint::Checkpoint;
+use crate::solver::formulation::Layout;
+use crate::solver::history::{
+    self, HistoryOutcome, HistorySettings, IncrementRecord, JumpSolver, LinearAlgebra, Observer, SolverChoice, Status,
+    SystemSolver,
+};
+use crate::solver::initial_working_set::{self, InitialWorkingSet};
+use crate::solver::laws::{ContactStatus, KktScales};
+use crate::solver::problem::State;
+use crate::solver::uniqueness::{self, CriticalFriction};
 use companion::{Companion, Quiet};
 use leaps::Leaps;
 use suited::{gave_way, means};

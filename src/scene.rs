@@ -36,15 +36,15 @@ mod syntax;
 
 use std::path::{Path, PathBuf};
 
-pub use crate::input::{Contents, with_contents};
+pub use crate::base::input::{Contents, with_contents};
 pub use error::{Located, SceneError};
 pub use origin::Origin;
 pub use overrides::{Override, OverrideSyntax};
 
-use crate::description::{Description, Probe};
-use crate::history::SolverChoice;
-use crate::input_error::InputError;
-use crate::timeline::{equal_increments, with_further_ends};
+use crate::base::input_error::InputError;
+use crate::base::timeline::{equal_increments, with_further_ends};
+use crate::body::description::{Description, Probe};
+use crate::solver::history::SolverChoice;
 use error::Source;
 
 /// The JSON Schema (draft 2020-12) of a scene, for editors that complete and check TOML. What depends on several keys at
@@ -122,9 +122,9 @@ impl Scene {
     /// # Errors
     /// When the file cannot be read, or the scene is not sound; the message names file and line.
     pub fn read(path: &Path, overrides: &[Override]) -> Result<Self, SceneError> {
-        let text = crate::input::text_or_pipe(path).map_err(|error| {
+        let text = crate::base::input::text_or_pipe(path).map_err(|error| {
             let io = SceneError::Io { path: path.display().to_string(), error };
-            let bytes = crate::input::bytes(path).unwrap_or_default();
+            let bytes = crate::base::input::bytes(path).unwrap_or_default();
             SceneError::other(&path.display().to_string(), &bytes).unwrap_or(io)
         })?;
         Self::parse(&path.display().to_string(), &text, overrides)
@@ -170,7 +170,7 @@ impl Scene {
     /// # Errors
     /// The file that cannot be read, and why.
     pub fn contents(&self) -> Result<Contents, SceneError> {
-        let read = |path: PathBuf| match crate::input::bytes(&path) {
+        let read = |path: PathBuf| match crate::base::input::bytes(&path) {
             Ok(bytes) => Ok((path, bytes)),
             Err(error) => Err(SceneError::Io { path: path.display().to_string(), error }),
         };

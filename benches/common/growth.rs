@@ -1,6 +1,6 @@
 //! How a run grows with the mesh: a row for each size and the exponents of the growth, path by path.
 
-use stickslip::history::Method;
+use stickslip::solver::history::Method;
 
 use super::run::{Case, Elements, Measured, is_child, measure};
 use super::{Rows, option};

@@ -10,12 +10,13 @@ use std::process::Command;
 use std::str::FromStr;
 use std::sync::Arc;
 
-use stickslip::linear::blas::{Blas, KERNEL_VARIABLE};
-use stickslip::linear::{self, FactorInfo, LinearError, LinearSolver, Strategy, Umfpack};
-use stickslip::model::Model;
-use stickslip::report::Table;
+use stickslip::algebra::linear::blas::{Blas, KERNEL_VARIABLE};
+use stickslip::algebra::linear::{self, FactorInfo, LinearError, LinearSolver, Strategy, Umfpack};
+use stickslip::algebra::sparse::{Csc, Pattern};
+use stickslip::body::model::Model;
+use stickslip::run::discretise;
 use stickslip::scene::Scene;
-use stickslip::sparse::{Csc, Pattern};
+use stickslip_output::Table;
 
 /// The paper's block with n × n elements, mu = 0.4.
 pub fn block(n: usize, increments: usize) -> (Scene, Model) {
@@ -24,10 +25,10 @@ pub fn block(n: usize, increments: usize) -> (Scene, Model) {
 
 /// A scene of this project with overrides.
 pub fn scene(name: &str, overrides: &[String]) -> (Scene, Model) {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/scenes").join(name);
+    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/..")).join("data/scenes").join(name);
     let overrides: Vec<_> = overrides.iter().map(|text| text.parse().unwrap()).collect();
     let scene = Scene::read(&path, &overrides).unwrap();
-    let model = Model::new(&scene).unwrap();
+    let model = discretise(&scene).unwrap();
     (scene, model)
 }
 

@@ -6,12 +6,12 @@ use std::process::Command;
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
-use stickslip::auto::{AvailableSolvers, Choice};
-use stickslip::history::{self, HistorySettings, Method, Observer, Status, SystemSolver};
-use stickslip::initial_working_set::InitialWorkingSet;
-use stickslip::linear::{self, LinearSolver};
-use stickslip::report::{cpu_seconds, peak_rss_bytes};
-use stickslip::units::Scaling;
+use stickslip::algebra::linear::{self, LinearSolver};
+use stickslip::base::units::Scaling;
+use stickslip::run::auto::{AvailableSolvers, Choice};
+use stickslip::run::report::{cpu_seconds, peak_rss_bytes};
+use stickslip::solver::history::{self, HistorySettings, Method, Observer, Status, SystemSolver};
+use stickslip::solver::initial_working_set::InitialWorkingSet;
 
 use super::{Naive, scene};
 

@@ -2,12 +2,11 @@
 
 use pyo3::PyErr;
 use pyo3::exceptions::{PyMemoryError, PyOSError, PyRuntimeError, PyValueError};
-use stickslip::history::Error as HistoryError;
-use stickslip::linear::LinearError;
-use stickslip::model::ModelError;
-use stickslip::problem::ProblemError;
+use stickslip::algebra::linear::LinearError;
 use stickslip::run::RunError;
 use stickslip::scene::SceneError as Refused;
+use stickslip::solver::history::Error as HistoryError;
+use stickslip::solver::problem::ProblemError;
 
 pyo3::import_exception!(stickslip._errors, SceneError);
 
@@ -32,13 +31,6 @@ pub(crate) fn of_scene(error: Refused) -> PyErr {
     }
 }
 
-fn of_model(error: ModelError) -> PyErr {
-    match error {
-        ModelError::Scene(error) => of_scene(error),
-        other => unplaced(other.to_string(), String::new()),
-    }
-}
-
 pub(crate) fn of_problem(error: ProblemError) -> PyErr {
     PyValueError::new_err(error.to_string())
 }
@@ -56,7 +48,8 @@ fn of_history(error: HistoryError) -> PyErr {
 
 pub(crate) fn of_run(error: RunError) -> PyErr {
     match error {
-        RunError::Model(error) => of_model(error),
+        RunError::Scene(error) => of_scene(error),
+        RunError::Model(error) => unplaced(error.to_string(), String::new()),
         RunError::NoRoom { .. } => PyMemoryError::new_err(error.to_string()),
         RunError::SlidesInAPlane => PyValueError::new_err(error.to_string()),
         RunError::History(error) => of_history(error),

@@ -28,7 +28,7 @@ use pyo3::prelude::*;
 /// Freed memory stays in the process: for programs that do nothing but solve.
 #[pyfunction]
 fn keep_freed_memory() {
-    stickslip::linear::process::keep_freed_memory();
+    stickslip::algebra::linear::process::keep_freed_memory();
 }
 
 #[pymodule(gil_used = false)]

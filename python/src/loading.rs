@@ -5,8 +5,8 @@ use std::iter::once;
 
 use numpy::PyUntypedArrayMethods;
 use pyo3::prelude::*;
-use stickslip::loading::{FrictionHistory, GapCorrection, LoadCase, Loading, Motion};
-use stickslip::problem::{ContactProblem, ProblemError};
+use stickslip::solver::loading::{FrictionHistory, GapCorrection, LoadCase, Loading, Motion};
+use stickslip::solver::problem::{ContactProblem, ProblemError};
 
 use crate::arrays::{Rows, expect_length, rows};
 use crate::error::of_problem;

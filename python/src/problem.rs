@@ -6,14 +6,14 @@ use numpy::PyArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use stickslip::auto::{AvailableSolvers, Choice};
-use stickslip::exchange::{self, Info, Way};
-use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, SolverChoice, SystemSolver};
-use stickslip::initial_working_set::{self, InitialWorkingSet};
-use stickslip::laws::{KktErrors, KktScales, statuses};
-use stickslip::loading::Loading;
-use stickslip::problem::{ContactProblem, Increment, Parts, State};
 use stickslip::run::RunError;
+use stickslip::run::auto::{AvailableSolvers, Choice};
+use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, SolverChoice, SystemSolver};
+use stickslip::solver::initial_working_set::{self, InitialWorkingSet};
+use stickslip::solver::laws::{KktErrors, KktScales, statuses};
+use stickslip::solver::loading::Loading;
+use stickslip::solver::problem::{ContactProblem, Increment, Parts, State};
+use stickslip_exchange::{Info, Way};
 
 use crate::arrays::{Compressed, Exported, Rows, Vector, export_lower, export_map, map, rows, symmetric};
 use crate::error::of_problem;
@@ -230,9 +230,9 @@ impl Problem {
     fn cascade<'py>(&self, py: Python<'py>, dimension: usize, answer: Answer<'py>) -> PyResult<Found> {
         let (before, increment) = (answer.state()?, answer.increment()?);
         let found = detached(py, || {
-            let file = exchange::export(&self.0, dimension, &increment, &before, &before, Info::default());
+            let file = stickslip_exchange::export(&self.0, dimension, &increment, &before, &before, Info::default());
             let file = file.map_err(|fault| fault.to_string())?;
-            let solved = exchange::solve_by(Way::Contacts, &file.problem, file.guesses.first());
+            let solved = stickslip_exchange::solve_by(Way::Contacts, &file.problem, file.guesses.first());
             solved.map_err(|error| error.to_string())
         });
         let found = found.map_err(PyValueError::new_err)?;

@@ -5,9 +5,9 @@ use std::time::{Duration, Instant};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::ops::ControlFlow;
-use stickslip::history::{IncrementRecord, IncrementView, Observer};
-use stickslip::laws::ContactStatus;
-use stickslip::nonlinear::IterationRecord;
+use stickslip::solver::history::{IncrementRecord, IncrementView, Observer};
+use stickslip::solver::laws::ContactStatus;
+use stickslip::solver::newton::IterationRecord;
 
 use crate::arrays::table;
 use crate::foreign::Raised;

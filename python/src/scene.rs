@@ -6,11 +6,11 @@ use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
-use stickslip::history::SolverChoice;
-use stickslip::mesh::{Boundary, Cell, CellKind, Mesh};
-use stickslip::model::Model;
+use stickslip::body::mesh::{Boundary, Cell, CellKind, Mesh};
+use stickslip::body::model::Model;
 use stickslip::run::{Run, discretise};
 use stickslip::scene::{Contents, Override, OverrideSyntax, Scene, with_contents};
+use stickslip::solver::history::SolverChoice;
 
 use crate::arrays::{Vector, rows, table};
 use crate::error::{of_problem, of_run, of_scene};

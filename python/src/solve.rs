@@ -8,10 +8,10 @@ use std::sync::OnceLock;
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyString;
-use stickslip::formulation::NewtonSystem;
-use stickslip::history::{LinearAlgebra, Method, Start, SystemSolver};
-use stickslip::jobs::keep_in_this_thread;
+use stickslip::algebra::jobs::keep_in_this_thread;
 use stickslip::run::RunError;
+use stickslip::solver::formulation::NewtonSystem;
+use stickslip::solver::history::{LinearAlgebra, Method, Start, SystemSolver};
 
 use crate::error::of_run;
 use crate::foreign::{Foreign, Raised};

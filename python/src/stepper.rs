@@ -5,12 +5,12 @@ use std::sync::{Arc, Mutex};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use stickslip::auto::{AvailableSolvers, Choice};
-use stickslip::history::{self, SolverChoice, SystemSolver};
-use stickslip::initial_working_set::InitialWorkingSet;
-use stickslip::loading::Loading;
-use stickslip::problem::ContactProblem;
 use stickslip::run::RunError;
+use stickslip::run::auto::{AvailableSolvers, Choice};
+use stickslip::solver::history::{self, SolverChoice, SystemSolver};
+use stickslip::solver::initial_working_set::InitialWorkingSet;
+use stickslip::solver::loading::Loading;
+use stickslip::solver::problem::ContactProblem;
 
 use crate::foreign::Raised;
 use crate::loading::Tables;

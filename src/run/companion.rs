@@ -1,9 +1,9 @@
 //! The increments of a companion run: fewer, or where there are few already more, and among them the same corners of the history.
 
 use super::watch::tangential_forces;
-use crate::history::{IncrementView, Observer, Status};
-use crate::nonlinear::IterationRecord;
-use crate::problem::State;
+use crate::solver::history::{IncrementView, Observer, Status};
+use crate::solver::newton::IterationRecord;
+use crate::solver::problem::State;
 use std::ops::ControlFlow;
 
 /// The companion has so many times fewer increments.
@@ -125,7 +125,7 @@ impl Observer for Quiet<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::timeline::equal_increments;
+    use crate::base::timeline::equal_increments;
 
     #[test]
     fn a_companion_has_a_quarter_of_the_increments_and_all_corners() {

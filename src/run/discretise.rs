@@ -5,14 +5,14 @@ use std::borrow::Cow;
 use super::RunError;
 use super::need::has_room;
 use super::sharing::share;
-use crate::formulation::Layout;
-use crate::history::{LinearAlgebra, Method, SolverChoice};
-use crate::linear::built_in::ranks;
-use crate::memory::Budget;
-use crate::model::{Model, Share};
-use crate::report::ProbeTable;
+use crate::algebra::linear::built_in::ranks;
+use crate::base::memory::Budget;
+use crate::base::timeline::equal_increments;
+use crate::body::model::{Model, ModelError, Share};
+use crate::run::report::ProbeTable;
 use crate::scene::Scene;
-use crate::timeline::equal_increments;
+use crate::solver::formulation::Layout;
+use crate::solver::history::{LinearAlgebra, Method, SolverChoice};
 
 /// A history in which gaps are curved in time has so many equal parts, in each of which they are followed along a chord.
 const CHORDS: usize = 512;
@@ -35,7 +35,7 @@ fn chords(ends: &[f64], kinks: &[f64]) -> Vec<f64> {
 /// matrices would not fit into the memory that is free.
 pub fn discretise(scene: &Scene) -> Result<Model, RunError> {
     has_room(scene.description.mesh.nodes(), Budget::of_process())?;
-    suitable(scene, Model::new(scene)?)
+    suitable(scene, model_of(scene, None)?)
 }
 
 /// The same with the stiffness that the solver of `scene` wants.
@@ -67,7 +67,15 @@ pub(super) fn as_chosen<'a>(
 pub(super) fn shared(scene: &Scene, share: Share<'_>) -> Result<Model, RunError> {
     let part = |(nodes, dimension): (usize, usize)| (nodes / ranks(), dimension);
     has_room(scene.description.mesh.nodes().map(part), Budget::of_process())?;
-    suitable(scene, Model::shared(scene, share)?)
+    suitable(scene, model_of(scene, Some(share))?)
+}
+
+/// The model of `scene`; errors of its description name file and line.
+fn model_of(scene: &Scene, share: Option<Share<'_>>) -> Result<Model, RunError> {
+    Model::shared(&scene.description, share).map_err(|error| match error {
+        ModelError::Description(fault) => RunError::Scene(scene.located(fault)),
+        other => other.into(),
+    })
 }
 
 /// The model of `scene`, if the scene and its method know such a problem.
@@ -87,7 +95,7 @@ fn suitable(scene: &Scene, mut model: Model) -> Result<Model, RunError> {
         if !model.loading.bends().is_empty() {
             let mut scene = scene.clone();
             scene.description.times = chords(&scene.description.times, &model.loading.kinks());
-            model = Model::new(&scene)?;
+            model = model_of(&scene, None)?;
         }
     }
     if let Some(key) = scene.one_tangent_key

@@ -1,14 +1,18 @@
 //! Why a run ends without a report.
 
-use crate::history;
-use crate::linear::LinearError;
-use crate::memory::{Budget, in_words};
-use crate::model::ModelError;
+use crate::algebra::linear::LinearError;
+use crate::base::memory::{Budget, in_words};
+use crate::body::model::ModelError;
 use crate::scene::SceneError;
+use crate::solver::history;
 
 /// Why a run ends without a report. A history that does not converge is no such error: its report tells.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum RunError {
+    /// A value of the scene is not possible, or contradicts the mesh; the message names file and line.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Scene(#[from] SceneError),
     /// The scene cannot be discretised.
     #[error(transparent)]
     #[diagnostic(transparent)]
@@ -24,7 +28,7 @@ pub enum RunError {
         /// What may be taken, and who says so.
         budget: Budget,
     },
-    /// The uniqueness was asked for where [`crate::uniqueness`] does not tell it.
+    /// The uniqueness was asked for where [`crate::solver::uniqueness`] does not tell it.
     #[error(
         "the uniqueness needs nodes that slide along a line: where they slide in a plane, friction turns with the slip"
     )]
@@ -42,7 +46,7 @@ impl RunError {
         use history::Error::{Checkpoint, NoWeight, Problem};
         let of_history = |error: &history::Error| matches!(error, Problem(_) | NoWeight { .. } | Checkpoint(_));
         match self {
-            RunError::Model(_) | RunError::SlidesInAPlane => true,
+            RunError::Scene(_) | RunError::Model(_) | RunError::SlidesInAPlane => true,
             RunError::NoRoom { .. } => false,
             RunError::History(error) => of_history(error),
         }
@@ -55,12 +59,6 @@ impl From<ModelError> for RunError {
             ModelError::Linear(error) => error.into(),
             other => RunError::Model(other),
         }
-    }
-}
-
-impl From<SceneError> for RunError {
-    fn from(error: SceneError) -> Self {
-        RunError::Model(error.into())
     }
 }
 

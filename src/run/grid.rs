@@ -1,11 +1,11 @@
 //! Where the unknowns of a model are, for multigrid.
 
-use crate::formulation::Layout;
-use crate::history::{LinearAlgebra, Method, SystemSolver};
-use crate::linear::{Contact, Form, Grid, LinearSolver, Multigrid, SparseLu};
-use crate::model::Model;
-use crate::problem::OwnBasis;
-use crate::vector::{axis, cross, minus};
+use crate::algebra::linear::{Contact, Form, Grid, LinearSolver, Multigrid, SparseLu};
+use crate::algebra::vector::{axis, cross, minus};
+use crate::body::model::Model;
+use crate::solver::formulation::Layout;
+use crate::solver::history::{LinearAlgebra, Method, SystemSolver};
+use crate::solver::problem::OwnBasis;
 
 /// The system of `model`, by a direct solver where it has no grid.
 pub(super) fn system(model: &Model, method: Method) -> SystemSolver {

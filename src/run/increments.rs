@@ -3,11 +3,11 @@
 use super::companion::{equal_parts, shortest_stretch};
 use super::discretise::for_run;
 use super::{Run, RunError};
-use crate::history::Observer;
-use crate::model::Model;
-use crate::nonlinear::IterationRecord;
-use crate::report::ChosenIncrements;
+use crate::body::model::Model;
+use crate::run::report::ChosenIncrements;
 use crate::scene::{Override, Scene};
+use crate::solver::history::Observer;
+use crate::solver::newton::IterationRecord;
 use std::ops::ControlFlow;
 
 /// A first run has so many increments in the shortest stretch of a history in which everything goes on in one direction.

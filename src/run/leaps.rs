@@ -7,13 +7,15 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::formulation::Layout;
-use crate::history::{Error, HistorySettings, IncrementView, JumpSolver, Method, Observer, RestartPoint, Status};
-use crate::laws::KktScales;
-use crate::model::Model;
-use crate::nonlinear::IterationRecord;
-use crate::problem::{ContactProblem, State};
-use crate::report::Leap;
+use crate::body::model::Model;
+use crate::run::report::Leap;
+use crate::solver::formulation::Layout;
+use crate::solver::history::{
+    Error, HistorySettings, IncrementView, JumpSolver, Method, Observer, RestartPoint, Status,
+};
+use crate::solver::laws::KktScales;
+use crate::solver::newton::IterationRecord;
+use crate::solver::problem::{ContactProblem, State};
 use std::ops::ControlFlow;
 
 /// A change of the contact forces that is a smaller share of their largest is not looked at.

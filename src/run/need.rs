@@ -1,13 +1,13 @@
 //! What a run takes of the memory, estimated before it is taken.
 
 use super::RunError;
-use crate::auto::Path;
-use crate::history::LinearAlgebra;
-use crate::linear::built_in::ranks;
-use crate::linear::cost::{self, Sizes, Work};
-use crate::linear::{Cholesky, FactorInfo, LinearError};
-use crate::memory::Budget;
-use crate::model::Model;
+use crate::algebra::linear::built_in::ranks;
+use crate::algebra::linear::cost::{self, Sizes, Work};
+use crate::algebra::linear::{Cholesky, FactorInfo, LinearError};
+use crate::base::memory::Budget;
+use crate::body::model::Model;
+use crate::run::auto::Path;
+use crate::solver::history::LinearAlgebra;
 
 /// Bytes that mesh, assembly and the patterns and values of all formulations take for an entry of the lower triangle of the stiffness.
 const BODY_BYTES: f64 = 160.0;
@@ -168,7 +168,8 @@ pub(super) fn has_room(nodes: Option<(usize, usize)>, budget: Option<Budget>) ->
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::memory::Source;
+    use crate::base::memory::Source;
+    use crate::run::discretise;
     use crate::scene::Scene;
 
     fn budget(bytes: u64) -> Budget {
@@ -202,7 +203,7 @@ mod tests {
     fn factors_are_known_before_they_are_made() {
         let text = include_str!("../../data/scenes/block.toml");
         let scene = Scene::parse("block.toml", text, &["mesh.elements=[20,20]".parse().unwrap()]).unwrap();
-        let model = Model::new(&scene).unwrap();
+        let model = discretise(&scene).unwrap();
         for linear in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
             let need = Need::of(&model, linear, 100).unwrap();
             assert!(need.least > 1e5 && need.factors > need.least && need.history == 2e5, "{need:?}");

@@ -2,9 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::history::{IncrementRecord, IncrementView, Observer};
-use crate::laws::ContactStatus;
-use crate::problem::{Increment, State};
+use crate::solver::history::{IncrementRecord, IncrementView, Observer};
+use crate::solver::laws::ContactStatus;
+use crate::solver::problem::{Increment, State};
 use std::ops::ControlFlow;
 
 /// Keeps the increments of a history as it goes: an [`Observer`], and afterwards plain data.
@@ -113,7 +113,7 @@ impl RecordedIncrement {
         IncrementView { record: &self.record, increment: data, state: &self.state, statuses: &self.statuses }
     }
 
-    /// What drove it, as [`crate::laws::KktErrors::measure`] wants it.
+    /// What drove it, as [`crate::solver::laws::KktErrors::measure`] wants it.
     pub fn data(&self) -> Increment<'_> {
         let RecordedIncrement { force, gap, mu, w_t_last, w_o_last, .. } = self;
         Increment { force, gap, mu, w_t_last, w_o_last }

@@ -6,10 +6,10 @@
 
 use super::companion::Quiet;
 use super::{Run, RunError};
-use crate::formulation::Layout;
-use crate::history::{HistorySettings, Method, Observer, Status};
-use crate::model::Model;
-use crate::problem::State;
+use crate::body::model::Model;
+use crate::solver::formulation::Layout;
+use crate::solver::history::{HistorySettings, Method, Observer, Status};
+use crate::solver::problem::State;
 
 /// The end of the increment that takes what is there at t = 0, as a share of the first increment.
 const AT_ONCE: f64 = 1e-9;

@@ -1,12 +1,12 @@
 //! What the linear algebra of a model may be chosen from: multigrid where it needs few iterations whatever the size.
 
-use crate::auto::AvailableSolvers;
-use crate::history::{LinearAlgebra, Method};
-use crate::linear::Statistics;
-use crate::linear::built_in::ranks;
-use crate::memory::Budget;
-use crate::model::Model;
-use crate::vector::{minus, norm};
+use crate::algebra::linear::Statistics;
+use crate::algebra::linear::built_in::ranks;
+use crate::algebra::vector::{minus, norm};
+use crate::base::memory::Budget;
+use crate::body::model::Model;
+use crate::run::auto::AvailableSolvers;
+use crate::solver::history::{LinearAlgebra, Method};
 
 /// From here on towards 1/2 iterations grow, 35 to 41 at 0.45 and 76 to 84 at 0.49 on a cube.
 const LARGEST_POISSON: f64 = 0.45;

@@ -4,13 +4,13 @@ use serde::{Deserialize, Serialize};
 
 use super::leaps::Leaps;
 use super::recording::RecordedIncrement;
-use crate::checkpoint::{Checkpoint, CheckpointError};
-use crate::events::Event;
-use crate::history::{IncrementRecord, IncrementView, Observer, Status};
-use crate::model::Model;
-use crate::nonlinear::{IterationRecord, LinearSystem};
-use crate::problem::State;
-use crate::report::{BalanceRecord, BalanceWatch, EstimateWatch, ForceRecord, HistoryCurves, Seen, Validity};
+use crate::body::model::Model;
+use crate::run::report::{BalanceRecord, BalanceWatch, EstimateWatch, ForceRecord, HistoryCurves, Seen, Validity};
+use crate::solver::checkpoint::{Checkpoint, CheckpointError};
+use crate::solver::events::Event;
+use crate::solver::history::{IncrementRecord, IncrementView, Observer, Status};
+use crate::solver::newton::{IterationRecord, LinearSystem};
+use crate::solver::problem::State;
 use std::ops::ControlFlow;
 
 /// Where the records of a run go as they are made, instead of into its report: of millions of increments they would fill the

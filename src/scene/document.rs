@@ -17,10 +17,10 @@ use super::SceneError;
 use super::error::Source;
 use super::solver::{LinearName, MethodName, Setting, Start};
 use super::syntax;
-use crate::contact::GapDirection;
-use crate::formulation::{NewtonSystem, Partition};
-use crate::units::Units;
-use crate::vector::Vector;
+use crate::algebra::vector::Vector;
+use crate::base::units::Units;
+use crate::body::contact::GapDirection;
+use crate::solver::formulation::{NewtonSystem, Partition};
 
 /// `N` values, two unless it says otherwise. An array type would do but for that the TOML reader passes over what is too many.
 #[derive(Clone, Copy, Deserialize)]

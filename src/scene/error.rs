@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use miette::{Diagnostic, NamedSource, SourceSpan};
 
 use super::places::Places;
-use crate::input::FileKind;
-use crate::input_error::InputError;
+use crate::base::input::FileKind;
+use crate::base::input_error::InputError;
 
 /// Why a scene was refused.
 #[derive(Debug, thiserror::Error, Diagnostic)]

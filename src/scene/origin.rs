@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 use super::Scene;
-use crate::input;
+use crate::base::input;
 
 /// The offset and the prime of the hash FNV-1a of 128 bits.
 const OFFSET: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;

@@ -14,10 +14,10 @@ use std::path::Path;
 use super::document::{self, Document, Tuple};
 use super::error::Source;
 use super::{Scene, SceneError, Time};
-use crate::description::Description;
-use crate::formula::Formula;
-use crate::input_error::{InputError, ensure, finite};
-use crate::units::Units;
+use crate::base::formula::Formula;
+use crate::base::input_error::{InputError, ensure, finite};
+use crate::base::units::Units;
+use crate::body::description::Description;
 use bodies::Bodies;
 
 /// The scene of `document`, which was read from `source`.

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use crate::history::{self, LinearAlgebra};
+use crate::solver::history::{self, LinearAlgebra};
 
 /// The name of an algorithm.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
@@ -58,7 +58,7 @@ impl Start {
 impl LinearName {
     /// The one it stands for, unless that is to be found out.
     pub(super) fn algebra(self) -> Option<LinearAlgebra> {
-        use crate::linear::{SparseCholesky, SparseLu};
+        use crate::algebra::linear::{SparseCholesky, SparseLu};
         Some(match self {
             LinearName::Umfpack => LinearAlgebra::Whole(SparseLu::Umfpack),
             LinearName::Mumps => LinearAlgebra::Whole(SparseLu::Mumps),

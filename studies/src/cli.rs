@@ -16,8 +16,8 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use miette::{IntoDiagnostic, WrapErr};
-use stickslip::linear::process;
-use stickslip::report::write_file;
+use stickslip::algebra::linear::process;
+use stickslip_output::write_file;
 
 /// The paper's tables and figures, computed again, a suite of scenes at the limits, and what estimates are worth
 #[derive(Parser)]

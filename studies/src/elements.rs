@@ -4,16 +4,16 @@ use std::collections::BTreeSet;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use stickslip::compare::ElementChoice;
-use stickslip::contact::{Obstacle, Shape};
-use stickslip::description::{Axis, Description, Load, Support};
-use stickslip::fem::{Material, Plane};
-use stickslip::formula::Formula;
-use stickslip::history::{LinearAlgebra, Method, SolverChoice, Status};
-use stickslip::mesh::{CellKind, MeshSource, Segment};
-use stickslip::model::Model;
-use stickslip::report::cpu_seconds;
+use stickslip::base::formula::Formula;
+use stickslip::body::contact::{Obstacle, Shape};
+use stickslip::body::description::{Axis, Description, Load, Support};
+use stickslip::body::fem::{Material, Plane};
+use stickslip::body::mesh::{CellKind, MeshSource, Segment};
+use stickslip::body::model::Model;
+use stickslip::run::report::cpu_seconds;
 use stickslip::run::{Recording, Run};
+use stickslip::solver::history::{LinearAlgebra, Method, SolverChoice, Status};
+use stickslip_cli::compare::ElementChoice;
 
 /// Why a problem cannot be solved.
 pub type Failure = Box<dyn std::error::Error + Send + Sync>;

@@ -7,14 +7,14 @@ mod locking;
 
 use std::fmt;
 
-use stickslip::description::Description;
-use stickslip::history::{Method, SolverChoice, Status};
-use stickslip::input_error::InputError;
-use stickslip::mesh::CellKind;
-use stickslip::model::{Model, ModelError};
-use stickslip::report::RunReport;
+use stickslip::base::input_error::InputError;
+use stickslip::body::description::Description;
+use stickslip::body::mesh::CellKind;
+use stickslip::body::model::{Model, ModelError};
+use stickslip::run::report::RunReport;
 use stickslip::run::{Run, RunError};
 use stickslip::scene::{OverrideSyntax, SceneError};
+use stickslip::solver::history::{Method, SolverChoice, Status};
 
 pub use hertz::{lines, spheres};
 pub use increments::increments;

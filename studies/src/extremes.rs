@@ -10,12 +10,13 @@ use std::time::Instant;
 
 use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
-use stickslip::history::{self, HistoryOutcome, Method, SolverChoice, Status};
-use stickslip::laws::KktErrors;
-use stickslip::linear::LinearError;
-use stickslip::model::{Model, ModelError};
+use stickslip::algebra::linear::LinearError;
+use stickslip::body::model::{Model, ModelError};
+use stickslip::run::discretise;
 use stickslip::run::{Run, RunError};
 use stickslip::scene::{Override, OverrideSyntax, Scene, SceneError};
+use stickslip::solver::history::{self, HistoryOutcome, Method, SolverChoice, Status};
+use stickslip::solver::laws::KktErrors;
 use vary::Vary;
 
 /// How the suite solves a scene.
@@ -255,7 +256,7 @@ impl Case {
     /// # Errors
     /// When the table is not sound.
     pub fn model(&self, scene: &Scene) -> Result<Model, ExtremeError> {
-        let mut model = Model::new(scene)?;
+        let mut model = discretise(scene)?;
         if let Some((vary, by)) = self.vary {
             vary.apply(scene, &mut model, by, self.seed)?;
         }

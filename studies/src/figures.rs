@@ -4,10 +4,11 @@
 mod picture;
 
 use std::ops::ControlFlow;
-use stickslip::history::{HistoryOutcome, IncrementRecord, IncrementView, Observer, Status};
-use stickslip::model::Model;
-use stickslip::nonlinear::IterationRecord;
-use stickslip::report::ContactLine;
+use stickslip::body::model::Model;
+use stickslip::run::discretise;
+use stickslip::run::report::ContactLine;
+use stickslip::solver::history::{HistoryOutcome, IncrementRecord, IncrementView, Observer, Status};
+use stickslip::solver::newton::IterationRecord;
 
 use crate::tables::{PaperError, PaperMethod, PaperTable};
 
@@ -184,7 +185,7 @@ fn run(
     progress: &mut dyn FnMut(),
 ) -> Result<Run, PaperError> {
     let scene = table.scene(contact_nodes, MU, increments)?;
-    let model = Model::new(&scene)?;
+    let model = discretise(&scene)?;
     let solver = table.solver(method, scene.solver.linear.unwrap_or_default());
     let mut keep = Keep { model: &model, wanted, progress, lines: Vec::new(), iterations: Vec::new() };
     let times = scene.time.all();

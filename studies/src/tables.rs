@@ -4,10 +4,11 @@ use std::time::Instant;
 
 use clap::ValueEnum;
 use serde::Serialize;
-use stickslip::history::{IncrementRecord, LinearAlgebra, Method, SolverChoice, Start, Status};
-use stickslip::model::{Model, ModelError};
+use stickslip::body::model::ModelError;
+use stickslip::run::discretise;
 use stickslip::run::{Run, RunError};
 use stickslip::scene::{Override, Scene, SceneError};
+use stickslip::solver::history::{IncrementRecord, LinearAlgebra, Method, SolverChoice, Start, Status};
 
 /// Half a unit of the last digit that the paper prints: a difference up to this is rounding.
 pub const ROUNDING: f64 = 0.05;
@@ -179,7 +180,7 @@ impl PaperTable {
     pub fn cell(self, case: &Case, method: PaperMethod, linear: LinearAlgebra) -> Result<Cell, PaperError> {
         let start = Instant::now();
         let scene = self.scene(case.contact_nodes, case.mu, case.increments)?;
-        let model = Model::new(&scene)?;
+        let model = discretise(&scene)?;
         let times = scene.time.all();
         let outcome = Run::of(&model, times.clone(), self.solver(method, linear))?.history(&mut ())?;
         let mean = |count: fn(&IncrementRecord) -> usize| {

@@ -5,10 +5,10 @@
 
 use std::collections::BTreeMap;
 
-use stickslip::history::Status;
-use stickslip::report::{ComponentSums, ForceRecord, RunReport, WarningKind};
 use stickslip::run::Run;
+use stickslip::run::report::{ComponentSums, ForceRecord, RunReport, WarningKind};
 use stickslip::scene::Scene;
+use stickslip::solver::history::Status;
 
 use crate::estimates::EstimateError;
 

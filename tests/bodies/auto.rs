@@ -2,19 +2,20 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common::{Keep, block};
-use stickslip::auto::{AvailableSolvers, Choice, Done};
-use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, SystemSolver};
-use stickslip::initial_working_set::InitialWorkingSet;
-use stickslip::model::Model;
-use stickslip::problem::State;
+use stickslip::body::model::Model;
+use stickslip::run::auto::{AvailableSolvers, Choice, Done};
+use stickslip::run::discretise;
 use stickslip::run::{Run, Unsuited, unsuited};
 use stickslip::scene::Scene;
+use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, SystemSolver};
+use stickslip::solver::initial_working_set::InitialWorkingSet;
+use stickslip::solver::problem::State;
 
 const STRIP: [&str; 2] = ["mesh.size=[1000,4]", "mesh.elements=[1000,4]"];
 
 fn scene(overrides: &[&str]) -> (Scene, Model) {
     let scene = block(&[overrides, &["solver.linear=\"auto\""]].concat());
-    let model = Model::new(&scene).unwrap();
+    let model = discretise(&scene).unwrap();
     (scene, model)
 }
 
@@ -49,7 +50,7 @@ fn cubes_are_condensed_and_the_thinnest_plate_is_not() {
         let overrides = overrides.iter().map(String::as_str).chain(["solver.linear=\"auto\""]);
         let overrides: Vec<_> = overrides.map(|text| text.parse().unwrap()).collect();
         let scene = Scene::parse("cube.toml", text, &overrides).unwrap();
-        let choice = cheapest(&scene, &Model::new(&scene).unwrap(), None);
+        let choice = cheapest(&scene, &discretise(&scene).unwrap(), None);
         assert_eq!(choice.linear.condenses(), expected, "{elements}: {:?}", choice.reason());
     }
 }
@@ -113,7 +114,7 @@ fn who_multigrid_is_for() {
     let of = |overrides: &[&str], method| {
         let text = include_str!("../../data/scenes/cube.toml");
         let overrides: Vec<_> = overrides.iter().map(|text| text.parse().unwrap()).collect();
-        unsuited(&Model::new(&Scene::parse("cube.toml", text, &overrides).unwrap()).unwrap(), method)
+        unsuited(&discretise(&Scene::parse("cube.toml", text, &overrides).unwrap()).unwrap(), method)
     };
     let small = "mesh.elements=[3,3,3]";
     assert_eq!(of(&[small], Method::BN), (!built_in).then_some(Unsuited::NotBuiltIn));
@@ -130,7 +131,7 @@ fn without_contact_any_choice_solves() {
     let (contact, load) = (text.find("[[contact]]").unwrap(), text.find("[[load]]").unwrap());
     let overrides = ["mesh.elements=[4,4]", "solver.linear=\"auto\""].map(|text| text.parse().unwrap());
     let scene = Scene::parse("block.toml", &[&text[..contact], &text[load..]].concat(), &overrides).unwrap();
-    let model = Model::new(&scene).unwrap();
+    let model = discretise(&scene).unwrap();
     let choice = cheapest(&scene, &model, None);
     assert_eq!(run(&scene, &model, choice.linear).0.status, Status::Converged);
 }

@@ -3,11 +3,11 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common::solve;
-use stickslip::fem::{
+use stickslip::body::fem::{
     Dofs, Elasticity, Element, NodalForces, assemble, bernstein, element_stiffness, facet_weights, rigid_motions,
     traction, uniform_traction,
 };
-use stickslip::mesh::{Cell, CellKind, Geometry, Mesh, block};
+use stickslip::body::mesh::{Cell, CellKind, Geometry, Mesh, block};
 
 const TRIANGLE: [[f64; 3]; 3] = [[1.0, 0.2, 0.0], [3.0, 0.5, 0.0], [1.5, 2.0, 0.0]];
 const QUADRILATERAL: [[f64; 3]; 4] = [[1.0, 0.2, 0.0], [3.0, 0.5, 0.0], [2.6, 2.0, 0.0], [1.2, 1.7, 0.0]];

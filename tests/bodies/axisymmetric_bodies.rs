@@ -3,15 +3,15 @@
 
 use std::f64::consts::PI;
 
-use stickslip::description::{Action, Axis, Bed, Description, Field, Load, Support, Where};
-use stickslip::fem::{Elasticity, Element, Material, Plane, gradients, strain_at};
-use stickslip::formula::Formula;
-use stickslip::history::{Method, SolverChoice, Status};
-use stickslip::mesh::{CellKind, Geometry, MeshSource, fine_quadrature, shape};
-use stickslip::model::Model;
-use stickslip::report::RunReport;
+use stickslip::base::formula::Formula;
+use stickslip::base::units::{LengthUnit, Quantity, StressUnit, Units};
+use stickslip::body::description::{Action, Axis, Bed, Description, Field, Load, Support, Where};
+use stickslip::body::fem::{Elasticity, Element, Material, Plane, gradients, strain_at};
+use stickslip::body::mesh::{CellKind, Geometry, MeshSource, fine_quadrature, shape};
+use stickslip::body::model::Model;
+use stickslip::run::report::RunReport;
 use stickslip::run::{Recording, Run};
-use stickslip::units::{LengthUnit, Quantity, StressUnit, Units};
+use stickslip::solver::history::{Method, SolverChoice, Status};
 
 /// All elements there are.
 pub const ELEMENTS: [(CellKind, Element); 5] = [

@@ -5,17 +5,18 @@ use crate::axisymmetric_bodies::{ELEMENTS, ring, solved};
 use crate::common::hertz::Hertz;
 use crate::common::{Keep, difference};
 use crate::second_order_contact::hertz::{alternating, graded, keep_zone};
-use stickslip::contact::{ContactNode, Obstacle, Place, Shape};
-use stickslip::description::{Axis, Description, Load, Support};
-use stickslip::fem::{Element, Material, Plane};
-use stickslip::formula::Formula;
-use stickslip::history::{HistoryOutcome, LinearAlgebra, Method, Observer, SolverChoice, Status};
-use stickslip::linear::{SparseCholesky, SparseLu};
-use stickslip::mesh::{Cell, CellKind, Mesh};
-use stickslip::model::Model;
-use stickslip::problem::State;
+use stickslip::algebra::linear::{SparseCholesky, SparseLu};
+use stickslip::base::formula::Formula;
+use stickslip::body::contact::{ContactNode, Obstacle, Place, Shape};
+use stickslip::body::description::{Axis, Description, Load, Support};
+use stickslip::body::fem::{Element, Material, Plane};
+use stickslip::body::mesh::{Cell, CellKind, Mesh};
+use stickslip::body::model::Model;
 use stickslip::run::Run;
+use stickslip::run::discretise;
 use stickslip::scene::Scene;
+use stickslip::solver::history::{HistoryOutcome, LinearAlgebra, Method, Observer, SolverChoice, Status};
+use stickslip::solver::problem::State;
 
 /// A cylinder of radius and height 1 on its base under a parabola.
 fn cylinder(cells: &str, n: usize, element: &str, poisson: f64, friction: f64) -> Scene {
@@ -57,7 +58,7 @@ fn parabolas_on_cylinders() {
         ("triangle6", 4, "bilinear", 0.3, 1.307_673_592_2e-2, [1.336_649_878_2e-2, 3.371_338_204_1e-3]),
     ] {
         for (mu, expected) in [(0.0, [smooth, 0.0]), (0.3, rough)] {
-            let model = Model::new(&cylinder(cells, n, element, poisson, mu)).unwrap();
+            let model = discretise(&cylinder(cells, n, element, poisson, mu)).unwrap();
             // A node on the axis cannot slide.
             let cannot = |contact: &ContactNode| contact.tangents[0].is_empty() == (contact.position[0] == 0.0);
             assert!(model.contacts.iter().all(cannot));
@@ -88,7 +89,7 @@ fn methods_agree_over_a_history() {
         let contact = &mut scene.description.contacts[0];
         contact.against =
             contact.obstacles()[0].clone().approaching(&[[0.0, -0.02], [2.0, 0.01], [4.0, -0.005]]).into();
-        let model = Model::new(&scene).unwrap();
+        let model = discretise(&scene).unwrap();
         let all = METHODS.map(|(method, linear)| {
             let mut keep = Keep::default();
             let solver = SolverChoice { method, linear: Some(linear), ..SolverChoice::default() };

@@ -3,7 +3,7 @@
 
 use crate::common::edit;
 use crate::common::faults::{InputError, line_of, verify};
-use stickslip::model::{Model, ModelError};
+use stickslip::run::discretise;
 use stickslip::scene::{Scene, SceneError};
 
 const DISC: &str = r#"
@@ -140,8 +140,8 @@ fn refused(text: &str) -> SceneError {
         Ok(scene) => scene,
         Err(error) => return error,
     };
-    match Model::new(&scene) {
-        Err(ModelError::Scene(error)) => error,
+    match discretise(&scene) {
+        Err(stickslip::run::RunError::Scene(error)) => error,
         Err(error) => panic!("not the scene's fault: {error}"),
         Ok(_) => panic!("accepted:\n{text}"),
     }
@@ -149,7 +149,7 @@ fn refused(text: &str) -> SceneError {
 
 #[test]
 fn what_is_no_body_of_revolution() {
-    assert!(Model::new(&Scene::parse("scene.toml", DISC, &[]).unwrap()).is_ok());
+    assert!(discretise(&Scene::parse("scene.toml", DISC, &[]).unwrap()).is_ok());
     for &(from, to, marker, says, remedy) in FAULTS {
         let text = edit(DISC, from, to);
         let text = if to.starts_with("rotation") && from.starts_with("traction") {
@@ -178,6 +178,6 @@ fn what_is_one() {
         ("gap = 0.01", "gap = 0.01\nmotion = { translation = [[0, 0, 0], [1, 0, 0.02]] }"),
     ] {
         let text = edit(DISC, from, to);
-        assert!(Model::new(&Scene::parse("scene.toml", &text, &[]).unwrap()).is_ok(), "{to}");
+        assert!(discretise(&Scene::parse("scene.toml", &text, &[]).unwrap()).is_ok(), "{to}");
     }
 }

@@ -3,11 +3,13 @@
 #![allow(clippy::unwrap_used)]
 
 use std::ops::ControlFlow;
-use stickslip::checkpoint::{Checkpoint, CheckpointError};
-use stickslip::history::{self, HistorySettings, IncrementView, LinearAlgebra, Method, Observer, Status, SystemSolver};
-use stickslip::model::Model;
+use stickslip::run::discretise;
 use stickslip::run::{RecordedIncrement, Recording, Run, RunError};
 use stickslip::scene::Scene;
+use stickslip::solver::checkpoint::{Checkpoint, CheckpointError};
+use stickslip::solver::history::{
+    self, HistorySettings, IncrementView, LinearAlgebra, Method, Observer, Status, SystemSolver,
+};
 
 /// Keeps all checkpoints, as bytes, and all increments.
 #[derive(Default)]
@@ -130,7 +132,7 @@ fn working_sets_that_grow_go_on() {
         obstacle = { kind = \"cylinder\", center = [2.0, 3.0], radius = 2.0, approach = [[0, 0], [3, 9e-2]] }\n\
         [time]\nend = 3\nincrements = 9\n";
     let scene = scene(text, &[]);
-    let (model, times) = (Model::new(&scene).unwrap(), scene.time.all());
+    let (model, times) = (discretise(&scene).unwrap(), scene.time.all());
     let settings = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap();
     let settings = HistorySettings { working_set: Some(vec![20]), ..settings };
     let run = |settings: &HistorySettings, all: &mut All| {
@@ -178,7 +180,7 @@ fn what_is_no_checkpoint_of_this_run_is_refused() {
 #[test]
 fn a_history_goes_on_beyond_its_first_end() {
     let block = scene(BLOCK, &["mesh.elements=[6,6]", "time.increments=4", "solver.setting=\"default\""]);
-    let model = Model::new(&block).unwrap();
+    let model = discretise(&block).unwrap();
     let times = block.time.all();
     let settings = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap();
     let run = |times: &[f64], settings: &HistorySettings, all: &mut All| {

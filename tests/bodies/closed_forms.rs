@@ -2,13 +2,13 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common;
-use stickslip::history::{self, HistorySettings, Method, Status, SystemSolver};
-use stickslip::loading::{LoadCase, Loading};
-use stickslip::model::Model;
-use stickslip::problem::{ContactProblem, Parts};
+use stickslip::algebra::sparse::{Csr, Symmetric};
+use stickslip::base::units::Scaling;
+use stickslip::run::discretise;
 use stickslip::scene::Scene;
-use stickslip::sparse::{Csr, Symmetric};
-use stickslip::units::Scaling;
+use stickslip::solver::history::{self, HistorySettings, Method, Status, SystemSolver};
+use stickslip::solver::loading::{LoadCase, Loading};
+use stickslip::solver::problem::{ContactProblem, Parts};
 
 /// A block pressed on a foundation, free to widen: uniform stress, whatever the mesh.
 fn compressed(plane: &str, friction: f64) -> Scene {
@@ -35,7 +35,7 @@ fn contact_patch_test() {
         ("strain", -pressure * (1.0 - poisson * poisson) / young, poisson * (1.0 + poisson) * pressure / young),
     ] {
         let scene = compressed(plane, 0.0);
-        let model = Model::new(&scene).unwrap();
+        let model = discretise(&scene).unwrap();
         // Held along y by the foundation alone: K is singular.
         assert_eq!(model.rigid_motions.len(), 1);
         let problem = &model.problem;
@@ -57,7 +57,7 @@ fn contact_patch_test() {
 fn no_friction_is_the_limit_of_little_friction() {
     let solve = |mu: &str| {
         let scene = common::block(&["mesh.elements=[10,10]", "time.increments=4", mu]);
-        let model = Model::new(&scene).unwrap();
+        let model = discretise(&scene).unwrap();
         let outcome = common::run(&scene, &model, &mut ());
         assert_eq!(outcome.status, Status::Converged);
         outcome

@@ -1,11 +1,11 @@
 //! What a companion run tells of increments, beside the exact path in time. doc/estimates.md has the figures, which `--nocapture` prints.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
-use stickslip::history::{LinearAlgebra, Method, Status};
-use stickslip::model::Model;
-use stickslip::report::CompanionEstimate;
+use stickslip::run::discretise;
+use stickslip::run::report::CompanionEstimate;
 use stickslip::run::{Recording, Run, increments_for};
 use stickslip::scene::{Override, Scene};
+use stickslip::solver::history::{LinearAlgebra, Method, Status};
 
 const PUNCH: &str = include_str!("../../data/scenes/punch.toml");
 const BLOCK: &str = include_str!("../../data/scenes/block.toml");
@@ -59,7 +59,7 @@ impl History {
         let mut recording = Recording::of((1..=self.stretches).map(|k| k * increments));
         let report = run.solve(&mut recording).unwrap();
         assert_eq!(report.status, Status::Converged, "{}", report.explanation.reason);
-        let weight = Model::new(scene).unwrap().problem.weight().unwrap().to_vec();
+        let weight = discretise(scene).unwrap().problem.weight().unwrap().to_vec();
         let forces = recording.states().map(|state| state.p_t.iter().zip(&weight).map(|(p, l)| p / l.sqrt()).collect());
         (forces.collect(), report.estimates.companion)
     }

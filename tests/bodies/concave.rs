@@ -6,17 +6,17 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use crate::common::Keep;
-use stickslip::contact::{
+use stickslip::algebra::vector::{cross, dot, minus, norm, unit};
+use stickslip::body::contact::{
     DeformedNode, GapDirection, Obstacle, ObstacleMotion, Place, PlacedObstacle, Rotation, Shape, range_left,
 };
-use stickslip::description::{Axis, Description};
-use stickslip::fem::Material;
-use stickslip::history::{Method, SolverChoice, Status};
-use stickslip::mesh::{Mesh, MeshSource, block};
-use stickslip::model::Model;
-use stickslip::problem::State;
+use stickslip::body::description::{Axis, Description};
+use stickslip::body::fem::Material;
+use stickslip::body::mesh::{Mesh, MeshSource, block};
+use stickslip::body::model::Model;
 use stickslip::run::Run;
-use stickslip::vector::{cross, dot, minus, norm, unit};
+use stickslip::solver::history::{Method, SolverChoice, Status};
+use stickslip::solver::problem::State;
 
 fn nearest(shape: Shape, normal: &[f64]) -> Obstacle {
     Obstacle {
@@ -238,7 +238,7 @@ fn the_range_of_round_and_pointed_obstacles() {
 fn a_cone_is_its_gaps() {
     let (half_angle, delta, young, poisson) = (1.45_f64, 0.03, 1e9, 0.3);
     let axis = |elements: usize, fine: usize| {
-        let segment = |length, elements, grading| stickslip::mesh::Segment { length, elements, grading };
+        let segment = |length, elements, grading| stickslip::body::mesh::Segment { length, elements, grading };
         vec![segment(0.4, fine, 1.0), segment(2.0, elements, 6.0)]
     };
     let mut down = axis(4, 4);
@@ -248,7 +248,7 @@ fn a_cone_is_its_gaps() {
     }
     let source = MeshSource::Block {
         axes: vec![axis(4, 6), axis(4, 6), down],
-        cells: stickslip::mesh::CellKind::Hexahedron,
+        cells: stickslip::body::mesh::CellKind::Hexahedron,
         origin: None,
     };
     let pressed = |shape: Shape| {
@@ -261,7 +261,7 @@ fn a_cone_is_its_gaps() {
         (4.0 * state.p_n.iter().sum::<f64>(), state.u)
     };
     let (force, u) = pressed(Shape::Cone { apex: [0.0, 0.0, 2.4].into(), half_angle, axis: None });
-    let formula = stickslip::formula::Formula::parse("sqrt(x^2 + y^2) / tan(1.45)").unwrap();
+    let formula = stickslip::base::formula::Formula::parse("sqrt(x^2 + y^2) / tan(1.45)").unwrap();
     let (same, v) = pressed(Shape::Formula(formula));
     assert!((force / same - 1.0).abs() < 1e-9 && u.iter().zip(&v).all(|(a, b)| (a - b).abs() < 1e-9 * delta));
     let exact = 2.0 * young / (1.0 - poisson * poisson) * delta * delta * half_angle.tan() / PI;

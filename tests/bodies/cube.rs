@@ -7,15 +7,16 @@ use std::path::Path;
 
 use crate::common;
 use crate::common::Keep;
-use stickslip::contact::ContactNode;
-use stickslip::formulation::FormulationScaling;
-use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, SystemSolver};
-use stickslip::model::Model;
+use stickslip::body::contact::ContactNode;
+use stickslip::body::model::Model;
+use stickslip::run::discretise;
 use stickslip::scene::Scene;
+use stickslip::solver::formulation::FormulationScaling;
+use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, SystemSolver};
 
 fn solve(scene: &Scene) -> (Model, HistoryOutcome, Keep) {
     let mut keep = Keep::default();
-    let model = Model::new(scene).unwrap();
+    let model = discretise(scene).unwrap();
     let outcome = common::run_default(scene, &model, &mut keep);
     assert_eq!(outcome.status, Status::Converged, "{:?}", outcome.records.last());
     (model, outcome, keep)
@@ -196,7 +197,7 @@ fn a_slab_is_plane() {
     let text = include_str!("../../data/scenes/cube.toml").to_string() + held;
     let overrides = [&size, &elements, "load[2].traction=[0,0,0]"].map(|text| text.parse().unwrap());
     let slab = Scene::parse("slab.toml", &text, &overrides).unwrap();
-    let ((plane, flat, flat_states), space) = (solve(&block), Model::new(&slab).unwrap());
+    let ((plane, flat, flat_states), space) = (solve(&block), discretise(&slab).unwrap());
     let in_plane = |contact: &ContactNode| {
         plane.contacts.iter().position(|c| (c.position[0] - contact.position[0]).abs() < 1e-9).unwrap()
     };
@@ -234,7 +235,7 @@ fn a_slab_is_plane() {
 
 /// Contact forces as vectors, of each increment.
 fn forces(model: &Model, keep: &Keep) -> Vec<Vec<[f64; 3]>> {
-    let of = |state: &stickslip::problem::State| {
+    let of = |state: &stickslip::solver::problem::State| {
         let force = |(i, contact): (usize, &ContactNode)| {
             let (n, [t, o]) = (contact.facing.normal, contact.facing.tangents);
             [0, 1, 2].map(|c| state.p_n[i] * n[c] + state.p_t[i] * t[c] + state.p_o[i] * o[c])
@@ -328,37 +329,4 @@ fn a_turned_scene_gives_turned_results() {
         displacements(&model, &keep).into_iter().map(|u| u.into_iter().map(turn).collect()).collect();
     let difference = largest_difference(&turned, &displacements(&other, &states));
     assert!(difference < 1e-9, "{difference:e}");
-}
-
-/// What the program says and writes in three dimensions.
-#[test]
-fn the_program_in_space() {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cube");
-    let stickslip = |args: &[&str]| {
-        let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/scenes/cube.toml");
-        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_stickslip"));
-        command.arg(args[0]).arg(scene).args(["--set", "mesh.elements=[2,2,2]"]).args(&args[1..]).output().unwrap()
-    };
-    let run = stickslip(&["run", "--out", folder.to_str().unwrap(), "--json"]);
-    assert!(run.status.success(), "{run:?}");
-    let report: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
-    let unknowns = ["u", "p_t", "p_o", "p_n"].map(|name| report["unknowns"][name].as_u64().unwrap());
-    assert_eq!(unknowns, [54, 6, 6, 6]);
-    assert!(report["final"]["sum_p_o"].as_f64().unwrap().abs() > 1e5, "{}", report["final"]);
-    let table = std::fs::read_to_string(folder.join("contact_0010.csv")).unwrap();
-    let columns = "x,y,z,p_n,p_t,p_o,sigma_n,sigma_t,sigma_o,w_n,w_t,w_o,gap,slip_t,slip_o,f_x,f_y,f_z,status,node,n_x,n_y,n_z,t_x,t_y,t_z,o_x,o_y,o_z";
-    assert_eq!((table.lines().next().unwrap(), table.lines().count()), (columns, 7));
-    let forces = std::fs::read_to_string(folder.join("forces.csv")).unwrap();
-    let columns = "index,time,boundary,f_x,f_y,f_z,m_x,m_y,m_z,sum_p_n,sum_p_t,sum_p_o,kind,balance";
-    assert_eq!(forces.lines().next().unwrap(), columns);
-    let of_kind = |kind: &str| forces.lines().filter(|line| line.contains(kind)).count();
-    assert_eq!([",contact,", ",support,", ",load,"].map(of_kind), [10, 10, 30]);
-    assert!(folder.join("contact_0010.svg").exists() && folder.join("fields_0010.vtu").exists());
-
-    let check = String::from_utf8(stickslip(&["check"]).stdout).unwrap();
-    assert!(check.contains("12 tangential forces p_t and p_o; 6 nodes slide in a plane\n"), "{check}");
-    let refused = stickslip(&["run", "--uniqueness"]);
-    assert_eq!(refused.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&refused.stderr).contains("the uniqueness needs nodes that slide along a line"));
-    assert!(!String::from_utf8_lossy(&refused.stdout).contains("verdict"));
 }

@@ -4,16 +4,17 @@
 #![allow(clippy::unwrap_used)]
 
 use miette::Diagnostic;
-use stickslip::contact::{GapDirection, Obstacle, Place, Rotation, Shape};
-use stickslip::description::{Axis, Description, Load};
-use stickslip::fem::{Element, Layer, Material, MaterialGroup, Plane};
-use stickslip::formula::Formula;
-use stickslip::history::{Method, SolverChoice, Status};
-use stickslip::mesh::{CellKind, HalfPlane, MeshSource, Segment};
-use stickslip::model::{Model, ModelError};
+use stickslip::base::formula::Formula;
+use stickslip::base::timeline::equal_increments;
+use stickslip::body::contact::{GapDirection, Obstacle, Place, Rotation, Shape};
+use stickslip::body::description::{Axis, Description, Load};
+use stickslip::body::fem::{Element, Layer, Material, MaterialGroup, Plane};
+use stickslip::body::mesh::{CellKind, HalfPlane, MeshSource, Segment};
+use stickslip::body::model::{Model, ModelError};
 use stickslip::run::Run;
+use stickslip::run::discretise;
 use stickslip::scene::{Scene, SceneError};
-use stickslip::timeline::equal_increments;
+use stickslip::solver::history::{Method, SolverChoice, Status};
 
 use crate::common;
 use crate::common::edit;
@@ -46,7 +47,7 @@ fn assert_equal(a: &Model, b: &Model) {
 
 #[test]
 fn the_block_from_text_and_from_rust() {
-    let of_text = Model::new(&common::block(&["mesh.elements=[4, 4]"])).unwrap();
+    let of_text = discretise(&common::block(&["mesh.elements=[4, 4]"])).unwrap();
     assert_equal(&of_text, &Model::build(&paper_block()).unwrap());
 }
 
@@ -101,7 +102,7 @@ fn obstacles_that_move_from_text_and_from_rust() {
         Description::new(source, Material { layers, ..Material::new(1e9, 0.3) }, equal_increments(2.0, 4))
             .support("top", &[Axis::X, Axis::Y])
             .contact("bottom", 0.3, roller);
-    let of_text = Model::new(&Scene::parse("roller.toml", text, &[]).unwrap()).unwrap();
+    let of_text = discretise(&Scene::parse("roller.toml", text, &[]).unwrap()).unwrap();
     assert_equal(&of_text, &Model::build(&description).unwrap());
     assert_eq!(
         (of_text.times(), of_text.loading.bends()[0].times()),
@@ -316,8 +317,8 @@ fn errors_of_scenes_have_a_key() {
         let text = edit(BLOCK, from, to).replace("[100, 100]", "[2, 2]");
         let error = match Scene::parse("block.toml", &text, &[]) {
             Err(error) => error,
-            Ok(scene) => match Model::new(&scene).unwrap_err() {
-                ModelError::Scene(error) => error,
+            Ok(scene) => match discretise(&scene).unwrap_err() {
+                stickslip::run::RunError::Scene(error) => error,
                 other => panic!("{other}"),
             },
         };

@@ -4,13 +4,13 @@
 use std::sync::Arc;
 
 use crate::common::{BELT, Keep, block, run};
-use stickslip::history::{Status, SystemSolver};
-use stickslip::laws::{ContactStatus, KktErrors, KktScales};
-use stickslip::linear::{FactorInfo, LinearError, LinearSolver, SparseLu};
-use stickslip::model::Model;
+use stickslip::algebra::linear::{FactorInfo, LinearError, LinearSolver, SparseLu};
+use stickslip::algebra::sparse::Pattern;
+use stickslip::run::discretise;
 use stickslip::run::{Recording, Run};
 use stickslip::scene::Scene;
-use stickslip::sparse::Pattern;
+use stickslip::solver::history::{Status, SystemSolver};
+use stickslip::solver::laws::{ContactStatus, KktErrors, KktScales};
 
 fn small() -> Scene {
     block(&["mesh.elements=[6,6]", "time.increments=6"])
@@ -64,7 +64,7 @@ fn a_recording_is_plain_data() {
 #[test]
 fn a_model_alone_is_run_as_its_scene_is() {
     let scene = small();
-    let model = Model::new(&scene).unwrap();
+    let model = discretise(&scene).unwrap();
     let of_scene = Run::new(&scene).unwrap().solve(&mut ()).unwrap();
     let of_model = Run::of(&model, scene.time.all(), scene.solver).unwrap().solve(&mut ()).unwrap();
     assert_eq!((of_scene.end, &of_scene.forces), (of_model.end, &of_model.forces));

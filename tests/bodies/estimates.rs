@@ -1,16 +1,16 @@
 //! What a report says of its own mesh. doc/estimates.md has the figures, which `--nocapture` prints.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
-use stickslip::contact::{Obstacle, Place, Shape};
-use stickslip::description::{Action, Axis, Description, Where};
-use stickslip::estimate::{ContactEstimate, peak_error};
-use stickslip::fem::{Element, Material};
-use stickslip::history::{Method, SolverChoice, Status};
-use stickslip::mesh::{CellKind, HalfPlane, MeshSource};
-use stickslip::model::Model;
-use stickslip::report::{RunReport, WarningKind};
+use stickslip::algebra::vector::Vector;
+use stickslip::body::contact::{Obstacle, Place, Shape};
+use stickslip::body::description::{Action, Axis, Description, Where};
+use stickslip::body::estimate::{ContactEstimate, peak_error};
+use stickslip::body::fem::{Element, Material};
+use stickslip::body::mesh::{CellKind, HalfPlane, MeshSource};
+use stickslip::body::model::Model;
 use stickslip::run::Run;
-use stickslip::vector::Vector;
+use stickslip::run::report::{RunReport, WarningKind};
+use stickslip::solver::history::{Method, SolverChoice, Status};
 
 use crate::common::hertz::Hertz;
 

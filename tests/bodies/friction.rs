@@ -4,15 +4,16 @@
 
 use super::fronts::{divided, pushed, solved};
 use crate::common::BELT;
-use stickslip::contact::Obstacle;
-use stickslip::description::{Axis, Description, Load};
-use stickslip::fem::Material;
-use stickslip::formula::Formula;
-use stickslip::history::{LinearAlgebra, Method, SolverChoice, Status};
-use stickslip::mesh::MeshSource;
-use stickslip::model::Model;
+use stickslip::base::formula::Formula;
+use stickslip::body::contact::Obstacle;
+use stickslip::body::description::{Axis, Description, Load};
+use stickslip::body::fem::Material;
+use stickslip::body::mesh::MeshSource;
+use stickslip::body::model::Model;
+use stickslip::run::discretise;
 use stickslip::run::{Recording, Run};
 use stickslip::scene::Scene;
+use stickslip::solver::history::{LinearAlgebra, Method, SolverChoice, Status};
 
 /// On a belt that runs, every node slides with the friction of its own place.
 #[test]
@@ -36,7 +37,7 @@ fn friction_by_formula_is_that_of_each_node() {
     }
     // The same by text, and the same number as a formula.
     let text = |mu: &str| Scene::parse("belt.toml", &BELT.replace("friction = 0.3", &format!("friction = {mu}")), &[]);
-    let mu = |scene: &str| Model::new(&text(scene).unwrap()).unwrap().problem.mu().to_vec();
+    let mu = |scene: &str| discretise(&text(scene).unwrap()).unwrap().problem.mu().to_vec();
     assert_eq!(mu("\"0.1 + 0.2 * x\""), model.problem.mu());
     assert_eq!(mu("0.25"), mu("\"1 / 4\""));
     // A coefficient below 0 is found where it is.

@@ -6,23 +6,24 @@ use std::sync::Arc;
 
 use crate::common;
 use crate::common::{BELT, Keep, difference};
-use stickslip::contact::{ContactNode, GapDirection, Obstacle, Place, Shape};
-use stickslip::description::{Axis, Contact, Description, Load};
-use stickslip::fem::Material;
-use stickslip::history::{Method, SolverChoice, Status};
-use stickslip::mesh::{Boundary, Geometry, Mesh, MeshSource, Notes, block};
-use stickslip::model::Model;
-use stickslip::problem::State;
-use stickslip::report::{LeftOut, Resultant};
+use stickslip::algebra::vector::{minus, norm};
+use stickslip::body::contact::{ContactNode, GapDirection, Obstacle, Place, Shape};
+use stickslip::body::description::{Axis, Contact, Description, Load};
+use stickslip::body::fem::Material;
+use stickslip::body::mesh::{Boundary, Geometry, Mesh, MeshSource, Notes, block};
+use stickslip::body::model::Model;
 use stickslip::run::Run;
+use stickslip::run::discretise;
+use stickslip::run::report::{LeftOut, Resultant};
 use stickslip::scene::Scene;
-use stickslip::vector::{minus, norm};
+use stickslip::solver::history::{Method, SolverChoice, Status};
+use stickslip::solver::problem::State;
 
 const PLANE: &str = "kind = \"plane\", motion = { translation = [[0, 0, 0], [1, 0, 0], [2, 0.5, 0]] }";
 
 fn belt(obstacle: &str) -> (Model, Vec<State>) {
     let scene = Scene::parse("belt.toml", &BELT.replace(&format!("{{ {PLANE} }}"), obstacle), &[]).unwrap();
-    let (model, mut keep) = (Model::new(&scene).unwrap(), Keep::default());
+    let (model, mut keep) = (discretise(&scene).unwrap(), Keep::default());
     assert_eq!(common::run(&scene, &model, &mut keep).status, Status::Converged, "{obstacle}");
     (model, keep.states)
 }
@@ -66,7 +67,7 @@ fn a_small_roller_reaches_nodes_later() {
                  motion = { translation = [[0, 0, 0], [2, 0.5, 0]] } }";
     let scene = |obstacle: &str| {
         let text = BELT.replace(&format!("{{ {PLANE} }}"), obstacle);
-        Model::new(&Scene::parse("roller.toml", &text, &[]).unwrap()).unwrap()
+        discretise(&Scene::parse("roller.toml", &text, &[]).unwrap()).unwrap()
     };
     let model = scene(rolls);
     // From 0.05 to 0.95 in the end.
@@ -106,7 +107,7 @@ fn of_several_obstacles_the_nearest_counts() {
     };
     let text = BELT.replace(&format!("    obstacle = {{ {PLANE} }}\n"), &format!("{}{}", table(one), table(other)));
     let scene = Scene::parse("belt.toml", &text, &["contact.obstacle[0].radius=0.3".parse().unwrap()]).unwrap();
-    let by_tables = Model::new(&scene).unwrap();
+    let by_tables = discretise(&scene).unwrap();
     assert_eq!(by_tables.loading, model.loading);
     let wider = scene.with(&["contact.obstacle.radius=0.4".parse().unwrap()]).unwrap();
     let radii = wider.description.contacts[0].obstacles().iter().map(|o| match o.shape {
@@ -217,8 +218,8 @@ fn a_ring_on_a_shaft_in_parts() {
         [radius * angle.cos(), radius * angle.sin(), 0.0]
     };
     let node = |i: usize, j: usize| (i % around) * (across + 1) + j;
-    let cells = (0..around).flat_map(|i| (0..across).map(move |j| (i, j))).map(|(i, j)| stickslip::mesh::Cell {
-        kind: stickslip::mesh::CellKind::Quadrilateral,
+    let cells = (0..around).flat_map(|i| (0..across).map(move |j| (i, j))).map(|(i, j)| stickslip::body::mesh::Cell {
+        kind: stickslip::body::mesh::CellKind::Quadrilateral,
         nodes: vec![node(i, j), node(i, j + 1), node(i + 1, j + 1), node(i + 1, j)],
         group: 0,
     });

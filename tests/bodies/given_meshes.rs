@@ -3,9 +3,9 @@
 #![allow(clippy::unwrap_used)]
 
 use miette::Diagnostic;
-use stickslip::description::Description;
-use stickslip::mesh::{Boundary, Cell, CellKind, Mesh, MeshFault, block};
-use stickslip::model::Model;
+use stickslip::body::description::Description;
+use stickslip::body::mesh::{Boundary, Cell, CellKind, Mesh, MeshFault, block};
+use stickslip::body::model::Model;
 
 use super::description::{paper_block, refused};
 

@@ -5,10 +5,10 @@
 use std::path::Path;
 
 use miette::Diagnostic;
-use stickslip::description::{Axis, Description};
-use stickslip::fem::{Material, MaterialGroup};
-use stickslip::mesh::{Cell, CellKind, Mesh, MeshFault, MeshFileError, Notes, block, from_gmsh, gmsh};
-use stickslip::model::{Model, ModelError};
+use stickslip::body::description::{Axis, Description};
+use stickslip::body::fem::{Material, MaterialGroup};
+use stickslip::body::mesh::{Cell, CellKind, Mesh, MeshFault, MeshFileError, Notes, block, from_gmsh, gmsh};
+use stickslip::body::model::{Model, ModelError};
 
 fn read(name: &str, scale: f64) -> Mesh {
     gmsh(&Path::new(env!("CARGO_MANIFEST_DIR")).join("data/meshes").join(name), scale).unwrap()

@@ -1,13 +1,13 @@
 //! What increments leave, by the run itself, beside the exact path in time. doc/estimates.md has the figures, which `--nocapture` prints.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
-use stickslip::history::{self, HistorySettings, IncrementError, Method, SystemSolver};
-use stickslip::loading::{LoadCase, Loading};
-use stickslip::problem::{ContactProblem, Parts};
-use stickslip::report::{RunReport, WarningKind};
+use stickslip::algebra::sparse::{Csr, Symmetric};
 use stickslip::run::Run;
+use stickslip::run::report::{RunReport, WarningKind};
 use stickslip::scene::Scene;
-use stickslip::sparse::{Csr, Symmetric};
+use stickslip::solver::history::{self, HistorySettings, IncrementError, Method, SystemSolver};
+use stickslip::solver::loading::{LoadCase, Loading};
+use stickslip::solver::problem::{ContactProblem, Parts};
 
 const PUNCH: &str = include_str!("../../data/scenes/punch.toml");
 const BLOCK: &str = include_str!("../../data/scenes/block.toml");

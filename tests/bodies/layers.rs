@@ -2,9 +2,9 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common;
-use stickslip::history::Status;
-use stickslip::model::Model;
+use stickslip::run::discretise;
 use stickslip::scene::Scene;
+use stickslip::solver::history::Status;
 
 const PRESSURE: f64 = 1e6;
 
@@ -21,7 +21,7 @@ fn sink(mesh: &str) -> Vec<[f64; 3]> {
          [time]\nend = 1.0\nincrements = 1\n"
     );
     let scene = Scene::parse("layers.toml", &text, &[]).unwrap();
-    let model = Model::new(&scene).unwrap();
+    let model = discretise(&scene).unwrap();
     let outcome = common::run(&scene, &model, &mut common::Keep::default());
     assert_eq!(outcome.status, Status::Converged);
     let u = model.dofs.displacements(&outcome.state.u);

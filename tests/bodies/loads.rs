@@ -1,16 +1,16 @@
 //! Loads, supports and springs against closed forms, and the balance of all forces.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
-use stickslip::contact::{Obstacle, Shape};
-use stickslip::description::{Action, Axis, Bed, Description, Field, Load, Support, Where};
-use stickslip::fem::{Material, Plane};
-use stickslip::formula::Formula;
-use stickslip::history::{Method, SolverChoice, Status};
-use stickslip::mesh::{Mesh, MeshSource};
-use stickslip::model::Model;
-use stickslip::report::RunReport;
+use stickslip::algebra::vector::norm;
+use stickslip::base::formula::Formula;
+use stickslip::body::contact::{Obstacle, Shape};
+use stickslip::body::description::{Action, Axis, Bed, Description, Field, Load, Support, Where};
+use stickslip::body::fem::{Material, Plane};
+use stickslip::body::mesh::{Mesh, MeshSource};
+use stickslip::body::model::Model;
+use stickslip::run::report::RunReport;
 use stickslip::run::{Recording, Run};
-use stickslip::vector::norm;
+use stickslip::solver::history::{Method, SolverChoice, Status};
 
 use crate::common::rings::ring;
 
@@ -182,11 +182,11 @@ fn beams_on_a_foundation() {
     let exact = -1e5 * beta / (2.0 * k);
     let material = Material::new(young, 0.0).in_plane(Plane::Stress);
     let beam = Description::new(MeshSource::block([10.0, height], [400, 4]), material, vec![1.0])
-        .element(stickslip::fem::Element::BBar)
+        .element(stickslip::body::fem::Element::BBar)
         .spring(Bed::surface("bottom", k, 1.0));
     assert!(Model::build(&beam).is_err(), "B-bar has no plane stress");
     let force = Action::Force { at: Where::Point([5.0, height].into()), force: vec![0.0, -1e5] };
-    let beam = Description { element: stickslip::fem::Element::Bilinear, ..beam }.load(force.into());
+    let beam = Description { element: stickslip::body::fem::Element::Bilinear, ..beam }.load(force.into());
     let beam = solved(&beam);
     let deflection = beam.at([5.0, 0.0, 0.0])[1];
     println!("beam on a foundation: {:.4}", deflection / exact - 1.0);
@@ -212,7 +212,7 @@ fn a_body_on_two_springs() {
 fn oblique_supports() {
     let (s, c) = (0.5_f64, 0.75_f64.sqrt());
     let turn = |[x, y]: [f64; 2]| [c * x - s * y, s * x + c * y];
-    let straight = stickslip::mesh::block(&[1.0, 1.0], &[6, 6]);
+    let straight = stickslip::body::mesh::block(&[1.0, 1.0], &[6, 6]);
     let mut turned = straight.clone();
     for node in &mut turned.nodes {
         let [x, y] = turn([node[0], node[1]]);
@@ -307,7 +307,7 @@ fn supports_or_obstacles_move() {
         }
         // The reactions are those of the body that stands still.
         for (record, still) in other.report.reactions.iter().zip(&reference.report.reactions) {
-            let sum = |record: &stickslip::report::BalanceRecord, c: usize| {
+            let sum = |record: &stickslip::run::report::BalanceRecord, c: usize| {
                 record.supports.iter().map(|support| support.force[c]).sum::<f64>()
             };
             for c in 0..2 {

@@ -3,12 +3,13 @@
 
 use crate::common;
 use crate::common::solve;
-use stickslip::description::{Axis, Description, Load};
-use stickslip::fem::{Dofs, Elasticity, Element, Material, assemble, element_stiffness, facet_load};
-use stickslip::history::{SolverChoice, Status};
-use stickslip::mesh::{CellKind, Geometry, MeshSource, block};
-use stickslip::model::Model;
+use stickslip::body::description::{Axis, Description, Load};
+use stickslip::body::fem::{Dofs, Elasticity, Element, Material, assemble, element_stiffness, facet_load};
+use stickslip::body::mesh::{CellKind, Geometry, MeshSource, block};
+use stickslip::body::model::Model;
 use stickslip::run::Run;
+use stickslip::run::discretise;
+use stickslip::solver::history::{SolverChoice, Status};
 
 /// A quadrilateral without parallel sides.
 const DISTORTED: [[f64; 3]; 4] = [[0.0, 0.0, 0.0], [2.0, 0.3, 0.0], [1.7, 1.4, 0.0], [-0.2, 1.1, 0.0]];
@@ -133,7 +134,7 @@ fn block_corner(n: usize, element: &str) -> [f64; 3] {
         "time.increments=10".to_string(),
     ];
     let scene = common::block(&overrides.each_ref().map(String::as_str));
-    let model = Model::new(&scene).unwrap();
+    let model = discretise(&scene).unwrap();
     let outcome = common::run(&scene, &model, &mut common::Keep::default());
     assert_eq!(outcome.status, Status::Converged, "{n} x {n} {element}");
     model.dofs.displacements(&outcome.state.u)[(n + 1) * (n + 1) - 1]

@@ -4,15 +4,15 @@
 use std::f64::consts::PI;
 
 use crate::common::solve;
-use stickslip::description::{Action, Axis, Description, Field, Load, Support};
-use stickslip::estimate::ElementEstimate;
-use stickslip::fem::{Elasticity, Element, Material, Plane, assemble, gradients, strain_at};
-use stickslip::formula::Formula;
-use stickslip::history::SolverChoice;
-use stickslip::mesh::{Cell, CellKind, Geometry, Mesh, MeshSource, block, fine_quadrature, shape};
-use stickslip::model::Model;
-use stickslip::report::{Warning, WarningKind};
+use stickslip::base::formula::Formula;
+use stickslip::body::description::{Action, Axis, Description, Field, Load, Support};
+use stickslip::body::estimate::ElementEstimate;
+use stickslip::body::fem::{Elasticity, Element, Material, Plane, assemble, gradients, strain_at};
+use stickslip::body::mesh::{Cell, CellKind, Geometry, Mesh, MeshSource, block, fine_quadrature, shape};
+use stickslip::body::model::Model;
 use stickslip::run::Run;
+use stickslip::run::report::{Warning, WarningKind};
+use stickslip::solver::history::SolverChoice;
 
 use super::estimates::solved;
 

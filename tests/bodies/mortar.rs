@@ -7,10 +7,10 @@ mod refused;
 
 use std::collections::BTreeMap;
 
-use stickslip::contact::{Mortar, MortarFault, MortarOptions, MortarRow, SlaveReason};
-use stickslip::fem::{area, bernstein, facet_weights};
-use stickslip::mesh::{Boundary, Geometry, Mesh, block};
-use stickslip::vector::{Vector, axis};
+use stickslip::algebra::vector::{Vector, axis};
+use stickslip::body::contact::{Mortar, MortarFault, MortarOptions, MortarRow, SlaveReason};
+use stickslip::body::fem::{area, bernstein, facet_weights};
+use stickslip::body::mesh::{Boundary, Geometry, Mesh, block};
 
 /// What the two blocks of a pair are made of.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -4,20 +4,28 @@
 use crate::common;
 use crate::common::{BELT, Keep};
 use std::ops::ControlFlow;
-use stickslip::history::{LinearAlgebra, Method, Status, SystemSolver};
-use stickslip::model::Model;
+use stickslip::body::model::Model;
+use stickslip::run::discretise;
 use stickslip::scene::Scene;
+use stickslip::solver::history::{LinearAlgebra, Method, Status, SystemSolver};
 
 fn solve(text: &str) -> (Model, Vec<[f64; 2]>) {
     let scene = Scene::parse("belt.toml", text, &[]).unwrap();
-    let model = Model::new(&scene).unwrap();
+    let model = discretise(&scene).unwrap();
     let mut keep = Keep::default();
-    let settings =
-        stickslip::history::HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap().until(200, 1e-10);
+    let settings = stickslip::solver::history::HistorySettings::new(&model.problem, &model.loading, Method::BN)
+        .unwrap()
+        .until(200, 1e-10);
     let linear = SystemSolver::from(LinearAlgebra::default());
-    let outcome =
-        stickslip::history::run(&model.problem, &model.loading, &scene.time.all(), &settings, linear, &mut keep)
-            .unwrap();
+    let outcome = stickslip::solver::history::run(
+        &model.problem,
+        &model.loading,
+        &scene.time.all(),
+        &settings,
+        linear,
+        &mut keep,
+    )
+    .unwrap();
     assert_eq!(outcome.status, Status::Converged);
     let sums = keep.states.iter().map(|state| [state.p_n.iter().sum(), state.p_t.iter().sum()]).collect();
     (model, sums)
@@ -83,7 +91,7 @@ fn only_the_body_leaves_the_range() {
 fn a_roller_passes() {
     let last = |text: &str| {
         let scene = Scene::parse("roller.toml", text, &[]).unwrap();
-        let (model, mut keep) = (Model::new(&scene).unwrap(), Keep::default());
+        let (model, mut keep) = (discretise(&scene).unwrap(), Keep::default());
         assert_eq!(common::run_default(&scene, &model, &mut keep).status, Status::Converged);
         (model, keep.states.last().unwrap().p_n.clone())
     };
@@ -111,7 +119,7 @@ fn gaps_are_exact_however_small_the_motion() {
     for (approach, aside) in [(1e-9, 1.3e-6), (1e-10, 1.3e-6), (1e-15, 4e-9)] {
         let text = roller(1.0, &format!("translation = [[0, 0, 0], [2, {aside:e}, 0]]"));
         let text = text.replace("motion = {", &format!("approach = [[0, 0], [2, {approach:e}]], motion = {{"));
-        let model = Model::new(&Scene::parse("tiny.toml", &text, &[]).unwrap()).unwrap();
+        let model = discretise(&Scene::parse("tiny.toml", &text, &[]).unwrap()).unwrap();
         for (contact, gap) in model.contacts.iter().zip(model.loading.gaps_at(2.0)) {
             let s = contact.position[0] - 0.5 - aside;
             let error = (gap - (s * s / (1.0 + (1.0 - s * s).sqrt()) - approach)).abs();
@@ -128,7 +136,7 @@ fn what_turns_in_itself_has_no_bend() {
         let approach = "translation = [[0, 0, 0], [2, 0, 1e-4]]";
         let text =
             roller(0.7, &format!("{approach}, rotation = {{ through = {centre}, history = [[0, 0], [2, 1.0]] }}"));
-        let model = Model::new(&Scene::parse("turning.toml", &text, &[]).unwrap()).unwrap();
+        let model = discretise(&Scene::parse("turning.toml", &text, &[]).unwrap()).unwrap();
         assert_eq!(model.loading.bends().len(), bends, "{centre}");
     }
 }
@@ -139,7 +147,7 @@ fn a_plane_that_tips() {
     let tips =
         "kind = \"plane\", gap = 0.0, motion = { rotation = { through = [1, 0], history = [[0, 0], [2, 0.4]] } }";
     let text = BELT.replace("kind = \"plane\", motion = { translation = [[0, 0, 0], [1, 0, 0], [2, 0.5, 0]] }", tips);
-    let model = Model::new(&Scene::parse("tips.toml", &text, &[]).unwrap()).unwrap();
+    let model = discretise(&Scene::parse("tips.toml", &text, &[]).unwrap()).unwrap();
     for (t, angle) in [(0.5, 0.1_f64), (2.0, 0.4)] {
         for (contact, gap) in model.contacts.iter().zip(model.loading.gaps_at(t)) {
             let expected = (1.0 - contact.position[0]) * angle.tan();
@@ -151,8 +159,8 @@ fn a_plane_that_tips() {
 /// Keeps by how much the last state leaves the range.
 struct Last<'a>(&'a Model, Option<f64>);
 
-impl stickslip::history::Observer for Last<'_> {
-    fn increment(&mut self, step: &stickslip::history::IncrementView<'_>) -> ControlFlow<()> {
+impl stickslip::solver::history::Observer for Last<'_> {
+    fn increment(&mut self, step: &stickslip::solver::history::IncrementView<'_>) -> ControlFlow<()> {
         let left = self.0.range_left(step.record.time, step.state, step.increment.gap, step.statuses);
         self.1 = left.map(|left| left.share);
         ControlFlow::Continue(())
@@ -161,7 +169,7 @@ impl stickslip::history::Observer for Last<'_> {
 
 /// By how much the last state leaves the range.
 fn left(scene: &Scene) -> Option<f64> {
-    let model = Model::new(scene).unwrap();
+    let model = discretise(scene).unwrap();
     let mut last = Last(&model, None);
     assert_eq!(common::run_default(scene, &model, &mut last).status, Status::Converged);
     last.1

@@ -2,14 +2,14 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use std::ops::ControlFlow;
-use stickslip::contact::Obstacle;
-use stickslip::description::{Action, Axis, Probe, Support};
-use stickslip::fem::{Element, Material};
-use stickslip::history::{IncrementView, Observer, SolverChoice};
-use stickslip::mesh::CellKind;
-use stickslip::model::Model;
-use stickslip::report::{ProbeTable, WarningKind};
+use stickslip::body::contact::Obstacle;
+use stickslip::body::description::{Action, Axis, Probe, Support};
+use stickslip::body::fem::{Element, Material};
+use stickslip::body::mesh::CellKind;
+use stickslip::body::model::Model;
+use stickslip::run::report::{ProbeTable, WarningKind};
 use stickslip::run::{Recording, Run};
+use stickslip::solver::history::{IncrementView, Observer, SolverChoice};
 
 use super::axisymmetric_bodies::ring;
 

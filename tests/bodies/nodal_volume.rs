@@ -3,9 +3,9 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common::solve;
-use stickslip::fem::{Dofs, Elasticity, Element, assemble, facet_load, rigid_motions, traction};
-use stickslip::mesh::{Cell, CellKind, Mesh, block};
-use stickslip::vector::dot;
+use stickslip::algebra::vector::dot;
+use stickslip::body::fem::{Dofs, Elasticity, Element, assemble, facet_load, rigid_motions, traction};
+use stickslip::body::mesh::{Cell, CellKind, Mesh, block};
 
 /// Cells without parallel sides inside; those of second order are straight, and, the second of each, curved.
 fn irregular() -> Vec<Mesh> {

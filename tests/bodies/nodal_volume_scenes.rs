@@ -2,19 +2,20 @@
 //! those of a program that shares nothing with this one.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
-use stickslip::fem::{cell_volume, gradients};
-use stickslip::history::{LinearAlgebra, SolverChoice, Status};
-use stickslip::mesh::{Geometry, fine_quadrature, shape};
-use stickslip::model::{Balance, Model};
-use stickslip::report::{RunReport, WarningKind};
+use stickslip::algebra::vector::{minus, norm};
+use stickslip::body::fem::{cell_volume, gradients};
+use stickslip::body::mesh::{Geometry, fine_quadrature, shape};
+use stickslip::body::model::{Balance, Model};
+use stickslip::run::discretise;
+use stickslip::run::report::{RunReport, WarningKind};
 use stickslip::run::{Recording, Run};
 use stickslip::scene::Scene;
-use stickslip::vector::{minus, norm};
+use stickslip::solver::history::{LinearAlgebra, SolverChoice, Status};
 
 /// A scene with every linear algebra of this build.
 fn each_way(text: &str, mut told: impl FnMut(&str, &Model, RunReport, &Recording)) {
     let scene = Scene::parse("body.toml", text, &[]).unwrap();
-    let model = Model::new(&scene).unwrap();
+    let model = discretise(&scene).unwrap();
     for (name, linear) in LinearAlgebra::WORDS.into_iter().filter(|(_, linear)| linear.is_built_in()) {
         let mut recording = Recording::all();
         let solver = SolverChoice { linear: Some(linear), ..scene.solver };
@@ -218,7 +219,7 @@ fn the_error_of_the_mesh_is_seen() {
                 vec![n; d]
             );
             let scene = Scene::parse("bent.toml", &text, &[]).unwrap();
-            let (model, mut recording) = (Model::new(&scene).unwrap(), Recording::all());
+            let (model, mut recording) = (discretise(&scene).unwrap(), Recording::all());
             let report = Run::of(&model, scene.time.all(), scene.solver).unwrap().solve(&mut recording).unwrap();
             assert_eq!(report.status, Status::Converged);
             // σ : D⁻¹ σ.

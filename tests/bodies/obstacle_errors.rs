@@ -6,13 +6,13 @@ use super::surfaces::{Triangle, ascii, binary};
 use crate::common::edit;
 use crate::common::faults::{BLOCK, line_of, verify};
 use crate::common::scratch::Scratch;
-use stickslip::model::{Model, ModelError};
+use stickslip::run::discretise;
 use stickslip::scene::{Scene, SceneError};
 
 /// Why the scene `text` is refused, by itself or for its mesh.
 fn refused(text: &str) -> SceneError {
-    match Scene::parse("scene.toml", text, &[]).map(|scene| Model::new(&scene)) {
-        Err(error) | Ok(Err(ModelError::Scene(error))) => error,
+    match Scene::parse("scene.toml", text, &[]).map(|scene| discretise(&scene)) {
+        Err(error) | Ok(Err(stickslip::run::RunError::Scene(error))) => error,
         Ok(Err(error)) => panic!("not the scene's fault: {error}"),
         Ok(Ok(_)) => panic!("accepted:\n{text}"),
     }
@@ -263,5 +263,5 @@ fn bad_cones_and_surfaces_in_space() {
         verify(&refused(&text), &text, line_of(&text, "obstacle ="), &[says], "direction = \"normal\"");
     }
     let text = edit(&cube, "kind = \"plane\", gap = 1e-5", &surface(&good, ""));
-    assert!(Model::new(&Scene::parse("scene.toml", &text, &[]).unwrap()).is_ok());
+    assert!(discretise(&Scene::parse("scene.toml", &text, &[]).unwrap()).is_ok());
 }

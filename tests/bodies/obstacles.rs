@@ -7,14 +7,14 @@ use std::f64::consts::{FRAC_1_SQRT_2, PI};
 use crate::common;
 use crate::common::BELT;
 use miette::Diagnostic;
-use stickslip::contact::{
+use stickslip::algebra::vector::{Vector, cross, minus, norm, plus, unit};
+use stickslip::base::formula::Formula;
+use stickslip::body::contact::{
     Facing, GapDirection, Obstacle, ObstacleError, ObstacleMotion, Place, PlacedObstacle, Rotation, Shape,
 };
-use stickslip::formula::Formula;
-use stickslip::mesh::{Mesh, block};
-use stickslip::model::Model;
+use stickslip::body::mesh::{Mesh, block};
+use stickslip::run::discretise;
 use stickslip::scene::Scene;
-use stickslip::vector::{Vector, cross, minus, norm, plus, unit};
 
 const Z: [f64; 3] = [0.0, 0.0, 1.0];
 
@@ -270,7 +270,7 @@ fn bad_obstacles_get_one_message() {
         let scene = Scene::parse("bad.toml", &BELT.replace(kind, obstacle), &[]);
         let said = match scene {
             Err(error) => error.to_string(),
-            Ok(scene) => Model::new(&scene).unwrap_err().to_string(),
+            Ok(scene) => discretise(&scene).unwrap_err().to_string(),
         };
         assert!(said.starts_with("bad.toml:") && said.contains(message), "`{message}`: {said}");
     }
@@ -312,7 +312,7 @@ fn what_lies_beyond_the_end_does_not_count() {
          motion.rotation = { through = [0.5, -5.0], history = [[-1, 0], [0, 0], [2, 0.1], [3, 9.0]] }",
         "[[0, 0], [4, 1]]",
     );
-    let [within, beyond] = [within, beyond].map(|scene| Model::new(&scene).unwrap());
+    let [within, beyond] = [within, beyond].map(|scene| discretise(&scene).unwrap());
     assert_eq!(within.loading, beyond.loading);
     assert_eq!(within.obstacles[0].1, beyond.obstacles[0].1);
     let deepest = beyond.loading.largest_interference();
@@ -320,7 +320,7 @@ fn what_lies_beyond_the_end_does_not_count() {
     // Supports hold the left end of the bottom, which the obstacle would come to only later.
     let reaches = |end: &str| {
         let late = ["contact.obstacle.approach=[[0, 0], [2, 5e-6], [100, 0.5]]", end];
-        Model::new(&common::block(&late)).err().map(|error| error.to_string())
+        discretise(&common::block(&late)).err().map(|error| error.to_string())
     };
     assert_eq!(reaches("time.end=2"), None);
     assert!(reaches("time.end=3").unwrap().contains("supports hold the body"));

@@ -5,13 +5,13 @@ use std::f64::consts::PI;
 
 use crate::common;
 use crate::common::solve;
-use stickslip::fem::{
+use stickslip::algebra::vector::{norm, unit};
+use stickslip::body::fem::{
     Dofs, Elasticity, Element, RigidMotion, assemble, element_stiffness, facet_load, gradients, rigid_motions,
 };
-use stickslip::mesh::{Cell, CellKind, Geometry, Mesh, block, fine_quadrature, quadrature, quadrature_of, shape};
-use stickslip::model::Model;
+use stickslip::body::mesh::{Cell, CellKind, Geometry, Mesh, block, fine_quadrature, quadrature, quadrature_of, shape};
+use stickslip::run::discretise;
 use stickslip::scene::Scene;
-use stickslip::vector::{norm, unit};
 
 /// A unit square or cube of `n` elements along each axis, of any kind.
 fn cube(kind: CellKind, n: usize) -> Mesh {
@@ -378,9 +378,9 @@ fn contact_patch_test() {
              [time]\nend = 1.0\nincrements = 1\n"
         );
         let scene = Scene::parse("patch.toml", &text, &[]).unwrap();
-        let model = Model::new(&scene).unwrap();
+        let model = discretise(&scene).unwrap();
         let outcome = common::run(&scene, &model, &mut ());
-        assert_eq!(outcome.status, stickslip::history::Status::Converged, "{cells}");
+        assert_eq!(outcome.status, stickslip::solver::history::Status::Converged, "{cells}");
         assert_eq!(model.contacts.len(), model.mesh.boundary("bottom").unwrap().nodes().len());
         for (contact, p_n) in model.contacts.iter().zip(&outcome.state.p_n) {
             assert!((p_n / contact.weight / pressure - 1.0).abs() < 1e-9, "{cells}: {p_n} of {contact:?}");

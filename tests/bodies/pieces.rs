@@ -2,10 +2,10 @@
 
 #![allow(clippy::unwrap_used)]
 
-use stickslip::mesh::{
+use stickslip::base::units::{LengthUnit, StressUnit, Units};
+use stickslip::body::mesh::{
     Body, Boundary, Cell, CellKind, Geometry, HalfPlane, Mesh, MeshError, MeshFault, MeshSource, block,
 };
-use stickslip::units::{LengthUnit, StressUnit, Units};
 
 fn square(n: usize) -> MeshSource {
     MeshSource::block([1.0, 0.5], [n, 2])
@@ -173,8 +173,8 @@ fn what_makes_no_bodies_is_refused() {
 
 #[test]
 fn bodies_in_other_units() {
-    use stickslip::description::Description;
-    use stickslip::fem::Material;
+    use stickslip::body::description::Description;
+    use stickslip::body::fem::Material;
     let description = Description::new(two(), Material::new(1.0, 0.3), vec![1.0]);
     let told = description.given_in(Units::new(LengthUnit::Millimetre, StressUnit::Megapascal));
     let MeshSource::Bodies(bodies) = &told.mesh else { panic!() };

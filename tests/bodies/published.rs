@@ -4,15 +4,15 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
-use stickslip::contact::{GapDirection, Obstacle, Place, Shape};
-use stickslip::description::{Action, Axis, Description};
-use stickslip::fem::{Material, Plane};
-use stickslip::formula::Formula;
-use stickslip::history::{LinearAlgebra, Method, SolverChoice, Status};
-use stickslip::laws::ContactStatus;
-use stickslip::mesh::MeshSource;
-use stickslip::model::Model;
+use stickslip::base::formula::Formula;
+use stickslip::body::contact::{GapDirection, Obstacle, Place, Shape};
+use stickslip::body::description::{Action, Axis, Description};
+use stickslip::body::fem::{Material, Plane};
+use stickslip::body::mesh::MeshSource;
+use stickslip::body::model::Model;
 use stickslip::run::{RecordedIncrement, Recording, Run};
+use stickslip::solver::history::{LinearAlgebra, Method, SolverChoice, Status};
+use stickslip::solver::laws::ContactStatus;
 
 use crate::common;
 use crate::common::rings::ring;

@@ -2,15 +2,15 @@
 //! The tables of doc/verification.md are what the last two tests print.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
-use stickslip::history::{LinearAlgebra, SolverChoice, Status};
-use stickslip::model::Model;
-use stickslip::report::{RunReport, WarningKind};
 use stickslip::run::Run;
+use stickslip::run::discretise;
+use stickslip::run::report::{RunReport, WarningKind};
 use stickslip::scene::Scene;
+use stickslip::solver::history::{LinearAlgebra, SolverChoice, Status};
 
 fn solved(text: &str) -> RunReport {
     let scene = Scene::parse("rubber.toml", text, &[]).unwrap();
-    let model = Model::new(&scene).unwrap();
+    let model = discretise(&scene).unwrap();
     let solver = SolverChoice { linear: Some(LinearAlgebra::condensed()), ..scene.solver };
     let report = Run::of(&model, scene.time.all(), solver).unwrap().solve(&mut ()).unwrap();
     assert_eq!(report.status, Status::Converged, "{}", report.explanation.reason);

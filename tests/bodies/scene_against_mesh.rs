@@ -4,7 +4,7 @@
 
 use crate::common::edit;
 use crate::common::faults::{BLOCK, InputError, line_at, line_of, verify};
-use stickslip::model::{Model, ModelError};
+use stickslip::run::discretise;
 use stickslip::scene::{Scene, SceneError};
 
 const AGAINST_THE_MESH: &[InputError] = &[
@@ -157,9 +157,9 @@ fn nodes_in_front_of_two_obstacles() {
         edit(&cube, BOTTOM, &format!("{bottom}\n[[contact]]\n{left}"))
     };
     // A wall at right angles to the foundation contradicts nothing.
-    assert!(Model::new(&scene(&two("gap = 0", "gap = 0"))).is_ok());
+    assert!(discretise(&scene(&two("gap = 0", "gap = 0"))).is_ok());
     // In front of the same normal they are one.
-    assert!(Model::new(&scene(&two("normal = [-1, 0, -1]", "normal = [-1, 0, -1]"))).is_ok());
+    assert!(discretise(&scene(&two("normal = [-1, 0, -1]", "normal = [-1, 0, -1]"))).is_ok());
     let text = two("normal = [1, 0, -1]", "normal = [-1, 0, 1]");
     let place = text.rfind("normal = [-1, 0, 1]").unwrap();
     let says = ["the node at (0, 0, 0) m of `left` lies in front of two obstacles", "opposite normals"];
@@ -189,8 +189,8 @@ fn refused(text: &str) -> SceneError {
         Ok(scene) => scene,
         Err(error) => return error,
     };
-    match Model::new(&scene) {
-        Err(ModelError::Scene(error)) => error,
+    match discretise(&scene) {
+        Err(stickslip::run::RunError::Scene(error)) => error,
         Err(error) => panic!("not the scene's fault: {error}"),
         Ok(_) => panic!("accepted:\n{text}"),
     }
@@ -199,7 +199,7 @@ fn refused(text: &str) -> SceneError {
 #[test]
 fn what_contradicts_the_mesh() {
     for (base, faults) in [(edit(BLOCK, "[100, 100]", "[1, 1]"), AGAINST_THE_MESH), (small_cube(), IN_SPACE)] {
-        assert!(Model::new(&scene(&base)).is_ok());
+        assert!(discretise(&scene(&base)).is_ok());
         for &(from, to, marker, says, remedy) in faults {
             let text = edit(&base, from, to);
             verify(&refused(&text), &text, line_of(&text, marker), says, remedy);

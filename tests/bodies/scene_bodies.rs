@@ -3,9 +3,9 @@
 #![allow(clippy::unwrap_used)]
 
 use miette::Diagnostic;
-use stickslip::fem::{Element, MaterialGroup, Plane};
-use stickslip::mesh::{Body, MeshSource};
-use stickslip::model::Model;
+use stickslip::body::fem::{Element, MaterialGroup, Plane};
+use stickslip::body::mesh::{Body, MeshSource};
+use stickslip::run::discretise;
 use stickslip::scene::Scene;
 
 use crate::common::edit;
@@ -92,7 +92,7 @@ fn bodies_become_one_mesh_and_their_materials_groups() {
     let groups = [group("lower", 210e9, 0.3, None), group("upper", 70e9, 0.25, Some(2700.0))];
     assert_eq!(description.material.groups, groups);
     assert_eq!((description.material.density, description.element), (None, Element::Bilinear));
-    let model = Model::new(&scene).unwrap();
+    let model = discretise(&scene).unwrap();
     let bodies = model.mesh.bodies();
     let stiff = model.materials()[0];
     for (law, body) in model.materials().iter().zip(bodies.of_cells()) {
@@ -272,17 +272,17 @@ fn what_the_model_refuses_is_told_at_its_place() {
     ];
     for &(from, to, marker, says, help) in cases {
         let text = edit(TWO, from, to);
-        let model = Model::new(&read(&text));
+        let model = discretise(&read(&text));
         if marker.is_empty() {
             assert!(model.is_ok(), "{to}");
             continue;
         }
-        let stickslip::model::ModelError::Scene(error) = model.unwrap_err() else { panic!("{to}") };
+        let stickslip::run::RunError::Scene(error) = model.unwrap_err() else { panic!("{to}") };
         verify(&error, &text, line_of(&text, marker), says, help);
     }
     // A point that two bodies have is of neither.
     let apart = edit(TWO, "at = [0.1, 0.7]", "at = [0.125, 0.50000001]");
     let point = edit(&apart, "[time]", "[[load]]\npoint = [0.125, 0.5]\nforce = [0, 1]\n[time]");
-    let stickslip::model::ModelError::Scene(error) = Model::new(&read(&point)).unwrap_err() else { panic!() };
+    let stickslip::run::RunError::Scene(error) = discretise(&read(&point)).unwrap_err() else { panic!() };
     verify(&error, &point, line_of(&point, "point ="), &["`lower` and `upper` both have a node at"], "boundary");
 }

@@ -1,7 +1,7 @@
 //! Supports, springs and loads that cannot be, each told with file, line and cure.
 #![allow(clippy::unwrap_used)]
 
-use stickslip::model::{Model, ModelError};
+use stickslip::run::discretise;
 use stickslip::scene::Scene;
 
 use crate::common::edit;
@@ -107,7 +107,7 @@ fn supports_springs_and_loads_that_cannot_be() {
     for &(from, to, marker, says, remedy) in BUILT {
         let text = edit(&edit(BLOCK, "[100, 100]", "[4, 4]"), from, to);
         let scene = Scene::parse("scene.toml", &text, &[]).unwrap();
-        let Err(ModelError::Scene(error)) = Model::new(&scene) else { panic!("{to}") };
+        let Err(stickslip::run::RunError::Scene(error)) = discretise(&scene) else { panic!("{to}") };
         verify(&error, &text, line_of(&text, marker), says, remedy);
     }
 }
@@ -117,5 +117,5 @@ fn supports_springs_and_loads_that_cannot_be() {
 fn a_displacement_of_nothing_may_have_a_history() {
     let moved = BLOCK.replacen(FIX, "fix = [\"x\", \"y\"]\ndisplacement = [0, 0]\nhistory = [[0, 0], [1, 1]]", 1);
     assert_ne!(moved, BLOCK);
-    Model::new(&Scene::parse("scene.toml", &moved, &[]).unwrap()).unwrap();
+    discretise(&Scene::parse("scene.toml", &moved, &[]).unwrap()).unwrap();
 }

@@ -4,9 +4,9 @@
 
 use crate::common::faults::{BLOCK, InputError, line_of, located, verify, verify_all};
 use crate::common::{block, edit};
-use stickslip::description::Probe;
-use stickslip::model::Model;
+use stickslip::body::description::Probe;
 use stickslip::run::Run;
+use stickslip::run::discretise;
 use stickslip::scene::Scene;
 
 const OUTPUT: &[InputError] = &[
@@ -80,9 +80,9 @@ fn probes_lie_in_the_body() {
         assert!(help.contains(remedy), "{help}");
     }
     // The same from Rust, by the key.
-    let model = Model::new(&block(&["mesh.elements=[4,4]"])).unwrap();
+    let model = discretise(&block(&["mesh.elements=[4,4]"])).unwrap();
     let probes = [Probe::at("in", [0.5, 0.5]), Probe::along("out", [0.5, 0.5], [0.5, 1.5], 4)];
-    let fault = stickslip::report::ProbeTable::all(&model, &probes).unwrap_err();
+    let fault = stickslip::run::report::ProbeTable::all(&model, &probes).unwrap_err();
     assert_eq!(fault.key, "output.probe[1].to");
     let fault = Probe::check(&[Probe::along("many", [0.0, 0.0], [1.0, 0.0], 1)]).unwrap_err();
     assert_eq!(fault.key, "output.probe[0].points");

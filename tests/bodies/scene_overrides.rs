@@ -4,10 +4,10 @@
 #![allow(clippy::unwrap_used, clippy::float_cmp)]
 
 use miette::Diagnostic;
-use stickslip::contact::{Friction, Obstacle, Shape};
-use stickslip::description::Load;
-use stickslip::fem::Plane;
-use stickslip::mesh::{CellKind, MeshSource, Segment};
+use stickslip::body::contact::{Friction, Obstacle, Shape};
+use stickslip::body::description::Load;
+use stickslip::body::fem::Plane;
+use stickslip::body::mesh::{CellKind, MeshSource, Segment};
 use stickslip::scene::{Override, Scene, SceneError};
 
 const BLOCK: &str = include_str!("../../data/scenes/block.toml");

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-use stickslip::model::{Model, ModelError};
+use stickslip::run::discretise;
 use stickslip::scene::Scene;
 
 use crate::common::edit;
@@ -61,7 +61,9 @@ fn what_the_meshes_tell_is_told_at_its_place() {
         let text = edit(TWO_BLOCKS, from, to);
         let text =
             if says == "inside each other" { edit(&text, FRICTION, "friction = 0.2\nsearch = 0.3\n") } else { text };
-        let ModelError::Scene(error) = Model::new(&Scene::parse("scene.toml", &text, &[]).unwrap()).unwrap_err() else {
+        let stickslip::run::RunError::Scene(error) =
+            discretise(&Scene::parse("scene.toml", &text, &[]).unwrap()).unwrap_err()
+        else {
             panic!("{to}")
         };
         verify(&error, &text, line_of(&text, marker), &[says], help);

@@ -8,14 +8,17 @@ mod tables;
 
 use crate::common::{Keep, difference};
 use std::ops::ControlFlow;
-use stickslip::contact::ContactNode;
-use stickslip::history::{HistoryOutcome, IncrementView, LinearAlgebra, Method, Observer, SolverChoice, Status};
-use stickslip::linear::{SparseCholesky, SparseLu};
-use stickslip::model::Model;
-use stickslip::problem::State;
-use stickslip::report::ContactLine;
+use stickslip::algebra::linear::{SparseCholesky, SparseLu};
+use stickslip::body::contact::ContactNode;
+use stickslip::body::model::Model;
 use stickslip::run::Run;
+use stickslip::run::discretise;
+use stickslip::run::report::ContactLine;
 use stickslip::scene::Scene;
+use stickslip::solver::history::{
+    HistoryOutcome, IncrementView, LinearAlgebra, Method, Observer, SolverChoice, Status,
+};
+use stickslip::solver::problem::State;
 
 /// A block of the given cells on its base under a formula of the gap on its top; `more` are further tables.
 pub(super) fn pressed(cells: &str, elements: &str, friction: f64, formula: &str, more: &str) -> Scene {
@@ -65,7 +68,7 @@ fn parabolas_on_squares_and_cubes() {
         ("tetrahedron10", "[2, 2, 2]", space, 0.3, [1.208_377_641_0e-2, 1.548_289_953_8e-3]),
     ] {
         let scene = pressed(cells, elements, mu, formula, "");
-        let model = Model::new(&scene).unwrap();
+        let model = discretise(&scene).unwrap();
         let found = sums(&solve(&model, &[1.0], SolverChoice::default(), &mut ()).state);
         for (found, expected) in found.into_iter().zip(expected) {
             assert!((found - expected).abs() <= 2e-10 * expected.abs(), "{cells} {mu}: {found:.10e} {expected:.10e}");
@@ -87,11 +90,11 @@ pub(super) fn pushed(cells: &str, elements: &str) -> (Scene, Model, Vec<f64>) {
     // Springs hold it, and contact does.
     scene.description.supports.clear();
     let axes = if cells == "triangle6" { vec![0.02; 2] } else { vec![0.02; 3] };
-    scene.description.springs.push(stickslip::description::Bed::Axes {
-        at: stickslip::description::Where::Boundary("bottom".into()),
+    scene.description.springs.push(stickslip::body::description::Bed::Axes {
+        at: stickslip::body::description::Where::Boundary("bottom".into()),
         stiffness: axes,
     });
-    let times = stickslip::timeline::equal_increments(3.0, 6);
+    let times = stickslip::base::timeline::equal_increments(3.0, 6);
     scene.description.times.clone_from(&times);
     let model = Model::build(&scene.description).unwrap();
     (scene, model, times)
@@ -179,7 +182,7 @@ fn a_block_in_a_corner() {
              [time]\nend = 1.0\nincrements = 1\n"
         );
         let scene = Scene::parse("corner.toml", &text, &[]).unwrap();
-        let model = Model::new(&scene).unwrap();
+        let model = discretise(&scene).unwrap();
         let shared = |contact: &ContactNode| contact.position[0] == 1.0 && contact.position[d - 1] == 0.0;
         let edge: Vec<&ContactNode> = model.contacts.iter().filter(|contact| shared(contact)).collect();
         assert_eq!(edge.len(), if d == 2 { 2 } else { 10 });

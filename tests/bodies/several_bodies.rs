@@ -2,15 +2,16 @@
 
 #![allow(clippy::unwrap_used)]
 
-use stickslip::description::{Axis, Description};
-use stickslip::fem::{
+use stickslip::base::units::UnitSystem;
+use stickslip::body::description::{Axis, Description};
+use stickslip::body::fem::{
     Dofs, Elasticity, Element, Material, RigidMotion, Tie, assemble, overlaps, rigid_motions, unresisted_motions,
 };
-use stickslip::history::{HistoryOutcome, Status};
-use stickslip::mesh::{Body, CellKind, Mesh, MeshSource, block};
-use stickslip::model::Model;
+use stickslip::body::mesh::{Body, CellKind, Mesh, MeshSource, block};
+use stickslip::body::model::Model;
+use stickslip::run::discretise;
 use stickslip::scene::Scene;
-use stickslip::units::UnitSystem;
+use stickslip::solver::history::{HistoryOutcome, Status};
 
 use super::scene_bodies::TWO;
 use crate::common::{self, edit};
@@ -149,7 +150,7 @@ fn tied_bodies_move_together() {
 }
 
 fn solve(scene: &Scene) -> (Model, HistoryOutcome) {
-    let model = Model::new(scene).unwrap();
+    let model = discretise(scene).unwrap();
     let outcome = common::run(scene, &model, &mut ());
     assert_eq!(outcome.status, Status::Converged);
     (model, outcome)
@@ -209,7 +210,7 @@ fn verdicts_name_the_body() {
     let unheld = edit(TWO, "[[support]]\nboundary = \"upper:left\"\nfix = [\"x\"]\n", "");
     let pulled = edit(&unheld, "traction = [1e6, -2e7]", "traction = [0, 2e7]");
     let scene = Scene::parse("two.toml", &pulled, &[]).unwrap();
-    let model = Model::new(&scene).unwrap();
+    let model = discretise(&scene).unwrap();
     assert_eq!(model.rigid_motions.len(), 4);
     let report = stickslip::run::Run::new(&scene).unwrap().solve(&mut ()).unwrap();
     assert_eq!(report.status, Status::NoEquilibrium);

@@ -2,12 +2,12 @@
 
 #![allow(clippy::unwrap_used)]
 
-use stickslip::history::{self, Error, HistorySettings, LinearAlgebra, Method, Status, Stepper};
-use stickslip::loading::{LoadCase, Loading};
-use stickslip::model::Model;
-use stickslip::problem::ContactProblem;
+use stickslip::body::model::Model;
 use stickslip::run::{Recording, discretise};
 use stickslip::scene::Scene;
+use stickslip::solver::history::{self, Error, HistorySettings, LinearAlgebra, Method, Status, Stepper};
+use stickslip::solver::loading::{LoadCase, Loading};
+use stickslip::solver::problem::ContactProblem;
 
 const BLOCK: &str = include_str!("../../data/scenes/block.toml");
 

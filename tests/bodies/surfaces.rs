@@ -6,10 +6,11 @@ use std::fmt::Write as _;
 
 use crate::common::scratch::Scratch;
 use crate::common::{Keep, run};
-use stickslip::history::Status;
-use stickslip::model::Model;
-use stickslip::problem::State;
+use stickslip::body::model::Model;
+use stickslip::run::discretise;
 use stickslip::scene::Scene;
+use stickslip::solver::history::Status;
+use stickslip::solver::problem::State;
 
 pub type Triangle = [[f64; 3]; 3];
 
@@ -77,7 +78,7 @@ fn slab(obstacle: &str) -> String {
 
 fn solved(text: &str) -> (Model, Vec<State>) {
     let scene = Scene::parse("slab.toml", text, &[]).unwrap();
-    let (model, mut keep) = (Model::new(&scene).unwrap(), Keep::default());
+    let (model, mut keep) = (discretise(&scene).unwrap(), Keep::default());
     assert_eq!(run(&scene, &model, &mut keep).status, Status::Converged);
     (model, keep.states)
 }
@@ -136,7 +137,7 @@ fn a_sheet_smaller_than_the_face() {
     let sheet = |from: f64| Scratch::new("sheet.stl", ascii(&cylinder(200, from, 0.2)).as_bytes());
     let nodes = |direction: &str, file: &Scratch| {
         let scene = slab(&format!("kind = \"surface\", file = \"{}\", direction = \"{direction}\"", file.path()));
-        Model::new(&Scene::parse("slab.toml", &scene, &[]).unwrap()).unwrap().contacts.len()
+        discretise(&Scene::parse("slab.toml", &scene, &[]).unwrap()).unwrap().contacts.len()
     };
     let (whole, part) = (sheet(0.0), 3 * 17);
     assert_eq!([nodes("normal", &whole), nodes("nearest", &whole)], [part; 2]);
@@ -148,6 +149,6 @@ fn a_sheet_smaller_than_the_face() {
         $EndNodes\n$Elements\n2 3 1 3\n2 1 3 1\n1 1 2 5 6\n2 1 2 2\n2 2 3 4\n3 2 4 5\n$EndElements\n";
     let square = Scratch::new("square.msh", square.as_bytes());
     let scene = slab(&format!("kind = \"surface\", file = \"{}\"", square.path()));
-    let model = Model::new(&Scene::parse("slab.toml", &scene, &[]).unwrap()).unwrap();
+    let model = discretise(&Scene::parse("slab.toml", &scene, &[]).unwrap()).unwrap();
     assert!(model.contacts.len() == part && model.contacts.iter().all(|contact| contact.facing.gap == 0.125));
 }

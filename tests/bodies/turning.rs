@@ -6,14 +6,14 @@ use std::f64::consts::PI;
 
 use crate::common::faults::{line_of, verify};
 use crate::common::scratch::Scratch;
-use stickslip::contact::{Facing, Obstacle, ObstacleMotion, Place, PlacedObstacle, Rotation, Shape};
-use stickslip::formula::Formula;
-use stickslip::history::Status;
-use stickslip::mesh::{Mesh, block};
-use stickslip::model::{Model, ModelError};
-use stickslip::report::{Warning, WarningKind};
+use stickslip::base::formula::Formula;
+use stickslip::body::contact::{Facing, Obstacle, ObstacleMotion, Place, PlacedObstacle, Rotation, Shape};
+use stickslip::body::mesh::{Mesh, block};
 use stickslip::run::Run;
+use stickslip::run::discretise;
+use stickslip::run::report::{Warning, WarningKind};
 use stickslip::scene::Scene;
+use stickslip::solver::history::Status;
 
 /// The gaps of the bottom of `mesh` at t = 1 s, in front of a `shape` that turns by `angle` until then about `axis` through a point.
 fn turned(mesh: &Mesh, shape: Shape, (axis, through): ([f64; 3], [f64; 3]), angle: f64) -> Vec<f64> {
@@ -142,7 +142,8 @@ fn a_back_that_covers_the_body_is_refused() {
     ] {
         let motion = format!("motion.rotation = {{ through = [1.2, -0.01], history = [[0, 0], [1, {sense}]] }}");
         let text = scene(&format!("{shape}, {motion}"));
-        let Err(ModelError::Scene(error)) = Model::new(&Scene::parse("scene.toml", &text, &[]).unwrap()) else {
+        let Err(stickslip::run::RunError::Scene(error)) = discretise(&Scene::parse("scene.toml", &text, &[]).unwrap())
+        else {
             panic!("accepted: {text}")
         };
         let says = format!("turns its back to the body and covers the contact node at ({place}, 0) m at t = {time} s");
@@ -153,7 +154,7 @@ fn a_back_that_covers_the_body_is_refused() {
 /// The warnings of a scene's run.
 fn warnings(text: &str) -> Vec<Warning> {
     let scene = Scene::parse("scene.toml", text, &[]).unwrap();
-    let model = Model::new(&scene).unwrap();
+    let model = discretise(&scene).unwrap();
     Run::of(&model, scene.time.all(), scene.solver).unwrap().solve(&mut ()).unwrap().warnings
 }
 
@@ -225,7 +226,7 @@ fn gaps_of_nodes_under_the_side_keep_their_digits() {
     let moves = "motion.translation = [[0, 0, 0], [1, 0.6, 0]]";
     for side in [0.1, 0.1 - 1e-16, 0.1 - 1e-13, 0.1 - 1e-10, 0.1 - 1e-7] {
         let text = scene(&format!("kind = \"cylinder\", radius = 0.1, apex = [{}, 1e-4], {moves}", 0.5 - side));
-        let model = Model::new(&Scene::parse("scene.toml", &text, &[]).unwrap()).unwrap();
+        let model = discretise(&Scene::parse("scene.toml", &text, &[]).unwrap()).unwrap();
         let node = model.contacts.iter().position(|contact| (contact.position[0] - 0.5).abs() < 1e-9).unwrap();
         for k in 1..=3 {
             let t = 0.1 * f64::from(k);
@@ -262,7 +263,7 @@ fn planes_that_stand_upright() {
     let upright = |through: &str, sense: &str| {
         let angle = std::f64::consts::FRAC_PI_2;
         let turns = format!("motion.rotation = {{ through = {through}, history = [[0, 0], [1, {sense}{angle}]] }}");
-        Model::new(&Scene::parse("scene.toml", &scene(&format!("kind = \"plane\", gap = 1e-3, {turns}")), &[]).unwrap())
+        discretise(&Scene::parse("scene.toml", &scene(&format!("kind = \"plane\", gap = 1e-3, {turns}")), &[]).unwrap())
     };
     let found = ["", "-"].map(|sense| upright("[-0.5, 0.0]", sense).map(|_| ()).map_err(|error| error.to_string()));
     let refused: Vec<&String> = found.iter().filter_map(|found| found.as_ref().err()).collect();

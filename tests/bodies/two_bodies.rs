@@ -13,7 +13,6 @@ mod patch;
 mod random;
 mod roller;
 mod shrink;
-mod space;
 mod spheres;
 mod stack;
 mod stick;

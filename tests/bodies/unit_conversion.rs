@@ -3,10 +3,10 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common::edit;
-use stickslip::description::Description;
-use stickslip::model::Model;
+use stickslip::base::units::{LengthUnit, StressUnit, Units};
+use stickslip::body::description::Description;
+use stickslip::run::discretise;
 use stickslip::scene::Scene;
-use stickslip::units::{LengthUnit, StressUnit, Units};
 
 fn scene(text: &str) -> Scene {
     Scene::parse("scene.toml", text, &[]).unwrap()
@@ -165,7 +165,7 @@ fn every_number_of_a_plane_scene_is_converted() {
     assert_same(&inches.description, &si.description);
     assert_eq!(inches.description.units, Units::new(LengthUnit::Inch, StressUnit::Ksi));
     assert_eq!(si.description.units, Units::SI);
-    Model::new(&inches).unwrap();
+    discretise(&inches).unwrap();
 }
 
 const SPACE: &str = r#"

@@ -9,17 +9,17 @@ use crate::common::rings::ring;
 use crate::common::scratch::Scratch;
 use crate::estimates::solved;
 use crate::surfaces::{Triangle, ascii};
-use stickslip::contact::{GapDirection, Obstacle, Place, Shape};
-use stickslip::description::{Axis, Description};
-use stickslip::fem::Material;
-use stickslip::formula::Formula;
-use stickslip::history::{Method, SolverChoice};
-use stickslip::mesh::{Mesh, MeshSource, block};
-use stickslip::model::Model;
-use stickslip::problem::State;
-use stickslip::report::{RunReport, Warning, WarningKind};
+use stickslip::algebra::vector::Vector;
+use stickslip::base::formula::Formula;
+use stickslip::body::contact::{GapDirection, Obstacle, Place, Shape};
+use stickslip::body::description::{Axis, Description};
+use stickslip::body::fem::Material;
+use stickslip::body::mesh::{Mesh, MeshSource, block};
+use stickslip::body::model::Model;
+use stickslip::run::report::{RunReport, Warning, WarningKind};
 use stickslip::run::{Recording, Run};
-use stickslip::vector::Vector;
+use stickslip::solver::history::{Method, SolverChoice};
+use stickslip::solver::problem::State;
 
 const TIMES: [f64; 8] = [0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0];
 

@@ -10,21 +10,22 @@ use crate::common::Keep;
 use crate::common::convergence::{self, order};
 use crate::common::hertz::Hertz;
 use std::ops::ControlFlow;
-use stickslip::fem::{Dofs, assemble};
-use stickslip::history::{
+use stickslip::body::fem::{Dofs, assemble};
+use stickslip::body::model::Model;
+use stickslip::run::discretise;
+use stickslip::run::report::Resultant;
+use stickslip::scene::Scene;
+use stickslip::solver::history::{
     self, HistoryOutcome, HistorySettings, IncrementView, LinearAlgebra, Method, Observer, Status, SystemSolver,
 };
-use stickslip::laws::ContactStatus;
-use stickslip::model::Model;
-use stickslip::report::Resultant;
-use stickslip::scene::Scene;
+use stickslip::solver::laws::ContactStatus;
 
 const YOUNG: f64 = 210e9;
 const RADIUS: f64 = 100.0;
 
 fn solve(name: &str, overrides: &[&str], observer: &mut dyn Observer) -> (Model, HistoryOutcome) {
     let scene = common::scene(name, overrides);
-    let model = Model::new(&scene).unwrap();
+    let model = discretise(&scene).unwrap();
     let outcome = common::run_default(&scene, &model, observer);
     assert_eq!(outcome.status, Status::Converged, "{name} {overrides:?}: {:?}", outcome.records.last());
     (model, outcome)
@@ -82,7 +83,7 @@ fn indenting_wedge(elements: usize) -> [f64; 2] {
     let text = text.replace(cylinder, &format!("kind = \"wedge\"\nangle = {}", slope.atan()));
     let mesh = [("contact_elements", elements), ("outer_elements", elements), ("layers", 4 + elements / 2)];
     let mesh = mesh.map(|(key, value)| format!("mesh.{key}={value}").parse().unwrap());
-    let model = Model::new(&Scene::parse("wedge.toml", &text, &mesh).unwrap()).unwrap();
+    let model = discretise(&Scene::parse("wedge.toml", &text, &mesh).unwrap()).unwrap();
     let settings = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap().until(100, 1e-10);
     let linear = SystemSolver::from(LinearAlgebra::condensed());
     let outcome = history::run(&model.problem, &model.loading, &[1.0], &settings, linear, &mut ()).unwrap();
@@ -135,7 +136,7 @@ fn indenting_cone(n: usize) -> [f64; 2] {
     let text = text.replace(approach, "[1, 1.57e-4]");
     let elements = format!("mesh.elements=[[{n},{n}],[{n},{n}],{}]", 3 * n / 2).parse().unwrap();
     let scene = Scene::parse("cone.toml", &text, &[elements]).unwrap();
-    let model = Model::new(&scene).unwrap();
+    let model = discretise(&scene).unwrap();
     let outcome = common::run_default(&scene, &model, &mut ());
     assert_eq!(outcome.status, Status::Converged);
     let p_n = &outcome.state.p_n;

@@ -5,31 +5,33 @@ pub mod convergence;
 pub mod faults;
 pub mod hertz;
 pub mod pairs;
-#[cfg(feature = "cli")]
-pub mod program;
 pub mod random;
 pub mod rings;
 pub mod round;
 pub mod scratch;
 pub mod vtu;
-#[cfg(feature = "cli")]
-pub mod whole;
 
 use std::io::Write;
 use std::ops::ControlFlow;
 
-use stickslip::history::{HistoryOutcome, LinearAlgebra, Method, Observer, SolverChoice};
-use stickslip::linear::RefinedSolver;
-use stickslip::model::Model;
-use stickslip::problem::{ContactProblem, Increment, Parts, State};
+use stickslip::algebra::linear::RefinedSolver;
+use stickslip::algebra::sparse::{Csc, Symmetric, SystemMatrix};
+use stickslip::body::model::Model;
 use stickslip::run::Run;
 use stickslip::scene::Scene;
-use stickslip::sparse::{Csc, Symmetric, SystemMatrix};
+use stickslip::solver::history::{HistoryOutcome, LinearAlgebra, Method, Observer, SolverChoice};
+use stickslip::solver::problem::{ContactProblem, Increment, Parts, State};
 
 /// Says that the running test has tested nothing, and why; standard output would be hidden.
 pub fn skipped(why: &str) {
     let thread = std::thread::current();
     let _ = writeln!(std::io::stderr(), "skipped: {}: {why}", thread.name().unwrap_or_default());
+}
+
+/// The folder of the repository: the package that is tested is in it, or is it.
+pub fn root() -> &'static std::path::Path {
+    let package = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    package.ancestors().find(|folder| folder.join("data/scenes").is_dir()).unwrap()
 }
 
 /// The paper's block with overrides.
@@ -58,7 +60,7 @@ pub fn run(scene: &Scene, model: &Model, observer: &mut dyn Observer) -> History
 
 /// A scene of data/scenes with overrides.
 pub fn scene(name: &str, overrides: &[&str]) -> Scene {
-    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("data/scenes").join(name);
+    let path = root().join("data/scenes").join(name);
     let overrides: Vec<_> = overrides.iter().map(|text| text.parse().unwrap()).collect();
     Scene::read(&path, &overrides).unwrap()
 }
@@ -114,7 +116,7 @@ impl Keep {
 }
 
 impl Observer for Keep {
-    fn increment(&mut self, step: &stickslip::history::IncrementView<'_>) -> ControlFlow<()> {
+    fn increment(&mut self, step: &stickslip::solver::history::IncrementView<'_>) -> ControlFlow<()> {
         self.states.push(step.state.clone());
         self.forces.push(step.increment.force.to_vec());
         self.mu.push(step.increment.mu.to_vec());

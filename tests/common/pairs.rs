@@ -1,13 +1,13 @@
 //! Two blocks, one on the other.
 
-use stickslip::description::{Axis, Description, Load};
-use stickslip::fem::{Material, MaterialGroup};
-use stickslip::history::{HistoryOutcome, LinearAlgebra, Method, SolverChoice, Status};
-use stickslip::mesh::{Body, MeshSource};
-use stickslip::model::Model;
+use stickslip::algebra::vector::Vector;
+use stickslip::base::timeline::equal_increments;
+use stickslip::body::description::{Axis, Description, Load};
+use stickslip::body::fem::{Material, MaterialGroup};
+use stickslip::body::mesh::{Body, MeshSource};
+use stickslip::body::model::Model;
 use stickslip::run::Run;
-use stickslip::timeline::equal_increments;
-use stickslip::vector::Vector;
+use stickslip::solver::history::{HistoryOutcome, LinearAlgebra, Method, SolverChoice, Status};
 
 /// Which of two bodies is the slave.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -56,7 +56,11 @@ pub fn solver(method: Method, linear: LinearAlgebra) -> SolverChoice {
 }
 
 /// The history of `model`, and its end, which is converged.
-pub fn solved(model: &Model, solver: SolverChoice, observer: &mut dyn stickslip::history::Observer) -> HistoryOutcome {
+pub fn solved(
+    model: &Model,
+    solver: SolverChoice,
+    observer: &mut dyn stickslip::solver::history::Observer,
+) -> HistoryOutcome {
     let outcome = Run::of(model, model.times().to_vec(), solver).unwrap().history(observer).unwrap();
     assert_eq!(outcome.status, Status::Converged, "{solver:?}");
     outcome

@@ -1,8 +1,8 @@
 //! Random contact problems in three dimensions, without a mesh.
 
-use stickslip::loading::{LoadCase, Loading};
-use stickslip::problem::{ContactProblem, Parts};
-use stickslip::sparse::{Csr, Symmetric};
+use stickslip::algebra::sparse::{Csr, Symmetric};
+use stickslip::solver::loading::{LoadCase, Loading};
+use stickslip::solver::problem::{ContactProblem, Parts};
 
 /// Splitmix64, in [0, 1).
 pub struct Random(pub u64);

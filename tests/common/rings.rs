@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use stickslip::mesh::{Boundary, Cell, CellKind, Mesh};
+use stickslip::body::mesh::{Boundary, Cell, CellKind, Mesh};
 
 /// A quarter of a ring between the radii `a` and `b`, with `n` elements along each.
 pub fn ring(a: f64, b: f64, n: usize) -> Mesh {

@@ -1,7 +1,7 @@
 //! Bodies with a round end, finer where they touch another.
 
 use super::pairs::Side;
-use stickslip::mesh::{Mesh, block};
+use stickslip::body::mesh::{Mesh, block};
 
 /// `n` equal lengths up to `fine`, then lengths in geometric progression by `ratio` up to `end`: the first of those is as near to
 /// theirs as their number allows.

@@ -2,18 +2,18 @@
 #![allow(clippy::unwrap_used)]
 
 use std::ops::ControlFlow;
-use stickslip::history::{
+use stickslip::algebra::linear::RefinedSolver;
+use stickslip::algebra::sparse::{Csc, Csr, MatrixError, Symmetric};
+use stickslip::base::units::Scaling;
+use stickslip::solver::history::{
     self, HistorySettings, IncrementView, LinearAlgebra, Method, Observer, Start, Status, SystemSolver,
 };
-use stickslip::laws::{KktErrors, KktScales, statuses};
-use stickslip::linear::RefinedSolver;
-use stickslip::loading::{GapCorrection, LoadCase, Loading, Motion};
-use stickslip::nonlinear::LinearSystem;
-use stickslip::problem::{ContactProblem, Increment, Parts, State};
-use stickslip::solvability::rigid_equilibrium;
-use stickslip::sparse::{Csc, Csr, MatrixError, Symmetric};
-use stickslip::uniqueness::critical_friction;
-use stickslip::units::Scaling;
+use stickslip::solver::laws::{KktErrors, KktScales, statuses};
+use stickslip::solver::loading::{GapCorrection, LoadCase, Loading, Motion};
+use stickslip::solver::newton::LinearSystem;
+use stickslip::solver::problem::{ContactProblem, Increment, Parts, State};
+use stickslip::solver::solvability::rigid_equilibrium;
+use stickslip::solver::uniqueness::critical_friction;
 
 /// A node on two springs, pressed on a floor and pushed along it.
 fn parts() -> Parts {

@@ -3,9 +3,10 @@
 
 use crate::common;
 use crate::common::{Keep, difference};
-use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, SystemSolver};
-use stickslip::model::Model;
+use stickslip::body::model::Model;
+use stickslip::run::discretise;
 use stickslip::scene::Scene;
+use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, SystemSolver};
 
 const PUNCH: &str = include_str!("../../data/scenes/punch.toml");
 
@@ -16,7 +17,7 @@ struct History {
 }
 
 fn history(name: &str, scene: &Scene) -> History {
-    History { name: name.to_string(), model: Model::new(scene).unwrap(), times: scene.time.all() }
+    History { name: name.to_string(), model: discretise(scene).unwrap(), times: scene.time.all() }
 }
 
 fn histories() -> Vec<History> {

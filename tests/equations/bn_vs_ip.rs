@@ -3,24 +3,27 @@
 
 use crate::common;
 use crate::common::{Keep, difference};
-use stickslip::formulation::NewtonSystem;
-use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Start, Status, SystemSolver};
-use stickslip::model::Model;
-use stickslip::problem::State;
+use stickslip::body::model::Model;
+use stickslip::run::discretise;
 use stickslip::scene::Scene;
+use stickslip::solver::formulation::NewtonSystem;
+use stickslip::solver::history::{
+    self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Start, Status, SystemSolver,
+};
+use stickslip::solver::problem::State;
 
 fn block(n: usize, mu: f64, increments: usize) -> (Model, Vec<f64>) {
     let overrides =
         [format!("mesh.elements=[{n},{n}]"), format!("contact.friction={mu}"), format!("time.increments={increments}")];
     let overrides: Vec<&str> = overrides.iter().map(String::as_str).collect();
     let scene = common::block(&overrides);
-    (Model::new(&scene).unwrap(), scene.time.all())
+    (discretise(&scene).unwrap(), scene.time.all())
 }
 
 fn punch(increments: usize) -> (Model, Vec<f64>) {
     let overrides = [format!("time.increments={increments}").parse().unwrap()];
     let scene = Scene::parse("punch.toml", include_str!("../../data/scenes/punch.toml"), &overrides).unwrap();
-    (Model::new(&scene).unwrap(), scene.time.all())
+    (discretise(&scene).unwrap(), scene.time.all())
 }
 
 /// The states at the end of all increments, which have to converge.

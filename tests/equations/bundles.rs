@@ -3,13 +3,14 @@
 
 use crate::common::difference;
 use std::ops::ControlFlow;
-use stickslip::history::{
+use stickslip::body::model::Model;
+use stickslip::run::discretise;
+use stickslip::scene::Scene;
+use stickslip::solver::history::{
     self, HistoryOutcome, HistorySettings, IncrementRecord, IncrementView, LinearAlgebra, Method, Observer, Status,
 };
-use stickslip::model::Model;
-use stickslip::nonlinear::IterationRecord;
-use stickslip::problem::State;
-use stickslip::scene::Scene;
+use stickslip::solver::newton::IterationRecord;
+use stickslip::solver::problem::State;
 
 const BLOCK: &str = include_str!("../../data/scenes/block.toml");
 
@@ -52,7 +53,7 @@ impl Observer for Watched {
 fn scene(text: &str, overrides: &[&str]) -> (Scene, Model) {
     let overrides: Vec<_> = overrides.iter().map(|text| text.parse().unwrap()).collect();
     let scene = Scene::parse("scene.toml", text, &overrides).unwrap();
-    let model = Model::new(&scene).unwrap();
+    let model = discretise(&scene).unwrap();
     (scene, model)
 }
 

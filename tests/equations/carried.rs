@@ -4,16 +4,17 @@
 
 use crate::neutral::{agreed, solve};
 use std::ops::ControlFlow;
-use stickslip::history::{self, HistorySettings, IncrementView, LinearAlgebra, Method, Observer, Status};
-use stickslip::laws::KktErrors;
-use stickslip::model::Model;
-use stickslip::report::Resultant;
+use stickslip::body::model::Model;
+use stickslip::run::discretise;
+use stickslip::run::report::Resultant;
 use stickslip::scene::Scene;
+use stickslip::solver::history::{self, HistorySettings, IncrementView, LinearAlgebra, Method, Observer, Status};
+use stickslip::solver::laws::KktErrors;
 
 const METHODS: [Method; 2] = [Method::BN, Method::IP];
 
 fn model(text: &str) -> Model {
-    Model::new(&Scene::parse("carried.toml", text, &[]).unwrap()).unwrap()
+    discretise(&Scene::parse("carried.toml", text, &[]).unwrap()).unwrap()
 }
 
 /// A steel block of 10 mm at a distance from a floor and a wall, pressed against both.
@@ -62,7 +63,7 @@ fn a_body_that_was_carried_is_in_equilibrium() {
     struct Measured<'a>(&'a Model, Vec<(KktErrors, f64)>);
     impl Observer for Measured<'_> {
         fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
-            let scales = stickslip::laws::KktScales::new(&self.0.problem, step.increment, step.state);
+            let scales = stickslip::solver::laws::KktScales::new(&self.0.problem, step.increment, step.state);
             let errors = KktErrors::measure(&self.0.problem, step.increment, step.state, &scales).unwrap();
             let least = step.increment.gap.iter().fold(f64::INFINITY, |least, gap| least.min(*gap));
             self.1.push((errors, least));

@@ -4,8 +4,8 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common::random::draw;
-use stickslip::linear::{Cholesky, LinearError};
-use stickslip::sparse::{Csc, Symmetric};
+use stickslip::algebra::linear::{Cholesky, LinearError};
+use stickslip::algebra::sparse::{Csc, Symmetric};
 
 type Factor = fn(&Symmetric, &[usize]) -> Result<Cholesky, LinearError>;
 
@@ -256,8 +256,8 @@ fn the_default_of_this_build() {
 #[cfg(feature = "faer")]
 #[test]
 fn any_number_of_threads() {
-    use stickslip::linear::{FaerLu, RefinedSolver};
-    use stickslip::sparse::SystemMatrix;
+    use stickslip::algebra::linear::{FaerLu, RefinedSolver};
+    use stickslip::algebra::sparse::SystemMatrix;
 
     let n = 1000;
     let entry = |i: usize, j: usize| if i == j { 4.0 } else { (0.3 * (i * j) as f64).sin() / (i - j) as f64 };

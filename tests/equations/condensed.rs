@@ -3,19 +3,20 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common::Keep;
-use stickslip::condense::Condensed;
-use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, SystemSolver};
-use stickslip::linear::{LinearError, SparseCholesky};
-use stickslip::model::Model;
-use stickslip::problem::State;
+use stickslip::algebra::linear::{LinearError, SparseCholesky};
+use stickslip::body::model::Model;
+use stickslip::run::discretise;
 use stickslip::scene::Scene;
+use stickslip::solver::condensation::Condensed;
+use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, SystemSolver};
+use stickslip::solver::problem::State;
 
 const BLOCK: &str = include_str!("../../data/scenes/block.toml");
 const SUPPORT: &str = "[[support]]\nboundary = \"left\"\nfix = [\"x\", \"y\"]\n";
 
 fn model(text: &str, overrides: &[&str]) -> Model {
     let overrides: Vec<_> = overrides.iter().map(|text| text.parse().unwrap()).collect();
-    Model::new(&Scene::parse("scene.toml", text, &overrides).unwrap()).unwrap()
+    discretise(&Scene::parse("scene.toml", text, &overrides).unwrap()).unwrap()
 }
 
 fn run(model: &Model, times: &[f64], backend: LinearAlgebra) -> (HistoryOutcome, Keep) {
@@ -62,7 +63,7 @@ fn the_way_back_keeps_equilibrium() {
 fn a_body_that_only_contact_holds() {
     let text = include_str!("../../data/scenes/held_by_contact.toml");
     let scene = Scene::parse("held_by_contact.toml", text, &[]).unwrap();
-    let model = Model::new(&scene).unwrap();
+    let model = discretise(&scene).unwrap();
     assert!(!model.problem.rigid_modes().is_empty());
     let [whole, condensed] =
         [LinearAlgebra::default(), LinearAlgebra::condensed()].map(|backend| run(&model, &scene.time.all(), backend));

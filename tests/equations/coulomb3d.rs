@@ -4,12 +4,12 @@
 use std::ops::Range;
 
 use crate::common::random::{self, Random};
-use stickslip::formulation::{Bdiff, FormulationScaling};
-use stickslip::history::{self, HistoryOutcome, HistorySettings, Method, Status, SystemSolver};
-use stickslip::laws::{ContactStatus, KktErrors, KktScales, statuses};
-use stickslip::loading::{LoadCase, Loading};
-use stickslip::problem::{ContactProblem, Increment, Parts, State};
-use stickslip::units::Scaling;
+use stickslip::base::units::Scaling;
+use stickslip::solver::formulation::{Bdiff, FormulationScaling};
+use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, Method, Status, SystemSolver};
+use stickslip::solver::laws::{ContactStatus, KktErrors, KktScales, statuses};
+use stickslip::solver::loading::{LoadCase, Loading};
+use stickslip::solver::problem::{ContactProblem, Increment, Parts, State};
 
 const TIMES: [f64; 5] = [0.2, 0.4, 0.6, 0.8, 1.0];
 

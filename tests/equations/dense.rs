@@ -3,20 +3,21 @@
 
 use std::sync::Arc;
 
-use stickslip::condense::Condensed;
-use stickslip::formulation::{Bdiff, Constrained, FormulationScaling, InteriorPoint, NewtonSystem, Partition};
-use stickslip::laws::coulomb::{NormalCase, TangentialCase};
-use stickslip::linear::{Dense, LinearError, RefinedSolver, SparseCholesky, backward_error};
-use stickslip::model::Model;
-use stickslip::problem::ContactProblem;
+use stickslip::algebra::linear::{Dense, LinearError, RefinedSolver, SparseCholesky, backward_error};
+use stickslip::algebra::sparse::{Csc, DenseSymmetric, Pattern, SystemMatrix};
+use stickslip::body::model::Model;
+use stickslip::run::discretise;
 use stickslip::scene::Scene;
-use stickslip::sparse::{Csc, DenseSymmetric, Pattern, SystemMatrix};
+use stickslip::solver::condensation::Condensed;
+use stickslip::solver::formulation::{Bdiff, Constrained, FormulationScaling, InteriorPoint, NewtonSystem, Partition};
+use stickslip::solver::laws::coulomb::{NormalCase, TangentialCase};
+use stickslip::solver::problem::ContactProblem;
 
 const BLOCK: &str = include_str!("../../data/scenes/block.toml");
 
 fn model(text: &str, overrides: &[&str]) -> Model {
     let overrides: Vec<_> = overrides.iter().map(|text| text.parse().unwrap()).collect();
-    Model::new(&Scene::parse("block.toml", text, &overrides).unwrap()).unwrap()
+    discretise(&Scene::parse("block.toml", text, &overrides).unwrap()).unwrap()
 }
 
 /// A matrix with these entries, the first `displacements` rows and columns of which are stored as a dense block.

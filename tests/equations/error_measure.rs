@@ -2,12 +2,12 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common;
-use stickslip::history::Status;
-use stickslip::laws::ContactStatus::{Open, Slip, Stick};
-use stickslip::laws::{KktErrors, KktScales};
-use stickslip::model::Model;
-use stickslip::problem::{ContactProblem, Increment, Parts, ProblemError, State};
-use stickslip::sparse::{Csr, Symmetric};
+use stickslip::algebra::sparse::{Csr, Symmetric};
+use stickslip::run::discretise;
+use stickslip::solver::history::Status;
+use stickslip::solver::laws::ContactStatus::{Open, Slip, Stick};
+use stickslip::solver::laws::{KktErrors, KktScales};
+use stickslip::solver::problem::{ContactProblem, Increment, Parts, ProblemError, State};
 
 /// Every component at most 1e-10 in every increment.
 #[test]
@@ -31,7 +31,7 @@ fn every_law_holds(sizes: &[usize], mus: &[f64]) {
                 &format!("contact.friction={mu}"),
                 "time.increments=10",
             ]);
-            let model = Model::new(&scene).unwrap();
+            let model = discretise(&scene).unwrap();
             let outcome = common::run(&scene, &model, &mut ());
             assert_eq!(outcome.status, Status::Converged, "n = {n}, mu = {mu}");
             assert_eq!(outcome.records.len(), 10);
@@ -50,14 +50,15 @@ fn every_law_holds(sizes: &[usize], mus: &[f64]) {
 #[test]
 fn each_component_sees_its_own_violation() {
     let scene = common::block(&["mesh.elements=[10,10]", "time.increments=2"]);
-    let model = Model::new(&scene).unwrap();
+    let model = discretise(&scene).unwrap();
     let mut keep = common::Keep::default();
     common::run(&scene, &model, &mut keep);
     let problem = &model.problem;
     // At the end some nodes are open, some stick, some slip.
     let (increment, state) = (keep.increment(1, model.loading.gap()), &keep.states[1]);
     let statuses =
-        stickslip::laws::statuses(problem, &increment, state, &KktScales::new(problem, &increment, state)).unwrap();
+        stickslip::solver::laws::statuses(problem, &increment, state, &KktScales::new(problem, &increment, state))
+            .unwrap();
     let find = |wanted| statuses.iter().position(|&s| s == wanted).unwrap();
     let (open, slip, stick) = (find(Open), find(Slip), find(Stick));
     let force = (state.p_n.iter().chain(increment.force)).fold(0.0_f64, |m, p| m.max(p.abs()));
@@ -99,7 +100,7 @@ fn each_component_sees_its_own_violation() {
 #[test]
 fn the_measure_is_unit_free() {
     let scene = common::block(&["mesh.elements=[8,8]", "time.increments=2"]);
-    let model = Model::new(&scene).unwrap();
+    let model = discretise(&scene).unwrap();
     let mut keep = common::Keep::default();
     common::run(&scene, &model, &mut keep);
     let (increment, mut state) = (keep.increment(1, model.loading.gap()), keep.states[1].clone());

@@ -3,24 +3,25 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common::random::Random;
-use stickslip::checkpoint::Checkpoint;
-use stickslip::events::NodeStatus;
-use stickslip::history::{
+use stickslip::algebra::sparse::{Csr, Symmetric};
+use stickslip::base::timeline::equal_increments;
+use stickslip::body::model::Model;
+use stickslip::run::discretise;
+use stickslip::scene::Scene;
+use stickslip::solver::checkpoint::Checkpoint;
+use stickslip::solver::events::NodeStatus;
+use stickslip::solver::history::{
     self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Observer, Status, SystemSolver,
 };
-use stickslip::loading::{LoadCase, Loading, Motion};
-use stickslip::model::Model;
-use stickslip::problem::{ContactProblem, Parts};
-use stickslip::scene::Scene;
-use stickslip::sparse::{Csr, Symmetric};
-use stickslip::timeline::equal_increments;
+use stickslip::solver::loading::{LoadCase, Loading, Motion};
+use stickslip::solver::problem::{ContactProblem, Parts};
 
 const BLOCK: &str = include_str!("../../data/scenes/block.toml");
 const PUNCH: &str = include_str!("../../data/scenes/punch.toml");
 
 fn model(text: &str, overrides: &[&str]) -> Model {
     let overrides: Vec<_> = overrides.iter().map(|text| text.parse().unwrap()).collect();
-    Model::new(&Scene::parse("scene.toml", text, &overrides).unwrap()).unwrap()
+    discretise(&Scene::parse("scene.toml", text, &overrides).unwrap()).unwrap()
 }
 
 fn block(n: usize, mu: f64) -> Model {

@@ -4,11 +4,12 @@
 
 use crate::common;
 use crate::common::{Keep, difference};
-use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, SystemSolver};
-use stickslip::linear::SparseLu;
-use stickslip::model::Model;
-use stickslip::problem::State;
+use stickslip::algebra::linear::SparseLu;
+use stickslip::body::model::Model;
+use stickslip::run::discretise;
 use stickslip::scene::Scene;
+use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, SystemSolver};
+use stickslip::solver::problem::State;
 
 type Settings = fn(&Model) -> HistorySettings;
 
@@ -25,7 +26,7 @@ fn ip(model: &Model) -> HistorySettings {
 }
 
 fn run(scene: &Scene, settings: Settings, backend: LinearAlgebra) -> (Vec<State>, HistoryOutcome) {
-    let model = Model::new(scene).unwrap();
+    let model = discretise(scene).unwrap();
     let (settings, linear, mut keep) = (settings(&model), SystemSolver::from(backend), Keep::default());
     let times = scene.time.all();
     let outcome = history::run(&model.problem, &model.loading, &times, &settings, linear, &mut keep).unwrap();

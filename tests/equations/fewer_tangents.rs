@@ -2,10 +2,10 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common::{Keep, run_default};
-use stickslip::history::{self, HistorySettings, LinearAlgebra, Method, Status, SystemSolver};
-use stickslip::model::Model;
-use stickslip::report::Resultant;
+use stickslip::run::discretise;
+use stickslip::run::report::Resultant;
 use stickslip::scene::Scene;
+use stickslip::solver::history::{self, HistorySettings, LinearAlgebra, Method, Status, SystemSolver};
 
 const MU: f64 = 0.3;
 
@@ -48,7 +48,7 @@ fn cube(n: usize, along: [f64; 2], more: &str) -> Scene {
 fn an_obstacle_that_passes_symmetry_planes() {
     for along in [[-1e-3, 0.0], [0.0, -1e-3], [-1e-3, -5e-4]] {
         let scene = cube(3, along, "");
-        let model = Model::new(&scene).unwrap();
+        let model = discretise(&scene).unwrap();
         let mut keep = Keep::default();
         assert_eq!(run_default(&scene, &model, &mut keep).status, Status::Converged, "{along:?}");
         let state = keep.states.last().unwrap();
@@ -89,7 +89,7 @@ fn an_obstacle_that_passes_symmetry_planes() {
 fn a_second_obstacle_out_of_reach() {
     let force = |more: &str| {
         let scene = cube(4, [-1e-3, 0.0], more);
-        let model = Model::new(&scene).unwrap();
+        let model = discretise(&scene).unwrap();
         let outcome = run_default(&scene, &model, &mut ());
         assert_eq!(outcome.status, Status::Converged);
         Resultant::all(&model, outcome.reached, &outcome.state)[0].force.clone()
@@ -112,7 +112,7 @@ fn sliding_along_a_corner() {
     // The back is free.
     let scene = cube(3, [-1e-3, 0.0], &corner).with(&["support[1].boundary=\"right\"".parse().unwrap()]).unwrap();
     let scene = scene.with(&["support[1].fix=[\"x\"]".parse().unwrap()]).unwrap();
-    let model = Model::new(&scene).unwrap();
+    let model = discretise(&scene).unwrap();
     let outcome = run_default(&scene, &model, &mut ());
     assert_eq!(outcome.status, Status::Converged);
     let (mut edge, state) = (0, &outcome.state);

@@ -3,8 +3,9 @@
 
 use crate::common;
 use crate::common::Keep;
-use stickslip::history::{self, HistoryOutcome, HistorySettings, Method, Status, SystemSolver};
-use stickslip::model::Model;
+use stickslip::body::model::Model;
+use stickslip::run::discretise;
+use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, Method, Status, SystemSolver};
 
 /// BN that gives up after so many iterations, without help from the interior point method.
 fn hasty(model: &Model, iterations: usize, times: &[f64], keep: &mut Keep) -> HistoryOutcome {
@@ -19,7 +20,7 @@ fn hasty(model: &Model, iterations: usize, times: &[f64], keep: &mut Keep) -> Hi
 /// Nearly incompressible, which makes BN work for its solution.
 fn model(n: usize, friction: f64) -> Model {
     let (mesh, friction) = (format!("mesh.elements=[{n},{n}]"), format!("contact.friction={friction}"));
-    Model::new(&common::block(&[&mesh, &friction, "material.poisson=0.49"])).unwrap()
+    discretise(&common::block(&[&mesh, &friction, "material.poisson=0.49"])).unwrap()
 }
 
 /// The first path in eight steps, the second in one, which the hasty method halves once.

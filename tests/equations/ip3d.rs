@@ -5,15 +5,15 @@ use std::ops::Range;
 
 use crate::common;
 use crate::common::random::{self, Random};
-use stickslip::formulation::{ConeSystem, FormulationScaling, InteriorPoint, NewtonSystem};
-use stickslip::history::{self, HistoryOutcome, HistorySettings, Method, Start, Status, SystemSolver};
-use stickslip::linear::RefinedSolver;
-use stickslip::loading::{LoadCase, Loading};
-use stickslip::model::Model;
-use stickslip::problem::{ContactProblem, Increment, Parts};
+use stickslip::algebra::linear::RefinedSolver;
+use stickslip::algebra::sparse::{Csr, Symmetric};
+use stickslip::base::units::Scaling;
+use stickslip::run::discretise;
 use stickslip::scene::Scene;
-use stickslip::sparse::{Csr, Symmetric};
-use stickslip::units::Scaling;
+use stickslip::solver::formulation::{ConeSystem, FormulationScaling, InteriorPoint, NewtonSystem};
+use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, Method, Start, Status, SystemSolver};
+use stickslip::solver::loading::{LoadCase, Loading};
+use stickslip::solver::problem::{ContactProblem, Increment, Parts};
 
 const TIMES: [f64; 5] = [0.2, 0.4, 0.6, 0.8, 1.0];
 
@@ -305,7 +305,7 @@ fn two_dimensions_on(sizes: &[usize]) {
         let friction = format!("contact.friction={mu}");
         let blocks = sizes.iter().map(|n| common::block(&[&format!("mesh.elements=[{n},{n}]"), &friction]));
         for scene in blocks.chain([punch(&[&friction])]) {
-            let model = Model::new(&scene).unwrap();
+            let model = discretise(&scene).unwrap();
             let times = scene.time.all();
             let (thick, loading) = thickened(&model.problem, &model.loading);
             let two = run(&model.problem, &model.loading, &times, &ip(&model.problem, &model.loading));

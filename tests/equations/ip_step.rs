@@ -4,17 +4,18 @@
 
 use crate::common;
 use crate::common::random;
-use stickslip::formulation::{Constrained, FormulationScaling, InteriorPoint, NewtonSystem, Partition};
-use stickslip::history::{Method, SolverChoice, Start, Status};
-use stickslip::linear::RefinedSolver;
-use stickslip::model::Model;
-use stickslip::problem::Increment;
+use stickslip::algebra::linear::RefinedSolver;
+use stickslip::body::model::Model;
 use stickslip::run::Run;
+use stickslip::run::discretise;
+use stickslip::solver::formulation::{Constrained, FormulationScaling, InteriorPoint, NewtonSystem, Partition};
+use stickslip::solver::history::{Method, SolverChoice, Start, Status};
+use stickslip::solver::problem::Increment;
 
 /// A small block in which a node has friction, one has none, and one cannot slide.
 fn model() -> Model {
     let scene = common::block(&["mesh.elements=[5,2]", "contact.friction=0.4"]);
-    let mut model = Model::new(&scene).unwrap();
+    let mut model = discretise(&scene).unwrap();
     let row = |i: usize| model.problem.c_t().row(i).iter().copied().filter(|_| i != 2).collect::<Vec<_>>();
     let c_t = random::rows(model.problem.displacements(), (0..model.problem.contacts()).map(row));
     model.problem = common::changed(&model.problem, |parts| {
@@ -173,7 +174,7 @@ fn along_a_direction() {
 #[test]
 fn both_partitions_solve_the_block() {
     let scene = common::block(&["mesh.elements=[10,10]", "time.increments=6"]);
-    let model = Model::new(&scene).unwrap();
+    let model = discretise(&scene).unwrap();
     for partition in [Partition::Products, Partition::Cone] {
         for newton in [NewtonSystem::Reduced, NewtonSystem::Extended] {
             for start in [Start::Safe, Start::PREV] {

@@ -2,9 +2,9 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common;
-use stickslip::formulation::{Bdiff, FormulationScaling};
-use stickslip::model::Model;
-use stickslip::problem::Increment;
+use stickslip::run::discretise;
+use stickslip::solver::formulation::{Bdiff, FormulationScaling};
+use stickslip::solver::problem::Increment;
 
 /// Contact cases by their choice of (p_n, gap left, p_t, slip) in units of force and length. Every
 /// choice stays clear of the borders between cases, so that a small step does not change them.
@@ -32,7 +32,7 @@ fn jacobian_of_second_order() {
 
 fn check_jacobian(overrides: &[&str]) {
     let scene = common::block(overrides);
-    let model = Model::new(&scene).unwrap();
+    let model = discretise(&scene).unwrap();
     let problem = &model.problem;
     let scaling = model.scaling();
     let mut formulation = Bdiff::new(problem, scaling, &FormulationScaling::paper(problem.weight().unwrap()));
@@ -87,7 +87,7 @@ fn check_jacobian(overrides: &[&str]) {
 /// Each contact case writes another row, so the test above has met all of them.
 #[test]
 fn the_cases_are_all_different() {
-    use stickslip::laws::coulomb::{NormalCase, TangentialCase, normal_case, tangential_case};
+    use stickslip::solver::laws::coulomb::{NormalCase, TangentialCase, normal_case, tangential_case};
     let mut seen = Vec::new();
     for (_, [p_n, gap_left, p_t, slip]) in CASES {
         seen.push((normal_case(p_n, -gap_left, 0.0, 1.0), tangential_case([p_t, 0.0], p_n, [slip, 0.0], 0.4, 1.0)));
@@ -107,9 +107,9 @@ fn the_cases_are_all_different() {
 /// Along a Newton direction the cheap merit equals the merit of the full residual.
 #[test]
 fn merit_along_a_direction_is_the_merit() {
-    use stickslip::linear::RefinedSolver;
+    use stickslip::algebra::linear::RefinedSolver;
     let scene = common::block(&["mesh.elements=[6,6]", "contact.friction=0.4"]);
-    let model = Model::new(&scene).unwrap();
+    let model = discretise(&scene).unwrap();
     let problem = &model.problem;
     let scaling = model.scaling();
     let mut formulation = Bdiff::new(problem, scaling, &FormulationScaling::paper(problem.weight().unwrap()));

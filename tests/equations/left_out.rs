@@ -4,13 +4,13 @@
 
 use crate::common;
 use crate::common::Keep;
-use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, SystemSolver};
-use stickslip::model::Model;
-use stickslip::report::LeftOut;
+use stickslip::run::discretise;
+use stickslip::run::report::LeftOut;
 use stickslip::scene::Scene;
+use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, SystemSolver};
 
 fn solve(scene: &Scene, backend: LinearAlgebra) -> (HistoryOutcome, Keep) {
-    let model = Model::new(scene).unwrap();
+    let model = discretise(scene).unwrap();
     let solver = &scene.solver;
     let settings = HistorySettings::new(&model.problem, &model.loading, Method::BN)
         .unwrap()
@@ -79,7 +79,7 @@ fn contact() {
 fn the_list() {
     let list = |name: &str, overrides: &[&str], backend| {
         let scene = common::scene(name, overrides);
-        let all = LeftOut::all(&Model::new(&scene).unwrap(), backend == LinearAlgebra::condensed(), None);
+        let all = LeftOut::all(&discretise(&scene).unwrap(), backend == LinearAlgebra::condensed(), None);
         all.into_iter().map(|LeftOut { count, unknown, .. }| (count, unknown)).collect::<Vec<_>>()
     };
     let whole = LinearAlgebra::default();

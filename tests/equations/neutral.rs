@@ -2,12 +2,13 @@
 //! a few iterations.
 #![allow(clippy::unwrap_used)]
 
-use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status};
-use stickslip::loading::{LoadCase, Loading};
-use stickslip::model::Model;
-use stickslip::problem::{ContactProblem, Parts};
+use stickslip::algebra::sparse::{Csr, Symmetric};
+use stickslip::body::model::Model;
+use stickslip::run::discretise;
 use stickslip::scene::Scene;
-use stickslip::sparse::{Csr, Symmetric};
+use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status};
+use stickslip::solver::loading::{LoadCase, Loading};
+use stickslip::solver::problem::{ContactProblem, Parts};
 
 /// A block under a load, on an obstacle that it touches in the middle of its bottom, and nothing else.
 fn on_top(elements: &str, obstacle: &str, load: &str) -> Model {
@@ -22,7 +23,7 @@ fn on_top(elements: &str, obstacle: &str, load: &str) -> Model {
         "#,
         vec![1.0; sides],
     );
-    Model::new(&Scene::parse("on_top.toml", &text, &[]).unwrap()).unwrap()
+    discretise(&Scene::parse("on_top.toml", &text, &[]).unwrap()).unwrap()
 }
 
 pub fn solve(model: &Model, method: Method, linear: LinearAlgebra) -> HistoryOutcome {

@@ -5,15 +5,15 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 use crate::common;
-use stickslip::history::{
+use stickslip::algebra::linear::{LinearError, RefinedSolver};
+use stickslip::algebra::sparse::SystemMatrix;
+use stickslip::run::discretise;
+use stickslip::solver::history::{
     self, Algorithm, HistorySettings, IncrementSolver, LinearAlgebra, Method, Observe, Status, SystemSolver, Task,
 };
-use stickslip::linear::{LinearError, RefinedSolver};
-use stickslip::loading::Loading;
-use stickslip::model::Model;
-use stickslip::nonlinear::MethodResult;
-use stickslip::problem::{ContactProblem, State};
-use stickslip::sparse::SystemMatrix;
+use stickslip::solver::loading::Loading;
+use stickslip::solver::newton::MethodResult;
+use stickslip::solver::problem::{ContactProblem, State};
 
 /// BN, and a diary of the displacements that each increment has.
 struct Diary {
@@ -71,7 +71,7 @@ impl IncrementSolver for Kept<'_> {
 #[test]
 fn a_method_of_ones_own() {
     let scene = common::block(&["mesh.elements=[6,6]", "time.increments=4"]);
-    let model = Model::new(&scene).unwrap();
+    let model = discretise(&scene).unwrap();
     let (problem, loading, times) = (&model.problem, &model.loading, scene.time.all());
     let settings = HistorySettings::new(problem, loading, Method::BN).unwrap();
     let known = history::run(problem, loading, &times, &settings, SystemSolver::default(), &mut ()).unwrap();

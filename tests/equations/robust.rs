@@ -4,12 +4,13 @@
 
 use crate::common;
 use crate::common::random::Random;
-use stickslip::fem::{Elasticity, Element, RigidMotion, assemble};
-use stickslip::formulation::{Layout, SlackLayout};
-use stickslip::history::{self, HistoryOutcome, HistorySettings, Method, Status, SystemSolver};
-use stickslip::loading::Loading;
-use stickslip::model::Model;
+use stickslip::body::fem::{Elasticity, Element, RigidMotion, assemble};
+use stickslip::body::model::Model;
+use stickslip::run::discretise;
 use stickslip::scene::Scene;
+use stickslip::solver::formulation::{Layout, SlackLayout};
+use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, Method, Status, SystemSolver};
+use stickslip::solver::loading::Loading;
 
 const SUPPORT: &str = "[[support]]\nboundary = \"left\"\nfix = [\"x\", \"y\"]\n";
 
@@ -56,7 +57,7 @@ fn block(text: &str, n: usize, overrides: &[&str]) -> (Model, Vec<f64>) {
     let all = [&[mesh.as_str(), "time.increments=4"], overrides].concat();
     let overrides: Vec<_> = all.iter().map(|text| text.parse().unwrap()).collect();
     let scene = Scene::parse("block.toml", text, &overrides).unwrap();
-    (Model::new(&scene).unwrap(), scene.time.all())
+    (discretise(&scene).unwrap(), scene.time.all())
 }
 
 fn base() -> &'static str {
@@ -190,7 +191,7 @@ fn random_histories() {
         }
         let overrides: Vec<_> = overrides.iter().map(|text| text.parse().unwrap()).collect();
         let scene = Scene::parse("block.toml", base(), &overrides).unwrap();
-        let mut model = Model::new(&scene).unwrap();
+        let mut model = discretise(&scene).unwrap();
         let kind = (r() * 4.0) as usize;
         let (mut friction, mut gaps) = (Vec::new(), Vec::new());
         for _ in 0..model.contacts.len() {

@@ -2,15 +2,15 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common::{Keep, block, difference, run, scene};
-use stickslip::history::{HistoryOutcome, LinearAlgebra, Method, SolverChoice, Status};
-use stickslip::model::Model;
+use stickslip::run::discretise;
 use stickslip::scene::Scene;
+use stickslip::solver::history::{HistoryOutcome, LinearAlgebra, Method, SolverChoice, Status};
 
 /// The history of a scene by `method`.
 fn history(scene: &Scene, method: Method, linear: LinearAlgebra) -> (HistoryOutcome, Keep) {
     let mut scene = scene.clone();
     scene.solver = SolverChoice { method, linear: Some(linear), ..scene.solver };
-    let (model, mut keep) = (Model::new(&scene).unwrap(), Keep::default());
+    let (model, mut keep) = (discretise(&scene).unwrap(), Keep::default());
     let outcome = run(&scene, &model, &mut keep);
     assert_eq!(outcome.status, Status::Converged, "{method}, {linear}");
     (outcome, keep)

@@ -7,15 +7,16 @@ use crate::common;
 use faer::Mat;
 use faer::prelude::Solve;
 use std::ops::ControlFlow;
-use stickslip::formulation::{Bdiff, FormulationScaling, Pressure};
-use stickslip::laws::{ContactStatus, KktErrors, KktScales, statuses};
-use stickslip::linear::RefinedSolver;
-use stickslip::model::Model;
-use stickslip::nonlinear::{Armijo, Bn, StopCriterion};
-use stickslip::problem::{ContactProblem, Increment, Parts, State};
-use stickslip::sparse::{Csr, Symmetric};
-use stickslip::uniqueness::{CriticalFriction, critical_friction};
-use stickslip::units::Scaling;
+use stickslip::algebra::linear::RefinedSolver;
+use stickslip::algebra::sparse::{Csr, Symmetric};
+use stickslip::base::units::Scaling;
+use stickslip::body::model::Model;
+use stickslip::run::discretise;
+use stickslip::solver::formulation::{Bdiff, FormulationScaling, Pressure};
+use stickslip::solver::laws::{ContactStatus, KktErrors, KktScales, statuses};
+use stickslip::solver::newton::{Armijo, Bn, StopCriterion};
+use stickslip::solver::problem::{ContactProblem, Increment, Parts, State};
+use stickslip::solver::uniqueness::{CriticalFriction, critical_friction};
 
 /// One node on a plane, `K = [[k_tt, k_tn], [k_tn, 2]]` N/m for `u = (u_t, u_n)`, no gap.
 fn node(k_tt: f64, k_tn: f64, mu: f64) -> ContactProblem {
@@ -231,7 +232,7 @@ pub(crate) fn posed(
     let along = if cells == "triangle6" { n / 2 } else { n };
     let elements = format!("mesh.elements=[{along},{along}]");
     let (friction, cells) = (format!("contact.friction={mu}"), format!("mesh.cells=\"{cells}\""));
-    let model = Model::new(&common::block(&[&elements, &friction, &cells])).unwrap();
+    let model = discretise(&common::block(&[&elements, &friction, &cells])).unwrap();
     let mut state = State::zero(&model.problem);
     let mut gap = vec![0.0; n];
     let mut w_t_last = vec![0.0; n];

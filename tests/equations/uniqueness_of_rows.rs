@@ -2,11 +2,11 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::uniqueness::{posed, posed_critical};
-use stickslip::condense::Condensed;
-use stickslip::laws::{ContactStatus, KktScales};
-use stickslip::linear::{RefinedSolver, SparseCholesky};
-use stickslip::problem::{ContactProblem, Increment, State};
-use stickslip::uniqueness::critical_friction;
+use stickslip::algebra::linear::{RefinedSolver, SparseCholesky};
+use stickslip::solver::condensation::Condensed;
+use stickslip::solver::laws::{ContactStatus, KktScales};
+use stickslip::solver::problem::{ContactProblem, Increment, State};
+use stickslip::solver::uniqueness::critical_friction;
 
 /// The sign of the determinant of J(κ), written down row by row and eliminated with pivots: equilibrium, then for each node the rows of
 /// its tangential and its normal force.
@@ -21,7 +21,7 @@ fn sign(problem: &ContactProblem, kappa: f64, mu: f64, wanted: &[ContactStatus],
         for (map, place) in [(problem.c_t(), t), (problem.c_n(), n)] {
             map.row(i).iter().for_each(|(dof, c)| a[*dof][place] = *c);
         }
-        let hold = |a: &mut Vec<Vec<f64>>, map: &stickslip::sparse::Csr, place: usize| {
+        let hold = |a: &mut Vec<Vec<f64>>, map: &stickslip::algebra::sparse::Csr, place: usize| {
             map.row(i).iter().for_each(|(dof, c)| a[place][*dof] = *c);
         };
         match status {

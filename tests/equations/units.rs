@@ -3,12 +3,12 @@
 
 use proptest::prelude::*;
 use std::ops::ControlFlow;
-use stickslip::history::{self, HistorySettings, IncrementView, Method, Observer, Status, SystemSolver};
-use stickslip::laws::ContactStatus;
-use stickslip::model::Model;
-use stickslip::problem::State;
+use stickslip::base::units::Scaling;
+use stickslip::run::discretise;
 use stickslip::scene::{Override, Scene};
-use stickslip::units::Scaling;
+use stickslip::solver::history::{self, HistorySettings, IncrementView, Method, Observer, Status, SystemSolver};
+use stickslip::solver::laws::ContactStatus;
+use stickslip::solver::problem::State;
 
 /// A unit of stress (Pa) and one of length (m): what a scene's numbers are multiples of.
 #[derive(Debug, Clone, Copy)]
@@ -88,7 +88,7 @@ impl Observer for Told {
 }
 
 fn run(method: &str, scene: &Scene, inside: impl Fn(Scaling) -> Scaling) -> Told {
-    let model = Model::new(scene).unwrap();
+    let model = discretise(scene).unwrap();
     let scaling = inside(model.scaling());
     let method = if method == "bn" { Method::BN } else { Method::IP };
     let settings = HistorySettings::new(&model.problem, &model.loading, method).unwrap().until(100, 1e-10);

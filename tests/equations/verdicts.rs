@@ -2,14 +2,15 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common;
-use stickslip::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status};
-use stickslip::model::Model;
+use stickslip::body::model::Model;
+use stickslip::run::discretise;
 use stickslip::scene::Scene;
-use stickslip::solvability::rigid_equilibrium;
+use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status};
+use stickslip::solver::solvability::rigid_equilibrium;
 
 fn solve(overrides: &[&str]) -> HistoryOutcome {
     let scene = common::block(&[&["mesh.elements=[10,10]", "time.increments=10"], overrides].concat());
-    common::run(&scene, &Model::new(&scene).unwrap(), &mut ())
+    common::run(&scene, &discretise(&scene).unwrap(), &mut ())
 }
 
 /// When all load is gone only rounding is left; it is judged against the history's own forces.
@@ -61,7 +62,7 @@ const CORNER: &str = r#"
 #[test]
 fn a_block_in_a_corner() {
     let scene = Scene::parse("corner.toml", CORNER, &[]).unwrap();
-    let model = Model::new(&scene).unwrap();
+    let model = discretise(&scene).unwrap();
     assert_eq!((model.rigid_motions.len(), model.contacts.len()), (3, 14));
     let outcome = common::run(&scene, &model, &mut ());
     assert_eq!(outcome.status, Status::Converged, "{:?}", outcome.records.last());
@@ -79,7 +80,7 @@ fn towards_a_wall(wall: f64, setting: &str) -> (Model, HistoryOutcome) {
     let overrides = [format!("contact[1].obstacle.gap={wall}"), format!("solver.setting={setting}")];
     let overrides = overrides.map(|text| text.parse().unwrap());
     let scene = Scene::parse("slide.toml", CORNER, &overrides).unwrap();
-    let model = Model::new(&scene).unwrap();
+    let model = discretise(&scene).unwrap();
     let outcome = common::run(&scene, &model, &mut ());
     (model, outcome)
 }
@@ -87,7 +88,7 @@ fn towards_a_wall(wall: f64, setting: &str) -> (Model, HistoryOutcome) {
 /// The free motion that a verdict blames, without the sign of its direction.
 fn blamed(model: &Model, outcome: &HistoryOutcome) -> String {
     let weights = outcome.free_motion.as_ref().unwrap();
-    let motion = stickslip::fem::RigidMotion::combination(&model.rigid_motions, weights).unwrap();
+    let motion = stickslip::body::fem::RigidMotion::combination(&model.rigid_motions, weights).unwrap();
     motion.to_string().replace('-', "")
 }
 
@@ -128,7 +129,7 @@ fn a_balance_across_an_edge_is_not_denied() {
     };
     let outcome = |pull: f64, linear: LinearAlgebra| {
         let scene = scene(pull);
-        let model = Model::new(&scene).unwrap();
+        let model = discretise(&scene).unwrap();
         let settings = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap();
         let outcome =
             history::run(&model.problem, &model.loading, model.times(), &settings, linear.into(), &mut ()).unwrap();
@@ -139,7 +140,7 @@ fn a_balance_across_an_edge_is_not_denied() {
         // More than all friction there is.
         assert_eq!(outcome(0.55e5, linear), (Status::NoEquilibrium, 1, true));
     }
-    let model = Model::new(&scene(0.45e5)).unwrap();
+    let model = discretise(&scene(0.45e5)).unwrap();
     let force = model.loading.force_at(1.0, &model.problem).unwrap();
     assert_eq!(rigid_equilibrium(&model.problem, &force), Ok(None));
 }
@@ -149,7 +150,7 @@ fn a_balance_across_an_edge_is_not_denied() {
 fn sliding_away_is_no_equilibrium() {
     let wall = "        { boundary = \"right\", friction = 0.2, obstacle = { kind = \"plane\" } },\n";
     let scene = Scene::parse("slide.toml", &common::edit(CORNER, wall, ""), &[]).unwrap();
-    let model = Model::new(&scene).unwrap();
+    let model = discretise(&scene).unwrap();
     let outcome = common::run(&scene, &model, &mut ());
     assert_eq!(outcome.status, Status::NoEquilibrium, "{:?}", outcome.records.last());
     // Every force that the plane can take resists it by nothing or pushes along: (1, mu), of unit length.
@@ -160,10 +161,10 @@ fn sliding_away_is_no_equilibrium() {
 #[test]
 fn an_obstacle_must_not_move_into_a_held_node() {
     let approach = "contact.obstacle.approach=[[0, 0], [1, 2e-5]]";
-    let error = Model::new(&common::block(&[approach])).unwrap_err().to_string();
+    let error = discretise(&common::block(&[approach])).unwrap_err().to_string();
     assert!(error.contains("supports hold the body where the obstacle"), "{error}");
     // Just touching the clamped corner is allowed.
-    assert!(Model::new(&common::block(&[&approach.replace("2e-5", "1e-5")])).is_ok());
+    assert!(discretise(&common::block(&[&approach.replace("2e-5", "1e-5")])).is_ok());
 }
 
 /// An obstacle on the wrong side of the boundary would never be touched: it is refused.
@@ -171,7 +172,7 @@ fn an_obstacle_must_not_move_into_a_held_node() {
 fn an_obstacle_must_face_the_boundary() {
     for normal in ["[0, 1]", "[1, 0]"] {
         let scene = common::block(&[&format!("contact.obstacle.normal={normal}")]);
-        let error = Model::new(&scene).unwrap_err().to_string();
+        let error = discretise(&scene).unwrap_err().to_string();
         assert!(error.contains("block.toml (with --set):23: the normal of the obstacle"), "{error}");
     }
 }

@@ -3,18 +3,19 @@
 
 use crate::common::random::Random;
 use crate::common::{self, Keep, difference};
-use stickslip::history::{
-    self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, SystemSolver, WorkingSet,
-};
-use stickslip::initial_working_set;
-use stickslip::linear::SparseCholesky;
-use stickslip::loading::{LoadCase, Loading, Motion};
-use stickslip::model::Model;
-use stickslip::problem::{ContactProblem, Parts};
-use stickslip::report::LeftOut;
+use stickslip::algebra::linear::SparseCholesky;
+use stickslip::algebra::sparse::{Csr, Symmetric};
+use stickslip::body::model::Model;
+use stickslip::run::discretise;
+use stickslip::run::report::LeftOut;
 use stickslip::run::{Recording, Run};
 use stickslip::scene::Scene;
-use stickslip::sparse::{Csr, Symmetric};
+use stickslip::solver::history::{
+    self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, SystemSolver, WorkingSet,
+};
+use stickslip::solver::initial_working_set;
+use stickslip::solver::loading::{LoadCase, Loading, Motion};
+use stickslip::solver::problem::{ContactProblem, Parts};
 
 /// Runs `method` on condensed equations that hold the nodes `first`, or all.
 fn condensed(scene: &Scene, model: &Model, method: Method, first: Option<Vec<usize>>) -> (HistoryOutcome, Keep) {
@@ -107,7 +108,7 @@ fn any_set_leads_to_the_same_answer() {
     let mut grown = 0;
     for (name, text) in scenes() {
         let scene = Scene::parse("scene.toml", &text, &[]).unwrap();
-        let model = Model::new(&scene).unwrap();
+        let model = discretise(&scene).unwrap();
         let (whole, expected) = solve(&scene, &model, Method::BN, None, LinearAlgebra::default());
         assert_eq!(whole.status, Status::Converged, "{name}");
         for (method, share) in [(Method::BN, 0.0), (Method::BN, 0.3), (Method::IP, 0.1)] {
@@ -131,7 +132,7 @@ fn any_set_leads_to_the_same_answer() {
 fn a_set_of_all_nodes_changes_nothing() {
     for (name, text) in scenes() {
         let scene = Scene::parse("scene.toml", &text, &[]).unwrap();
-        let model = Model::new(&scene).unwrap();
+        let model = discretise(&scene).unwrap();
         let all = (0..model.problem.contacts()).collect();
         let (none, expected) = condensed(&scene, &model, Method::BN, None);
         let (outcome, keep) = condensed(&scene, &model, Method::BN, Some(all));
@@ -146,7 +147,7 @@ fn a_set_of_all_nodes_changes_nothing() {
 fn sets_that_need_not_grow() {
     let (_, text) = scenes().swap_remove(0);
     let scene = Scene::parse("scene.toml", &text, &[]).unwrap();
-    let model = Model::new(&scene).unwrap();
+    let model = discretise(&scene).unwrap();
     let (_, keep) = condensed(&scene, &model, Method::BN, None);
     let pressed = |i: &usize| keep.states.iter().any(|state| state.p_n[*i] > 0.0);
     let first: Vec<usize> = (0..model.problem.contacts()).filter(pressed).collect();
@@ -157,7 +158,7 @@ fn sets_that_need_not_grow() {
     let (paper, _) = condensed(&scene, &model, Method::PaperBn, Some(first));
     assert_eq!(paper.working_set, None);
     let free = common::scene("held_by_contact.toml", &["time.increments=2"]);
-    let model = Model::new(&free).unwrap();
+    let model = discretise(&free).unwrap();
     assert_eq!(condensed(&free, &model, Method::BN, Some(vec![0])).0.working_set, None);
 }
 
@@ -206,7 +207,7 @@ fn a_set_that_is_wrong_five_times_in_a_row() {
 fn a_failure_is_that_of_all_nodes() {
     let (_, text) = scenes().swap_remove(0);
     let scene = Scene::parse("scene.toml", &text, &[]).unwrap();
-    let model = Model::new(&scene).unwrap();
+    let model = discretise(&scene).unwrap();
     let (problem, loading, times) = (&model.problem, &model.loading, scene.time.all());
     let settings = HistorySettings::new(problem, loading, Method::BN).unwrap().until(1, 1e-10);
     let settings = HistorySettings { halvings: 0, ..settings };

@@ -5,7 +5,15 @@ use serde::Deserialize;
 pub const REGISTRY: &str = "registry+https://github.com/rust-lang/crates.io-index";
 
 /// The packages of this workspace, which come from nowhere.
-const OWN: [&str; 4] = ["stickslip", "stickslip-fuzz", "stickslip-python", "stickslip-studies"];
+const OWN: [&str; 7] = [
+    "stickslip",
+    "stickslip-cli",
+    "stickslip-exchange",
+    "stickslip-fuzz",
+    "stickslip-output",
+    "stickslip-python",
+    "stickslip-studies",
+];
 
 #[derive(Deserialize)]
 struct Lock {

@@ -1,6 +1,6 @@
 //! Formulas: expressions whose values are known, written with as few brackets as the rules ask for, and broken texts.
 
-use stickslip::formula::Formula;
+use stickslip::base::formula::Formula;
 
 use super::said;
 use crate::corpus::Corpus;

@@ -1,6 +1,6 @@
 //! Meshes from Gmsh: what is taken is sound in every respect that a mesh in memory is asked for.
 
-use stickslip::mesh::{MeshSource, from_gmsh};
+use stickslip::body::mesh::{MeshSource, from_gmsh};
 
 use super::{changed, told};
 use crate::corpus::Corpus;

@@ -1,6 +1,6 @@
 //! Exchange files: FCLIB in HDF5, Siconos' texts. What is taken is written and read again to the last bit.
 
-use stickslip::exchange::{Problem, ProblemFile};
+use stickslip_exchange::{Problem, ProblemFile};
 
 use super::{changed, said};
 use crate::corpus::Corpus;

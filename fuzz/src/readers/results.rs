@@ -1,6 +1,6 @@
 //! What is read back: reports of runs, and what a sweep varies.
 
-use stickslip::sweep::{VariantResult, Variation, combinations};
+use stickslip_cli::sweep::{VariantResult, Variation, combinations};
 
 use super::{changed, said};
 use crate::corpus::Corpus;

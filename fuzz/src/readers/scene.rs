@@ -1,6 +1,5 @@
 //! Scenes and what is put in place of their values.
 
-use stickslip::model::ModelError;
 use stickslip::run::{RunError, discretise};
 use stickslip::scene::{Override, Scene};
 
@@ -53,7 +52,7 @@ fn discretised(scene: &Scene) -> Verdict {
     }
     match discretise(scene) {
         Ok(_) => Ok("discretised"),
-        Err(RunError::Model(ModelError::Scene(error))) => told(&error),
+        Err(RunError::Scene(error)) => told(&error),
         Err(error) => said(&error),
     }
 }

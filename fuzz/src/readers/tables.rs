@@ -2,10 +2,10 @@
 
 use std::fs;
 
-use stickslip::contact::GapTable;
+use stickslip::algebra::sparse::{read_matrix_market, write_matrix_market};
+use stickslip::body::contact::GapTable;
 use stickslip::run::discretise;
 use stickslip::scene::Scene;
-use stickslip::sparse::{read_matrix_market, write_matrix_market};
 
 use super::{changed, said};
 use crate::corpus::Corpus;

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use stickslip::description::Description;
-use stickslip::mesh::{Mesh, MeshSource};
-use stickslip::model::Model;
+use stickslip::body::description::Description;
+use stickslip::body::mesh::{Mesh, MeshSource};
+use stickslip::body::model::Model;
 use stickslip::run::Run;
 use stickslip::scene::Scene;
 

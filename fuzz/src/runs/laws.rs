@@ -4,12 +4,12 @@
 //! Forces are compared with the largest external or contact force so far, lengths with the largest displacement or interference; where
 //! loads cancel, with what rounding leaves of their terms.
 
-use stickslip::history::{Method, SolverChoice, Status};
-use stickslip::loading::Loading;
-use stickslip::model::Model;
-use stickslip::problem::State;
+use stickslip::algebra::sparse::Csr;
+use stickslip::body::model::Model;
 use stickslip::run::RecordedIncrement;
-use stickslip::sparse::Csr;
+use stickslip::solver::history::{Method, SolverChoice, Status};
+use stickslip::solver::loading::Loading;
+use stickslip::solver::problem::State;
 
 /// A law that is met by so many tolerances is met: the scales here are not quite those of the library.
 const SLACK: f64 = 2.0;

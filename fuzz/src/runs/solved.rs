@@ -1,10 +1,10 @@
 //! A scene, solved and judged.
 
-use stickslip::history::{Method, SolverChoice, Status};
-use stickslip::model::Model;
-use stickslip::report::RunReport;
+use stickslip::body::model::Model;
+use stickslip::run::report::RunReport;
 use stickslip::run::{RecordedIncrement, Recording, Run};
 use stickslip::scene::Scene;
+use stickslip::solver::history::{Method, SolverChoice, Status};
 
 use super::laws;
 

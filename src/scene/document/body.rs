@@ -3,9 +3,9 @@
 use serde::Deserialize;
 
 use super::{Segments, Tuple};
-use crate::fem::{Element, Plane};
-use crate::mesh::CellKind;
-use crate::vector::Vector;
+use crate::algebra::vector::Vector;
+use crate::body::fem::{Element, Plane};
+use crate::body::mesh::CellKind;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]

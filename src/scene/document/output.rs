@@ -6,7 +6,7 @@ use serde::de::value::SeqAccessDeserializer;
 use serde::de::{self, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
-use crate::vector::Vector;
+use crate::algebra::vector::Vector;
 
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields)]

@@ -1,12 +1,12 @@
 //! The supports, springs and loads of a scene.
 
-use crate::description::{Action, Axis, Bed, Direction, Field, Held, Load, Support, Where};
-use crate::formula::Formula;
-use crate::input_error::InputError;
+use crate::algebra::vector::Vector;
+use crate::base::formula::Formula;
+use crate::base::input_error::InputError;
+use crate::body::description::{Action, Axis, Bed, Direction, Field, Held, Load, Support, Where};
 use crate::scene::SceneError;
 use crate::scene::document::{self, Fix, Scalar, Segments};
 use crate::scene::error::Source;
-use crate::vector::Vector;
 
 use super::{foreign, points};
 

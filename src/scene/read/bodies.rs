@@ -1,8 +1,8 @@
 //! The body of a scene, or its bodies: mesh, elements and materials.
 
-use crate::fem::{Element, Layer, Material, MaterialGroup};
-use crate::input_error::InputError;
-use crate::mesh::{Body, MeshSource};
+use crate::base::input_error::InputError;
+use crate::body::fem::{Element, Layer, Material, MaterialGroup};
+use crate::body::mesh::{Body, MeshSource};
 use crate::scene::document::{self, Document, Tuple};
 use crate::scene::error::Source;
 

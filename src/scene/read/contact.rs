@@ -1,8 +1,8 @@
 //! The contacts of a scene: boundaries in front of obstacles, or of each other.
 
-use crate::contact::Friction;
-use crate::description::{Against, Contact, FirstGap, Opposite, Slave};
-use crate::input_error::InputError;
+use crate::base::input_error::InputError;
+use crate::body::contact::Friction;
+use crate::body::description::{Against, Contact, FirstGap, Opposite, Slave};
 use crate::scene::SceneError;
 use crate::scene::document::{self, Names, Scalar};
 use crate::scene::error::Source;
@@ -100,7 +100,7 @@ fn obstacles_at(
     given: document::Obstacles,
     key: &str,
     source: &Source,
-) -> Result<Vec<crate::contact::Obstacle>, SceneError> {
+) -> Result<Vec<crate::body::contact::Obstacle>, SceneError> {
     match given {
         document::Obstacles::One(one) => Ok(vec![obstacle::obstacle(*one, key, source)?]),
         document::Obstacles::Several(all) => (all.into_iter().enumerate())

@@ -1,7 +1,7 @@
 //! The mesh of a scene.
 
-use crate::input_error::{InputError, ensure};
-use crate::mesh::{HalfPlane, MeshSource};
+use crate::base::input_error::{InputError, ensure};
+use crate::body::mesh::{HalfPlane, MeshSource};
 use crate::scene::document::{Mesh, MeshKind, Segments};
 use crate::scene::error::Source;
 

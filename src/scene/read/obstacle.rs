@@ -1,11 +1,11 @@
 //! The obstacle of a contact.
 
-use crate::contact::{Obstacle, Place, Rotation, Shape};
-use crate::input_error::InputError;
+use crate::algebra::vector::Vector;
+use crate::base::input_error::InputError;
+use crate::body::contact::{Obstacle, Place, Rotation, Shape};
 use crate::scene::SceneError;
 use crate::scene::document::{self, ObstacleKind};
 use crate::scene::error::Source;
-use crate::vector::Vector;
 
 use super::{foreign, formula, needed, points};
 

@@ -1,8 +1,8 @@
 //! What a scene writes.
 
 use super::{foreign, needed};
-use crate::description::{Probe, ProbePlace};
-use crate::input_error::{InputError, ensure, finite};
+use crate::base::input_error::{InputError, ensure, finite};
+use crate::body::description::{Probe, ProbePlace};
 use crate::scene::document::{self, Times};
 use crate::scene::{Output, Time};
 

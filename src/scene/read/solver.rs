@@ -1,12 +1,12 @@
 //! The solver of a scene.
 
 use super::foreign;
-use crate::formulation::NewtonSystem;
-use crate::history::{LinearAlgebra, Method, SolverChoice};
-use crate::input_error::{InputError, ensure, finite};
-use crate::linear::SparseLu;
+use crate::algebra::linear::SparseLu;
+use crate::base::input_error::{InputError, ensure, finite};
 use crate::scene::document;
 use crate::scene::solver::{LinearName, MethodName, Setting};
+use crate::solver::formulation::NewtonSystem;
+use crate::solver::history::{LinearAlgebra, Method, SolverChoice};
 
 const NOTHING_BUILT_IN: &str = "this build has no linear algebra to choose from";
 const BUILD_IT: &str = "build it with the cargo feature umfpack or faer";

@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use miette::{IntoDiagnostic, miette};
-use stickslip::report::{Axis, Chart, Curve, Dash, Line, Panel, Scale, Table, csv_table, told_apart};
+use stickslip::run::report::csv_table;
+use stickslip_output::{Axis, Chart, Curve, Dash, Line, Panel, Scale, Table, told_apart};
 use stickslip_studies::elements::{Point, Problem};
 
 use super::{Answer, jobs, write};

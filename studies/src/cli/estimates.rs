@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 
 use clap::Args;
 use miette::IntoDiagnostic;
-use stickslip::mesh::CellKind;
-use stickslip::report::{Table, csv_table};
+use stickslip::body::mesh::CellKind;
+use stickslip::run::report::csv_table;
+use stickslip_output::Table;
 use stickslip_studies::estimates::{Row, Subject, Task, cantilevers, increments, lines, pressed, spheres};
 
 use super::{Answer, jobs};

@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use miette::IntoDiagnostic;
-use stickslip::report::{Table, csv_table};
+use stickslip::run::report::csv_table;
+use stickslip_output::Table;
 use stickslip_studies::extremes::{self, Case, Row, SuiteMethod};
 
 use super::{Answer, jobs, write};

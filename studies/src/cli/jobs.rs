@@ -3,7 +3,7 @@
 use std::thread;
 
 use indicatif::{ProgressBar, ProgressStyle};
-use stickslip::jobs;
+use stickslip::algebra::jobs;
 
 /// The number of jobs: as many as there are processors, unless told.
 pub(super) fn count(wanted: Option<u16>) -> usize {

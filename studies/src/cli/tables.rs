@@ -3,8 +3,9 @@
 use clap::{Args, Subcommand};
 use miette::IntoDiagnostic;
 use serde::Serialize;
-use stickslip::history::{LinearAlgebra, Status, UnknownLinearAlgebra};
-use stickslip::report::{Table, csv_table};
+use stickslip::run::report::csv_table;
+use stickslip::solver::history::{LinearAlgebra, Status, UnknownLinearAlgebra};
+use stickslip_output::Table;
 use stickslip_studies::tables::{Agreement, Case, Cell, Counts, PaperMethod, PaperTable};
 
 use super::{Answer, jobs};

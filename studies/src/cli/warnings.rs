@@ -2,7 +2,8 @@
 
 use clap::Args;
 use miette::IntoDiagnostic;
-use stickslip::report::{Table, csv_table};
+use stickslip::run::report::csv_table;
+use stickslip_output::Table;
 use stickslip_studies::warnings::{Case, Judged, RIGHT, WRONG, by_kind, name};
 
 use super::{Answer, jobs};

@@ -2,10 +2,10 @@
 
 use std::f64::consts::PI;
 
-use stickslip::contact::{Obstacle, Place, Shape};
-use stickslip::description::{Axis, Description};
-use stickslip::fem::Material;
-use stickslip::mesh::{CellKind, MeshSource};
+use stickslip::body::contact::{Obstacle, Place, Shape};
+use stickslip::body::description::{Axis, Description};
+use stickslip::body::fem::Material;
+use stickslip::body::mesh::{CellKind, MeshSource};
 
 use super::{EstimateError, Row, Subject, Task, solved};
 

@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use stickslip::history::Status;
-use stickslip::mesh::CellKind;
-use stickslip::report::{RunReport, WarningKind};
+use stickslip::body::mesh::CellKind;
+use stickslip::run::report::{RunReport, WarningKind};
 use stickslip::run::{Recording, Run};
 use stickslip::scene::Scene;
+use stickslip::solver::history::Status;
 
 use super::{EstimateError, Row, Subject, Task};
 

@@ -1,9 +1,9 @@
 //! Blocks that are clamped and pressed, and beams that are clamped and bent, against fine meshes with B-bar.
 
-use stickslip::contact::Obstacle;
-use stickslip::description::{Action, Axis, Description, Field};
-use stickslip::fem::{Element, Material};
-use stickslip::mesh::{CellKind, MeshSource};
+use stickslip::body::contact::Obstacle;
+use stickslip::body::description::{Action, Axis, Description, Field};
+use stickslip::body::fem::{Element, Material};
+use stickslip::body::mesh::{CellKind, MeshSource};
 
 use super::{EstimateError, Row, Subject, Task, solved};
 

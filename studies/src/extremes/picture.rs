@@ -1,7 +1,7 @@
 //! The sweeps of the suite as charts: errors and iterations against the quantity that is swept.
 
-use stickslip::history::Status;
-use stickslip::report::{Axis, Chart, Curve, Dash, Line, Marker, Panel, Scale};
+use stickslip::solver::history::Status;
+use stickslip_output::{Axis, Chart, Curve, Dash, Line, Marker, Panel, Scale};
 
 use super::{Row, SuiteMethod};
 

@@ -2,13 +2,13 @@
 //! conditioned it is.
 
 use serde::Deserialize;
-use stickslip::fem::{Elasticity, Element, assemble};
-use stickslip::formulation::{Bdiff, FormulationScaling};
-use stickslip::linear::{LinearError, RefinedSolver};
-use stickslip::loading::Loading;
-use stickslip::model::{Model, ModelError};
-use stickslip::problem::{ContactProblem, Parts};
+use stickslip::algebra::linear::{LinearError, RefinedSolver};
+use stickslip::body::fem::{Elasticity, Element, assemble};
+use stickslip::body::model::{Model, ModelError};
 use stickslip::scene::Scene;
+use stickslip::solver::formulation::{Bdiff, FormulationScaling};
+use stickslip::solver::loading::Loading;
+use stickslip::solver::problem::{ContactProblem, Parts};
 
 use super::ExtremeError;
 

@@ -1,7 +1,8 @@
 //! The paper's figures as charts, tables and words.
 
-use stickslip::history::Status;
-use stickslip::report::{Axis, Chart, Curve, Dash, Line, Marker, Panel, Scale, csv_table, stress_chart};
+use stickslip::run::report::csv_table;
+use stickslip::solver::history::Status;
+use stickslip_output::{Axis, Chart, Curve, Dash, Line, Marker, Panel, Scale, stress_chart};
 
 use super::{Descent, Effort, FigureData, MU, Stresses};
 use crate::tables::PaperMethod;

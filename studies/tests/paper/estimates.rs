@@ -1,6 +1,6 @@
 //! What the estimates of a run are worth, in a few states of the suite that doc/estimates.md tells of.
 
-use stickslip::mesh::CellKind;
+use stickslip::body::mesh::CellKind;
 use stickslip_studies::estimates::{Row, Task, cantilevers, lines, pressed};
 
 use super::program::{stdout, studies};

@@ -2,14 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use stickslip::history::{HistoryOutcome, LinearAlgebra, Method, SolverChoice, Status};
-use stickslip::model::Model;
 use stickslip::run::Run;
+use stickslip::run::discretise;
+use stickslip::solver::history::{HistoryOutcome, LinearAlgebra, Method, SolverChoice, Status};
 use stickslip_studies::tables::{Case, PaperTable};
 
 fn solve(table: PaperTable, case: &Case, method: Method, linear: LinearAlgebra) -> HistoryOutcome {
     let scene = table.scene(case.contact_nodes, case.mu, case.increments).unwrap();
-    let model = Model::new(&scene).unwrap();
+    let model = discretise(&scene).unwrap();
     let solver = SolverChoice { linear: Some(linear), ..SolverChoice::new(method) };
     Run::of(&model, scene.time.all(), solver).unwrap().history(&mut ()).unwrap()
 }

@@ -3,10 +3,10 @@
 //! laws, summed in twice the working precision.
 
 use std::ops::ControlFlow;
-use stickslip::history::{IncrementView, Observer, Status};
-use stickslip::laws::KktScales;
-use stickslip::problem::{ContactProblem, Increment, State};
 use stickslip::run::Run;
+use stickslip::solver::history::{IncrementView, Observer, Status};
+use stickslip::solver::laws::KktScales;
+use stickslip::solver::problem::{ContactProblem, Increment, State};
 use stickslip_studies::extremes::{self, SuiteMethod};
 
 /// Twice the working precision, by fused multiplication.

@@ -1,6 +1,6 @@
 //! The paper's figures: the numbers are those of the solution, and the pictures can be read.
 
-use stickslip::laws::ContactStatus;
+use stickslip::solver::laws::ContactStatus;
 use stickslip_studies::figures::{self, Descent, FigureData, MU, PaperFigure, Stresses};
 use stickslip_studies::tables::PaperMethod;
 
@@ -28,7 +28,7 @@ fn assert_shows(data: &FigureData, expected: &[&str]) {
     }
 }
 
-fn sum(stresses: &Stresses, force: fn(&stickslip::report::ContactPoint) -> f64) -> f64 {
+fn sum(stresses: &Stresses, force: fn(&stickslip::run::report::ContactPoint) -> f64) -> f64 {
     stresses.line.points.iter().map(force).sum()
 }
 

@@ -11,10 +11,11 @@ mod table_block;
 mod table_punch;
 
 use std::ops::ControlFlow;
-use stickslip::history::{HistoryOutcome, IncrementView, LinearAlgebra, Observer};
-use stickslip::model::Model;
-use stickslip::problem::State;
+use stickslip::body::model::Model;
 use stickslip::run::Run;
+use stickslip::run::discretise;
+use stickslip::solver::history::{HistoryOutcome, IncrementView, LinearAlgebra, Observer};
+use stickslip::solver::problem::State;
 use stickslip_studies::tables::{PaperMethod, PaperTable};
 
 /// The states at the ends of all increments.
@@ -31,7 +32,7 @@ impl Observer for States {
 /// Algorithm BN on a problem of the paper, mu = 0.4, with the model and the states of all increments.
 fn bn(table: PaperTable, contact_nodes: usize, increments: usize) -> (Model, HistoryOutcome, Vec<State>) {
     let scene = table.scene(contact_nodes, 0.4, increments).unwrap();
-    let model = Model::new(&scene).unwrap();
+    let model = discretise(&scene).unwrap();
     let mut states = States::default();
     let solver = table.solver(PaperMethod::Bn, LinearAlgebra::default());
     let times = scene.time.all();

@@ -1,6 +1,6 @@
 //! The paper's block: Table II as far as it is quick, and the check values of the reconstruction.
 
-use stickslip::history::{LinearAlgebra, Status};
+use stickslip::solver::history::{LinearAlgebra, Status};
 use stickslip_studies::tables::{Agreement, Case, Cell, Counts, PaperMethod, PaperTable};
 
 use super::bn;

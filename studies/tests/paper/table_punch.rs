@@ -1,6 +1,6 @@
 //! The paper's punch: Table I.
 
-use stickslip::history::{LinearAlgebra, Status};
+use stickslip::solver::history::{LinearAlgebra, Status};
 use stickslip_studies::tables::{Agreement, Cell, PaperMethod, PaperTable};
 
 use super::bn;

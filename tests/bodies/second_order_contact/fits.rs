@@ -2,11 +2,12 @@
 
 use super::{Lines, solve};
 use crate::common::rings::ring;
-use stickslip::history::SolverChoice;
-use stickslip::mesh::{Mesh, MeshSource, block};
-use stickslip::model::Model;
+use stickslip::algebra::vector::norm;
+use stickslip::body::mesh::{Mesh, MeshSource, block};
+use stickslip::body::model::Model;
+use stickslip::run::discretise;
 use stickslip::scene::Scene;
-use stickslip::vector::norm;
+use stickslip::solver::history::SolverChoice;
 
 /// A quarter of a ring between the radii 1 and 2, `n` elements along each side, those of second order on the circles.
 fn quarter(n: usize, second_order: bool) -> Mesh {
@@ -36,7 +37,7 @@ fn on_a_shaft(mesh: Mesh, radius: f64, approach: f64, more: &str) -> Model {
     );
     let mut scene = Scene::parse("shaft.toml", &text, &[]).unwrap();
     scene.description.mesh = MeshSource::from(mesh);
-    Model::new(&scene).unwrap()
+    discretise(&scene).unwrap()
 }
 
 /// A ring on a shaft that is too thick for it by δ: Lamé's pressure at every node, at corners and between them, whatever the mesh.
@@ -89,7 +90,7 @@ fn a_ball_in_a_socket() {
     );
     let mut scene = Scene::parse("socket.toml", &text, &[]).unwrap();
     scene.description.mesh = MeshSource::from(mesh);
-    let model = Model::new(&scene).unwrap();
+    let model = discretise(&scene).unwrap();
     let mut lines = Lines(&model, Vec::new());
     let state = solve(&model, &[1.0], SolverChoice::default(), &mut lines).state;
     let u = model.displacements(1.0, &state.u).unwrap();

@@ -3,12 +3,13 @@
 
 use super::{Lines, pressed, solve, sums};
 use std::collections::HashMap;
-use stickslip::fem::Element;
-use stickslip::history::{LinearAlgebra, SolverChoice};
-use stickslip::laws::ContactStatus;
-use stickslip::mesh::{Boundary, Cell, CellKind, Mesh, MeshSource};
-use stickslip::model::Model;
+use stickslip::body::fem::Element;
+use stickslip::body::mesh::{Boundary, Cell, CellKind, Mesh, MeshSource};
+use stickslip::body::model::Model;
+use stickslip::run::discretise;
 use stickslip::scene::Scene;
+use stickslip::solver::history::{LinearAlgebra, SolverChoice};
+use stickslip::solver::laws::ContactStatus;
 
 /// A rectangle with the lines `xs` and `ys` of which each square is cut in two, by turns one way and the other.
 pub fn alternating(xs: &[f64], ys: &[f64]) -> Mesh {
@@ -101,7 +102,7 @@ fn condensed() -> SolverChoice {
 #[test]
 fn hertz_line_of_second_order() {
     for (n, force) in [(4, 3.811_741_265_8e-4), (8, 3.780_432_604_0e-4)] {
-        let model = Model::new(&cylinder(n, 0.0, "0.5 * x^2 - 0.001")).unwrap();
+        let model = discretise(&cylinder(n, 0.0, "0.5 * x^2 - 0.001")).unwrap();
         let mut lines = Lines(&model, Vec::new());
         let found = sums(&solve(&model, &[1.0], SolverChoice::default(), &mut lines).state)[0];
         assert!((found / force - 1.0).abs() < 1e-9, "{n}: {found:.10e}");
@@ -124,7 +125,7 @@ fn hertz_line_of_second_order() {
 #[test]
 fn hertz_sphere_and_flat_punch_of_second_order() {
     for (formula, force) in [("0 * x - 1e-4", 8.763_792_915_0e-6), (SPHERE, 1.237_097_934_2e-5)] {
-        let model = Model::new(&quarter(CellKind::Tetrahedron10, 4, 0.0, formula)).unwrap();
+        let model = discretise(&quarter(CellKind::Tetrahedron10, 4, 0.0, formula)).unwrap();
         let solver = SolverChoice { linear: Some(LinearAlgebra::condensed()), ..SolverChoice::default() };
         let facets = &model.mesh.boundary("zone").unwrap().facets;
         let corners: Vec<usize> = facets.iter().flat_map(|f| f.iter().step_by(2)).copied().collect();
@@ -160,7 +161,7 @@ fn hertz_sphere_and_flat_punch_of_second_order() {
 #[test]
 #[ignore = "a minute without optimisation"]
 fn hertz_sphere_on_a_fine_mesh() {
-    let model = Model::new(&quarter(CellKind::Tetrahedron10, 6, 0.0, SPHERE)).unwrap();
+    let model = discretise(&quarter(CellKind::Tetrahedron10, 6, 0.0, SPHERE)).unwrap();
     let found = 4.0 * sums(&solve(&model, &[1.0], condensed(), &mut ()).state)[0];
     assert!((found / 1.224_880_853_5e-5 - 1.0).abs() < 1e-9, "{found:.10e}");
 }
@@ -169,7 +170,7 @@ fn force_of_sphere(kind: CellKind, element: Element, n: usize, poisson: f64) -> 
     let mut scene = quarter(kind, n, 0.0, SPHERE);
     scene.description.element = element;
     scene.description.material.poisson = poisson;
-    let model = Model::new(&scene).unwrap();
+    let model = discretise(&scene).unwrap();
     4.0 * sums(&solve(&model, &[1.0], condensed(), &mut ()).state)[0]
 }
 
@@ -231,7 +232,7 @@ fn hertz_with_friction_has_one_core() {
     for (mut scene, depth, around) in [line(8), line(16), sphere] {
         let contact = &mut scene.description.contacts[0];
         contact.against = contact.obstacles()[0].clone().approaching(&[[0.0, 0.0], [1.0, depth]]).into();
-        let times = stickslip::timeline::equal_increments(1.0, 4);
+        let times = stickslip::base::timeline::equal_increments(1.0, 4);
         scene.description.times.clone_from(&times);
         let model = Model::build(&scene.description).unwrap();
         let mut lines = Lines(&model, Vec::new());

@@ -2,12 +2,12 @@
 
 use super::{Lines, solve, sums};
 use crate::common::Keep;
-use stickslip::contact::{ContactNode, Term};
-use stickslip::history::{LinearAlgebra, SolverChoice};
-use stickslip::mesh::{Boundary, Cell, CellKind, Mesh, MeshSource};
-use stickslip::model::Model;
+use stickslip::algebra::vector::{dot, norm};
+use stickslip::body::contact::{ContactNode, Term};
+use stickslip::body::mesh::{Boundary, Cell, CellKind, Mesh, MeshSource};
+use stickslip::run::discretise;
 use stickslip::scene::Scene;
-use stickslip::vector::{dot, norm};
+use stickslip::solver::history::{LinearAlgebra, SolverChoice};
 
 /// The distances of the nodes in the rows of a contact node from its obstacle, by what supports and unknowns make of them.
 fn distances(contact: &ContactNode, u: &[[f64; 3]], gap: &dyn Fn(&Term) -> f64) -> Vec<f64> {
@@ -46,7 +46,7 @@ fn corners_that_supports_move() {
         increments = 3
     "#;
     let scene = Scene::parse("moved.toml", text, &[]).unwrap();
-    let model = Model::new(&scene).unwrap();
+    let model = discretise(&scene).unwrap();
     let held_ends = model.contacts.iter().flat_map(|contact| contact.ends.iter().flatten());
     let corners = [0.0, 1.0].map(|x| held_ends.clone().filter(|end| end.position[0] == x).count());
     assert_eq!(corners, [1, 1]);
@@ -86,7 +86,7 @@ fn a_cylinder_that_moves_along() {
              [time]\nend = 2.0\nincrements = 8\n"
         );
         let scene = Scene::parse("roller.toml", &text, &[]).unwrap();
-        let model = Model::new(&scene).unwrap();
+        let model = discretise(&scene).unwrap();
         let mut keep = Keep::default();
         solve(&model, model.times(), SolverChoice::default(), &mut keep);
         for (state, t) in keep.states.iter().zip(model.times()) {
@@ -174,7 +174,7 @@ fn stresses_on_curved_boundaries() {
     "#;
     let mut scene = Scene::parse("ring.toml", text, &[]).unwrap();
     scene.description.mesh = MeshSource::from(mesh);
-    let model = Model::new(&scene).unwrap();
+    let model = discretise(&scene).unwrap();
     let mut lines = Lines(&model, Vec::new());
     solve(&model, &[1.0], SolverChoice::default(), &mut lines);
     // Lamé in plane strain: nothing moves at the outside. With σ_r = A - B / r², u_r = ((1 - 2ν) A r + B / r) (1 + ν) / E.
@@ -204,7 +204,7 @@ fn rims_of_obstacles() {
          obstacle = { kind = \"sphere\", radius = 0.3, apex = [0.5, 0.5, 0.5], approach = [[0, 0], [1, 0.01]] }\n\
          [time]\nend = 1.0\nincrements = 2\n";
     let scene = Scene::parse("sphere.toml", text, &[]).unwrap();
-    let model = Model::new(&scene).unwrap();
+    let model = discretise(&scene).unwrap();
     let exact = |x: [f64; 3]| 0.3 - (0.09 - (x[0] - 0.5).powi(2) - (x[1] - 0.5).powi(2)).sqrt();
     let gaps = model.loading.gaps_at(0.0);
     let mut alone = 0;

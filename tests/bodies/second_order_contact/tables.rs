@@ -2,11 +2,12 @@
 
 use super::{Lines, pressed, pushed, solve};
 use std::ops::ControlFlow;
-use stickslip::history::{IncrementView, Observer, SolverChoice};
-use stickslip::model::Model;
-use stickslip::report::{ContactLine, Resultant};
+use stickslip::algebra::vector::dot;
+use stickslip::body::model::Model;
 use stickslip::run::Run;
-use stickslip::vector::dot;
+use stickslip::run::discretise;
+use stickslip::run::report::{ContactLine, Resultant};
+use stickslip::solver::history::{IncrementView, Observer, SolverChoice};
 
 /// Looks at tables.
 struct Tables<'a>(&'a Model);
@@ -40,7 +41,7 @@ fn tables_tell_of_nodes() {
 #[test]
 fn one_peak_in_all_reports() {
     let scene = pressed("triangle6", "[8, 8]", 0.0, "0.1 * (x - 0.5)^2 - 0.01", "");
-    let model = Model::new(&scene).unwrap();
+    let model = discretise(&scene).unwrap();
     let mut lines = Lines(&model, Vec::new());
     solve(&model, &[1.0], scene.solver, &mut lines);
     let peak = lines.1[0].points.iter().map(|point| point.sigma_n).fold(0.0, f64::max);
@@ -58,7 +59,7 @@ fn forces_of_nodes_add_up() {
     let scene = pressed("triangle6", "[8, 4]", 0.0, "0", "");
     let round = "{ kind = \"cylinder\", radius = 0.7, apex = [0.4, 0.99], direction = \"nearest\" }";
     let scene = scene.with(&[format!("contact.obstacle={round}").parse().unwrap()]).unwrap();
-    let model = Model::new(&scene).unwrap();
+    let model = discretise(&scene).unwrap();
     let mut lines = Lines(&model, Vec::new());
     let state = solve(&model, &[1.0], scene.solver, &mut lines).state;
     let [on_obstacle] = &Resultant::all(&model, 1.0, &state)[..] else { panic!() };

@@ -2,16 +2,16 @@
 
 use crate::common::pairs::{solved, solver};
 use crate::common::{Keep, difference};
-use stickslip::contact::{Obstacle, SlaveReason};
-use stickslip::description::{Axis, Description, Load, Opposite, Slave, Support};
-use stickslip::fem::{Material, MaterialGroup};
-use stickslip::history::{LinearAlgebra, Method, SolverChoice, Status};
-use stickslip::linear::{SparseCholesky, SparseLu};
-use stickslip::mesh::{Body, MeshSource};
-use stickslip::model::Model;
-use stickslip::report::WarningKind;
+use stickslip::algebra::linear::{SparseCholesky, SparseLu};
+use stickslip::base::timeline::equal_increments;
+use stickslip::body::contact::{Obstacle, SlaveReason};
+use stickslip::body::description::{Axis, Description, Load, Opposite, Slave, Support};
+use stickslip::body::fem::{Material, MaterialGroup};
+use stickslip::body::mesh::{Body, MeshSource};
+use stickslip::body::model::Model;
 use stickslip::run::Run;
-use stickslip::timeline::equal_increments;
+use stickslip::run::report::WarningKind;
+use stickslip::solver::history::{LinearAlgebra, Method, SolverChoice, Status};
 
 const CONDENSED: LinearAlgebra = LinearAlgebra::Condensed(SparseCholesky::Cholmod);
 

@@ -2,13 +2,13 @@
 
 use crate::common::pairs::{Side, bodies, pushed};
 use crate::common::{Keep, difference};
-use stickslip::description::Description;
-use stickslip::history::{LinearAlgebra, Method, SolverChoice, Status};
-use stickslip::linear::{SparseCholesky, SparseLu};
-use stickslip::mesh::MeshSource;
-use stickslip::model::Model;
+use stickslip::algebra::linear::{SparseCholesky, SparseLu};
+use stickslip::base::timeline::equal_increments;
+use stickslip::body::description::Description;
+use stickslip::body::mesh::MeshSource;
+use stickslip::body::model::Model;
 use stickslip::run::Run;
-use stickslip::timeline::equal_increments;
+use stickslip::solver::history::{LinearAlgebra, Method, SolverChoice, Status};
 
 /// The block above is so many times as stiff as the one below.
 fn stack(contrast: f64, slave: Side) -> Description {

@@ -1,14 +1,14 @@
 //! Slaves that the other body covers in part.
 
 use super::whole;
-use stickslip::contact::SlaveReason;
-use stickslip::description::{Axis, Description, Load, Opposite, Slave, Support};
-use stickslip::fem::Material;
-use stickslip::history::{LinearAlgebra, Method};
-use stickslip::linear::SparseLu;
-use stickslip::mesh::{Body, Mesh, MeshSource, block};
-use stickslip::model::Model;
-use stickslip::report::{RunReport, WarningKind};
+use stickslip::algebra::linear::SparseLu;
+use stickslip::body::contact::SlaveReason;
+use stickslip::body::description::{Axis, Description, Load, Opposite, Slave, Support};
+use stickslip::body::fem::Material;
+use stickslip::body::mesh::{Body, Mesh, MeshSource, block};
+use stickslip::body::model::Model;
+use stickslip::run::report::{RunReport, WarningKind};
+use stickslip::solver::history::{LinearAlgebra, Method};
 
 fn run(body: &Description) -> RunReport {
     whole::report(body, Method::BN, LinearAlgebra::Whole(SparseLu::Umfpack))

@@ -6,9 +6,9 @@ use crate::common::convergence::{distance, order};
 use crate::common::hertz::Hertz;
 use crate::common::pairs::{Side, bodies, solved};
 use crate::common::round::Round;
-use stickslip::description::{Axis, Description, Load, Opposite};
-use stickslip::history::{HistoryOutcome, LinearAlgebra, Method, SolverChoice};
-use stickslip::model::Model;
+use stickslip::body::description::{Axis, Description, Load, Opposite};
+use stickslip::body::model::Model;
+use stickslip::solver::history::{HistoryOutcome, LinearAlgebra, Method, SolverChoice};
 
 const RADII: [f64; 2] = [1.0, 0.5];
 const YOUNG: [f64; 2] = [210e9, 70e9];
@@ -103,7 +103,7 @@ fn of_two_materials() {
 
 #[test]
 fn all_ways_agree() {
-    use stickslip::linear::{SparseCholesky, SparseLu};
+    use stickslip::algebra::linear::{SparseCholesky, SparseLu};
     let (_, reference) = solve([8, 12], 0.02, 1.15, Side::Upper, Method::BN, LinearAlgebra::default());
     for (method, linear) in [
         (Method::BN, LinearAlgebra::Whole(SparseLu::Faer)),

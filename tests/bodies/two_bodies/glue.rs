@@ -2,12 +2,12 @@
 
 use super::patch::mesh;
 use crate::common::pairs::bodies;
-use stickslip::description::{Axis, Description, Load, Support};
-use stickslip::history::{Method, SolverChoice, Status};
-use stickslip::mesh::{CellKind, MeshSource};
-use stickslip::model::Model;
-use stickslip::report::WarningKind;
+use stickslip::body::description::{Axis, Description, Load, Support};
+use stickslip::body::mesh::{CellKind, MeshSource};
+use stickslip::body::model::Model;
 use stickslip::run::Run;
+use stickslip::run::report::WarningKind;
+use stickslip::solver::history::{Method, SolverChoice, Status};
 
 fn solved(description: &Description) -> (Model, Vec<[f64; 3]>) {
     let model = Model::build(description).unwrap();

@@ -2,11 +2,11 @@
 //! here, with linear triangles and weights on the facets of the slave that are written for this test.
 
 use std::ops::ControlFlow;
-use stickslip::history::{IncrementView, LinearAlgebra, Method, Observer, Status};
-use stickslip::mesh::{Mesh, MeshSource, block};
-use stickslip::model::Model;
-use stickslip::report::ContactLine;
-use stickslip::timeline::equal_increments;
+use stickslip::base::timeline::equal_increments;
+use stickslip::body::mesh::{Mesh, MeshSource, block};
+use stickslip::body::model::Model;
+use stickslip::run::report::ContactLine;
+use stickslip::solver::history::{IncrementView, LinearAlgebra, Method, Observer, Status};
 
 use crate::common::pairs::{Side, bodies, pushed, solved, solver};
 

@@ -4,12 +4,12 @@ use std::f64::consts::FRAC_PI_2;
 
 use super::whole;
 use crate::common::round::moved;
-use stickslip::description::{Axis, Description, Opposite, Support};
-use stickslip::fem::{Material, Plane};
-use stickslip::history::{LinearAlgebra, Method};
-use stickslip::linear::SparseLu;
-use stickslip::mesh::{Body, Mesh, MeshSource, block};
-use stickslip::report::{RunReport, WarningKind};
+use stickslip::algebra::linear::SparseLu;
+use stickslip::body::description::{Axis, Description, Opposite, Support};
+use stickslip::body::fem::{Material, Plane};
+use stickslip::body::mesh::{Body, Mesh, MeshSource, block};
+use stickslip::run::report::{RunReport, WarningKind};
+use stickslip::solver::history::{LinearAlgebra, Method};
 
 fn run(body: &Description) -> RunReport {
     whole::report(body, Method::BN, LinearAlgebra::Whole(SparseLu::Umfpack))

@@ -2,14 +2,14 @@
 
 use crate::common::pairs::{Side, bodies, paired, solved, solver};
 use std::ops::ControlFlow;
-use stickslip::contact::ContactNode;
-use stickslip::description::{Action, Axis, Description, Load, Opposite, Support, Where};
-use stickslip::fem::{Material, MaterialGroup, Plane};
-use stickslip::history::{IncrementView, LinearAlgebra, Method, Observer};
-use stickslip::linear::SparseCholesky;
-use stickslip::mesh::{Body, CellKind, MeshSource, Segment};
-use stickslip::model::Model;
-use stickslip::report::{ContactLine, ContactPoint};
+use stickslip::algebra::linear::SparseCholesky;
+use stickslip::body::contact::ContactNode;
+use stickslip::body::description::{Action, Axis, Description, Load, Opposite, Support, Where};
+use stickslip::body::fem::{Material, MaterialGroup, Plane};
+use stickslip::body::mesh::{Body, CellKind, MeshSource, Segment};
+use stickslip::body::model::Model;
+use stickslip::run::report::{ContactLine, ContactPoint};
+use stickslip::solver::history::{IncrementView, LinearAlgebra, Method, Observer};
 
 const PRESSURE: f64 = 1e7;
 

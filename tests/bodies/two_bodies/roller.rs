@@ -5,11 +5,11 @@ use std::f64::consts::PI;
 
 use crate::common::pairs::{Side, bodies, solved};
 use crate::common::round::{Round, lines};
-use stickslip::description::{Action, Axis, Description, Load, Opposite, Where};
-use stickslip::history::{HistoryOutcome, LinearAlgebra, Method, SolverChoice};
-use stickslip::mesh::{Boundary, Cell, CellKind, Mesh};
-use stickslip::model::Model;
-use stickslip::timeline::equal_increments;
+use stickslip::base::timeline::equal_increments;
+use stickslip::body::description::{Action, Axis, Description, Load, Opposite, Where};
+use stickslip::body::mesh::{Boundary, Cell, CellKind, Mesh};
+use stickslip::body::model::Model;
+use stickslip::solver::history::{HistoryOutcome, LinearAlgebra, Method, SolverChoice};
 
 const RADIUS: f64 = 0.05;
 const FORCE: f64 = 35e6;

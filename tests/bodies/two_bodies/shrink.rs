@@ -5,11 +5,11 @@ use std::f64::consts::FRAC_PI_2;
 use crate::common::convergence::order;
 use crate::common::pairs::solved;
 use crate::common::round::moved;
-use stickslip::description::{Axis, Description, Opposite};
-use stickslip::fem::{Material, MaterialGroup, Plane};
-use stickslip::history::{LinearAlgebra, Method, SolverChoice};
-use stickslip::mesh::{Body, CellKind, Mesh, MeshSource, block};
-use stickslip::model::Model;
+use stickslip::body::description::{Axis, Description, Opposite};
+use stickslip::body::fem::{Material, MaterialGroup, Plane};
+use stickslip::body::mesh::{Body, CellKind, Mesh, MeshSource, block};
+use stickslip::body::model::Model;
+use stickslip::solver::history::{LinearAlgebra, Method, SolverChoice};
 
 const RADII: [f64; 3] = [0.05, 0.1, 0.2];
 const YOUNG: [f64; 2] = [70e9, 210e9];

@@ -4,10 +4,10 @@ use crate::common::convergence::{distance, order};
 use crate::common::hertz::Hertz;
 use crate::common::pairs::{Side, bodies, solved};
 use crate::common::round::Round;
-use stickslip::description::{Axis, Description, Load, Opposite};
-use stickslip::fem::{Material, Plane};
-use stickslip::history::{LinearAlgebra, Method, SolverChoice};
-use stickslip::model::Model;
+use stickslip::body::description::{Axis, Description, Load, Opposite};
+use stickslip::body::fem::{Material, Plane};
+use stickslip::body::model::Model;
+use stickslip::solver::history::{LinearAlgebra, Method, SolverChoice};
 
 const RADII: [f64; 2] = [1.0, 0.5];
 const YOUNG: [f64; 2] = [210e9, 70e9];

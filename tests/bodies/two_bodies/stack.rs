@@ -2,12 +2,12 @@
 
 use crate::common::pairs::{Side, bodies, pushed, solved, solver, stack};
 use crate::common::{Keep, difference};
-use stickslip::description::Description;
-use stickslip::history::{LinearAlgebra, Method};
-use stickslip::linear::{SparseCholesky, SparseLu};
-use stickslip::mesh::MeshSource;
-use stickslip::model::Model;
-use stickslip::timeline::equal_increments;
+use stickslip::algebra::linear::{SparseCholesky, SparseLu};
+use stickslip::base::timeline::equal_increments;
+use stickslip::body::description::Description;
+use stickslip::body::mesh::MeshSource;
+use stickslip::body::model::Model;
+use stickslip::solver::history::{LinearAlgebra, Method};
 
 const CONDENSED: LinearAlgebra = LinearAlgebra::Condensed(SparseCholesky::Cholmod);
 

@@ -6,10 +6,10 @@ use crate::common::convergence::{distance, order};
 use crate::common::hertz::Hertz;
 use crate::common::pairs::{Side, bodies, solved};
 use crate::common::round::Round;
-use stickslip::description::{Axis, Description, Load, Opposite};
-use stickslip::history::{HistoryOutcome, LinearAlgebra, Method, SolverChoice};
-use stickslip::model::Model;
-use stickslip::timeline::equal_increments;
+use stickslip::base::timeline::equal_increments;
+use stickslip::body::description::{Axis, Description, Load, Opposite};
+use stickslip::body::model::Model;
+use stickslip::solver::history::{HistoryOutcome, LinearAlgebra, Method, SolverChoice};
 
 const YOUNG: f64 = 210e9;
 const MU: f64 = 0.3;

@@ -2,14 +2,14 @@
 
 use super::whole;
 use crate::common::round::moved;
-use stickslip::contact::Obstacle;
-use stickslip::description::{Axis, Description, Load, Opposite, Support};
-use stickslip::fem::{Material, Plane};
-use stickslip::history::{LinearAlgebra, Method};
-use stickslip::linear::{SparseCholesky, SparseLu};
-use stickslip::mesh::{Body, CellKind, Mesh, MeshSource, block};
-use stickslip::report::{RunReport, WarningKind};
-use stickslip::timeline::equal_increments;
+use stickslip::algebra::linear::{SparseCholesky, SparseLu};
+use stickslip::base::timeline::equal_increments;
+use stickslip::body::contact::Obstacle;
+use stickslip::body::description::{Axis, Description, Load, Opposite, Support};
+use stickslip::body::fem::{Material, Plane};
+use stickslip::body::mesh::{Body, CellKind, Mesh, MeshSource, block};
+use stickslip::run::report::{RunReport, WarningKind};
+use stickslip::solver::history::{LinearAlgebra, Method};
 
 const MU: f64 = 0.1;
 
@@ -135,7 +135,7 @@ fn a_plane_of_symmetry_stays_one() {
         .support("lower:front", &[Axis::Y])
         .support("upper:front", &[Axis::Y])
         .load(Load::new("upper:top", &[0.0, 0.0, -1e7]));
-    let model = stickslip::model::Model::build(&body).unwrap();
+    let model = stickslip::body::model::Model::build(&body).unwrap();
     for contact in &model.contacts {
         let held = (0..2).filter(|&c| contact.position[c] == 0.0).count();
         assert_eq!(contact.tangents.iter().filter(|row| row.is_empty()).count(), held, "{:?}", contact.position);

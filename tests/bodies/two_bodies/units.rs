@@ -1,12 +1,12 @@
 //! The same bodies in other numbers.
 
 use crate::common::pairs::{Side, solver};
-use stickslip::description::{Axis, Description, Load};
-use stickslip::history::{LinearAlgebra, Method, Status};
-use stickslip::mesh::MeshSource;
-use stickslip::model::Model;
+use stickslip::base::timeline::equal_increments;
+use stickslip::body::description::{Axis, Description, Load};
+use stickslip::body::mesh::MeshSource;
+use stickslip::body::model::Model;
 use stickslip::run::Run;
-use stickslip::timeline::equal_increments;
+use stickslip::solver::history::{LinearAlgebra, Method, Status};
 
 /// The stack of `common::pairs` with lengths and stresses in units of which so many make a metre and a pascal.
 fn stack(length: f64, stress: f64, slave: Side) -> Description {

@@ -1,10 +1,10 @@
 //! Runs to their reports.
 
-use stickslip::description::Description;
-use stickslip::history::{LinearAlgebra, Method, SolverChoice, Status};
-use stickslip::model::Model;
-use stickslip::report::{RunReport, WarningKind};
+use stickslip::body::description::Description;
+use stickslip::body::model::Model;
 use stickslip::run::Run;
+use stickslip::run::report::{RunReport, WarningKind};
+use stickslip::solver::history::{LinearAlgebra, Method, SolverChoice, Status};
 
 /// The report of a run that converges.
 pub fn report(body: &Description, method: Method, linear: LinearAlgebra) -> RunReport {

@@ -1,0 +1,314 @@
+//! The command line: the only place that prints.
+//!
+//! Exit status: 0 converged, 1 not converged (what was reached is written), 2 bad input,
+//! 3 the machine failed (memory, disk), or this program did.
+
+/// Prints a line on standard output.
+macro_rules! say {
+    ($($arg:tt)*) => { super::output::line(format_args!($($arg)*)) };
+}
+
+#[cfg(feature = "blas")]
+mod blas_kernel;
+mod bug;
+mod check;
+mod collection;
+mod compare;
+mod export;
+mod init;
+mod interrupt;
+mod memory;
+mod output;
+mod progress;
+#[cfg(feature = "mpi")]
+mod ranks;
+mod run;
+mod schema;
+mod shell;
+mod solve;
+mod sweep;
+mod threads;
+mod uniqueness;
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::error::{ContextKind, ContextValue};
+use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
+use stickslip::body::model::ModelError;
+use stickslip::run::RunError;
+use stickslip::scene::{Origin, Override, Scene, SceneError};
+use stickslip_exchange::ExchangeError;
+
+/// Quasi-static elastic contact with Coulomb friction.
+#[derive(Parser)]
+#[command(name = "stickslip", subcommand_required = true, arg_required_else_help = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+    /// Threads that share the work; as many as OMP_NUM_THREADS says, or as there are processors, unless given
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(threads::MOST)))]
+    threads: Option<u32>,
+    /// The kernel of OpenBLAS: auto, which starts the program once more where the library has taken one that is too old
+    /// for the processor; keep; or a name, such as HASWELL
+    #[cfg(feature = "blas")]
+    #[arg(
+        long,
+        global = true,
+        value_name = "KERNEL",
+        env = "STICKSLIP_BLAS_KERNEL",
+        hide_env_values = true,
+        default_value = "auto"
+    )]
+    blas_kernel: blas_kernel::Kernel,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Solve a scene over its load history
+    Run(run::RunArgs),
+    /// Read and explain a scene without solving it
+    Check(check::CheckArgs),
+    /// Print the JSON Schema of scenes or of the reports of runs
+    Schema(schema::SchemaArgs),
+    /// Compare methods, linear algebra, increments and meshes on a scene: error against time
+    Compare(compare::CompareArgs),
+    /// Run a scene with several values of some of its keys, all combinations, on all processors
+    Sweep(sweep::SweepArgs),
+    /// Solve a problem of an exchange file: FCLIB (HDF5) or Siconos' text
+    Solve(solve::SolveArgs),
+    /// Tell how far a solution of such a problem is from the laws
+    Judge(solve::JudgeArgs),
+    /// Solve all exchange files of a folder
+    Collection(collection::CollectionArgs),
+    /// Write an increment of a scene as a problem for other programs
+    Export(export::ExportArgs),
+    /// Print a scene to start from, with comments
+    Init(init::InitArgs),
+    /// Print a script that completes the commands in a shell
+    Completions(shell::CompletionsArgs),
+    /// Print a page of the manual, for man(1)
+    Man(shell::ManArgs),
+}
+
+/// A scene and what to change in it.
+#[derive(Args)]
+struct SceneArgs {
+    /// The scene file (TOML)
+    scene: PathBuf,
+    /// Put VALUE in place of what the scene says, e.g. 'mesh.elements=[50,50]' or 'contact[0].friction=0.3'
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    overrides: Vec<Override>,
+    /// The algorithm, as solver.method: bn, ip or events; the latter two come with the setting default
+    #[arg(long)]
+    method: Option<String>,
+    /// The named set of constants, as solver.setting
+    #[arg(long)]
+    setting: Option<String>,
+    /// The linear algebra, as solver.linear
+    #[arg(long)]
+    solver: Option<String>,
+}
+
+impl SceneArgs {
+    fn read(&self) -> Result<Scene, SceneError> {
+        Scene::read(&self.scene, &self.overrides())
+    }
+
+    /// All that is to be changed, in the order in which that is done.
+    fn overrides(&self) -> Vec<Override> {
+        // The setting in the scene is that of its own method.
+        let other_method = self.method.as_deref().is_some_and(|method| method != "bn");
+        let setting = self.setting.as_deref().or(other_method.then_some("default"));
+        let options = [
+            ("solver.method", self.method.as_deref()),
+            ("solver.setting", setting),
+            ("solver.linear", self.solver.as_deref()),
+        ];
+        let options = options.iter().filter_map(|(key, value)| Some(Override::value(key, (*value)?)));
+        self.overrides.iter().cloned().chain(options).collect()
+    }
+}
+
+/// What results of `scene` are of.
+fn origin(scene: &Scene) -> Result<Origin, Failure> {
+    Ok(Origin::new(scene, &version()).map_err(|(file, error)| {
+        let message = format!("{}: the file cannot be read: {error}", file.display());
+        scene.error_at("mesh.file", message, "name an existing file, relative to the scene file")
+    })?)
+}
+
+/// Why a command ended without a result.
+enum Failure {
+    /// The input is to blame: exit status 2.
+    Input(miette::Report),
+    /// The machine is: exit status 3.
+    Machine(miette::Report),
+}
+
+impl From<SceneError> for Failure {
+    fn from(error: SceneError) -> Self {
+        Failure::Input(error.into())
+    }
+}
+
+impl From<ExchangeError> for Failure {
+    fn from(error: ExchangeError) -> Self {
+        Failure::Input(miette::miette!(help = error.help().to_string(), "{error}"))
+    }
+}
+
+impl From<ModelError> for Failure {
+    fn from(error: ModelError) -> Self {
+        Failure::Input(error.into())
+    }
+}
+
+impl From<RunError> for Failure {
+    fn from(error: RunError) -> Self {
+        let of_the_input = error.is_of_the_input();
+        let report = miette::Report::from(error);
+        if of_the_input { Failure::Input(report) } else { Failure::Machine(report) }
+    }
+}
+
+impl Cli {
+    /// The kernel that the BLAS had taken before the program started itself again for a better one. Only what solves needs
+    /// one.
+    #[cfg_attr(
+        not(feature = "blas"),
+        allow(clippy::unnecessary_wraps, clippy::unused_self, reason = "the build with a BLAS may fail, and looks")
+    )]
+    fn kernel_before(&self) -> Result<Option<String>, Failure> {
+        #[cfg(feature = "blas")]
+        if !matches!(
+            self.command,
+            Command::Check(_)
+                | Command::Judge(_)
+                | Command::Schema(_)
+                | Command::Init(_)
+                | Command::Completions(_)
+                | Command::Man(_)
+        ) {
+            return blas_kernel::choose(&self.blas_kernel);
+        }
+        Ok(None)
+    }
+
+    fn run(&self) -> Result<ExitCode, Failure> {
+        let kernel_before = self.kernel_before()?;
+        let threads = threads::count(self.threads);
+        threads::start(threads);
+        #[cfg(feature = "mpi")]
+        match (&self.command, ranks::lead()?) {
+            (Command::Compare(_), count) => ranks::refuse("compare", count)?,
+            (Command::Sweep(_), count) => ranks::refuse("sweep", count)?,
+            _ => {}
+        }
+        match &self.command {
+            Command::Run(args) => run::run(args, threads, kernel_before),
+            Command::Check(args) => check::check(args).map(|()| ExitCode::SUCCESS),
+            Command::Compare(args) => compare::compare(args, threads),
+            Command::Sweep(args) => sweep::sweep(args, self),
+            Command::Solve(args) => solve::solve_file(args),
+            Command::Judge(args) => solve::judge_file(args),
+            Command::Collection(args) => collection::collection(args, threads),
+            Command::Export(args) => export::export_scene(args),
+            Command::Schema(args) => {
+                schema::schema(args);
+                Ok(ExitCode::SUCCESS)
+            }
+            Command::Init(args) => init::init(args).map(|()| ExitCode::SUCCESS),
+            Command::Completions(args) => {
+                shell::completions(args, program());
+                Ok(ExitCode::SUCCESS)
+            }
+            Command::Man(args) => shell::man(args, program()).map(|()| ExitCode::SUCCESS),
+        }
+    }
+}
+
+/// The version of the program, and of the C libraries if there are any.
+#[cfg(feature = "umfpack")]
+fn version() -> String {
+    let version = |[major, minor, patch]: [i32; 3]| format!("{major}.{minor}.{patch}");
+    format!(
+        "{} (SuiteSparse {}, UMFPACK {})",
+        env!("CARGO_PKG_VERSION"),
+        version(stickslip::algebra::linear::suitesparse_version()),
+        version(stickslip::algebra::linear::umfpack_version())
+    )
+}
+
+#[cfg(not(feature = "umfpack"))]
+fn version() -> String {
+    concat!(env!("CARGO_PKG_VERSION"), " (without UMFPACK)").to_string()
+}
+
+/// The program as its help, its completions and its manual describe it.
+fn program() -> clap::Command {
+    Cli::command().version(version())
+}
+
+/// The error of arguments, with the command that is missing where a file stands in its place.
+fn with_command(mut error: clap::Error) -> clap::Error {
+    let Some(ContextValue::String(name)) = error.get(ContextKind::InvalidSubcommand) else { return error };
+    let command = match Path::new(name).extension().and_then(|end| end.to_str()) {
+        Some("toml") => "run",
+        Some("hdf5" | "h5" | "dat") => "solve",
+        _ => return error,
+    };
+    let tip = format!("did you mean: stickslip {command} {name}");
+    error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
+    error
+}
+
+pub(crate) fn main() -> ExitCode {
+    #[cfg(feature = "mpi")]
+    if ranks::may_help()
+        && let Some(code) = ranks::help()
+    {
+        return code;
+    }
+    let json = std::env::args_os().any(|argument| argument == "--json");
+    memory::end_in_order(json);
+    let matches = program().try_get_matches();
+    let cli = match matches.and_then(|matches| Cli::from_arg_matches(&matches)) {
+        Ok(cli) => cli,
+        Err(error) => {
+            let error = with_command(error);
+            // Others of a launcher's wait for the first one to start MPI and to end it.
+            #[cfg(feature = "mpi")]
+            if ranks::lead().is_ok() {
+                stickslip::algebra::linear::ranks::end();
+            }
+            if json && error.use_stderr() {
+                output::failure_as_json("bad-input", &error.render().to_string());
+            }
+            memory::exits();
+            error.exit()
+        }
+    };
+    let code = match bug::caught(|| cli.run()) {
+        // What lacked memory has been read in part, and is not to blame.
+        Ok(Err(Failure::Input(report))) if memory::is_short() => output::failure(&Failure::Machine(report), json),
+        Ok(Ok(code)) => code,
+        Ok(Err(failure)) => output::failure(&failure, json),
+        // Not all that lacks memory ends with a word of it.
+        Err(_) if memory::is_short() => {
+            output::failure(&Failure::Machine(miette::miette!(help = memory::HELP, "{}", memory::MESSAGE)), json)
+        }
+        Err(bug) => {
+            output::note(&bug);
+            if json {
+                output::failure_as_json("bug", &bug);
+            }
+            ExitCode::from(3)
+        }
+    };
+    #[cfg(feature = "mpi")]
+    stickslip::algebra::linear::ranks::end();
+    memory::exits();
+    // Whatever the command found: who reads it has not got it.
+    if output::failed() { ExitCode::from(3) } else { code }
+}

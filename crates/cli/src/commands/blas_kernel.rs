@@ -1,0 +1,148 @@
+//! The kernel of the BLAS. OpenBLAS reads the variable that chooses it when it is loaded, before the program has a say; so
+//! where there is a better kernel, the program sets the variable and starts itself once more in its own place: with the same
+//! process number, arguments, files and environment.
+
+use std::convert::Infallible;
+use std::env;
+use std::ffi::OsString;
+use std::fmt;
+use std::io;
+use std::os::unix::process::CommandExt;
+use std::path::PathBuf;
+use std::process::Command;
+use std::str::FromStr;
+
+use stickslip::algebra::linear::blas::{Blas, KERNEL_VARIABLE, Vectors, kernel_names, may_run_here};
+
+use super::Failure;
+
+/// Which kernel to run.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum Kernel {
+    /// The best one for the processor, unless the environment names one.
+    Auto,
+    /// The one that runs.
+    Keep,
+    /// The one of this name.
+    Named(String),
+}
+
+impl FromStr for Kernel {
+    type Err = Infallible;
+
+    fn from_str(text: &str) -> Result<Self, Infallible> {
+        // Names of kernels may be in capitals or not, and so may these. A variable that is empty says nothing.
+        Ok(match text.to_ascii_lowercase().as_str() {
+            "" | "auto" => Kernel::Auto,
+            "keep" => Kernel::Keep,
+            _ => Kernel::Named(text.to_string()),
+        })
+    }
+}
+
+impl fmt::Display for Kernel {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Kernel::Auto => "auto",
+            Kernel::Keep => "keep",
+            Kernel::Named(name) => name,
+        })
+    }
+}
+
+/// By this variable the program knows that it has started itself again: the number of its process, which stays the same,
+/// and the kernel that ran before. To other processes, such as its children, it says nothing.
+const RESTARTED: &str = "STICKSLIP_RESTARTED";
+
+/// Sees to it that the kernel runs that is wanted, which may start the program again; so it is called before there is any thread.
+/// Gives the kernel that ran before that, if it has been done.
+///
+/// # Errors
+/// A kernel that was named and that the library does not run.
+pub(super) fn choose(wanted: &Kernel) -> Result<Option<String>, Failure> {
+    let Some(blas) = Blas::loaded().filter(|_| *wanted != Kernel::Keep) else { return Ok(None) };
+    if let Some(before) = restarted_from() {
+        return restarted(wanted, &blas, before);
+    }
+    let running = blas.kernel.as_deref().unwrap_or_default();
+    match (wanted, blas.better_kernel) {
+        (Kernel::Named(name), _) if !name.eq_ignore_ascii_case(running) => {
+            check(name, &blas)?;
+            let error = restart(Some(name), running);
+            Err(Failure::Machine(miette::miette!(
+                "the program cannot start itself again for the kernel {name}: {error}"
+            )))
+        }
+        (Kernel::Auto, Some(better)) if blas.selectable && blas.kernel_asked.is_none() => {
+            // Where the system refuses it, the run is slow, and its report says so.
+            restart(Some(better), running);
+            Ok(None)
+        }
+        _ => Ok(None),
+    }
+}
+
+/// What came of it.
+fn restarted(wanted: &Kernel, blas: &Blas, before: String) -> Result<Option<String>, Failure> {
+    let running = blas.kernel.as_deref().unwrap_or_default();
+    match wanted {
+        Kernel::Named(name) if !name.eq_ignore_ascii_case(running) => Err(bad_kernel(&format!(
+            "--blas-kernel {name}: there is no such kernel; asked for it, the library runs {running}"
+        ))),
+        // A library that does not know the name may have taken a worse kernel than by itself. Now it is left alone.
+        Kernel::Auto if Vectors::of_kernel(running) < Vectors::of_kernel(&before) => {
+            restart(None, "");
+            Ok(None)
+        }
+        _ => Ok(Some(before).filter(|before| !before.is_empty() && before != running)),
+    }
+}
+
+/// An error if it is known that there can be no such kernel.
+fn check(name: &str, blas: &Blas) -> Result<(), Failure> {
+    if !blas.selectable {
+        let help = "leave it out, or use auto or keep";
+        return Err(Failure::Input(miette::miette!(
+            help = help,
+            "--blas-kernel {name}: {blas}, takes no kernel by its name"
+        )));
+    }
+    if may_run_here(name) {
+        Ok(())
+    } else {
+        Err(bad_kernel(&format!("--blas-kernel {name}: this processor cannot run it")))
+    }
+}
+
+fn bad_kernel(message: &str) -> Failure {
+    let names: Vec<&str> = kernel_names().filter(|name| may_run_here(name)).collect();
+    let help = format!("names, as far as the library was built with them: {}", names.join(", "));
+    Failure::Input(miette::miette!(help = help, "{message}"))
+}
+
+fn restarted_from() -> Option<String> {
+    let told = env::var(RESTARTED).ok()?;
+    let (process, kernel) = told.split_once(':')?;
+    (process == std::process::id().to_string()).then(|| kernel.to_string())
+}
+
+/// Starts the program again in its own place, with `kernel` asked for, or none. Comes back only where that fails.
+fn restart(kernel: Option<&str>, running: &str) -> io::Error {
+    let mut arguments = env::args_os();
+    let name: OsString = arguments.next().unwrap_or_default();
+    let arguments: Vec<OsString> = arguments.collect();
+    let replace = |program: PathBuf| {
+        let mut command = Command::new(program);
+        command.arg0(&name).args(&arguments).env(RESTARTED, format!("{}:{running}", std::process::id()));
+        match kernel {
+            Some(kernel) => command.env(KERNEL_VARIABLE, kernel),
+            None => command.env_remove(KERNEL_VARIABLE),
+        };
+        command.exec()
+    };
+    // By its path, so that the system lists it under its name; if that has gone since, as the file that it is.
+    if let Ok(path) = env::current_exe() {
+        replace(path);
+    }
+    replace(PathBuf::from("/proc/self/exe"))
+}

@@ -1,0 +1,355 @@
+//! `stickslip check`.
+
+mod histories;
+mod mesh;
+mod obstacles;
+mod paths;
+mod words;
+
+use std::collections::BTreeSet;
+
+use clap::Args;
+use stickslip::base::memory::{Budget, in_words};
+use stickslip::base::units::{Quantity, UnitSystem};
+use stickslip::body::contact::Friction;
+use stickslip::body::description::{Action, Bed, Direction, Field, Held, Support, Where};
+use stickslip::body::fem::{Element, Material, Plane, RigidMotion};
+use stickslip::body::mesh::{CellKind, MeshSource};
+use stickslip::body::model::Model;
+use stickslip::run::report::{PairRecord, Warning};
+use stickslip::run::{RunError, discretise};
+use stickslip::scene::Scene;
+use stickslip::solver::formulation::Layout;
+use stickslip::solver::history;
+use stickslip::solver::problem::ProblemError;
+use stickslip::solver::solvability::{Conditions, rigid_equilibrium_with};
+use stickslip_output::bytes_on_disk;
+
+use super::{Failure, SceneArgs};
+use histories::points;
+use mesh::{bodies, made};
+use obstacles::{frame, motions, shape};
+use paths::paths;
+use words::{listed, number, told, vector};
+
+#[derive(Args)]
+pub(super) struct CheckArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+}
+
+pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
+    let scene = args.scene.read()?;
+    let budget = Budget::of_process();
+    let model = discretise(&scene)?;
+    say!("{}", scene.title);
+    body(&scene, &model);
+    contacts(&scene, &model);
+    loads(&scene, &model);
+    let solver = &scene.solver;
+    say!(
+        "history      {} increments of {} s to t = {} s",
+        scene.time.increments,
+        scene.time.end / scene.time.increments as f64,
+        scene.time.end
+    );
+    for kinks in histories::between(&scene, &model.units()) {
+        say!("             further ends: {kinks}");
+    }
+    say!(
+        "solver       {}, setting {}, {}; at most {} iterations; error of every law at most {:.0e}",
+        solver.method.name(),
+        solver.method.setting(),
+        solver.linear.map_or("auto".to_string(), |linear| linear.to_string()),
+        solver.max_iterations,
+        solver.tolerance
+    );
+    for line in paths(&scene, &model, budget)? {
+        say!("{line}");
+    }
+    say!("disk         about {} for the results", in_words(bytes_on_disk(&scene, &model)));
+    holding(&model);
+    for warning in Warning::of_model(&model) {
+        say!("warning      {}", warning.message);
+    }
+    if !model.contacts.is_empty() {
+        theorem(&model);
+        equilibrium(&scene, &model).map_err(history::Error::from).map_err(RunError::from)?;
+    }
+    Ok(())
+}
+
+fn body(scene: &Scene, model: &Model) {
+    let units = model.units();
+    let kind = made(&scene.description.mesh, model);
+    let mut cells: Vec<CellKind> = model.mesh.cells.iter().map(|cell| cell.kind).collect();
+    cells.dedup();
+    let cells = match (&cells[..], model.element()) {
+        ([CellKind::Triangle], _) => "linear triangles",
+        ([CellKind::Tetrahedron], _) => "linear tetrahedra",
+        ([CellKind::Triangle6], _) => "quadratic triangles",
+        ([CellKind::Tetrahedron10], _) => "quadratic tetrahedra",
+        ([CellKind::Quadrilateral], Element::BBar) => "B-bar quadrilaterals",
+        ([CellKind::Quadrilateral], _) => "bilinear quadrilaterals",
+        ([CellKind::Hexahedron], Element::BBar) => "B-bar hexahedra",
+        ([CellKind::Hexahedron], _) => "trilinear hexahedra",
+        ([CellKind::Prism], Element::BBar) => "B-bar prisms",
+        ([CellKind::Prism], _) => "prisms",
+        (_, Element::BBar) => "B-bar elements of several kinds",
+        _ => "elements of several kinds",
+    };
+    let averaged = if model.element() == Element::NodalVolume { " with nodal volumes" } else { "" };
+    say!(
+        "mesh         {kind} {cells}{averaged}, {} nodes, boundaries {}",
+        model.mesh.nodes.len(),
+        model.mesh.boundary_names().join(", ")
+    );
+    for line in bodies(&scene.description.mesh, model) {
+        say!("{line}");
+    }
+    for remark in &model.mesh.notes.remarks {
+        say!("             {remark}");
+    }
+    let Material { young, poisson, plane, layers, groups, .. } = &scene.description.material;
+    let state = match (model.mesh.dimension, plane.unwrap_or_default()) {
+        (2, Plane::Strain) => "plane strain, unit thickness",
+        (2, Plane::Stress) => "plane stress, unit thickness",
+        (2, Plane::Axisymmetric) => "axisymmetric about x = 0, forces all around",
+        _ => "three dimensions",
+    };
+    let modulus = |young: f64| told(&units, Quantity::Stress, young);
+    match &scene.description.mesh {
+        MeshSource::Bodies(_) => say!("material     {state}"),
+        _ => say!("material     E = {}, nu = {poisson}, {state}", modulus(*young)),
+    }
+    for group in groups {
+        say!("group        {}: E = {}, nu = {}", group.name, modulus(group.young), group.poisson);
+    }
+    let height = if model.mesh.dimension == 2 { "y" } else { "z" };
+    let mut bottom = 0.0;
+    for (layer, top) in layers.iter().zip(scene.description.material.tops()) {
+        // A height is a sum of thicknesses; fifteen digits hide its rounding.
+        let top = units.of_si(Quantity::Length, top);
+        let top: f64 = format!("{top:.14e}").parse().unwrap_or(top);
+        let (unit, young) = (units.name(Quantity::Length), modulus(layer.young));
+        say!("layer        {height} = {bottom} to {top} {unit}: E = {young}, nu = {}", layer.poisson);
+        bottom = top;
+    }
+    for support in &scene.description.supports {
+        say!("support      {}: {}", support.at.place(&units), holds(support, &units, scene.time.end));
+    }
+    for bed in &scene.description.springs {
+        let stiffness = match bed {
+            Bed::Axes { at: Where::Boundary(_), stiffness } => {
+                format!("{} along the axes", vector(&units, Quantity::Foundation, stiffness))
+            }
+            Bed::Axes { stiffness, .. } => format!("{} along the axes", vector(&units, Quantity::Spring, stiffness)),
+            Bed::Surface { normal, tangential, .. } => {
+                let [normal, tangential] = [normal, tangential].map(|x| told(&units, Quantity::Foundation, *x));
+                format!("{normal} along the normal, {tangential} across")
+            }
+        };
+        say!("spring       {}: {stiffness}", bed.place(&units));
+    }
+}
+
+/// What the meshes of bodies in front of each other have in common.
+fn pairs(model: &Model) {
+    let units = model.units();
+    let length = |x: f64| told(&units, Quantity::Length, x);
+    for (pair, record) in model.pairs.iter().zip(PairRecord::all(model)) {
+        let PairRecord { slave, master, reason, glued, rows, segments, covered, least_gap, largest_gap, .. } = record;
+        let glued = if glued { ", glued" } else { "" };
+        say!("pair         {slave} (slave) against {master}{glued}: {rows} rows, {segments} segments");
+        if let Some(reason) = reason {
+            say!("             {slave} is the slave: {reason}");
+        }
+        let largest = pair.mortar.rows.iter().flat_map(|row| &row.master).fold(0.0_f64, |m, (_, c)| m.max(*c));
+        say!(
+            "             {:.0} % of it covered, gaps {} to {}, largest share of a master node {largest:.3}",
+            100.0 * covered,
+            length(least_gap),
+            length(largest_gap)
+        );
+        if !pair.glued && !pair.is_measured() {
+            let least = pair.gaps.iter().copied().fold(f64::INFINITY, f64::min);
+            let largest = pair.gaps.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            say!(
+                "             in place of these, gaps {} to {} when the history begins",
+                length(least),
+                length(largest)
+            );
+        }
+    }
+}
+
+fn contacts(scene: &Scene, model: &Model) {
+    for boundary in &model.contact_boundaries {
+        let contact = &scene.description.contacts[boundary.contact];
+        let several = contact.obstacles().len() > 1;
+        let mu = match &contact.friction {
+            Friction::Uniform(mu) => mu.to_string(),
+            Friction::Formula(formula) => formula.text().to_string(),
+        };
+        let changing = contact.friction_history.as_ref().map(|history| points(history, |factor| factor[0].to_string()));
+        let mu = changing.map_or(mu.clone(), |factors| format!("{mu}, times {factors}"));
+        if let Some(pair) = boundary.pair {
+            say!("contact      {} against {}, mu = {mu}", model.pairs[pair].slave, model.pairs[pair].master.name);
+        }
+        if several {
+            say!("contact      {}: {} obstacles, mu = {mu}", contact.boundary, contact.obstacles().len());
+        }
+        for (given, k) in contact.obstacles().iter().zip(boundary.obstacles.clone()) {
+            let placed = &model.obstacles[k].0;
+            let mut obstacle = vec![shape(model, given, placed)];
+            obstacle.extend(motions(model, given));
+            let obstacle = obstacle.join(", ");
+            if several {
+                let met = model.contacts.iter().filter(|contact| contact.obstacle() == Some(k)).count();
+                say!("             {obstacle}, met by {met} nodes");
+            } else {
+                say!("contact      {}: {obstacle}, mu = {mu}", contact.boundary);
+            }
+            say!("             {}", frame(model, placed, given.direction));
+        }
+        if boundary.beyond > 0 {
+            say!("             {} nodes that no obstacle ever reaches stay open", boundary.beyond);
+        }
+    }
+    pairs(model);
+    let layout = Layout::new(&model.problem);
+    say!("unknowns     {} displacements u", layout.displacements());
+    match (layout.contacts(), layout.tangentials()) {
+        (0, _) => say!("             no contact: one linear solve an increment, one factorisation"),
+        (n, t) => {
+            say!("             {n} normal forces p_n");
+            let with = |has: &dyn Fn(usize) -> bool| (0..n).filter(|&i| has(i)).count();
+            let rest = match with(&|i| !layout.has_friction(i)) {
+                0 => String::new(),
+                rest => format!("; {rest} nodes have no friction or cannot slide"),
+            };
+            let along = match model.mesh.dimension {
+                2 => "p_t".to_string(),
+                _ => format!("p_t and p_o; {} nodes slide in a plane", with(&|i| layout.slides_in_a_plane(i))),
+            };
+            say!("             {t} tangential forces {along}{rest}");
+        }
+    }
+}
+
+fn loads(scene: &Scene, model: &Model) {
+    let units = model.units();
+    for (load, sum) in scene.description.loads.iter().zip(model.forces_of_loads()) {
+        // A temperature has no resultant.
+        let sum = match load.action {
+            Action::Temperature { .. } => String::new(),
+            _ => format!(", in all {}", vector(&units, Quantity::Force, &sum[..model.mesh.dimension])),
+        };
+        say!(
+            "load         {}: {}{sum}; factor {}",
+            load.action.place(&units),
+            acts(&load.action, &units),
+            points(&load.factors(scene.time.end), |factor| factor[0].to_string())
+        );
+    }
+}
+
+/// What a support holds, and where it moves that to.
+fn holds(support: &Support, units: &UnitSystem, end: f64) -> String {
+    let direction = |held: &Held| match held.direction {
+        Direction::Axis(axis) => format!("{axis:?}").to_lowercase(),
+        Direction::Normal => "its normal".to_string(),
+        Direction::Along(vector) => format!("{vector:?}"),
+    };
+    let held = format!("{} held", listed(support.held.iter().map(direction).collect()));
+    if !support.moves() {
+        return held;
+    }
+    let to: Vec<f64> = support.held.iter().map(|held| held.displacement).collect();
+    let factor = points(&support.factors(end), |factor| factor[0].to_string());
+    format!("{held}, moved by {}; factor {factor}", vector(units, Quantity::Length, &to))
+}
+
+/// What a load does at factor 1.
+fn acts(action: &Action, units: &UnitSystem) -> String {
+    // Where there are no other units a traction is told in N/m2, as it is meant.
+    let per_area = if units.is_si() { "N/m2".to_string() } else { units.name(Quantity::Stress) };
+    let stress = |x: f64| units.number(Quantity::Stress, x);
+    match action {
+        Action::Traction { traction, .. } => {
+            let component = |t: &Field| t.uniform().map_or_else(|| t.to_string(), |t| number(stress(t)));
+            format!("({}) {per_area}", traction.iter().map(component).collect::<Vec<_>>().join(", "))
+        }
+        Action::Pressure { pressure: Field::Uniform(p), .. } => format!("pressure {:?} {per_area}", stress(*p)),
+        Action::Pressure { pressure, .. } => format!("pressure {pressure} {per_area}"),
+        Action::Force { force, .. } => vector(units, Quantity::Force, force),
+        Action::Acceleration(acceleration) => vector(units, Quantity::Acceleration, acceleration),
+        Action::Spin { speed, .. } => format!("turning with {speed} rad/s"),
+        Action::Temperature(temperature) => format!("warmed by {temperature} K"),
+    }
+}
+
+fn holding(model: &Model) {
+    if model.rigid_motions.is_empty() {
+        say!("held         by its supports");
+        return;
+    }
+    let by = if model.contacts.is_empty() { "nothing holds" } else { "only contact can hold" };
+    for motion in &model.rigid_motions {
+        say!("NOT HELD     {by} {}", motion.against(&model.units()));
+    }
+}
+
+fn theorem(model: &Model) {
+    let conditions = Conditions::of(&model.problem);
+    if conditions.hold() {
+        say!("theorem 3    holds: (a) no rigid motion leaves every obstacle; (b) contact rows independent");
+        return;
+    }
+    let mut label = "theorem 3";
+    if let Some(motion) = conditions.leaving.as_deref().and_then(|weights| named(model, weights)) {
+        say!(
+            "{label:<12} (a) violated: {} moves no node towards an obstacle, \
+             so the loads have to keep it from that; or add a support",
+            motion.told(&model.units())
+        );
+        label = "";
+    }
+    let nodes: BTreeSet<usize> = conditions.dependent.iter().map(|&i| model.contacts[i].node).collect();
+    if let Some(&first) = nodes.first() {
+        let place = model.units().place(model.mesh.nodes[first]);
+        let others = match nodes.len() - 1 {
+            0 => String::new(),
+            n => format!(" (and at {n} more)"),
+        };
+        say!(
+            "{label:<12} (b) violated: the contact rows at {place}{others} depend on each other, so the contact \
+             forces there are not unique; turn a normal, or take away a contact or a support"
+        );
+    }
+}
+
+/// Tells the first increment that no contact force can bring into balance.
+fn equilibrium(scene: &Scene, model: &Model) -> Result<(), ProblemError> {
+    if model.rigid_motions.is_empty() {
+        return Ok(());
+    }
+    for time in scene.time.all() {
+        let force = model.loading.force_at(time, &model.problem)?;
+        let mu = model.loading.friction().map(|friction| friction.at(time));
+        let driven = rigid_equilibrium_with(&model.problem, mu.as_deref().unwrap_or(model.problem.mu()), &force)?;
+        if let Some(motion) = driven.and_then(|weights| named(model, &weights)) {
+            say!(
+                "NO BALANCE   first at t = {time} s: the loads drive {}, which no contact force within its \
+                 friction resists; change the loads or add a support",
+                motion.told(&model.units())
+            );
+            break;
+        }
+    }
+    Ok(())
+}
+
+fn named(model: &Model, weights: &[f64]) -> Option<RigidMotion> {
+    RigidMotion::combination(&model.rigid_motions, weights)
+}

@@ -1,0 +1,33 @@
+//! Histories in words: their points, and their kinks within increments.
+
+use stickslip::base::timeline::equal_increments;
+use stickslip::base::units::UnitSystem;
+use stickslip::body::description::Kinks;
+use stickslip::scene::{Scene, Time};
+
+/// More points than this are shortened.
+const SHOWN: usize = 8;
+
+/// `1 at 0 s, 2 at 1 s`; long lists are shortened.
+pub(super) fn points<const N: usize>(history: &[[f64; N]], value: impl Fn(&[f64]) -> String) -> String {
+    shortened(history.iter().map(|point| format!("{} at {} s", value(&point[1..]), point[0])).collect())
+}
+
+fn shortened(mut words: Vec<String>) -> String {
+    if words.len() > SHOWN {
+        let left_out = format!("({} more)", words.len() + 1 - SHOWN);
+        words.splice(SHOWN - 2..words.len() - 1, [left_out]);
+    }
+    words.join(", ")
+}
+
+/// The kinks of the histories of `scene` at which none of its equal increments ends: `the kink of the load on top at 1 s`.
+pub(super) fn between(scene: &Scene, units: &UnitSystem) -> Vec<String> {
+    let Time { end, increments, .. } = scene.time;
+    let in_words = |found: Kinks<'_>| {
+        let times: Vec<String> = found.times.iter().map(|t| format!("{t} s")).collect();
+        let kinks = if times.len() == 1 { "kink" } else { "kinks" };
+        format!("the {kinks} of {} at {}", found.history(units), shortened(times))
+    };
+    scene.description.kinks_between(&equal_increments(end, increments)).into_iter().map(in_words).collect()
+}

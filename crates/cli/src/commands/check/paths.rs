@@ -1,0 +1,59 @@
+//! What a run takes of time and memory, by each linear algebra.
+
+use stickslip::algebra::linear::built_in::ranks;
+use stickslip::base::memory::{Budget, in_words};
+use stickslip::body::model::Model;
+use stickslip::run::auto::{AvailableSolvers, Choice, Path};
+use stickslip::run::{Need, RunError, unsuited};
+use stickslip::scene::Scene;
+use stickslip::solver::history::LinearAlgebra;
+use stickslip::solver::initial_working_set::InitialWorkingSet;
+
+/// The memory of the run that `scene` asks for, and beside it what all ways are estimated to take, and from which size on each is out.
+pub(super) fn paths(scene: &Scene, model: &Model, budget: Option<Budget>) -> Result<Vec<String>, RunError> {
+    let (method, increments) = (scene.solver.method, model.times().len());
+    let unsuited = unsuited(model, method);
+    let ranks = ranks();
+    let means = AvailableSolvers { available: budget.map(|budget| budget.bytes), multigrid: unsuited.is_none(), ranks };
+    let choice = Choice::cheapest(&model.problem, &InitialWorkingSet::default(), method, increments, means)?;
+    let linear = scene.solver.linear.unwrap_or(choice.linear);
+    let need = match choice.paths().iter().find(|path| path.linear == linear) {
+        Some(path) => Need::of_path(model, path),
+        None => Need::of(model, linear, 0)?,
+    };
+    let need = need.bytes();
+    let of = budget.map_or(String::new(), |Budget { bytes, source }| {
+        let enough = if need > bytes { "; this is hardly enough" } else { "" };
+        format!(" of {} that {source} leaves{enough}", in_words(bytes))
+    });
+    let of_memory = budget.map_or("", |_| "  out of memory from");
+    let mut lines = vec![
+        format!("memory       about {}{of}", in_words(need)),
+        format!("estimated    {:<18} {:>9} {:>9}{of_memory}", "", "time", "memory"),
+    ];
+    for path in choice.paths() {
+        let Path { linear, cost } = path;
+        let need = Need::of_path(model, path);
+        let out = budget.map_or(String::new(), |Budget { bytes, .. }| {
+            format!("  {:.1e} displacements on", need.most_displacements(model, *linear, bytes))
+        });
+        let chosen = if *linear == choice.linear { ", \"auto\"" } else { "" };
+        let name = format!("{linear}{chosen}");
+        lines.push(format!("             {name:<18} {:>7.2} s {:>9}{out}", cost.seconds, in_words(need.bytes())));
+    }
+    if ranks > 1 {
+        lines.push(format!(
+            "             by {ranks} processes; memory is that of the first one, and each needs its own"
+        ));
+    }
+    if let (Some(why), true) = (unsuited, LinearAlgebra::Multigrid.is_built_in()) {
+        lines.push(format!("             \"auto\" leaves multigrid: {why}"));
+        if scene.solver.linear == Some(LinearAlgebra::Multigrid) {
+            lines.push(
+                "             a direct solver may have to take over, with the time and memory that it needs"
+                    .to_string(),
+            );
+        }
+    }
+    Ok(lines)
+}

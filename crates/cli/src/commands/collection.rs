@@ -1,0 +1,138 @@
+//! `stickslip collection`: all exchange files of a folder.
+
+use std::convert::Infallible;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Args;
+use stickslip::algebra::jobs;
+use stickslip::run::report::thread_cpu_seconds;
+use stickslip_cli::problems::{Collection, ProblemReport, Row, Verdict};
+use stickslip_exchange::{ProblemFile, Way, solve_by};
+use stickslip_output::write_file;
+
+use super::progress::bar;
+use super::run::write_failure;
+use super::{Failure, interrupt};
+
+/// What names of exchange files end with.
+const ENDINGS: [&str; 4] = ["hdf5", "h5", "hdf", "dat"];
+
+#[derive(Args)]
+pub(super) struct CollectionArgs {
+    /// The folder: all its files that end with hdf5, h5, hdf or dat
+    folder: PathBuf,
+    /// Solve each problem in every way that there is, and compare these
+    #[arg(long)]
+    compare: bool,
+    /// Write the table as collection.csv and collection.json, the performance profile as profile.csv and profile.svg into this
+    /// folder
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print the table as one JSON object and nothing else
+    #[arg(long)]
+    json: bool,
+}
+
+/// With `threads` files at a time. Exit status 1: a problem is not solved; 2: a file cannot be read; 3: the machine failed.
+pub(super) fn collection(args: &CollectionArgs, threads: usize) -> Result<ExitCode, Failure> {
+    interrupt::listen();
+    let (files, others) = files(&args.folder)?;
+    let ways: &[Way] = if args.compare { &Way::ALL } else { &[Way::Default] };
+    let tasks: Vec<(&PathBuf, Way)> = files.iter().flat_map(|file| ways.iter().map(move |way| (file, *way))).collect();
+    let bar = bar(tasks.len(), "problems");
+    let rows = jobs::run(&tasks, threads, |(path, way)| {
+        let row = row(path, *way);
+        bar.inc(1);
+        Ok::<_, Infallible>(row)
+    });
+    bar.finish_and_clear();
+    let rows: Vec<Row> = rows.unwrap_or_default().into_iter().flatten().collect();
+    let collection = Collection::new(rows);
+    let json =
+        serde_json::to_string_pretty(&collection).map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
+    if args.json {
+        say!("{json}");
+    } else {
+        say!("{}", collection.to_text().trim_end());
+        let Collection { files, solved, cpu_seconds, .. } = &collection;
+        let others = if others == 0 { String::new() } else { format!(", {others} other files left out") };
+        say!("\nverdict      {solved} of {files} problems solved, {cpu_seconds:.2} s CPU{others}");
+    }
+    if let Some(folder) = &args.out {
+        write(folder, &args.folder, &collection, &json)?;
+        if !args.json {
+            say!("results      {}", folder.display());
+        }
+    }
+    let has = |verdict: Verdict| collection.rows.iter().any(|row| row.status == verdict);
+    Ok(match () {
+        () if has(Verdict::MachineFailure) => ExitCode::from(3),
+        () if has(Verdict::BadInput) => ExitCode::from(2),
+        () if collection.solved < collection.files => ExitCode::from(1),
+        () => ExitCode::SUCCESS,
+    })
+}
+
+/// The exchange files of a folder by name, and how many others there are.
+fn files(folder: &Path) -> Result<(Vec<PathBuf>, usize), Failure> {
+    let entries = fs::read_dir(folder).map_err(|error| {
+        Failure::Input(miette::miette!(
+            help = "name a folder",
+            "{}: the folder cannot be read: {error}",
+            folder.display()
+        ))
+    })?;
+    let mut all: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).filter(|path| path.is_file()).collect();
+    all.sort();
+    let ours = |path: &PathBuf| path.extension().and_then(|end| end.to_str()).is_some_and(|end| ENDINGS.contains(&end));
+    let (files, others): (Vec<_>, Vec<_>) = all.into_iter().partition(ours);
+    if files.is_empty() {
+        let help = "name a folder with files that end with hdf5, h5, hdf or dat";
+        return Err(Failure::Input(miette::miette!(help = help, "{}: there is no problem in it", folder.display())));
+    }
+    Ok((files, others.len()))
+}
+
+/// What becomes of a file; nothing where the way is none for its problem, or the command is to end.
+fn row(path: &Path, way: Way) -> Option<Row> {
+    if interrupt::requested() {
+        return None;
+    }
+    let name = path.file_name().map(|name| name.to_string_lossy().to_string()).unwrap_or_default();
+    let file = match ProblemFile::read(path) {
+        Ok(file) => file,
+        Err(error) => return Some(Row::failed(&name, way.name(), Verdict::BadInput, error.to_string())),
+    };
+    let start = thread_cpu_seconds();
+    match solve_by(way, &file.problem, None) {
+        Ok(None) => None,
+        Ok(Some(answer)) => {
+            let report = ProblemReport::solved(&name, &file, &answer, thread_cpu_seconds() - start);
+            Some(Row::of(&report, way.name()))
+        }
+        Err(error) => {
+            let status = match Failure::from(error.clone()) {
+                Failure::Machine(_) => Verdict::MachineFailure,
+                Failure::Input(_) => Verdict::NotSolved,
+            };
+            Some(Row::failed(&name, way.name(), status, format!("{name}: {error}")))
+        }
+    }
+}
+
+fn write(folder: &Path, of: &Path, collection: &Collection, json: &str) -> Result<(), Failure> {
+    let profile = collection.profile();
+    let chart = profile.chart(&format!("Problems of {}", of.display())).to_svg();
+    let chart = chart.map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
+    let failed = |error: std::io::Error| write_failure(folder, &error);
+    fs::create_dir_all(folder).map_err(failed)?;
+    let files = [
+        ("collection.csv", collection.to_csv()),
+        ("collection.json", json.to_string()),
+        ("profile.csv", profile.to_csv()),
+        ("profile.svg", chart),
+    ];
+    files.into_iter().try_for_each(|(name, text)| write_file(folder, name, text)).map_err(failed)
+}

@@ -1,0 +1,93 @@
+//! What the program does where memory is refused.
+
+pub(super) use stickslip::algebra::linear::process::exits;
+use stickslip::algebra::linear::process::{Last, memory_was_refused, say_last};
+
+/// A refusal that cannot be passed on, in words.
+pub(super) const MESSAGE: &str = "out of memory: some was refused that the program cannot do without";
+pub(super) const HELP: &str = "use a coarser mesh, raise the memory limit, or use a machine with more memory";
+
+const NOTE: &str = "out of memory: some was refused that the program cannot do without; use a coarser mesh, raise the memory limit, or \
+                    use a machine with more memory\nwhat was written before is complete\n";
+
+const ABORTED: &str = "a library of the program ended it; this may be for want of memory, otherwise please report it with the scene\n\
+                       what was written before is complete\n";
+
+/// The same in one JSON object, as `output` prints it.
+const JSON: &str = "{\n  \"schema_version\": 1,\n  \"status\": \"machine-failure\",\n  \"message\": \"out of memory: some was refused that \
+                    the program cannot do without\",\n  \"help\": \"use a coarser mesh, raise the memory limit, or use a machine with \
+                    more memory\"\n}\n";
+
+/// The exit status of a failure of the machine.
+const STATUS: i32 = 3;
+
+/// From now on a refusal ends the program with a word and a status, with `json` on standard output, too.
+pub(super) fn end_in_order(json: bool) {
+    let output = if json { JSON } else { "" };
+    say_last(Last { out_of_memory: NOTE, output, aborted: ABORTED, status: STATUS });
+    #[cfg(feature = "blas")]
+    go_on_with_one_thread();
+}
+
+/// Whether what failed may have done so because memory was refused.
+pub(super) fn is_short() -> bool {
+    memory_was_refused()
+}
+
+/// A limit on what is mapped that leaves less, bytes, has no room for the threads of the BLAS, each of which maps 128 MiB as soon as it
+/// is started.
+#[cfg(feature = "blas")]
+const SCARCE: u64 = 1 << 30;
+
+/// Where a thread of the BLAS asks for memory for ever, or takes what is scarce, the program starts itself again without such threads.
+#[cfg(feature = "blas")]
+fn go_on_with_one_thread() {
+    use std::os::unix::process::CommandExt;
+    use std::process::Command;
+
+    use stickslip::algebra::linear::blas::Blas;
+    use stickslip::algebra::linear::process::blas_is_stuck;
+    use stickslip::base::memory::Budget;
+
+    use super::output;
+
+    const THREADS: &str = "OPENBLAS_NUM_THREADS";
+    // glibc maps 64 MiB for each thread to take its memory from, unless all take it from one place.
+    const ARENAS: &str = "MALLOC_ARENA_MAX";
+    let one = std::env::var_os(THREADS).is_some_and(|threads| threads == "1");
+    let several = || Blas::loaded().is_some_and(|blas| blas.library == "OpenBLAS" && blas.threads > Some(1));
+    let left = || Budget::of_process().filter(|budget| budget.source.counts_what_is_mapped());
+    let scarce = || left().is_some_and(|budget| budget.bytes < SCARCE) && several();
+    if one || !(blas_is_stuck() || scarce()) {
+        return;
+    }
+    let mut arguments = std::env::args_os();
+    let name = arguments.next().unwrap_or_default();
+    let error = Command::new("/proc/self/exe").arg0(name).args(arguments).env(THREADS, "1").env(ARENAS, "1").exec();
+    if blas_is_stuck() {
+        output::note(&format!(
+            "out of memory: the BLAS has no room for its threads, and the program cannot start itself again: {error}\n\
+             set {THREADS}=1, or raise the memory limit"
+        ));
+        // At once: the usual end waits for those threads.
+        signal_hook::low_level::exit(STATUS);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{HELP, JSON, MESSAGE, NOTE};
+
+    #[test]
+    fn what_is_said_last_is_what_is_said_elsewhere() {
+        let json: serde_json::Value = serde_json::from_str(JSON).unwrap();
+        let expected = serde_json::json!({
+            "schema_version": stickslip::run::report::SCHEMA_VERSION,
+            "status": "machine-failure",
+            "message": MESSAGE,
+            "help": HELP,
+        });
+        assert_eq!(json, expected);
+        assert!(NOTE.starts_with(MESSAGE) && NOTE.contains(HELP));
+    }
+}

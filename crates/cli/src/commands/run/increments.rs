@@ -1,0 +1,100 @@
+//! `stickslip run --increments`.
+
+use std::str::FromStr;
+
+use clap::Args;
+use std::ops::ControlFlow;
+use stickslip::run::increments_for;
+use stickslip::run::report::ChosenIncrements;
+use stickslip::scene::{Override, Scene};
+use stickslip::solver::history::{Method, Observer};
+use stickslip::solver::newton::IterationRecord;
+
+use super::super::{Failure, interrupt, threads};
+
+/// The error of tangential forces that is worth a run by default.
+const ERROR: f64 = 0.05;
+
+#[derive(Args)]
+pub(super) struct IncrementArgs {
+    /// The number of increments, in place of time.increments, or auto: as many as leave an error of --to
+    #[arg(long, value_name = "N|auto")]
+    increments: Option<Increments>,
+    /// With --increments auto, the error of tangential forces to come to, as a share; 0.05 unless given
+    #[arg(long, value_name = "ERROR", requires = "increments", value_parser = share)]
+    to: Option<f64>,
+}
+
+#[derive(Clone, Copy)]
+enum Increments {
+    Auto,
+    Number(u32),
+}
+
+impl FromStr for Increments {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match (text, text.parse()) {
+            ("auto", _) => Ok(Increments::Auto),
+            (_, Ok(number)) => Ok(Increments::Number(number)),
+            _ => Err("neither a number nor auto".to_string()),
+        }
+    }
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    let share = text.parse().ok().filter(|share| *share > 0.0 && *share < 1.0);
+    share.ok_or_else(|| "not a number between 0 and 1".to_string())
+}
+
+impl IncrementArgs {
+    /// `scene` with the increments that were asked for, and how these were chosen, if they were; on `count` threads.
+    pub(super) fn of(&self, scene: Scene, count: usize) -> Result<(Scene, Option<ChosenIncrements>), Failure> {
+        let with = |number: i64| scene.with(&[Override::value("time.increments", number)]);
+        let help = "leave it out, or say --increments auto";
+        if let (Some(_), None | Some(Increments::Number(_))) = (self.to, self.increments) {
+            return Err(Failure::Input(miette::miette!(
+                help = help,
+                "--to is the error that --increments auto comes to"
+            )));
+        }
+        match self.increments {
+            None => Ok((scene, None)),
+            Some(Increments::Number(number)) => Ok((with(i64::from(number))?, None)),
+            Some(Increments::Auto) if matches!(scene.solver.method, Method::Events { .. }) => {
+                let help = "give the number of times at which to look at it, or leave --increments out";
+                Err(Failure::Input(miette::miette!(help = help, "the exact path has no increments to choose")))
+            }
+            Some(Increments::Auto) => {
+                let prepare = |model: &_| threads::share_with_the_blas(model, count);
+                let chosen = increments_for(&scene, self.to.unwrap_or(ERROR), prepare, &mut UntilInterrupted)?;
+                Ok((with(chosen.increments as i64)?, Some(chosen)))
+            }
+        }
+    }
+}
+
+/// How the increments were chosen, in words.
+pub(super) fn explain(chosen: &ChosenIncrements) -> String {
+    let ChosenIncrements { asked, tried, error, increments } = chosen;
+    let found = match error {
+        Some(error) => format!("leave about {:.1} % in the tangential forces", 100.0 * error),
+        None => "leave what cannot be told".to_string(),
+    };
+    let then = if increments > tried { format!("; {increments} for {:.1} %", 100.0 * asked) } else { String::new() };
+    format!("auto: {tried} {found}{then}")
+}
+
+/// Stops on Ctrl-C.
+struct UntilInterrupted;
+
+impl Observer for UntilInterrupted {
+    fn waits_for(&mut self, _index: usize) -> bool {
+        false
+    }
+
+    fn iteration(&mut self, _index: usize, _record: &IterationRecord) -> ControlFlow<()> {
+        if interrupt::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}

@@ -1,0 +1,101 @@
+//! `stickslip run --resume`: what was left in the folder, and whether this scene may go on from it.
+
+use std::io::{self, BufRead, BufReader, Read};
+use std::process::ExitCode;
+
+use stickslip::run::report::RunReport;
+use stickslip::scene::Origin;
+use stickslip::solver::checkpoint::Checkpoint;
+use stickslip::solver::history::{LinearAlgebra, Status};
+use stickslip_output::{Claim, ResultFolder};
+
+use super::super::Failure;
+use super::RunArgs;
+
+/// What a run finds in its folder.
+pub(super) enum Left {
+    /// It has been solved to its end.
+    Ended(Status),
+    /// It can be taken up, with the linear algebra that it had.
+    Underway { checkpoint: Checkpoint, linear: LinearAlgebra },
+}
+
+impl Left {
+    /// What `claim` has for a scene of this `origin`, if the run is to go on from there; an error where something has changed.
+    pub(super) fn of(claim: &Claim, origin: &Origin, args: &RunArgs) -> Result<Option<Self>, Failure> {
+        let Some((checkpoint, earlier, linear, ended)) = claim.left() else {
+            if args.results.resume && !args.json {
+                say!("resume       nothing was left to go on from: the run begins");
+            }
+            return Ok(None);
+        };
+        if !args.results.resume {
+            if ended.is_none() && !args.json {
+                say!(
+                    "unfinished   a run was left here after {} increments: --resume goes on with it, this run takes its place",
+                    checkpoint.increments()
+                );
+            }
+            return Ok(None);
+        }
+        let changes = origin.changes_since(earlier);
+        let linear = linear.parse::<LinearAlgebra>().ok().filter(|linear| linear.is_built_in());
+        let Some(linear) = linear.filter(|_| changes.is_empty()) else {
+            let help = "run without --resume to begin anew; what is there then goes when the first increment is done";
+            let what =
+                if changes.is_empty() { "this build lacks its linear algebra".to_string() } else { changes.join("; ") };
+            return Err(Failure::Input(miette::miette!(
+                help = help,
+                "the run in {} is another: {what}",
+                claim.path().display()
+            )));
+        };
+        if let Some(status) = ended {
+            if let Some(name) = claim.lacks() {
+                return Err(Failure::Input(miette::miette!(
+                    help = "run without --resume to begin anew",
+                    "the run in {} is complete, but {name} is gone, or shorter than the run left it",
+                    claim.path().display()
+                )));
+            }
+            return Ok(Some(Left::Ended(status)));
+        }
+        if !args.json {
+            say!("resume       after {} increments, at t = {} s", checkpoint.increments(), checkpoint.time());
+        }
+        Ok(Some(Left::Underway { checkpoint: checkpoint.clone(), linear }))
+    }
+}
+
+/// Tells of a run that has come to its end before, by its own report.
+pub(super) fn told_again(claim: &Claim, args: &RunArgs, status: Status) -> Result<ExitCode, Failure> {
+    if args.json {
+        print(claim.report().map_err(|error| unreadable(&error))?)?;
+    } else {
+        say!("resume       nothing is left to do: the run here is complete");
+        say!("\nverdict      {status}\nresults      {}", claim.path().display());
+    }
+    Ok(if status == Status::Converged { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+/// Prints a report, as a folder has it or as it is.
+pub(super) fn print_json(report: &RunReport, folder: Option<&ResultFolder>) -> Result<(), Failure> {
+    if let Some(folder) = folder {
+        return print(folder.report().map_err(|error| unreadable(&error))?);
+    }
+    let json = report.to_json().map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
+    say!("{json}");
+    Ok(())
+}
+
+fn print(report: impl Read) -> Result<(), Failure> {
+    for line in BufReader::new(report).lines() {
+        say!("{}", line.map_err(|error| unreadable(&error))?);
+    }
+    Ok(())
+}
+
+fn unreadable(error: &io::Error) -> Failure {
+    let help = "run without --resume to begin anew";
+    Failure::Machine(miette::miette!(help = help, "run.json cannot be read: {error}"))
+}

@@ -1,0 +1,137 @@
+//! What a run shows and writes while it goes on.
+
+use std::io;
+
+use std::ops::ControlFlow;
+use stickslip::algebra::linear;
+use stickslip::body::model::Model;
+use stickslip::run::report::{BalanceRecord, ContactLine, ForceRecord};
+use stickslip::run::{Ledger, RecordedIncrement};
+use stickslip::scene::Output;
+use stickslip::solver::checkpoint::Checkpoint;
+use stickslip::solver::events::Event;
+use stickslip::solver::history::{IncrementRecord, IncrementView, Observer, Status};
+use stickslip::solver::newton::IterationRecord;
+use stickslip_output::ContactSurface;
+use stickslip_output::{DeformedBody, ResultFolder, fields};
+
+use super::super::interrupt;
+use super::super::progress::Progress;
+use super::pace::Pace;
+
+/// Feeds the display and the folder of results.
+pub(super) struct Watcher<'a> {
+    pub model: &'a Model,
+    pub title: &'a str,
+    pub output: &'a Output,
+    /// Increments whose contact lines are written, ascending.
+    pub wanted: Vec<usize>,
+    pub folder: Option<ResultFolder>,
+    pub progress: Progress,
+    /// When checkpoints are left.
+    pub pace: Pace,
+    pub failed_write: Option<io::Error>,
+}
+
+impl Watcher<'_> {
+    /// Takes the body as it is before the first increment.
+    pub(super) fn start(&mut self, undeformed: &RecordedIncrement) {
+        if self.wanted.first() == Some(&0) {
+            let data = undeformed.data();
+            let written = self.write(&undeformed.step(&data)).and_then(|()| self.probe(&undeformed.step(&data)));
+            self.failed_write = written.err();
+        }
+    }
+
+    /// Writes what is wanted of some increments only.
+    fn write(&mut self, step: &IncrementView<'_>) -> io::Result<()> {
+        let Some(folder) = &mut self.folder else { return Ok(()) };
+        for line in ContactLine::all(self.model, step) {
+            folder.add_contact_line(&line, self.title)?;
+        }
+        for surface in ContactSurface::all(self.model, step) {
+            folder.add_contact_surface(&surface, self.title)?;
+        }
+        if self.output.fields {
+            folder.add_fields(step.record.index, step.record.time, &fields(self.model, step))?;
+        }
+        if self.output.deformed {
+            folder.add_deformed(&DeformedBody::new(self.model, step, self.output.magnification), self.title)?;
+        }
+        Ok(())
+    }
+
+    fn probe(&mut self, step: &IncrementView<'_>) -> io::Result<()> {
+        self.folder.as_mut().map_or(Ok(()), |folder| folder.add_probes(self.model, step))
+    }
+
+    fn add(&mut self, step: &IncrementView<'_>) -> io::Result<()> {
+        let converged = step.record.status == Status::Converged;
+        if converged {
+            self.probe(step)?;
+        }
+        // What a failed increment reached is worth a look, too; one that was interrupted has reached nothing.
+        let is_failure = !converged && step.record.status != Status::Interrupted;
+        if is_failure || converged && self.is_wanted(step) { self.write(step) } else { Ok(()) }
+    }
+
+    fn is_wanted(&self, step: &IncrementView<'_>) -> bool {
+        self.wanted.binary_search(&step.record.index).is_ok()
+    }
+}
+
+impl Observer for Watcher<'_> {
+    /// Not earlier: what the analysis frees should go back to the system.
+    fn ready(&mut self) {
+        linear::process::keep_freed_memory();
+    }
+
+    /// What is written is there before the next increment is begun.
+    fn waits_for(&mut self, index: usize) -> bool {
+        self.folder.is_some() && self.wanted.binary_search(&index).is_ok()
+    }
+
+    fn iteration(&mut self, _index: usize, record: &IterationRecord) -> ControlFlow<()> {
+        self.progress.iteration(record.iteration, record.theta);
+        let stop = interrupt::requested() || self.failed_write.is_some();
+        if stop { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+
+    fn event(&mut self, index: usize, event: &Event) {
+        if let (Some(folder), None) = (&mut self.folder, &self.failed_write) {
+            self.failed_write = folder.add_event(self.model, index, event).err();
+        }
+    }
+
+    fn part(&mut self, part: &IncrementView<'_>) {
+        let is_wanted = self.is_wanted(part);
+        if let (Some(folder), true) = (&mut self.folder, is_wanted && self.failed_write.is_none()) {
+            let mut lines = ContactLine::all(self.model, part).into_iter();
+            self.failed_write = lines.try_for_each(|line| folder.add_part(&line, part.record.parts)).err();
+        }
+    }
+
+    fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
+        if self.failed_write.is_none() {
+            self.failed_write = self.add(step).err();
+        }
+        self.progress.increment(step.record);
+        if self.failed_write.is_none() { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+    }
+
+    fn rest(&mut self, here: &dyn Fn() -> Checkpoint) {
+        if let (Some(folder), None) = (&mut self.folder, &self.failed_write)
+            && self.pace.is_due()
+        {
+            self.failed_write = self.pace.keep(|| folder.keep(here())).err();
+        }
+    }
+}
+
+impl Ledger for Watcher<'_> {
+    fn add(&mut self, record: &IncrementRecord, forces: &[ForceRecord], reactions: Option<&BalanceRecord>) {
+        if let (Some(folder), None) = (&mut self.folder, &self.failed_write) {
+            self.failed_write = folder.add_increment(record, forces, reactions).err();
+        }
+    }
+}

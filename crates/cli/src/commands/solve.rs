@@ -1,0 +1,184 @@
+//! `stickslip solve` and `stickslip judge`: problems in exchange files.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Args;
+use stickslip::algebra::linear::LinearError;
+use stickslip::run::report::cpu_seconds;
+use stickslip::solver::history;
+use stickslip_cli::problems::{ProblemReport, Verdict};
+use stickslip_exchange::{Answer, ProblemFile, ReductionError, SolveError, TOLERANCE, judge, read_solution, solve};
+use stickslip_output::{Table, write_file};
+
+use super::Failure;
+use super::run::write_failure;
+
+#[derive(Args)]
+pub(super) struct SolveArgs {
+    /// The problem: FCLIB (HDF5), or a text that Siconos has written
+    file: PathBuf,
+    /// Begin with the guess of this number, from 1, that the file holds
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    guess: Option<u16>,
+    /// Write the problem with the solution into this FCLIB file
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Print the report as one JSON object and nothing else
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Args)]
+pub(super) struct JudgeArgs {
+    /// The problem: FCLIB (HDF5), or a text that Siconos has written
+    file: PathBuf,
+    /// The solution, in an FCLIB file; unless given, the one beside the problem
+    solution: Option<PathBuf>,
+    /// Print the report as one JSON object and nothing else
+    #[arg(long)]
+    json: bool,
+}
+
+impl From<SolveError> for Failure {
+    fn from(error: SolveError) -> Self {
+        let (of_memory, help) = match &error {
+            SolveError::Reduction(ReductionError::Linear(LinearError::OutOfMemory { .. }))
+            | SolveError::History(history::Error::Linear(LinearError::OutOfMemory { .. })) => {
+                (true, "raise the memory limit, or use a machine with more memory")
+            }
+            SolveError::Reduction(_) => (false, "give the bodies what holds them, or the local problem"),
+            _ => (false, "mend the problem or the guess"),
+        };
+        let report = miette::miette!(help = help, "{error}");
+        if of_memory { Failure::Machine(report) } else { Failure::Input(report) }
+    }
+}
+
+/// Exit status 1: it is not solved.
+pub(super) fn solve_file(args: &SolveArgs) -> Result<ExitCode, Failure> {
+    let name = args.file.display().to_string();
+    args.out.as_deref().map(destination).transpose()?;
+    let mut file = ProblemFile::read(&args.file)?;
+    let guess = args.guess.map(|number| file.guesses.get(usize::from(number) - 1).ok_or(number)).transpose();
+    let guess = guess.map_err(|number| {
+        let help = "choose one of those that are there, or none";
+        Failure::Input(miette::miette!(help = help, "{name}: there is no guess {number}, but {}", file.guesses.len()))
+    })?;
+    if !args.json {
+        head(&name, &file);
+    }
+    let start = cpu_seconds();
+    let answer = solve(&file.problem, guess)?;
+    let report = ProblemReport::solved(&name, &file, &answer, cpu_seconds() - start);
+    let Answer { solution, .. } = answer;
+    if let Some(path) = &args.out {
+        file.solution = Some(solution);
+        write(path, &file)?;
+    }
+    tell(&report, args.json)?;
+    if let (Some(path), false) = (&args.out, args.json) {
+        say!("results      {}", path.display());
+    }
+    Ok(status(report.status))
+}
+
+/// Exit status 1: it is no solution.
+pub(super) fn judge_file(args: &JudgeArgs) -> Result<ExitCode, Failure> {
+    let name = args.file.display().to_string();
+    let file = ProblemFile::read(&args.file)?;
+    let solution = match &args.solution {
+        Some(path) => read_solution(path, &file.problem)?,
+        None => file.solution.clone().ok_or_else(|| {
+            let help = "name a file with a solution behind it; a solution has u and r, of a global problem v, too, all of them written";
+            Failure::Input(miette::miette!(help = help, "{name}: there is no solution beside the problem"))
+        })?,
+    };
+    let errors = judge(&file.problem, &solution).map_err(|fault| {
+        let of = args.solution.as_ref().map_or(name.clone(), |path| path.display().to_string());
+        Failure::Input(miette::miette!(help = fault.help.clone(), "{of}, {fault}"))
+    })?;
+    if !args.json {
+        head(&name, &file);
+    }
+    let report = ProblemReport::judged(&name, &file, errors);
+    tell(&report, args.json)?;
+    Ok(status(report.status))
+}
+
+fn status(verdict: Verdict) -> ExitCode {
+    if verdict == Verdict::Solved { ExitCode::SUCCESS } else { ExitCode::from(1) }
+}
+
+fn head(name: &str, file: &ProblemFile) {
+    let problem = &file.problem;
+    say!("{}", file.info.title.as_deref().unwrap_or(name));
+    let unknowns =
+        if problem.unknowns() > 0 { format!(", {} unknowns of bodies", problem.unknowns()) } else { String::new() };
+    let space = if problem.dimension() == 2 { "in the plane" } else { "in space" };
+    say!("problem      {}, {} contacts {space}{unknowns}", problem.form(), problem.contacts());
+    if let Some(description) = &file.info.description {
+        say!("             {}", description.replace('\n', " "));
+    }
+}
+
+fn tell(report: &ProblemReport, json: bool) -> Result<(), Failure> {
+    if json {
+        let text = serde_json::to_string_pretty(report);
+        say!("{}", text.map_err(|error| Failure::Machine(miette::miette!("{error}")))?);
+        return Ok(());
+    }
+    for warning in &report.warnings {
+        say!("warning      {warning}");
+    }
+    for stage in &report.stages {
+        say!("stage        {}: {} iterations, residual {:.1e}", stage.stage, stage.iterations, stage.residual);
+    }
+    let mut laws = Table::new(&["error", "law"]);
+    let mut violated = Vec::new();
+    for (law, error) in report.errors.laws() {
+        laws.push(vec![format!("{error:.1e}"), format!("{} ({})", law.name, law.demands)]);
+        if error.is_nan() || error > TOLERANCE {
+            violated.push(law.violation);
+        }
+    }
+    say!("{}", laws.to_string().trim_end());
+    let verdict = if report.status == Verdict::Solved { "solved" } else { "not solved" };
+    say!("verdict      {verdict}: residual {:.1e}, where {TOLERANCE:.0e} is asked for", report.residual);
+    for violation in violated {
+        say!("             {violation}");
+    }
+    if report.status != Verdict::Solved && report.contacts > 0 {
+        say!("             the worst contact is number {}, from 0", report.errors.contact);
+    }
+    if !report.stages.is_empty() {
+        say!("took         {:.3} s CPU", report.cpu_seconds);
+    }
+    Ok(())
+}
+
+/// Folder and name of a file that is to be written: a new one, or a file in whose place it goes.
+pub(super) fn destination(path: &Path) -> Result<(&Path, &str), Failure> {
+    let refused = |help: &str, why: &str| {
+        let help = help.to_string();
+        Failure::Input(miette::miette!(help = help, "{}: {why}", path.display()))
+    };
+    let Some(name) = path.file_name().and_then(|name| name.to_str()) else {
+        return Err(refused("name a file", "it is no file that can be written"));
+    };
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if !folder.is_dir() {
+        return Err(refused("make its folder, or name another one", "its folder is not there"));
+    }
+    // A link would be replaced by the file, and so would a device.
+    match path.symlink_metadata() {
+        Ok(there) if !there.is_file() => Err(refused("name a file", "what is there is no regular file")),
+        _ => Ok((folder, name)),
+    }
+}
+
+/// Writes `file` as FCLIB.
+pub(super) fn write(path: &Path, file: &ProblemFile) -> Result<(), Failure> {
+    let (folder, name) = destination(path)?;
+    write_file(folder, name, file.to_fclib()?).map_err(|error| write_failure(path, &error))
+}

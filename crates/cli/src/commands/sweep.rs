@@ -1,0 +1,186 @@
+//! `stickslip sweep`.
+
+mod processes;
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Args;
+use stickslip::scene::{Override, Scene};
+use stickslip_cli::sweep::{Row, Sweep, VariantResult, Variation, combinations};
+use stickslip_output::{FolderLock, write_file};
+
+use super::progress::bar;
+use super::run::write_failure;
+use super::{Cli, Failure, SceneArgs, interrupt, origin, threads};
+use processes::{Ended, Processes};
+
+#[derive(Args)]
+pub(super) struct SweepArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Vary a key over a list, as mesh.file=a.msh,b.msh, or a range from:to:count, as contact.friction=0.1:0.8:8; given
+    /// several times, every combination is run
+    #[arg(long = "vary", value_name = "KEY=VALUES", required = true)]
+    variations: Vec<Variation>,
+    /// How many variants run at a time; as many as there are processors unless given
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    jobs: Option<u16>,
+    /// Write the table as sweep.csv, sweep.json and sweep.txt, the chart as sweep.svg and the results of each variant into
+    /// this folder; what is there from an earlier try is kept
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print the table as one JSON object and nothing else
+    #[arg(long)]
+    json: bool,
+}
+
+/// A variant to run.
+struct Task {
+    values: Vec<String>,
+    /// All that `--set` takes for it.
+    overrides: Vec<Override>,
+    fingerprint: String,
+    /// The scene that runs.
+    text: String,
+}
+
+/// The folder of the results of all variants; one that nobody asked for goes when the command ends.
+struct Results {
+    path: PathBuf,
+    passes: bool,
+}
+
+impl Drop for Results {
+    fn drop(&mut self) {
+        if self.passes {
+            // Nothing is lost but what the system removes some day.
+            let _ = fs::remove_dir_all(&self.path);
+        }
+    }
+}
+
+/// Exit status 1: a variant did not converge; 3: the machine failed in one.
+pub(super) fn sweep(args: &SweepArgs, cli: &Cli) -> Result<ExitCode, Failure> {
+    interrupt::listen();
+    let first = args.scene.read()?;
+    let tasks = tasks(args)?;
+    let passing = || std::env::temp_dir().join(format!("stickslip-sweep-{}", std::process::id()));
+    let lock = |folder: &PathBuf| FolderLock::new(folder).map_err(|error| write_failure(folder, &error));
+    let _alone = args.out.as_ref().map(lock).transpose()?;
+    let path = args.out.as_ref().map_or_else(passing, |out| out.join("variants"));
+    let results = Results { path, passes: args.out.is_none() };
+    fs::create_dir_all(&results.path).map_err(|error| write_failure(&results.path, &error))?;
+    let jobs = args.jobs.map_or_else(threads::processors, usize::from).clamp(1, tasks.len().max(1));
+    let processes = Processes {
+        scene: &args.scene.scene,
+        folder: &results.path,
+        // Unless told, they share the processors.
+        threads: cli.threads.map_or_else(|| threads::count(None) / jobs, |count| count as usize).max(1),
+        #[cfg(feature = "blas")]
+        kernel: &cli.blas_kernel,
+    };
+    if let Some(folder) = &args.out {
+        writable(folder)?;
+    }
+    processes.tidy();
+
+    let mut outcomes: Vec<Option<VariantResult>> = tasks.iter().map(|task| processes.kept(task)).collect();
+    let waiting: Vec<usize> = (0..tasks.len()).filter(|&k| outcomes[k].is_none()).collect();
+    if !args.json {
+        let kept = tasks.len() - waiting.len();
+        let kept = if kept == 0 { String::new() } else { format!(", {kept} of them known from before") };
+        say!("{}\nvariants     {}{kept}", first.title, tasks.len());
+    }
+    let bar = bar(waiting.len(), "variants");
+    let orders: Vec<&Task> = waiting.iter().map(|&k| &tasks[k]).collect();
+    let ended = processes.run(&orders, jobs, &mut |Ended { order, outcome }| {
+        let k = waiting[order];
+        // A result of a scene that has changed since is not of the scene that was asked for.
+        let same = one(args, &tasks[k].overrides).is_ok_and(|(now, _)| now == tasks[k].fingerprint);
+        outcomes[k] = Some(match outcome {
+            _ if !same => {
+                VariantResult::failed("bad-input", "the scene, or a file of it, changed while it ran".to_string())
+            }
+            outcome => processes.keep(&tasks[k], outcome),
+        });
+        bar.inc(1);
+    });
+    bar.finish_and_clear();
+    ended.map_err(|error| write_failure(&results.path, &error))?;
+
+    let rows = tasks.iter().zip(outcomes).map(|(task, outcome)| {
+        let stays = |_: &VariantResult| !results.passes && results.path.join(&task.fingerprint).is_dir();
+        Row {
+            values: task.values.clone(),
+            results: outcome
+                .as_ref()
+                .filter(|outcome| stays(outcome))
+                .map(|_| format!("variants/{}", task.fingerprint)),
+            outcome: outcome.unwrap_or_else(|| VariantResult::failed("interrupted", String::new())),
+        }
+    });
+    let sweep = Sweep::new(&first, args.variations.clone(), rows.collect());
+    let json = serde_json::to_string_pretty(&sweep).map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
+    if args.json {
+        say!("{json}");
+    } else {
+        say!("\n{}", sweep.to_text().trim_end());
+    }
+    if interrupt::requested() && !args.json {
+        say!("interrupted  the same command with the same --out goes on from here");
+    }
+    if let Some(folder) = &args.out {
+        write(folder, &sweep, &json)?;
+        if !args.json {
+            say!("results      {}", folder.display());
+        }
+    }
+    let outcomes = || sweep.variants.iter().map(|row| &row.outcome);
+    Ok(match () {
+        () if outcomes().all(VariantResult::is_converged) => ExitCode::SUCCESS,
+        () if outcomes().any(VariantResult::is_of_the_machine) => ExitCode::from(3),
+        () => ExitCode::from(1),
+    })
+}
+
+/// Every variant, each a sound scene whose files can be read.
+fn tasks(args: &SweepArgs) -> Result<Vec<Task>, Failure> {
+    let variants =
+        combinations(&args.variations).map_err(|error| Failure::Input(miette::miette!("--vary: {error}")))?;
+    let task = |variant: stickslip_cli::sweep::Variant| {
+        let overrides = [args.scene.overrides(), variant.overrides].concat();
+        let (fingerprint, text) = one(args, &overrides)?;
+        Ok(Task { values: variant.values, overrides, fingerprint, text })
+    };
+    variants.into_iter().map(task).collect()
+}
+
+/// The fingerprint and the text of the scene with `overrides`.
+fn one(args: &SweepArgs, overrides: &[Override]) -> Result<(String, String), Failure> {
+    let scene = Scene::read(&args.scene.scene, overrides)?;
+    Ok((origin(&scene)?.fingerprint(), scene.text().to_string()))
+}
+
+/// The tables of a sweep, by the kind of file.
+const TABLES: [&str; 4] = ["csv", "json", "txt", "svg"];
+
+/// An error, before anything runs, where something stands in the way of a table.
+fn writable(folder: &Path) -> Result<(), Failure> {
+    let tables = TABLES.map(|kind| folder.join(format!("sweep.{kind}")));
+    match tables.iter().find(|table| table.is_dir()) {
+        Some(table) => Err(write_failure(table, &io::Error::from(io::ErrorKind::IsADirectory))),
+        None => Ok(()),
+    }
+}
+
+fn write(folder: &Path, sweep: &Sweep, json: &str) -> Result<(), Failure> {
+    let chart = sweep.chart().to_svg().map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
+    let (csv, text) = (sweep.to_csv(), sweep.to_text());
+    for (kind, content) in TABLES.into_iter().zip([&csv, json, &text, &chart]) {
+        write_file(folder, &format!("sweep.{kind}"), content).map_err(|error| write_failure(folder, &error))?;
+    }
+    Ok(())
+}

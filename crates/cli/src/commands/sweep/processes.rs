@@ -1,0 +1,186 @@
+//! Variants as processes of this program, several at a time.
+//!
+//! Processes and not threads: the CPU time, the peak memory and the BLAS of a run are those of its process, and one that
+//! runs out of memory ends alone.
+
+use std::fs::{self, File};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::thread;
+use std::time::Duration;
+
+use stickslip_cli::sweep::VariantResult;
+
+#[cfg(feature = "blas")]
+use super::super::blas_kernel::Kernel;
+use super::super::interrupt;
+use super::Task;
+
+/// How long nothing is looked at while all processes work.
+const PAUSE: Duration = Duration::from_millis(10);
+
+/// The environment that tells a BLAS, before it has been told by the program, how many threads to start.
+const BLAS_THREADS: [&str; 4] = ["OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS"];
+
+/// What runs the variants of a scene.
+pub(super) struct Processes<'a> {
+    /// The scene file.
+    pub scene: &'a Path,
+    /// Where the results go, a folder for each fingerprint.
+    pub folder: &'a Path,
+    /// The threads of each process.
+    pub threads: usize,
+    /// The kernel of the BLAS of each.
+    #[cfg(feature = "blas")]
+    pub kernel: &'a Kernel,
+}
+
+/// A process that has ended.
+pub(super) struct Ended {
+    /// Which of the orders it was.
+    pub order: usize,
+    pub outcome: VariantResult,
+}
+
+/// A process at work.
+struct Running {
+    order: usize,
+    child: Child,
+    /// Where it prints its report, or why there is none.
+    printed: PathBuf,
+}
+
+impl Processes<'_> {
+    /// The folder of a result that is complete.
+    fn whole(&self, fingerprint: &str) -> PathBuf {
+        self.folder.join(fingerprint)
+    }
+
+    /// The folder of a result of this process while it grows: another sweep in the same folder has its own.
+    fn partial(&self, fingerprint: &str) -> PathBuf {
+        self.folder.join(format!(".{fingerprint}.{}", std::process::id()))
+    }
+
+    /// Removes what sweeps that were killed have left half done, as far as the system tells which those are.
+    pub(super) fn tidy(&self) {
+        let processes = Path::new("/proc");
+        let entries = fs::read_dir(self.folder).into_iter().flatten().filter_map(Result::ok);
+        for entry in entries.filter(|_| processes.join("self").exists()) {
+            let name = entry.file_name();
+            let parts: Vec<&str> = name.to_str().unwrap_or_default().split('.').collect();
+            let ["", fingerprint, process, ..] = parts[..] else { continue };
+            let ours = fingerprint.len() == 32 && process.bytes().all(|byte| byte.is_ascii_digit());
+            if ours && !processes.join(process).exists() {
+                remove(&entry.path());
+            }
+        }
+    }
+
+    /// The result of an earlier try, if it is complete and of the scene of `task`: folders can be renamed.
+    pub(super) fn kept(&self, task: &Task) -> Option<VariantResult> {
+        let outcome = read(&self.whole(&task.fingerprint).join("run.json"))?;
+        (outcome.is_final() && outcome.scene_text.as_ref() == Some(&task.text)).then_some(outcome)
+    }
+
+    /// Keeps the results of a variant for good, if they are final; what came of it.
+    pub(super) fn keep(&self, task: &Task, outcome: VariantResult) -> VariantResult {
+        let (partial, whole) = (self.partial(&task.fingerprint), self.whole(&task.fingerprint));
+        if !outcome.is_final() || !partial.join("run.json").is_file() {
+            return outcome;
+        }
+        // Something that has no complete report is no result.
+        if self.kept(task).is_none() {
+            remove(&whole);
+        }
+        match fs::rename(&partial, &whole) {
+            // Another sweep may have been faster.
+            Err(error) if self.kept(task).is_none() => {
+                VariantResult::failed("machine-failure", format!("the results cannot be kept: {error}"))
+            }
+            _ => outcome,
+        }
+    }
+
+    /// Runs the variants of all `orders`, `jobs` at a time, and tells of each when it has
+    /// ended. Ctrl-C ends all of them at once.
+    pub(super) fn run(&self, orders: &[&Task], jobs: usize, tell: &mut dyn FnMut(Ended)) -> io::Result<()> {
+        let mut running: Vec<Running> = Vec::new();
+        let mut next = 0;
+        while next < orders.len() || !running.is_empty() {
+            if interrupt::requested() {
+                self.stop(running, orders);
+                return Ok(());
+            }
+            while running.len() < jobs && next < orders.len() {
+                match self.start(next, orders) {
+                    Ok(process) => running.push(process),
+                    Err(error) => {
+                        self.stop(running, orders);
+                        return Err(error);
+                    }
+                }
+                next += 1;
+            }
+            let mut at_work = Vec::new();
+            for mut process in running {
+                let words = match process.child.try_wait() {
+                    Ok(None) => {
+                        at_work.push(process);
+                        continue;
+                    }
+                    // One that a Ctrl-C of the terminal has reached, too.
+                    Ok(Some(_)) if interrupt::requested() => {
+                        at_work.push(process);
+                        continue;
+                    }
+                    Ok(Some(status)) => format!("the process ended without a word, {status}"),
+                    Err(error) => format!("the process cannot be watched: {error}"),
+                };
+                let outcome = read(&process.printed).unwrap_or_else(|| VariantResult::failed("machine-failure", words));
+                tell(Ended { order: process.order, outcome });
+                self.clear(&process, orders);
+            }
+            running = at_work;
+            thread::sleep(PAUSE);
+        }
+        Ok(())
+    }
+
+    fn start(&self, order: usize, orders: &[&Task]) -> io::Result<Running> {
+        let Task { fingerprint, overrides, .. } = orders[order];
+        let partial = self.partial(fingerprint);
+        let printed = partial.with_extension(format!("{}.json", std::process::id()));
+        let mut command = Command::new(std::env::current_exe()?);
+        command.arg("run").arg(self.scene).arg("--json").arg("--out").arg(&partial);
+        command.args(overrides.iter().flat_map(|change| ["--set".to_string(), change.to_string()]));
+        command.envs(BLAS_THREADS.map(|name| (name, self.threads.to_string())));
+        command.arg("--threads").arg(self.threads.to_string());
+        #[cfg(feature = "blas")]
+        command.arg("--blas-kernel").arg(self.kernel.to_string());
+        let child = command.stdin(Stdio::null()).stdout(File::create(&printed)?).stderr(Stdio::null()).spawn()?;
+        Ok(Running { order, child, printed })
+    }
+
+    fn stop(&self, running: Vec<Running>, orders: &[&Task]) {
+        for mut process in running {
+            // One that has ended already cannot be ended.
+            let _ = process.child.kill().and_then(|()| process.child.wait());
+            self.clear(&process, orders);
+        }
+    }
+
+    fn clear(&self, process: &Running, orders: &[&Task]) {
+        remove(&process.printed);
+        remove(&self.partial(&orders[process.order].fingerprint));
+    }
+}
+
+fn read(report: &Path) -> Option<VariantResult> {
+    serde_json::from_str(&fs::read_to_string(report).ok()?).ok()
+}
+
+/// Removes a file or a folder, if it is there. What stays is no harm.
+fn remove(path: &Path) {
+    let _ = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
+}

@@ -1,0 +1,205 @@
+//! What a comparison says: the cheapest way to an error, BN beside IP, growth with the mesh.
+
+use super::{Comparison, MeshChoice, MeshResult, MeshSize, SolverPath, Trial, convergence};
+use stickslip::solver::history::{LinearAlgebra, Method, Start, Status};
+
+/// The errors in the contact forces that the answers are about.
+const TARGETS: [f64; 2] = [1e-3, 1e-6];
+
+/// Below this order the error does not fall with the increments, and nothing can be said of more of them.
+const LEAST_ORDER: f64 = 0.25;
+
+/// What a path would take for an error that none of its runs reaches.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Estimate {
+    /// The path.
+    pub path: SolverPath,
+    /// The order at which the error of its two finest runs falls.
+    pub order: f64,
+    /// The increments at that order.
+    pub increments: f64,
+    /// The CPU time of so many, s.
+    pub seconds: f64,
+}
+
+/// BN and IP on one linear algebra.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Lead {
+    /// The linear algebra.
+    pub linear: LinearAlgebra,
+    /// The setting of both.
+    pub setting: &'static str,
+    /// Each mesh, and the CPU time of IP over that of BN: of all histories
+    /// that both got through.
+    pub ratios: Vec<(MeshChoice, f64)>,
+}
+
+impl Comparison {
+    /// The run on a mesh that takes least CPU time for an error in the contact forces of at most `target`, of the
+    /// paths that are `wanted`.
+    pub fn cheapest<'a>(
+        &'a self,
+        mesh: &'a MeshChoice,
+        target: f64,
+        wanted: impl Fn(&SolverPath) -> bool,
+    ) -> Option<&'a Trial> {
+        let near = |run: &&Trial| run.errors.is_some_and(|errors| errors.forces <= target);
+        let runs = self.on(mesh).filter(|run| wanted(&run.path)).filter(near);
+        runs.min_by(|a, b| a.seconds.cpu.total_cmp(&b.seconds.cpu))
+    }
+
+    /// The path that would take least for an error of `target` which no run on this mesh reaches, from the two
+    /// finest histories of each.
+    pub fn estimate(&self, mesh: &MeshChoice, target: f64) -> Option<Estimate> {
+        let of = |path| {
+            let runs: Vec<&Trial> = self.on(mesh).filter(|run| run.path == path && run.errors.is_some()).collect();
+            let [.., coarse, fine] = runs[..] else { return None };
+            let [before, after] = [coarse, fine].map(|run| run.errors.map_or(f64::NAN, |errors| errors.forces));
+            let order = (before / after).ln() / (fine.increments as f64 / coarse.increments as f64).ln();
+            let times = (after / target).powf(1.0 / order);
+            let (increments, seconds) = (times * fine.increments as f64, times * fine.seconds.cpu);
+            (order >= LEAST_ORDER).then_some(Estimate { path, order, increments, seconds })
+        };
+        self.paths().into_iter().filter_map(of).min_by(|a, b| a.seconds.total_cmp(&b.seconds))
+    }
+
+    /// BN beside IP on every linear algebra and in every setting in which both were run.
+    pub fn leads(&self) -> Vec<Lead> {
+        let bn = self.paths().into_iter().filter(|path| matches!(path.method, Method::Bn { .. } | Method::PaperBn));
+        let lead = |bn: SolverPath| {
+            let interior = if bn.method.is_of_paper() { Method::paper_ip(Start::Safe) } else { Method::IP };
+            let ip = SolverPath { method: interior, ..bn };
+            let ratio = |result: &MeshResult| Some((result.mesh.clone(), self.ratio(&result.mesh, ip, bn)?));
+            Lead {
+                linear: bn.linear,
+                setting: bn.method.setting(),
+                ratios: self.meshes.iter().filter_map(ratio).collect(),
+            }
+        };
+        bn.map(lead).filter(|lead| !lead.ratios.is_empty()).collect()
+    }
+
+    /// The CPU time of path `a` over that of `b`, for the histories on a mesh that both got through.
+    fn ratio(&self, mesh: &MeshChoice, a: SolverPath, b: SolverPath) -> Option<f64> {
+        let solved = |path| self.on(mesh).filter(move |run| run.path == path && run.status == Status::Converged);
+        let partner = |run: &Trial| solved(b).find(|other| other.increments == run.increments);
+        let pairs = solved(a).filter_map(|run| Some([run.seconds.cpu, partner(run)?.seconds.cpu]));
+        let [of_a, of_b] = pairs.fold([0.0; 2], |sum, pair| [sum[0] + pair[0], sum[1] + pair[1]]);
+        (of_b > 0.0).then_some(of_a / of_b)
+    }
+
+    /// The power of the number of displacements with which the CPU time of a path grows from the coarsest mesh
+    /// to the finest, for the most increments.
+    pub fn growth(&self, path: SolverPath) -> Option<f64> {
+        let [coarsest, .., finest] = &self.meshes[..] else { return None };
+        let most = self.runs.iter().map(|run| run.increments).max()?;
+        let solved = |run: &&Trial| run.path == path && run.increments == most && run.status == Status::Converged;
+        let seconds = |result: &MeshResult| Some(self.on(&result.mesh).find(solved)?.seconds.cpu);
+        let size = finest.displacements as f64 / coarsest.displacements as f64;
+        Some((seconds(finest)? / seconds(coarsest)?).ln() / size.ln())
+    }
+
+    /// The answers in sentences: of several kinds of elements which mesh is the cheapest, otherwise which way to solve the scene.
+    pub fn answers(&self) -> Vec<String> {
+        if self.elements().len() > 1 {
+            return convergence::answers(self);
+        }
+        let mut answers = Vec::new();
+        for result in &self.meshes {
+            answers.extend(TARGETS.iter().map(|&target| self.about_target(&result.mesh, target)));
+        }
+        let leads = self.leads();
+        answers.extend(leads.iter().filter(|lead| !lead.linear.condenses()).map(Lead::sentence));
+        let growth = |path| Some(format!("{path} {:.2}", self.growth(path)?));
+        let growths: Vec<String> = self.paths().into_iter().filter_map(growth).collect();
+        if !growths.is_empty() {
+            answers.push(format!(
+                "With the number of displacements n_u the CPU time grows like n_u to the power of: {}.",
+                growths.join("; ")
+            ));
+        }
+        answers
+    }
+
+    fn about_target(&self, mesh: &MeshChoice, target: f64) -> String {
+        let describe =
+            |run: &Trial| format!("{} with {} increments, {} s", run.path, run.increments, round(run.seconds.cpu));
+        let head = format!("Contact forces to {target:.0e}, {mesh}:");
+        let whole = |path: &SolverPath| !path.linear.condenses();
+        let Some(run) = self.cheapest(mesh, target, |_| true) else {
+            let nearest = self.on(mesh).filter_map(|run| Some(run.errors?.forces)).fold(f64::INFINITY, f64::min);
+            let said = if nearest.is_finite() {
+                format!("no run comes so near, the best to {nearest:.1e}")
+            } else {
+                "there is nothing to compare with".to_string()
+            };
+            let estimate = self.estimate(mesh, target).map_or(String::new(), |estimate| {
+                let Estimate { path, order, increments, seconds } = estimate;
+                format!(
+                    "; if its error keeps falling at order {order:.2}, {path} takes about {} increments and {} s",
+                    round(increments),
+                    round(seconds)
+                )
+            });
+            return format!("{head} {said}{estimate}.");
+        };
+        let error = run.errors.map_or(f64::NAN, |errors| errors.forces.max(self.tolerance));
+        let below = if error > self.tolerance { "" } else { "below " };
+        let sentence = format!("{head} the cheapest is {} (error {below}{error:.1e})", describe(run));
+        match self.cheapest(mesh, target, whole).filter(|_| !whole(&run.path)) {
+            Some(uncondensed) => format!("{sentence}; on the uncondensed system {}.", describe(uncondensed)),
+            None => sentence + ".",
+        }
+    }
+}
+
+/// Two digits, in full unless very large.
+fn round(x: f64) -> String {
+    let magnitude = x.log10().floor();
+    if !(-6.0..7.0).contains(&magnitude) {
+        return format!("{x:.0e}");
+    }
+    let unit = 10_f64.powf(magnitude - 1.0);
+    format!("{:.*}", (1.0 - magnitude).max(0.0) as usize, (x / unit).round() * unit)
+}
+
+impl Lead {
+    fn sentence(&self) -> String {
+        let Lead { linear, setting, ratios } = self;
+        let join = |texts: Vec<String>| texts.join(", ");
+        let times = join(ratios.iter().map(|(_, ratio)| format!("{ratio:.2}")).collect());
+        let ahead: Vec<&MeshChoice> = ratios.iter().filter(|lead| lead.1 > 1.0).map(|lead| &lead.0).collect();
+        let verdict = if ahead.len() == ratios.len() {
+            "BN is ahead at every size".to_string()
+        } else if ahead.is_empty() {
+            "IP is ahead at every size".to_string()
+        } else {
+            format!("BN is ahead {} only", at(&ahead))
+        };
+        let meshes = at(&ratios.iter().map(|lead| &lead.0).collect::<Vec<_>>());
+        format!("On {linear}, setting {setting}, IP takes {times} times as long as BN {meshes}: {verdict}.")
+    }
+}
+
+/// Where something holds: at n = 10, 20; on a.msh, b.msh.
+fn at(meshes: &[&MeshChoice]) -> String {
+    let names =
+        |name: &dyn Fn(&MeshChoice) -> String| meshes.iter().map(|mesh| name(mesh)).collect::<Vec<_>>().join(", ");
+    let elements = |mesh: &MeshChoice| match mesh.size {
+        MeshSize::Elements(n) => Some(n.to_string()),
+        MeshSize::Own | MeshSize::File(_) => None,
+    };
+    if meshes.iter().all(|mesh| elements(mesh).is_some()) {
+        return format!("at n = {}", names(&|mesh| elements(mesh).unwrap_or_default()));
+    }
+    format!("on {}", names(&ToString::to_string))
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn numbers_are_rounded_to_two_digits() {
+        let rounded = [0.00234, 0.5, 9.96, 42.4, 1234.0, 3.4e8].map(super::round);
+        assert_eq!(rounded, ["0.0023", "0.50", "10.0", "42", "1200", "3e8"]);
+    }
+}

@@ -1,0 +1,276 @@
+//! A scene on one mesh: its reference, and the histories measured against it.
+
+use std::time::Instant;
+
+use super::cell::{Cells, Solved};
+use super::errors::{End, TimeErrors};
+use super::mesh::MeshChoice;
+use super::{Iterate, MeshResult, Phases, SolverPath, Trial};
+use std::ops::ControlFlow;
+use stickslip::base::units::UnitSystem;
+use stickslip::body::model::Model;
+use stickslip::run::discretise;
+use stickslip::run::report::{EstimateWatch, Estimates, thread_cpu_seconds};
+use stickslip::run::{Run, RunError};
+use stickslip::scene::{Override, Scene};
+use stickslip::solver::formulation::Layout;
+use stickslip::solver::history::{IncrementView, Method, Observer, SolverChoice, Status};
+use stickslip::solver::newton::IterationRecord;
+
+/// What the reference is computed with: the linear algebra that is estimated to take least time.
+fn reference_solver(method: Method, of_scene: &SolverChoice) -> SolverChoice {
+    SolverChoice { method, linear: None, ..*of_scene }
+}
+
+/// Whether increments come to the exact path, the more there are: it is known where nodes slide along lines and friction stays, and
+/// what acts at the beginning it takes in proportion, where the first increment, however short, takes it at once.
+fn has_exact_path(model: &Model) -> bool {
+    let Model { problem, loading, .. } = model;
+    let layout = Layout::new(problem);
+    let straight = !(0..layout.contacts()).any(|i| layout.slides_in_a_plane(i));
+    let apart = loading.gaps_at(0.0).iter().all(|gap| *gap >= 0.0);
+    let unloaded = loading.cases().iter().all(|case| case.factor(0.0) == 0.0);
+    straight && apart && unloaded && loading.bends().is_empty() && loading.friction().is_none()
+}
+
+/// A scene on one mesh.
+pub(super) struct Study {
+    scene: Scene,
+    model: Model,
+    mesh: MeshChoice,
+    /// Wall and CPU time of the model, s.
+    built: [f64; 2],
+    reference: Solved,
+    end: End,
+    /// What the end of the reference tells of the mesh.
+    estimates: Estimates,
+}
+
+impl Study {
+    /// `scene` on `mesh`, and its reference of so many increments, which `cells` may know.
+    pub(super) fn new(scene: &Scene, mesh: MeshChoice, reference: usize, cells: &dyn Cells) -> Result<Self, RunError> {
+        // The gaps of obstacles that move are exact at the ends of the reference's increments, and so for all histories
+        // whose increments those divide.
+        let scene = scene.with(&mesh.overrides(&scene.description.mesh))?.with(&[increments_of(reference)])?;
+        let (wall, cpu) = (Instant::now(), thread_cpu_seconds());
+        let model = discretise(&scene)?;
+        let built = [wall.elapsed().as_secs_f64(), thread_cpu_seconds() - cpu];
+        let reference = Solved::or_kept(cells, &format!("{mesh}, reference, {reference}"), &model.problem, || {
+            solve_reference(&scene, &model, built, reference)
+        })?;
+        let mut watch = EstimateWatch::new(&model);
+        if let Some(seen) = &reference.seen {
+            watch.go_on_with(&model, seen.clone());
+        }
+        let end = End::new(&model, &reference.state, reference.work);
+        let estimates = watch.estimates(&model);
+        Ok(Study { scene, model, mesh, built, reference, end, estimates })
+    }
+
+    /// Its mesh.
+    pub(super) fn mesh(&self) -> &MeshChoice {
+        &self.mesh
+    }
+
+    /// The units in which its results are told.
+    pub(super) fn units(&self) -> UnitSystem {
+        self.model.units()
+    }
+
+    /// The history by `path` in so many increments, which `cells` may know.
+    pub(super) fn run(&self, path: SolverPath, increments: usize, cells: &dyn Cells) -> Result<Trial, RunError> {
+        let Study { scene, model, mesh, built, .. } = self;
+        let solved = Solved::or_kept(cells, &format!("{mesh}, {path}, {increments}"), &model.problem, || {
+            solve(scene, model, *built, path.solver(&scene.solver), increments, None)
+        })?;
+        let end = End::new(model, &solved.state, solved.work);
+        let sound = solved.status == Status::Converged && self.reference.status == Status::Converged;
+        Ok(Trial {
+            path,
+            mesh: self.mesh.clone(),
+            increments,
+            status: solved.status,
+            converged: solved.converged,
+            iterations: solved.iterations,
+            factorizations: solved.factorizations,
+            seconds: solved.seconds,
+            factor_entries: solved.factor_entries,
+            factor_peak_bytes: solved.factor_peak_bytes,
+            kkt: solved.kkt,
+            errors: sound.then(|| TimeErrors::new(&end, &self.end, model.problem.weight().unwrap_or_default())),
+            iterates: solved.iterates,
+        })
+    }
+
+    /// The mesh and its reference.
+    pub(super) fn result(self) -> MeshResult {
+        let Solved { increments, status, seconds, .. } = self.reference;
+        let problem = &self.model.problem;
+        MeshResult {
+            mesh: self.mesh,
+            displacements: problem.displacements(),
+            contacts: problem.contacts(),
+            increments,
+            status,
+            seconds: seconds.cpu,
+            end: self.end,
+            errors: None,
+            estimates: (status == Status::Converged).then_some(self.estimates),
+        }
+    }
+}
+
+/// The exact path, or where that is not known, or is lost, so many increments.
+fn solve_reference(scene: &Scene, model: &Model, built: [f64; 2], increments: usize) -> Result<Solved, RunError> {
+    let end = scene.time.all().last().copied();
+    let mut last = LastIncrement { model, end, watch: EstimateWatch::new(model) };
+    if has_exact_path(model) {
+        let path = solve(scene, model, built, reference_solver(Method::EVENTS, &scene.solver), 1, Some(&mut last))?;
+        if path.status == Status::Converged {
+            return Ok(Solved { increments: 0, ..path });
+        }
+        last.watch = EstimateWatch::new(model);
+    }
+    solve(scene, model, built, reference_solver(Method::BN, &scene.solver), increments, Some(&mut last))
+}
+
+fn increments_of(number: usize) -> Override {
+    Override::value("time.increments", number as i64)
+}
+
+fn solve(
+    scene: &Scene,
+    model: &Model,
+    built: [f64; 2],
+    solver: SolverChoice,
+    increments: usize,
+    last: Option<&mut LastIncrement<'_>>,
+) -> Result<Solved, RunError> {
+    let scene = scene.with(&[increments_of(increments)])?;
+    let (wall, cpu) = (Instant::now(), thread_cpu_seconds());
+    let mut recorder = Recorder { since: thread_cpu_seconds(), iterates: Vec::new(), last };
+    let outcome = Run::of(model, scene.time.all(), solver)?.history(&mut recorder)?;
+    let (wall, cpu) = (wall.elapsed().as_secs_f64(), thread_cpu_seconds() - cpu);
+    let [analysis, factorization, solve] =
+        [outcome.linear.analysis_seconds, outcome.linear.factor_seconds, outcome.linear.solve_seconds];
+    let assembly: f64 = outcome.records.iter().map(|record| record.seconds.assembly).sum();
+    let seconds = Phases {
+        model: built[0],
+        analysis,
+        assembly,
+        factorization,
+        solve,
+        rest: wall - analysis - assembly - factorization - solve,
+        wall: built[0] + wall,
+        cpu: built[1] + cpu,
+    };
+    let records = &outcome.records;
+    Ok(Solved {
+        increments,
+        status: outcome.status,
+        converged: records.iter().filter(|record| record.status == Status::Converged).count(),
+        iterations: records.iter().map(|record| record.iterations).sum(),
+        factorizations: outcome.linear.factorizations,
+        factor_entries: outcome.linear.factor.entries,
+        factor_peak_bytes: outcome.linear.factor.peak_bytes,
+        kkt: records.iter().map(|record| record.kkt.worst().1).fold(0.0, f64::max),
+        work: records.iter().map(|record| record.friction_work).sum(),
+        state: outcome.state,
+        seconds,
+        iterates: recorder.iterates,
+        seen: recorder.last.map(|last| last.watch.seen().clone()),
+    })
+}
+
+impl SolverPath {
+    /// The solver, with the tolerance and the limit of iterations of the scene's.
+    fn solver(self, of_scene: &SolverChoice) -> SolverChoice {
+        let SolverChoice { max_iterations, tolerance, .. } = *of_scene;
+        let SolverPath { method, linear } = self;
+        let tolerance =
+            if let Method::PaperIp { .. } = method { tolerance.max(method.default_tolerance()) } else { tolerance };
+        SolverChoice { method, linear: Some(linear), max_iterations, tolerance }
+    }
+}
+
+/// Watches the end of a history alone: errors are compared there.
+struct LastIncrement<'a> {
+    model: &'a Model,
+    /// The time at which the history ends, s.
+    end: Option<f64>,
+    watch: EstimateWatch,
+}
+
+impl LastIncrement<'_> {
+    fn see(&mut self, step: &IncrementView<'_>) {
+        if self.end.is_some_and(|end| step.record.time >= end) {
+            self.watch.see(self.model, step);
+        }
+    }
+}
+
+/// Keeps the iterations.
+struct Recorder<'a, 'm> {
+    /// The CPU time at the start of the increment, s.
+    since: f64,
+    iterates: Vec<Iterate>,
+    last: Option<&'a mut LastIncrement<'m>>,
+}
+
+impl Observer for Recorder<'_, '_> {
+    fn waits_for(&mut self, _increment: usize) -> bool {
+        false
+    }
+
+    fn iteration(&mut self, increment: usize, record: &IterationRecord) -> ControlFlow<()> {
+        // What was solved ahead and taken back comes again.
+        while self.iterates.last().is_some_and(|last| last.increment > increment) {
+            self.iterates.pop();
+        }
+        let begun = self.iterates.last().filter(|last| last.increment == increment).map(|last| last.iteration);
+        if begun.is_none() {
+            self.since = thread_cpu_seconds();
+        }
+        let iteration = match begun {
+            // A further attempt at the increment starts where the last one is known to have failed.
+            Some(_) if record.iteration == 0 => return ControlFlow::Continue(()),
+            Some(last) => last + 1,
+            None => record.iteration,
+        };
+        let seconds = thread_cpu_seconds() - self.since;
+        self.iterates.push(Iterate { increment, iteration, seconds, theta: record.theta, error: record.error });
+        ControlFlow::Continue(())
+    }
+
+    fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
+        if let Some(last) = self.iterates.iter_mut().rfind(|last| last.increment == step.record.index) {
+            last.error = Some(step.record.kkt.worst().1);
+        }
+        if let Some(last) = &mut self.last {
+            last.see(step);
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::super::mesh::MeshSize;
+    use super::*;
+
+    /// However many increments the scene itself has.
+    #[test]
+    fn moving_obstacles_are_where_the_reference_sees_them() {
+        let text = include_str!("../../../../data/scenes/hertz_line.toml");
+        let overrides = ["mesh.contact_elements=4", "mesh.outer_elements=4", "mesh.layers=4", "time.increments=1"];
+        let moving = "contact.obstacle.motion.translation=[[0,0,0],[1,0.02,0]]";
+        let overrides = overrides.into_iter().chain([moving]).map(|text| text.parse().unwrap()).collect::<Vec<_>>();
+        let study =
+            Study::new(&Scene::parse("roller.toml", text, &overrides).unwrap(), MeshSize::Elements(4).into(), 8, &())
+                .unwrap();
+        let ends: Vec<f64> = (0..=8).map(|k| f64::from(k) / 8.0).collect();
+        assert_eq!(study.model.loading.bends()[0].times(), ends);
+    }
+}

@@ -1,0 +1,126 @@
+//! How the error of the mesh falls with its size and with the time it takes, for each kind of elements, beside what each mesh
+//! estimates of its own error.
+
+use super::{Comparison, ElementChoice, MeshErrors, MeshResult};
+use stickslip::run::report::Estimates;
+use stickslip_output::{Axis, Chart, Curve, Dash, Line, Panel, Scale, told_apart};
+
+/// An error of the mesh.
+struct Measure {
+    /// What is wrong by it.
+    name: &'static str,
+    error: fn(&MeshErrors) -> f64,
+    /// What the mesh tells of it by itself.
+    estimate: Option<fn(&Estimates) -> Option<f64>>,
+    /// The errors that the answers are about.
+    targets: [f64; 2],
+}
+
+const MEASURES: [Measure; 4] = [
+    Measure { name: "normal force", error: |errors| errors.sum_p_n, estimate: None, targets: [1e-2, 1e-3] },
+    Measure {
+        name: "energy norm",
+        error: MeshErrors::norm,
+        estimate: Some(|estimates| estimates.discretisation),
+        targets: [1e-1, 1e-2],
+    },
+    Measure { name: "tractions", error: |errors| errors.tractions, estimate: None, targets: [1e-1, 1e-2] },
+    Measure {
+        name: "peak pressure",
+        error: |errors| errors.peak,
+        estimate: Some(|estimates| estimates.peak_error),
+        targets: [1e-1, 1e-2],
+    },
+];
+
+/// The cheapest mesh for each error, in sentences; only where elements are compared.
+pub(super) fn answers(comparison: &Comparison) -> Vec<String> {
+    let answer = |measure: &Measure, target: f64| {
+        let name = measure.name;
+        let head = format!("Mesh for an error of {target:.0e} in the {name}:");
+        let known = || {
+            let of = |result: &MeshResult| {
+                Some(((measure.error)(result.errors.as_ref()?), comparison.seconds(&result.mesh)?))
+            };
+            comparison.meshes.iter().filter_map(move |result| Some((result, of(result)?)))
+        };
+        // One that is right by chance is told by finer ones that are not.
+        let holds = |result: &MeshResult| {
+            let finer = |(other, _): &(&MeshResult, (f64, f64))| {
+                other.mesh.elements == result.mesh.elements && other.displacements >= result.displacements
+            };
+            known().filter(finer).all(|(_, (error, _))| error <= target)
+        };
+        let near = known().filter(|(result, _)| holds(result));
+        let best = known().min_by(|a, b| a.1.0.total_cmp(&b.1.0));
+        match (near.min_by(|a, b| a.1.1.total_cmp(&b.1.1)), best) {
+            (Some((MeshResult { mesh, displacements, .. }, (error, seconds))), _) => format!(
+                "{head} the cheapest is {mesh}, {displacements} displacements, {seconds:.2e} s (error {error:.2e}), and finer ones keep it."
+            ),
+            (None, Some((MeshResult { mesh, .. }, (error, _)))) => {
+                format!("{head} none keeps it as it gets finer; the nearest is {mesh} with {error:.2e}.")
+            }
+            (None, None) => format!("{head} there is nothing to compare with."),
+        }
+    };
+    // Without contact there are no forces to be wrong, nor pressures.
+    let there = |measure: &&Measure| {
+        let errors = comparison.meshes.iter().filter_map(|result| result.errors.as_ref());
+        errors.map(measure.error).any(|error| error > 0.0)
+    };
+    let answers = MEASURES.iter().filter(there);
+    answers.flat_map(|measure| measure.targets.map(|target| answer(measure, target))).collect()
+}
+
+/// The charts: the errors against the number of displacements and against CPU time.
+pub(super) fn charts(comparison: &Comparison) -> Vec<(&'static str, &'static str, Chart)> {
+    let displacements = |result: &MeshResult| Some(result.displacements as f64);
+    let seconds = |result: &MeshResult| comparison.seconds(&result.mesh);
+    vec![
+        ("mesh-size", "Error of the mesh against its size", chart(comparison, "displacements", &displacements)),
+        ("mesh-time", "Error of the mesh against CPU time", chart(comparison, "CPU time, s", &seconds)),
+    ]
+}
+
+fn chart(comparison: &Comparison, label: &str, x: &dyn Fn(&MeshResult) -> Option<f64>) -> Chart {
+    let curves = |measure: &Measure| {
+        let all = comparison.elements().into_iter().enumerate();
+        all.flat_map(|(k, elements)| curves(comparison, measure, x, k, elements)).collect::<Vec<_>>()
+    };
+    let panel = |measure: &Measure| Panel { title: measure.name.into(), curves: curves(measure) };
+    let finest = comparison.meshes.last().map_or(String::new(), |result| result.mesh.to_string());
+    Chart {
+        title: comparison.title.clone(),
+        subtitle: format!("distance to {finest}; dashed: what a mesh estimates by itself"),
+        x: Axis { label: label.into(), scale: Scale::Decades },
+        y: Axis { label: "relative error".into(), scale: Scale::Decades },
+        columns: 2,
+        panels: MEASURES.iter().map(panel).filter(|panel| !panel.curves.is_empty()).collect(),
+    }
+}
+
+/// The error with `elements`, kind `k`, and the estimate of it.
+fn curves(
+    comparison: &Comparison,
+    measure: &Measure,
+    x: &dyn Fn(&MeshResult) -> Option<f64>,
+    k: usize,
+    elements: Option<ElementChoice>,
+) -> Vec<Curve> {
+    let of = || comparison.meshes.iter().filter(move |result| result.mesh.elements == elements);
+    let at = |result: &MeshResult, y: Option<f64>| Some([x(result)?, y.filter(|y| y.is_finite() && *y > 0.0)?]);
+    let errors: Vec<[f64; 2]> =
+        of().filter_map(|result| at(result, result.errors.as_ref().map(measure.error))).collect();
+    let estimated = |result: &MeshResult| measure.estimate.and_then(|estimate| estimate(result.estimates.as_ref()?));
+    let estimates: Vec<[f64; 2]> = of().filter_map(|result| at(result, estimated(result))).collect();
+    let (colour, marker) = told_apart(k);
+    let label = elements.map_or("the scene's elements".to_string(), |elements| elements.to_string());
+    let line = |dash, width| Some(Line { dash, width });
+    [
+        Curve { label, points: errors, line: line(Dash::Solid, 1.8), marker: Some(marker), colour },
+        Curve { label: String::new(), points: estimates, line: line(Dash::Dashed, 1.2), marker: None, colour },
+    ]
+    .into_iter()
+    .filter(|curve| !curve.points.is_empty())
+    .collect()
+}

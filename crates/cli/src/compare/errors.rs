@@ -1,0 +1,121 @@
+//! How far a history is from its reference, and a mesh from the finest.
+
+use super::tractions::{Interior, Tractions, relative};
+use stickslip::body::contact::ContactNode;
+use stickslip::body::model::Model;
+use stickslip::solver::problem::State;
+
+/// What a history comes to, SI.
+#[derive(Debug, Clone, PartialEq)]
+pub struct End {
+    /// `p_n` at the end, n_c, N.
+    pub p_n: Vec<f64>,
+    /// `p_t` at the end, n_c, N.
+    pub p_t: Vec<f64>,
+    /// `p_o` at the end, n_c, N.
+    pub p_o: Vec<f64>,
+    /// Work that friction has dissipated in the whole history, J, or J per m of depth; of an increment that was halved, that
+    /// of its parts.
+    pub work: f64,
+    /// `½ uᵀ K u` at the end, J, or J per m of depth.
+    pub energy: f64,
+    /// The largest contact pressure at the end, Pa.
+    pub peak: f64,
+    /// The contact tractions at the end.
+    pub tractions: Tractions,
+}
+
+/// The error of time stepping: the distance to a reference on the same mesh, relative to the reference.
+/// Forces are compared as tractions at the end of the history, in the L2 norm of the contact boundary.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TimeErrors {
+    /// In `p_n`.
+    pub p_n: f64,
+    /// In the tangential forces, relative to these alone.
+    pub p_t: f64,
+    /// In all contact forces.
+    pub forces: f64,
+    /// In the work that friction has dissipated in the whole history.
+    pub work: f64,
+}
+
+/// The error of the mesh: the distance to the finest mesh, relative to that.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeshErrors {
+    /// In `Σ p_n`.
+    pub sum_p_n: f64,
+    /// In the tangential resultant `(Σ p_t, Σ p_o)`, relative to `Σ p_n`: it may vanish.
+    pub sum_p_t: f64,
+    /// In the strain energy.
+    pub energy: f64,
+    /// In the largest contact pressure.
+    pub peak: f64,
+    /// In the tractions, L2 norm, without the rim of the contact boundary, see [`Tractions::interior`].
+    pub tractions: f64,
+}
+
+impl End {
+    /// A `state` of `model` after so much friction `work`.
+    pub(super) fn new(model: &Model, state: &State, work: f64) -> Self {
+        let told = |(i, contact): (usize, &ContactNode)| contact.in_frame([state.p_t[i], state.p_o[i]]);
+        let (p_t, p_o) = model.contacts.iter().enumerate().map(told).map(|[p_t, p_o]| (p_t, p_o)).unzip();
+        End {
+            p_n: state.p_n.clone(),
+            p_t,
+            p_o,
+            work,
+            energy: model.problem.strain_energy(state),
+            peak: model.contact_pressures(state).into_iter().fold(0.0, f64::max),
+            tractions: Tractions::of(model, state),
+        }
+    }
+}
+
+/// A difference that is a smaller share of the normal forces, or of the strain energy, is what rounding leaves.
+const NOTHING: f64 = 1e-10;
+
+impl TimeErrors {
+    /// The errors of `end` against `reference`, both with the integration weights `l`.
+    pub fn new(end: &End, reference: &End, weight: &[f64]) -> Self {
+        let components = [(&end.p_n, &reference.p_n), (&end.p_t, &reference.p_t), (&end.p_o, &reference.p_o)];
+        let [p_n, p_t, p_o] = components.map(|(p, exact)| {
+            let difference: Vec<f64> = p.iter().zip(exact).map(|(p, exact)| p - exact).collect();
+            [square(&difference, weight), square(exact, weight)]
+        });
+        let p_t = [p_t[0] + p_o[0], p_t[1] + p_o[1]];
+        let work = end.work - reference.work;
+        TimeErrors {
+            p_n: relative(p_n[0].sqrt(), p_n[1].sqrt()),
+            p_t: if p_t[0] <= NOTHING * NOTHING * p_n[1] { 0.0 } else { relative(p_t[0].sqrt(), p_t[1].sqrt()) },
+            forces: relative((p_n[0] + p_t[0]).sqrt(), (p_n[1] + p_t[1]).sqrt()),
+            work: if work.abs() <= NOTHING * reference.energy.abs() { 0.0 } else { relative(work, reference.work) },
+        }
+    }
+}
+
+/// `∫ σ² = Σ l (p/l)²`.
+fn square(p: &[f64], weight: &[f64]) -> f64 {
+    p.iter().zip(weight).map(|(p, l)| p * p / l).sum()
+}
+
+impl MeshErrors {
+    /// The error in the energy norm, √|ΔU / U|: that of a body that loads or supports alone deform. With an obstacle it is one up to the
+    /// work of contact forces over gaps.
+    pub fn norm(&self) -> f64 {
+        self.energy.sqrt()
+    }
+
+    /// The errors of `end` against the `finest` mesh, tractions `within` a part of the contact boundary only.
+    pub fn new(end: &End, finest: &End, within: &Interior) -> Self {
+        let sum = |forces: &[f64]| forces.iter().sum::<f64>();
+        let apart = |of: fn(&End) -> &[f64]| sum(of(end)) - sum(of(finest));
+        let normal = sum(&finest.p_n);
+        MeshErrors {
+            sum_p_n: relative(apart(|end| &end.p_n), normal),
+            sum_p_t: relative(apart(|end| &end.p_t).hypot(apart(|end| &end.p_o)), normal),
+            energy: relative(end.energy - finest.energy, finest.energy),
+            peak: relative(end.peak - finest.peak, finest.peak),
+            tractions: end.tractions.distance(&finest.tractions, within),
+        }
+    }
+}

@@ -1,0 +1,284 @@
+//! Contact tractions on meshes of different size, compared point by point.
+
+use std::collections::HashMap;
+
+use stickslip::algebra::vector::{dot, minus, norm};
+use stickslip::body::contact::ContactNode;
+use stickslip::body::estimate::ContactGraph;
+use stickslip::body::model::Model;
+use stickslip::solver::problem::{ProblemError, State};
+
+/// So many elements are left out at the rim of the contact boundary: edges and corners of the body are singular.
+const OUTERMOST: usize = 2;
+
+/// What rounding makes of a length, in lengths of an element.
+const ROUNDING: f64 = 1e-9;
+
+/// The contact traction at a contact node.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TractionNode {
+    /// Where the node is, m.
+    pub position: [f64; 3],
+    /// Its integration weight `l`, m or m².
+    pub weight: f64,
+    /// The traction of the body on the obstacle (32), in the directions of space, Pa.
+    pub value: [f64; 3],
+    /// Whether the contact boundary ends there; where a symmetry plane cuts it, it goes on.
+    pub at_the_rim: bool,
+}
+
+/// Contact tractions on the contact boundaries.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Tractions {
+    nodes: Vec<TractionNode>,
+    /// Of two or three nodes each.
+    pieces: Vec<Vec<usize>>,
+}
+
+/// The ends of a segment, or the corners of a triangle.
+type Corners = Vec<[f64; 3]>;
+
+/// Where tractions are compared.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Interior {
+    inside: Vec<Corners>,
+    outside: Vec<Corners>,
+}
+
+impl Interior {
+    /// Whether the point is there, its rim included.
+    fn holds(&self, x: [f64; 3]) -> bool {
+        let nearest = |all: &[Corners]| all.iter().map(|corners| share(corners, x).1).fold(f64::INFINITY, f64::min);
+        let element = self.inside.first().map_or(0.0, |corners| norm(minus(corners[1], corners[0])));
+        nearest(&self.inside) <= nearest(&self.outside) + ROUNDING * element
+    }
+}
+
+impl Tractions {
+    /// The tractions at `nodes`. The `pieces` are the facets between these: segments, triangles, and what else there is cut into them.
+    ///
+    /// # Errors
+    /// [`ProblemError`] where a piece has neither two nor three nodes, or one that is not there.
+    pub fn new(nodes: Vec<TractionNode>, pieces: Vec<Vec<usize>>) -> Result<Self, ProblemError> {
+        for (k, piece) in pieces.iter().enumerate() {
+            if !(2..=3).contains(&piece.len()) {
+                let (of, reason) = ("nodes", "or three: it is a segment or a triangle");
+                return Err(ProblemError::Length {
+                    array: format!("pieces[{k}]"),
+                    of,
+                    expected: 2,
+                    found: piece.len(),
+                    reason,
+                });
+            }
+            if let Some(i) = piece.iter().position(|&node| node >= nodes.len()) {
+                let (array, value) = (format!("pieces[{k}][{i}]"), piece[i] as f64);
+                return Err(ProblemError::Value { array, value, must: "the number of a node, from 0" });
+            }
+        }
+        Ok(Tractions { nodes, pieces })
+    }
+
+    /// The contact nodes, n_c.
+    pub fn nodes(&self) -> &[TractionNode] {
+        &self.nodes
+    }
+
+    /// The tractions of a `state` of `model`.
+    pub(super) fn of(model: &Model, state: &State) -> Self {
+        let force = |i: usize, k: usize| {
+            let ([t, o], n) = (model.contacts[i].facing.tangents, model.contacts[i].facing.normal);
+            let p = [state.p_n[i], state.p_t[i], state.p_o[i]];
+            p[0] * n[k] + p[1] * t[k] + p[2] * o[k]
+        };
+        let graph = ContactGraph::new(model);
+        let by_weights = || {
+            let along = [0, 1, 2].map(|k| model.over_weights(|i| force(i, k)));
+            (0..model.contacts.len()).map(|i| [0, 1, 2].map(|k| along[k][i])).collect()
+        };
+        let values = model.recovered_tractions(state).unwrap_or_else(by_weights);
+        let mut pieces = Vec::new();
+        for boundary in &model.contact_boundaries {
+            let places: HashMap<usize, usize> = boundary.nodes.iter().map(|&i| (model.contacts[i].node, i)).collect();
+            let facets = model.mesh.boundary(&boundary.name).map_or(&[][..], |boundary| &boundary.facets);
+            for facet in facets.iter().flat_map(|facet| model.mesh.pieces_of(facet)) {
+                // A node that supports hold along the normal, or no obstacle reaches, is no contact node.
+                let Some(corners) = facet.iter().map(|node| places.get(node).copied()).collect::<Option<Vec<_>>>()
+                else {
+                    continue;
+                };
+                match corners[..] {
+                    [a, b] => pieces.push(vec![a, b]),
+                    [first, ref others @ ..] => {
+                        pieces.extend(others.windows(2).map(|pair| vec![first, pair[0], pair[1]]));
+                    }
+                    [] => {}
+                }
+            }
+        }
+        let node = |(i, (contact, value)): (usize, (&ContactNode, [f64; 3]))| TractionNode {
+            position: contact.position,
+            weight: contact.weight,
+            value,
+            at_the_rim: graph.is_at_the_rim(i),
+        };
+        Tractions { nodes: model.contacts.iter().zip(values).enumerate().map(node).collect(), pieces }
+    }
+
+    fn corners(&self, piece: &[usize]) -> Corners {
+        piece.iter().map(|&i| self.nodes[i].position).collect()
+    }
+
+    /// The part of the boundary on which the tractions of finer meshes are compared with those of this one: without
+    /// the two outermost elements along its rim. All of it, if that leaves nothing.
+    pub fn interior(&self) -> Interior {
+        let mut outer: Vec<bool> = self.nodes.iter().map(|node| node.at_the_rim).collect();
+        for _ in 1..OUTERMOST {
+            let reached = outer.clone();
+            for piece in self.pieces.iter().filter(|piece| piece.iter().any(|&i| reached[i])) {
+                for &i in piece {
+                    outer[i] = true;
+                }
+            }
+        }
+        let (outside, inside): (Vec<_>, Vec<_>) = self.pieces.iter().partition(|piece| piece.iter().any(|&i| outer[i]));
+        let corners = |pieces: Vec<&Vec<usize>>| pieces.into_iter().map(|piece| self.corners(piece)).collect();
+        if inside.is_empty() {
+            return Interior { inside: corners(outside), outside: Vec::new() };
+        }
+        Interior { inside: corners(inside), outside: corners(outside) }
+    }
+
+    /// The distance to the tractions of a `finer` mesh in the L2 norm of the part `within`, relative to the finer; at
+    /// the nodes of the finer, so that all meshes are asked at the same points, with these linear between their nodes. NaN where
+    /// one of the two has nothing there.
+    pub fn distance(&self, finer: &Tractions, within: &Interior) -> f64 {
+        let (mut difference, mut whole, mut points) = (0.0, 0.0, 0_usize);
+        for &TractionNode { position, weight, value, .. } in &finer.nodes {
+            if within.holds(position) {
+                let Some(coarse) = self.at(position) else { return f64::NAN };
+                difference += weight * dot(minus(coarse, value), minus(coarse, value));
+                whole += weight * dot(value, value);
+                points += 1;
+            }
+        }
+        if points == 0 { f64::NAN } else { relative(difference.sqrt(), whole.sqrt()) }
+    }
+
+    /// The traction at the point of the boundary nearest to `x`.
+    fn at(&self, x: [f64; 3]) -> Option<[f64; 3]> {
+        let shares = self.pieces.iter().map(|piece| (piece, share(&self.corners(piece), x)));
+        let (piece, (shares, _)) = shares.min_by(|a, b| a.1.1.total_cmp(&b.1.1))?;
+        let sum = |k: usize| piece.iter().zip(&shares).map(|(&i, share)| share * self.nodes[i].value[k]).sum();
+        Some([0, 1, 2].map(sum))
+    }
+}
+
+/// The shares of the corners in the point of a segment or triangle near `x`, the nearest if `x` projects into it, and
+/// the distance of that point.
+fn share(corners: &[[f64; 3]], x: [f64; 3]) -> (Vec<f64>, f64) {
+    let reach = minus(x, corners[0]);
+    let mut shares = match corners[1..] {
+        [b, c] => {
+            let (b, c) = (minus(b, corners[0]), minus(c, corners[0]));
+            let (bb, bc, cc, rb, rc) = (dot(b, b), dot(b, c), dot(c, c), dot(reach, b), dot(reach, c));
+            let area = bb * cc - bc * bc;
+            let [s, t] = [(rb * cc - rc * bc) / area, (rc * bb - rb * bc) / area];
+            vec![1.0 - s - t, s, t]
+        }
+        [b, ..] => {
+            let b = minus(b, corners[0]);
+            let s = dot(reach, b) / dot(b, b);
+            vec![1.0 - s, s]
+        }
+        [] => vec![1.0],
+    };
+    for share in &mut shares {
+        *share = share.max(0.0);
+    }
+    let sum: f64 = shares.iter().sum();
+    for share in &mut shares {
+        *share /= sum;
+    }
+    let near = |k: usize| corners.iter().zip(&shares).map(|(corner, share)| share * corner[k]).sum::<f64>();
+    let distance = norm(minus(x, [0, 1, 2].map(near)));
+    (shares, distance)
+}
+
+/// `|value| / scale`; nothing is no error, whatever it is compared with.
+pub(super) fn relative(value: f64, scale: f64) -> f64 {
+    if value == 0.0 { 0.0 } else { value.abs() / scale.abs() }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+
+    /// n × n squares of a unit square, each in two triangles, with a traction linear in place.
+    fn square(n: usize) -> Tractions {
+        let at = |k: usize| k as f64 / n as f64;
+        let positions: Vec<[f64; 3]> = (0..=n).flat_map(|j| (0..=n).map(move |i| [at(i), at(j), 0.0])).collect();
+        let node = |i: usize, j: usize| j * (n + 1) + i;
+        let mut pieces = Vec::new();
+        for (i, j) in (0..n).flat_map(|j| (0..n).map(move |i| (i, j))) {
+            pieces.push(vec![node(i, j), node(i + 1, j), node(i + 1, j + 1)]);
+            pieces.push(vec![node(i, j), node(i + 1, j + 1), node(i, j + 1)]);
+        }
+        let traction = |position: [f64; 3]| {
+            let [x, y, _] = position;
+            let at_the_rim = [x, y].into_iter().any(|x| x == 0.0 || x == 1.0);
+            TractionNode { position, weight: 1.0, value: [1.0 + x, 2.0 * y, x - y], at_the_rim }
+        };
+        Tractions::new(positions.into_iter().map(traction).collect(), pieces).unwrap()
+    }
+
+    #[test]
+    fn a_surface_is_compared_inside_its_rim() {
+        let (coarse, mut fine) = (square(6), square(9));
+        let within = coarse.interior();
+        let held = coarse.nodes.iter().filter(|node| within.holds(node.position)).count();
+        // Of 7 × 7 nodes those in the middle 3 × 3.
+        assert_eq!(held, 9);
+        assert!(coarse.distance(&fine, &within) < 1e-14);
+        // Linear tractions are met wherever the finer nodes are; a rim that is wrong does not matter.
+        for node in &mut fine.nodes {
+            if node.position.iter().take(2).any(|x| !(0.2..0.8).contains(x)) {
+                node.value = [9.0; 3];
+            }
+        }
+        assert!(coarse.distance(&fine, &within) < 1e-14);
+        fine.nodes.iter_mut().for_each(|node| node.value = [0.0, 0.0, 2.0]);
+        let inner: Vec<_> = fine.nodes.iter().map(|node| node.position).filter(|x| within.holds(*x)).collect();
+        let apart = |[x, y, _]: [f64; 3]| (1.0 + x).powi(2) + (2.0 * y).powi(2) + (x - y - 2.0).powi(2);
+        assert_eq!(inner.len(), 16);
+        let expected = (inner.iter().map(|x| apart(*x)).sum::<f64>() / (4.0 * 16.0)).sqrt();
+        assert!((coarse.distance(&fine, &within) / expected - 1.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn of_a_small_surface_all_counts() {
+        let (coarse, fine) = (square(3), square(6));
+        let within = coarse.interior();
+        assert!(coarse.nodes.iter().all(|node| within.holds(node.position)));
+        assert!(coarse.distance(&fine, &within) < 1e-14);
+        assert!(coarse.distance(&Tractions::default(), &within).is_nan());
+    }
+
+    #[test]
+    fn pieces_have_nodes_that_are_there() {
+        let nodes = square(1).nodes;
+        let new = |piece: &[usize]| Tractions::new(nodes.clone(), vec![vec![0, 1], piece.to_vec()]).map(|_| ());
+        assert_eq!(new(&[1, 2, 3]), Ok(()));
+        for (piece, says) in [
+            (&[][..], "pieces[1] has 0 nodes"),
+            (&[0], "pieces[1] has 1 nodes"),
+            (&[0, 1, 2, 3], "pieces[1] has 4 nodes, but must have 2, or three"),
+            (&[3, 4], "pieces[1][1] is 4, but must be the number of a node"),
+        ] {
+            let error = new(piece).unwrap_err().to_string();
+            assert!(error.contains(says), "{error}");
+        }
+    }
+}

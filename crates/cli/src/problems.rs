@@ -1,0 +1,11 @@
+//! Exchange files, solved or judged: the report of one, the table of a folder, and performance profiles.
+
+mod collection;
+mod profile;
+mod report;
+mod schema;
+
+pub use collection::{Collection, Row};
+pub use profile::Profile;
+pub use report::{ProblemReport, Verdict};
+pub use schema::{collection_schema, problem_schema};

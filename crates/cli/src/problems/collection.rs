@@ -1,0 +1,174 @@
+//! Whole folders of problems: a row for each file.
+
+use serde::{Deserialize, Serialize};
+
+use super::profile::Profile;
+use super::report::{ProblemReport, Verdict};
+use stickslip::run::report::{SCHEMA_VERSION, csv_number, csv_table};
+use stickslip_output::Table;
+
+/// The results of a folder.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct Collection {
+    /// The version of this layout.
+    pub schema_version: u32,
+    /// How many files there are.
+    pub files: usize,
+    /// How many are solved, by any way.
+    pub solved: usize,
+    /// CPU time of all, s.
+    pub cpu_seconds: f64,
+    /// One for each file and way.
+    pub rows: Vec<Row>,
+}
+
+/// What became of a file.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct Row {
+    /// The name of the file.
+    pub file: String,
+    /// The way it was solved, see [`Way`](super::Way).
+    pub way: String,
+    /// `global` or `local`; empty where nothing was read.
+    pub form: String,
+    /// 2 in the plane, 3 in space.
+    pub dimension: usize,
+    /// n_c, the number of contacts.
+    pub contacts: usize,
+    /// n, the unknowns of the bodies; 0 of a local problem.
+    pub unknowns: usize,
+    /// The verdict.
+    pub status: Verdict,
+    /// The largest error, without units; none where nothing was solved.
+    pub residual: Option<f64>,
+    /// The last stage.
+    pub stage: String,
+    /// Iterations of all stages.
+    pub iterations: usize,
+    /// CPU time, s.
+    pub cpu_seconds: f64,
+    /// Why there is no residual.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub message: String,
+}
+
+/// The columns of the CSV file.
+const COLUMNS: [&str; 12] = [
+    "file",
+    "way",
+    "form",
+    "dimension",
+    "contacts",
+    "unknowns",
+    "status",
+    "residual",
+    "stage",
+    "iterations",
+    "cpu_seconds",
+    "message",
+];
+
+impl Row {
+    /// That of a problem that was solved by `way`.
+    pub fn of(report: &ProblemReport, way: &str) -> Self {
+        Row {
+            file: report.file.clone(),
+            way: way.to_string(),
+            form: report.form.clone(),
+            dimension: report.dimension,
+            contacts: report.contacts,
+            unknowns: report.unknowns,
+            status: report.status,
+            residual: Some(report.residual),
+            stage: report.stages.last().map(|stage| stage.stage.clone()).unwrap_or_default(),
+            iterations: report.stages.iter().map(|stage| stage.iterations).sum(),
+            cpu_seconds: report.cpu_seconds,
+            message: String::new(),
+        }
+    }
+
+    /// That of a file that could not be read, or not be tried.
+    pub fn failed(file: &str, way: &str, status: Verdict, message: String) -> Self {
+        Row { file: file.to_string(), way: way.to_string(), status, message, ..Row::default() }
+    }
+
+    fn residual(&self, told: impl Fn(f64) -> String) -> String {
+        self.residual.map(told).unwrap_or_default()
+    }
+}
+
+impl Collection {
+    /// The collection of these rows; those of a file have its name.
+    pub fn new(rows: Vec<Row>) -> Self {
+        let mut files: Vec<&str> = rows.iter().map(|row| row.file.as_str()).collect();
+        files.sort_unstable();
+        files.dedup();
+        let is_solved = |file: &&&str| rows.iter().any(|row| row.file == **file && row.status == Verdict::Solved);
+        let solved = files.iter().filter(is_solved).count();
+        let cpu_seconds = rows.iter().map(|row| row.cpu_seconds).sum();
+        Collection { schema_version: SCHEMA_VERSION, files: files.len(), solved, cpu_seconds, rows }
+    }
+
+    /// As a table of aligned columns, one line for each row; messages follow below.
+    pub fn to_text(&self) -> String {
+        let several = self.rows.iter().any(|row| row.way != self.rows[0].way);
+        let way: &[&str] = if several { &["way"] } else { &[] };
+        let heads =
+            [&["verdict", "residual", "iterations", "CPU s", "n_c", "d", "form", "stage"], way, &["file"]].concat();
+        let mut table = Table::new(&heads);
+        for row in &self.rows {
+            let of_a_problem = |x: usize| if row.form.is_empty() { String::new() } else { x.to_string() };
+            let mut fields = vec![
+                row.status.to_string(),
+                row.residual(|residual| format!("{residual:.1e}")),
+                row.iterations.to_string(),
+                format!("{:.3}", row.cpu_seconds),
+                of_a_problem(row.contacts),
+                of_a_problem(row.dimension),
+                row.form.clone(),
+                row.stage.clone(),
+            ];
+            if several {
+                fields.push(row.way.clone());
+            }
+            fields.push(row.file.clone());
+            table.push(fields);
+        }
+        let mut text = table.to_string();
+        for row in self.rows.iter().filter(|row| !row.message.is_empty()) {
+            text += &row.message;
+            text.push('\n');
+        }
+        text
+    }
+
+    /// As CSV, one line for each row.
+    pub fn to_csv(&self) -> String {
+        let fields = |row: &Row| {
+            vec![
+                row.file.clone(),
+                row.way.clone(),
+                row.form.clone(),
+                row.dimension.to_string(),
+                row.contacts.to_string(),
+                row.unknowns.to_string(),
+                row.status.to_string(),
+                row.residual(csv_number),
+                row.stage.clone(),
+                row.iterations.to_string(),
+                csv_number(row.cpu_seconds),
+                row.message.clone(),
+            ]
+        };
+        csv_table(&COLUMNS, self.rows.iter().map(fields))
+    }
+
+    /// The performance profile of the ways, by CPU time, over the files that were read.
+    pub fn profile(&self) -> Profile {
+        let mut profile = Profile::default();
+        for row in self.rows.iter().filter(|row| row.status != Verdict::BadInput) {
+            profile.add(&row.way, &row.file, (row.status == Verdict::Solved).then_some(row.cpu_seconds));
+        }
+        profile
+    }
+}

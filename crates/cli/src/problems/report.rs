@@ -1,0 +1,100 @@
+//! What is told of a problem that was solved or judged.
+
+use serde::{Deserialize, Serialize};
+
+use stickslip::run::report::SCHEMA_VERSION;
+use stickslip_exchange::{Answer, Errors, Problem, ProblemFile, Stage};
+
+/// The verdict on a problem.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// All laws hold within the tolerance, by the independent error measure.
+    Solved,
+    /// They do not; the errors tell by how much.
+    #[default]
+    NotSolved,
+    /// The file holds no problem that can be read.
+    BadInput,
+    /// The linear algebra could not go on.
+    MachineFailure,
+}
+
+impl std::fmt::Display for Verdict {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Verdict::Solved => "solved",
+            Verdict::NotSolved => "not-solved",
+            Verdict::BadInput => "bad-input",
+            Verdict::MachineFailure => "machine-failure",
+        })
+    }
+}
+
+/// A problem, its verdict, and how that came about.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct ProblemReport {
+    /// The version of this layout.
+    pub schema_version: u32,
+    /// The file of the problem.
+    pub file: String,
+    /// Its title, if it has one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub title: Option<String>,
+    /// `global` or `local`.
+    pub form: String,
+    /// 2 in the plane, 3 in space.
+    pub dimension: usize,
+    /// n_c, the number of contacts.
+    pub contacts: usize,
+    /// n, the unknowns of the bodies; 0 of a local problem.
+    pub unknowns: usize,
+    /// The verdict.
+    pub status: Verdict,
+    /// The largest error that the verdict is about, without units.
+    pub residual: f64,
+    /// The violation of each law.
+    pub errors: Errors,
+    /// What may make it another problem than the one that was meant.
+    pub warnings: Vec<String>,
+    /// What was tried; nothing where a given solution is judged.
+    pub stages: Vec<Stage>,
+    /// CPU time of the solution, s; 0 where a given one is judged.
+    pub cpu_seconds: f64,
+}
+
+/// What is odd about `problem`.
+fn warnings(problem: &Problem) -> Vec<String> {
+    let triangular = matches!(problem, Problem::Global(problem) if problem.is_triangular());
+    let half = "M has entries on one side of its diagonal alone, and is taken as it stands: where it is meant as half of a \
+                symmetric matrix, write both halves";
+    triangular.then(|| half.to_string()).into_iter().collect()
+}
+
+impl ProblemReport {
+    /// The report on a solution of the problem in `file`, called `name`, with these errors.
+    pub fn judged(name: &str, file: &ProblemFile, errors: Errors) -> Self {
+        let problem = &file.problem;
+        ProblemReport {
+            schema_version: SCHEMA_VERSION,
+            file: name.to_string(),
+            title: file.info.title.clone(),
+            form: problem.form().to_string(),
+            dimension: problem.dimension(),
+            contacts: problem.contacts(),
+            unknowns: problem.unknowns(),
+            status: if errors.is_solved() { Verdict::Solved } else { Verdict::NotSolved },
+            residual: errors.worst(),
+            errors,
+            warnings: warnings(problem),
+            stages: Vec::new(),
+            cpu_seconds: 0.0,
+        }
+    }
+
+    /// The same on an answer that took so much CPU time.
+    pub fn solved(name: &str, file: &ProblemFile, answer: &Answer, cpu_seconds: f64) -> Self {
+        let stages = answer.stages.clone();
+        ProblemReport { stages, cpu_seconds, ..Self::judged(name, file, answer.errors) }
+    }
+}

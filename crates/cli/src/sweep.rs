@@ -1,0 +1,26 @@
+//! One scene with several values of some of its keys: every combination a variant, all in one table and one chart.
+//!
+//! ```
+//! use stickslip::body::contact::Friction;
+//! use stickslip::scene::Scene;
+//! use stickslip_cli::sweep::{Variation, combinations};
+//!
+//! let friction: Variation = "contact.friction=0.1:0.5:3".parse()?;
+//! let mesh: Variation = "mesh.elements=[10,10],[20,20]".parse()?;
+//! assert_eq!(friction.values, ["0.1", "0.3", "0.5"]);
+//! let variants = combinations(&[friction, mesh])?;
+//! assert_eq!(variants.len(), 6);
+//!
+//! let block = Scene::parse("block.toml", include_str!("../../../data/scenes/block.toml"), &variants[1].overrides)?;
+//! assert_eq!(block.description.contacts[0].friction, Friction::Uniform(0.1));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod outcome;
+mod picture;
+mod table;
+mod variation;
+
+pub use outcome::VariantResult;
+pub use table::{Row, Sweep};
+pub use variation::{MOST_VARIANTS, Variant, Variation, VariationError, combinations};

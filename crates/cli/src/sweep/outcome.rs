@@ -1,0 +1,124 @@
+//! What came of a variant, read from the report of its run.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use stickslip::run::report::{LargestPressure, Resultant};
+
+/// What came of a variant.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(from = "Report")]
+pub struct VariantResult {
+    /// The verdict, or why there is none: `bad-input`, `machine-failure`, `bug`.
+    pub status: String,
+    /// The text of the scene that ran; none without a report.
+    #[serde(skip_serializing)]
+    pub scene_text: Option<String>,
+    /// Why it ended early, in words; empty if it did not.
+    pub reason: String,
+    /// The increments that converged.
+    pub converged: usize,
+    /// Linear systems solved by the method.
+    pub iterations: usize,
+    /// Wall time, s; none without a report.
+    pub seconds: Option<f64>,
+    /// The largest error of any law in any increment; none if that is not finite, or without increments.
+    pub error: Option<f64>,
+    /// The largest contact pressure of all increments.
+    pub largest_pressure: Option<LargestPressure>,
+    /// The kinds of the warnings of the run.
+    pub warnings: Vec<String>,
+    /// The resultant on each obstacle at the end of the last converged increment.
+    pub boundaries: Vec<Resultant>,
+}
+
+/// What `run.json` has of it, or what is printed where there is no report.
+#[derive(Deserialize)]
+struct Report {
+    status: String,
+    scene_text: Option<String>,
+    #[serde(default, alias = "message")]
+    reason: String,
+    help: Option<String>,
+    #[serde(default)]
+    increments: Vec<Increment>,
+    totals: Option<Totals>,
+    largest_pressure: Option<LargestPressure>,
+    #[serde(default)]
+    warnings: Vec<Told>,
+    #[serde(default)]
+    boundaries: Vec<Resultant>,
+}
+
+#[derive(Deserialize)]
+struct Told {
+    kind: String,
+}
+
+#[derive(Deserialize)]
+struct Increment {
+    status: String,
+    kkt: BTreeMap<String, Option<f64>>,
+}
+
+#[derive(Deserialize)]
+struct Totals {
+    iterations: usize,
+    wall_seconds: Option<f64>,
+}
+
+impl From<Report> for VariantResult {
+    fn from(report: Report) -> Self {
+        let Report { status, scene_text, reason, help, increments, totals, largest_pressure, warnings, boundaries } =
+            report;
+        let errors = increments.iter().flat_map(|increment| increment.kkt.values());
+        // None where one of them is no number, or there is none.
+        let error = errors.copied().collect::<Option<Vec<f64>>>().and_then(|all| all.into_iter().reduce(f64::max));
+        VariantResult {
+            reason: help.map_or(reason.clone(), |help| format!("{reason}; {help}")),
+            converged: increments.iter().filter(|increment| increment.status == "converged").count(),
+            iterations: totals.as_ref().map_or(0, |totals| totals.iterations),
+            seconds: totals.and_then(|totals| totals.wall_seconds),
+            error,
+            status,
+            scene_text,
+            largest_pressure,
+            warnings: warnings.into_iter().map(|warning| warning.kind).collect(),
+            boundaries,
+        }
+    }
+}
+
+impl VariantResult {
+    /// A variant without a report.
+    pub fn failed(status: &str, reason: String) -> Self {
+        VariantResult {
+            status: status.to_string(),
+            scene_text: None,
+            reason,
+            converged: 0,
+            iterations: 0,
+            seconds: None,
+            error: None,
+            largest_pressure: None,
+            warnings: Vec::new(),
+            boundaries: Vec::new(),
+        }
+    }
+
+    /// Whether every law held to the end.
+    pub fn is_converged(&self) -> bool {
+        self.status == "converged"
+    }
+
+    /// Whether the machine is to blame, or the program: another try may end otherwise.
+    pub fn is_of_the_machine(&self) -> bool {
+        ["machine-failure", "out-of-memory", "bug"].contains(&self.status.as_str())
+    }
+
+    /// Whether the same scene would end the same again.
+    pub fn is_final(&self) -> bool {
+        self.status != "interrupted" && !self.is_of_the_machine()
+    }
+}

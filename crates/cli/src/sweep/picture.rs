@@ -1,0 +1,81 @@
+//! A sweep as a chart: the largest contact pressure over what was varied first.
+
+use super::table::{Row, Sweep};
+use stickslip_output::{Axis, Chart, Curve, Dash, Line, Marker, Panel, Scale, told_apart};
+
+const DASHES: [Dash; 4] = [Dash::Solid, Dash::Dashed, Dash::Dotted, Dash::DashDotted];
+
+/// More curves than these nobody can tell apart: then there are points alone.
+const MOST_CURVES: usize = 16;
+
+impl Sweep {
+    /// The largest contact pressure of each converged variant, or the iterations if nothing touches: over the first key
+    /// whose values are all numbers, with a curve for each combination of the others. Without such a key, over the places
+    /// of the first key's values in their list.
+    pub fn chart(&self) -> Chart {
+        let is_number = |value: &String| value.parse().is_ok_and(f64::is_finite);
+        let numeric = self.varied.iter().position(|variation| variation.values.iter().all(is_number));
+        let along = numeric.unwrap_or(0);
+        let key = self.varied.get(along).map_or("", |variation| &variation.key);
+        let x = match numeric {
+            Some(_) => Axis { label: key.to_string(), scale: Scale::Linear },
+            None => Axis { label: format!("{key}, by the place in the list"), scale: Scale::Integers },
+        };
+        let in_list = |value: &String| self.varied.get(along)?.values.iter().position(|other| other == value);
+        let place = |row: &Row| {
+            let value = row.values.get(along)?;
+            if numeric.is_some() { value.parse().ok() } else { Some((in_list(value)? + 1) as f64) }
+        };
+        let pressed = self.variants.iter().any(|row| row.outcome.largest_pressure.is_some());
+        let height = |row: &Row| match &row.outcome.largest_pressure {
+            Some(largest) if pressed => largest.pressure.map(|pressure| self.pressure(pressure)),
+            _ if pressed => Some(0.0),
+            _ => Some(row.outcome.iterations as f64),
+        };
+        let mut curves: Vec<(String, Vec<[f64; 2]>)> = Vec::new();
+        for row in self.variants.iter().filter(|row| row.outcome.is_converged()) {
+            let (Some(x), Some(y)) = (place(row), height(row)) else { continue };
+            let others = self.varied.iter().zip(&row.values).enumerate().filter(|(k, _)| *k != along);
+            let label: Vec<String> =
+                others.map(|(_, (variation, value))| format!("{} = {value}", variation.key)).collect();
+            let (label, point) = (label.join(", "), [x, y]);
+            match curves.iter_mut().find(|(other, _)| *other == label) {
+                Some((_, points)) => points.push(point),
+                None => curves.push((label, vec![point])),
+            }
+        }
+        let drawn: usize = curves.iter().map(|(_, points)| points.len()).sum();
+        let tell_apart = curves.len() <= MOST_CURVES;
+        let curve = |(k, (label, mut points)): (usize, (String, Vec<[f64; 2]>))| {
+            points.sort_by(|a, b| a[0].total_cmp(&b[0]));
+            let line = Line { dash: DASHES[k / 4 % 4], width: 1.8 };
+            let (colour, marker) = told_apart(k);
+            Curve {
+                label: if tell_apart { label } else { String::new() },
+                points,
+                line: tell_apart.then_some(line),
+                marker: Some(if tell_apart { marker } else { Marker::Circle }),
+                colour,
+            }
+        };
+        let left_out = match self.variants.len() - drawn {
+            0 => String::new(),
+            missing => format!(", {missing} that did not converge left out"),
+        };
+        Chart {
+            title: self.title.clone(),
+            subtitle: format!("{drawn} variants{left_out}"),
+            x,
+            y: Axis {
+                label: if pressed {
+                    format!("largest contact pressure, {}", self.pressure_unit())
+                } else {
+                    "iterations".to_string()
+                },
+                scale: Scale::Linear,
+            },
+            columns: 1,
+            panels: vec![Panel { title: String::new(), curves: curves.into_iter().enumerate().map(curve).collect() }],
+        }
+    }
+}

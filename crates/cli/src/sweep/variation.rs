@@ -1,0 +1,242 @@
+//! What is varied, and every combination of it.
+
+use std::collections::HashSet;
+use std::str::FromStr;
+
+use serde::Serialize;
+
+use stickslip::scene::{Override, OverrideSyntax};
+
+/// More variants than this are a slip of the pen.
+pub const MOST_VARIANTS: usize = 100_000;
+
+/// A key with the values that it takes one after the other.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Variation {
+    /// The key, as an [`Override`] takes it.
+    pub key: String,
+    /// The values, as an override takes them; two or more, all different.
+    pub values: Vec<String>,
+}
+
+/// A combination of values: one of each variation.
+#[derive(Debug, Clone)]
+pub struct Variant {
+    /// The values, in the order of the variations.
+    pub values: Vec<String>,
+    /// What puts them into a scene.
+    pub overrides: Vec<Override>,
+}
+
+/// Why something cannot be varied so.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum VariationError {
+    /// It is not `key=values`.
+    #[error(transparent)]
+    Syntax(#[from] OverrideSyntax),
+    /// There is nothing to vary.
+    #[error("{0} has one value only; give several, a,b,c, or a range from:to:count, or use --set")]
+    One(String),
+    /// A value stands there twice.
+    #[error("{key} has the value {value} twice; give each once")]
+    Twice {
+        /// The key.
+        key: String,
+        /// The value.
+        value: String,
+    },
+    /// The ends or the count of a range make no range.
+    #[error("{0} is no range from:to:count of two finite numbers and a count from 2 to {MOST_VARIANTS}")]
+    Range(String),
+    /// A key is varied twice.
+    #[error("{0} is varied twice; give all of its values at once")]
+    Again(String),
+    /// Units are varied.
+    #[error("{0} cannot be varied: one table has one unit in each column; use --set")]
+    Units(String),
+    /// There are too many combinations.
+    #[error("there are more than {MOST_VARIANTS} combinations; vary less at once")]
+    TooMany,
+}
+
+impl FromStr for Variation {
+    type Err = VariationError;
+
+    /// `key=a,b,c`, where commas within brackets and quotes do not count, or `key=from:to:count`.
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        // An override knows what a key looks like, and tells where there is none.
+        let _: Override = text.parse()?;
+        let (key, given) = text.split_once('=').unwrap_or((text, ""));
+        let (key, given) = (key.trim().to_string(), given.trim());
+        let values = range(given)?.unwrap_or_else(|| listed(given));
+        if values.len() < 2 {
+            return Err(VariationError::One(key));
+        }
+        let mut met = HashSet::new();
+        if let Some(value) = values.iter().find(|value| !met.insert(Value::of(value))) {
+            return Err(VariationError::Twice { key, value: value.clone() });
+        }
+        Ok(Variation { key, values })
+    }
+}
+
+/// What two values have in common if they are one.
+#[derive(PartialEq, Eq, Hash)]
+enum Value<'a> {
+    /// The bits of a number: 0.1 and 1e-1 are one, and so are 0 and -0.
+    Number(u64),
+    Text(&'a str),
+}
+
+impl<'a> Value<'a> {
+    fn of(text: &'a str) -> Self {
+        let number = text.parse::<f64>().ok().filter(|x| !x.is_nan());
+        number.map_or(Value::Text(text), |x| Value::Number((x + 0.0).to_bits()))
+    }
+}
+
+/// The parts of a list of values.
+fn listed(given: &str) -> Vec<String> {
+    let (mut values, mut depth, mut quote) = (vec![String::new()], 0_usize, None);
+    for c in given.chars() {
+        match (c, quote) {
+            (',', None) if depth == 0 => {
+                values.push(String::new());
+                continue;
+            }
+            ('[' | '{', None) => depth += 1,
+            (']' | '}', None) => depth = depth.saturating_sub(1),
+            ('"' | '\'', None) => quote = Some(c),
+            (c, Some(open)) if c == open => quote = None,
+            _ => {}
+        }
+        if let Some(value) = values.last_mut() {
+            value.push(c);
+        }
+    }
+    values.into_iter().map(|value| value.trim().to_string()).filter(|value| !value.is_empty()).collect()
+}
+
+/// The values of `from:to:count`, equally spaced; none if it is nothing like that.
+fn range(given: &str) -> Result<Option<Vec<String>>, VariationError> {
+    let [from, to, count] = given.split(':').map(str::trim).collect::<Vec<_>>()[..] else { return Ok(None) };
+    let (Ok(from), Ok(to)) = (from.parse::<f64>(), to.parse::<f64>()) else { return Ok(None) };
+    let count = count.parse::<usize>().ok().filter(|count| (2..=MOST_VARIANTS).contains(count));
+    let count = count.filter(|_| from.is_finite() && to.is_finite());
+    let count = count.ok_or_else(|| VariationError::Range(given.to_string()))?;
+    let value = |k: usize| {
+        let share = k as f64 / (count - 1) as f64;
+        // What rounding leaves at the end of 0.1 + 0.2 is nothing that anybody wants to read.
+        let rounded = format!("{:.14e}", from + share * (to - from));
+        rounded.parse::<f64>().map_or(rounded, |value| (value + 0.0).to_string())
+    };
+    Ok(Some((0..count).map(value).collect()))
+}
+
+/// Whether two keys name the same value, or one holds the other's: a list without an index means all of its tables.
+fn overlap(a: &str, b: &str) -> bool {
+    let parts = |segment: &str| {
+        segment
+            .split_once('[')
+            .map_or((segment.to_string(), None), |(name, index)| (name.to_string(), Some(index.to_string())))
+    };
+    a.split('.').zip(b.split('.')).all(|(a, b)| {
+        let ((name, index), (other, of_other)) = (parts(a), parts(b));
+        name == other && (index == of_other || index.is_none() || of_other.is_none())
+    })
+}
+
+/// Every combination of the values of `variations`, the last of which changes first.
+///
+/// # Errors
+/// [`VariationError::Again`], [`VariationError::Units`], [`VariationError::TooMany`], or [`VariationError::Syntax`] of a value.
+pub fn combinations(variations: &[Variation]) -> Result<Vec<Variant>, VariationError> {
+    let again = |(k, one): &(usize, &Variation)| variations[..*k].iter().any(|other| overlap(&other.key, &one.key));
+    let again = variations.iter().enumerate().find(again);
+    if let Some((_, variation)) = again {
+        return Err(VariationError::Again(variation.key.clone()));
+    }
+    let of_units = |key: &str| key == "units" || key.starts_with("units.");
+    if let Some(variation) = variations.iter().find(|variation| of_units(&variation.key)) {
+        return Err(VariationError::Units(variation.key.clone()));
+    }
+    let all = variations.iter().try_fold(1_usize, |all, variation| all.checked_mul(variation.values.len()));
+    let Some(all) = all.filter(|&all| all <= MOST_VARIANTS) else { return Err(VariationError::TooMany) };
+    let variant = |mut number: usize| {
+        let mut values: Vec<String> = Vec::with_capacity(variations.len());
+        for variation in variations.iter().rev() {
+            values.push(variation.values[number % variation.values.len()].clone());
+            number /= variation.values.len();
+        }
+        values.reverse();
+        let keys = variations.iter().map(|variation| &variation.key);
+        let overrides = keys.zip(&values).map(|(key, value)| format!("{key}={value}").parse());
+        Ok(Variant { overrides: overrides.collect::<Result<_, OverrideSyntax>>()?, values })
+    };
+    (0..all).map(variant).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn values(text: &str) -> Vec<String> {
+        text.parse::<Variation>().unwrap_or_else(|error| panic!("{text}: {error}")).values
+    }
+
+    fn refused(text: &str) -> String {
+        text.parse::<Variation>().map(|variation| variation.values).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn ranges_and_lists() {
+        assert_eq!(values("contact.friction=0.1:0.8:8"), ["0.1", "0.2", "0.3", "0.4", "0.5", "0.6", "0.7", "0.8"]);
+        assert_eq!(values("time.increments=10:30:3"), ["10", "20", "30"]);
+        assert_eq!(values("load[0].traction=[0,-1e6], [0,-2e6]"), ["[0,-1e6]", "[0,-2e6]"]);
+        assert_eq!(values("mesh.file=a.msh,'b,c.msh',\"d.msh\""), ["a.msh", "'b,c.msh'", "\"d.msh\""]);
+        assert_eq!(values("material.young=1e9:-1e9:3"), ["1000000000", "0", "-1000000000"]);
+        // No three numbers are no range.
+        assert_eq!(values("title=a:b:c,d"), ["a:b:c", "d"]);
+    }
+
+    #[test]
+    fn what_cannot_be_varied_is_refused() {
+        for (text, words) in [
+            ("contact.friction", "is not of the form key=value"),
+            ("=1,2", "is not of the form"),
+            ("contact.friction=0.4", "has one value only"),
+            ("contact.friction=", "has one value only"),
+            ("contact.friction=0.4,0.2,0.4", "has the value 0.4 twice"),
+            ("contact.friction=0.1,0.2,1e-1", "has the value 1e-1 twice"),
+            ("contact.friction=0,-0", "has the value -0 twice"),
+            ("title=nan,a,nan", "has the value nan twice"),
+            ("contact.friction=0.1:0.1:2", "has the value 0.1 twice"),
+            ("contact.friction=0.1:0.8:1", "is no range"),
+            ("contact.friction=0.1:0.8:-3", "is no range"),
+            ("contact.friction=0.1:inf:3", "is no range"),
+            ("contact.friction=0.1:0.8:1000000", "is no range"),
+        ] {
+            assert!(refused(text).contains(words), "{text}: {}", refused(text));
+        }
+        let [a, b] = ["a=1:2:1000", "b=1:2:1000"].map(|text| text.parse::<Variation>().unwrap());
+        assert_eq!(combinations(&[a.clone(), b]).unwrap_err(), VariationError::TooMany);
+        assert_eq!(combinations(&[a.clone(), a]).unwrap_err(), VariationError::Again("a".to_string()));
+        for (a, b, same) in [
+            ("contact.friction", "contact[0].friction", true),
+            ("contact[1].friction", "contact[0].friction", false),
+            ("contact[0].friction", "contact[0].obstacle.gap", false),
+            ("mesh", "mesh.elements", true),
+        ] {
+            assert_eq!(overlap(a, b), same, "{a} {b}");
+        }
+    }
+
+    #[test]
+    fn the_last_changes_first() {
+        let variations = ["a.b=1,2", "c=x,y,z"].map(|text| text.parse::<Variation>().unwrap());
+        let variants = combinations(&variations).unwrap();
+        let values: Vec<String> = variants.iter().map(|variant| variant.values.join("")).collect();
+        assert_eq!(values, ["1x", "1y", "1z", "2x", "2y", "2z"]);
+        assert_eq!(variants[5].overrides[0].to_string(), "a.b=2");
+    }
+}

@@ -1,0 +1,132 @@
+//! The program, run on scenes in folders that go with the test.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use serde_json::Value;
+
+use crate::common::edit;
+
+pub const BLOCK: &str = include_str!("../../../../data/scenes/block.toml");
+
+/// A folder of its own for a test, gone when the test ends.
+pub struct Folder(pub PathBuf);
+
+impl Folder {
+    pub fn new() -> Self {
+        static COUNT: AtomicUsize = AtomicUsize::new(0);
+        let name = format!("stickslip-cli-{}-{}", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed));
+        let path = std::env::temp_dir().join(name);
+        fs::create_dir_all(&path).unwrap();
+        Folder(path)
+    }
+
+    /// A folder with the scene `text` in it, and the path of the scene.
+    pub fn with_scene(text: &str) -> (Self, String) {
+        let folder = Folder::new();
+        let path = folder.join("scene.toml");
+        fs::write(&path, text).unwrap();
+        (folder, path)
+    }
+
+    pub fn join(&self, name: &str) -> String {
+        self.0.join(name).display().to_string()
+    }
+
+    /// All names but those that every folder of results has, and nobody looks at.
+    pub fn names(&self, folder: &str) -> Vec<String> {
+        let entries = fs::read_dir(self.0.join(folder)).unwrap();
+        let mut names: Vec<String> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.retain(|name| ![".stickslip", ".checkpoint"].contains(&name.as_str()));
+        names.sort();
+        names
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+/// The block with 4 × 4 elements and 4 increments: 40 displacements, 4 contact nodes that can move.
+pub fn small() -> String {
+    edit(&edit(BLOCK, "[100, 100]", "[4, 4]"), "increments = 40", "increments = 4")
+}
+
+/// `text` without its tables from `from` to `to`.
+pub fn without(text: &str, from: &str, to: &str) -> String {
+    [&text[..text.find(from).unwrap()], &text[text.find(to).unwrap()..]].concat()
+}
+
+pub fn stickslip(args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_stickslip")).args(args).output().unwrap()
+}
+
+/// Sends a signal, such as `INT`, by the shell: the smallest Debian has no program `kill`.
+pub fn send(signal: &str, process: u32) {
+    assert!(Command::new("sh").args(["-c", &format!("kill -{signal} {process}")]).status().unwrap().success());
+}
+
+/// The processes that `parent` has started and that have not ended.
+pub fn children(parent: u32) -> Vec<u32> {
+    let is_child = |id: &u32| {
+        let stat = fs::read_to_string(format!("/proc/{id}/stat")).unwrap_or_default();
+        // Behind the name, which is in parentheses, are the state and the parent.
+        let fields = stat.rsplit_once(") ").map(|(_, fields)| fields);
+        fields.and_then(|fields| fields.split(' ').nth(1)).is_some_and(|id| id == parent.to_string())
+    };
+    let names = fs::read_dir("/proc").unwrap().filter_map(|entry| entry.ok()?.file_name().to_str()?.parse().ok());
+    names.filter(is_child).collect()
+}
+
+pub fn stdout(output: &Output) -> &str {
+    std::str::from_utf8(&output.stdout).unwrap()
+}
+
+pub fn stderr(output: &Output) -> &str {
+    std::str::from_utf8(&output.stderr).unwrap()
+}
+
+#[track_caller]
+pub fn assert_exit(output: &Output, code: i32) {
+    assert_eq!(output.status.code(), Some(code), "{}{}", stdout(output), stderr(output));
+}
+
+/// Standard output as the one JSON object that it must be.
+pub fn json(output: &Output) -> Value {
+    let values: Vec<Value> =
+        serde_json::Deserializer::from_str(stdout(output)).into_iter().collect::<Result<_, _>>().unwrap();
+    let [value] = values.as_slice() else { panic!("{} JSON values", values.len()) };
+    assert!(value.is_object());
+    value.clone()
+}
+
+/// Runs the scene `text` with `--json`, expects exit status `code`, and returns the report.
+pub fn report(text: &str, code: i32) -> Value {
+    let (_folder, scene) = Folder::with_scene(text);
+    let output = stickslip(&["run", &scene, "--json"]);
+    assert_exit(&output, code);
+    json(&output)
+}
+
+pub fn count(value: &Value) -> u64 {
+    value.as_u64().unwrap_or_else(|| panic!("not a count: {value}"))
+}
+
+pub fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("not a finite number: {value}"))
+}
+
+/// The header and the rows of a CSV file, every row as long as the header.
+pub fn csv(path: &Path) -> (String, Vec<Vec<String>>) {
+    let text = fs::read_to_string(path).unwrap();
+    assert!(text.ends_with('\n'));
+    let mut lines = text.lines();
+    let header = lines.next().unwrap().to_string();
+    let rows: Vec<Vec<String>> = lines.map(|line| line.split(',').map(str::to_string).collect()).collect();
+    assert!(rows.iter().all(|row| row.len() == header.split(',').count()), "{text}");
+    (header, rows)
+}

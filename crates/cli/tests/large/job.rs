@@ -1,0 +1,171 @@
+//! The program as several processes of MPI, more of them than processors. A hang is the failure to be expected here, so that every job has a
+//! minute.
+
+use std::fs::{self, File};
+use std::os::unix::fs::PermissionsExt;
+use std::path::PathBuf;
+use std::process::{Child, Command, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+use crate::program::Folder;
+
+pub const PROGRAM: &str = env!("CARGO_BIN_EXE_stickslip");
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// Jobs one after the other: ranks that wait for each other on few processors are slow enough.
+fn alone() -> MutexGuard<'static, ()> {
+    static ALONE: Mutex<()> = Mutex::new(());
+    ALONE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A launcher with `count` processes.
+pub struct Job {
+    pub folder: Folder,
+    pub launcher: Child,
+    start: Instant,
+    _alone: MutexGuard<'static, ()>,
+}
+
+/// How it ended.
+pub struct Ended {
+    pub folder: Folder,
+    pub status: Option<i32>,
+    pub output: String,
+    pub error: String,
+}
+
+impl Job {
+    pub fn start(count: usize, arguments: &[&str]) -> Self {
+        Job::start_in(Folder::new(), count, PROGRAM, arguments)
+    }
+
+    /// `arguments` for `program`, and `OUT` in them stands for the folder of the results.
+    pub fn start_in(folder: Folder, count: usize, program: &str, arguments: &[&str]) -> Self {
+        let alone = alone();
+        let out = folder.join("out");
+        let mut command = Command::new("mpirun");
+        without_ours(&mut command);
+        // As root, with more processes than processors, which then make room for each other.
+        for name in [
+            "ALLOW_RUN_AS_ROOT",
+            "ALLOW_RUN_AS_ROOT_CONFIRM",
+            "MCA_rmaps_base_oversubscribe",
+            "MCA_mpi_yield_when_idle",
+        ] {
+            command.env(format!("OMPI_{name}"), "1");
+        }
+        command.env("OMPI_MCA_hwloc_base_binding_policy", "none");
+        // What cargo has set for the tests is not for the launcher.
+        command.env_remove("LD_LIBRARY_PATH").stdin(Stdio::null());
+        command.args(["-n", &count.to_string(), program]);
+        command.args(arguments.iter().map(|argument| if *argument == "OUT" { out.as_str() } else { argument }));
+        command
+            .stdout(File::create(folder.join("stdout")).unwrap())
+            .stderr(File::create(folder.join("stderr")).unwrap());
+        Job { launcher: command.spawn().unwrap(), folder, start: Instant::now(), _alone: alone }
+    }
+
+    pub fn output(&self) -> String {
+        fs::read_to_string(self.folder.join("stdout")).unwrap()
+    }
+
+    /// Waits until `there` is something.
+    pub fn when<T>(&mut self, there: impl Fn(&Self) -> Option<T>) -> T {
+        loop {
+            if let Some(there) = there(self) {
+                return there;
+            }
+            assert!(self.launcher.try_wait().unwrap().is_none(), "ended too early: {}", self.output());
+            assert!(self.start.elapsed() < PATIENCE, "{}", self.output());
+            sleep(Duration::from_millis(5));
+        }
+    }
+
+    /// Waits until so many increments are told.
+    pub fn reaches(&mut self, increments: usize) {
+        let mark = format!("\n{increments:5}  ");
+        self.when(|job| job.output().contains(&mark).then_some(()));
+    }
+
+    /// The process numbers of the ranks.
+    pub fn ranks(&mut self, count: usize) -> Vec<u32> {
+        let launcher = self.launcher.id();
+        let ranks = |_: &Job| {
+            let text = fs::read_to_string(format!("/proc/{launcher}/task/{launcher}/children")).ok()?;
+            let mut ranks: Vec<u32> = text.split_whitespace().map(|pid| pid.parse().unwrap()).collect();
+            ranks.retain(|pid| environment(*pid, "OMPI_COMM_WORLD_RANK").is_some());
+            ranks.sort_by_key(|pid| environment(*pid, "OMPI_COMM_WORLD_RANK"));
+            (ranks.len() == count).then_some(ranks)
+        };
+        self.when(ranks)
+    }
+
+    pub fn end(mut self) -> Ended {
+        let status = loop {
+            if let Some(status) = self.launcher.try_wait().unwrap() {
+                break status.code();
+            }
+            if self.start.elapsed() > PATIENCE {
+                let _ = self.launcher.kill();
+                panic!("no end after a minute: {}", self.output());
+            }
+            sleep(Duration::from_millis(10));
+        };
+        let text = |name: &str| fs::read_to_string(self.folder.join(name)).unwrap();
+        Ended { status, output: text("stdout"), error: text("stderr"), folder: self.folder }
+    }
+}
+
+impl Ended {
+    pub fn out(&self) -> PathBuf {
+        self.folder.0.join("out")
+    }
+
+    pub fn report(&self) -> Value {
+        serde_json::from_str(&fs::read_to_string(self.out().join("run.json")).unwrap()).unwrap()
+    }
+
+    /// An error message without its line breaks.
+    pub fn told(&self) -> String {
+        self.error.split_whitespace().filter(|word| *word != "│").collect::<Vec<_>>().join(" ")
+    }
+}
+
+/// A script that lets the other ranks run with other `arguments` than rank 0.
+pub fn other_ranks_with(folder: &Folder, arguments: &str) -> String {
+    let script = folder.join("differ");
+    let text =
+        format!("#!/bin/sh\n[ \"$OMPI_COMM_WORLD_RANK\" = 0 ] && exec {PROGRAM} \"$@\"\nexec {PROGRAM} {arguments}\n");
+    fs::write(&script, text).unwrap();
+    fs::set_permissions(&script, fs::Permissions::from_mode(0o755)).unwrap();
+    script
+}
+
+/// What MPI has set in this process, where tests have solved by it, is not for others.
+pub fn without_ours(command: &mut Command) {
+    for (name, _) in std::env::vars().filter(|(name, _)| ["OMPI_", "PMIX_"].iter().any(|of| name.starts_with(of))) {
+        command.env_remove(name);
+    }
+}
+
+/// A variable of a process.
+fn environment(pid: u32, name: &str) -> Option<String> {
+    let all = fs::read(format!("/proc/{pid}/environ")).ok()?;
+    let text = String::from_utf8_lossy(&all).into_owned();
+    text.split('\0').find_map(|pair| Some(pair.strip_prefix(name)?.strip_prefix('=')?.to_string()))
+}
+
+/// CPU seconds of a process.
+pub fn cpu(pid: u32) -> f64 {
+    let stat = fs::read_to_string(format!("/proc/{pid}/stat")).unwrap();
+    let fields: Vec<&str> = stat.rsplit(") ").next().unwrap().split_whitespace().collect();
+    fields[11..13].iter().map(|ticks| ticks.parse::<f64>().unwrap() / 100.0).sum()
+}
+
+pub fn signal(name: &str, pid: u32) {
+    assert!(Command::new("sh").args(["-c", &format!("kill {name} {pid}")]).status().unwrap().success());
+}

@@ -1,0 +1,276 @@
+//! The program as several processes of MPI: what it solves, and how it ends.
+
+use std::fs::{self, File};
+use std::io::Write;
+use std::os::unix::fs::PermissionsExt;
+use std::path::Path;
+use std::process::Command;
+use std::thread::sleep;
+use std::time::Duration;
+
+use serde_json::Value;
+
+use crate::job::{Ended, Job, PROGRAM, cpu, other_ranks_with, signal, without_ours};
+use crate::program::Folder;
+use crate::scenes::{INCREMENTS, SCENES, assert_same_forces, iterations, path, report};
+use crate::whole::assert_whole;
+
+/// What ranks share, each with the part of the forces by which it may differ from another run, and the iterations of an increment.
+const SHARED: &[(&str, f64, u64)] = &[
+    #[cfg(feature = "mumps")]
+    ("mumps", 1e-11, 0),
+    #[cfg(feature = "petsc")]
+    ("multigrid", 1e-10, 2),
+];
+
+/// A run that takes some seconds: a cube in many increments.
+const LONG: [&str; 11] = [
+    "run",
+    concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/scenes/cube.toml"),
+    "--set",
+    "mesh.elements=[9,9,9]",
+    "--set",
+    "time.increments=12",
+    "--checkpoint-every",
+    "0",
+    "--resume",
+    "--out",
+    "OUT",
+];
+
+fn long(solver: &str) -> Vec<&str> {
+    [&LONG[..], &["--solver", solver]].concat()
+}
+
+/// The same, ended by nothing.
+fn whole() -> Value {
+    let overrides = ["mesh.elements=[9,9,9]".parse().unwrap(), "time.increments=12".parse().unwrap()];
+    let scene = stickslip::scene::Scene::read(path("cube").as_ref(), &overrides).unwrap();
+    let report = stickslip::run::Run::new(&scene).unwrap().solve(&mut ()).unwrap();
+    serde_json::from_str(&report.to_json().unwrap()).unwrap()
+}
+
+/// What was written is whole, and the run goes on from there to its end.
+fn goes_on(ended: Ended, solver: &str, tolerance: f64) {
+    assert_whole(&ended.out());
+    let ended = Job::start_in(ended.folder, 2, PROGRAM, &long(solver)).end();
+    assert_eq!(ended.status, Some(0), "{} {}", ended.output, ended.error);
+    assert_same_forces("cube", &ended.report(), &whole(), tolerance);
+}
+
+#[test]
+fn every_scene_is_the_same_on_two_and_four_ranks() {
+    for (name, overrides) in SCENES {
+        let expected = report(name, overrides, "umfpack");
+        for (&(solver, tolerance, more), count) in SHARED.iter().flat_map(|shared| [(shared, 2), (shared, 4)]) {
+            let scene = path(name);
+            let changes: Vec<&str> =
+                overrides.iter().chain(&[INCREMENTS]).flat_map(|change| ["--set", change]).collect();
+            let arguments = [&["run", &scene, "--solver", solver, "--out", "OUT"][..], &changes].concat();
+            let ended = Job::start(count, &arguments).end();
+            let what = format!("{name} by {solver} on {count}");
+            assert_eq!(ended.status, Some(0), "{what}: {} {}", ended.output, ended.error);
+            let found = ended.report();
+            let (by, expected_by) = (iterations(&found), iterations(&expected));
+            println!("{what}: {by:?}, {expected_by:?}");
+            assert!(by.iter().zip(&expected_by).all(|(by, expected)| by.abs_diff(*expected) <= more), "{what}: {by:?}");
+            assert_same_forces(&what, &found, &expected, tolerance);
+            assert_eq!(found["totals"]["symbolic_analyses"], 1, "{what}");
+            let ranks = found["totals"]["ranks"].as_array().unwrap();
+            assert!(ranks.iter().map(|rank| rank["rank"].as_u64().unwrap()).eq(0..count as u64));
+            assert!(ranks.iter().all(|rank| rank["peak_rss_bytes"].as_u64() > Some(1 << 20)));
+            assert!(ended.output.contains(&format!("\nrank {} ", count - 1)), "{}", ended.output);
+        }
+    }
+}
+
+#[test]
+fn other_commands_and_solvers_are_told_that_they_have_no_use_for_ranks() {
+    let cube = path("cube");
+    for (arguments, words) in [
+        (&["run", &cube][..], "has started this program 2 times, and umfpack works in one process"),
+        (&["run", &cube, "--solver", "condensed"], "and condensed works in one process"),
+        (&["sweep", &cube, "--vary", "time.increments=1,2"], "has started sweep, which has no use for ranks"),
+        (&["compare", &cube], "has started compare, which has no use for ranks"),
+        (&["run", "nowhere.toml", "--solver", SHARED[0].0], "the scene cannot be read"),
+        (&["runs"], "unrecognized subcommand"),
+    ] {
+        let ended = Job::start(2, arguments).end();
+        assert_eq!(ended.status, Some(2), "{arguments:?}: {}", ended.error);
+        assert_eq!(ended.told().matches(words).count(), 1, "{arguments:?}: {}", ended.error);
+    }
+    let ended = Job::start(2, &["check", &cube]).end();
+    assert_eq!(ended.status, Some(0), "{}", ended.error);
+    assert_eq!(ended.output.matches("\nmesh").count(), 1, "{}", ended.output);
+}
+
+/// Started from a job of another program's, which is the one that the launcher's variables are about.
+#[test]
+fn a_rank_of_another_programs_job_works_for_itself() {
+    for (solver, rank) in [("umfpack", "PMI_RANK"), (SHARED[0].0, "OMPI_COMM_WORLD_RANK")] {
+        let folder = Folder::new();
+        let (out, cube) = (folder.join("out"), path("cube"));
+        let mut command = Command::new(PROGRAM);
+        without_ours(&mut command);
+        command.args(["run", &cube, "--solver", solver, "--set", "mesh.elements=[3,3,3]", "--out", &out]);
+        let output = command.env(rank, "1").output().unwrap();
+        assert!(output.status.success(), "{solver}: {output:?}");
+        assert_whole(out.as_ref());
+        let mut version = Command::new(PROGRAM);
+        without_ours(&mut version);
+        let output = version.arg("--version").env(rank, "1").output().unwrap();
+        assert!(output.status.success() && output.stdout.starts_with(b"stickslip "), "{output:?}");
+    }
+    let ended = Job::start(2, &["--version"]).end();
+    assert_eq!((ended.status, ended.output.lines().count()), (Some(0), 1), "{}", ended.output);
+}
+
+#[test]
+fn a_rank_with_another_command_helps_all_the_same() {
+    let folder = Folder::new();
+    let script = other_ranks_with(&folder, "check \"$2\"");
+    let cube = path("cube");
+    let arguments = ["run", &cube, "--solver", SHARED[0].0, "--set", "mesh.elements=[3,3,3]", "--out", "OUT"];
+    let ended = Job::start_in(folder, 2, &script, &arguments).end();
+    assert_eq!(ended.status, Some(0), "{}", ended.error);
+    assert!(ended.error.contains("rank 1 was started with other arguments than rank 0"), "{}", ended.error);
+    assert_eq!(ended.report()["totals"]["ranks"].as_array().unwrap().len(), 2);
+}
+
+/// Each takes its share, and other ways than those that they can share are none.
+#[test]
+fn check_tells_what_ranks_take() {
+    let cube = path("cube");
+    let check = |count: usize| {
+        let ended = Job::start(count, &["check", &cube, "--set", "mesh.elements=[12,12,12]"]).end();
+        assert_eq!(ended.status, Some(0), "{}", ended.error);
+        ended.output
+    };
+    let (one, two) = (check(1), check(2));
+    let of = |text: &str, solver: &str| {
+        let line = text.lines().find(|line| line.trim_start().starts_with(solver)).map(str::to_string);
+        let words = line.map(|line| line.split_whitespace().map(str::to_string).collect::<Vec<_>>());
+        words.map(|words| words[words.iter().position(|word| word == "MB").unwrap() - 1].parse::<f64>().unwrap())
+    };
+    let (by_one, by_two) = (of(&one, SHARED[0].0).unwrap(), of(&two, SHARED[0].0).unwrap());
+    assert!(by_two < by_one && two.contains("by 2 processes; memory is that of the first one"), "{one}{two}");
+    assert!(of(&one, "condensed").is_some() && of(&two, "condensed").is_none(), "{two}");
+}
+
+#[test]
+fn auto_takes_what_ranks_can_share() {
+    let cube = path("cube");
+    let small = ["--set", "mesh.elements=[4,4,4]", "--set", "time.increments=1"];
+    let ended = Job::start(2, &[&["run", &cube, "--solver", "auto", "--out", "OUT"][..], &small].concat()).end();
+    assert_eq!(ended.status, Some(0), "{}", ended.error);
+    let report = ended.report();
+    assert_eq!(report["solver"], SHARED[0].0);
+    assert!(report["solver_choice"].as_str().unwrap().contains("2 processes"), "{}", report["solver_choice"]);
+}
+
+/// What the choice needed of the stiffness goes before its rows come: where rank 0 keeps all of it, it takes 260 MB.
+#[cfg(feature = "petsc")]
+#[test]
+fn auto_shares_a_stiffness_for_multigrid() {
+    let cube = path("cube");
+    let fine = ["--set", "mesh.elements=[20,20,20]", "--set", "time.increments=1"];
+    let ended = Job::start(2, &[&["run", &cube, "--solver", "auto", "--out", "OUT"][..], &fine].concat()).end();
+    assert_eq!(ended.status, Some(0), "{}", ended.error);
+    let report = ended.report();
+    assert_eq!(report["solver"], "multigrid", "{}", report["solver_choice"]);
+    let ranks = report["totals"]["ranks"].as_array().unwrap();
+    assert!(ranks.iter().all(|rank| rank["peak_rss_bytes"].as_u64() < Some(225_000_000)), "{ranks:?}");
+}
+
+#[test]
+fn usr1_to_the_launcher_ends_a_run_in_order() {
+    for &(solver, tolerance, _) in SHARED {
+        let mut job = Job::start(2, &long(solver));
+        job.reaches(2);
+        signal("-USR1", job.launcher.id());
+        let ended = job.end();
+        assert_eq!(ended.status, Some(1), "{}", ended.error);
+        assert_eq!(ended.report()["status"], "interrupted");
+        goes_on(ended, solver, tolerance);
+    }
+}
+
+#[test]
+fn term_to_the_launcher_ends_a_run_and_leaves_what_was_reached() {
+    for &(solver, tolerance, _) in SHARED {
+        let mut job = Job::start(2, &long(solver));
+        job.reaches(2);
+        signal("-TERM", job.launcher.id());
+        let ended = job.end();
+        assert_ne!(ended.status, Some(0), "{}", ended.error);
+        goes_on(ended, solver, tolerance);
+    }
+}
+
+#[test]
+fn a_rank_that_is_killed_ends_the_job_and_leaves_what_was_reached() {
+    for (&(solver, tolerance, _), rank) in SHARED.iter().flat_map(|shared| [(shared, 0), (shared, 1)]) {
+        let mut job = Job::start(2, &long(solver));
+        job.reaches(2);
+        let pid = job.ranks(2)[rank];
+        signal("-KILL", pid);
+        let ended = job.end();
+        assert_ne!(ended.status, Some(0), "{}", ended.error);
+        goes_on(ended, solver, tolerance);
+    }
+}
+
+/// Limits the memory of rank 1.
+fn limited(folder: &Folder, kilobytes: u64) -> String {
+    let script = folder.join("limited");
+    let mut file = File::create(&script).unwrap();
+    write!(file, "#!/bin/sh\n[ \"$OMPI_COMM_WORLD_RANK\" = 1 ] && ulimit -v {kilobytes}\nexec {PROGRAM} \"$@\"\n")
+        .unwrap();
+    fs::set_permissions(Path::new(&script), fs::Permissions::from_mode(0o755)).unwrap();
+    script
+}
+
+#[test]
+fn memory_that_one_rank_is_refused_is_told() {
+    for &(solver, ..) in SHARED {
+        let mut steps = Vec::new();
+        // From where MPI starts, but the BLAS has not what it takes for itself, to enough. With less Open MPI itself ends by a signal.
+        for kilobytes in [420_000, 520_000, 540_000, 560_000, 580_000, 600_000, 620_000, 640_000, 660_000, 2_000_000] {
+            let folder = Folder::new();
+            let program = limited(&folder, kilobytes);
+            let mut arguments = long(solver);
+            (arguments[3], arguments[5]) = ("mesh.elements=[16,16,16]", "time.increments=1");
+            let ended = Job::start_in(folder, 2, &program, &arguments).end();
+            match ended.status {
+                Some(3) => {
+                    let told = ended.told();
+                    assert!(told.contains("out of memory in "), "{solver} {kilobytes}: {told}");
+                    steps.push(told.split("out of memory in ").nth(1).unwrap()[..8].to_string());
+                }
+                status => assert_eq!(status, Some(0), "{solver} {kilobytes}: {}", ended.error),
+            }
+            assert_whole(&ended.out());
+            assert!(kilobytes > 420_000 || ended.status == Some(3));
+            assert!(kilobytes < 2_000_000 || ended.status == Some(0));
+        }
+        println!("{solver}: {steps:?}");
+        assert_eq!(steps[0], "the BLAS");
+    }
+}
+
+#[test]
+fn who_is_not_needed_sleeps() {
+    let cube = path("cube");
+    let mut job = Job::start(2, &["run", &cube, "--solver", SHARED[0].0, "--set", "mesh.elements=[20,20,20]"]);
+    job.when(|job| job.output().contains("set-up       mesh").then_some(()));
+    let ranks = job.ranks(2);
+    signal("-STOP", ranks[0]);
+    let before = cpu(ranks[1]);
+    sleep(Duration::from_secs(4));
+    let used = cpu(ranks[1]) - before;
+    signal("-CONT", ranks[0]);
+    signal("-KILL", ranks[0]);
+    assert_ne!(job.end().status, Some(0));
+    println!("{used} s in 4 s");
+    assert!(used <= 0.05 * 4.0, "{used} s in 4 s");
+}

@@ -1,0 +1,116 @@
+//! Comparisons that are ended on the way, and go on: histories that were done are not computed again.
+#![allow(clippy::unwrap_used)]
+
+use std::collections::HashMap;
+use std::sync::Mutex;
+
+use stickslip::scene::Scene;
+use stickslip::solver::checkpoint::Checkpoint;
+use stickslip::solver::history::{LinearAlgebra, Method};
+use stickslip_cli::compare::{self, Cells, Comparison, MeshSize, Plan, SolverPath};
+
+/// Keeps histories in memory, as bytes, and counts.
+#[derive(Default)]
+struct Kept {
+    of: Mutex<HashMap<String, Vec<u8>>>,
+    computed: Mutex<usize>,
+}
+
+impl Cells for Kept {
+    fn kept(&self, name: &str) -> Option<Checkpoint> {
+        self.of.lock().unwrap().get(name).and_then(|bytes| Checkpoint::from_bytes(bytes).ok())
+    }
+
+    fn keep(&self, name: &str, history: &Checkpoint) {
+        *self.computed.lock().unwrap() += 1;
+        self.of.lock().unwrap().insert(name.to_string(), history.to_bytes().unwrap());
+    }
+}
+
+impl Kept {
+    /// How many histories were computed since this was asked last.
+    fn computed(&self) -> usize {
+        std::mem::take(&mut self.computed.lock().unwrap())
+    }
+}
+
+fn compared(text: &str, meshes: &[usize], increments: &[usize], cells: &Kept) -> Comparison {
+    let set = ["mesh.elements=[8,8]".parse().unwrap()];
+    let scene = Scene::parse("block.toml", text, &set).unwrap();
+    let paths = [Method::BN, Method::IP].map(|method| SolverPath { method, linear: LinearAlgebra::default() });
+    let plan = Plan {
+        paths: paths.to_vec(),
+        meshes: meshes.iter().map(|&n| MeshSize::Elements(n).into()).collect(),
+        increments: increments.to_vec(),
+        reference: 4,
+        jobs: 2,
+    };
+    compare::compute(&scene, &plan, cells, &mut |_| ()).unwrap()
+}
+
+#[test]
+fn what_is_kept_is_not_computed_again() {
+    let text = include_str!("../../../../data/scenes/block.toml");
+    let kept = Kept::default();
+    let whole = compared(text, &[4, 8], &[2, 4], &kept);
+    assert_eq!(kept.computed(), 2 + 2 * 2 * 2);
+    // Times included, which no two computations share; but for what building the meshes took.
+    let again = compared(text, &[4, 8], &[2, 4], &kept);
+    assert_eq!((kept.computed(), &again), (0, &whole));
+    // What is damaged, or not there, is computed.
+    let mut names: Vec<String> = kept.of.lock().unwrap().keys().cloned().collect();
+    names.sort();
+    kept.of.lock().unwrap().remove(&names[0]);
+    kept.of.lock().unwrap().get_mut(&names[3]).unwrap()[60] ^= 1;
+    let mended = compared(text, &[4, 8], &[2, 4], &kept);
+    assert_eq!(kept.computed(), 2, "{names:?}");
+    for (one, other) in mended.runs.iter().zip(&whole.runs) {
+        assert_eq!((one.errors, one.kkt, one.iterations), (other.errors, other.kkt, other.iterations));
+    }
+    for (one, other) in mended.meshes.iter().zip(&whole.meshes) {
+        assert_eq!((&one.end, one.errors, &one.estimates), (&other.end, other.errors, &other.estimates));
+    }
+    // More of it takes what is new only; another reference is another reference.
+    compared(text, &[4, 8], &[1, 2, 4], &kept);
+    assert_eq!(kept.computed(), 4);
+    compared(text, &[4, 8], &[8], &kept);
+    assert_eq!(kept.computed(), 2 + 4);
+}
+
+#[cfg(all(target_os = "linux"))]
+mod program {
+    use std::fs;
+    use std::process::{Command, Stdio};
+    use std::thread::sleep;
+    use std::time::{Duration, Instant};
+
+    use crate::program::{Folder, assert_exit, stderr};
+
+    /// Killed when some histories are done, it goes on with the others; a scene that has changed begins anew.
+    #[test]
+    fn a_comparison_that_is_killed_goes_on() {
+        let (folder, scene) = Folder::with_scene(include_str!("../../../../data/scenes/block.toml"));
+        let out = folder.0.join("out");
+        let command = |more: &[&str]| {
+            let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));
+            command.args(["compare", &scene, "--meshes", "4,16", "--increments", "2,8,40", "--jobs", "1"]);
+            command.args(["--solvers", "faer"]).args(more).arg("--out").arg(&out);
+            command.stdout(Stdio::null()).stderr(Stdio::piped());
+            command
+        };
+        let kept = || fs::read_dir(out.join(".cells")).map_or(0, Iterator::count);
+        let mut child = command(&[]).spawn().unwrap();
+        let begun = Instant::now();
+        while kept() < 4 && begun.elapsed() < Duration::from_secs(60) {
+            sleep(Duration::from_millis(2));
+        }
+        child.kill().unwrap();
+        child.wait().unwrap();
+        let left = kept();
+        assert!((4..2 + 2 * 2 * 3).contains(&left), "{left}");
+        let output = command(&["--resume"]).output().unwrap();
+        assert_exit(&output, 0);
+        assert!(stderr(&output).is_empty());
+        assert!(out.join("compare.csv").exists() && !out.join(".cells").exists());
+    }
+}

@@ -1,0 +1,60 @@
+//! What the documentation and the help say can be typed as it stands.
+
+#![allow(clippy::unwrap_used)]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::program::{stdout, stickslip};
+
+/// The pages of the root and of doc.
+fn pages() -> Vec<(PathBuf, String)> {
+    let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
+    let doc = fs::read_dir(root.join("doc")).unwrap().map(|entry| entry.unwrap().path());
+    let pages = doc.filter(|path| path.extension().is_some_and(|extension| extension == "md"));
+    let pages = pages.chain(["README.md", "CONTRIBUTING.md", "SECURITY.md"].map(|page| root.join(page)));
+    pages.map(|path| (path.clone(), fs::read_to_string(path).unwrap())).collect()
+}
+
+/// A shell such as zsh takes brackets for a pattern of file names, and stops where there is no such file.
+#[test]
+fn brackets_are_quoted() {
+    let helps = ["run", "check", "compare"].map(|command| {
+        let output = stickslip(&[command, "--help"]);
+        (PathBuf::from(command), stdout(&output).to_string())
+    });
+    for (page, text) in pages().into_iter().chain(helps) {
+        for line in text.lines().filter(|line| line.contains("--set ") || line.contains("e.g. ")) {
+            let bare = line.split(' ').find(|word| {
+                let word = word.trim_start_matches('`');
+                word.contains('=') && word.contains('[') && word.starts_with(|c: char| c.is_ascii_alphabetic())
+            });
+            assert_eq!(bare, None, "{}: {line}", page.display());
+        }
+    }
+}
+
+/// Links from page to page, to scenes and to pictures lead somewhere.
+#[test]
+fn links_lead_to_files() {
+    for (page, text) in pages() {
+        for link in text.split("](").skip(1).filter_map(|rest| rest.split([')', '#', ' ']).next()) {
+            let there = link.is_empty() || link.starts_with("http") || page.parent().unwrap().join(link).exists();
+            assert!(there, "{}: {link}", page.display());
+        }
+    }
+}
+
+/// With `-save` Gmsh writes what it has read, whatever else it is told: of a geometry no mesh, of a mesh the mesh.
+#[test]
+fn gmsh_is_told_to_make_a_mesh() {
+    let all = pages();
+    let words = all.iter().flat_map(|(_, text)| text.lines()).flat_map(|line| line.split('`'));
+    let said = words.filter(|words| words.contains("-format msh41"));
+    assert!(
+        said.clone().count() > 0
+            && said.clone().all(|words| !words.contains("-save") || words.contains("old.msh -save")),
+        "{:?}",
+        said.collect::<Vec<_>>()
+    );
+}

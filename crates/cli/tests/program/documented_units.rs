@@ -1,0 +1,70 @@
+//! The units that the documents give to the numbers of a run.
+
+#![allow(clippy::unwrap_used)]
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use stickslip::base::units::Quantity;
+use stickslip::run::report::{column_quantity, key_quantity};
+
+fn page(name: &str) -> String {
+    fs::read_to_string(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("doc").join(name)).unwrap()
+}
+
+/// The rows of a table of a page, from its header on: what stands in quotes in the first cell, and the cells.
+fn rows(page: &str, header: &str) -> Vec<(Vec<String>, Vec<String>)> {
+    let table = &page[page.find(header).unwrap_or_else(|| panic!("no table {header}"))..];
+    let lines = table.lines().skip(2).take_while(|line| line.starts_with('|'));
+    lines
+        .map(|line| {
+            let cells: Vec<String> = line.trim_matches('|').split('|').map(|cell| cell.trim().to_string()).collect();
+            (cells[0].split('`').skip(1).step_by(2).map(String::from).collect(), cells)
+        })
+        .collect()
+}
+
+fn quantity(unit: &str) -> Quantity {
+    match unit {
+        "m" => Quantity::Length,
+        "Pa" => Quantity::Stress,
+        "N" => Quantity::Force,
+        "N m" => Quantity::Moment,
+        "J" => Quantity::Energy,
+        "" | "s" | "B" => Quantity::Number,
+        other => panic!("what is {other}?"),
+    }
+}
+
+/// Each documented key of a report with its unit.
+pub fn documented_keys() -> BTreeMap<String, String> {
+    let mut units = BTreeMap::new();
+    for (keys, cells) in rows(&page("results.md"), "| key | unit |") {
+        // Several keys share one unit, or have one each.
+        let of_each: Vec<&str> = cells[1].split(", ").collect();
+        for (k, key) in keys.iter().enumerate() {
+            units.insert(key.clone(), (*of_each.get(k).unwrap_or(&of_each[of_each.len() - 1])).to_string());
+        }
+    }
+    units
+}
+
+/// What the documents call m, N, N m, J and Pa is converted, and nothing else.
+#[test]
+fn every_documented_number_has_its_quantity() {
+    let keys = documented_keys();
+    assert!(keys.len() > 80, "{}", keys.len());
+    for (key, unit) in &keys {
+        let name = key.rsplit('.').next().unwrap().trim_end_matches("[]");
+        // What `units` says are names and factors, which stay.
+        if !key.starts_with("units") {
+            assert_eq!(key_quantity(name), quantity(unit), "{key}");
+        }
+    }
+    for (columns, cells) in rows(&page("scene.md"), "| column | unit |") {
+        for column in columns {
+            assert_eq!(column_quantity(&column), quantity(&cells[1]), "{column}");
+        }
+    }
+}

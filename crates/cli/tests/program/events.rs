@@ -1,0 +1,118 @@
+//! The exact path in time by the program: its table of events, and jumps.
+
+#![allow(clippy::unwrap_used)]
+
+use std::fs;
+
+use crate::program::{Folder, assert_exit, json, small, stickslip};
+
+/// A beam that is pressed against a wall at 45 degrees and then drawn along it. It is much softer across its axis than along it, and so
+/// moves off the wall where it slides one way: friction above 1 leaves it no quasi-static way on.
+pub const OBLIQUE_BEAM: &str = r#"
+[mesh]
+kind = "block"
+size = [1.0, 0.05]
+elements = [20, 1]
+[material]
+young = 210e9
+poisson = 0.3
+[[support]]
+boundary = "left"
+fix = ["x", "y"]
+[[contact]]
+boundary = "right"
+friction = 3.0
+obstacle = { kind = "formula", formula = "0 * y", normal = [0.7071067811865475, -0.7071067811865475] }
+[[load]]
+boundary = "right"
+traction = [2e6, -2e6]
+history = [[0, 0], [1, 1], [3, 1]]
+[[load]]
+boundary = "right"
+traction = [12e6, 12e6]
+history = [[0, 0], [1, 0], [3, 1]]
+[time]
+end = 3.0
+increments = 5
+[solver]
+method = "events"
+"#;
+
+/// The columns of a table of events, but the place, and each line.
+fn events(folder: &Folder) -> Vec<Vec<String>> {
+    let table = fs::read_to_string(folder.join("out/events.csv")).unwrap();
+    table.lines().map(|line| line.split(',').map(str::to_string).collect()).collect()
+}
+
+#[test]
+fn each_change_of_status_is_a_line() {
+    let (folder, scene) = Folder::with_scene(&small());
+    let out = folder.join("out");
+    for linear in ["umfpack", "condensed"] {
+        let run = stickslip(&["run", &scene, "--method", "events", "--solver", linear, "--out", &out, "--json"]);
+        assert_exit(&run, 0);
+        let report = json(&run);
+        let [header, lines @ ..] = &events(&folder)[..] else { panic!("no table") };
+        assert_eq!(header[..2], ["time", "index"]);
+        assert_eq!(Some(lines.len() as u64), report["exact_path"]["events"].as_u64());
+        assert!(lines.len() > 3, "{lines:?}");
+        let column = |name: &str| header.iter().position(|column| column == name).unwrap();
+        let times: Vec<f64> = lines.iter().map(|line| line[0].parse().unwrap()).collect();
+        assert!(times.is_sorted(), "{times:?}");
+        for line in lines {
+            assert_ne!(line[column("from")], line[column("to")], "{line:?}");
+            let increment = &report["increments"][line[1].parse::<usize>().unwrap() - 1];
+            assert!(line[0].parse::<f64>().unwrap() <= increment["time"].as_f64().unwrap() + 1e-12);
+        }
+    }
+}
+
+#[test]
+fn a_lost_path_tells_how_far_friction_is_beyond_its_critical_value_and_may_jump() {
+    let (folder, scene) = Folder::with_scene(OBLIQUE_BEAM);
+    let out = folder.join("out");
+    for linear in ["umfpack", "condensed"] {
+        let run = stickslip(&["run", &scene, "--solver", linear, "--json"]);
+        assert_exit(&run, 1);
+        let report = json(&run);
+        assert_eq!(report["status"], "no-continuation");
+        // As much along the wall as into it: p_t = 3 p_n when f_t is three times f_n, half of the way to the end.
+        assert!((report["exact_path"]["lost"]["time"].as_f64().unwrap() - 2.0).abs() < 1e-9);
+        // k_nn = k_tt where axial stiffness is all there is, and k_tn nearly as large.
+        let critical = 3.0 * report["critical_friction"]["factor"].as_f64().unwrap();
+        assert!((1.0..1.05).contains(&critical), "{critical}");
+
+        let jump = ["run", &scene, "--solver", linear, "--set", "solver.jump=true", "--out", &out, "--json"];
+        let run = stickslip(&jump);
+        assert_exit(&run, 0);
+        let report = json(&run);
+        let jumps = report["exact_path"]["jumps"].as_array().unwrap();
+        assert!((jumps[0]["from"].as_f64().unwrap() - 2.0).abs() < 1e-9, "{jumps:?}");
+        let marked: Vec<u64> =
+            report["increments"].as_array().unwrap().iter().filter_map(|i| i["jumps"].as_u64()).collect();
+        assert_eq!((jumps.len(), marked), (1, vec![1]));
+        assert!(report["warnings"].as_array().unwrap().iter().any(|warning| warning["kind"] == "jump"));
+        assert!(events(&folder).iter().any(|line| line.last().unwrap() == "open"));
+    }
+}
+
+/// Increments of BN and IP lead over the end of the quasi-static motion however short they are, and it is told. With less friction there is no
+/// such end.
+#[test]
+fn an_increment_that_leads_over_the_end_of_the_motion_is_told() {
+    let (_folder, scene) = Folder::with_scene(OBLIQUE_BEAM);
+    let jumps = |method: &str, increments: usize, friction: f64| {
+        let set = [format!("time.increments={increments}"), format!("contact.friction={friction}")];
+        let run = ["run", &scene, "--method", method, "--set", &set[0], "--set", &set[1], "--json"];
+        let report = json(&stickslip(&run));
+        assert_eq!(report["status"], "converged");
+        let warnings = report["warnings"].as_array().unwrap().iter();
+        warnings.filter(|warning| warning["kind"] == "jump").map(|warning| warning["message"].to_string()).collect()
+    };
+    for (method, increments) in [("bn", 6), ("bn", 300), ("ip", 30)] {
+        let told: Vec<String> = jumps(method, increments, 3.0);
+        assert!(told.len() == 1 && told[0].contains("jump by 100 % of their largest between t = 2 s"), "{told:?}");
+    }
+    let none: Vec<String> = jumps("bn", 60, 0.9);
+    assert!(none.is_empty(), "{none:?}");
+}

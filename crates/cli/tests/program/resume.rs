@@ -1,0 +1,245 @@
+//! Runs that are ended somewhere, and taken up again: the results are those of a run that nothing has ended.
+
+#![cfg(all(target_os = "linux"))]
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::sync::OnceLock;
+use std::thread::sleep;
+use std::time::Instant;
+
+use crate::common::random::Random;
+use crate::program::{Folder, assert_exit, small, stderr, stdout};
+use crate::whole::{assert_same, assert_whole, assert_whole_but_for_a_line, files};
+
+/// What lets calls fail, compiled once.
+fn shim() -> &'static Path {
+    static SHIM: OnceLock<PathBuf> = OnceLock::new();
+    SHIM.get_or_init(|| {
+        let library = std::env::temp_dir().join(format!("stickslip-faults-{}.so", std::process::id()));
+        let source = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/program/faults/io.c");
+        let mut compiler = Command::new("cc");
+        compiler.args(["-shared", "-fPIC", "-O1", "-o"]).arg(&library).arg(source).arg("-ldl");
+        assert!(compiler.status().unwrap().success());
+        library
+    })
+}
+
+/// Standard error without its line breaks.
+pub fn told(output: &Output) -> String {
+    stderr(output).replace("\n  │ ", " ")
+}
+
+/// A scene and the folders of its runs.
+pub struct Case {
+    folder: Folder,
+    arguments: Vec<String>,
+}
+
+impl Case {
+    pub fn new(scene: &str, options: &[&str]) -> Self {
+        let (folder, scene) = Folder::with_scene(scene);
+        let arguments = [&["run", &scene, "--threads", "1", "--checkpoint-every", "0"], options].concat();
+        Case { folder, arguments: arguments.iter().map(ToString::to_string).collect() }
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.0.join(name)
+    }
+
+    pub fn command(&self, out: &str, more: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));
+        command.args(&self.arguments).arg("--out").arg(self.path(out)).args(more);
+        command
+    }
+
+    /// A run that nothing ends; gives the number of calls that change a file.
+    fn whole(&self, out: &str) -> u64 {
+        let count = self.path("count");
+        let output = self.command(out, &[]).env("LD_PRELOAD", shim()).env("FAULT_COUNT", &count).output().unwrap();
+        assert_exit(&output, 0);
+        assert_whole(&self.path(out));
+        fs::read_to_string(count).unwrap().trim().parse().unwrap()
+    }
+
+    /// A run whose call `at` fails in this way.
+    fn failing(&self, out: &str, at: u64, fault: &str, lasts: bool) -> Output {
+        let mut command = self.command(out, &[]);
+        command.env("LD_PRELOAD", shim()).env("FAULT_AT", at.to_string()).env("FAULT", fault);
+        if lasts {
+            command.env("FAULT_LASTS", "1");
+        }
+        command.output().unwrap()
+    }
+}
+
+/// Every call that changes a file is the last one of a run, or fails once, or is the first of those that fail from then on. What is left is
+/// whole, be it of the run before or of this one; the run goes on from it, and another begins there.
+fn all_faults(case: &Case, every: usize) -> usize {
+    let calls = case.whole("whole");
+    let earlier = Case::new(&small().replace("friction = 0.4", "friction = 0.2"), &[]);
+    earlier.whole("earlier");
+    let mut tried = 0;
+    for (fault, lasts) in [("kill", false), ("torn", false), ("enospc", false), ("enospc", true), ("eio", false)] {
+        for at in (1..=calls).step_by(every) {
+            let out = format!("{fault}-{lasts}-{at}");
+            let place = case.path(&out);
+            fs::create_dir_all(&place).unwrap();
+            for (name, text) in files(&earlier.path("earlier")) {
+                fs::write(place.join(name), text).unwrap();
+            }
+            fs::copy(earlier.path("earlier/.stickslip"), place.join(".stickslip")).unwrap();
+
+            let output = case.failing(&out, at, fault, lasts);
+            let told = format!("{out}: {:?}\n{}{}", output.status, stdout(&output), stderr(&output));
+            match output.status.code() {
+                None => assert!(["kill", "torn"].contains(&fault), "{told}"),
+                // Nothing that is of use failed.
+                Some(0) => assert_same(&case.path("whole"), &place),
+                Some(code) => {
+                    let message = self::told(&output);
+                    let is_told = if fault == "enospc" {
+                        code == 3 && message.contains("make room")
+                    } else {
+                        [2, 3].contains(&code)
+                    };
+                    assert!(is_told && message.contains("cannot be written"), "{told}");
+                }
+            }
+            // While old files go and new ones take their names, there is no report.
+            if fault == "torn" {
+                assert_whole_but_for_a_line(&place);
+            } else if place.join("run.json").exists() || fault != "kill" {
+                assert_whole(&place);
+            }
+            assert_exit(&case.command(&out, &["--resume"]).output().unwrap(), 0);
+            assert_same(&case.path("whole"), &place);
+            assert_exit(&case.command(&out, &[]).output().unwrap(), 0);
+            assert_same(&case.path("whole"), &place);
+            fs::remove_dir_all(place).unwrap();
+            tried += 1;
+        }
+    }
+    tried
+}
+
+#[test]
+fn calls_that_fail_leave_a_folder_that_the_next_run_takes_up() {
+    let case = Case::new(&small(), &["--setting", "default"]);
+    assert!(all_faults(&case, 18) > 25);
+}
+
+#[test]
+#[ignore = "minutes"]
+fn every_call_that_fails_leaves_a_folder_that_the_next_run_takes_up() {
+    let exact = ["--method", "events", "--setting", "default"];
+    for options in [&["--solver", "umfpack"][..], &["--solver", "condensed", "--setting", "default"], &exact] {
+        let tried = all_faults(&Case::new(&small(), options), 1);
+        println!("{options:?}: {tried} faults");
+    }
+}
+
+/// How many increments the table in a folder has.
+fn listed(folder: &Path) -> usize {
+    fs::read_to_string(folder.join("increments.csv")).map_or(0, |table| table.lines().count().saturating_sub(1))
+}
+
+/// Kills a run after times at random, of up to that of a run that nothing ends, and goes on with it until it is done; gives how
+/// often it was killed. No more than one increment is solved again.
+fn killed_until_done(case: &Case, out: &str, random: &mut Random) -> usize {
+    let start = Instant::now();
+    case.whole("whole");
+    let longest = start.elapsed();
+    for killed in 0..200 {
+        let resume: &[&str] = if killed == 0 { &[] } else { &["--resume"] };
+        let listed = listed(&case.path(out));
+        let mut child = case.command(out, resume).stdout(Stdio::piped()).spawn().unwrap();
+        sleep(longest.mul_f64(random.next()));
+        let _ = child.kill();
+        let output = child.wait_with_output().unwrap();
+        if let Some((_, after)) = stdout(&output).split_once("resume       after ") {
+            let done: usize = after.split(' ').next().unwrap().parse().unwrap();
+            assert!(done <= listed && listed <= done + 1, "{listed} were there, and it went on after {done}");
+        }
+        if output.status.success() {
+            return killed;
+        }
+    }
+    panic!("never done")
+}
+
+#[test]
+fn a_run_that_is_killed_again_and_again_ends_as_if_it_had_not_been() {
+    let scene = small().replace("[4, 4]", "[20, 20]").replace("increments = 4", "increments = 30");
+    let mut random = Random(20);
+    let exact = ["--method", "events", "--setting", "default"];
+    for options in [&["--setting", "default"][..], &["--method", "ip", "--solver", "umfpack"], &exact] {
+        let case = Case::new(&scene, options);
+        let killed = killed_until_done(&case, "killed", &mut random);
+        assert_same(&case.path("whole"), &case.path("killed"));
+        println!("{options:?}: killed {killed} times");
+    }
+}
+
+#[test]
+#[ignore = "minutes"]
+fn two_hundred_kills() {
+    let scene = small().replace("[4, 4]", "[30, 30]").replace("increments = 4", "increments = 100");
+    let mut random = Random(200);
+    let (mut kills, mut runs) = (0, 0);
+    while kills < 200 {
+        let options: [&[&str]; 3] =
+            [&["--solver", "umfpack"], &["--setting", "default"], &["--method", "events", "--setting", "default"]];
+        let options = options[runs % 3];
+        let case = Case::new(&scene, options);
+        kills += killed_until_done(&case, "killed", &mut random);
+        assert_same(&case.path("whole"), &case.path("killed"));
+        runs += 1;
+    }
+    println!("{kills} kills in {runs} runs");
+}
+
+#[test]
+fn a_run_that_was_another_is_not_gone_on_with() {
+    let case = Case::new(&small(), &[]);
+    assert!(case.failing("left", 60, "kill", false).status.code().is_none());
+    let refused = |options: &[&str], words: &str| {
+        let output = case.command("left", &[options, &["--resume"]].concat()).output().unwrap();
+        assert_exit(&output, 2);
+        assert!(told(&output).contains(words), "{}", told(&output));
+    };
+    refused(&["--set", "contact.friction=0.5"], "friction = 0.4");
+    refused(&["--set", "time.increments=5"], "line");
+    refused(&["--uniqueness"], "--uniqueness");
+    let output = case.command("left", &["--resume"]).output().unwrap();
+    assert_exit(&output, 0);
+    assert!(stdout(&output).contains("resume       after"), "{}", stdout(&output));
+    // It is complete: nothing is left to do, and the same is told.
+    let report = fs::read_to_string(case.path("left/run.json")).unwrap();
+    let output = case.command("left", &["--resume", "--json"]).output().unwrap();
+    assert_exit(&output, 0);
+    assert_eq!(stdout(&output), report);
+}
+
+#[test]
+fn checkpoints_that_are_damaged_and_tables_that_are_cut_are_told() {
+    let case = Case::new(&small(), &[]);
+    case.whole("whole");
+    let left = |name: &str| {
+        assert!(case.failing(name, 75, "kill", false).status.code().is_none());
+        assert!(case.path(name).join(".checkpoint").exists());
+    };
+    // A checkpoint of which something is missing is none: the run begins anew.
+    left("cut");
+    let bytes = fs::read(case.path("cut/.checkpoint")).unwrap();
+    fs::write(case.path("cut/.checkpoint"), &bytes[..bytes.len() / 2]).unwrap();
+    assert_exit(&case.command("cut", &["--resume"]).output().unwrap(), 0);
+    assert_same(&case.path("whole"), &case.path("cut"));
+    left("table");
+    fs::write(case.path("table/forces.csv"), "index\n").unwrap();
+    let output = case.command("table", &["--resume"]).output().unwrap();
+    assert_exit(&output, 2);
+    assert!(told(&output).contains("forces.csv"), "{}", told(&output));
+}

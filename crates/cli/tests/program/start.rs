@@ -1,0 +1,103 @@
+//! How a newcomer starts: scenes from the program, completions for a shell, pages of the manual.
+
+#![allow(clippy::unwrap_used)]
+
+use std::f64::consts::PI;
+use std::fs;
+use std::path::Path;
+
+use crate::program::{Folder, assert_exit, csv, stderr, stdout, stickslip};
+
+/// Every starting scene solves, deserves no warning but of what its mesh leaves open, and leaves the constants to the program.
+#[test]
+fn starting_scenes_run() {
+    for (kind, files) in [
+        ("block", &["block.toml"][..]),
+        ("cube", &["cube.toml"]),
+        ("gmsh", &["roller.geo", "roller.msh", "roller.toml"]),
+    ] {
+        let folder = Folder::new();
+        let into = folder.join("new/start");
+        assert_exit(&stickslip(&["init", kind, "--out", &into]), 0);
+        assert_eq!(folder.names("new/start"), files);
+        let scene = Path::new(&into).join(files[files.len() - 1]);
+        let text = fs::read_to_string(&scene).unwrap();
+        assert!(!text.contains("setting") && !text.contains("paper"), "{kind}");
+
+        let printed = stickslip(&["init", kind]);
+        assert_exit(&printed, 0);
+        assert_eq!(stdout(&printed), text);
+        assert_eq!(stderr(&printed).contains("roller.geo"), kind == "gmsh", "{}", stderr(&printed));
+
+        let run = stickslip(&["run", scene.to_str().unwrap(), "--set", "time.increments=4"]);
+        assert_exit(&run, 0);
+        let warned = stdout(&run).lines().filter(|line| line.starts_with("warning")).all(|line| {
+            // So few increments are too few, and say so.
+            let of_increments = ["which the increments do", "nodes begin to stick"];
+            ["singular", "zone that sticks", "the mesh is coarse"]
+                .iter()
+                .chain(&of_increments)
+                .any(|words| line.contains(words))
+        });
+        assert!(warned, "{}", stdout(&run));
+
+        let again = stickslip(&["init", kind, "--out", &into]);
+        assert_exit(&again, 2);
+        assert!(stderr(&again).contains("is there already"), "{}", stderr(&again));
+    }
+}
+
+/// The roller of doc/gmsh.md against Hertz' line contact on a rigid plane, with the force that it carries.
+#[test]
+fn the_roller_has_hertz_pressure() {
+    let folder = Folder::new();
+    assert_exit(&stickslip(&["init", "gmsh", "--out", &folder.join("")]), 0);
+    let pressure = |friction: &str| {
+        let (scene, out) = (folder.join("roller.toml"), folder.join("out"));
+        let options = ["--set", "time.increments=4", "--set", friction, "--out", &out];
+        assert_exit(&stickslip(&[&["run", &scene][..], &options].concat()), 0);
+        let (header, rows) = csv(&Path::new(&out).join("contact_0002.csv"));
+        let column = |name: &str| {
+            let k = header.split(',').position(|column| column == name).unwrap();
+            rows.iter().map(|row| row[k].parse::<f64>().unwrap()).collect::<Vec<_>>()
+        };
+        let (x, p_n) = (column("x"), column("p_n"));
+        let force: f64 = p_n.iter().sum();
+        let (radius, stiffness) = (0.02, 3e9 / (1.0 - 0.4_f64 * 0.4));
+        let a = (4.0 * force * radius / (PI * stiffness)).sqrt();
+        let peak = column("sigma_n").into_iter().fold(0.0, f64::max) / (2.0 * force / (PI * a));
+        // The second moment of Hertz' pressure is P a² / 4.
+        let second: f64 = x.iter().zip(&p_n).map(|(x, p)| x * x * p).sum();
+        [peak - 1.0, 2.0 * (second / force).sqrt() / a - 1.0]
+    };
+    let [peak, width] = pressure("contact.friction=0");
+    assert!(peak.abs() < 0.012 && width.abs() < 0.012, "{peak} {width}");
+    // Friction keeps the roller from spreading, and so the pressure together.
+    let [peak, width] = pressure("contact.friction=0.3");
+    assert!((0.015..0.035).contains(&peak) && (-0.035..-0.015).contains(&width), "{peak} {width}");
+}
+
+#[test]
+fn shells_and_manuals_know_every_command() {
+    let commands = ["run", "check", "compare", "solve", "judge", "collection", "export", "init", "completions", "man"];
+    for shell in ["bash", "zsh", "fish"] {
+        let output = stickslip(&["completions", shell]);
+        assert_exit(&output, 0);
+        assert!(commands.iter().all(|command| stdout(&output).contains(command)), "{shell}");
+        assert!(stdout(&output).contains("uniqueness"), "{shell}");
+    }
+    let page = stickslip(&["man"]);
+    assert_exit(&page, 0);
+    assert!(stdout(&page).contains(".TH stickslip 1"));
+    for command in commands {
+        assert!(stdout(&page).contains(&format!("stickslip\\-{command}")), "{command}");
+        let page = stickslip(&["man", command]);
+        assert_exit(&page, 0);
+        assert!(stdout(&page).contains(&format!(".TH stickslip-{command} 1")), "{}", stdout(&page));
+    }
+    let run = stickslip(&["man", "run"]);
+    assert!(["set", "method", "json", "out"].iter().all(|option| stdout(&run).contains(&format!("\\-\\-{option}"))));
+    let unknown = stickslip(&["man", "reckon"]);
+    assert_exit(&unknown, 2);
+    assert!(stderr(&unknown).contains("the commands are run, check"), "{}", stderr(&unknown));
+}

@@ -1,0 +1,258 @@
+//! `stickslip sweep`: every combination once, whatever happens in between.
+
+#![allow(clippy::unwrap_used)]
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+use crate::program::{Folder, assert_exit, children, csv, json, number, send, small, stderr, stdout, stickslip};
+
+/// The names of the complete results, and of what is not complete.
+fn results(folder: &Folder) -> (BTreeSet<String>, Vec<String>) {
+    let (partial, whole): (Vec<_>, Vec<_>) =
+        folder.names("out/variants").into_iter().partition(|name| name.starts_with('.'));
+    (whole.into_iter().collect(), partial)
+}
+
+fn sweep<'a>(scene: &'a str, out: &'a str, more: &[&'a str]) -> Vec<&'a str> {
+    [&["sweep", scene, "--set", "solver.setting=default", "--out", out], more].concat()
+}
+
+#[test]
+fn every_combination_is_a_row_and_a_folder() {
+    let (folder, scene) = Folder::with_scene(&small());
+    let out = folder.join("out");
+    let friction = ["--vary", "contact.friction=0.2:0.6:3"];
+    let arguments = sweep(&scene, &out, &[&friction[..], &["--vary", "time.increments=2,4", "--json"]].concat());
+    let output = stickslip(&arguments);
+    assert_exit(&output, 0);
+    assert_eq!(folder.names("out"), ["sweep.csv", "sweep.json", "sweep.svg", "sweep.txt", "variants"]);
+    let table = json(&output);
+    let written: Value = serde_json::from_str(&fs::read_to_string(folder.0.join("out/sweep.json")).unwrap()).unwrap();
+    assert_eq!(table, written);
+    let rows = table["variants"].as_array().unwrap();
+    let values: Vec<String> = rows.iter().map(|row| row["values"].to_string()).collect();
+    assert_eq!(values[..3], ["[0.2,2.0]", "[0.2,4.0]", "[0.4,2.0]"]);
+    assert_eq!(rows.len(), 6);
+
+    // Each is what a run of its own gives, to the last bit.
+    let run = stickslip(&[
+        "run",
+        &scene,
+        "--json",
+        "--set",
+        "solver.setting=default",
+        "--set",
+        "contact.friction=0.4",
+        "--set",
+        "time.increments=4",
+    ]);
+    let (row, report) = (&rows[3], json(&run));
+    assert_eq!(row["boundaries"], report["boundaries"]);
+    assert_eq!(row["largest_pressure"], report["largest_pressure"]);
+    assert_eq!(row["iterations"], report["totals"]["iterations"]);
+    assert_eq!(row["warnings"], serde_json::json!(["contact-unresolved", "increments-work"]));
+    assert_eq!((row["status"].as_str(), row["converged"].as_u64()), (Some("converged"), Some(4)));
+    assert!(number(&row["error"]) < 1e-10 && number(&row["seconds"]) > 0.0);
+    for row in rows {
+        let results = Path::new(&out).join(row["results"].as_str().unwrap());
+        assert!(results.join("contact_0002.csv").is_file() && results.join("run.json").is_file());
+    }
+    let (header, lines) = csv(&folder.0.join("out/sweep.csv"));
+    assert!(
+        header.starts_with("contact.friction,time.increments,status,converged,iterations,seconds,largest_pressure,")
+    );
+    assert!(header.contains(",bottom.f_x,bottom.f_y,bottom.sum_p_n,bottom.sum_p_t,error,warnings,results,reason"));
+    assert_eq!(lines.len(), 6);
+    let svg = fs::read_to_string(folder.0.join("out/sweep.svg")).unwrap();
+    for text in ["contact.friction", "time.increments = 2", "largest contact pressure, MPa", "6 variants"] {
+        assert!(svg.lines().any(|line| line == text), "{text}");
+    }
+}
+
+/// A folder that stands where a table goes is told before anything runs.
+#[test]
+fn tables_have_their_place() {
+    let (folder, scene) = Folder::with_scene(&small());
+    let out = folder.join("out");
+    fs::create_dir_all(folder.0.join("out/sweep.csv")).unwrap();
+    let output = stickslip(&sweep(&scene, &out, &["--vary", "contact.friction=0.2,0.4"]));
+    assert_exit(&output, 2);
+    assert!(stderr(&output).contains("sweep.csv: results cannot be written"), "{}", stderr(&output));
+    assert!(results(&folder).0.is_empty());
+}
+
+/// The same command again runs nothing; a wider one what is new; a changed file what it changes.
+#[test]
+fn what_is_done_is_kept() {
+    let mesh = include_str!("../../../../data/meshes/square_triangles.msh");
+    let scene = "mesh = { kind = 'gmsh', file = 'a.msh' }
+        material = { young = 1e9, poisson = 0.3 }
+        support = [{ boundary = 'top', fix = ['x', 'y'] }]
+        contact = [
+          { boundary = 'bottom', friction = 0.3, obstacle = { kind = 'plane', approach = [[0, 0], [1, 1e-3]] } },
+        ]
+        time = { end = 1, increments = 2 }";
+    let (folder, scene) = Folder::with_scene(scene);
+    let out = folder.join("out");
+    for name in ["a.msh", "b.msh"] {
+        fs::write(folder.join(name), mesh).unwrap();
+    }
+    let known = |variations: &[&str], known: usize, all: usize| {
+        let output = stickslip(&sweep(&scene, &out, variations));
+        assert_exit(&output, 0);
+        let head = match known {
+            0 => format!("variants     {all}\n"),
+            _ => format!("variants     {all}, {known} of them known from before\n"),
+        };
+        assert!(stdout(&output).contains(&head), "{head}{}", stdout(&output));
+        results(&folder).0
+    };
+    let meshes = "mesh.file=a.msh,b.msh";
+    let first = known(&["--vary", meshes, "--vary", "contact.friction=0.1,0.2"], 0, 4);
+    assert_eq!(known(&["--vary", "contact.friction=0.2,0.1", "--vary", meshes, "--jobs", "1"], 4, 4), first);
+    assert_eq!(known(&["--vary", meshes, "--vary", "contact.friction=0.1,0.2,0.4"], 4, 6).len(), 6);
+    // A mesh that is another is another variant, and so is a scene.
+    fs::write(folder.join("b.msh"), format!("{mesh}\n")).unwrap();
+    assert_eq!(known(&["--vary", meshes, "--vary", "contact.friction=0.1,0.2"], 2, 4).len(), 8);
+    let text = fs::read_to_string(&scene).unwrap();
+    fs::write(&scene, text.replace("poisson = 0.3", "poisson = 0.2")).unwrap();
+    known(&["--vary", meshes, "--vary", "contact.friction=0.1,0.2"], 0, 4);
+    // A report that is cut off is none.
+    fs::write(&scene, text).unwrap();
+    let cut = first.iter().next().unwrap();
+    for name in &first {
+        let report = folder.0.join("out/variants").join(name).join("run.json");
+        let text = fs::read_to_string(&report).unwrap();
+        if name == cut {
+            fs::write(&report, &text[..text.len() / 2]).unwrap();
+        }
+    }
+    fs::write(folder.join("b.msh"), mesh).unwrap();
+    known(&["--vary", meshes, "--vary", "contact.friction=0.1,0.2"], 3, 4);
+    known(&["--vary", meshes, "--vary", "contact.friction=0.1,0.2"], 4, 4);
+    // A folder that was given the name of another is not the other's result.
+    let of = |friction: &str| {
+        let is_of = |name: &&String| {
+            let report = fs::read_to_string(folder.0.join("out/variants").join(name).join("run.json")).unwrap();
+            let report: Value = serde_json::from_str(&report).unwrap();
+            report["scene_text"].as_str().unwrap().contains(friction)
+        };
+        folder.0.join("out/variants").join(first.iter().find(is_of).unwrap())
+    };
+    let (one, other) = (of("friction = 0.1"), of("friction = 0.2"));
+    fs::remove_dir_all(&one).unwrap();
+    fs::rename(other, one).unwrap();
+    known(&["--vary", meshes, "--vary", "contact.friction=0.1,0.2"], 2, 4);
+}
+
+/// What fails is a row, and the exit status says so.
+#[test]
+fn failures_are_rows() {
+    let (folder, scene) = Folder::with_scene(&small());
+    let out = folder.join("out");
+    let variations = ["--vary", "support.boundary=left,nowhere", "--vary", "solver.tolerance=1e-30,1e-10"];
+    let arguments = sweep(&scene, &out, &variations);
+    let output = stickslip(&arguments);
+    assert_exit(&output, 1);
+    let table: Value = serde_json::from_str(&fs::read_to_string(folder.0.join("out/sweep.json")).unwrap()).unwrap();
+    let statuses: Vec<&str> =
+        table["variants"].as_array().unwrap().iter().map(|row| row["status"].as_str().unwrap()).collect();
+    assert_eq!(statuses[1..], ["converged", "bad-input", "bad-input"]);
+    assert_ne!(statuses[0], "converged");
+    assert!(stdout(&output).contains("the mesh has no boundary `nowhere`; the mesh has the boundaries"));
+    assert!(stdout(&output).contains("support.boundary=left, solver.tolerance=1e-30: increment 1"));
+    // A verdict is kept, whatever it is; a scene that cannot be discretised has none.
+    assert_eq!(results(&folder).0.len(), 2);
+    let again = stickslip(&arguments);
+    assert_exit(&again, 1);
+    assert!(stdout(&again).contains("4, 2 of them known"), "{}", stdout(&again));
+}
+
+#[test]
+fn bad_variations_are_told_before_anything_runs() {
+    let (folder, scene) = Folder::with_scene(&small());
+    for (variation, words) in [
+        ("contact.friction", "is not of the form key=value"),
+        ("contact.friction=0.3", "has one value only"),
+        ("contact.friction=0.3,0.3", "has the value 0.3 twice"),
+        ("contact.friction=0.1:0.2:0", "is no range"),
+        ("contact.friction=0.2,-0.1", "scene.toml (with --set):22: friction is -0.1"),
+        ("contact[1].friction=0.1,0.2", "there is no contact[1]"),
+        ("friction=0.1,0.2", "unknown field `friction`"),
+        ("load.traction=0:1:2", "expected a list"),
+    ] {
+        let output = stickslip(&["sweep", &scene, "--vary", variation, "--out", &folder.join("out")]);
+        assert_exit(&output, 2);
+        let flat = stderr(&output).replace("\n  │ ", " ");
+        assert!(flat.contains(words), "{variation}: {flat}");
+        assert!(!folder.0.join("out").exists(), "{variation}");
+    }
+    let twice = ["--vary", "contact.friction=0.1,0.2", "--vary", "contact.friction=0.3,0.4"];
+    let output = stickslip(&[&["sweep", &scene], &twice[..]].concat());
+    assert_exit(&output, 2);
+    assert!(stderr(&output).contains("varied twice"));
+    assert_exit(&stickslip(&["sweep", &scene]), 2);
+    fs::write(folder.join("file"), "").unwrap();
+    let output = stickslip(&["sweep", &scene, "--vary", "contact.friction=0.1,0.2", "--out", &folder.join("file")]);
+    assert_exit(&output, 2);
+    assert!(stderr(&output).contains("choose a folder"), "{}", stderr(&output));
+}
+
+/// Started, killed by `signal` once one variant is done, and started again.
+fn killed(signal: &str) {
+    let (folder, scene) = Folder::with_scene(&small());
+    let out = folder.join("out");
+    // The second takes far longer than the test.
+    let long = ["--vary", "time.increments=2,100000", "--vary", "contact.friction=0.1,0.3", "--jobs", "2"];
+    let mut child = Command::new(env!("CARGO_BIN_EXE_stickslip"))
+        .args(sweep(&scene, &out, &long))
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let start = Instant::now();
+    while !folder.0.join("out/variants").is_dir() || results(&folder).0.len() < 2 || results(&folder).1.len() < 3 {
+        assert!(start.elapsed() < Duration::from_secs(60), "nothing is done");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let workers = children(child.id());
+    assert!(!workers.is_empty());
+    send(signal, child.id());
+    let status = child.wait().unwrap();
+    if signal == "KILL" {
+        // Nobody is left to end them.
+        let kill = |id: &u32| drop(Command::new("sh").args(["-c", &format!("kill -KILL {id}")]).status());
+        workers.iter().for_each(kill);
+        std::thread::sleep(Duration::from_millis(200));
+    } else {
+        assert_eq!(status.code(), Some(1));
+        assert_eq!(results(&folder).1, [""; 0]);
+        let (_, rows) = csv(&folder.0.join("out/sweep.csv"));
+        let statuses: Vec<&str> = rows.iter().map(|row| row[2].as_str()).collect();
+        assert_eq!(statuses, ["converged", "converged", "interrupted", "interrupted"]);
+        assert!(workers.iter().all(|id| !Path::new("/proc").join(id.to_string()).exists()), "{workers:?}");
+    }
+    let short = ["--vary", "time.increments=2,4", "--vary", "contact.friction=0.1,0.3"];
+    let output = stickslip(&sweep(&scene, &out, &short));
+    assert_exit(&output, 0);
+    assert!(stdout(&output).contains("4, 2 of them known"), "{}", stdout(&output));
+    assert_eq!((results(&folder).0.len(), results(&folder).1.len()), (4, 0));
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn ctrl_c_loses_nothing_that_is_done() {
+    killed("INT");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_kill_loses_nothing_that_is_done() {
+    killed("KILL");
+}

@@ -1,0 +1,79 @@
+//! An increment of ours as a problem for others, with its solution and the state before it as a guess.
+
+use super::global::Parts;
+use super::reduction::{Reduction, ReductionError};
+use super::{GlobalProblem, Info, Problem, ProblemFile, Solution};
+use stickslip::algebra::sparse::Csc;
+use stickslip::base::input_error::InputError;
+use stickslip::solver::problem::{ContactProblem, Increment, State};
+
+/// One increment of `problem` in space of `dimension` (2 or 3), which ends in `state` and began in `before`, as a global problem.
+///
+/// # Errors
+/// [`InputError`] of an array that does not fit.
+pub fn export(
+    problem: &ContactProblem,
+    dimension: usize,
+    increment: &Increment<'_>,
+    state: &State,
+    before: &State,
+    info: Info,
+) -> Result<ProblemFile, InputError> {
+    let help = "give the state and the increment of this problem";
+    let refused =
+        |error: stickslip::solver::problem::ProblemError| InputError::new("increment", error.to_string(), help);
+    problem.equilibrium(increment.force, state).map_err(refused)?;
+    problem.equilibrium(increment.force, before).map_err(refused)?;
+    let (n, n_c) = (problem.displacements(), problem.contacts());
+    for (key, values) in
+        [("gap", increment.gap), ("mu", increment.mu), ("w_t", increment.w_t_last), ("w_o", increment.w_o_last)]
+    {
+        if values.len() != n_c {
+            return Err(InputError::new(key, format!("it has {} entries, but must have {n_c}", values.len()), help));
+        }
+    }
+    let wrong = |error: stickslip::algebra::sparse::MatrixError| InputError::new("problem", error.to_string(), help);
+    let m = Csc::from_triplets(n, n, &problem.stiffness().entries().collect::<Vec<_>>()).map_err(wrong)?;
+    let maps = [(problem.c_n(), -1.0), (problem.c_t(), 1.0), (problem.c_o(), 1.0)];
+    let mut entries = Vec::new();
+    for i in 0..n_c {
+        for (k, (map, sign)) in maps.iter().take(dimension).enumerate() {
+            entries.extend(map.row(i).iter().map(|&(dof, value)| (dof, dimension * i + k, sign * value)));
+        }
+    }
+    let h = Csc::from_triplets(n, dimension * n_c, &entries).map_err(wrong)?;
+    let Increment { force, gap, mu, w_t_last, w_o_last } = *increment;
+    let of_contact = |i: usize| [gap[i], 0.0 - w_t_last[i], 0.0 - w_o_last[i]].into_iter().take(dimension);
+    let w = (0..n_c).flat_map(of_contact).collect();
+    let parts = Parts { dimension, m, h, f: force.to_vec(), w, mu: mu.to_vec(), constraints: 0 };
+    let told = |state: &State| solution(problem, dimension, increment, state);
+    let (solution, guesses) = (Some(told(state)), vec![told(before)]);
+    Ok(ProblemFile { info, problem: Problem::Global(GlobalProblem::new(parts)?), solution, guesses })
+}
+
+/// A state of `problem`; velocities with the digits that rounding `u` leaves off.
+fn solution(problem: &ContactProblem, dimension: usize, increment: &Increment<'_>, state: &State) -> Solution {
+    let (mut r, mut u) = (Vec::new(), Vec::new());
+    for i in 0..problem.contacts() {
+        let gap = 0.0 - problem.c_n().difference(i, &state.u, &state.u_rest, increment.gap[i]);
+        let [t, o] = problem.slip(increment, state, i);
+        u.extend([gap, t, o].into_iter().take(dimension));
+        r.extend([state.p_n[i], 0.0 - state.p_t[i], 0.0 - state.p_o[i]].into_iter().take(dimension));
+    }
+    Solution { v: state.u.clone(), r, u }
+}
+
+/// The same problem on its contacts alone.
+///
+/// # Errors
+/// [`ReductionError`] where nothing but contact holds the body; a local problem stays as it is.
+pub fn export_local(file: ProblemFile) -> Result<ProblemFile, ReductionError> {
+    let local = match &file.problem {
+        Problem::Local(_) => return Ok(file),
+        Problem::Global(problem) => Reduction::new(problem)?.local().clone(),
+    };
+    let told = |Solution { r, u, .. }: Solution| Solution { v: Vec::new(), r, u };
+    let guesses = file.guesses.into_iter().map(told).collect();
+    let (info, solution) = (file.info, file.solution.map(told));
+    Ok(ProblemFile { info, problem: Problem::Local(local), solution, guesses })
+}

@@ -1,0 +1,105 @@
+//! Sparse matrices as FCLIB stores them: triplets, compressed columns, compressed rows.
+
+use super::vectors::{finite, has_length, length, need, one, written};
+use crate::error::of_dataset;
+use crate::hdf5::File;
+use stickslip::algebra::sparse::Csc;
+use stickslip::base::input_error::InputError;
+
+/// Memory for an entry while a matrix is read, bytes: row and column as they are in the file, as places, and in columns; its value.
+const BYTES_OF_AN_ENTRY: u64 = 80;
+/// The same for a column or a row.
+const BYTES_OF_A_LINE: u64 = 32;
+
+/// Whether the matrix at `path` is not there, or has no entry.
+pub(super) fn is_empty(file: &File<'_>, path: &str) -> Result<bool, InputError> {
+    let nzmax = format!("{path}/nzmax");
+    Ok(written(file, &nzmax)?.is_none() || one(file, &nzmax)? == 0)
+}
+
+/// An error unless the matrix at `path` says that it is one of `rows` × `columns`: these sizes are those of the vectors that it
+/// is between.
+pub(super) fn has_sizes(file: &File<'_>, path: &str, rows: usize, columns: usize) -> Result<(), InputError> {
+    for (name, expected) in [("m", rows), ("n", columns)] {
+        let at = format!("{path}/{name}");
+        let found = one(file, &at)?;
+        if usize::try_from(found) != Ok(expected) {
+            let message = format!("it is {found}, but must be {expected} to fit the vectors");
+            return Err(InputError::new(
+                format!("dataset {at}"),
+                message,
+                "mend the sizes, which contradict each other",
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// The `rows` × `columns` matrix at `path`.
+pub(super) fn matrix(file: &File<'_>, path: &str, rows: usize, columns: usize) -> Result<Csc, InputError> {
+    has_sizes(file, path, rows, columns)?;
+    let at = |name: &str| format!("{path}/{name}");
+    let fault =
+        |name: &str, message: String, help: &str| InputError::new(format!("dataset {}", at(name)), message, help);
+    let storage = one(file, &at("nz"))?;
+    // The first `count` values.
+    let whole = |name: &str, count: usize| -> Result<Vec<usize>, InputError> {
+        let values = need(file, &at(name))?.integers(count).map_err(|error| of_dataset(&at(name), &error))?;
+        let checked = |(place, value): (usize, i64)| {
+            let message = || format!("value {place} is {value}, but must be 0 or more");
+            usize::try_from(value).map_err(|_| fault(name, message(), "count from 0, as FCLIB does"))
+        };
+        values.into_iter().enumerate().map(checked).collect()
+    };
+    let x_of = |count: usize| need(file, &at("x"))?.numbers(count).map_err(|error| of_dataset(&at("x"), &error));
+    // An error unless so many entries are there, and can be meant: several for each place of the matrix are no problem, but only a
+    // compressed dataset has more than its file has bytes.
+    let has_entries = |names: &[&str], count: usize, why: &str| -> Result<(), InputError> {
+        for name in names {
+            let found = need(file, &at(name))?.count();
+            if found < count {
+                return Err(length(&at(name), count, found, why));
+            }
+        }
+        let places = rows.saturating_mul(columns);
+        if count > places.max(file.length()) {
+            let message = format!("it has {count} entries, but the matrix has {places} places");
+            return Err(fault("x", message, "mend the sizes, which contradict each other"));
+        }
+        let bytes = BYTES_OF_AN_ENTRY.saturating_mul(count as u64);
+        file.take_room(bytes).map_err(|error| of_dataset(&at("x"), &error))
+    };
+    let (entries, x): (Vec<(usize, usize, f64)>, Vec<f64>) = if let Ok(count) = usize::try_from(storage) {
+        has_entries(&["p", "i", "x"], count, "so many entries are announced by nz")?;
+        let (p, i, x) = (whole("p", count)?, whole("i", count)?, x_of(count)?);
+        ((0..count).map(|k| (i[k], p[k], x[k])).collect(), x)
+    } else {
+        let outer = match storage {
+            -1 => columns,
+            -2 => rows,
+            other => {
+                let message = format!("it is {other}");
+                return Err(fault("nz", message, "-1 says compressed columns, -2 compressed rows, 0 or more triplets"));
+            }
+        };
+        let starts = outer.saturating_add(1);
+        has_length(&need(file, &at("p"))?, &at("p"), starts, "one start for each column (row), and the end")?;
+        let bytes = BYTES_OF_A_LINE.saturating_mul(starts as u64);
+        file.take_room(bytes).map_err(|error| of_dataset(&at("p"), &error))?;
+        let p = whole("p", starts)?;
+        let count = p[outer];
+        has_entries(&["i", "x"], count, "the last number of p")?;
+        if p[0] != 0 || p.windows(2).any(|pair| pair[0] > pair[1]) {
+            return Err(fault("p", "it does not begin at 0, or falls".to_string(), "give starts that never fall"));
+        }
+        let (i, x) = (whole("i", count)?, x_of(count)?);
+        let line = |k: usize| (p[k]..p[k + 1]).map(move |at| (k, at));
+        let place = |(k, at): (usize, usize)| if storage == -1 { (i[at], k, x[at]) } else { (k, i[at], x[at]) };
+        ((0..outer).flat_map(line).map(place).collect(), x)
+    };
+    drop(finite(&at("x"), x)?);
+    let wrong = |error: stickslip::algebra::sparse::MatrixError| {
+        InputError::new(format!("group {path}"), error.to_string(), "count rows and columns from 0, and below m and n")
+    };
+    Csc::from_triplets(rows, columns, &entries).map_err(wrong)
+}

@@ -1,0 +1,210 @@
+//! The global problem: the unknowns of bodies, and forces between them.
+
+use super::Problem;
+use super::Solution;
+use stickslip::algebra::sparse::{Csc, Csr, Symmetric};
+use stickslip::base::input_error::InputError;
+use stickslip::solver::loading::{LoadCase, Loading, Motion};
+use stickslip::solver::problem::{ContactProblem, Parts as ContactParts, ProblemError};
+
+/// `M v = f + H r`, `u = Hᵀ v + w` with the laws of contact and friction; sound, because [`GlobalProblem::new`] lets nothing
+/// else pass.
+#[derive(Debug, Clone)]
+pub struct GlobalProblem {
+    parts: Parts,
+}
+
+/// What a [`GlobalProblem`] is made of, in any consistent units.
+#[derive(Debug, Clone)]
+pub struct Parts {
+    /// `d`, 2 in the plane and 3 in space.
+    pub dimension: usize,
+    /// `M`, n × n; it need not be symmetric.
+    pub m: Csc,
+    /// `H`, n × n_c d: what contact forces do to the unknowns, contact by contact, the normal first.
+    pub h: Csc,
+    /// `f`, n.
+    pub f: Vec<f64>,
+    /// `w`, n_c d.
+    pub w: Vec<f64>,
+    /// `μ`, n_c.
+    pub mu: Vec<f64>,
+    /// How many of the unknowns, the last, are multipliers of equality constraints, which have no diagonal.
+    pub constraints: usize,
+}
+
+fn fault(key: &str, message: String, help: &str) -> InputError {
+    InputError::new(key, message, help)
+}
+
+fn finite(key: &str, values: impl Iterator<Item = f64>) -> Result<(), InputError> {
+    match values.enumerate().find(|(_, value)| !value.is_finite()) {
+        None => Ok(()),
+        Some((place, value)) => Err(fault(
+            key,
+            format!("entry {place} is {value}, but must be finite"),
+            "give a number other than nan or inf",
+        )),
+    }
+}
+
+impl GlobalProblem {
+    /// The problem of these parts. There may be no contact at all.
+    ///
+    /// # Errors
+    /// [`InputError`] of the array that does not fit the others, or holds a number that is not finite or a negative μ.
+    pub fn new(parts: Parts) -> Result<Self, InputError> {
+        let Parts { dimension, m, h, f, w, mu, constraints } = &parts;
+        if !matches!(dimension, 2 | 3) {
+            return Err(fault(
+                "dimension",
+                format!("it is {dimension}"),
+                "the dimension is 2 in the plane, 3 in space",
+            ));
+        }
+        if f.is_empty() || *constraints >= f.len() {
+            return Err(fault("f", "there is no unknown".to_string(), "give a body an unknown, or the local problem"));
+        }
+        let (n, rows) = (f.len(), mu.len().saturating_mul(*dimension));
+        let sizes = [
+            ("M", "rows", n, m.pattern().rows()),
+            ("M", "columns", n, m.pattern().columns()),
+            ("H", "rows", n, h.pattern().rows()),
+            ("H", "columns", rows, h.pattern().columns()),
+            ("w", "entries", rows, w.len()),
+        ];
+        for (key, what, expected, found) in sizes {
+            if expected != found {
+                let message = format!("it has {found} {what}, but must have {expected}");
+                let help = "M has a row for each entry of f, H and w have d for each entry of mu";
+                return Err(fault(key, message, help));
+            }
+        }
+        finite("M", m.values().iter().copied())?;
+        finite("H", h.values().iter().copied())?;
+        finite("f", f.iter().copied())?;
+        finite("w", w.iter().copied())?;
+        finite("mu", mu.iter().copied())?;
+        if let Some((place, mu)) = mu.iter().enumerate().find(|(_, mu)| **mu < 0.0) {
+            return Err(fault("mu", format!("entry {place} is {mu}"), "a coefficient of friction is 0 or more"));
+        }
+        Ok(GlobalProblem { parts })
+    }
+
+    /// `d`, 2 in the plane and 3 in space.
+    pub fn dimension(&self) -> usize {
+        self.parts.dimension
+    }
+
+    /// n_c, the number of contacts.
+    pub fn contacts(&self) -> usize {
+        self.parts.mu.len()
+    }
+
+    /// n, the number of unknowns, multipliers of constraints included.
+    pub fn unknowns(&self) -> usize {
+        self.parts.f.len()
+    }
+
+    /// How many of the unknowns, the last, are multipliers of equality constraints.
+    pub fn constraints(&self) -> usize {
+        self.parts.constraints
+    }
+
+    /// `M`, n × n.
+    pub fn m(&self) -> &Csc {
+        &self.parts.m
+    }
+
+    /// `H`, n × n_c d.
+    pub fn h(&self) -> &Csc {
+        &self.parts.h
+    }
+
+    /// `f`, n.
+    pub fn f(&self) -> &[f64] {
+        &self.parts.f
+    }
+
+    /// `w`, n_c d.
+    pub fn w(&self) -> &[f64] {
+        &self.parts.w
+    }
+
+    /// `μ`, n_c.
+    pub fn mu(&self) -> &[f64] {
+        &self.parts.mu
+    }
+
+    /// Whether `M` has entries in one of both triangles alone. It is taken as it stands, but may be meant as half of a symmetric one.
+    pub fn is_triangular(&self) -> bool {
+        let (mut below, mut above) = (false, false);
+        for (row, column, value) in self.m().entries() {
+            below |= row > column && value != 0.0;
+            above |= row < column && value != 0.0;
+        }
+        below != above
+    }
+
+    /// `M`, where it is symmetric to rounding; a triangle alone is not.
+    fn symmetric(&self) -> Option<Symmetric> {
+        if self.is_triangular() { None } else { Symmetric::from_csc(self.m()).ok() }
+    }
+
+    /// The problem in the letters of [`stickslip::solver::problem`], with the loading of one increment that ends at t = 1: `None` where `M` is not
+    /// symmetric.
+    ///
+    /// # Errors
+    /// [`ProblemError`] of a stiffness that is not positive semidefinite.
+    pub fn contact_problem(&self) -> Result<Option<(ContactProblem, Loading)>, ProblemError> {
+        let Some(stiffness) = self.symmetric() else { return Ok(None) };
+        let (n, d, n_c) = (self.unknowns(), self.dimension(), self.contacts());
+        let mut rows: [Vec<Vec<(usize, f64)>>; 3] = std::array::from_fn(|_| vec![Vec::new(); n_c]);
+        for (row, column, value) in self.h().entries() {
+            // C_n = -H_Nᵀ, C_t = H_Tᵀ.
+            let sign = if column % d == 0 { -1.0 } else { 1.0 };
+            rows[column % d][column / d].push((row, sign * value));
+        }
+        let [c_n, c_t, c_o] = rows.map(|rows| Csr::from_rows(n, rows).expect("H has a row for each unknown"));
+        let mu = self.mu().to_vec();
+        let problem = ContactProblem::new(ContactParts { c_t, c_o, mu, ..ContactParts::new(stiffness, c_n) })?;
+        let part = |k: usize| self.w().iter().skip(k).step_by(d).copied();
+        let gap: Vec<f64> = part(0).collect();
+        let loading = Loading::new(vec![LoadCase::new(self.f().to_vec(), Vec::new())?], gap)?;
+        let drift: Vec<[f64; 2]> = match d {
+            2 => part(1).map(|w| [-w, 0.0]).collect(),
+            _ => part(1).zip(part(2)).map(|(t, o)| [-t, -o]).collect(),
+        };
+        if drift.iter().flatten().all(|drift| *drift == 0.0) {
+            return Ok(Some((problem, loading)));
+        }
+        let motion = Motion::new(0..n_c, vec![0.0; n_c], drift, vec![[0.0, 0.0], [1.0, 1.0]])?;
+        Ok(Some((problem, loading.with_motions(vec![motion], Vec::new())?)))
+    }
+
+    /// `u = Hᵀ v + w`.
+    pub(super) fn velocities(&self, v: &[f64]) -> Vec<f64> {
+        let mut u = self.w().to_vec();
+        self.h().entries().for_each(|(row, column, value)| u[column] += value * v[row]);
+        u
+    }
+}
+
+impl Solution {
+    /// Whether it has the lengths of `problem`.
+    ///
+    /// # Errors
+    /// [`InputError`] of the array that has not, or holds a number that is not finite.
+    pub fn check(&self, problem: &Problem) -> Result<(), InputError> {
+        let rows = problem.contacts() * problem.dimension();
+        let arrays = [("v", problem.unknowns(), &self.v), ("r", rows, &self.r), ("u", rows, &self.u)];
+        for (key, expected, values) in arrays {
+            if values.len() != expected {
+                let message = format!("it has {} entries, but the problem needs {expected}", values.len());
+                return Err(fault(key, message, "give a solution of this problem, in the same form: global or local"));
+            }
+            finite(key, values.iter().copied())?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,57 @@
+//! Why bytes are no HDF5 file, or not one that is read here.
+
+use stickslip::base::memory::in_words;
+
+/// Why bytes are no HDF5 file, or not one that is read here.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Hdf5Error {
+    /// The bytes contradict the format, or end too early.
+    #[error("the file is damaged at byte {at}: {what}")]
+    Damaged {
+        /// Where, from 0.
+        at: usize,
+        /// What is wrong there.
+        what: &'static str,
+    },
+    /// A dataset was made, but nothing was ever written into it.
+    #[error("its values were never written")]
+    NotWritten,
+    /// The values need more memory than there is.
+    #[error("its values need {} of memory, but {} are left", in_words(*.needed), in_words(*.room))]
+    NoRoom {
+        /// Bytes that are needed.
+        needed: u64,
+        /// Bytes that are left.
+        room: u64,
+    },
+    /// A part of the format that exchange files do without.
+    #[error("{what} cannot be read here")]
+    Unsupported {
+        /// Which part.
+        what: String,
+    },
+    /// A dataset is of another type.
+    #[error("it holds {found}, but {expected} are needed")]
+    Type {
+        /// What it holds.
+        found: String,
+        /// What it should hold.
+        expected: &'static str,
+    },
+}
+
+impl Hdf5Error {
+    /// What to do about it.
+    pub fn help(&self) -> &'static str {
+        match self {
+            Hdf5Error::Damaged { .. } => "fetch or write the file again; h5dump tells how far it can be read",
+            Hdf5Error::NotWritten => "write them, or leave the dataset out",
+            Hdf5Error::NoRoom { .. } => "look at the sizes in the file, or use a machine with more memory",
+            Hdf5Error::Unsupported { .. } => {
+                "write it again in the layout that FCLIB has: h5repack --filter=NONE --layout=CONTI OLD NEW"
+            }
+            Hdf5Error::Type { .. } => "write it with the types that FCLIB has: H5T_NATIVE_INT and H5T_NATIVE_DOUBLE",
+        }
+    }
+}

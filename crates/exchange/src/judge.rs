@@ -1,0 +1,180 @@
+//! How far a solution is from the laws, whoever has found it.
+//!
+//! Of a local problem that is [`LocalProblem::errors`](crate::local::LocalProblem::errors). Of a global one it is the same, and equilibrium with
+//! the unknowns of the bodies. Nothing is factored, and nothing of a solver is used. All errors are without units, and stay the same
+//! whatever the units of each single unknown are, lengths or angles: with `D`, the diagonal of `M`,
+//!
+//! ```text
+//! equilibrium   max |M v - f - H r| / √D   over   max (|f| + |H| |r|) / √D
+//! velocities    |u - Hᵀ v - w| / V
+//! laws          with r / F and u / V; F = max |r|, V the largest of |u|, |w|, |H|ᵀ |v| and |H|ᵀ D⁻¹ (|f| + |H| |r|)
+//! ```
+//!
+//! What rounding `v` to double precision does to `M v`, `ε |M| |v|`, is no error of it.
+
+mod laws;
+
+use serde::{Deserialize, Serialize};
+
+use super::{GlobalProblem, Problem, Solution};
+use crate::local::{LocalErrors, SOLVED};
+use laws::{Scales, laws, raise, relative};
+use stickslip::algebra::sparse::DoubleDouble;
+use stickslip::base::input_error::InputError;
+
+/// A problem counts as solved when no error is above this.
+pub const TOLERANCE: f64 = SOLVED;
+
+/// The violation of each law, the largest over all rows and contacts, without units.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Errors {
+    /// Forces on the bodies that do not balance: `M v = f + H r`; of a local problem `u = W r + q`.
+    pub equilibrium: f64,
+    /// Velocities that are not those of the bodies: `u = Hᵀ v + w`; 0 of a local problem.
+    pub velocities: f64,
+    /// Penetration, tension, or a pressure across a gap.
+    pub normal: f64,
+    /// Friction beyond Coulomb's cone.
+    pub cone: f64,
+    /// Slip without full friction against it.
+    pub dissipation: f64,
+    /// The natural map: all laws of a contact in one number.
+    pub natural_map: f64,
+    /// The contact where the natural map is largest, from 0.
+    pub contact: usize,
+}
+
+/// A law of [`Errors`], and what it says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Law {
+    /// Its name, that of its field.
+    pub name: &'static str,
+    /// What it demands.
+    pub demands: &'static str,
+    /// What its violation is.
+    pub violation: &'static str,
+}
+
+const fn law(name: &'static str, demands: &'static str, violation: &'static str) -> Law {
+    Law { name, demands, violation }
+}
+
+const LAWS: [Law; 6] = [
+    law(
+        "equilibrium",
+        "forces and velocities belong to each other",
+        "forces and velocities do not belong to each other",
+    ),
+    law("velocities", "u = H'v + w", "the relative velocities are not those of the bodies"),
+    law(
+        "normal",
+        "no penetration, no tension, no pressure across a gap",
+        "a contact penetrates, pulls, or presses across a gap",
+    ),
+    law("cone", "|r_T| <= mu r_N", "friction is larger than mu times the pressure"),
+    law("dissipation", "slip is against full friction", "a contact slips without full friction against the slip"),
+    law("natural_map", "all laws of a contact", "the laws of a contact are violated"),
+];
+
+impl Errors {
+    /// Every law with its violation.
+    pub fn laws(&self) -> [(Law, f64); 6] {
+        let Errors { equilibrium, velocities, normal, cone, dissipation, natural_map, .. } = *self;
+        let errors = [equilibrium, velocities, normal, cone, dissipation, natural_map];
+        std::array::from_fn(|k| (LAWS[k], errors[k]))
+    }
+
+    /// The largest of equilibrium, velocities and natural map; the laws of single contacts are in the latter.
+    pub fn worst(&self) -> f64 {
+        let mut worst = self.natural_map;
+        raise(&mut worst, self.equilibrium);
+        raise(&mut worst, self.velocities);
+        worst
+    }
+
+    /// Whether all laws hold within [`TOLERANCE`]; never of a number that is none.
+    pub fn is_solved(&self) -> bool {
+        self.worst() <= TOLERANCE
+    }
+}
+
+impl From<LocalErrors> for Errors {
+    fn from(errors: LocalErrors) -> Self {
+        let LocalErrors { equilibrium, normal, cone, dissipation, natural_map, contact, .. } = errors;
+        Errors { equilibrium, velocities: 0.0, normal, cone, dissipation, natural_map, contact }
+    }
+}
+
+/// The errors of `solution`.
+///
+/// # Errors
+/// [`InputError`] when it has other lengths than `problem` asks for, or a number that is not finite.
+pub fn judge(problem: &Problem, solution: &Solution) -> Result<Errors, InputError> {
+    solution.check(problem)?;
+    match problem {
+        Problem::Global(problem) => Ok(global(problem, solution)),
+        Problem::Local(problem) => {
+            let errors = problem.errors(&solution.r, Some(&solution.u));
+            Ok(errors
+                .map_err(|error| InputError::new("solution", error.to_string(), "give a solution of this problem"))?
+                .into())
+        }
+    }
+}
+
+fn global(problem: &GlobalProblem, Solution { v, r, u }: &Solution) -> Errors {
+    let n = problem.unknowns();
+    let mut diagonal = vec![0.0; n];
+    let mut balance = vec![DoubleDouble::default(); n];
+    let (mut rounding, mut forces) = (vec![0.0; n], problem.f().iter().map(|f| f.abs()).collect::<Vec<_>>());
+    for (row, column, m) in problem.m().entries() {
+        balance[row].add_product(m, v[column]);
+        rounding[row] += f64::EPSILON * (m * v[column]).abs();
+        if row == column {
+            diagonal[row] = m.abs();
+        }
+    }
+    let mut exact: Vec<DoubleDouble> = vec![DoubleDouble::default(); u.len()];
+    let mut sizes: Vec<f64> = problem.w().iter().map(|w| w.abs()).collect();
+    for (row, column, h) in problem.h().entries() {
+        balance[row].add_product(-h, r[column]);
+        forces[row] += (h * r[column]).abs();
+        exact[column].add_product(h, v[row]);
+        sizes[column] += (h * v[row]).abs();
+    }
+    let mut errors = Errors::default();
+    // Rows with a diagonal, and rows without one, as constraints have.
+    for constrained in [false, true] {
+        let scaled = |row: usize, value: f64| if constrained { value } else { value / diagonal[row].sqrt() };
+        let (mut error, mut scale) = (0.0, 0.0);
+        for row in (0..n).filter(|row| (diagonal[*row] == 0.0) == constrained) {
+            let mut sum = balance[row];
+            sum.add(-problem.f()[row]);
+            let left = sum.value().abs();
+            raise(&mut error, scaled(row, if left > rounding[row] { left - rounding[row] } else { 0.0 * left }));
+            // A constraint has the sizes of its terms alone.
+            let own = if constrained { forces[row] + rounding[row] / f64::EPSILON } else { forces[row] };
+            raise(&mut scale, scaled(row, own));
+        }
+        raise(&mut errors.equilibrium, relative(error, scale));
+    }
+    let mut free = vec![0.0; u.len()];
+    for (row, column, h) in problem.h().entries().filter(|(row, ..)| diagonal[*row] > 0.0) {
+        free[column] += (h * forces[row] / diagonal[row]).abs();
+    }
+    let largest = |values: &[f64]| {
+        values.iter().fold(0.0, |mut worst, value| {
+            raise(&mut worst, value.abs());
+            worst
+        })
+    };
+    let scales = Scales { force: largest(r), velocity: largest(&[largest(u), largest(&sizes), largest(&free)]) };
+    for (k, mut exact) in exact.into_iter().enumerate() {
+        exact.add(problem.w()[k]);
+        exact.add(-u[k]);
+        raise(&mut errors.velocities, relative(exact.value(), scales.velocity));
+    }
+    laws(problem.dimension(), problem.mu(), &scales, r, u, &mut errors);
+    errors
+}

@@ -1,0 +1,116 @@
+//! Factors of a matrix whose entries are named one by one: dense, or sparse where it is large and most of it is 0.
+
+use faer::Mat;
+
+use stickslip::algebra::linear::{LinearError, LinearSolver, Lu, SparseLu};
+use stickslip::algebra::sparse::Csc;
+
+/// Takes an entry `(row, column, value)`.
+pub(super) type Add<'a> = dyn FnMut(usize, usize, f64) + 'a;
+
+/// The factors.
+pub(super) enum Factors {
+    /// Of all entries.
+    Dense(Lu),
+    /// Of those that are not 0.
+    Sparse(Box<dyn LinearSolver>),
+}
+
+/// Below this order a dense factorisation takes a few milliseconds.
+const SMALL: usize = 300;
+/// The largest share of entries with which the sparse one is faster, its factors being fuller than the matrix.
+const SPARSE: f64 = 0.1;
+/// The largest order of a dense matrix, 1.2 GB: beyond, a sparse one or none.
+const LARGEST: usize = 12_000;
+
+impl Factors {
+    /// Factors the matrix of this `order` with the entries that `visit` names, those of one place added up.
+    ///
+    /// # Errors
+    /// When it is singular, holds numbers that are not finite, or is too large.
+    pub(super) fn new(order: usize, visit: &dyn Fn(&mut Add<'_>)) -> Result<Self, LinearError> {
+        if order > SMALL && SparseLu::default().is_built_in() {
+            let mut count = 0_usize;
+            visit(&mut |_, _, value| count += usize::from(value != 0.0));
+            if (count as f64) < SPARSE * (order as f64).powi(2) {
+                return sparse(order, count, visit).map(Factors::Sparse);
+            }
+        }
+        if order > LARGEST {
+            return Err(LinearError::OutOfMemory { step: "the dense factorisation of a local problem" });
+        }
+        let mut matrix = Mat::<f64>::zeros(order, order);
+        visit(&mut |row, column, value| matrix[(row, column)] += value);
+        Lu::new(matrix, &vec![1.0; order]).map(Factors::Dense)
+    }
+
+    /// `x` of `b`; what the factors do not give is not finite.
+    pub(super) fn solve(&mut self, b: &[f64]) -> Vec<f64> {
+        match self {
+            Factors::Dense(lu) => lu.solve(b),
+            Factors::Sparse(solver) => {
+                let mut x = vec![f64::NAN; b.len()];
+                if solver.solve(b, &mut x).is_err() {
+                    x.fill(f64::NAN);
+                }
+                x
+            }
+        }
+    }
+}
+
+/// Sparse factors of `count` entries.
+fn sparse(order: usize, count: usize, visit: &dyn Fn(&mut Add<'_>)) -> Result<Box<dyn LinearSolver>, LinearError> {
+    let mut entries = Vec::with_capacity(count);
+    visit(&mut |row, column, value| {
+        if value != 0.0 {
+            entries.push((row, column, value));
+        }
+    });
+    let matrix = Csc::from_triplets(order, order, &entries).map_err(|_| LinearError::NotFinite)?;
+    let mut solver = SparseLu::default().solver();
+    solver.analyze(matrix.pattern())?;
+    solver.factorize(matrix.values())?;
+    Ok(solver)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `2 x_k - x_(k - 1) - x_(k + 1)`, in pieces that add up, and not symmetric.
+    fn chain(order: usize, add: &mut Add<'_>) {
+        for k in 0..order {
+            add(k, k, 1.0);
+            add(k, k, 1.25);
+            if k > 0 {
+                add(k, k - 1, -1.0);
+                add(k - 1, k, -1.1);
+            }
+        }
+    }
+
+    #[test]
+    fn small_and_large_matrices_are_solved() {
+        for order in [0, 1, 20, SMALL + 100] {
+            let mut factors = Factors::new(order, &|add| chain(order, add)).unwrap();
+            let is_sparse = matches!(factors, Factors::Sparse(_));
+            assert_eq!(is_sparse, order > SMALL && SparseLu::default().is_built_in());
+            let x: Vec<f64> = (0..order).map(|k| (k as f64).sin()).collect();
+            let mut b = vec![0.0; order];
+            chain(order, &mut |row, column, value| b[row] += value * x[column]);
+            assert!(factors.solve(&b).iter().zip(&x).all(|(a, b)| (a - b).abs() < 1e-12));
+        }
+    }
+
+    #[test]
+    fn singular_and_huge_matrices_are_refused() {
+        for order in [3, SMALL + 100] {
+            let of_one = |add: &mut Add<'_>| (1..order).for_each(|k| add(k, k, 1.0));
+            assert!(matches!(Factors::new(order, &of_one), Err(LinearError::Singular { .. })));
+        }
+        // Full, as far as is asked.
+        let all = |add: &mut Add<'_>| (0..20_000_000).for_each(|k| add(k % 3, k % 7, 1.0));
+        assert!(matches!(Factors::new(LARGEST + 1, &all), Err(LinearError::OutOfMemory { .. })));
+    }
+}

@@ -1,0 +1,127 @@
+//! The linear systems of all methods: `(A (W + ε D) + B) x = b` with blocks `A` and `B` of one contact each.
+//!
+//! `D` is the compliance `1/ρ` of each contact; `ε`, the proximal term, makes the matrix regular where `W` is not. It stands in this matrix
+//! alone and in no equation, so that what an iteration converges to is not changed by it. A contact whose `A` is 0 is left out.
+
+use super::factors::{Add, Factors};
+use super::law::Linear;
+use super::scaled::ScaledContacts;
+use stickslip::algebra::linear::LinearError;
+
+/// Factors of one matrix.
+pub(super) struct FactoredMatrix<'a> {
+    scaled: &'a ScaledContacts,
+    blocks: &'a [Linear],
+    /// Place of each row in the matrix that is factored; none of a contact that is left out.
+    places: Vec<Option<usize>>,
+    factors: Factors,
+}
+
+impl<'a> FactoredMatrix<'a> {
+    /// Factors the matrix of these `blocks` with the `proximal` term `ε`.
+    ///
+    /// # Errors
+    /// When it is singular, or holds numbers that are not finite.
+    pub(super) fn new(scaled: &'a ScaledContacts, blocks: &'a [Linear], proximal: f64) -> Result<Self, LinearError> {
+        let (mut places, mut order) = (vec![None; scaled.rows()], 0);
+        for (k, block) in blocks.iter().enumerate() {
+            if block.by_u.iter().flatten().any(|a| *a != 0.0) {
+                for row in scaled.range(k) {
+                    places[row] = Some(order);
+                    order += 1;
+                }
+            }
+        }
+        let visit = |add: &mut Add<'_>| {
+            for (k, Linear { by_u, by_r }) in blocks.iter().enumerate() {
+                let range = scaled.range(k);
+                let Some(first) = places[range.start] else { continue };
+                for (c, source) in range.clone().enumerate() {
+                    for &(column, w) in scaled.delassus.row(source) {
+                        let Some(place) = places[column] else { continue };
+                        let w = if column == source { w + proximal / scaled.laws()[k].stiffness } else { w };
+                        for (a, by_u) in by_u.iter().take(range.len()).enumerate() {
+                            add(first + a, place, by_u[c] * w);
+                        }
+                    }
+                    for (a, by_r) in by_r.iter().take(range.len()).enumerate() {
+                        add(first + a, first + c, by_r[c]);
+                    }
+                }
+            }
+        };
+        let factors = Factors::new(order, &visit)?;
+        Ok(FactoredMatrix { scaled, blocks, places, factors })
+    }
+
+    /// `x` of `b`.
+    pub(super) fn solve(&mut self, b: &[f64]) -> Vec<f64> {
+        // What is left out is known: x = b there.
+        let mut x: Vec<f64> =
+            b.iter().zip(&self.places).map(|(b, place)| if place.is_some() { 0.0 } else { *b }).collect();
+        let known = x.iter().any(|x| *x != 0.0);
+        let given = if known { self.scaled.delassus.mul(&x) } else { vec![0.0; x.len()] };
+        let mut rest = Vec::with_capacity(x.len());
+        for (k, Linear { by_u, .. }) in self.blocks.iter().enumerate() {
+            let range = self.scaled.range(k);
+            if self.places[range.start].is_none() {
+                continue;
+            }
+            let given = self.scaled.at(k, &given);
+            rest.extend(range.enumerate().map(|(a, row)| b[row] - (0..3).map(|c| by_u[a][c] * given[c]).sum::<f64>()));
+        }
+        let found = self.factors.solve(&rest);
+        x.iter_mut().zip(&self.places).for_each(|(x, place)| {
+            if let Some(place) = place {
+                *x = found[*place];
+            }
+        });
+        x
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::local::LocalProblem;
+    use crate::local::law::UNIT;
+    use stickslip::algebra::sparse::Csc;
+
+    /// With blocks of all kinds, one contact being left out: `(A (W + ε D) + B) x = b`.
+    #[test]
+    fn the_solution_solves_the_system() {
+        let entries: Vec<_> = (0..81).map(|k| (k / 9, k % 9, 1.0 / (1.0 + (k / 9 + k % 9) as f64))).collect();
+        let problem = LocalProblem::new(3, Csc::from_triplets(9, 9, &entries).unwrap(), vec![1.0; 9], vec![0.5; 3]);
+        let scaled = ScaledContacts::new(&problem.unwrap());
+        let mixed = |shift: f64| [0, 1, 2].map(|k| [0, 1, 2].map(|l| shift / (2.0 + f64::from(k + 3 * l))));
+        let mut by_u = mixed(1.0);
+        (0..3).for_each(|k| by_u[k][k] += 1.0);
+        let open = Linear { by_u: [[0.0; 3]; 3], by_r: UNIT };
+        let blocks = [Linear { by_u, by_r: mixed(0.3) }, open, Linear { by_u, by_r: UNIT }];
+        let b: Vec<f64> = (0..9).map(|k| f64::from(k) - 3.0).collect();
+        let proximal = 0.25;
+        let x = FactoredMatrix::new(&scaled, &blocks, proximal).unwrap().solve(&b);
+        let mut product = scaled.delassus.mul(&x);
+        for (k, law) in scaled.laws().iter().enumerate() {
+            scaled.range(k).for_each(|row| product[row] += proximal / law.stiffness * x[row]);
+        }
+        for (k, Linear { by_u, by_r }) in blocks.iter().enumerate() {
+            let (w, own, right) = (scaled.at(k, &product), scaled.at(k, &x), scaled.at(k, &b));
+            for c in 0..3 {
+                let left: f64 = (0..3).map(|l| by_u[c][l] * w[l] + by_r[c][l] * own[l]).sum();
+                assert!((left - right[c]).abs() < 1e-12, "{k} {c}: {left} {}", right[c]);
+            }
+        }
+    }
+
+    #[test]
+    fn the_proximal_term_makes_it_regular() {
+        let entries = [(0, 0, 1.0), (0, 2, 1.0), (2, 0, 1.0), (2, 2, 1.0)];
+        let problem = LocalProblem::new(2, Csc::from_triplets(4, 4, &entries).unwrap(), vec![-1.0; 4], vec![0.0; 2]);
+        let scaled = ScaledContacts::new(&problem.unwrap());
+        let closed = scaled.laws().iter().map(|law| law.linearize([1.0, 0.0, 0.0], [0.0; 3])).collect::<Vec<_>>();
+        assert!(matches!(FactoredMatrix::new(&scaled, &closed, 0.0), Err(LinearError::Singular { .. })));
+        let x = FactoredMatrix::new(&scaled, &closed, 1e-6).unwrap().solve(&[1.0, 1.0]);
+        assert!(x.iter().all(|x| (x - 0.5).abs() < 1e-6), "{x:?}");
+    }
+}

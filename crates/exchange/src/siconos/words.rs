@@ -1,0 +1,92 @@
+//! The words of a text, with their lines.
+
+use stickslip::base::input_error::InputError;
+
+/// The words that are left of a text.
+pub(super) struct Words<'a> {
+    lines: std::iter::Enumerate<std::str::Lines<'a>>,
+    /// What is left of the line.
+    here: std::str::SplitWhitespace<'a>,
+    /// The line of the last word, from 1.
+    line: usize,
+}
+
+impl<'a> Words<'a> {
+    pub(super) fn new(text: &'a str) -> Self {
+        Words { lines: text.lines().enumerate(), here: "".split_whitespace(), line: 1 }
+    }
+
+    /// The line of the last word.
+    pub(super) fn line(&self) -> usize {
+        self.line
+    }
+
+    /// What is wrong in the line of the last word.
+    pub(super) fn fault(&self, message: &str, help: &str) -> InputError {
+        InputError::new(format!("line {}", self.line), message, help)
+    }
+
+    pub(super) fn next(&mut self) -> Option<&'a str> {
+        loop {
+            if let Some(word) = self.here.next() {
+                return Some(word);
+            }
+            let (number, line) = self.lines.next()?;
+            (self.here, self.line) = (line.split_whitespace(), number + 1);
+        }
+    }
+
+    /// The next word, which is `what`.
+    pub(super) fn word(&mut self, what: &str) -> Result<&'a str, InputError> {
+        let word = self.next();
+        word.ok_or_else(|| self.fault(&format!("the text ends before {what}"), "write the file again, it was cut off"))
+    }
+
+    /// A number of things, which is `what`.
+    pub(super) fn count(&mut self, what: &str) -> Result<usize, InputError> {
+        let word = self.word(what)?;
+        word.parse()
+            .map_err(|_| self.fault(&format!("expected {what}, found `{word}`"), "give a whole number, 0 or more"))
+    }
+
+    /// A number, which is `what`.
+    pub(super) fn number(&mut self, what: &str) -> Result<f64, InputError> {
+        let word = self.word(what)?;
+        match word.parse::<f64>() {
+            Ok(number) if number.is_finite() => Ok(number),
+            _ => Err(self.fault(&format!("expected {what}, found `{word}`"), "give a finite number")),
+        }
+    }
+
+    /// So many numbers; room is made as they come.
+    pub(super) fn numbers(&mut self, what: &str, count: usize) -> Result<Vec<f64>, InputError> {
+        let mut numbers = Vec::new();
+        for _ in 0..count {
+            numbers.push(self.number(what)?);
+        }
+        Ok(numbers)
+    }
+
+    /// So many numbers of things.
+    pub(super) fn counts(&mut self, what: &str, count: usize) -> Result<Vec<usize>, InputError> {
+        let mut counts = Vec::new();
+        for _ in 0..count {
+            counts.push(self.count(what)?);
+        }
+        Ok(counts)
+    }
+
+    fn left(&self) -> impl Iterator<Item = &'a str> {
+        self.here.clone().chain(self.lines.clone().flat_map(|(_, line)| line.split_whitespace()))
+    }
+
+    /// Whether the next words are these.
+    pub(super) fn begin_with(&self, words: &[String]) -> bool {
+        self.left().take(words.len()).eq(words.iter().map(String::as_str))
+    }
+
+    /// Whether no more than `count` words are left.
+    pub(super) fn are_at_most(&self, count: usize) -> bool {
+        self.left().take(count.saturating_add(1)).count() <= count
+    }
+}

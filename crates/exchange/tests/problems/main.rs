@@ -1,0 +1,9 @@
+//! Exchange files, and problems in contact forces alone.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
+
+#[path = "../../../../tests/common/mod.rs"]
+mod common;
+
+mod exchange;
+mod local;

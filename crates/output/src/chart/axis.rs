@@ -1,0 +1,185 @@
+//! The numbers along an axis.
+
+/// How the numbers of an axis are laid out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scale {
+    /// Evenly.
+    Linear,
+    /// Evenly, with whole numbers only.
+    Integers,
+    /// By powers of ten.
+    Decades,
+}
+
+/// The range of an axis and its ticks, in the numbers of [`Scale::place`].
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Ticks {
+    pub from: f64,
+    pub to: f64,
+    pub all: Vec<Tick>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Tick {
+    pub value: f64,
+    /// The number at it; none at a minor tick.
+    pub label: Option<String>,
+}
+
+impl Tick {
+    /// The length that is drawn, px.
+    pub(crate) fn length(&self) -> f64 {
+        if self.label.is_some() { 6.0 } else { 3.0 }
+    }
+}
+
+impl Ticks {
+    /// Where a value is between the ends of the axis.
+    pub(crate) fn share(&self, value: f64) -> f64 {
+        (value - self.from) / (self.to - self.from)
+    }
+}
+
+impl Scale {
+    /// The place of a value, which grows evenly along the axis; `None` if it has none.
+    pub(crate) fn place(self, value: f64) -> Option<f64> {
+        match self {
+            Scale::Linear | Scale::Integers => Some(value),
+            Scale::Decades => (value > 0.0).then(|| value.log10()),
+        }
+    }
+
+    /// An axis for `values`, with about `most` labels and at least the share `margin` free at either
+    /// end (half a step between whole numbers). Zero is not crossed for the sake of a margin.
+    pub(crate) fn ticks(self, values: impl Iterator<Item = f64>, margin: f64, most: f64) -> Ticks {
+        let places = values.filter_map(|value| self.place(value));
+        let (low, high) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+        let (low, high) = if low < high {
+            (low, high)
+        } else if low == high {
+            let room = if low == 0.0 { 1.0 } else { 0.5 * low.abs() };
+            (low - room, high + room)
+        } else {
+            (0.0, 1.0)
+        };
+        match self {
+            Scale::Linear => linear(low, high, margin, most),
+            Scale::Integers => integers(low, high, most),
+            Scale::Decades => decades(low, high, margin, most),
+        }
+    }
+}
+
+/// The share of an axis that an end moves to become a labelled tick.
+const NEAR: f64 = 0.05;
+
+fn linear(low: f64, high: f64, margin: f64, most: f64) -> Ticks {
+    let room = margin * (high - low);
+    let from = if low >= 0.0 { (low - room).max(0.0) } else { low - room };
+    let to = if high <= 0.0 { (high + room).min(0.0) } else { high + room };
+    let (step, parts) = step(to - from, most);
+    let minor = step / parts as f64;
+    // An end that is a tick but for rounding stays; one that is almost a labelled tick goes there.
+    let (first, last) = ((from / minor + 1e-6).floor() as i64, (to / minor - 1e-6).ceil() as i64);
+    let near = |ticks: i64| ticks as f64 * minor <= NEAR * (to - from);
+    let (below, above) = (first.rem_euclid(parts), (-last).rem_euclid(parts));
+    let first = if near(below) { first - below } else { first };
+    let last = if near(above) { last + above } else { last };
+    let tick = |k: i64| Tick { value: k as f64 * minor, label: (k % parts == 0).then(|| number(k / parts, step)) };
+    Ticks { from: first as f64 * minor, to: last as f64 * minor, all: (first..=last).map(tick).collect() }
+}
+
+fn integers(low: f64, high: f64, most: f64) -> Ticks {
+    let (low, high) = (low.floor(), high.ceil());
+    let step = step(high - low, most).0.max(1.0);
+    let (step, first, last) = (step as i64, low as i64, high as i64);
+    let tick = |k: i64| Tick { value: k as f64, label: (k % step == 0).then(|| number(k, 1.0)) };
+    Ticks { from: low - 0.5, to: high + 0.5, all: (first..=last).map(tick).collect() }
+}
+
+fn decades(low: f64, high: f64, margin: f64, most: f64) -> Ticks {
+    let room = margin * (high - low);
+    let (from, to) = ((low - room).floor(), (high + room).ceil());
+    let step = step(to - from, most).0.max(1.0) as i64;
+    let tick = |k: i64| Tick {
+        value: k as f64,
+        label: (k % step == 0).then(|| format!("10{}", k.to_string().chars().map(superscript).collect::<String>())),
+    };
+    Ticks { from, to, all: (from as i64..=to as i64).map(tick).collect() }
+}
+
+/// The step 1, 2 or 5 times a power of ten that divides `span` into at most about `most` parts, and
+/// into how many parts minor ticks divide the step.
+fn step(span: f64, most: f64) -> (f64, i64) {
+    let least = span / most.max(1.0);
+    let power = 10.0_f64.powf(least.log10().floor());
+    match least / power {
+        ratio if ratio <= 1.0 + 1e-9 => (power, 5),
+        ratio if ratio <= 2.0 => (2.0 * power, 4),
+        ratio if ratio <= 5.0 => (5.0 * power, 5),
+        _ => (10.0 * power, 5),
+    }
+}
+
+/// `k` steps in figures, with the digits that the step calls for.
+fn number(k: i64, step: f64) -> String {
+    if k == 0 {
+        return "0".into();
+    }
+    let value = k as f64 * step;
+    // The slack absorbs that 0.001 is no binary number.
+    let exponent = |x: f64| (x.abs().log10() + 1e-9).floor() as i32;
+    let text = if exponent(step) < -4 || exponent(value) > 4 {
+        format!("{value:.*e}", (exponent(value) - exponent(step)).max(0) as usize)
+    } else {
+        format!("{value:.*}", (-exponent(step)).max(0) as usize)
+    };
+    text.replace('-', "−")
+}
+
+fn superscript(c: char) -> char {
+    match c {
+        '1' => '¹',
+        '2' => '²',
+        '3' => '³',
+        '-' => '⁻',
+        digit => digit.to_digit(10).and_then(|digit| char::from_u32(0x2070 + digit)).unwrap_or(digit),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labels(scale: Scale, values: &[f64], most: f64) -> Vec<String> {
+        scale.ticks(values.iter().copied(), 0.0, most).all.into_iter().filter_map(|tick| tick.label).collect()
+    }
+
+    #[test]
+    fn labels_are_round_numbers() {
+        assert_eq!(labels(Scale::Linear, &[0.0, 0.1], 6.0), ["0", "0.02", "0.04", "0.06", "0.08", "0.10"]);
+        assert_eq!(labels(Scale::Linear, &[-37.0, 83.0], 7.0), ["−40", "−20", "0", "20", "40", "60", "80"]);
+        assert_eq!(labels(Scale::Linear, &[1e-6, 5e-6], 5.0), ["1e−6", "2e−6", "3e−6", "4e−6", "5e−6"]);
+        assert_eq!(labels(Scale::Integers, &[1.0, 40.0], 10.0), ["5", "10", "15", "20", "25", "30", "35", "40"]);
+        assert_eq!(labels(Scale::Integers, &[0.0, 2.0], 10.0), ["0", "1", "2"]);
+        assert_eq!(labels(Scale::Decades, &[3e-16, 2e13], 8.0), ["10⁻¹⁵", "10⁻¹⁰", "10⁻⁵", "10⁰", "10⁵", "10¹⁰"]);
+    }
+
+    #[test]
+    fn the_range_holds_the_values() {
+        for (low, high) in [(0.0, 0.1), (0.02, 1.0), (-3.7, -3.6), (-1e-9, 2e7), (5.0, 5.0), (0.0, 0.0)] {
+            for scale in [Scale::Linear, Scale::Integers] {
+                let ticks = scale.ticks([low, high].into_iter(), 0.03, 7.0);
+                let slack = 1e-6 * (ticks.to - ticks.from);
+                assert!(ticks.from <= low + slack && high <= ticks.to + slack, "{low} {high}: {ticks:?}");
+                assert!(ticks.all.iter().all(|tick| (-1e-9..=1.0 + 1e-9).contains(&ticks.share(tick.value))));
+            }
+        }
+    }
+
+    #[test]
+    fn a_margin_does_not_cross_zero() {
+        let ticks = Scale::Linear.ticks([1.0, 48.0].into_iter(), 0.05, 6.0);
+        assert_eq!((ticks.from, ticks.to), (0.0, 52.0));
+    }
+}

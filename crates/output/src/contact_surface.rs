@@ -1,0 +1,132 @@
+//! A contact surface in space at the end of an increment, seen along its normal.
+
+use stickslip::algebra::vector::{across, axis, axis_across, cross, dot, norm, plus, unit};
+use stickslip::base::units::UnitSystem;
+use stickslip::body::contact::ContactBoundary;
+use stickslip::body::model::Model;
+use stickslip::solver::history::IncrementView;
+use stickslip::solver::laws::ContactStatus;
+
+/// The nodes and facets of a boundary with contact, projected on the plane at right angles to the obstacle's normal.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactSurface {
+    /// The boundary, if the scene has contact on several.
+    pub boundary: Option<String>,
+    /// The increment, from 1.
+    pub index: usize,
+    /// The time at its end, s.
+    pub time: f64,
+    /// The two axes of the plane, unit vectors.
+    pub axes: [[f64; 3]; 2],
+    /// The nodes of the boundary.
+    pub nodes: Vec<SurfaceNode>,
+    /// The facets, by their nodes.
+    pub facets: Vec<Vec<usize>>,
+    /// The units of the picture; the numbers here are SI.
+    pub units: UnitSystem,
+}
+
+/// A node of a contact surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SurfaceNode {
+    /// The place of the node along the two axes of the map, m.
+    pub place: [f64; 2],
+    /// Normal contact stress (32), Pa.
+    pub pressure: f64,
+    /// Tangential contact stress along the axes, Pa: of the body on the obstacle.
+    pub traction: [f64; 2],
+    /// What the node does; none if supports keep it from the obstacle, or no obstacle reaches it.
+    pub status: Option<ContactStatus>,
+}
+
+impl ContactSurface {
+    /// The contact surfaces of a step, one for each boundary with contact; none in two dimensions.
+    pub fn all(model: &Model, step: &IncrementView<'_>) -> Vec<Self> {
+        let boundaries = model.contact_boundaries.iter().filter(|_| model.mesh.dimension == 3);
+        boundaries.filter_map(|boundary| Self::new(model, step, boundary)).collect()
+    }
+
+    fn new(model: &Model, step: &IncrementView<'_>, boundary: &ContactBoundary) -> Option<Self> {
+        let facets = &model.mesh.boundary(&boundary.name)?.facets;
+        let axes = axes(view(model, boundary));
+        let along = |v: [f64; 3]| axes.map(|axis| dot(axis, v));
+        let mut number = vec![None; model.mesh.nodes.len()];
+        let mut nodes = Vec::new();
+        for &node in facets.iter().flatten() {
+            number[node].get_or_insert_with(|| {
+                let place = along(model.mesh.nodes[node]);
+                nodes.push(SurfaceNode { place, pressure: 0.0, traction: [0.0; 2], status: None });
+                nodes.len() - 1
+            });
+        }
+        let state = step.state;
+        let recovered = model.recovered_tractions(state);
+        let [sigma_n, sigma_t, sigma_o] = [&state.p_n, &state.p_t, &state.p_o]
+            .map(|p| if recovered.is_none() { model.over_weights(|i| p[i]) } else { Vec::new() });
+        for &i in &boundary.nodes {
+            let contact = &model.contacts[i];
+            let [t, o] = contact.facing.tangents;
+            let node = &mut nodes[number[contact.node]?];
+            (node.pressure, node.traction) = match &recovered {
+                None => {
+                    let tangential = [0, 1, 2].map(|c| sigma_t[i] * t[c] + sigma_o[i] * o[c]);
+                    (sigma_n[i], along(tangential))
+                }
+                Some(all) => (dot(all[i], contact.facing.normal), along(across(all[i], contact.facing.normal))),
+            };
+            node.status = Some(step.statuses[i]);
+        }
+        let mut facets: Vec<Vec<usize>> =
+            facets.iter().map(|facet| facet.iter().filter_map(|&node| number[node]).collect()).collect();
+        // Of a surface that goes round the body two sides lie over each other: what is pressed is to be seen.
+        facets.sort_by_key(|facet| facet.iter().any(|&node| nodes[node].pressure > 0.0));
+        Some(ContactSurface {
+            boundary: (model.contact_boundaries.len() > 1).then(|| boundary.name.clone()),
+            index: step.record.index,
+            time: step.record.time,
+            axes,
+            facets,
+            nodes,
+            units: model.units(),
+        })
+    }
+}
+
+/// The normal of the obstacle; of several, or of contact nodes in front of a body, the mean, or the first where they surround the body.
+fn view(model: &Model, boundary: &ContactBoundary) -> [f64; 3] {
+    let normals: Vec<[f64; 3]> = match boundary.pair {
+        None => model.obstacles[boundary.obstacles.clone()].iter().map(|(obstacle, _)| obstacle.normal).collect(),
+        Some(_) => boundary.nodes.iter().map(|&i| model.contacts[i].facing.normal).collect(),
+    };
+    let [first, others @ ..] = &normals[..] else { return axis(2) };
+    let sum = others.iter().fold(*first, |sum, other| plus(sum, 1.0, *other));
+    if others.is_empty() || norm(sum) < NOTHING { *first } else { unit(sum) }
+}
+
+/// A sum of unit vectors that is shorter is none.
+const NOTHING: f64 = 1e-9;
+
+/// Two axes at right angles to `normal` and to each other, close to the positive axes of space that are most so.
+fn axes(normal: [f64; 3]) -> [[f64; 3]; 2] {
+    let steepest = (0..3).fold(0, |best, c| if normal[c].abs() > normal[best].abs() { c } else { best });
+    let [a, b] = [[1, 2], [0, 2], [0, 1]][steepest];
+    let first = axis_across(a, normal);
+    let second = cross(normal, first);
+    let sign = second[b].signum();
+    [first, second.map(|c| sign * c + 0.0)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::axes;
+
+    #[test]
+    fn coordinates_grow_to_the_right_and_upwards() {
+        let [x, y, z] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        assert_eq!([axes(z), axes([0.0, 0.0, -1.0])], [[x, y]; 2]);
+        assert_eq!([axes(x), axes([-1.0, 0.0, 0.0])], [[y, z]; 2]);
+        assert_eq!([axes(y), axes([0.0, -1.0, 0.0])], [[x, z]; 2]);
+        let [first, second] = axes([0.6, 0.0, -0.8]);
+        assert!((0..3).all(|c| (first[c] - [0.8, 0.0, 0.6][c]).abs() < 1e-15) && second == y, "{first:?} {second:?}");
+    }
+}

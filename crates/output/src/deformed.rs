@@ -1,0 +1,274 @@
+//! The deformed body as a picture: its cells, in space its surface seen from outside, displaced by so many times what they
+//! are, on the outline of the body before.
+
+use std::collections::BTreeMap;
+
+use super::colours::{draw_bar, shade};
+use super::svg::{Anchor, Colour, Dash, Line, PlotError, Svg, expect_finite};
+use stickslip::algebra::vector::{cross, dot, minus, norm, unit};
+use stickslip::base::units::{Quantity, UnitSystem};
+use stickslip::body::model::Model;
+use stickslip::run::report::deformation;
+use stickslip::run::report::von_mises;
+use stickslip::solver::history::IncrementView;
+
+/// The body at the end of an increment, as it is drawn.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DeformedBody {
+    /// The increment; 0 for the body before the first.
+    pub index: usize,
+    /// The time at its end, s.
+    pub time: f64,
+    /// How many times as long as they are displacements are drawn.
+    pub magnification: f64,
+    /// The longest displacement, m.
+    pub largest: f64,
+    /// Cells or facets, those that hide others last: the corners in the plane of the picture, m, and von Mises' stress in the
+    /// cell, Pa.
+    pub patches: Vec<(Vec<[f64; 2]>, f64)>,
+    /// The sides of the body before the deformation, in space its edges, m.
+    pub outline: Vec<[[f64; 2]; 2]>,
+    /// Where the axes of coordinates point in the picture.
+    pub axes: Vec<[f64; 2]>,
+    /// The units of the picture; the numbers here are SI.
+    pub units: UnitSystem,
+}
+
+const WIDTH: f64 = 960.0;
+const LEFT: f64 = 40.0;
+/// Right of the body: the colours and their numbers.
+const RIGHT: f64 = 150.0;
+const TOP: f64 = 104.0;
+/// Below the body: the axes.
+const BELOW: f64 = 84.0;
+const MOST_HEIGHT: f64 = 720.0;
+/// The bar of colours is at least so high.
+const LEAST_BAR: f64 = 160.0;
+const TITLE_SIZE: f64 = 18.0;
+const LABEL_SIZE: f64 = 15.0;
+
+const BLACK: Colour = [0, 0, 0];
+const MESH: Colour = [110, 110, 110];
+const BEFORE: Colour = [205, 80, 10];
+const THIN: Line = Line { dash: Dash::Solid, width: 0.6 };
+const DASHED: Line = Line { dash: Dash::Dashed, width: 1.2 };
+
+/// With more patches than this their sides would hide the colours.
+const MOST_SIDES: usize = 6000;
+
+/// The share of the body's size that the longest displacement is drawn with, about.
+const SHOWN: f64 = 0.05;
+
+/// Facets whose normals differ by more than this meet in an edge: the cosine of 30 degrees.
+const EDGE: f64 = 0.866;
+
+/// From where a body in space is seen: a little from the right and from above, with z upwards.
+const VIEWER: [f64; 3] = [0.45, -0.8, 0.4];
+
+impl DeformedBody {
+    /// The body of `model` at the end of `step`, displacements drawn `magnification` times as long: without it by 1, 2 or 5
+    /// times a power of ten, at least 1, that makes the longest about a twentieth of the body.
+    pub fn new(model: &Model, step: &IncrementView<'_>, magnification: Option<f64>) -> Self {
+        let mesh = &model.mesh;
+        let (displacements, factors) = deformation(model, step);
+        let largest = displacements.iter().map(|u| norm(*u)).fold(0.0, f64::max);
+        let magnification = magnification.unwrap_or_else(|| readable(SHOWN * mesh.size() / largest));
+        let moved = |node: usize| [0, 1, 2].map(|c| mesh.nodes[node][c] + magnification * displacements[node][c]);
+        let stresses: Vec<f64> = model.stresses(&factors, &displacements).into_iter().map(von_mises).collect();
+        let view = View::of(mesh.dimension);
+        let surface = mesh.surface();
+        let faces: Vec<(Vec<usize>, usize)> = if mesh.dimension == 2 {
+            mesh.cells.iter().enumerate().map(|(e, cell)| (cell.around(), e)).collect()
+        } else {
+            surface.clone()
+        };
+        let mut patches: Vec<(f64, Vec<[f64; 2]>, f64)> = Vec::new();
+        for (nodes, e) in faces {
+            let corners: Vec<[f64; 3]> = nodes.iter().map(|&node| moved(node)).collect();
+            if mesh.dimension == 3 && dot(normal(&corners), view.towards) <= 0.0 {
+                continue;
+            }
+            let depth = corners.iter().map(|x| dot(*x, view.towards)).sum::<f64>() / corners.len() as f64;
+            patches.push((depth, corners.iter().map(|x| view.place(*x)).collect(), stresses[e]));
+        }
+        if mesh.dimension == 3 {
+            patches.sort_by(|a, b| a.0.total_cmp(&b.0));
+        }
+        let outline = if mesh.dimension == 2 {
+            surface
+                .iter()
+                .flat_map(|(facet, _)| facet.windows(2))
+                .map(|ends| [mesh.nodes[ends[0]], mesh.nodes[ends[1]]])
+                .collect()
+        } else {
+            edges(surface.iter().map(|(facet, _)| mesh.points(facet)), view.towards)
+        };
+        let ends = |side: &[[f64; 3]; 2]| side.map(|end| view.place(end));
+        let axis = |c: usize| view.place(stickslip::algebra::vector::axis(c));
+        DeformedBody {
+            index: step.record.index,
+            time: step.record.time,
+            magnification,
+            largest,
+            patches: patches.into_iter().map(|(_, corners, stress)| (corners, stress)).collect(),
+            outline: outline.iter().map(ends).collect(),
+            axes: (0..mesh.dimension).map(axis).collect(),
+            units: model.units(),
+        }
+    }
+
+    /// The picture as SVG: colours are von Mises' stress in the cells, dashes the body before.
+    ///
+    /// # Errors
+    /// When a place or a stress is not finite.
+    pub fn to_svg(&self, title: &str) -> Result<String, PlotError> {
+        let corners = || self.patches.iter().flat_map(|(corners, _)| corners).chain(self.outline.iter().flatten());
+        expect_finite(corners().flatten().copied())?;
+        expect_finite(self.patches.iter().map(|(_, stress)| *stress))?;
+        let bound = |c: usize| {
+            corners().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x[c]), high.max(x[c])))
+        };
+        let [(left, right), (low, high)] = [bound(0), bound(1)];
+        let scale = ((WIDTH - LEFT - RIGHT) / (right - left)).min(MOST_HEIGHT / (high - low));
+        let start = LEFT + 0.5 * (WIDTH - LEFT - RIGHT - scale * (right - left));
+        let bottom = TOP + scale * (high - low);
+        let at = |[x, y]: [f64; 2]| [start + scale * (x - left), bottom - scale * (y - low)];
+        // A flat body leaves the colours their room.
+        let floor = bottom.max(TOP + LEAST_BAR);
+        let mut svg = Svg::new([WIDTH, floor + BELOW]);
+        svg.text([0.5 * WIDTH, 24.0], title, TITLE_SIZE, Anchor::Bold);
+        let shown = match self.magnification {
+            1.0 => "as they are".to_string(),
+            factor => format!("magnified {factor} times"),
+        };
+        let units = self.units.of_pictures();
+        let (largest, unit) = (units.of_si(Quantity::Length, self.largest), units.name(Quantity::Length));
+        let subtitle = format!("t = {} s, displacements {shown}, {largest:.3e} {unit} at most", self.time);
+        svg.text([0.5 * WIDTH, 48.0], &subtitle, LABEL_SIZE, Anchor::Middle);
+        let most = self.patches.iter().map(|(_, stress)| *stress).fold(0.0, f64::max);
+        for (corners, stress) in &self.patches {
+            let corners: Vec<[f64; 2]> = corners.iter().map(|corner| at(*corner)).collect();
+            svg.tile(&corners, shade(if most > 0.0 { stress / most } else { 0.0 }));
+            if self.patches.len() <= MOST_SIDES {
+                let around: Vec<[f64; 2]> = corners.iter().chain(&corners[..1]).copied().collect();
+                svg.line(&around, THIN, MESH);
+            }
+        }
+        for side in &self.outline {
+            svg.line(&side.map(at), DASHED, BEFORE);
+        }
+        svg.line(&[[0.5 * WIDTH - 80.0, 76.0], [0.5 * WIDTH - 44.0, 76.0]], DASHED, BEFORE);
+        svg.text([0.5 * WIDTH - 36.0, 76.0], "before the deformation", LABEL_SIZE, Anchor::Start);
+        let label = format!("von Mises, {}", units.name(Quantity::Stress));
+        let most = units.of_si(Quantity::Stress, most);
+        draw_bar(&mut svg, WIDTH - RIGHT + 30.0, [TOP, floor], most, &label);
+        self.draw_axes(&mut svg, [LEFT + 20.0, floor + BELOW - 30.0]);
+        Ok(svg.finish())
+    }
+
+    fn draw_axes(&self, svg: &mut Svg, [x, y]: [f64; 2]) {
+        for (name, [right, up]) in ["x", "y", "z"].into_iter().zip(&self.axes) {
+            let end = |length: f64| [x + length * right, y - length * up];
+            svg.line(&[[x, y], end(32.0)], Line { width: 1.4, ..THIN }, BLACK);
+            svg.text(end(44.0), name, LABEL_SIZE, Anchor::Middle);
+        }
+    }
+}
+
+/// The plane of the picture.
+struct View {
+    right: [f64; 3],
+    up: [f64; 3],
+    towards: [f64; 3],
+}
+
+impl View {
+    fn of(dimension: usize) -> Self {
+        let [x, y, z] = [0, 1, 2].map(stickslip::algebra::vector::axis);
+        if dimension == 2 {
+            return View { right: x, up: y, towards: z };
+        }
+        let towards = unit(VIEWER);
+        let right = unit(cross(z, towards));
+        View { right, up: cross(towards, right), towards }
+    }
+
+    fn place(&self, x: [f64; 3]) -> [f64; 2] {
+        [dot(x, self.right), dot(x, self.up)]
+    }
+}
+
+/// The normal of a facet, of any length.
+fn normal(corners: &[[f64; 3]]) -> [f64; 3] {
+    let n = corners.len();
+    // Of a quadrilateral the diagonals span it.
+    cross(minus(corners[n / 2], corners[0]), minus(corners[n - 1], corners[1]))
+}
+
+/// A side of facets, and the normals of these.
+struct Joint {
+    ends: [[f64; 3]; 2],
+    normals: Vec<[f64; 3]>,
+}
+
+impl Joint {
+    /// Whether the facets meet at an angle, or there is one only.
+    fn is_edge(&self) -> bool {
+        self.normals.len() == 1 || self.normals.windows(2).any(|pair| dot(pair[0], pair[1]) < EDGE)
+    }
+}
+
+/// The edges of a surface of `facets`, as far as one of the facets that meet there is seen.
+fn edges(facets: impl Iterator<Item = Vec<[f64; 3]>>, towards: [f64; 3]) -> Vec<[[f64; 3]; 2]> {
+    let mut joints: BTreeMap<[[u64; 3]; 2], Joint> = BTreeMap::new();
+    for corners in facets {
+        let outward = unit(normal(&corners));
+        for (k, &a) in corners.iter().enumerate() {
+            let ends = [a, corners[(k + 1) % corners.len()]];
+            let mut key = ends.map(|x| x.map(f64::to_bits));
+            key.sort_unstable();
+            joints.entry(key).or_insert(Joint { ends, normals: Vec::new() }).normals.push(outward);
+        }
+    }
+    let seen = |joint: &Joint| joint.normals.iter().any(|normal| dot(*normal, towards) > 0.0);
+    joints.into_values().filter(|joint| joint.is_edge() && seen(joint)).map(|joint| joint.ends).collect()
+}
+
+/// The largest 1, 2 or 5 times a power of ten up to `most`, but 1 at least; 1 for a body that has not moved.
+fn readable(most: f64) -> f64 {
+    if !most.is_finite() || most < 1.0 {
+        return 1.0;
+    }
+    // The slack absorbs that logarithms of powers of ten are rounded.
+    let power = 10.0_f64.powf((most.log10() + 1e-12).floor());
+    [5.0, 2.0].map(|k| k * power).into_iter().find(|&k| k <= most).unwrap_or(power)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn factors_can_be_read() {
+        let cases = [(0.3, 1.0), (1.0, 1.0), (1.9, 1.0), (2.0, 2.0), (49.0, 20.0), (50.0, 50.0), (1000.0, 1000.0)];
+        assert!(cases.into_iter().all(|(most, factor)| readable(most) == factor));
+        assert_eq!([f64::INFINITY, f64::NAN].map(readable), [1.0; 2]);
+    }
+
+    /// x points to the right, y away, z upwards.
+    #[test]
+    fn a_body_in_space_stands_upright() {
+        let view = View::of(3);
+        let [x, y, z] = [0, 1, 2].map(|c| view.place(stickslip::algebra::vector::axis(c)));
+        assert!(x[0] > 0.5 && y[0] > 0.0 && z[0].abs() < 1e-15 && z[1] > 0.5 && y[1] > 0.0);
+        assert!((dot(cross(view.right, view.up), view.towards) - 1.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_cube_shows_the_edges_of_three_faces() {
+        let corner = |k: usize| [k & 1, k >> 1 & 1, k >> 2].map(|c| c as f64);
+        let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let facets = faces.into_iter().map(|face: [usize; 4]| face.map(corner).to_vec());
+        assert_eq!(edges(facets, View::of(3).towards).len(), 9);
+    }
+}

@@ -1,0 +1,189 @@
+//! A folder before a run writes there: whose it is, and what was left in it.
+
+use std::io::{self, Read};
+use std::path::Path;
+
+use super::directory::{Directory, Locked};
+use super::kept::Kept;
+use super::names::{CHECKPOINT, is_ours};
+use super::results::ResultFolder;
+use super::series::Series;
+use super::table::Table;
+use crate::{file_names, increments, lists};
+use stickslip::body::model::Model;
+use stickslip::run::report::ProbeTable;
+use stickslip::scene::Origin;
+use stickslip::solver::checkpoint::{Checkpoint, CheckpointError};
+use stickslip::solver::history::Status;
+
+/// A folder that is locked, before anything is written there.
+#[derive(Debug)]
+pub struct Claim {
+    place: Locked,
+    kept: Option<(Checkpoint, Kept)>,
+}
+
+impl Claim {
+    /// Makes the folder if need be, and locks it: nobody else writes there as long as this lives, or the folder that comes of it.
+    ///
+    /// # Errors
+    /// When the folder cannot be made or written, when another run writes there ([`io::ErrorKind::ResourceBusy`]), and when it holds files
+    /// with the names of results that no run wrote.
+    pub fn new(path: &Path) -> io::Result<Self> {
+        let place = Locked::open(path, may_take)?;
+        refuse_folders(&place.directory)?;
+        let kept = place.directory.read(CHECKPOINT).and_then(|mut file| {
+            let mut bytes = Vec::new();
+            file.read_to_end(&mut bytes).map(|_| bytes)
+        });
+        let kept = match kept {
+            Ok(bytes) => {
+                Checkpoint::from_bytes(&bytes).and_then(|checkpoint| Ok((checkpoint.part(2)?, checkpoint))).ok()
+            }
+            Err(error) if error.kind() == io::ErrorKind::NotFound => None,
+            Err(error) => return Err(error),
+        };
+        Ok(Claim { place, kept: kept.map(|(kept, checkpoint)| (checkpoint, kept)) })
+    }
+
+    /// Where the folder is.
+    pub fn path(&self) -> &Path {
+        self.place.directory.path()
+    }
+
+    /// The report that is there.
+    ///
+    /// # Errors
+    /// When there is none.
+    pub fn report(&self) -> io::Result<impl Read> {
+        self.place.directory.read("run.json")
+    }
+
+    /// Where a run was left here, if one was; what it was of; its linear algebra, by its word; and its verdict, if it came to
+    /// its end.
+    pub fn left(&self) -> Option<(&Checkpoint, &Origin, &str, Option<Status>)> {
+        let (checkpoint, kept) = self.kept.as_ref()?;
+        Some((checkpoint, &kept.origin, &kept.linear, kept.ended))
+    }
+
+    /// The first of the files of a run that came to its end here that is gone, or shorter than the run has left it.
+    pub fn lacks(&self) -> Option<&str> {
+        let (_, kept) = self.kept.as_ref().filter(|(_, kept)| kept.ended.is_some())?;
+        let is_short = |name: &str, length| self.place.directory.length(name).map_or(true, |now| now < length);
+        kept.files.iter().find(|(name, length)| is_short(name, *length)).map(|(name, _)| name.as_str())
+    }
+
+    /// The folder of a new run of `model`. How files are called is settled here, before anything is solved. `origin` and `linear` say
+    /// what may go on from it.
+    ///
+    /// # Errors
+    /// When the disk refuses.
+    pub fn begin(
+        self,
+        model: &Model,
+        probes: Vec<ProbeTable>,
+        origin: Origin,
+        linear: String,
+    ) -> io::Result<ResultFolder> {
+        let mut place = self.place;
+        let several = model.contact_boundaries.iter().any(|boundary| boundary.obstacles.len() > 1);
+        let mut table = |name: &str, header: &str| Table::new(name, place.table(name)?, header);
+        let increments = table("increments.csv", &increments::header())?;
+        let forces = table("forces.csv", &increments::forces_header(model.mesh.dimension, several))?;
+        let names = file_names::file_names(probes.iter().map(|probe| probe.name.as_str()));
+        let probes = probes.into_iter().zip(names).map(|(probe, name)| {
+            let file = table(&format!("probe_{name}.csv"), &probe.header())?;
+            Ok((probe, file))
+        });
+        let probes = probes.collect::<io::Result<_>>()?;
+        let lists = [table(lists::FILES[0], "")?, table(lists::FILES[1], "")?, table(lists::FILES[2], "")?];
+        Ok(ResultFolder {
+            place,
+            units: model.units(),
+            increments,
+            forces,
+            events: None,
+            boundaries: names_of_boundaries(model),
+            probes,
+            lists,
+            fields: Series::default(),
+            can_be_taken_up: false,
+            of: (origin, linear),
+        })
+    }
+
+    /// The folder of the run of `model` that was left here: its tables as they were at the checkpoint.
+    ///
+    /// # Errors
+    /// When the disk refuses, and [`CheckpointError::Damaged`] when a table is shorter than it was, or not there.
+    pub fn resume(self, model: &Model, probes: Vec<ProbeTable>) -> io::Result<ResultFolder> {
+        let Claim { mut place, kept } = self;
+        let (_, Kept { origin, linear, files, fields, .. }) = kept.ok_or_else(damaged)?;
+        place.go_on();
+        let table = |name: &str| {
+            let length =
+                files.iter().find(|(known, _)| known == name).map(|(_, length)| *length).ok_or_else(damaged)?;
+            let table = place.directory.edit(name, false).and_then(|file| Table::cut(name, file, length));
+            table.map_err(|error| io::Error::new(error.kind(), format!("{name}: {error}")))
+        };
+        let (increments, forces) = (table("increments.csv")?, table("forces.csv")?);
+        let events = files.iter().any(|(name, _)| name == "events.csv").then(|| table("events.csv")).transpose()?;
+        let names = file_names::file_names(probes.iter().map(|probe| probe.name.as_str()));
+        let probes =
+            probes.into_iter().zip(names).map(|(probe, name)| Ok((probe, table(&format!("probe_{name}.csv"))?)));
+        let probes = probes.collect::<io::Result<_>>()?;
+        let lists = [table(lists::FILES[0])?, table(lists::FILES[1])?, table(lists::FILES[2])?];
+        // What it says is no longer true from here on.
+        place.directory.remove("run.json")?;
+        let fields = Series::resumed(fields, &mut place)?;
+        Ok(ResultFolder {
+            place,
+            units: model.units(),
+            increments,
+            forces,
+            events,
+            boundaries: names_of_boundaries(model),
+            probes,
+            lists,
+            fields,
+            can_be_taken_up: true,
+            of: (origin, linear),
+        })
+    }
+}
+
+fn names_of_boundaries(model: &Model) -> Vec<(String, String)> {
+    let boundaries = || model.contact_boundaries.iter().map(|boundary| boundary.name.as_str());
+    boundaries().map(String::from).zip(file_names::file_names(boundaries())).collect()
+}
+
+fn damaged() -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidData, CheckpointError::Damaged)
+}
+
+/// An error where files with the names of results are there, and no run wrote them. Runs of earlier versions left no marker, but
+/// this table.
+fn may_take(directory: &Directory) -> io::Result<()> {
+    refuse_folders(directory)?;
+    let names = directory.names()?;
+    let Some((first, _)) = names.iter().find(|(name, _)| is_ours(name)) else { return Ok(()) };
+    let mut found = vec![0; increments::FIRST_COLUMNS.len()];
+    let read = directory.read("increments.csv").and_then(|mut file| file.read_exact(&mut found));
+    if read.is_ok() && found == increments::FIRST_COLUMNS.as_bytes() {
+        return Ok(());
+    }
+    let message =
+        format!("{} is there already, and no run of stickslip wrote it", directory.path().join(first).display());
+    Err(io::Error::new(io::ErrorKind::AlreadyExists, message))
+}
+
+/// An error where a folder has the name of a file of results.
+fn refuse_folders(directory: &Directory) -> io::Result<()> {
+    let names = directory.names()?;
+    let Some((name, _)) = names.iter().find(|(name, is_folder)| *is_folder && (is_ours(name) || name == CHECKPOINT))
+    else {
+        return Ok(());
+    };
+    let message = format!("{} is a folder, where a file of results goes", directory.path().join(name).display());
+    Err(io::Error::new(io::ErrorKind::AlreadyExists, message))
+}

@@ -1,0 +1,139 @@
+//! The files of fields: one for an increment, or where ranks share the body one for each of them, and the series of all.
+
+use std::collections::BTreeSet;
+use std::fmt::Display;
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+
+use super::directory::Locked;
+use super::names::{self, SERIES};
+use crate::vtu::Grid;
+use crate::{pvd, pvtu};
+
+/// What stands for each increment, with its time, s.
+#[derive(Debug, Default)]
+pub(super) struct Series(Vec<(f64, String)>);
+
+impl Series {
+    /// That of a run which goes on. What was written after its checkpoint goes, what names files before these: other ranks have other parts, which
+    /// must not be taken for those of the same whole.
+    pub(super) fn resumed(files: Vec<(f64, String)>, place: &mut Locked) -> io::Result<Self> {
+        let series = Series(files);
+        let kept: BTreeSet<&str> = series.0.iter().filter_map(|(_, name)| names::increment_of_fields(name)).collect();
+        let names = place.directory.names()?.into_iter().map(|(name, _)| name);
+        let is_late = |name: &String| names::increment_of_fields(name).is_some_and(|number| !kept.contains(number));
+        let mut late: Vec<String> = names.filter(is_late).collect();
+        late.sort_by_key(|name| !names::names_pieces(name));
+        if !late.is_empty() {
+            series.write(place)?;
+        }
+        late.iter().try_for_each(|name| place.directory.remove(name))?;
+        Ok(series)
+    }
+
+    /// What stands for each increment, with its time, s.
+    pub(super) fn files(&self) -> &[(f64, String)] {
+        &self.0
+    }
+
+    /// Writes the fields at the end of increment `index`, at `time` (s). No text is ever there as a whole.
+    pub(super) fn add(&mut self, place: &mut Locked, index: usize, time: f64, grid: &Grid) -> io::Result<()> {
+        let pieces: Vec<(String, i32)> =
+            grid.ranks().into_iter().map(|rank| (names::piece(index, rank), rank)).collect();
+        let name = if pieces.is_empty() {
+            let name = names::fields(index);
+            place.write(&name, |file| write_text(file, grid))?;
+            name
+        } else {
+            place.write_each(&pieces, |rank, file| write_text(file, &grid.part(*rank)))?;
+            let name = names::pieces(index);
+            let text = pvtu::parallel(grid, pieces.iter().map(|(name, _)| name.as_str()));
+            place.write(&name, |file| write_text(file, &text))?;
+            name
+        };
+        self.0.push((time, name));
+        self.write(place)
+    }
+
+    fn write(&self, place: &mut Locked) -> io::Result<()> {
+        place.write(SERIES, |file| write_text(file, &pvd::series(&self.0)))
+    }
+}
+
+fn write_text(file: &mut File, text: &impl Display) -> io::Result<()> {
+    let mut file = BufWriter::new(file);
+    write!(file, "{text}")?;
+    file.flush()
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::part::tests::squares;
+
+    /// What is there of fields, ascending.
+    fn there(place: &Locked) -> Vec<String> {
+        let mut names: Vec<String> = place.directory.names().unwrap().into_iter().map(|(name, _)| name).collect();
+        names.retain(|name| name.starts_with("fields"));
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn a_run_goes_on_with_another_number_of_ranks() {
+        let path = std::env::temp_dir().join(format!("stickslip-series-{}", std::process::id()));
+        let mut place = Locked::open(&path, |_| Ok(())).unwrap();
+        place.go_on();
+        let shared = squares();
+        let mut alone = squares();
+        alone.cell_fields.pop();
+
+        let mut series = Series::default();
+        series.add(&mut place, 1, 0.5, &shared).unwrap();
+        let kept = series.files().to_vec();
+        series.add(&mut place, 2, 1.0, &shared).unwrap();
+        let parts = |index: usize| [names::pieces(index), names::piece(index, 0), names::piece(index, 2)];
+        let [series_and_first, second] = [[&parts(1)[..], &[SERIES.to_string()]].concat(), parts(2).to_vec()];
+        let sorted = |names: &[&[String]]| {
+            let mut names = names.concat();
+            names.sort();
+            names
+        };
+        assert_eq!(there(&place), sorted(&[&series_and_first, &second]));
+
+        // The checkpoint is of the first increment: the second is done again, by one process.
+        let mut series = Series::resumed(kept.clone(), &mut place).unwrap();
+        assert_eq!(there(&place), sorted(&[&series_and_first]));
+        let text = || std::fs::read_to_string(path.join(SERIES)).unwrap();
+        assert!(text().contains("fields_0001.pvtu") && !text().contains("fields_0002"), "{}", text());
+        series.add(&mut place, 2, 1.0, &alone).unwrap();
+        assert_eq!(there(&place), sorted(&[&series_and_first, &[names::fields(2)]]));
+        assert!(text().contains("fields_0001.pvtu") && text().contains("fields_0002.vtu"), "{}", text());
+
+        // And the other way round.
+        let mut series = Series::resumed(kept, &mut place).unwrap();
+        series.add(&mut place, 2, 1.0, &shared).unwrap();
+        assert_eq!(there(&place), sorted(&[&series_and_first, &second]));
+        drop(place);
+        std::fs::remove_dir_all(path).unwrap();
+    }
+
+    #[test]
+    fn a_part_that_cannot_be_written_is_named_nowhere() {
+        let path = std::env::temp_dir().join(format!("stickslip-series-fails-{}", std::process::id()));
+        let mut place = Locked::open(&path, |_| Ok(())).unwrap();
+        place.go_on();
+        let mut series = Series::default();
+        series.add(&mut place, 1, 0.5, &squares()).unwrap();
+        // No file takes the place of a folder.
+        std::fs::create_dir(path.join(names::piece(2, 2))).unwrap();
+        series.add(&mut place, 2, 1.0, &squares()).unwrap_err();
+        assert!(!path.join(names::pieces(2)).exists());
+        let text = std::fs::read_to_string(path.join(SERIES)).unwrap();
+        assert!(text.contains("fields_0001.pvtu") && !text.contains("fields_0002"), "{text}");
+        assert_eq!(series.files().len(), 1);
+        drop(place);
+        std::fs::remove_dir_all(path).unwrap();
+    }
+}

@@ -1,0 +1,120 @@
+//! A history as charts: the forces on the obstacles over time, and the iterations that each increment took.
+
+use super::chart::{Axis, Chart, Curve, Panel, Scale};
+use super::svg::{Dash, Line, Marker};
+use stickslip::base::units::Quantity;
+use stickslip::run::report::RunReport;
+use stickslip::run::report::Thinned;
+use stickslip::run::report::{ForceCurves, HistoryCurves};
+
+const BLACK: [u8; 3] = [0, 0, 0];
+const COMPONENTS: [(&str, [u8; 3], Dash); 3] = [
+    ("along x", [200, 50, 32], Dash::Solid),
+    ("along y", [0, 90, 181], Dash::Dashed),
+    ("along z", [20, 130, 60], Dash::DashDotted),
+];
+
+/// With more increments than this a marker for each hides the line.
+const MOST_MARKERS: usize = 60;
+
+/// Up to this count each number has a tick of its own.
+const MOST_TICKS: usize = 300;
+const MOST_TICKS_UPWARDS: usize = 60;
+
+/// The charts of a report, each with the stem of a file name: `forces`, if contact forces were found, and `iterations`, if there
+/// was any increment.
+pub fn history_charts(report: &RunReport) -> Vec<(&'static str, Chart)> {
+    let mut charts = Vec::new();
+    if !report.curves.boundaries.is_empty() {
+        charts.push(("forces", forces(report)));
+    }
+    if report.curves.increments > 0 {
+        charts.push(("iterations", iterations(report)));
+    }
+    charts
+}
+
+fn few(report: &RunReport, marker: Marker) -> Option<Marker> {
+    (report.curves.increments <= MOST_MARKERS).then_some(marker)
+}
+
+/// The force of the body on the obstacle in front of each boundary, from the undeformed body on.
+fn forces(report: &RunReport) -> Chart {
+    let boundaries = &report.curves.boundaries;
+    let told = |[time, force]: [f64; 2]| [time, report.units.of_si(Quantity::Force, force)];
+    let panel = |of: &ForceCurves| {
+        let curve = |((label, colour, dash), component): ((&str, [u8; 3], Dash), &Thinned)| Curve {
+            label: label.to_string(),
+            points: [[0.0, 0.0]].into_iter().chain(component.points().into_iter().map(told)).collect(),
+            line: Some(Line { dash, width: 1.8 }),
+            marker: few(report, Marker::Disc),
+            colour,
+        };
+        let curves = COMPONENTS.into_iter().zip(&of.components).map(curve).collect();
+        Panel { title: if boundaries.len() > 1 { of.boundary.clone() } else { String::new() }, curves }
+    };
+    let unit = match (report.units.per_depth, report.units.is_si()) {
+        (true, true) => "N per m of depth".to_string(),
+        _ => report.units.name(Quantity::Force),
+    };
+    Chart {
+        title: report.title.clone(),
+        subtitle: match &boundaries[..] {
+            [ForceCurves { boundary, opposite: Some(of), .. }] => format!("force of {boundary} on {of}"),
+            [ForceCurves { boundary, .. }] => format!("force of the body on the obstacle at {boundary}"),
+            _ if boundaries.iter().any(|of| of.opposite.is_some()) => {
+                "force of the body on what is in front of each boundary".to_string()
+            }
+            _ => "force of the body on the obstacle at each boundary".to_string(),
+        },
+        x: Axis { label: "time, s".into(), scale: Scale::Linear },
+        y: Axis { label: format!("force, {unit}"), scale: Scale::Linear },
+        columns: if boundaries.len() > 1 { 2 } else { 1 },
+        panels: boundaries.iter().map(panel).collect(),
+    }
+}
+
+/// The scale of counts up to `highest`.
+fn counts(highest: usize, most_ticks: usize) -> Scale {
+    if highest > most_ticks { Scale::Linear } else { Scale::Integers }
+}
+
+/// Iterations and shortened steps of each increment.
+fn iterations(report: &RunReport) -> Chart {
+    let line = |label: &str, dash, colour, marker, of: &Thinned| Curve {
+        label: label.into(),
+        points: of.points(),
+        line: Some(Line { dash, width: 1.6 }),
+        marker: few(report, marker),
+        colour,
+    };
+    let mark = |label: &str, marker, of: &Thinned| Curve {
+        label: label.into(),
+        points: of.points(),
+        line: None,
+        marker: Some(marker),
+        colour: [200, 50, 32],
+    };
+    let HistoryCurves { increments, iterations, backtracks, failed, halved, rescued, .. } = &report.curves;
+    let mut curves = vec![
+        mark("did not converge", Marker::Circle, failed),
+        mark("halved", Marker::Square, halved),
+        mark("solved by ip", Marker::Triangle, rescued),
+        line("iterations", Dash::Solid, BLACK, Marker::Disc, iterations),
+        line("shortened steps", Dash::Dashed, [0, 90, 181], Marker::Circle, backtracks),
+    ];
+    curves.retain(|curve| curve.points.iter().any(|point| point[1] > 0.0));
+    let highest = curves.iter().flat_map(|curve| &curve.points).map(|point| point[1]).fold(0.0, f64::max);
+    let totals = &report.totals;
+    Chart {
+        title: report.title.clone(),
+        subtitle: format!(
+            "{} {}, {}: {} iterations, {} factorisations",
+            report.method, report.setting, report.solver, totals.iterations, totals.factorizations
+        ),
+        x: Axis { label: "increment".into(), scale: counts(*increments, MOST_TICKS) },
+        y: Axis { label: "linear systems, steps".into(), scale: counts(highest as usize, MOST_TICKS_UPWARDS) },
+        columns: 1,
+        panels: vec![Panel { title: String::new(), curves }],
+    }
+}

@@ -1,0 +1,110 @@
+//! The tables that grow with the increments, comma-separated: a line for each, and one for each force.
+
+use stickslip::base::units::UnitSystem;
+use stickslip::body::model::Model;
+use stickslip::run::report::csv::{self, number};
+use stickslip::run::report::quantities::cell;
+use stickslip::run::report::{Acting, BalanceRecord};
+use stickslip::run::report::{ComponentSums, ForceRecord, OnObstacle, Resultant};
+use stickslip::solver::events::Event;
+use stickslip::solver::history::IncrementRecord;
+
+/// What the table of every version begins with: by that a run knows the folder of an earlier one.
+pub(super) const FIRST_COLUMNS: &str = "index,time,status,iterations,backtracks,theta,";
+
+/// The header of the table.
+pub(super) fn header() -> String {
+    let kkt = ["equilibrium", "penetration", "tension", "complementarity", "cone", "dissipation"];
+    let fields = [
+        &kkt[..],
+        &["backward_error", "open", "stick", "slip"],
+        &["seconds_assembly", "seconds_factorization", "seconds_solve", "seconds_rest"],
+        &["parts", "rescued", "friction_work", "strain_energy"],
+    ];
+    format!("{FIRST_COLUMNS}{}\n", fields.concat().join(","))
+}
+
+/// The line of an increment.
+pub(super) fn line(record: &IncrementRecord, units: &UnitSystem) -> String {
+    let r = record;
+    let mut fields = vec![
+        r.index.to_string(),
+        number(r.time),
+        r.status.to_string(),
+        r.iterations.to_string(),
+        r.backtracks.to_string(),
+        number(r.theta),
+    ];
+    fields.extend(r.kkt.components().map(|(_, value)| number(value)));
+    fields.push(number(r.backward_error));
+    fields.extend([r.contact.open, r.contact.stick, r.contact.slip].map(|count| count.to_string()));
+    let s = r.seconds;
+    fields.extend([s.assembly, s.factorization, s.solve, s.rest].map(|seconds| format!("{seconds:.6}")));
+    fields.extend([r.parts.to_string(), r.rescued.to_string()]);
+    fields.push(cell(units, "friction_work", r.friction_work));
+    fields.push(cell(units, "strain_energy", r.strain_energy));
+    csv::line(&fields)
+}
+
+/// The header of the table of events in so many dimensions.
+pub(super) fn events_header(dimension: usize) -> String {
+    csv::table(
+        &[&["time", "index", "node"], &["x", "y", "z"][..dimension], &["from", "to"]].concat(),
+        std::iter::empty(),
+    )
+}
+
+/// The line of a contact node that changes its status in increment `index`.
+pub(super) fn event_line(model: &Model, index: usize, event: &Event) -> String {
+    let node = model.contacts.get(event.node).map_or(0, |contact| contact.node);
+    let position = &model.mesh.nodes[node][..model.mesh.dimension];
+    let mut fields = vec![number(event.time), index.to_string(), node.to_string()];
+    fields.extend(["x", "y", "z"].into_iter().zip(position).map(|(column, x)| cell(&model.units(), column, *x)));
+    fields.extend([event.from.to_string(), event.to.to_string()]);
+    csv::line(&fields)
+}
+
+/// The header of the table of forces, for so many dimensions, and for obstacles of which `several` are in front of a boundary.
+pub(super) fn forces_header(dimension: usize, several: bool) -> String {
+    let obstacle: &[&str] = if several { &["obstacle"] } else { &[] };
+    let header = [&["index", "time", "boundary"], force_columns(dimension), &["kind", "balance"], obstacle].concat();
+    csv::table(&header, std::iter::empty())
+}
+
+/// The columns of force, moment and sums of components.
+fn force_columns(dimension: usize) -> &'static [&'static str] {
+    match dimension {
+        2 => &["f_x", "f_y", "m_z", "sum_p_n", "sum_p_t"],
+        _ => &["f_x", "f_y", "f_z", "m_x", "m_y", "m_z", "sum_p_n", "sum_p_t", "sum_p_o"],
+    }
+}
+
+/// The lines of an increment: the forces on the obstacles in front of each boundary, and on each of several, then those of supports,
+/// springs and loads on the body.
+pub(super) fn forces_lines(contact: &[ForceRecord], balance: &BalanceRecord, units: &UnitSystem) -> String {
+    let BalanceRecord { index, time, supports, springs, loads, balance, .. } = balance;
+    let several = contact.iter().any(|record| !record.resultant.obstacles.is_empty());
+    let line = |at: &str, force: &[f64], moment: &[f64], sums: [Option<f64>; 3], kind: &str, obstacle: &str| {
+        let numbers = force.iter().chain(moment).copied().map(Some).chain(sums);
+        let numbers = force_columns(force.len()).iter().zip(numbers);
+        let mut fields = vec![index.to_string(), number(*time), at.to_string()];
+        fields.extend(numbers.map(|(column, x)| x.map_or(String::new(), |x| cell(units, column, x))));
+        fields.extend([kind.to_string(), number(*balance)]);
+        fields.extend(several.then(|| obstacle.to_string()));
+        csv::line(&fields)
+    };
+    let components = |sums: &ComponentSums| [Some(sums.sum_p_n), Some(sums.sum_p_t), sums.sum_p_o];
+    let on_each =
+        |at: &str, on: &OnObstacle| line(at, &on.force, &on.moment, components(&on.sums), "obstacle", &on.obstacle);
+    let on_obstacle = |record: &ForceRecord| {
+        let Resultant { boundary, force, moment, sums, obstacles, opposite } = &record.resultant;
+        let all = line(boundary, force, moment, components(sums), "contact", "");
+        let other_side = opposite.iter().map(|of| line(&of.boundary, &of.force, &of.moment, [None; 3], "opposite", ""));
+        [all].into_iter().chain(other_side).chain(obstacles.iter().map(|on| on_each(boundary, on))).collect::<String>()
+    };
+    let mut lines: String = contact.iter().map(on_obstacle).collect();
+    for (kind, acting) in [("support", supports), ("spring", springs), ("load", loads)] {
+        lines.extend(acting.iter().map(|Acting { at, force, moment }| line(at, force, moment, [None; 3], kind, "")));
+    }
+    lines
+}

@@ -1,0 +1,56 @@
+//! What a run leaves on the disk: its folder, tables, fields for ParaView, charts and maps.
+
+mod chart;
+mod colours;
+mod contact_surface;
+mod deformed;
+mod disk;
+mod fields;
+mod file_names;
+mod folder;
+mod history_chart;
+mod increments;
+mod lists;
+mod map;
+mod part;
+mod plot;
+mod pvd;
+mod pvtu;
+#[cfg(feature = "schema")]
+mod schema;
+mod svg;
+mod table;
+mod vtu;
+
+pub use chart::{Axis, Chart, Curve, Panel, Scale, told_apart};
+pub use contact_surface::{ContactSurface, SurfaceNode};
+pub use deformed::DeformedBody;
+pub use disk::bytes_on_disk;
+pub use fields::fields;
+pub use folder::{Claim, FolderLock, ResultFolder, write_file};
+pub use history_chart::history_charts;
+pub use plot::{contact_stresses, stress_chart};
+pub use pvd::series as pvd_series;
+#[cfg(feature = "schema")]
+pub use schema::run_schema;
+#[cfg(feature = "schema")]
+pub use schema::schema_of;
+pub use svg::{Dash, Line, Marker, PlotError};
+pub use table::Table;
+pub use vtu::{Field, Grid, Values};
+
+#[cfg(test)]
+mod tests {
+    use super::{fields, increments};
+    use stickslip::run::report::quantities::is_known;
+
+    /// A column or field without a quantity would be written in SI units, whatever its neighbours are written in.
+    #[test]
+    fn every_column_and_field_has_its_quantity() {
+        let headers = [increments::header(), increments::forces_header(2, true), increments::forces_header(3, true)];
+        let columns = headers.iter().flat_map(|header| header.trim_end().split(','));
+        for name in columns.chain(fields::NAMES) {
+            assert!(is_known(name), "{name}");
+        }
+    }
+}

@@ -1,0 +1,176 @@
+//! A contact surface as a picture: patches coloured by pressure, arrows for the tangential traction, borders between what
+//! sticks, slips and is open.
+
+mod key;
+mod view;
+
+use std::collections::BTreeMap;
+
+use super::colours::shade;
+use super::svg::{Anchor, Colour, Dash, Line, Marker, PlotError, Svg, expect_finite};
+use crate::{ContactSurface, SurfaceNode};
+use stickslip::base::units::Quantity;
+use stickslip::solver::laws::ContactStatus;
+use view::View;
+
+const WIDTH: f64 = 960.0;
+
+const TITLE_SIZE: f64 = 18.0;
+const LABEL_SIZE: f64 = 15.0;
+const NUMBER_SIZE: f64 = 13.5;
+
+const BLACK: Colour = [0, 0, 0];
+const GREY: Colour = [120, 120, 120];
+const WHITE: Colour = [255, 255, 255];
+const HELD: Colour = [196, 196, 196];
+const TANGENTIAL: Colour = [205, 80, 10];
+
+const THIN: Line = Line { dash: Dash::Solid, width: 1.0 };
+
+impl ContactSurface {
+    /// The surface as an SVG picture: the part that is in contact and a little around it. A patch is a node's share of
+    /// its facets; its colour is the pressure there. Arrows are the traction of the body on the obstacle.
+    ///
+    /// # Errors
+    /// When a stress is not finite.
+    pub fn to_svg(&self, title: &str) -> Result<String, PlotError> {
+        let values = self.nodes.iter().flat_map(|node| [node.pressure, node.traction[0], node.traction[1]]);
+        expect_finite(values)?;
+        let surface = self.in_units();
+        let view = View::new(&surface);
+        let mut svg = Svg::new([WIDTH, view.end()]);
+        svg.text([0.5 * WIDTH, 24.0], title, TITLE_SIZE, Anchor::Bold);
+        let boundary = self.boundary.as_ref().map_or(String::new(), |name| format!("boundary {name}, "));
+        let subtitle = format!("contact stresses, {boundary}t = {} s", self.time);
+        svg.text([0.5 * WIDTH, 48.0], &subtitle, LABEL_SIZE, Anchor::Middle);
+        view.draw_legend(&mut svg);
+        view.draw_inside(&mut svg, |svg| {
+            surface.draw_patches(svg, &view);
+            surface.draw_borders(svg, &view);
+        });
+        view.draw_frame(&mut svg, &self.axes);
+        surface.draw_nodes(&mut svg, &view);
+        view.draw_colours(&mut svg);
+        Ok(svg.finish())
+    }
+
+    /// The same with places and stresses in the units of the picture.
+    fn in_units(&self) -> Self {
+        let units = self.units.of_pictures();
+        let [length, stress] = [Quantity::Length, Quantity::Stress].map(|quantity| move |x| units.of_si(quantity, x));
+        let node = |node: &SurfaceNode| SurfaceNode {
+            place: node.place.map(length),
+            pressure: stress(node.pressure),
+            traction: node.traction.map(stress),
+            ..*node
+        };
+        ContactSurface { units, nodes: self.nodes.iter().map(node).collect(), ..self.clone() }
+    }
+
+    /// The corners of each node's share of each facet: the node, the middle of a side, the centre, the middle of
+    /// another.
+    fn patches(&self) -> impl Iterator<Item = (&SurfaceNode, [[f64; 2]; 4])> {
+        self.facets.iter().flat_map(move |facet| {
+            let (n, centre) = (facet.len(), self.centre(facet));
+            facet.iter().enumerate().map(move |(k, &node)| {
+                let [here, next, last] = [k, k + 1, k + n - 1].map(|k| self.nodes[facet[k % n]].place);
+                (&self.nodes[node], [here, middle(here, next), centre, middle(here, last)])
+            })
+        })
+    }
+
+    /// The sides of facets that belong to one facet only.
+    fn outline(&self) -> impl Iterator<Item = [[f64; 2]; 2]> {
+        let mut facets: BTreeMap<[usize; 2], usize> = BTreeMap::new();
+        for facet in &self.facets {
+            for (&a, &b) in facet.iter().zip(facet.iter().cycle().skip(1)) {
+                *facets.entry([a.min(b), a.max(b)]).or_default() += 1;
+            }
+        }
+        let once = facets.into_iter().filter(|(_, facets)| *facets == 1);
+        once.map(|(side, _)| side.map(|node| self.nodes[node].place))
+    }
+
+    fn centre(&self, facet: &[usize]) -> [f64; 2] {
+        [0, 1].map(|c| facet.iter().map(|&node| self.nodes[node].place[c]).sum::<f64>() / facet.len() as f64)
+    }
+
+    fn draw_patches(&self, svg: &mut Svg, view: &View) {
+        for (node, corners) in self.patches().filter(|(_, corners)| view.shows(corners)) {
+            let colour = match node.status {
+                None => HELD,
+                Some(_) if node.pressure > 0.0 => shade(node.pressure / view.most_pressure),
+                Some(_) => WHITE,
+            };
+            svg.tile(&corners.map(|corner| view.at(corner)), colour);
+        }
+    }
+
+    /// The outline of the surface, and lines between patches of nodes that do different things.
+    fn draw_borders(&self, svg: &mut Svg, view: &View) {
+        for ends in self.outline().filter(|ends| view.shows(ends)) {
+            svg.line(&ends.map(|end| view.at(end)), THIN, GREY);
+        }
+        let closed = |node: &SurfaceNode| node.status.is_some_and(|status| status != ContactStatus::Open);
+        for facet in &self.facets {
+            let n = facet.len();
+            let node = |k: usize| &self.nodes[facet[k % n]];
+            let centre = self.centre(facet);
+            for k in 0..n {
+                let (a, b) = (node(k), node(k + 1));
+                let line = [middle(a.place, b.place), centre];
+                // Without friction nothing tells stick from slip.
+                let differ = if view.friction { a.status != b.status } else { closed(a) != closed(b) };
+                if differ && view.shows(&line) {
+                    svg.line(&line.map(|point| view.at(point)), Line { width: 1.4, ..THIN }, BLACK);
+                }
+            }
+        }
+    }
+
+    /// What each node does, and the traction where there is room for an arrow.
+    fn draw_nodes(&self, svg: &mut Svg, view: &View) {
+        if !view.friction {
+            return;
+        }
+        let mut arrows: Vec<([f64; 2], [f64; 2])> = Vec::new();
+        for node in self.nodes.iter().filter(|node| view.shows(&[node.place])) {
+            let at = view.at(node.place);
+            let marker = match node.status {
+                Some(ContactStatus::Stick) => Some(Marker::Disc),
+                Some(ContactStatus::Slip) => Some(Marker::Circle),
+                Some(ContactStatus::Open) | None => None,
+            };
+            if let Some(marker) = marker.filter(|_| view.markers) {
+                svg.marker(at, marker, BLACK);
+            }
+            // Where nodes are close, not all of them have room.
+            let room = arrows.iter().all(|(other, _)| (at[0] - other[0]).hypot(at[1] - other[1]) > 0.7 * view.arrow);
+            if room && node.traction != [0.0; 2] {
+                let [right, up] = node.traction.map(|stress| stress / view.most_traction * view.arrow);
+                arrows.push((at, [right, -up]));
+            }
+        }
+        for (at, along) in arrows {
+            arrow(svg, at, along);
+        }
+    }
+}
+
+/// An arrow from a point along a vector, px.
+fn arrow(svg: &mut Svg, [x, y]: [f64; 2], [dx, dy]: [f64; 2]) {
+    let length = dx.hypot(dy);
+    // Less than its own width.
+    if length < 1.5 {
+        return;
+    }
+    let (ex, ey) = (dx / length, dy / length);
+    let head = (0.45 * length).min(9.0);
+    let at = |along: f64, aside: f64| [x + along * ex - aside * ey, y + along * ey + aside * ex];
+    svg.line(&[at(0.0, 0.0), at(length - 0.7 * head, 0.0)], Line { width: 1.8, ..THIN }, TANGENTIAL);
+    svg.polygon(&[at(length, 0.0), at(length - head, 0.4 * head), at(length - head, -0.4 * head)], TANGENTIAL);
+}
+
+fn middle(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]
+}

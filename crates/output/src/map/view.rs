@@ -1,0 +1,211 @@
+//! Which part of a contact surface is shown, where it is in the picture, and the frame around it.
+
+use super::{BLACK, LABEL_SIZE, NUMBER_SIZE, SurfaceNode, THIN, WIDTH};
+use crate::ContactSurface;
+use crate::chart::axis::{Scale, Tick};
+use crate::svg::{Anchor, Colour, Svg};
+use stickslip::base::units::Quantity;
+
+/// Left of the surface: the axis label and the numbers.
+const LEFT: f64 = 92.0;
+/// Right of it: the colours and their numbers.
+const RIGHT: f64 = 150.0;
+const TOP: f64 = 104.0;
+const BELOW: f64 = 64.0;
+const MOST_HEIGHT: f64 = 720.0;
+
+/// Where there is no surface.
+const OUTSIDE: Colour = [236, 236, 236];
+/// The least width or height of the frame, in the other.
+const NARROWEST: f64 = 0.25;
+/// The longest arrow, in distances between nodes.
+const ARROW: f64 = 0.9;
+/// Arrows that are shorter say nothing (px); where nodes are closer, some have none.
+const SHORTEST: f64 = 24.0;
+
+/// What is shown, and how large.
+pub(super) struct View {
+    /// The names of the units of lengths and stresses.
+    length: String,
+    pub(super) stress: String,
+    /// The lowest and the highest coordinates.
+    pub(super) low: [f64; 2],
+    pub(super) high: [f64; 2],
+    /// The size of that in the picture, px.
+    pub(super) size: [f64; 2],
+    pub(super) most_pressure: f64,
+    pub(super) most_traction: f64,
+    pub(super) friction: bool,
+    /// Whether supports hold a node.
+    pub(super) held: bool,
+    /// The length of the longest arrow, px.
+    pub(super) arrow: f64,
+    /// Whether nodes are far enough apart for markers.
+    pub(super) markers: bool,
+}
+
+impl View {
+    pub(super) fn new(surface: &ContactSurface) -> Self {
+        let pressed: Vec<[f64; 2]> =
+            surface.patches().filter(|(node, _)| node.pressure > 0.0).flat_map(|(_, corners)| corners).collect();
+        let all = || surface.nodes.iter().map(|node| node.place);
+        let bounds = |points: &mut dyn Iterator<Item = [f64; 2]>| {
+            points.fold([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]], |[low, high], point| {
+                [[0, 1].map(|c| low[c].min(point[c])), [0, 1].map(|c| high[c].max(point[c]))]
+            })
+        };
+        let whole = bounds(&mut all());
+        let [low, high] = if pressed.is_empty() { whole } else { bounds(&mut pressed.iter().copied()) };
+        let shown = all().filter(|p| (0..2).all(|c| (low[c]..=high[c]).contains(&p[c]))).count().max(1);
+        let shown_area = (0..2).map(|c| (high[c].min(whole[1][c]) - low[c].max(whole[0][c])).max(0.0)).product::<f64>();
+        let spacing = (shown_area / shown as f64).sqrt();
+        let most = |value: fn(&SurfaceNode) -> f64| surface.nodes.iter().map(value).fold(0.0, f64::max);
+        let most_traction = most(|node| node.traction[0].hypot(node.traction[1]));
+        // A little of what is around it, with room for arrows.
+        let margin = 0.08 * (high[0] - low[0]).max(high[1] - low[1]);
+        let rubbed = surface.nodes.iter().filter(|node| node.pressure > 0.0 && most_traction > 0.0);
+        let tip =
+            |node: &SurfaceNode| [0, 1].map(|c| node.place[c] + ARROW * spacing * node.traction[c] / most_traction);
+        let tips = rubbed.map(tip);
+        let [lowest, highest] = bounds(&mut tips.chain([low, high]));
+        let low = [0, 1].map(|c| (low[c] - margin).min(lowest[c] - 0.25 * margin));
+        let high = [0, 1].map(|c| (high[c] + margin).max(highest[c] + 0.25 * margin));
+        // More around a narrow contact, for the numbers along its side.
+        let narrowest = NARROWEST * (high[0] - low[0]).max(high[1] - low[1]);
+        let widened = [0, 1].map(|c| 0.5 * (narrowest - (high[c] - low[c])).max(0.0));
+        let low = [0, 1].map(|c| low[c] - widened[c]);
+        let high = [0, 1].map(|c| high[c] + widened[c]);
+        let [across, upwards] = [0, 1].map(|c| high[c] - low[c]);
+        let scale = ((WIDTH - LEFT - RIGHT) / across).min(MOST_HEIGHT / upwards);
+        let spacing = scale * spacing;
+        let [length, stress] = [Quantity::Length, Quantity::Stress].map(|quantity| surface.units.name(quantity));
+        View {
+            length,
+            stress,
+            low,
+            high,
+            size: [scale * across, scale * upwards],
+            most_pressure: most(|node| node.pressure),
+            most_traction,
+            friction: most_traction > 0.0,
+            held: surface.nodes.iter().any(|node| node.status.is_none()),
+            arrow: (ARROW * spacing).max(SHORTEST),
+            markers: spacing > 16.0,
+        }
+    }
+
+    /// Where a place is in the picture.
+    pub(super) fn at(&self, place: [f64; 2]) -> [f64; 2] {
+        let share = |c: usize| (place[c] - self.low[c]) / (self.high[c] - self.low[c]);
+        [self.left() + share(0) * self.size[0], TOP + (1.0 - share(1)) * self.size[1]]
+    }
+
+    /// Surface and colours stand in the middle of the picture.
+    fn left(&self) -> f64 {
+        LEFT + 0.5 * (WIDTH - LEFT - RIGHT - self.size[0])
+    }
+
+    /// Whether something of the figure with these corners is in the frame.
+    pub(super) fn shows(&self, corners: &[[f64; 2]]) -> bool {
+        (0..2).all(|c| corners.iter().any(|p| p[c] >= self.low[c]) && corners.iter().any(|p| p[c] <= self.high[c]))
+    }
+
+    /// The height of the picture, px.
+    pub(super) fn end(&self) -> f64 {
+        TOP + self.size[1] + BELOW
+    }
+
+    /// What `draw` draws, as far as it is in the frame.
+    pub(super) fn draw_inside(&self, svg: &mut Svg, draw: impl FnOnce(&mut Svg)) {
+        let ([left, bottom], [right, top]) = (self.at(self.low), self.at(self.high));
+        svg.within([left, top], self.size, |svg| {
+            svg.polygon(&[[left, bottom], [right, bottom], [right, top], [left, top]], OUTSIDE);
+            draw(svg);
+        });
+    }
+
+    /// Draws the frame with the coordinates along it.
+    pub(super) fn draw_frame(&self, svg: &mut Svg, axes: &[[f64; 3]; 2]) {
+        let ([left, bottom], [right, top]) = (self.at(self.low), self.at(self.high));
+        svg.line(&[[left, top], [right, top], [right, bottom], [left, bottom], [left, top]], THIN, BLACK);
+        for tick in self.ticks(0, 80.0) {
+            let [x, _] = self.at([tick.value, self.low[1]]);
+            svg.line(&[[x, bottom], [x, bottom + tick.length()]], THIN, BLACK);
+            svg.text([x, bottom + 17.0], tick.label.as_deref().unwrap_or(""), NUMBER_SIZE, Anchor::Middle);
+        }
+        for tick in self.ticks(1, 45.0) {
+            let [_, y] = self.at([self.low[0], tick.value]);
+            svg.line(&[[left, y], [left - tick.length(), y]], THIN, BLACK);
+            svg.text([left - 10.0, y], tick.label.as_deref().unwrap_or(""), NUMBER_SIZE, Anchor::End);
+        }
+        svg.text([0.5 * (left + right), bottom + 44.0], &self.axis(axes[0]), LABEL_SIZE, Anchor::Middle);
+        svg.text([left - 70.0, 0.5 * (top + bottom)], &self.axis(axes[1]), LABEL_SIZE, Anchor::Upwards);
+    }
+
+    /// An axis in words.
+    fn axis(&self, axis: [f64; 3]) -> String {
+        let name = match axis {
+            [1.0, 0.0, 0.0] => "x".into(),
+            [0.0, 1.0, 0.0] => "y".into(),
+            [0.0, 0.0, 1.0] => "z".into(),
+            [x, y, z] => format!("along ({x:.3}, {y:.3}, {z:.3})"),
+        };
+        format!("{name}, {}", self.length)
+    }
+
+    /// The ticks along axis `c` within the frame: a label each `room` px or so, but two at least.
+    fn ticks(&self, c: usize, room: f64) -> Vec<Tick> {
+        let range = self.low[c]..=self.high[c];
+        let ticks = |most: f64| {
+            let all = Scale::Linear.ticks([self.low[c], self.high[c]].into_iter(), 0.0, most).all;
+            all.into_iter().filter(|tick| range.contains(&tick.value)).collect::<Vec<_>>()
+        };
+        let labels = |ticks: &[Tick]| ticks.iter().filter(|tick| tick.label.is_some()).count();
+        let most = self.size[c] / room;
+        // Steps are 1, 2 or 5 times a power of ten: one that is asked to go five times into a range goes twice at least.
+        [2.0, 3.0, 4.0, 5.0]
+            .map(|least| ticks(most.max(least)))
+            .into_iter()
+            .find(|ticks| labels(ticks) >= 2)
+            .unwrap_or_default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use stickslip::base::units::UnitSystem;
+    use stickslip::solver::laws::ContactStatus;
+
+    /// A strip of facets along y, of which the middle ones are pressed.
+    fn strip(left: f64, width: f64, length: f64) -> ContactSurface {
+        let node = |k: usize| SurfaceNode {
+            place: [left + width * (k % 2) as f64, length * (k / 2) as f64 / 10.0],
+            pressure: if (6..16).contains(&k) { 1e6 } else { 0.0 },
+            traction: [0.0; 2],
+            status: Some(ContactStatus::Stick),
+        };
+        ContactSurface {
+            boundary: None,
+            index: 1,
+            time: 1.0,
+            axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+            nodes: (0..22).map(node).collect(),
+            units: UnitSystem::si(3),
+            facets: (0..10).map(|k| vec![2 * k, 2 * k + 1, 2 * k + 3, 2 * k + 2]).collect(),
+        }
+    }
+
+    #[test]
+    fn a_narrow_contact_has_numbers_along_both_sides() {
+        for (left, width, length) in [(0.0443, 1e-4, 0.04), (0.0, 2e-3, 0.04), (-0.31, 0.004, 1.7), (12.0, 7.0, 0.02)] {
+            let view = View::new(&strip(left, width, length));
+            assert!(view.size.iter().all(|&size| size > 150.0), "{:?}", view.size);
+            for (c, room) in [(0, 80.0), (1, 45.0)] {
+                let ticks = view.ticks(c, room);
+                let labels: Vec<_> = ticks.iter().filter_map(|tick| tick.label.as_deref()).collect();
+                assert!((2..20).contains(&labels.len()), "{labels:?}");
+            }
+        }
+    }
+}

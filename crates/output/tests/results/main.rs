@@ -1,0 +1,13 @@
+//! What a run leaves: fields, tables, pictures and folders.
+
+#[path = "../../../../tests/common/mod.rs"]
+mod common;
+
+mod bodies_in_space;
+mod contact_surface;
+mod outputs;
+mod patches;
+mod prisms;
+mod second_order;
+mod units;
+mod vtu;

@@ -1,0 +1,113 @@
+//! Independent computations, several at a time, each in a thread of its own with all that it does.
+
+use std::panic::resume_unwind;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::thread;
+
+use rayon::ThreadPoolBuilder;
+
+use crate::algebra::linear::process::keep_openmp_in_this_thread;
+
+/// `work` on every task, `jobs` at a time in the order of `tasks`; the results stand in that order. What is shared among
+/// threads elsewhere stays in the one that `work` is called in, so that the CPU time of this is that of the work, if the BLAS
+/// has been told to take one thread, too.
+///
+/// # Errors
+/// The first in the order of `tasks` of those that `work` ended with; no task begins after one.
+pub fn run<T: Sync, R: Send, E: Send>(
+    tasks: &[T],
+    jobs: usize,
+    work: impl Fn(&T) -> Result<R, E> + Sync,
+) -> Result<Vec<R>, E> {
+    let next = AtomicUsize::new(0);
+    let done: Mutex<Vec<Option<Result<R, E>>>> = Mutex::new(tasks.iter().map(|_| None).collect());
+    let job = || {
+        keep_in_this_thread();
+        loop {
+            let place = next.fetch_add(1, Ordering::Relaxed);
+            let Some(task) = tasks.get(place) else { break };
+            let result = work(task);
+            if result.is_err() {
+                next.store(tasks.len(), Ordering::Relaxed);
+            }
+            lock(&done)[place] = Some(result);
+        }
+    };
+    thread::scope(|scope| {
+        let jobs: Vec<_> = (0..jobs.clamp(1, tasks.len().max(1))).map(|_| scope.spawn(job)).collect();
+        for job in jobs {
+            // A panic goes on as what it was.
+            job.join().unwrap_or_else(|panic| resume_unwind(panic));
+        }
+    });
+    let results = done.into_inner().unwrap_or_else(PoisonError::into_inner);
+    results.into_iter().flatten().collect()
+}
+
+/// Keeps in the calling thread, for as long as this thread lives, the work that is otherwise shared among threads.
+pub fn keep_in_this_thread() {
+    // A pool of this thread alone. An error says that the thread is in a pool already.
+    let _pool = ThreadPoolBuilder::new().num_threads(1).use_current_thread().build();
+    keep_openmp_in_this_thread();
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use std::convert::Infallible;
+    use std::time::Duration;
+
+    use super::*;
+
+    #[test]
+    fn results_stand_in_the_order_of_the_tasks() {
+        let tasks: Vec<u64> = (0..20).collect();
+        let squares: Vec<u64> = tasks.iter().map(|n| n * n).collect();
+        for jobs in [0, 1, 3, 50] {
+            let work = |n: &u64| {
+                // The first ones take longest.
+                thread::sleep(Duration::from_millis((20 - n) / 4));
+                assert_eq!(rayon::current_num_threads(), 1);
+                Ok::<u64, Infallible>(n * n)
+            };
+            assert_eq!(run(&tasks, jobs, work).unwrap(), squares, "{jobs}");
+        }
+        assert_eq!(run(&[], 4, |n: &u64| Ok::<u64, Infallible>(*n)).unwrap(), [0; 0]);
+    }
+
+    /// Shared work of a job stays with it.
+    #[test]
+    fn a_job_is_one_thread() {
+        let work = |_: &u32| {
+            let here = thread::current().id();
+            let (left, right) = rayon::join(|| thread::current().id(), || thread::current().id());
+            Ok::<bool, Infallible>(left == here && right == here)
+        };
+        assert_eq!(run(&[1, 2, 3, 4], 2, work).unwrap(), [true; 4]);
+    }
+
+    #[test]
+    fn a_panic_is_what_it_was() {
+        let work = |n: &u32| if *n == 7 { panic!("seven is odd") } else { Ok::<u32, Infallible>(*n) };
+        let panic = std::panic::catch_unwind(|| run(&[6, 7, 8], 2, work)).unwrap_err();
+        assert_eq!(panic.downcast_ref(), Some(&"seven is odd"));
+    }
+
+    #[test]
+    fn an_error_ends_it() {
+        let count = AtomicUsize::new(0);
+        let work = |n: &usize| {
+            count.fetch_add(1, Ordering::Relaxed);
+            if *n >= 3 { Err(*n) } else { Ok(*n) }
+        };
+        let tasks: Vec<usize> = (0..100).collect();
+        assert_eq!(run(&tasks, 1, work).unwrap_err(), 3);
+        assert_eq!(count.load(Ordering::Relaxed), 4);
+    }
+}

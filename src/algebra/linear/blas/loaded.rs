@@ -1,0 +1,169 @@
+//! The BLAS of this process, asked by the functions that only it has. Which one is loaded is only known at run time, so they are
+//! looked up by name.
+
+#![allow(unsafe_code)]
+
+use std::ffi::{CStr, c_char, c_int};
+
+use libloading::os::unix::Library;
+
+use super::{Blas, KERNEL_VARIABLE, UNKNOWN, Vectors, better_kernel, room};
+
+/// A BLAS, and by which functions it is told of threads and asked for them.
+struct Kind {
+    name: &'static str,
+    set_threads: &'static [u8],
+    get_threads: &'static [u8],
+    /// Whether it counts in 64 bits, and not in those of a C int.
+    counts_in_64_bits: bool,
+}
+
+const OPENBLAS: &str = "OpenBLAS";
+
+const KINDS: [Kind; 3] = [
+    Kind {
+        name: OPENBLAS,
+        set_threads: b"openblas_set_num_threads\0",
+        get_threads: b"openblas_get_num_threads\0",
+        counts_in_64_bits: false,
+    },
+    Kind {
+        name: "MKL",
+        set_threads: b"MKL_Set_Num_Threads\0",
+        get_threads: b"MKL_Get_Max_Threads\0",
+        counts_in_64_bits: false,
+    },
+    Kind {
+        name: "BLIS",
+        set_threads: b"bli_thread_set_num_threads\0",
+        get_threads: b"bli_thread_get_num_threads\0",
+        counts_in_64_bits: true,
+    },
+];
+
+/// Tells the BLAS how many threads to take, if it takes another number; its name, none if it has no such function.
+pub(in crate::algebra::linear) fn set_threads(process: &Library, wanted: usize) -> Option<&'static str> {
+    let count = c_int::try_from(wanted.max(1)).unwrap_or(c_int::MAX);
+    // SAFETY (all): the symbols are the libraries' documented functions, which take the number of threads as a C int (OpenBLAS,
+    // MKL) or as a 64-bit integer (BLIS) and return nothing; any positive number is valid.
+    KINDS.iter().find_map(|kind| {
+        let before = threads(process, kind)?;
+        // A thread of OpenBLAS that has no room for its buffer would never come to an end.
+        if before == wanted || kind.name == OPENBLAS && !room::for_threads(before, wanted) {
+            return Some(kind.name);
+        }
+        if kind.counts_in_64_bits {
+            // SAFETY: see above.
+            let set = unsafe { process.get::<unsafe extern "C" fn(i64)>(kind.set_threads) }.ok()?;
+            // SAFETY: see above.
+            unsafe { set(i64::from(count)) };
+        } else {
+            // SAFETY: see above.
+            let set = unsafe { process.get::<unsafe extern "C" fn(c_int)>(kind.set_threads) }.ok()?;
+            // SAFETY: see above.
+            unsafe { set(count) };
+        }
+        if wanted == 1 && kind.name == OPENBLAS {
+            end_workers(process, before);
+        }
+        Some(kind.name)
+    })
+}
+
+/// Ends the threads that OpenBLAS has started for itself when it was loaded, one less than `threads`, as long as there is none but
+/// these and the calling one. Each waits in a loop for some 0.1 s of CPU time before it sleeps, whether it ever gets work or not.
+/// They are started again where more threads than one are asked for.
+fn end_workers(process: &Library, threads: usize) {
+    // Linux tells all threads of this process by a folder each. Elsewhere they sleep by themselves.
+    let all = std::fs::read_dir("/proc/self/task").map_or(usize::MAX, Iterator::count);
+    if all <= threads {
+        // SAFETY: OpenBLAS exports the function that it calls itself before a process forks. It takes nothing, returns a C int
+        // and waits for its threads to end; these are idle, as nobody else is there to be in a product.
+        if let Ok(end) = unsafe { process.get::<unsafe extern "C" fn() -> c_int>(b"blas_thread_shutdown_\0") } {
+            // SAFETY: see above.
+            unsafe { end() };
+            room::left_behind(threads.saturating_sub(1));
+        }
+    }
+}
+
+/// All that the BLAS of this process tells.
+pub(super) fn describe() -> Blas {
+    let process = Library::this();
+    let found = KINDS.iter().find_map(|kind| Some((kind.name, threads(&process, kind)?)));
+    let blas = Blas {
+        library: found.map_or(UNKNOWN, |(name, _)| name),
+        version: None,
+        kernel: None,
+        threads: found.map(|(_, threads)| threads),
+        kernel_asked: None,
+        kernel_before: None,
+        better_kernel: None,
+        selectable: false,
+    };
+    match blas.library {
+        OPENBLAS => of_openblas(&process, blas),
+        "BLIS" => {
+            Blas { version: text(&process, b"bli_info_get_version_str\0"), kernel: blis_kernel(&process), ..blas }
+        }
+        _ => blas,
+    }
+}
+
+fn of_openblas(process: &Library, blas: Blas) -> Blas {
+    // Such as `OpenBLAS 0.3.21 NO_LAPACKE DYNAMIC_ARCH NO_AFFINITY Haswell MAX_THREADS=64`.
+    let config = text(process, b"openblas_get_config\0").unwrap_or_default();
+    let kernel = text(process, b"openblas_get_corename\0");
+    let asked = std::env::var_os(KERNEL_VARIABLE).filter(|name| !name.is_empty());
+    Blas {
+        version: config.split_whitespace().nth(1).map(String::from),
+        kernel_asked: asked.map(|name| name.to_string_lossy().into_owned()),
+        better_kernel: kernel.as_deref().and_then(|kernel| better_kernel(kernel, Vectors::of_processor())),
+        selectable: config.split_whitespace().any(|word| word == "DYNAMIC_ARCH"),
+        kernel,
+        ..blas
+    }
+}
+
+fn threads(process: &Library, kind: &Kind) -> Option<usize> {
+    // SAFETY (both): the symbols are the libraries' documented functions, which take nothing and return the number of threads
+    // as a C int (OpenBLAS, MKL) or as a 64-bit integer (BLIS).
+    let count = if kind.counts_in_64_bits {
+        // SAFETY: see above.
+        let get = unsafe { process.get::<unsafe extern "C" fn() -> i64>(kind.get_threads) }.ok()?;
+        // SAFETY: see above.
+        unsafe { get() }
+    } else {
+        // SAFETY: see above.
+        let get = unsafe { process.get::<unsafe extern "C" fn() -> c_int>(kind.get_threads) }.ok()?;
+        // SAFETY: see above.
+        i64::from(unsafe { get() })
+    };
+    // BLIS says -1 where nobody has told it a number; it takes one then.
+    Some(usize::try_from(count).unwrap_or(1).max(1))
+}
+
+/// BLIS' name for the processor that it takes this one for.
+fn blis_kernel(process: &Library) -> Option<String> {
+    // SAFETY (all): the symbols are documented functions of BLIS; an architecture is an enumeration, a C int, and its name a
+    // string that is never freed.
+    // SAFETY: see above.
+    let id = unsafe { process.get::<unsafe extern "C" fn() -> c_int>(b"bli_arch_query_id\0") }.ok()?;
+    // SAFETY: see above.
+    let name = unsafe { process.get::<unsafe extern "C" fn(c_int) -> *const c_char>(b"bli_arch_string\0") }.ok()?;
+    // SAFETY: see above.
+    owned(unsafe { name(id()) })
+}
+
+/// What the function `symbol` says, which takes nothing and returns a string that is never freed.
+fn text(process: &Library, symbol: &[u8]) -> Option<String> {
+    // SAFETY: the callers name documented functions of that kind.
+    let tell = unsafe { process.get::<unsafe extern "C" fn() -> *const c_char>(symbol) }.ok()?;
+    // SAFETY: see above.
+    owned(unsafe { tell() })
+}
+
+fn owned(text: *const c_char) -> Option<String> {
+    // SAFETY: a pointer that is not null is to a string that ends with a zero and is never freed.
+    (!text.is_null()).then(|| unsafe { CStr::from_ptr(text) }.to_string_lossy().trim().to_string())
+}

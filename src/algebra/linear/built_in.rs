@@ -1,0 +1,98 @@
+//! The sparse backends by name. One whose cargo feature is off says so when it is to analyse.
+
+use super::{LinearSolver, RankUse};
+
+/// UMFPACK, if `in_best_order` for many factorisations in the plane.
+pub fn umfpack(in_best_order: bool) -> Box<dyn LinearSolver> {
+    #[cfg(feature = "umfpack")]
+    {
+        use super::{Strategy, Umfpack};
+        Box::new(Umfpack::new(if in_best_order { Strategy::SymmetricInBestOrder } else { Strategy::Symmetric }))
+    }
+    #[cfg(not(feature = "umfpack"))]
+    {
+        let _ = in_best_order;
+        Box::new(absent::Absent("UMFPACK"))
+    }
+}
+
+/// MUMPS.
+pub fn mumps() -> Box<dyn LinearSolver> {
+    #[cfg(feature = "mumps")]
+    {
+        Box::new(super::Mumps::default())
+    }
+    #[cfg(not(feature = "mumps"))]
+    {
+        Box::new(absent::Absent("MUMPS"))
+    }
+}
+
+/// What each of several processes of MPI has taken; nothing where there is one.
+pub fn ranks_used() -> Vec<RankUse> {
+    #[cfg(feature = "mpi")]
+    {
+        super::ranks::used()
+    }
+    #[cfg(not(feature = "mpi"))]
+    {
+        Vec::new()
+    }
+}
+
+/// How many processes of MPI there are to share the work of MUMPS and multigrid.
+pub fn ranks() -> usize {
+    #[cfg(feature = "mpi")]
+    {
+        super::ranks::count()
+    }
+    #[cfg(not(feature = "mpi"))]
+    {
+        1
+    }
+}
+
+/// faer's sparse LU.
+pub fn faer() -> Box<dyn LinearSolver> {
+    #[cfg(feature = "faer")]
+    {
+        Box::new(super::FaerLu::default())
+    }
+    #[cfg(not(feature = "faer"))]
+    {
+        Box::new(absent::Absent("faer"))
+    }
+}
+
+/// Stands for multigrid where nobody says where the unknowns are.
+pub fn without_grid() -> Box<dyn LinearSolver> {
+    Box::new(absent::Absent("grid of the unknowns, which multigrid needs"))
+}
+
+mod absent {
+    use std::sync::Arc;
+
+    use crate::algebra::linear::{FactorInfo, LinearError, LinearSolver};
+    use crate::algebra::sparse::Pattern;
+
+    /// Stands in for a backend that is not there.
+    pub(super) struct Absent(pub(super) &'static str);
+
+    impl LinearSolver for Absent {
+        fn name(&self) -> &'static str {
+            self.0
+        }
+
+        fn analyze(&mut self, _pattern: &Arc<Pattern>) -> Result<(), LinearError> {
+            Err(LinearError::NotBuiltIn { backend: self.0 })
+        }
+
+        fn factorize(&mut self, _values: &[f64]) -> Result<FactorInfo, LinearError> {
+            Err(LinearError::Order { missing: "analyze" })
+        }
+
+        fn solve(&mut self, _b: &[f64], _x: &mut [f64]) -> Result<(), LinearError> {
+            Err(LinearError::Order { missing: "factorize" })
+        }
+    }
+}

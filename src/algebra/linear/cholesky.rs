@@ -1,0 +1,302 @@
+//! Cholesky factors of a symmetric positive definite matrix, with chosen unknowns eliminated last.
+//!
+//! With the unknowns `c` last and the interior `r` before them, in the order of the factors,
+//!
+//! ```text
+//! K = [ K_rr K_rc ] = L Lᵀ,  L = [ L_rr      ]     S = K_cc - K_cr K_rr⁻¹ K_rc = L_cc L_ccᵀ:
+//!     [ K_cr K_cc ]              [ L_cr L_cc ]
+//! ```
+//!
+//! the Schur complement stands in the factors and costs no solves. A system whose border is solved
+//! by other means is reduced to `c` by [`Cholesky::reduce`] and completed by [`Cholesky::expand`], as
+//! in (35).
+
+// Without a backend nothing is factored.
+#![cfg_attr(not(any(feature = "umfpack", feature = "faer")), allow(dead_code))]
+
+mod order;
+mod sweep;
+
+use rayon::prelude::*;
+
+use super::error::expect_length;
+use super::supernodal::{Supernodal, Supernode};
+use super::{FactorInfo, LinearError, SparseCholesky};
+use crate::algebra::sparse::{LANES, SimdPack, Symmetric, lane, side_by_side};
+
+/// The Cholesky factors of a symmetric positive definite matrix.
+pub struct Cholesky {
+    factor: Box<dyn Supernodal>,
+    /// Row and column `k` of `L` belong to the unknown `order[k]`.
+    order: Vec<usize>,
+    /// How many unknowns come last.
+    border: usize,
+    info: FactorInfo,
+}
+
+/// A right-hand side that was reduced to the border, see [`Cholesky::reduce`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reduced {
+    /// `b_c - K_cr K_rr⁻¹ b_r`, in the order of `last`.
+    pub border: Vec<f64>,
+    /// `L_rr⁻¹ b_r` in the order of the factors.
+    interior: Vec<f64>,
+}
+
+impl std::fmt::Debug for Cholesky {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Cholesky").field("border", &self.border).field("info", &self.info).finish_non_exhaustive()
+    }
+}
+
+impl SparseCholesky {
+    /// [`Cholesky::factor`] by this one.
+    ///
+    /// # Errors
+    /// As [`Cholesky::factor`].
+    pub fn factor(self, k: &Symmetric, last: &[usize]) -> Result<Cholesky, LinearError> {
+        match self {
+            #[cfg(feature = "umfpack")]
+            SparseCholesky::Cholmod => Cholesky::cholmod(k, last),
+            #[cfg(feature = "faer")]
+            SparseCholesky::Faer => Cholesky::faer(k, last),
+            #[cfg(not(all(feature = "umfpack", feature = "faer")))]
+            absent => {
+                let _ = (k, last, absent);
+                Err(LinearError::NotBuiltIn { backend: "sparse Cholesky factorisation" })
+            }
+        }
+    }
+}
+
+impl Cholesky {
+    /// Factors `K = L Lᵀ` with the unknowns `last` eliminated last, in the given order: by CHOLMOD where
+    /// it is built in, otherwise by faer.
+    ///
+    /// # Errors
+    /// [`LinearError::Singular`] when `k` is not positive definite, [`LinearError::NotFinite`] when
+    /// it holds NaN or an infinity, [`LinearError::Shape`] when `last` repeats an unknown or names
+    /// one that does not exist, [`LinearError::NotBuiltIn`] when this build has neither backend, and
+    /// when memory is short or the backend fails.
+    pub fn factor(k: &Symmetric, last: &[usize]) -> Result<Self, LinearError> {
+        SparseCholesky::default().factor(k, last)
+    }
+
+    /// As [`Cholesky::factor`], by CHOLMOD: SuiteSparse's supernodal Cholesky, ordered by minimum degree
+    /// or nested dissection.
+    ///
+    /// # Errors
+    /// As [`Cholesky::factor`].
+    #[cfg(feature = "umfpack")]
+    pub fn cholmod(k: &Symmetric, last: &[usize]) -> Result<Self, LinearError> {
+        super::error::expect_finite(k.lower().values())?;
+        let mut session = super::cholmod::Session::new()?;
+        let order = order::with_border(k.lower().pattern(), last, |interior| session.order(interior))?;
+        let factor = session.factor(&k.lower(), &order)?;
+        Self::new(Box::new(factor), order, last.len())
+    }
+
+    /// As [`Cholesky::factor`], by faer: a supernodal Cholesky in pure Rust, ordered by minimum degree.
+    ///
+    /// # Errors
+    /// As [`Cholesky::factor`].
+    #[cfg(feature = "faer")]
+    pub fn faer(k: &Symmetric, last: &[usize]) -> Result<Self, LinearError> {
+        super::error::expect_finite(k.lower().values())?;
+        let order = order::with_border(k.lower().pattern(), last, super::faer::minimum_degree)?;
+        let factor = super::faer::Llt::factor(&k.lower(), &order)?;
+        Self::new(Box::new(factor), order, last.len())
+    }
+
+    /// Entries of `L` and operations for a matrix of this pattern, without factoring it: what an order of
+    /// low fill makes, no unknown held back.
+    ///
+    /// # Errors
+    /// When memory is short, and [`LinearError::NotBuiltIn`] when this build has no backend.
+    pub fn predict(k: &Symmetric) -> Result<FactorInfo, LinearError> {
+        #[cfg(feature = "umfpack")]
+        {
+            let mut session = super::cholmod::Session::new()?;
+            session.order(k.lower().pattern())?;
+            Ok(session.predicted())
+        }
+        #[cfg(all(feature = "faer", not(feature = "umfpack")))]
+        {
+            let order = super::faer::minimum_degree(k.lower().pattern())?;
+            super::faer::Llt::predict(&k.lower(), &order)
+        }
+        #[cfg(not(any(feature = "umfpack", feature = "faer")))]
+        {
+            let _ = k;
+            Err(LinearError::NotBuiltIn { backend: "sparse Cholesky factorisation" })
+        }
+    }
+
+    fn new(factor: Box<dyn Supernodal>, order: Vec<usize>, border: usize) -> Result<Self, LinearError> {
+        let pivot_ratio = pivot_ratio(&*factor, order.len())?;
+        let info = FactorInfo { pivot_ratio, ..factor.info() };
+        Ok(Cholesky { factor, order, border, info })
+    }
+
+    /// What the factorisation tells about itself. The entries are those of `L` without the zeros
+    /// that supernodes store, the peak leaves out what the ordering takes.
+    pub fn info(&self) -> FactorInfo {
+        self.info
+    }
+
+    /// The smallest over the largest pivot of the interior.
+    ///
+    /// # Errors
+    /// [`LinearError::NotFinite`] when a pivot is no number.
+    pub fn interior_pivot_ratio(&self) -> Result<f64, LinearError> {
+        pivot_ratio(&*self.factor, self.interior())
+    }
+
+    /// The order of the matrix.
+    pub fn order(&self) -> usize {
+        self.order.len()
+    }
+
+    /// `L_cc`, column after column, m × m for m unknowns last, zero above the diagonal:
+    /// `L_cc L_ccᵀ` is the Schur complement of the interior.
+    pub fn trailing(&self) -> Vec<f64> {
+        let (m, interior) = (self.border, self.interior());
+        let mut dense = vec![0.0; m * m];
+        for node in nodes(&*self.factor) {
+            for k in interior.saturating_sub(node.first)..node.columns {
+                let to = &mut dense[(node.first + k - interior) * m..][..m];
+                node.rows(k).zip(node.column(k)).for_each(|(row, value)| to[row - interior] = *value);
+            }
+        }
+        dense
+    }
+
+    /// Solves `K x = b`.
+    ///
+    /// # Errors
+    /// When a vector has the wrong length.
+    pub fn solve(&self, b: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
+        expect_length("solution", self.order(), x.len())?;
+        let mut ordered = self.ordered(b)?;
+        sweep::forward(&*self.factor, self.order(), &mut ordered);
+        let mut ordered = [side_by_side(self.order(), [&ordered[..]])];
+        sweep::backward(&*self.factor, self.order(), &mut ordered);
+        self.scatter(&lane(&ordered[0], 0), x);
+        Ok(())
+    }
+
+    /// The right-hand side of the Schur complement, `b_c - K_cr K_rr⁻¹ b_r`, and what
+    /// [`Cholesky::expand`] will need.
+    ///
+    /// # Errors
+    /// When `b` has the wrong length.
+    pub fn reduce(&self, b: &[f64]) -> Result<Reduced, LinearError> {
+        let mut interior = self.ordered(b)?;
+        sweep::forward(&*self.factor, self.interior(), &mut interior);
+        // b_c - L_cr y_r as it stands. By way of the rest y_c of the solution, as L_cc y_c, it would
+        // carry in the condition of L_cc.
+        let border = interior.split_off(self.interior());
+        Ok(Reduced { border, interior })
+    }
+
+    /// Completes the border `x_c`, in the order of `last`, by the interior `x_r` with
+    /// `K_rr x_r = b_r - K_rc x_c`, where `b` is what was reduced.
+    ///
+    /// # Errors
+    /// When a vector has the wrong length.
+    pub fn expand(&self, reduced: &Reduced, x_c: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
+        expect_length("reduced right-hand side", self.interior(), reduced.interior.len())?;
+        expect_length("solution", self.order(), x.len())?;
+        let solutions = self.expand_each(std::slice::from_ref(reduced), &[vec![1.0]], &[x_c])?;
+        for solution in &solutions {
+            x.copy_from_slice(solution);
+        }
+        Ok(())
+    }
+
+    /// The solutions with each of the `borders` `x_c`, each under the sum of the `parts` times its own of the `factors`: in one
+    /// pass over `L`, and each the same as alone.
+    ///
+    /// # Errors
+    /// When a border has the wrong length.
+    pub(crate) fn expand_each(
+        &self,
+        parts: &[Reduced],
+        factors: &[Vec<f64>],
+        borders: &[impl AsRef<[f64]>],
+    ) -> Result<Vec<Vec<f64>>, LinearError> {
+        for border in borders {
+            expect_length("border of the solution", self.border, border.as_ref().len())?;
+        }
+        let load = |factors: &[Vec<f64>]| {
+            let mut sums = vec![[0.0; LANES]; self.interior()];
+            for (p, part) in parts.iter().enumerate() {
+                let factors: SimdPack = std::array::from_fn(|k| factors.get(k).map_or(0.0, |factors| factors[p]));
+                for (sums, x) in sums.iter_mut().zip(&part.interior) {
+                    sums.iter_mut().zip(factors).for_each(|(sum, factor)| *sum += factor * x);
+                }
+            }
+            sums
+        };
+        let groups = factors.chunks(LANES).zip(borders.chunks(LANES));
+        let mut vectors: Vec<Vec<SimdPack>> = groups
+            .map(|(factors, borders)| {
+                let mut vectors = load(factors);
+                vectors.extend(side_by_side(self.border, borders.iter().map(AsRef::as_ref)));
+                vectors
+            })
+            .collect();
+        let share = vectors.len().div_ceil(rayon::current_num_threads()).max(1);
+        let sweep = |vectors: &mut [Vec<SimdPack>]| sweep::backward(&*self.factor, self.interior(), vectors);
+        if share < vectors.len() {
+            vectors.par_chunks_mut(share).for_each(sweep);
+        } else {
+            sweep(&mut vectors);
+        }
+        let solution = |k: usize| {
+            let mut x = vec![0.0; self.order()];
+            let ordered = self.order.iter().zip(&vectors[k / LANES]);
+            ordered.for_each(|(&unknown, values)| x[unknown] = values[k % LANES]);
+            x
+        };
+        Ok((0..borders.len()).map(solution).collect())
+    }
+
+    /// How many unknowns are interior.
+    fn interior(&self) -> usize {
+        self.order() - self.border
+    }
+
+    /// `b` in the order of the factors.
+    fn ordered(&self, b: &[f64]) -> Result<Vec<f64>, LinearError> {
+        expect_length("right-hand side", self.order(), b.len())?;
+        Ok(self.order.iter().map(|&unknown| b[unknown]).collect())
+    }
+
+    /// Writes what is in the order of the factors into `x`.
+    fn scatter(&self, ordered: &[f64], x: &mut [f64]) {
+        self.order.iter().zip(ordered).for_each(|(&unknown, &value)| x[unknown] = value);
+    }
+}
+
+/// All supernodes.
+fn nodes(factor: &dyn Supernodal) -> impl DoubleEndedIterator<Item = Supernode<'_>> {
+    (0..factor.len()).map(|k| factor.supernode(k))
+}
+
+/// The smallest over the largest of the first `n` pivots, the squares on the diagonal of `L`.
+fn pivot_ratio(factor: &dyn Supernodal, n: usize) -> Result<f64, LinearError> {
+    let (mut smallest, mut largest) = (f64::INFINITY, 0.0_f64);
+    for node in nodes(factor).take_while(|node| node.first < n) {
+        for k in 0..node.columns.min(n - node.first) {
+            let pivot = node.column(k)[0].powi(2);
+            // The kernels of some BLAS let NaN pass for positive.
+            if !pivot.is_finite() {
+                return Err(LinearError::NotFinite);
+            }
+            (smallest, largest) = (smallest.min(pivot), largest.max(pivot));
+        }
+    }
+    // Without unknowns nothing is small.
+    Ok(if smallest > largest { 1.0 } else { smallest / largest })
+}

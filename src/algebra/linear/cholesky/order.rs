@@ -1,0 +1,37 @@
+//! The order of elimination: the interior for low fill, then the border as it is given.
+
+use crate::algebra::linear::LinearError;
+use crate::algebra::linear::error::expect_length;
+use crate::algebra::sparse::Pattern;
+
+/// An order of low fill with `last` at the end. Only the interior is ordered for fill, by `interior`
+/// from the lower triangle of its pattern: `last` has an order already, and the Schur complement is as
+/// good as dense in any.
+pub(super) fn with_border(
+    lower: &Pattern,
+    last: &[usize],
+    interior: impl FnOnce(&Pattern) -> Result<Vec<usize>, LinearError>,
+) -> Result<Vec<usize>, LinearError> {
+    let n = lower.columns();
+    let mut is_last = vec![false; n];
+    let distinct = last.iter().filter(|&&k| k < n && !std::mem::replace(&mut is_last[k], true)).count();
+    expect_length("distinct unknowns to eliminate last", last.len(), distinct)?;
+    let inside: Vec<usize> = (0..n).filter(|&k| !is_last[k]).collect();
+    let mut order = Vec::with_capacity(n);
+    if !inside.is_empty() {
+        let mut place = vec![None; n];
+        inside.iter().enumerate().for_each(|(k, &unknown)| place[unknown] = Some(k));
+        let block = Pattern::of(inside.len(), inside.len(), |take| {
+            for (column, &unknown) in inside.iter().enumerate() {
+                for &row in &lower.row_indices()[lower.column(unknown)] {
+                    if let Some(row) = place[row as usize] {
+                        take(row, column);
+                    }
+                }
+            }
+        });
+        order.extend(interior(&block)?.into_iter().map(|k| inside[k]));
+    }
+    order.extend(last);
+    Ok(order)
+}

@@ -1,0 +1,133 @@
+//! Forward and backward substitution with the first columns of `L`, border rows included.
+//!
+//! Written out rather than left to the backends, whose solves know no border: they would take `L_cc`
+//! along and leave `L_cr` to a second pass over the factors, and the blocks are so small that a call of
+//! a matrix product for each costs more than its work.
+
+use pulp::{Arch, Simd, WithSimd};
+
+use super::{Supernodal, Supernode, nodes};
+use crate::algebra::sparse::{LANES, SimdPack};
+
+/// `[b_r; b_c] → [L_rr⁻¹ b_r; b_c - L_cr L_rr⁻¹ b_r]`, in the order of the factors.
+pub(super) fn forward(factor: &dyn Supernodal, interior: usize, x: &mut [f64]) {
+    let mut work = Vec::new();
+    for node in nodes(factor).take_while(|node| node.first < interior) {
+        gather(&node, x, &mut work);
+        let columns = node.columns.min(interior - node.first);
+        for first in (0..columns).step_by(TILE) {
+            // First the columns among themselves; then all rows below them.
+            let end = columns.min(first + TILE);
+            for k in first..end {
+                let column = node.column(k);
+                let (top, below) = work[k..].split_at_mut(1);
+                top[0] /= column[0];
+                below[..end - k - 1].iter_mut().zip(&column[1..]).for_each(|(x, l)| *x -= l * top[0]);
+            }
+            let (top, below) = work.split_at_mut(end);
+            if let Ok(values) = <[f64; TILE]>::try_from(&top[first..]) {
+                let [a, b, c, d] = std::array::from_fn(|k| &node.column(first + k)[TILE - k..]);
+                let rows = below.iter_mut().zip(a).zip(b).zip(c).zip(d);
+                rows.for_each(|((((x, a), b), c), d)| {
+                    *x = *x - a * values[0] - b * values[1] - c * values[2] - d * values[3];
+                });
+            } else {
+                for (k, value) in (first..).zip(&top[first..]) {
+                    let column = &node.column(k)[end - k..];
+                    below.iter_mut().zip(column).for_each(|(x, l)| *x -= l * value);
+                }
+            }
+        }
+        let (block, below) = work.split_at(node.columns);
+        x[node.first..node.first + node.columns].copy_from_slice(block);
+        node.below.iter().zip(below).for_each(|(&row, &value)| x[row as usize] = value);
+    }
+}
+
+/// `[y_r; x_c] → [L_rr⁻ᵀ (y_r - L_crᵀ x_c); x_c]`, in the order of the factors, of all these vectors in one pass over `L`.
+/// What becomes of one does not hang on the others.
+pub(super) fn backward(factor: &dyn Supernodal, interior: usize, vectors: &mut [Vec<SimdPack>]) {
+    Arch::new().dispatch(Backward { factor, interior, vectors });
+}
+
+/// Compiled for each kind of processor, with the same result.
+struct Backward<'a> {
+    factor: &'a dyn Supernodal,
+    interior: usize,
+    vectors: &'a mut [Vec<SimdPack>],
+}
+
+impl WithSimd for Backward<'_> {
+    type Output = ();
+
+    #[allow(clippy::inline_always)] // Only what is inlined is compiled for more than the least processor.
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        substitute(self.factor, self.interior, self.vectors);
+    }
+}
+
+#[allow(clippy::inline_always)]
+#[inline(always)]
+fn substitute(factor: &dyn Supernodal, interior: usize, vectors: &mut [Vec<SimdPack>]) {
+    let mut work = vec![Vec::new(); vectors.len()];
+    for node in nodes(factor).rev().filter(|node| node.first < interior) {
+        let columns = node.columns.min(interior - node.first);
+        vectors.iter().zip(&mut work).for_each(|(x, work)| gather(&node, x, work));
+        // First all columns with the rows below the block; then the block.
+        for first in (0..columns).step_by(TILE) {
+            for work in &mut work {
+                let (top, below) = work.split_at_mut(columns);
+                let column = |k: usize| &node.column(first + k)[columns - first - k..];
+                if first + TILE <= columns {
+                    subtract_products(std::array::from_fn::<_, TILE, _>(column), below, &mut top[first..]);
+                } else {
+                    (0..columns - first).for_each(|k| subtract_products([column(k)], below, &mut top[first + k..]));
+                }
+            }
+        }
+        for (x, work) in vectors.iter_mut().zip(&mut work) {
+            for k in (0..columns).rev() {
+                let column = node.column(k);
+                let (top, below) = work[..columns].split_at_mut(k + 1);
+                subtract_products([&column[1..columns - k]], below, &mut top[k..]);
+                top[k].iter_mut().for_each(|x| *x /= column[0]);
+            }
+            x[node.first..node.first + columns].copy_from_slice(&work[..columns]);
+        }
+    }
+}
+
+/// Columns of `L` that are multiplied with the same rows together.
+const TILE: usize = 4;
+
+/// So many products are added up by themselves: the sum of them all is rounded less.
+const BLOCK: usize = 64;
+
+/// Takes `Σ_i l_i x_i` off the first entry of `from` for the first of `columns`, and so on. They are as long as `x`.
+#[allow(clippy::inline_always)]
+#[inline(always)]
+fn subtract_products<const N: usize>(columns: [&[f64]; N], x: &[SimdPack], from: &mut [SimdPack]) {
+    for start in (0..x.len()).step_by(BLOCK) {
+        let x = &x[start..x.len().min(start + BLOCK)];
+        let columns = columns.map(|column| &column[start..start + x.len()]);
+        let mut sums = [[0.0; LANES]; N];
+        for (i, x) in x.iter().enumerate() {
+            for (sums, column) in sums.iter_mut().zip(&columns) {
+                for (sum, x) in sums.iter_mut().zip(x) {
+                    *sum += column[i] * x;
+                }
+            }
+        }
+        for (from, sums) in from.iter_mut().zip(&sums) {
+            from.iter_mut().zip(sums).for_each(|(from, sum)| *from -= sum);
+        }
+    }
+}
+
+/// The values in the rows of a supernode.
+fn gather<T: Copy>(node: &Supernode<'_>, x: &[T], work: &mut Vec<T>) {
+    work.clear();
+    work.extend_from_slice(&x[node.first..node.first + node.columns]);
+    work.extend(node.below.iter().map(|&row| x[row as usize]));
+}

@@ -1,0 +1,255 @@
+//! CHOLMOD, SuiteSparse's supernodal Cholesky: its calls and the memory behind them. What the factors
+//! mean stands in [`super::Cholesky`].
+
+#![allow(unsafe_code)]
+
+use std::ffi::{c_int, c_void};
+use std::ptr::{self, NonNull};
+
+use super::blas::room;
+use super::supernodal::{Supernodal, Supernode};
+use super::{FactorInfo, LinearError, ordering, sys, versions};
+use crate::algebra::sparse::{Csc, Pattern};
+
+// The bindings pass `Pattern`'s indices by pointer: C's 64-bit index must be exactly i64.
+const _: () = assert!(size_of::<std::ffi::c_long>() == size_of::<i64>(), "CHOLMOD's long must have 64 bits");
+
+/// C's truth.
+const TRUE: c_int = 1;
+const FALSE: c_int = 0;
+
+/// CHOLMOD's settings, statistics and workspace, which every call takes.
+pub(super) struct Session {
+    /// From a box: CHOLMOD keeps pointers into it, so it must not move.
+    common: NonNull<sys::cholmod_common>,
+}
+
+impl Session {
+    /// A session that is silent and leaves `L` supernodal.
+    pub(super) fn new() -> Result<Self, LinearError> {
+        versions::agree()?;
+        // SAFETY: integers, floats, pointers and optional functions, all of which may be zero.
+        let mut common: Box<sys::cholmod_common> = Box::new(unsafe { std::mem::zeroed() });
+        // SAFETY: the call writes defaults into the structure and allocates nothing outside it.
+        let started = unsafe { sys::cholmod_l_start(&raw mut *common) };
+        if started != TRUE {
+            return Err(LinearError::Backend { backend: "cholmod", step: "the start", status: common.status.into() });
+        }
+        common.print = 0;
+        common.error_handler = None;
+        common.final_ll = TRUE;
+        common.quick_return_if_not_posdef = TRUE;
+        Ok(Session { common: NonNull::from(Box::leak(common)) })
+    }
+
+    /// The settings and statistics.
+    fn common(&self) -> &sys::cholmod_common {
+        // SAFETY: alive as long as `self`; C writes to it only during calls, while no reference of
+        // ours exists, as none leaves this file.
+        unsafe { self.common.as_ref() }
+    }
+
+    /// The settings, to change them.
+    fn common_mut(&mut self) -> &mut sys::cholmod_common {
+        // SAFETY: alive as long as `self`, and borrowed as exclusively as `self` is.
+        unsafe { self.common.as_mut() }
+    }
+
+    /// The error behind the status of the last call.
+    fn check(&self, step: &'static str) -> Result<(), LinearError> {
+        const OK: c_int = sys::CHOLMOD_OK as c_int;
+        const NOT_POSITIVE_DEFINITE: c_int = sys::CHOLMOD_NOT_POSDEF as c_int;
+        const OUT_OF_MEMORY: c_int = sys::CHOLMOD_OUT_OF_MEMORY as c_int;
+        match self.common().status {
+            OK => Ok(()),
+            // The pivot that ended the factorisation is zero or less.
+            NOT_POSITIVE_DEFINITE => Err(LinearError::Singular { pivot_ratio: 0.0 }),
+            OUT_OF_MEMORY => Err(LinearError::OutOfMemory { step }),
+            status => Err(LinearError::Backend { backend: "cholmod", step, status: status.into() }),
+        }
+    }
+
+    /// A fill-reducing, postordered permutation for a symmetric matrix with this lower triangle:
+    /// minimum degree, and nested dissection, where METIS is there, if the former fills much.
+    pub(super) fn order(&mut self, lower: &Pattern) -> Result<Vec<usize>, LinearError> {
+        let common = self.common_mut();
+        // CHOLMOD's own strategy: these factors are made once, so the time to order counts. On plane
+        // grids of 200² and 400² nodes METIS took 5 to 16 times as long as AMD and the whole 1.5 to 3
+        // times as long, to save 2 to 6 % of the fill; on solid ones the strategy chose METIS.
+        common.nmethods = 0;
+        common.postorder = TRUE;
+        // The supernodes of this block alone would be of no use.
+        common.supernodal = sys::CHOLMOD_SIMPLICIAL as c_int;
+        let mut matrix = sparse(lower, None);
+        let _alone = ordering::alone();
+        // SAFETY: `matrix` describes the arrays of `lower`, which CHOLMOD reads only; the session
+        // is alive.
+        let factor = unsafe { sys::cholmod_l_analyze(&raw mut matrix, self.common.as_ptr()) };
+        let Some(mut factor) = NonNull::new(factor).map(NonNull::as_ptr) else {
+            return Err(self.failure("the ordering"));
+        };
+        // SAFETY: a factor of order n holds a permutation of n long integers; it is copied before
+        // the factor is freed.
+        unsafe {
+            let permutation = slice::<i64>((*factor).Perm, (*factor).n).iter().map(|&k| k as usize).collect();
+            sys::cholmod_l_free_factor(&raw mut factor, self.common.as_ptr());
+            Ok(permutation)
+        }
+    }
+
+    /// The entries and operations of the factor that was analysed last.
+    pub(super) fn predicted(&self) -> FactorInfo {
+        let common = self.common();
+        FactorInfo { entries: common.lnz as usize, flops: common.fl, ..FactorInfo::default() }
+    }
+
+    /// Factors the symmetric matrix with this lower triangle in the given order.
+    pub(super) fn factor(mut self, lower: &Csc, order: &[usize]) -> Result<Factor, LinearError> {
+        room::prepare()?;
+        let mut permutation: Vec<i64> = order.iter().map(|&unknown| unknown as i64).collect();
+        let common = self.common_mut();
+        common.nmethods = 1;
+        common.method[0].ordering = sys::CHOLMOD_GIVEN as c_int;
+        common.postorder = FALSE;
+        // Even where simplicial factors would be faster: one format to read.
+        common.supernodal = sys::CHOLMOD_SUPERNODAL as c_int;
+        let mut matrix = sparse(lower.pattern(), Some(lower.values()));
+        // SAFETY: `matrix` describes the arrays of `lower` and `permutation` has an entry for each
+        // column, all of which CHOLMOD reads only; no subset of columns is passed.
+        let factor = unsafe {
+            sys::cholmod_l_analyze_p(
+                &raw mut matrix,
+                permutation.as_mut_ptr(),
+                ptr::null_mut(),
+                0,
+                self.common.as_ptr(),
+            )
+        };
+        let Some(l) = NonNull::new(factor) else {
+            return Err(self.failure("the symbolic analysis"));
+        };
+        let factor = Factor { session: self, l };
+        // SAFETY: the same matrix, the factor it was analysed for, the session that made it.
+        unsafe { sys::cholmod_l_factorize(&raw mut matrix, factor.l.as_ptr(), factor.session.common.as_ptr()) };
+        factor.session.check("the factorisation")?;
+        let raw = factor.get();
+        if raw.is_super == FALSE || raw.xtype != sys::CHOLMOD_REAL as c_int {
+            return Err(LinearError::Backend { backend: "cholmod", step: "the form of the factors", status: 0 });
+        }
+        // SAFETY: a factor of order n holds a permutation of n long integers.
+        let kept: &[i64] = unsafe { slice(raw.Perm, raw.n) };
+        // What is read off the factors hangs on this order, so it is not taken on trust.
+        if kept != permutation {
+            return Err(LinearError::Backend { backend: "cholmod", step: "keeping the given order", status: 0 });
+        }
+        Ok(factor)
+    }
+
+    /// The error of a call that returned nothing.
+    fn failure(&self, step: &'static str) -> LinearError {
+        let status = self.common().status.into();
+        self.check(step).err().unwrap_or(LinearError::Backend { backend: "cholmod", step, status })
+    }
+}
+
+impl Drop for Session {
+    fn drop(&mut self) {
+        // SAFETY: the session was started, came from a box and is not used again; what it allocated
+        // besides its own workspace, `Factor` has freed before.
+        unsafe {
+            sys::cholmod_l_finish(self.common.as_ptr());
+            drop(Box::from_raw(self.common.as_ptr()));
+        }
+    }
+}
+
+/// Numeric supernodal factors, the only owner of everything CHOLMOD allocated for them.
+pub(super) struct Factor {
+    session: Session,
+    /// `L`, with its order and its supernodes.
+    l: NonNull<sys::cholmod_factor>,
+}
+
+// SAFETY: all of it is plain heap memory without thread affinity, and `Factor` is its only owner.
+unsafe impl Send for Factor {}
+// SAFETY: through `&Factor` it is read only, by us and by nobody else.
+unsafe impl Sync for Factor {}
+
+impl Factor {
+    fn get(&self) -> &sys::cholmod_factor {
+        // SAFETY: alive as long as `self`; CHOLMOD changes a factor only when it factorises.
+        unsafe { self.l.as_ref() }
+    }
+}
+
+impl Supernodal for Factor {
+    fn len(&self) -> usize {
+        self.get().nsuper
+    }
+
+    fn supernode(&self, k: usize) -> Supernode<'_> {
+        let raw = self.get();
+        let starts = raw.nsuper + 1;
+        // SAFETY: the lengths and types are those CHOLMOD documents for a numeric supernodal factor,
+        // which `Session::factor` has checked this is.
+        let (first, row_starts, value_starts, rows, values) = unsafe {
+            (
+                slice::<i64>(raw.super_, starts),
+                slice::<i64>(raw.pi, starts),
+                slice::<i64>(raw.px, starts),
+                slice::<i64>(raw.s, raw.ssize),
+                slice::<f64>(raw.x, raw.xsize),
+            )
+        };
+        // The first rows are those of the columns.
+        let rows = &rows[row_starts[k] as usize..row_starts[k + 1] as usize];
+        let (first, columns) = (first[k] as usize, (first[k + 1] - first[k]) as usize);
+        let start = value_starts[k] as usize;
+        Supernode { first, columns, below: &rows[columns..], values: &values[start..start + columns * rows.len()] }
+    }
+
+    fn info(&self) -> FactorInfo {
+        FactorInfo { peak_bytes: self.session.common().memory_usage as f64, ..self.session.predicted() }
+    }
+}
+
+impl Drop for Factor {
+    fn drop(&mut self) {
+        let mut factor = self.l.as_ptr();
+        // SAFETY: the factor came from this session, which is dropped after it, and is not used again.
+        unsafe { sys::cholmod_l_free_factor(&raw mut factor, self.session.common.as_ptr()) };
+    }
+}
+
+/// A description of a symmetric matrix by its lower triangle, without values only of its pattern.
+fn sparse(lower: &Pattern, values: Option<&[f64]>) -> sys::cholmod_sparse {
+    let xtype = if values.is_some() { sys::CHOLMOD_REAL } else { sys::CHOLMOD_PATTERN };
+    sys::cholmod_sparse {
+        nrow: lower.rows(),
+        ncol: lower.columns(),
+        nzmax: lower.len(),
+        p: lower.column_starts().as_ptr().cast_mut().cast(),
+        i: lower.row_indices().as_ptr().cast_mut().cast(),
+        nz: ptr::null_mut(),
+        x: values.map_or(ptr::null_mut(), |values| values.as_ptr().cast_mut().cast()),
+        z: ptr::null_mut(),
+        stype: -1,
+        itype: sys::CHOLMOD_LONG as c_int,
+        xtype: xtype as c_int,
+        dtype: sys::CHOLMOD_DOUBLE as c_int,
+        sorted: TRUE,
+        packed: TRUE,
+    }
+}
+
+/// An array of C as a slice; null is empty.
+///
+/// # Safety
+/// `array` is null or holds `length` values of type `T` that nobody writes to during `'a`.
+unsafe fn slice<'a, T>(array: *mut c_void, length: usize) -> &'a [T] {
+    if array.is_null() {
+        return &[];
+    }
+    // SAFETY: the caller vouches for it.
+    unsafe { std::slice::from_raw_parts(array.cast(), length) }
+}

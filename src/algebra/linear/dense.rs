@@ -1,0 +1,227 @@
+//! Systems whose stiffness is dense, as that of a condensed body: an iteration factors what contact
+//! leaves free.
+//!
+//! The matrices of a run, on displacements `u` and other unknowns `q` (contact forces, slacks), are
+//!
+//! ```text
+//! [ S + E  B ] [u]   [b_u]
+//! [   A    D ] [q] = [b_q]
+//! ```
+//!
+//! with `S` dense and never changed; `E`, mostly 0, are springs on single displacements. Contact rows couple a node's unknowns
+//! only to each other. Their solutions (see `local`) are `u = P_u b_q + V t`, `q = P_q b_q + Y t + Z s`, where the reactions `s`
+//! stand in the equilibrium rows of their own node alone; `Wᵀ` takes the combinations of those rows that are without them:
+//!
+//! ```text
+//! Wᵀ (S V + E V + B Y) t = Wᵀ (b_u - ((S + E) P_u + B P_q) b_q).
+//! ```
+//!
+//! This matrix is all that is factored. Its order is the number of displacements that contact leaves
+//! free: two for an open node, one for a slipping one, none for a sticking one, and two for all nodes
+//! in an interior point method, where the same elimination serves.
+//!
+//! `S` is read in place. What is factored is gathered from it anew each time, although most of it is what it was: to keep it beside
+//! its factors would be one more copy, and to copy it is as much work as to gather it.
+
+use faer::Mat;
+use rayon::prelude::*;
+
+use super::error::expect_length;
+use super::{FactorInfo, LinearError};
+use crate::algebra::sparse::{Csr, DenseSymmetric, SystemMatrix};
+
+mod blocks;
+mod local;
+mod lu;
+
+use blocks::Blocks;
+use local::Local;
+pub use lu::Lu;
+pub use lu::times_transposed;
+
+/// A dense solver that eliminates the contact rows node by node.
+#[derive(Default)]
+pub struct Dense {
+    blocks: Option<Blocks>,
+    contact: Option<ContactFactors>,
+}
+
+/// The factors.
+struct ContactFactors {
+    /// `S`, shared with the matrix that was factored.
+    stiffness: DenseSymmetric,
+    /// The groups, solved.
+    groups: Vec<Local>,
+    /// The displacements of the groups that have reactions.
+    reacting: Vec<usize>,
+    /// The factors of `Wᵀ (S V + E V + B Y)`.
+    lu: Lu,
+}
+
+impl Dense {
+    /// Finds the groups of unknowns that the contact rows of `a` tie together; once a run.
+    ///
+    /// # Errors
+    /// When `a` is not square.
+    pub fn analyze(&mut self, a: &SystemMatrix) -> Result<(), LinearError> {
+        (self.blocks, self.contact) = (None, None);
+        self.blocks = Some(Blocks::new(a)?);
+        Ok(())
+    }
+
+    /// Factors `a`, whose pattern and dense block are as large as those that were analysed; once an iteration.
+    ///
+    /// # Errors
+    /// [`LinearError::Singular`] when a pivot vanishes or may be mere rounding, [`LinearError::NotFinite`] when an entry is no
+    /// number.
+    pub fn factorize(&mut self, a: &SystemMatrix) -> Result<FactorInfo, LinearError> {
+        let blocks = self.blocks.as_ref().ok_or(LinearError::Order { missing: "analyze" })?;
+        let stiffness = a.leading().map_or_else(|| DenseSymmetric::of_lower(0, Vec::new()), DenseSymmetric::clone);
+        expect_length("values of the matrix", blocks.pattern.len(), a.pattern().len())?;
+        expect_length("displacements in the matrix", blocks.displacements, stiffness.order())?;
+        // What is kept of the last factors: the groups that are the same, and their memory.
+        let last = self.contact.take().map(|contact| (contact.groups, contact.lu.into_memory()));
+        let (last, mut matrix) = last.unwrap_or_else(|| (Vec::new(), Mat::new()));
+        if !stiffness.is_finite() {
+            return Err(LinearError::NotFinite);
+        }
+        let (mut last, values) = (last.into_iter(), a.rest().values());
+        let groups =
+            blocks.groups.iter().map(|group| group.solve(values, last.next())).collect::<Result<Vec<_>, _>>()?;
+        let sizes = blocks.form(&stiffness, &groups, &mut matrix);
+        let lu = Lu::new(matrix, &sizes)?;
+        let reacting = blocks.groups.iter().zip(&groups).filter(|(_, local)| local.reacts());
+        let reacting = reacting.flat_map(|(group, _)| group.displacements.iter().copied()).collect();
+        let contact = self.contact.insert(ContactFactors { stiffness, groups, reacting, lu });
+        let (m, k) = (blocks.displacements, contact.lu.order());
+        Ok(FactorInfo {
+            entries: k * k,
+            flops: 2.0 / 3.0 * (k as f64).powi(3),
+            pivot_ratio: contact.lu.pivot_ratio(),
+            peak_bytes: 8.0 * (m * m + k * k) as f64,
+        })
+    }
+
+    /// Solves with the last factors, without refinement.
+    ///
+    /// # Errors
+    /// When there are no factors, or a vector has the wrong length.
+    pub fn solve(&self, b: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
+        let (Some(blocks), Some(contact)) = (&self.blocks, &self.contact) else {
+            return Err(LinearError::Order { missing: "factorize" });
+        };
+        expect_length("right-hand side", blocks.pattern.columns(), b.len())?;
+        expect_length("solution", blocks.pattern.columns(), x.len())?;
+        contact.solve(blocks, b, x);
+        Ok(())
+    }
+}
+
+impl Blocks {
+    /// One row for each `t`: what `row` says of it in its group, on the displacements there.
+    fn on_displacements(&self, groups: &[Local], row: fn(&Local, usize) -> &[f64]) -> Csr {
+        let rows = self.groups.iter().zip(groups).flat_map(|(group, local)| {
+            let entries = move |j| group.displacements.iter().copied().zip(row(local, j).iter().copied());
+            (0..local.moving()).map(entries)
+        });
+        Csr::of_rows(self.displacements, rows)
+    }
+
+    /// Writes `Wᵀ (S V + E V + B Y)` of these solutions of the `groups`; for each column the size of the numbers it came from.
+    fn form(&self, stiffness: &DenseSymmetric, groups: &[Local], matrix: &mut Mat<f64>) -> Vec<f64> {
+        let projections = self.on_displacements(groups, Local::projection);
+        let motions = self.on_displacements(groups, Local::motion);
+        let order = motions.rows();
+        matrix.resize_with(order, order, |_, _| 0.0);
+        let project = |column: &[f64], factor: f64, to: &mut [f64]| {
+            to.iter_mut().enumerate().for_each(|(i, to)| *to = factor * projections.dot(i, column));
+        };
+        let write = |(j, to): (usize, &mut [f64])| match motions.row(j) {
+            // Most nodes move along an axis.
+            &[(place, factor)] => project(stiffness.column(place), factor * stiffness.factor(), to),
+            several => {
+                let mut column = vec![0.0; self.displacements];
+                for &(place, factor) in several {
+                    column.iter_mut().zip(stiffness.column(place)).for_each(|(sum, s)| *sum += factor * s);
+                }
+                project(&column, stiffness.factor(), to);
+            }
+        };
+        if lu::threads(order) == 1 {
+            (0..order).for_each(|j| write((j, matrix.col_as_slice_mut(j))));
+        } else {
+            let columns: Vec<&mut [f64]> = matrix
+                .as_mut()
+                .col_iter_mut()
+                .filter_map(|column| Some(column.try_as_col_major_mut()?.as_slice_mut()))
+                .collect();
+            columns.into_par_iter().enumerate().for_each(write);
+        }
+        let mut sizes = Vec::with_capacity(order);
+        for (group, local) in self.groups.iter().zip(groups) {
+            let first = sizes.len();
+            for j in 0..local.moving() {
+                let own = local.own(j);
+                let column = matrix.col_as_slice_mut(first + j);
+                column[first..].iter_mut().zip(&own).for_each(|(to, own)| *to += own);
+                let moved = group.displacements.iter().zip(local.motion(j));
+                let of_stiffness =
+                    moved.map(|(&place, factor)| (factor * stiffness.get(place, place)).abs()).sum::<f64>();
+                sizes.push(own.iter().fold(0.0_f64, |m, value| m.max(value.abs())) + of_stiffness);
+            }
+        }
+        sizes
+    }
+}
+
+impl ContactFactors {
+    /// Solves for `x = (u, q)`.
+    fn solve(&self, blocks: &Blocks, b: &[f64], x: &mut [f64]) {
+        let m = blocks.displacements;
+        let all = || blocks.groups.iter().zip(&self.groups);
+        let gather = |from: &[f64], places: &[usize], to: &mut Vec<f64>| {
+            to.clear();
+            to.extend(places.iter().map(|&place| from[place]));
+        };
+        // The values of a group, and what its equilibrium rows leave.
+        let (mut given, mut own) = (Vec::new(), Vec::new());
+        let mut rest = b[..m].to_vec();
+        for (group, local) in all() {
+            gather(b, &group.others, &mut given);
+            own.clear();
+            own.extend(local.start(&given));
+            group.displacements.iter().zip(local.act(&own)).for_each(|(&place, force)| rest[place] -= force);
+            group.unknowns().zip(&own).for_each(|(unknown, value)| x[unknown] = *value);
+        }
+        if x[..m].iter().any(|u| *u != 0.0) {
+            let mut force = vec![0.0; m];
+            self.stiffness.mul(&x[..m], &mut force);
+            rest.iter_mut().zip(&force).for_each(|(rest, force)| *rest -= force);
+        }
+        let mut projected = Vec::with_capacity(self.lu.order());
+        for (group, local) in all() {
+            gather(&rest, &group.displacements, &mut own);
+            projected.extend(local.project(&own));
+        }
+        let t = self.lu.solve(&projected);
+        let (mut change, mut t) = (vec![0.0; m], &t[..]);
+        for (group, local) in all() {
+            let (own, others) = t.split_at(local.moving());
+            t = others;
+            let moved = local.moved(own);
+            group.unknowns().zip(&moved).for_each(|(unknown, value)| x[unknown] += value);
+            for ((&place, moved), force) in group.displacements.iter().zip(&moved).zip(local.act(&moved)) {
+                change[place] = *moved;
+                rest[place] -= force;
+            }
+        }
+        let forces = self.stiffness.products(&self.reacting, &change);
+        self.reacting.iter().zip(forces).for_each(|(&place, force)| rest[place] -= force);
+        for (group, local) in all().filter(|(_, local)| local.reacts()) {
+            gather(&rest, &group.displacements, &mut own);
+            gather(x, &group.others, &mut given);
+            local.react(&own, &mut given);
+            group.others.iter().zip(&given).for_each(|(&unknown, q)| x[unknown] = *q);
+        }
+    }
+}

@@ -1,0 +1,165 @@
+//! Dense kernels: `L Lᵀ`, and LU with partial pivoting.
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
+use faer::linalg::matmul::triangular::{BlockStructure, matmul};
+use faer::{Accum, Mat, MatMut, MatRef, Par};
+
+use crate::algebra::linear::LinearError;
+use crate::algebra::sparse::mirror;
+
+/// Below, a factorisation takes less than a few milliseconds, and waiting for other threads costs what they save.
+const PARALLEL_ORDER: usize = 400;
+
+/// How many threads work on a matrix of this order.
+pub(super) fn threads(order: usize) -> usize {
+    if order < PARALLEL_ORDER { 1 } else { rayon::current_num_threads() }
+}
+
+/// The same, as faer has it.
+fn parallelism(order: usize) -> Par {
+    match threads(order) {
+        1 => Par::Seq,
+        several => Par::rayon(several),
+    }
+}
+
+/// `L Lᵀ` of the lower triangle `l`, m × m, column after column; so is the result, complete.
+pub fn times_transposed(l: &[f64], m: usize) -> Vec<f64> {
+    let l = MatRef::from_column_major_slice(l, m, m);
+    let mut product = vec![0.0; m * m];
+    let to = MatMut::from_column_major_slice_mut(&mut product, m, m);
+    let (lower, upper) = (BlockStructure::TriangularLower, BlockStructure::TriangularUpper);
+    matmul(to, lower, Accum::Replace, l, lower, l.transpose(), upper, 1.0, parallelism(m));
+    mirror(&mut product, m);
+    product
+}
+
+/// Pivots at most as large, relative to the diagonal that they came from, say nothing: that of a Schur
+/// complement is about a quarter of what it was made from. (Free bodies have pivots of 2e-14, slender ones of
+/// 1e-12.)
+const MERE_ROUNDING: f64 = 256.0 * f64::EPSILON;
+
+/// The factors of `P A = L U`.
+#[derive(Debug)]
+pub struct Lu {
+    /// `L` below the diagonal, its own being 1, and `U`.
+    factors: Mat<f64>,
+    /// Row `k` of `P A` is row `permutation[k]` of `A`.
+    permutation: Vec<usize>,
+    pivot_ratio: f64,
+}
+
+impl Lu {
+    /// Factors `a`, which is square. Its columns came from numbers of these `sizes`, so that rounding
+    /// makes pivots of about `ε size` where there should be none.
+    ///
+    /// # Errors
+    /// [`LinearError::Singular`] when a pivot vanishes or may be mere rounding, which faer does not
+    /// look at; [`LinearError::NotFinite`] when an entry is no number; [`LinearError::Shape`] unless `a` is square and has as many sizes.
+    pub fn new(mut a: Mat<f64>, sizes: &[f64]) -> Result<Self, LinearError> {
+        let n = a.nrows();
+        for (what, found) in [("columns", a.ncols()), ("sizes", sizes.len())] {
+            if found != n {
+                return Err(LinearError::Shape { what, expected: n, found });
+            }
+        }
+        if !a.is_all_finite() {
+            return Err(LinearError::NotFinite);
+        }
+        let (mut permutation, mut inverse) = (vec![0_usize; n], vec![0_usize; n]);
+        if n > 0 {
+            let par = parallelism(n);
+            let mut memory = MemBuffer::new(lu_in_place_scratch::<usize, f64>(n, n, par, faer::Spec::default()));
+            let stack = MemStack::new(&mut memory);
+            lu_in_place(a.as_mut(), &mut permutation, &mut inverse, par, stack, faer::Spec::default());
+        }
+        let mut pivot_ratio = 1.0_f64;
+        for (k, size) in sizes.iter().enumerate() {
+            // After a pivot of 0 faer goes on with NaN, and so does 0 / 0.
+            let ratio = a[(k, k)].abs() / size;
+            pivot_ratio = pivot_ratio.min(if ratio.is_finite() { ratio } else { 0.0 });
+        }
+        if pivot_ratio <= MERE_ROUNDING {
+            return Err(LinearError::Singular { pivot_ratio });
+        }
+        Ok(Lu { factors: a, permutation, pivot_ratio })
+    }
+
+    /// The room that the factors take.
+    pub(super) fn into_memory(self) -> Mat<f64> {
+        self.factors
+    }
+
+    /// The order.
+    pub(super) fn order(&self) -> usize {
+        self.permutation.len()
+    }
+
+    /// The smallest of all pivots, each relative to the size of its column.
+    pub(super) fn pivot_ratio(&self) -> f64 {
+        self.pivot_ratio
+    }
+
+    /// Solves `A x = b`, where `b` has the order of `A`.
+    pub fn solve(&self, b: &[f64]) -> Vec<f64> {
+        let mut x: Vec<f64> = self.permutation.iter().map(|&row| b[row]).collect();
+        for column in 0..x.len() {
+            let (head, below) = x.split_at_mut(column + 1);
+            let factors = &self.factors.col_as_slice(column)[column + 1..];
+            below.iter_mut().zip(factors).for_each(|(x, l)| *x -= l * head[column]);
+        }
+        for column in (0..x.len()).rev() {
+            let (above, rest) = x.split_at_mut(column);
+            let factors = self.factors.col_as_slice(column);
+            rest[0] /= factors[column];
+            above.iter_mut().zip(factors).for_each(|(x, u)| *x -= u * rest[0]);
+        }
+        x
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn products_of_a_triangle() {
+        // L = [1 0; 2 3]
+        let s = times_transposed(&[1.0, 2.0, 0.0, 3.0], 2);
+        assert_eq!(s, [1.0, 2.0, 2.0, 13.0]);
+        assert!(times_transposed(&[], 0).is_empty());
+    }
+
+    #[test]
+    fn rows_are_exchanged() {
+        for n in [1, 2, 7, 40, 130] {
+            // Zero on the diagonal where it can be.
+            let a =
+                Mat::from_fn(n, n, |i, j| if i == j && n > 1 { 0.0 } else { 1.0 / (1.0 + i as f64 + 2.0 * j as f64) });
+            let x: Vec<f64> = (0..n).map(|i| (i as f64).cos()).collect();
+            let product = |x: &[f64]| -> Vec<f64> {
+                (0..n).map(|i| x.iter().enumerate().map(|(j, x)| a[(i, j)] * x).sum()).collect()
+            };
+            let b = product(&x);
+            let lu = Lu::new(a.clone(), &vec![1.0; n]).unwrap();
+            assert_eq!(lu.order(), n);
+            let found = product(&lu.solve(&b));
+            assert!(found.iter().zip(&b).all(|(found, b)| (found - b).abs() < 1e-13), "{n}: {found:?}");
+        }
+        assert_eq!(Lu::new(Mat::zeros(0, 0), &[]).unwrap().pivot_ratio(), 1.0);
+    }
+
+    #[test]
+    fn bad_pivots_are_errors() {
+        let of = |values: [f64; 4]| Lu::new(Mat::from_fn(2, 2, |i, j| values[2 * i + j]), &[2.0, 4.0]).err();
+        let singular = |error| assert!(matches!(error, Some(LinearError::Singular { .. })), "{error:?}");
+        singular(of([1.0, 2.0, 2.0, 4.0]));
+        singular(of([0.0; 4]));
+        singular(of([1.0, 0.1, 0.3, 0.03]));
+        // Rounding of numbers that are not there any more.
+        singular(Lu::new(Mat::from_fn(1, 1, |_, _| 1e-17), &[1.0]).err());
+        assert_eq!(of([f64::NAN, 2.0, 2.0, 4.0]), Some(LinearError::NotFinite));
+        assert_eq!(of([1.0, 2.0, 2.0, 4.5]), None);
+    }
+}

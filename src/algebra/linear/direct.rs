@@ -1,0 +1,262 @@
+//! A solver together with what it did: counts, times, refinement, backward error.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use serde::{Deserialize, Serialize};
+
+use super::error::expect_length;
+use super::refine::{self, SolveInfo, Workspace};
+use super::{Dense, FactorInfo, Iterated, LinearError, LinearSolver, SparseLu};
+use crate::algebra::sparse::{Pattern, SystemMatrix};
+
+/// What a [`RefinedSolver`] solver has done so far.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct Statistics {
+    /// Symbolic analyses.
+    pub analyses: usize,
+    /// Numerical factorisations.
+    pub factorizations: usize,
+    /// Right-hand sides solved, refinement steps not counted.
+    pub solves: usize,
+    /// Refinement steps.
+    pub refinements: usize,
+    /// Seconds in symbolic analyses.
+    pub analysis_seconds: f64,
+    /// Seconds in factorisations.
+    pub factor_seconds: f64,
+    /// Seconds in solves, with refinement and the measuring of the backward error.
+    pub solve_seconds: f64,
+    /// The largest backward error of any solve.
+    pub worst_backward_error: f64,
+    /// Iterations within the solves, where they are done so.
+    pub krylov_iterations: usize,
+    /// The direct solver that took over, if these stood still.
+    pub instead: Option<SparseLu>,
+    /// The last factorisation.
+    pub factor: FactorInfo,
+}
+
+/// A direct solver in front of what factors.
+pub struct RefinedSolver {
+    solver: Backend,
+    pattern: Option<Arc<Pattern>>,
+    work: Workspace,
+    statistics: Statistics,
+    /// Factorisations begun, those that failed included: as long as it is the same, so are the factors.
+    generation: usize,
+}
+
+/// What factors.
+enum Backend {
+    /// A solver of compressed columns; a dense block becomes some.
+    Sparse(Box<dyn LinearSolver>),
+    /// The one for matrices with a dense block.
+    Dense(Box<Dense>),
+}
+
+impl Backend {
+    fn analyze(&mut self, a: &SystemMatrix) -> Result<(), LinearError> {
+        match self {
+            Backend::Sparse(solver) => solver.analyze_system(a),
+            Backend::Dense(solver) => solver.analyze(a),
+        }
+    }
+
+    fn factorize(&mut self, a: &SystemMatrix) -> Result<FactorInfo, LinearError> {
+        match self {
+            Backend::Sparse(solver) => solver.factorize_system(a),
+            Backend::Dense(solver) => solver.factorize(a),
+        }
+    }
+
+    fn solve(&mut self, b: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
+        match self {
+            Backend::Sparse(solver) => solver.solve(b, x),
+            Backend::Dense(solver) => solver.solve(b, x),
+        }
+    }
+
+    fn iterated(&mut self) -> Iterated {
+        match self {
+            Backend::Sparse(solver) => solver.iterated(),
+            Backend::Dense(_) => Iterated::default(),
+        }
+    }
+}
+
+impl From<Dense> for RefinedSolver {
+    fn from(solver: Dense) -> Self {
+        RefinedSolver::with(Backend::Dense(Box::new(solver)))
+    }
+}
+
+impl Default for RefinedSolver {
+    /// The sparse LU of this build: UMFPACK where it is built in, otherwise faer.
+    fn default() -> Self {
+        RefinedSolver::new(SparseLu::default().solver())
+    }
+}
+
+impl RefinedSolver {
+    /// Wraps a sparse solver.
+    pub fn new(solver: Box<dyn LinearSolver>) -> Self {
+        RefinedSolver::with(Backend::Sparse(solver))
+    }
+
+    fn with(solver: Backend) -> Self {
+        RefinedSolver {
+            solver,
+            pattern: None,
+            work: Workspace::default(),
+            statistics: Statistics::default(),
+            generation: 0,
+        }
+    }
+
+    /// The same after so much was `done` before: it counts on from there.
+    #[must_use]
+    pub fn after(self, done: Statistics) -> Self {
+        RefinedSolver { statistics: done, ..self }
+    }
+
+    /// The name of the solver in reports.
+    pub fn name(&self) -> &'static str {
+        match &self.solver {
+            Backend::Sparse(solver) => solver.name(),
+            Backend::Dense(_) => "dense",
+        }
+    }
+
+    /// A number that changes whenever the factors do, be it that a factorisation fails and leaves none.
+    pub fn generation(&self) -> usize {
+        self.generation
+    }
+
+    /// What was done so far.
+    pub fn statistics(&self) -> &Statistics {
+        &self.statistics
+    }
+
+    /// Symbolic analysis of the pattern of `a`, once a run. A sparse one that is the last one's is not analysed again.
+    ///
+    /// # Errors
+    /// As [`LinearSolver::analyze`].
+    pub fn analyze(&mut self, a: &SystemMatrix) -> Result<(), LinearError> {
+        let start = Instant::now();
+        self.generation += 1;
+        let known = self.pattern.take().is_some_and(|pattern| pattern == *a.pattern());
+        if known && matches!(self.solver, Backend::Sparse(_)) {
+            self.pattern = Some(Arc::clone(a.pattern()));
+            return Ok(());
+        }
+        self.solver.analyze(a)?;
+        self.pattern = Some(Arc::clone(a.pattern()));
+        self.statistics.analyses += 1;
+        self.statistics.analysis_seconds += start.elapsed().as_secs_f64();
+        Ok(())
+    }
+
+    /// Factors `a`, which must stand on the analysed pattern.
+    ///
+    /// # Errors
+    /// As [`LinearSolver::factorize`], and [`LinearError::PatternChanged`].
+    pub fn factorize(&mut self, a: &SystemMatrix) -> Result<FactorInfo, LinearError> {
+        self.expect_analysed(a)?;
+        let start = Instant::now();
+        self.generation += 1;
+        let info = self.solver.factorize(a)?;
+        self.statistics.factorizations += 1;
+        self.statistics.factor_seconds += start.elapsed().as_secs_f64();
+        self.statistics.factor = info;
+        Ok(info)
+    }
+
+    /// An error unless `a` stands on the analysed pattern, and both vectors fit it.
+    fn fits(&self, a: &SystemMatrix, b: &[f64], x: &[f64]) -> Result<(), LinearError> {
+        self.expect_analysed(a)?;
+        expect_length("right-hand side", a.pattern().rows(), b.len())?;
+        expect_length("solution", a.order(), x.len())
+    }
+
+    /// An error unless `a` stands on the analysed pattern. A formulation shares it, so that nothing is compared.
+    fn expect_analysed(&self, a: &SystemMatrix) -> Result<(), LinearError> {
+        let pattern = self.pattern.as_ref().ok_or(LinearError::Order { missing: "analyze" })?;
+        if Arc::ptr_eq(pattern, a.pattern()) || pattern == a.pattern() {
+            Ok(())
+        } else {
+            Err(LinearError::PatternChanged)
+        }
+    }
+
+    /// Solves `a x = b` with the last factors as they are, for an estimate: neither refined nor measured.
+    ///
+    /// # Errors
+    /// As [`LinearSolver::solve`].
+    pub fn solve_roughly(&mut self, b: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
+        let start = Instant::now();
+        self.solver.solve(b, x)?;
+        self.count_solve(start);
+        Ok(())
+    }
+
+    /// Whether it solves by iterations.
+    pub fn iterates(&self) -> bool {
+        match &self.solver {
+            Backend::Sparse(solver) => solver.iterates(),
+            Backend::Dense(_) => false,
+        }
+    }
+
+    /// Solves `a x = b` to a residual of `tolerance` times `b` where that is done by iterations; it is not refined then, and its backward
+    /// error is not among the worst of the statistics. Otherwise as [`RefinedSolver::solve`].
+    ///
+    /// # Errors
+    /// As [`RefinedSolver::solve`].
+    pub fn solve_to(
+        &mut self,
+        tolerance: f64,
+        a: &SystemMatrix,
+        b: &[f64],
+        x: &mut [f64],
+    ) -> Result<SolveInfo, LinearError> {
+        self.fits(a, b, x)?;
+        let start = Instant::now();
+        let solver = match &mut self.solver {
+            Backend::Sparse(solver) if solver.iterates() => solver,
+            _ => return self.solve(a, b, x),
+        };
+        solver.solve_to(tolerance, b, x)?;
+        let error = refine::backward_error(a, b, x)?;
+        self.count_solve(start);
+        if error.is_finite() {
+            Ok(SolveInfo { backward_error: error, refinements: 0 })
+        } else {
+            Err(LinearError::NotFinite)
+        }
+    }
+
+    /// Solves `a x = b` with the last factors, refined.
+    ///
+    /// # Errors
+    /// As [`LinearSolver::solve`], [`LinearError::PatternChanged`], and [`LinearError::NotFinite`].
+    pub fn solve(&mut self, a: &SystemMatrix, b: &[f64], x: &mut [f64]) -> Result<SolveInfo, LinearError> {
+        self.fits(a, b, x)?;
+        let start = Instant::now();
+        let info = refine::solve(&mut |b, x| self.solver.solve(b, x), a, b, x, &mut self.work)?;
+        self.count_solve(start);
+        let statistics = &mut self.statistics;
+        statistics.refinements += info.refinements;
+        statistics.worst_backward_error = statistics.worst_backward_error.max(info.backward_error);
+        Ok(info)
+    }
+
+    fn count_solve(&mut self, start: Instant) {
+        let Iterated { iterations, instead } = self.solver.iterated();
+        let statistics = &mut self.statistics;
+        statistics.solves += 1;
+        statistics.solve_seconds += start.elapsed().as_secs_f64();
+        statistics.krylov_iterations += iterations;
+        statistics.instead = statistics.instead.or(instead);
+    }
+}

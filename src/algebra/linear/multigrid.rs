@@ -1,0 +1,235 @@
+//! GMRES on the uncondensed system, with contact inside multigrid: for bodies too large to be factored.
+//!
+//! Contact is eliminated exactly, node by node, on a matrix `K̂` with the pattern of `K` (`node`, `stiffness`), and one cycle
+//! of algebraic multigrid on `K̂` preconditions the whole Newton system. Iterations do not grow with the mesh, the contact statuses or the
+//! friction; where they do, on matrices close to incompressible ones and meshes graded in two directions at once, a direct
+//! solver takes over.
+
+mod block;
+mod form;
+mod gmres;
+mod grid;
+mod hierarchy;
+mod node;
+mod numbering;
+mod piece;
+mod precondition;
+mod product;
+mod rows;
+mod shared;
+mod small;
+mod stiffness;
+
+use std::sync::Arc;
+
+use super::petsc::Amg;
+use super::ranks;
+use super::{FactorInfo, Iterated, LinearError, LinearSolver, SparseLu};
+use crate::algebra::sparse::{Csc, Pattern, SystemMatrix};
+use block::Border;
+pub use form::Form;
+pub use grid::{Grid, GridContact};
+use hierarchy::{Cycle, Hierarchy, MakeCycle};
+use node::Eliminated;
+pub(super) use piece::Piece;
+use precondition::{Elimination, Work, kernel};
+use product::Product;
+use shared::Stiffness;
+pub use shared::share;
+use stiffness::BlockLayout;
+
+/// Where more are needed a direct solver is faster.
+const MOST_ITERATIONS: usize = 60;
+/// The residual where nobody asks for less; refinement makes the rest.
+const TIGHT: f64 = 1e-10;
+
+/// The iterative solver.
+pub struct Multigrid {
+    grid: Grid,
+    form: Form,
+    matrix: Option<SystemMatrix>,
+    layout: Option<BlockLayout>,
+    /// What products work on.
+    sums: Vec<Vec<f64>>,
+    factored: Option<Factored>,
+    /// One for the matrix in which all contact nodes are held, which comes again in every increment, and one for the others.
+    hierarchies: Vec<Hierarchy>,
+    make_cycle: MakeCycle,
+    instead: Option<Box<dyn LinearSolver>>,
+    /// What nobody has asked for yet.
+    iterated: Iterated,
+}
+
+/// A matrix with its hierarchy.
+struct Factored {
+    nodes: Vec<Eliminated>,
+    border: Vec<Border>,
+    /// Which of the hierarchies serves.
+    hierarchy: usize,
+    work: Work,
+}
+
+impl Multigrid {
+    /// A solver for systems whose unknowns are where `grid` says.
+    pub fn new(grid: Grid, form: Form) -> Self {
+        Multigrid {
+            grid,
+            form,
+            matrix: None,
+            layout: None,
+            sums: Vec::new(),
+            factored: None,
+            hierarchies: Vec::new(),
+            make_cycle: |rows, motions, bounds| Ok(Box::new(Amg::new(rows, motions, bounds)?)),
+            instead: None,
+            iterated: Iterated::default(),
+        }
+    }
+
+    /// Whether the present matrix has the hierarchy of another.
+    fn borrows(&self) -> bool {
+        self.factored.as_ref().is_some_and(|factored| self.hierarchies[factored.hierarchy].lent)
+    }
+
+    fn iterate(&mut self, b: &[f64], x: &mut [f64], tolerance: f64) -> Result<gmres::Found, LinearError> {
+        let (Some(matrix), Some(layout)) = (&self.matrix, &self.layout) else {
+            return Err(LinearError::Order { missing: "analyze" });
+        };
+        let Some(Factored { nodes, border, hierarchy, work }) = &mut self.factored else {
+            return Err(LinearError::Order { missing: "factorize" });
+        };
+        let elimination = Elimination { grid: &self.grid, layout, nodes, border, form: self.form };
+        let hierarchy = &mut self.hierarchies[*hierarchy];
+        let limit = hierarchy.patience(tolerance).min(MOST_ITERATIONS);
+        let approximately = |r: &[f64], z: &mut [f64]| elimination.precondition(hierarchy, work, r, z);
+        let found = if matrix.shared().is_some() {
+            let product = |x: &[f64], y: &mut [f64]| matrix.mul(x, y);
+            gmres::solve(b, x, tolerance, limit, product, approximately)?
+        } else {
+            let mut product = Product::new(matrix.pattern(), matrix.rest().values(), &mut self.sums);
+            let product = |x: &[f64], y: &mut [f64]| product.times(x, y);
+            gmres::solve(b, x, tolerance, limit, product, approximately)?
+        };
+        self.iterated.iterations += found.iterations;
+        hierarchy.took(found.iterations, found.residual);
+        Ok(found)
+    }
+}
+
+impl Multigrid {
+    /// Eliminates contact from the matrix that there is, and sees to a hierarchy.
+    fn prepare(&mut self) -> Result<FactorInfo, LinearError> {
+        let (Some(matrix), Some(layout)) = (&self.matrix, &self.layout) else {
+            return Err(LinearError::Order { missing: "analyze" });
+        };
+        self.factored = None;
+        if let Some(instead) = &mut self.instead {
+            return instead.factorize_system(matrix);
+        }
+        let nodes = layout.nodes(matrix, self.form);
+        // In the oblique form what is swept out differs from matrix to matrix.
+        let serves = |hierarchy: &Hierarchy| self.form == Form::Symmetric && hierarchy.serves(&nodes);
+        let (hierarchy, border) = if let Some(serving) = self.hierarchies.iter().position(serves) {
+            self.hierarchies[serving].lend();
+            (serving, layout.border(matrix, &nodes))
+        } else {
+            // The old one goes before there is a new one.
+            let all_held = hierarchy::all_held(&nodes);
+            self.hierarchies.retain(|hierarchy| hierarchy.all_held != all_held);
+            let kernel = kernel(&self.grid, layout, &nodes);
+            let (cycle, border) = if let Some(stiffness) = Stiffness::of(matrix) {
+                let cycle = stiffness.cycle(&layout.state(matrix, &nodes, self.form), &kernel)?;
+                (Box::new(cycle) as Box<dyn Cycle>, layout.border(matrix, &nodes))
+            } else {
+                let (rows, border) = layout.stiffness(matrix, &nodes, self.form)?;
+                ((self.make_cycle)(rows, kernel, &layout.bounds())?, border)
+            };
+            self.hierarchies.push(Hierarchy::new(cycle, &nodes));
+            (self.hierarchies.len() - 1, border)
+        };
+        let entries = layout.entries();
+        self.factored = Some(Factored { nodes, border, hierarchy, work: Work::default() });
+        Ok(FactorInfo { entries, flops: 0.0, pivot_ratio: 1.0, peak_bytes: 0.0 })
+    }
+}
+
+impl LinearSolver for Multigrid {
+    fn name(&self) -> &'static str {
+        "multigrid"
+    }
+
+    fn analyze(&mut self, pattern: &Arc<Pattern>) -> Result<(), LinearError> {
+        self.analyze_system(&SystemMatrix::from(Csc::zeros(Arc::clone(pattern))))
+    }
+
+    fn analyze_system(&mut self, a: &SystemMatrix) -> Result<(), LinearError> {
+        if a.leading().is_some() {
+            return self.analyze(a.to_csc().pattern());
+        }
+        (self.factored, self.instead) = (None, None);
+        self.hierarchies.clear();
+        let layout = BlockLayout::new(&self.grid, a)?;
+        self.layout = Some(if a.shared().is_some() { layout } else { layout.shared_among(ranks::count())? });
+        self.matrix = Some(a.clone());
+        Ok(())
+    }
+
+    fn factorize(&mut self, values: &[f64]) -> Result<FactorInfo, LinearError> {
+        let Some(matrix) = &mut self.matrix else { return Err(LinearError::Order { missing: "analyze" }) };
+        super::error::expect_length("values", matrix.pattern().len(), values.len())?;
+        matrix.rest_mut().values_mut().copy_from_slice(values);
+        self.prepare()
+    }
+
+    fn factorize_system(&mut self, a: &SystemMatrix) -> Result<FactorInfo, LinearError> {
+        match a.leading() {
+            None => self.factorize(a.rest().values()),
+            Some(_) => self.factorize(a.to_csc().values()),
+        }
+    }
+
+    fn iterates(&self) -> bool {
+        self.instead.is_none()
+    }
+
+    fn solve(&mut self, b: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
+        self.solve_to(TIGHT, b, x)
+    }
+
+    fn solve_to(&mut self, tolerance: f64, b: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
+        if let Some(instead) = &mut self.instead {
+            return instead.solve(b, x);
+        }
+        let mut found = self.iterate(b, x, tolerance)?;
+        if found.residual > tolerance && self.borrows() {
+            // The hierarchy of another matrix is worn by that: now it is one of its own.
+            self.prepare()?;
+            found = self.iterate(b, x, tolerance)?;
+        }
+        if found.residual <= tolerance {
+            return Ok(());
+        }
+        // It stands still: what is left to do is done directly.
+        let Some(matrix) = &self.matrix else { return Err(LinearError::Order { missing: "analyze" }) };
+        self.factored = None;
+        self.hierarchies.clear();
+        // Rank 0 has to have all of the matrix now; who shares the factors takes the least beside.
+        let lu = SparseLu::for_ranks();
+        let mut direct = lu.solver();
+        direct.analyze_system(matrix)?;
+        direct.factorize_system(matrix)?;
+        direct.solve(b, x)?;
+        self.iterated.instead = Some(lu);
+        self.instead = Some(direct);
+        Ok(())
+    }
+
+    fn iterated(&mut self) -> Iterated {
+        std::mem::take(&mut self.iterated)
+    }
+}
+
+#[cfg(test)]
+mod exact;
+#[cfg(test)]
+mod same;

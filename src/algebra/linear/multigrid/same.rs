@@ -1,0 +1,138 @@
+//! A shared stiffness is what one process has: here of one rank, which makes all of its rows.
+
+#[cfg(test)]
+pub(super) mod tests {
+    use crate::algebra::linear::multigrid::exact::tests::{LAWS, Numbers, system};
+    use crate::algebra::linear::multigrid::*;
+    use crate::algebra::sparse::{DoubleDouble, NodeRows, SharedMatrix, Symmetric};
+
+    /// A chain of nodes, of which each cell has two.
+    struct Chain {
+        grid: Grid,
+        stiffness: Symmetric,
+    }
+
+    impl NodeRows for Chain {
+        fn dimension(&self) -> usize {
+            3
+        }
+
+        fn nodes(&self) -> usize {
+            self.grid.nodes
+        }
+
+        fn order(&self) -> usize {
+            self.grid.displacements.len()
+        }
+
+        fn places(&self, node: usize) -> [Option<usize>; 3] {
+            [0, 1, 2].map(|c| self.grid.displacements.iter().position(|at| *at == (node, c)))
+        }
+
+        fn each_cell(&self, take: &mut dyn FnMut(&[usize])) {
+            (1..self.nodes()).for_each(|node| take(&[node - 1, node]));
+        }
+
+        fn fingerprint(&self) -> u64 {
+            7
+        }
+
+        fn rows(&self, nodes: &[bool]) -> Option<Symmetric> {
+            let here = |dof: usize| nodes[self.grid.displacements[dof].0];
+            let entries: Vec<_> = self.stiffness.lower_entries().filter(|(i, j, _)| here(*i) || here(*j)).collect();
+            Symmetric::from_triplets(self.order(), &entries).ok()
+        }
+    }
+
+    /// `a` with its stiffness in one piece, and the same shared, as `factor` times another.
+    fn both(factor: f64) -> (Grid, [SystemMatrix; 2], Symmetric) {
+        let (grid, a) = system(&LAWS, false);
+        let n_u = grid.displacements.len();
+        let is_stiffness = |i: usize, j: usize| i < n_u && j < n_u;
+        let lower = a.rest().entries().filter(|(i, j, _)| is_stiffness(*i, *j) && i >= j);
+        let lower: Vec<_> = lower.map(|(i, j, value)| (i, j, value / factor)).collect();
+        let stiffness = Symmetric::from_triplets(n_u, &lower).unwrap();
+        let chain = Chain { grid: grid.clone(), stiffness: stiffness.clone() };
+        // The last node is far from contact.
+        let near: Vec<bool> = (0..grid.nodes).map(|node| node + 1 < grid.nodes).collect();
+        let shared = share(&chain, &near).unwrap().unwrap();
+        let mut rest: Vec<_> = a.rest().entries().filter(|(i, j, _)| !is_stiffness(*i, *j)).collect();
+        // A spring holds a displacement.
+        rest.extend((0..n_u).map(|i| (i, i, if i == 4 { 0.7 } else { 0.0 })));
+        let n = a.order();
+        let rest = Csc::from_triplets(n, n, &rest).unwrap();
+        let mut whole: Vec<_> = rest.entries().collect();
+        whole.extend(stiffness.entries().map(|(i, j, value)| (i, j, factor * value)));
+        let whole = SystemMatrix::from(Csc::from_triplets(n, n, &whole).unwrap());
+        let mut beside = SystemMatrix::of(&shared, factor, (**rest.pattern()).clone());
+        beside.rest_mut().values_mut().copy_from_slice(rest.values());
+        (grid, [whole, beside], shared)
+    }
+
+    fn assert_close(found: &[f64], expected: &[f64], tolerance: f64) {
+        let largest = expected.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        assert_eq!(found.len(), expected.len());
+        for (found, expected) in found.iter().zip(expected) {
+            assert!((found - expected).abs() <= tolerance * largest, "{found} {expected}");
+        }
+    }
+
+    #[test]
+    fn products_and_entries_are_the_same() {
+        let (_, [whole, shared], stiffness) = both(2.0);
+        let (n, mut numbers) = (whole.order(), Numbers(3));
+        let mut vector = || (0..n).map(|_| numbers.next()).collect::<Vec<f64>>();
+        let (x, rest, b) = (vector(), vector(), vector());
+        assert_close(&shared.times(&x).unwrap(), &whole.times(&x).unwrap(), 1e-15);
+        let [found, expected] = [&shared, &whole].map(|a| {
+            let (mut r, mut s, mut sums) = (vec![0.0; n], vec![0.0; n], vec![DoubleDouble::default(); n]);
+            a.residual(&x, &b, &mut r, &mut s);
+            a.add_beyond(&x, &rest, &mut sums);
+            [r, s, sums.into_iter().map(DoubleDouble::value).collect()]
+        });
+        for (found, expected) in found.iter().zip(&expected) {
+            assert_close(found, expected, 1e-14);
+        }
+        for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+            assert!((shared.get(i, j) - whole.get(i, j)).abs() <= 1e-15, "{i} {j}");
+        }
+        let compressed = SystemMatrix::from(shared.to_csc().into_owned());
+        assert_close(&compressed.times(&x).unwrap(), &whole.times(&x).unwrap(), 1e-15);
+        // What is added to the block counts as two.
+        assert!(shared.row_norms().iter().zip(whole.row_norms()).all(|(found, expected)| *found <= expected + 1e-15));
+        assert!(!stiffness.clone().stores(0, 0) && stiffness.clone().add(0, 0, 1.0).is_err());
+        assert_eq!(stiffness.diagonal().len(), stiffness.order());
+    }
+
+    #[test]
+    fn it_is_solved_in_as_many_iterations() {
+        for form in [Form::Symmetric, Form::Oblique] {
+            let (grid, matrices, _) = both(4.0);
+            let mut numbers = Numbers(11);
+            let b: Vec<f64> = (0..matrices[0].order()).map(|_| numbers.next()).collect();
+            let [whole, shared] = matrices.map(|a| {
+                let mut solver = Multigrid::new(grid.clone(), form);
+                let mut x = vec![0.0; b.len()];
+                solver.analyze_system(&a).unwrap();
+                solver.factorize_system(&a).unwrap();
+                solver.solve(&b, &mut x).unwrap();
+                (x, solver.iterated())
+            });
+            assert_close(&shared.0, &whole.0, 1e-8);
+            assert_eq!(shared.1, whole.1);
+        }
+    }
+
+    #[test]
+    fn what_is_shared_is_known() {
+        let (_, [whole, shared], _) = both(1.0);
+        assert!(Stiffness::of(&whole).is_none());
+        let stiffness = Stiffness::of(&shared).unwrap();
+        assert_eq!((stiffness.nodes(), stiffness.bounds()), (11, &[0, 11][..]));
+        // Ten ties and the nodes themselves.
+        assert_eq!(stiffness.entries(), 9 * (2 * 10 + 11));
+        // All but the columns of the last node.
+        let near = stiffness.near().entries().map(|(_, column, _)| column);
+        assert!(near.max() == Some(29) && stiffness.displacements() == 32);
+    }
+}

@@ -1,0 +1,194 @@
+//! An instance of MUMPS on one rank. Its jobs are collective: every rank has to call the same one.
+
+#![allow(unsafe_code)]
+
+use std::ffi::{CStr, c_int};
+use std::mem;
+use std::ptr;
+
+use super::sys;
+use crate::algebra::linear::LinearError;
+use crate::algebra::linear::ranks::{RankLocal, World};
+
+/// What MUMPS does when it is called.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Job {
+    Analyze = 1,
+    Factorize = 2,
+    Solve = 3,
+}
+
+const BEGIN: c_int = -1;
+const END: c_int = -2;
+
+/// Unsymmetric, and rank 0 works, too.
+const UNSYMMETRIC: c_int = 0;
+const HOST_WORKS: c_int = 1;
+
+/// MUMPS' structure; what its pointers point to is kept by whoever sets them.
+pub(in crate::algebra::linear) struct Instance(Box<sys::DMUMPS_STRUC_C>);
+
+// SAFETY: heap memory and handles of MPI without affinity to a thread, and the calls are one at a time: see `ranks`.
+unsafe impl Send for Instance {}
+
+impl Instance {
+    /// A new one, of which every rank makes its own.
+    pub fn new(world: &World) -> Self {
+        // SAFETY: C's structure of numbers and pointers, for which 0 is a value: MUMPS wants it so before its first job.
+        let mut id: Box<sys::DMUMPS_STRUC_C> = Box::new(unsafe { mem::zeroed() });
+        (id.sym, id.par) = (UNSYMMETRIC, HOST_WORKS);
+        id.comm_fortran = world.fortran();
+        let mut instance = Instance(id);
+        instance.call(BEGIN);
+        // It prints by itself otherwise, on every rank.
+        for (k, silence) in [(1, -1), (2, -1), (3, -1), (4, 0)] {
+            instance.set(k, silence);
+        }
+        instance
+    }
+
+    /// Analyses a matrix of order `order.len()` with its entries at `rows` and `columns`, from 1, for elimination in that order, see
+    /// [`super::order`]. Every other rank has to serve at the same time, here and below.
+    pub fn analyze(&mut self, rows: &mut [c_int], columns: &mut [c_int], order: &mut [c_int]) {
+        self.matrix(rows, columns);
+        self.0.n = order.len() as c_int;
+        self.0.perm_in = order.as_mut_ptr();
+        self.call(Job::Analyze as c_int);
+        self.0.perm_in = ptr::null_mut();
+        self.forget_the_matrix();
+    }
+
+    /// Factors the matrix that was analysed, with these values.
+    pub fn factorize(&mut self, rows: &mut [c_int], columns: &mut [c_int], values: &[f64]) {
+        self.matrix(rows, columns);
+        // Read and not written: it is not scaled in place.
+        self.0.a = values.as_ptr().cast_mut();
+        self.call(Job::Factorize as c_int);
+        self.0.a = ptr::null_mut();
+        self.forget_the_matrix();
+    }
+
+    /// Puts the solution in the place of the right-hand side.
+    pub fn solve(&mut self, x: &mut [f64]) {
+        (self.0.nrhs, self.0.lrhs) = (1, x.len() as c_int);
+        self.0.rhs = x.as_mut_ptr();
+        self.call(Job::Solve as c_int);
+        self.0.rhs = ptr::null_mut();
+    }
+
+    fn matrix(&mut self, rows: &mut [c_int], columns: &mut [c_int]) {
+        self.0.nnz = rows.len() as i64;
+        self.0.irn = rows.as_mut_ptr();
+        self.0.jcn = columns.as_mut_ptr();
+    }
+
+    fn forget_the_matrix(&mut self) {
+        self.0.irn = ptr::null_mut();
+        self.0.jcn = ptr::null_mut();
+    }
+
+    fn call(&mut self, job: c_int) {
+        self.0.job = job;
+        // SAFETY: the structure is whole, and all arrays that this job reads or writes on this rank are set by the functions above, and
+        // borrowed by them; that they are as long as the matrix analysed says is seen to by `Mumps`, the only one who calls these.
+        unsafe { sys::dmumps_c(&raw mut *self.0) }
+    }
+
+    /// Sets `ICNTL(k)`.
+    pub fn set(&mut self, k: usize, value: c_int) {
+        self.0.icntl[k - 1] = value;
+    }
+
+    /// `ICNTL(k)`.
+    pub fn setting(&self, k: usize) -> c_int {
+        self.0.icntl[k - 1]
+    }
+
+    /// `INFOG(k)`, the same on every rank.
+    pub fn told(&self, k: usize) -> c_int {
+        self.0.infog[k - 1]
+    }
+
+    /// A count of `INFOG(k)`, which is in millions where it would not fit.
+    pub fn counted(&self, k: usize) -> usize {
+        match self.told(k) {
+            few @ 0.. => few as usize,
+            millions => 1_000_000 * millions.unsigned_abs() as usize,
+        }
+    }
+
+    /// `RINFOG(k)`, the same on every rank.
+    pub fn measured(&self, k: usize) -> f64 {
+        self.0.rinfog[k - 1]
+    }
+
+    /// Whether the last factorisation ended because it had foreseen too little memory, of one kind or another.
+    pub fn lacks_room(&self) -> bool {
+        matches!(self.told(1), -8 | -9 | -11 | -14 | -15 | -17 | -20)
+    }
+
+    /// The smallest over the largest pivot of the last factorisation.
+    pub fn pivot_ratio(&self) -> f64 {
+        self.measured(19) / self.measured(21)
+    }
+
+    /// An error unless the last job went well, and was done by the MUMPS of the headers.
+    pub fn check(&self, step: &'static str) -> Result<(), LinearError> {
+        /// What MUMPS says of a pivot that is zero.
+        const SINGULAR: c_int = -10;
+        match self.told(1) {
+            // Positive ones are warnings.
+            0.. => self.check_version(),
+            SINGULAR => Err(LinearError::Singular { pivot_ratio: 0.0 }),
+            // Memory refused, a limit of one's own, more than 2³¹ of something; or too little foreseen in spite of more room.
+            -7 | -13 | -19 | -51 | -52 => Err(LinearError::OutOfMemory { step }),
+            _ if self.lacks_room() => Err(LinearError::OutOfMemory { step }),
+            status => Err(LinearError::Backend { backend: "mumps", step, status: i64::from(status) }),
+        }
+    }
+
+    /// The length of MUMPS' structure changes with its second number.
+    fn check_version(&self) -> Result<(), LinearError> {
+        let built = version(sys::MUMPS_VERSION);
+        let text: Vec<u8> = self.0.version_number.iter().map(|&c| c as u8).collect();
+        let loaded = version(CStr::from_bytes_until_nul(&text).map_or(&[], CStr::to_bytes));
+        if built[..2] == loaded[..2] { Ok(()) } else { Err(LinearError::Version { library: "MUMPS", built, loaded }) }
+    }
+}
+
+/// The numbers of a version in a text.
+fn version(text: &[u8]) -> [i32; 3] {
+    let text = String::from_utf8_lossy(text);
+    let mut numbers = text.split(|c: char| !c.is_ascii_digit()).filter_map(|number| number.parse().ok());
+    [(); 3].map(|()| numbers.next().unwrap_or(0))
+}
+
+impl RankLocal for Instance {
+    /// Rank 0 alone has the arrays, and judges what all ranks are told.
+    fn serve(&mut self, _: &World, job: i64) -> Result<(), LinearError> {
+        for known in [Job::Analyze, Job::Factorize, Job::Solve] {
+            if known as i64 == job {
+                self.call(known as c_int);
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Drop for Instance {
+    fn drop(&mut self) {
+        self.call(END);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::version;
+
+    #[test]
+    fn versions_are_read() {
+        assert_eq!(version(b"5.5.1\0"), [5, 5, 1]);
+        assert_eq!(version(b"5.7"), [5, 7, 0]);
+        assert_eq!(version(b""), [0, 0, 0]);
+    }
+}

@@ -1,0 +1,168 @@
+//! METIS on the graph of a matrix: an order for elimination, or parts of equal size with few couplings in between.
+
+#![allow(unsafe_code)]
+
+use std::ptr;
+
+use super::sys;
+use crate::algebra::linear::{LinearError, ordering};
+
+/// A symmetric graph: the neighbours of each vertex, itself not among them, and what each vertex weighs.
+pub(in crate::algebra::linear) struct Graph {
+    starts: Vec<sys::idx_t>,
+    neighbours: Vec<sys::idx_t>,
+    weights: Vec<sys::idx_t>,
+}
+
+impl Graph {
+    /// The graph in which each vertex, with its weight, has these neighbours. Whatever is no vertex is passed over, and so is a vertex
+    /// beside itself; that couplings are there both ways is the caller's.
+    ///
+    /// # Errors
+    /// When there are more couplings than 32-bit integers count.
+    pub(in crate::algebra::linear) fn new<N: IntoIterator<Item = usize>>(
+        step: &'static str,
+        vertices: impl ExactSizeIterator<Item = (usize, N)>,
+    ) -> Result<Self, LinearError> {
+        let (count, too_many) = (vertices.len(), |_| LinearError::OutOfMemory { step });
+        sys::idx_t::try_from(count).map_err(too_many)?;
+        let mut graph = Graph { starts: vec![0], neighbours: Vec::new(), weights: Vec::with_capacity(count) };
+        for (vertex, (weight, neighbours)) in vertices.enumerate() {
+            let others = neighbours.into_iter().filter(|&other| other < count && other != vertex);
+            graph.neighbours.extend(others.map(|other| other as sys::idx_t));
+            graph.starts.push(sys::idx_t::try_from(graph.neighbours.len()).map_err(too_many)?);
+            graph.weights.push(sys::idx_t::try_from(weight).map_err(too_many)?);
+        }
+        Ok(graph)
+    }
+
+    #[cfg(test)]
+    pub(in crate::algebra::linear) fn lists(&self) -> (&[i32], &[i32]) {
+        (&self.starts, &self.neighbours)
+    }
+
+    fn count(&self) -> usize {
+        self.weights.len()
+    }
+}
+
+/// The vertices in an order for elimination with little fill: nested dissection.
+///
+/// # Errors
+/// When memory is short.
+#[cfg(feature = "mumps")]
+pub(in crate::algebra::linear) fn order(step: &'static str, mut graph: Graph) -> Result<Vec<usize>, LinearError> {
+    let count = graph.count();
+    if graph.neighbours.is_empty() {
+        return Ok((0..count).collect());
+    }
+    let (mut order, mut place) = (vec![0; count], vec![0; count]);
+    let mut n = count as sys::idx_t;
+    let _alone = ordering::alone();
+    // SAFETY: a graph of `n` vertices: `n + 1` starts, the neighbours that they span, all below `n`; as many weights; both results have `n`
+    // places. No options are null.
+    let status = unsafe {
+        sys::METIS_NodeND(
+            &raw mut n,
+            graph.starts.as_mut_ptr(),
+            graph.neighbours.as_mut_ptr(),
+            graph.weights.as_mut_ptr(),
+            ptr::null_mut(),
+            order.as_mut_ptr(),
+            place.as_mut_ptr(),
+        )
+    };
+    check(step, status)?;
+    Ok(order.into_iter().map(|vertex| vertex as usize).collect())
+}
+
+/// The part of each vertex, one of so many `parts` of nearly equal weight.
+///
+/// # Errors
+/// When memory is short.
+#[cfg(feature = "petsc")]
+pub(in crate::algebra::linear) fn partition(
+    step: &'static str,
+    mut graph: Graph,
+    parts: usize,
+) -> Result<Vec<usize>, LinearError> {
+    let count = graph.count();
+    let mut part = vec![0; count];
+    if parts > 1 && count > 0 {
+        let (mut n, mut constraints, mut cut) = (count as sys::idx_t, 1, 0);
+        let mut parts = sys::idx_t::try_from(parts).map_err(|_| LinearError::OutOfMemory { step })?;
+        let _alone = ordering::alone();
+        // SAFETY: a graph as above, one weight for each vertex, and a place for its part; what is null has its default.
+        let status = unsafe {
+            sys::METIS_PartGraphKway(
+                &raw mut n,
+                &raw mut constraints,
+                graph.starts.as_mut_ptr(),
+                graph.neighbours.as_mut_ptr(),
+                graph.weights.as_mut_ptr(),
+                ptr::null_mut(),
+                ptr::null_mut(),
+                &raw mut parts,
+                ptr::null_mut(),
+                ptr::null_mut(),
+                ptr::null_mut(),
+                &raw mut cut,
+                part.as_mut_ptr(),
+            )
+        };
+        check(step, status)?;
+    }
+    Ok(part.into_iter().map(|part| part as usize).collect())
+}
+
+fn check(step: &'static str, status: i32) -> Result<(), LinearError> {
+    match status {
+        sys::rstatus_et_METIS_OK => Ok(()),
+        sys::rstatus_et_METIS_ERROR_MEMORY => Err(LinearError::OutOfMemory { step }),
+        status => Err(LinearError::Backend { backend: "METIS", step, status: i64::from(status) }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A strip of squares, so long and so wide.
+    fn strip(length: usize, width: usize) -> Graph {
+        let beside = move |v: usize| {
+            let (i, j) = (v / width, v % width);
+            let across = [j.checked_sub(1), Some(j + 1).filter(|&j| j < width)];
+            let along = [i.checked_sub(1), Some(i + 1).filter(|&i| i < length)];
+            let across = across.into_iter().flatten().map(move |j| i * width + j);
+            across.chain(along.into_iter().flatten().map(move |i| i * width + j))
+        };
+        Graph::new("a test", (0..length * width).map(|v| (1, beside(v)))).unwrap()
+    }
+
+    #[cfg(feature = "petsc")]
+    #[test]
+    fn parts_are_equal_and_a_strip_is_cut_across() {
+        let graph = strip(40, 5);
+        let neighbours: Vec<Vec<usize>> = graph
+            .starts
+            .windows(2)
+            .map(|ends| graph.neighbours[ends[0] as usize..ends[1] as usize].iter().map(|&v| v as usize).collect())
+            .collect();
+        let part = partition("a test", graph, 4).unwrap();
+        for k in 0..4 {
+            let size = part.iter().filter(|part| **part == k).count();
+            assert!((45..=55).contains(&size), "{size}");
+        }
+        let cut = (0..200).flat_map(|v| neighbours[v].iter().map(move |&w| (v, w))).filter(|&(v, w)| part[v] < part[w]);
+        assert!(cut.count() <= 21);
+        assert_eq!(partition("a test", strip(3, 1), 1).unwrap(), [0; 3]);
+    }
+
+    #[cfg(feature = "mumps")]
+    #[test]
+    fn every_vertex_is_ordered_once() {
+        let mut order = order("a test", strip(12, 12)).unwrap();
+        order.sort_unstable();
+        assert!(order.into_iter().eq(0..144));
+    }
+}

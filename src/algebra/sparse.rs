@@ -1,0 +1,45 @@
+//! Sparse matrices: an immutable [`Pattern`] that many value arrays share, compressed columns ([`Csc`]) for what is
+//! factored, half of them ([`Symmetric`]) for the stiffness, compressed rows ([`Csr`]) for the short rows of the contact
+//! maps. The stiffness of a condensed body is dense ([`DenseSymmetric`]), that of a body whose rows several processes have is shared
+//! ([`SharedSymmetric`]), and both stand as such in the matrices that are solved with ([`SystemMatrix`]).
+//!
+//! No field of theirs can be reached from outside, and every constructor refuses what does not fit with a
+//! [`MatrixError`]: the direct solvers, C among them, read these arrays by the lengths they state.
+//!
+//! ```
+//! use stickslip::algebra::sparse::{Csr, MatrixError, Symmetric};
+//!
+//! let k = Symmetric::from_triplets(2, &[(0, 0, 2.0), (1, 0, -1.0), (1, 1, 2.0)])?;
+//! assert_eq!(k.get(0, 1), -1.0);
+//! let c_n = Csr::from_rows(2, [[(1, -1.0)]])?;
+//! assert_eq!(c_n.rows(), 1);
+//! assert!(matches!(Csr::from_rows(2, [[(2, 1.0)]]), Err(MatrixError::Column { column: 2, columns: 2, .. })));
+//! # Ok::<(), MatrixError>(())
+//! ```
+
+mod csc;
+mod csr;
+mod dense;
+mod double_double;
+mod error;
+mod matrix_market;
+mod node_rows;
+mod pattern;
+mod shared;
+mod simd;
+mod symmetric;
+mod system;
+
+pub use csc::Csc;
+pub use csr::Csr;
+pub use dense::DenseSymmetric;
+pub(crate) use dense::mirror;
+pub use double_double::{DoubleDouble, sum};
+pub use error::MatrixError;
+pub use matrix_market::{read_matrix_market, write_matrix_market};
+pub use node_rows::NodeRows;
+pub use pattern::Pattern;
+pub use shared::{SharedMatrix, SharedSymmetric};
+pub(crate) use simd::{LANES, SimdPack, lane, side_by_side};
+pub use symmetric::Symmetric;
+pub use system::SystemMatrix;

@@ -1,0 +1,157 @@
+//! Matrices in compressed rows.
+
+use super::error::expect_length;
+use super::{Csc, DoubleDouble, MatrixError};
+
+/// A matrix in compressed rows, for maps whose rows hold a handful of entries.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Csr {
+    columns: usize,
+    starts: Vec<usize>,
+    entries: Vec<(usize, f64)>,
+}
+
+impl Csr {
+    /// The matrix with these rows of `(column, value)` pairs. Zeros are left out, and pairs of the same column add up.
+    ///
+    /// # Errors
+    /// When an entry is outside the matrix, NaN or infinite.
+    pub fn from_rows<R>(columns: usize, rows: impl IntoIterator<Item = R>) -> Result<Self, MatrixError>
+    where
+        R: IntoIterator<Item = (usize, f64)>,
+    {
+        let mut matrix = Csr { columns, starts: vec![0], entries: Vec::new() };
+        for (row, entries) in rows.into_iter().enumerate() {
+            let first = matrix.entries.len();
+            for (column, value) in entries {
+                if column >= columns {
+                    return Err(MatrixError::Column { row, column, columns });
+                }
+                if !value.is_finite() {
+                    return Err(MatrixError::NotFinite { row, column, value });
+                }
+                match matrix.entries[first..].iter_mut().find(|entry| entry.0 == column) {
+                    Some((_, sum)) => {
+                        *sum += value;
+                        if !sum.is_finite() {
+                            return Err(MatrixError::NotFinite { row, column, value: *sum });
+                        }
+                    }
+                    None if value != 0.0 => matrix.entries.push((column, value)),
+                    None => {}
+                }
+            }
+            matrix.starts.push(matrix.entries.len());
+        }
+        Ok(matrix)
+    }
+
+    /// [`Csr::from_rows`] of rows that come from this crate's own matrices, and so fit.
+    pub(crate) fn of_rows<R>(columns: usize, rows: impl IntoIterator<Item = R>) -> Self
+    where
+        R: IntoIterator<Item = (usize, f64)>,
+    {
+        Self::from_rows(columns, rows).expect("rows of the crate's own matrices")
+    }
+
+    /// The matrix with these rows, in which no column stands twice: a dense one is made as fast as it is read. Zeros stay.
+    ///
+    /// # Errors
+    /// [`MatrixError::Column`] when a column is not below `columns`.
+    pub fn from_distinct_rows(columns: usize, rows: Vec<Vec<(usize, f64)>>) -> Result<Self, MatrixError> {
+        let mut matrix = Csr { columns, starts: vec![0], entries: Vec::with_capacity(rows.iter().map(Vec::len).sum()) };
+        for (row, entries) in rows.into_iter().enumerate() {
+            if let Some(&(column, _)) = entries.iter().find(|(column, _)| *column >= columns) {
+                return Err(MatrixError::Column { row, column, columns });
+            }
+            matrix.entries.extend(entries);
+            matrix.starts.push(matrix.entries.len());
+        }
+        Ok(matrix)
+    }
+
+    /// The matrix with so many rows, all of them empty.
+    pub fn empty(rows: usize, columns: usize) -> Self {
+        Csr { columns, starts: vec![0; rows + 1], entries: Vec::new() }
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    /// Number of columns.
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// Row `i` as `(column, value)` pairs; there are none beyond the last row.
+    pub fn row(&self, i: usize) -> &[(usize, f64)] {
+        self.starts.get(i + 1).map_or(&[], |&end| &self.entries[self.starts[i]..end])
+    }
+
+    /// `A x`.
+    ///
+    /// # Errors
+    /// When `x` has another length than the matrix has columns.
+    pub fn times(&self, x: &[f64]) -> Result<Vec<f64>, MatrixError> {
+        expect_length("vector", self.columns, x.len())?;
+        Ok(self.mul(x))
+    }
+
+    /// The product of row `i` with `x`.
+    pub fn dot(&self, i: usize, x: &[f64]) -> f64 {
+        self.row(i).iter().map(|&(column, value)| value * x[column]).sum()
+    }
+
+    /// The product of row `i` with `x + rest`, less `y`, in twice the working precision; `rest` may be empty.
+    pub fn difference(&self, i: usize, x: &[f64], rest: &[f64], y: f64) -> f64 {
+        let mut sum = DoubleDouble::default();
+        for &(column, value) in self.row(i) {
+            sum.add_product(value, x[column]);
+            sum.add(value * rest.get(column).copied().unwrap_or(0.0));
+        }
+        sum.add(-y);
+        sum.value()
+    }
+
+    /// `A x`.
+    pub fn mul(&self, x: &[f64]) -> Vec<f64> {
+        (0..self.rows()).map(|i| self.dot(i, x)).collect()
+    }
+
+    /// `y += A^T x`.
+    pub(crate) fn add_transposed(&self, x: &[f64], y: &mut [f64]) {
+        for (i, &factor) in x.iter().enumerate() {
+            for &(column, value) in self.row(i) {
+                y[column] += value * factor;
+            }
+        }
+    }
+}
+
+impl From<&Csc> for Csr {
+    fn from(matrix: &Csc) -> Self {
+        let mut rows = vec![Vec::new(); matrix.pattern().rows()];
+        matrix.entries().for_each(|(row, column, value)| rows[row].push((column, value)));
+        Csr::of_rows(matrix.pattern().columns(), rows)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_and_their_transposed() {
+        let c = Csr::from_rows(3, [vec![(0, 2.0), (1, 0.0)], vec![(2, -1.0), (0, 0.25), (0, 0.75)]]).unwrap();
+        assert_eq!(c.row(0), [(0, 2.0)]);
+        assert_eq!(c.row(2), []);
+        assert_eq!(c.times(&[1.0, 5.0, 3.0]).unwrap(), [2.0, -2.0]);
+        let mut y = [0.0; 3];
+        c.add_transposed(&[1.0, 10.0], &mut y);
+        assert_eq!(y, [12.0, 0.0, -10.0]);
+        let same = Csr::from(&Csc::from_triplets(2, 3, &[(1, 0, 1.0), (0, 0, 2.0), (1, 2, -1.0)]).unwrap());
+        assert_eq!(same.times(&[1.0, 5.0, 3.0]).unwrap(), [2.0, -2.0]);
+    }
+}

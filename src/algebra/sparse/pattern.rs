@@ -1,0 +1,155 @@
+//! Where the entries of a matrix stand.
+
+use super::MatrixError;
+use super::error::expect_length;
+
+/// The positions of the stored entries of a matrix in compressed columns, sorted by row.
+///
+/// 64-bit signed indices, because that is what the direct solvers take without a copy.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Pattern {
+    rows: usize,
+    column_starts: Vec<i64>,
+    row_indices: Vec<i64>,
+}
+
+impl Pattern {
+    /// Collects the entries that `visit` names, in any order and with repetitions.
+    ///
+    /// `visit` is called twice, once to count and once to fill, and must name the same entries
+    /// `(row, column)` both times.
+    ///
+    /// # Errors
+    /// When the matrix is too large for the memory, an entry is outside of it, or the second call names others than the
+    /// first.
+    pub fn from_entries(
+        rows: usize,
+        columns: usize,
+        visit: impl Fn(&mut dyn FnMut(usize, usize)),
+    ) -> Result<Self, MatrixError> {
+        let mut fault = None;
+        let mut starts = Vec::new();
+        // Rows are kept as the i64 that SuiteSparse takes; usize::MAX is more than any memory has.
+        if i64::try_from(rows).is_err() || starts.try_reserve_exact(columns.saturating_add(1)).is_err() {
+            return Err(MatrixError::TooLarge { rows, columns });
+        }
+        starts.resize(columns + 1, 0_usize);
+        visit(&mut |row, column| {
+            if row >= rows {
+                fault.get_or_insert(MatrixError::Row { row, rows });
+            } else if column >= columns {
+                fault.get_or_insert(MatrixError::Column { row, column, columns });
+            } else {
+                starts[column + 1] += 1;
+            }
+        });
+        for column in 0..columns {
+            starts[column + 1] += starts[column];
+        }
+        let mut next = starts.clone();
+        // Far more than the columns, and the first of what grows with a mesh to be refused.
+        let mut found = Vec::new();
+        found.try_reserve_exact(starts[columns]).map_err(|_| MatrixError::TooLarge { rows, columns })?;
+        found.resize(starts[columns], 0_i64);
+        visit(&mut |row, column| {
+            if fault.is_some() {
+                return;
+            }
+            if row >= rows || column >= columns || next[column] == starts[column + 1] {
+                fault = Some(MatrixError::Unsteady { column });
+                return;
+            }
+            found[next[column]] = row as i64;
+            next[column] += 1;
+        });
+        if let (None, Some(column)) = (&fault, (0..columns).find(|&column| next[column] != starts[column + 1])) {
+            fault = Some(MatrixError::Unsteady { column });
+        }
+        if let Some(fault) = fault {
+            return Err(fault);
+        }
+        // Sort each column and close the gaps that repetitions leave, in place.
+        let mut kept = 0;
+        let mut column_starts = Vec::with_capacity(columns + 1);
+        column_starts.push(0);
+        for column in 0..columns {
+            let (from, to) = (starts[column], starts[column + 1]);
+            found[from..to].sort_unstable();
+            let first = kept;
+            for k in from..to {
+                if kept == first || found[kept - 1] != found[k] {
+                    found[kept] = found[k];
+                    kept += 1;
+                }
+            }
+            column_starts.push(kept as i64);
+        }
+        found.truncate(kept);
+        found.shrink_to_fit();
+        Ok(Pattern { rows, column_starts, row_indices: found })
+    }
+
+    /// [`Pattern::from_entries`] of entries that come from this crate's own matrices, and so fit.
+    pub(crate) fn of(rows: usize, columns: usize, visit: impl Fn(&mut dyn FnMut(usize, usize))) -> Self {
+        Self::from_entries(rows, columns, visit).expect("entries of the crate's own matrices")
+    }
+
+    /// Checks the starts of compressed columns and their rows; tells the rows' order, too: `starts` has one entry
+    /// more than there are columns, and column `j` has the rows `indices[starts[j]..starts[j + 1]]`.
+    pub(super) fn check_parts(rows: usize, starts: &[usize], indices: &[usize]) -> Result<(), MatrixError> {
+        let columns = starts.len().checked_sub(1);
+        let Some(columns) = columns.filter(|_| starts[0] == 0) else {
+            return Err(MatrixError::Starts { place: 0, start: starts.first().copied().unwrap_or(0) });
+        };
+        if let Some(k) = (0..columns).find(|&k| starts[k + 1] < starts[k]) {
+            return Err(MatrixError::Starts { place: k + 1, start: starts[k + 1] });
+        }
+        expect_length("row indices", starts[columns], indices.len())?;
+        indices.iter().find(|&&row| row >= rows).map_or(Ok(()), |&row| Err(MatrixError::Row { row, rows }))
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Number of columns.
+    pub fn columns(&self) -> usize {
+        self.column_starts.len() - 1
+    }
+
+    /// Number of stored entries.
+    pub fn len(&self) -> usize {
+        self.row_indices.len()
+    }
+
+    /// Whether no entry is stored.
+    pub fn is_empty(&self) -> bool {
+        self.row_indices.is_empty()
+    }
+
+    /// Where each column starts in [`Pattern::row_indices`]; one more than there are columns.
+    pub fn column_starts(&self) -> &[i64] {
+        &self.column_starts
+    }
+
+    /// The rows of the stored entries, column after column, ascending within a column.
+    pub fn row_indices(&self) -> &[i64] {
+        &self.row_indices
+    }
+
+    /// The range of storage slots of `column`; it must be below [`Pattern::columns`].
+    pub fn column(&self, column: usize) -> std::ops::Range<usize> {
+        self.column_starts[column] as usize..self.column_starts[column + 1] as usize
+    }
+
+    /// The storage slot of the entry `(row, column)`, if it is stored.
+    pub fn slot(&self, row: usize, column: usize) -> Option<usize> {
+        if column >= self.columns() {
+            return None;
+        }
+        let range = self.column(column);
+        let start = range.start;
+        self.row_indices[range].binary_search(&(row as i64)).ok().map(|k| start + k)
+    }
+}

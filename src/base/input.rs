@@ -1,0 +1,106 @@
+//! The files that people name: scenes, meshes, tables.
+
+mod kind;
+
+pub(crate) use kind::FileKind;
+
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+
+/// The contents of files by their paths, as a scene names them.
+pub type Contents = HashMap<PathBuf, Vec<u8>>;
+
+thread_local! {
+    /// What this thread reads in place of files.
+    static IN_MEMORY: RefCell<Contents> = RefCell::default();
+}
+
+/// Does `work`, which reads the files of `contents` from there, whatever is on the disk by now; for results that are loaded again.
+pub fn with_contents<T>(contents: Contents, work: impl FnOnce() -> T) -> T {
+    /// Puts back what was there before, also after a panic.
+    struct Before(Contents);
+    impl Drop for Before {
+        fn drop(&mut self) {
+            IN_MEMORY.set(std::mem::take(&mut self.0));
+        }
+    }
+    let _before = Before(IN_MEMORY.replace(contents));
+    work()
+}
+
+/// The bytes of the file at `path`, without the mark that some editors put before UTF-8. A pipe may have nobody who writes, and gives what
+/// it has only once, while a file is read again for its fingerprint; a device may have no end.
+pub fn bytes(path: &Path) -> io::Result<Vec<u8>> {
+    if let Some(bytes) = IN_MEMORY.with_borrow(|contents| contents.get(path).cloned()) {
+        return Ok(bytes);
+    }
+    // Asked before it is opened, because opening what is none may wait, or do something.
+    let kind = std::fs::metadata(path)?.file_type();
+    if kind.is_dir() {
+        return Err(io::Error::other("it is a folder"));
+    }
+    if !kind.is_file() {
+        return Err(io::Error::other("it is a device or a pipe, not a file"));
+    }
+    whole(path)
+}
+
+fn whole(path: &Path) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    File::open(path)?.read_to_end(&mut bytes)?;
+    if bytes.starts_with("\u{feff}".as_bytes()) {
+        bytes.drain(..3);
+    }
+    Ok(bytes)
+}
+
+/// The text of the file at `path`, as [`bytes`].
+pub(crate) fn text(path: &Path) -> io::Result<String> {
+    of_utf8(bytes(path)?)
+}
+
+/// The same of a file or a pipe, which is what people name on the command line.
+pub(crate) fn text_or_pipe(path: &Path) -> io::Result<String> {
+    of_utf8(if is_pipe(path)? { whole(path)? } else { bytes(path)? })
+}
+
+fn of_utf8(bytes: Vec<u8>) -> io::Result<String> {
+    String::from_utf8(bytes).map_err(|_| io::Error::other("it is not a text in UTF-8"))
+}
+
+#[cfg(unix)]
+fn is_pipe(path: &Path) -> io::Result<bool> {
+    use std::os::unix::fs::FileTypeExt;
+    Ok(std::fs::metadata(path)?.file_type().is_fifo())
+}
+
+#[cfg(not(unix))]
+fn is_pipe(_: &Path) -> io::Result<bool> {
+    Ok(false)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+
+    #[test]
+    fn files_in_memory_are_read_in_place_of_those_on_the_disk_while_the_work_lasts() {
+        let (own, other) = (Path::new("Cargo.toml"), Path::new("rustfmt.toml"));
+        let on_disk = [bytes(own).unwrap(), bytes(other).unwrap()];
+        let contents = |text: &str| Contents::from([(own.to_path_buf(), text.as_bytes().to_vec())]);
+        with_contents(contents("outer"), || {
+            assert_eq!(bytes(own).unwrap(), b"outer");
+            assert_eq!(bytes(other).unwrap(), on_disk[1]);
+            let panicked =
+                std::panic::catch_unwind(|| with_contents(contents("inner"), || panic!("{}", text(own).unwrap())));
+            assert_eq!(panicked.unwrap_err().downcast_ref::<String>().unwrap(), "inner");
+            assert_eq!(text(own).unwrap(), "outer");
+        });
+        assert_eq!(bytes(own).unwrap(), on_disk[0]);
+    }
+}

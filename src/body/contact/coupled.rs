@@ -1,0 +1,75 @@
+//! The contact nodes of a pair of boundaries.
+
+use super::kinematics::{ContactNode, Counterpart, Coupled, Row, tangents};
+use super::mortar::MortarRow;
+use super::obstacle::{Facing, first_tangent};
+use crate::algebra::vector::{across, cross, norm, plus, unit};
+use crate::body::fem::{Dofs, Relative};
+use crate::body::mesh::Mesh;
+
+/// A tangent that is shorter after its projection is almost the normal there.
+const LEANS: f64 = 0.1;
+
+/// What makes the node of `row` relative to the others in it, see [`Relative`]; glued, it is tied to them.
+pub fn relative(row: &MortarRow, glued: bool) -> Relative {
+    let own = row.slave.iter().find(|(node, _)| *node == row.node).map_or(1.0, |(_, c)| *c);
+    let beside = row.slave.iter().filter(|(node, _)| *node != row.node).map(|&(node, c)| (node, -c));
+    Relative { node: row.node, own, others: beside.chain(row.master.iter().copied()).collect(), tied: glued }
+}
+
+/// The contact nodes of `rows`, those of the pair with this number; `gap` (m) is that of each, and `relative` says which nodes are so
+/// in this pair. Normals are those of the rows; the first tangent is that of an obstacle with the mean of them, turned with the normal.
+pub fn coupled_nodes(
+    mesh: &Mesh,
+    dofs: &Dofs,
+    pair: usize,
+    rows: &[MortarRow],
+    gap: impl Fn(&MortarRow) -> f64,
+    relative: impl Fn(usize) -> bool,
+) -> Vec<ContactNode> {
+    let mean = rows.iter().fold([0.0; 3], |sum, row| plus(sum, row.weight, row.normal));
+    let first = first_tangent(unit(mean));
+    let node = |row: &MortarRow| {
+        let normal = row.normal;
+        let first = match mesh.dimension {
+            2 => [-normal[1], normal[0], 0.0],
+            _ => across(first, normal),
+        };
+        let first = if norm(first) > LEANS { unit(first) } else { first_tangent(normal) };
+        let frame = [first, cross(normal, first)];
+        let facing = Facing { gap: gap(row), normal, tangents: frame, inward: normal };
+        let nodes = |side: &[(usize, f64)], sign: f64| {
+            side.iter().map(|&(node, c)| (node, mesh.nodes[node], sign * c)).collect::<Vec<_>>()
+        };
+        let (slave, master) = (nodes(&row.slave, 1.0), nodes(&row.master, -1.0));
+        let coupled = Coupled {
+            pair,
+            relative: relative(row.node),
+            tangent_left_out: false,
+            beyond_the_end: row.is_beyond_the_end(),
+            bulge: row.bulge,
+            still: row.still.clone(),
+            slave,
+            master,
+        };
+        let mut contact = ContactNode {
+            node: row.node,
+            position: mesh.nodes[row.node],
+            ends: None,
+            normal: Row::new(),
+            tangents: [Row::new(), Row::new()],
+            counterpart: Counterpart::Boundary(coupled),
+            others: Vec::new(),
+            facing,
+            frame,
+            weight: row.weight,
+        };
+        // Along what supports hold of this side alone the other side moves past it.
+        let moves = |n: &[f64; 3]| !row.still.contains(n) && !contact.row(dofs, |_| *n).is_empty();
+        let fixed: Vec<[f64; 3]> = dofs.held(row.node).filter(|n| !moves(n)).collect();
+        let tangents = tangents(&fixed, &contact.facing);
+        contact.facing.tangents = [0, 1].map(|k| tangents.get(k).copied().unwrap_or_default());
+        contact.with_rows(dofs)
+    };
+    rows.iter().map(node).collect()
+}

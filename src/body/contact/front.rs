@@ -1,0 +1,147 @@
+//! Which obstacle each node of a boundary meets, and which nodes no obstacle ever reaches.
+
+use std::collections::HashMap;
+
+use super::motion::ObstacleMotion;
+use super::obstacle::{Facing, PlacedObstacle};
+use crate::algebra::vector::{dot, norm};
+use crate::body::mesh::{Boundary, Mesh};
+
+/// A node of a boundary in front of an obstacle.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Meeting {
+    /// The number of the node in the mesh.
+    pub node: usize,
+    /// The number of the obstacle among those in front of the boundary.
+    pub obstacle: usize,
+    /// What the node sees of it.
+    pub facing: Facing,
+    /// The obstacles that press the node along the same normal. The node meets whichever is nearest at the time.
+    pub others: Vec<usize>,
+}
+
+/// A node whose distance from an obstacle nobody can tell, at the beginning or later.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Unclear {
+    /// The number of the node in the mesh.
+    pub node: usize,
+    /// The number of the obstacle.
+    pub obstacle: usize,
+    /// When, s, where the obstacle moves.
+    pub time: Option<f64>,
+    /// Why, in words, and what helps.
+    pub why: (&'static str, &'static str),
+}
+
+/// A normal counts as pointing out of the body if it leans to the node's by less than a right angle, but for rounding.
+const ALONG: f64 = 1e-9;
+
+/// A distance that is shorter by less, as a share of the size of the boundary, is shorter by rounding.
+const ROUNDING: f64 = 1e-12;
+
+impl Meeting {
+    /// The obstacle that is nearest to the node at `x` (m) at time `t` (s), and the gap, m.
+    pub fn nearest(&self, obstacles: &[(PlacedObstacle, ObstacleMotion)], x: [f64; 3], t: f64) -> (usize, f64) {
+        nearest(obstacles, (self.obstacle, &self.facing), &self.others, x, t)
+    }
+}
+
+/// The obstacle that is nearest to a node at `x` (m) at time `t` (s), and the gap, m: the one that it `met` first, unless one of
+/// the `others` is nearer. An obstacle that is not in front of the node is as far as the boundary is long.
+pub fn nearest(
+    obstacles: &[(PlacedObstacle, ObstacleMotion)],
+    (met, facing): (usize, &Facing),
+    others: &[usize],
+    x: [f64; 3],
+    t: f64,
+) -> (usize, f64) {
+    let gap = |k: usize, facing: &Facing| {
+        let (obstacle, motion) = &obstacles[k];
+        let is_in_front = obstacle.is_plane() || motion.is_in_front(obstacle, t, x, facing);
+        if is_in_front { motion.exact_gap(obstacle, t, x, facing) } else { obstacle.extent() }
+    };
+    others.iter().fold((met, gap(met, facing)), |(nearest, distance), &k| {
+        let other = gap(k, &obstacles[k].0.seen_from(x));
+        if other < distance - ROUNDING * obstacles[k].0.extent() { (k, other) } else { (nearest, distance) }
+    })
+}
+
+/// The nodes of `boundary` that some obstacle of `obstacles` reaches between 0 and the end, each with the one that it meets: of
+/// those to which it shows its outside the one that is nearest when the history begins. A node that none reaches then meets the
+/// one that comes nearest at `times` (s) or where a motion has a kink. Of obstacles with one normal a node meets the nearest at
+/// each time. Nodes that no obstacle ever reaches are left out: they stay open.
+///
+/// # Errors
+/// A node that no obstacle reaches, but of which one cannot tell that it never does, and one inside an obstacle that has turned
+/// its back to it.
+pub fn meetings(
+    mesh: &Mesh,
+    boundary: &Boundary,
+    obstacles: &[(PlacedObstacle, ObstacleMotion)],
+    times: &[f64],
+) -> Result<Vec<Meeting>, Unclear> {
+    // One obstacle has to be in front of all of the boundary, which is checked facet by facet.
+    let outsides = if obstacles.len() > 1 { outsides(mesh, boundary) } else { HashMap::new() };
+    let mut met = Vec::new();
+    for node in boundary.nodes() {
+        let x = mesh.nodes[node];
+        let shows = |facing: &Facing| {
+            outsides.get(&node).is_none_or(|outside| dot(*outside, facing.normal) > ALONG * norm(*outside))
+        };
+        let facings: Vec<(usize, Facing)> = (obstacles.iter().enumerate())
+            .map(|(k, (obstacle, _))| (k, obstacle.at(x)))
+            .filter(|(_, facing)| shows(facing))
+            .collect();
+        let nearest = |distance: &dyn Fn(usize, &Facing) -> f64| {
+            let distances = facings.iter().map(|(k, facing)| (distance(*k, facing), *k, *facing));
+            distances.filter(|(distance, ..)| distance.is_finite()).min_by(|a, b| a.0.total_cmp(&b.0))
+        };
+        let at_first = nearest(&|k, facing| obstacles[k].1.exact_gap(&obstacles[k].0, 0.0, x, facing));
+        let later = || {
+            nearest(&|k, facing| match &obstacles[k] {
+                (obstacle, _) if obstacle.out_of_reach().is_some() => f64::NAN,
+                (obstacle, motion) => motion.nearest_approach(obstacle, x, facing, times),
+            })
+        };
+        let swallowed = |(k, facing): &(usize, Facing)| {
+            let (obstacle, motion) = &obstacles[*k];
+            let time = motion.swallows(obstacle, x, facing, times)?;
+            let why = if obstacle.surrounds() {
+                ("the bore or socket moves over", "let it move less far aside, or use direction = \"nearest\"")
+            } else {
+                ("the obstacle turns its back to the body and covers", "let it turn less far, or beside the body")
+            };
+            Some(Unclear { node, obstacle: *k, time: Some(time), why })
+        };
+        let Some((_, obstacle, facing)) = at_first.or_else(later) else {
+            if let Some(unclear) = facings.iter().find_map(swallowed) {
+                return Err(unclear);
+            }
+            let unclear = facings.iter().find_map(|(k, _)| Some((*k, obstacles[*k].0.out_of_reach()?)));
+            if let Some((obstacle, why)) = unclear {
+                return Err(Unclear { node, obstacle, time: None, why });
+            }
+            continue;
+        };
+        if let Some(unclear) = swallowed(&(obstacle, facing)) {
+            return Err(unclear);
+        }
+        let facing = obstacles[obstacle].0.in_front(facing);
+        let presses_alike = |k: &usize| *k != obstacle && obstacles[*k].0.presses_as(&obstacles[obstacle].0);
+        let others = facings.iter().map(|(k, _)| *k).filter(presses_alike).collect();
+        met.push(Meeting { node, obstacle, facing, others });
+    }
+    Ok(met)
+}
+
+/// For each node of `boundary` the sum of the area vectors of its facets.
+pub(crate) fn outsides(mesh: &Mesh, boundary: &Boundary) -> HashMap<usize, [f64; 3]> {
+    let mut sums: HashMap<usize, [f64; 3]> = HashMap::new();
+    for facet in &boundary.facets {
+        let area = mesh.area_vector(facet);
+        for node in facet {
+            sums.entry(*node).or_default().iter_mut().zip(area).for_each(|(sum, c)| *sum += c);
+        }
+    }
+    sums
+}

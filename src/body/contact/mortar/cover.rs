@@ -1,0 +1,207 @@
+//! The part of each slave facet that master facets are in front of: segments, and the integrals over them.
+
+use super::GapAt;
+use super::bulge::Bulges;
+use super::error::{MortarFault, place};
+use super::facet::{MOST, Plane, Values};
+use super::search::{Masters, least_distance};
+use super::segment::{Point, Rules, points, size};
+use crate::algebra::vector::dot;
+use crate::body::fem::bernstein;
+use crate::body::mesh::{Boundary, Facet, Mesh};
+
+/// A facet of which less than this share is covered has no part in the rows.
+const COVERED: f64 = 1e-10;
+
+/// A facet that is covered by more than this share of it beyond the whole is covered twice.
+const ROUNDING: f64 = 1e-9;
+
+/// The integrals over the covered part of a slave facet, with the functions Ñ of [`bernstein`] on both sides.
+pub(super) struct Cover {
+    /// The covered share of the facet.
+    pub share: f64,
+    /// The outward unit normal.
+    pub normal: [f64; 3],
+    /// `∫ Ñ_i dA`, m or m².
+    pub functions: Values,
+    /// `∫ Ñ_i Ñ_j dA`.
+    pub mass: [Values; MOST],
+    /// `∫ Ñ_i Ñ_k dA` for each node k of the master, in ascending order.
+    pub cross: Vec<(usize, Values)>,
+    /// `∫ Ñ_i b dA`, where b is by how much the two bulge out of their facets towards each other, m; see [`Bulges`].
+    pub bulge: Values,
+}
+
+/// What master facets are in front of.
+pub(super) struct Covers {
+    /// Facet by facet of the slave.
+    pub facets: Vec<Cover>,
+    /// The facets of each segment: of the slave, of the master.
+    pub segments: Vec<[usize; 2]>,
+    /// `∫ Ñ_k dA` over the segments, for the nodes of each facet of the master.
+    pub on_master: Vec<Values>,
+    /// The least and the largest gap at the integration points.
+    pub gaps: [GapAt; 2],
+}
+
+impl Covers {
+    pub(super) fn new(mesh: &Mesh, slave: &Boundary, master: &Boundary, search: f64) -> Result<Self, MortarFault> {
+        let (masters, rules) = (Masters::new(mesh, master), Rules::new());
+        let bulges = [slave, master].map(|side| Bulges::new(mesh, side));
+        let nowhere = |gap| GapAt { gap, at: [0.0; 3] };
+        let mut covers = Covers {
+            facets: Vec::with_capacity(slave.facets.len()),
+            segments: Vec::new(),
+            on_master: vec![[0.0; MOST]; master.facets.len()],
+            gaps: [nowhere(f64::INFINITY), nowhere(f64::NEG_INFINITY)],
+        };
+        for (e, facet) in slave.facets.iter().enumerate() {
+            let plane = Plane::of(mesh, facet);
+            let seen = plane.project(mesh, facet);
+            let whole = size(mesh.dimension, &seen);
+            let mut covered = 0.0;
+            let mut cover = Cover {
+                share: 0.0,
+                normal: plane.normal,
+                functions: [0.0; MOST],
+                mass: [[0.0; MOST]; MOST],
+                cross: Vec::new(),
+                bulge: [0.0; MOST],
+            };
+            for f in masters.facing(&mesh.points(facet), plane.normal, search) {
+                let points = points(mesh.dimension, &seen, whole, &plane.project(mesh, &master.facets[f]), &rules);
+                if points.is_empty() || !points.iter().all(|point| point.gap.abs() <= search) {
+                    continue;
+                }
+                covered += points.iter().map(|point| point.weight).sum::<f64>();
+                let sides = [&slave.facets[e], &master.facets[f]];
+                cover.add(mesh, sides, &bulges, &points, &mut covers.on_master[f]);
+                covers.segments.push([e, f]);
+                covers.widen(mesh, facet, &points);
+            }
+            cover.share = covered / whole;
+            if cover.share > 1.0 + ROUNDING {
+                let [slave, master] = [slave, master].map(|side| side.name.clone());
+                let x = mesh.points(facet);
+                let centre = [0, 1, 2].map(|c| x.iter().map(|x| x[c]).sum::<f64>() / x.len() as f64);
+                return Err(MortarFault::TwoLayers { slave, master, at: place(mesh, centre) });
+            }
+            cover.finish();
+            covers.facets.push(cover);
+        }
+        if covers.segments.is_empty() {
+            return Err(nothing_in_front(mesh, [slave, master], search));
+        }
+        Ok(covers)
+    }
+
+    fn widen(&mut self, mesh: &Mesh, facet: &[usize], points: &[Point]) {
+        for point in points {
+            let at = || position(mesh, facet, &point.slave);
+            if point.gap < self.gaps[0].gap {
+                self.gaps[0] = GapAt { gap: point.gap, at: at() };
+            }
+            if point.gap > self.gaps[1].gap {
+                self.gaps[1] = GapAt { gap: point.gap, at: at() };
+            }
+        }
+    }
+}
+
+impl Cover {
+    /// Whether so much is covered that there are rows.
+    pub(super) fn counts(&self) -> bool {
+        self.share > COVERED
+    }
+
+    /// Adds the integrals over a segment.
+    fn add(
+        &mut self,
+        mesh: &Mesh,
+        [facet, master]: [&Facet; 2],
+        bulges: &[Bulges; 2],
+        points: &[Point],
+        on_master: &mut Values,
+    ) {
+        let mut cross = [[0.0; MOST]; MOST];
+        for point in points {
+            let weight = point.weight * mesh.geometry.depth(position(mesh, facet, &point.slave));
+            let bulge = bulges[0].at(mesh, facet, &point.slave) + bulges[1].at(mesh, master, &point.master);
+            let (slave, master) = (raised(mesh, facet, point.slave), raised(mesh, master, point.master));
+            for (i, n) in slave.iter().enumerate() {
+                let share = weight * n;
+                self.functions[i] += share;
+                self.bulge[i] += share * bulge;
+                self.mass[i].iter_mut().zip(&slave).for_each(|(sum, n)| *sum += share * n);
+                cross.iter_mut().zip(&master).for_each(|(sums, n)| sums[i] += share * n);
+            }
+            on_master.iter_mut().zip(&master).for_each(|(sum, n)| *sum += weight * n);
+        }
+        self.cross.extend(master.iter().copied().zip(cross));
+    }
+
+    /// Puts what belongs to one node of the master together.
+    fn finish(&mut self) {
+        self.cross.sort_by_key(|(node, _)| *node);
+        self.cross.dedup_by(|(node, values), (last, sum)| {
+            let same = node == last;
+            if same {
+                sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += *value);
+            }
+            same
+        });
+    }
+}
+
+/// Ñ in the place of the shape functions.
+fn raised(mesh: &Mesh, facet: &[usize], mut shape: Values) -> Values {
+    if mesh.is_quadratic(facet) {
+        let raised = bernstein(mesh, facet, &shape[..facet.len()]);
+        shape[..facet.len()].copy_from_slice(&raised);
+    }
+    shape
+}
+
+/// The point of a facet with these shape functions, m.
+pub(super) fn position(mesh: &Mesh, facet: &[usize], shape: &Values) -> [f64; 3] {
+    [0, 1, 2].map(|c| facet.iter().zip(shape).map(|(&node, n)| n * mesh.nodes[node][c]).sum())
+}
+
+/// The least gap of the segments, and where, when the nodes have moved by `u` (m): `ν · (x_m + u_m - x_s - u_s)` at the integration
+/// points.
+pub(super) fn least_gap(
+    mesh: &Mesh,
+    [slave, master]: [&[Facet]; 2],
+    segments: &[[usize; 2]],
+    u: &[[f64; 3]],
+) -> Option<GapAt> {
+    let rules = Rules::new();
+    let mut least: Option<GapAt> = None;
+    // Those of one slave facet follow each other.
+    for group in segments.chunk_by(|a, b| a[0] == b[0]) {
+        let facet = &slave[group[0][0]];
+        let plane = Plane::of(mesh, facet);
+        let seen = plane.project(mesh, facet);
+        let whole = size(mesh.dimension, &seen);
+        let moved = |facet: &[usize], shape: &Values| -> f64 {
+            let along = |node: usize| u.get(node).map_or(0.0, |u| dot(plane.normal, *u));
+            facet.iter().zip(shape).map(|(&node, n)| n * along(node)).sum()
+        };
+        for &[_, f] in group {
+            for point in points(mesh.dimension, &seen, whole, &plane.project(mesh, &master[f]), &rules) {
+                let gap = point.gap + moved(&master[f], &point.master) - moved(facet, &point.slave);
+                if least.is_none_or(|least| gap < least.gap) {
+                    least = Some(GapAt { gap, at: position(mesh, facet, &point.slave) });
+                }
+            }
+        }
+    }
+    least
+}
+
+/// That nothing of the second boundary is in front of the first within `search` (m), or next to nothing.
+pub(super) fn nothing_in_front(mesh: &Mesh, sides: [&Boundary; 2], search: f64) -> MortarFault {
+    let (least, at) = least_distance(mesh, sides);
+    let [slave, master] = sides.map(|side| side.name.clone());
+    MortarFault::NothingInFront { slave, master, search, least, at: place(mesh, at) }
+}

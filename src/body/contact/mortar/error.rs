@@ -1,0 +1,93 @@
+//! Why two boundaries make no pair.
+
+use crate::algebra::vector::Vector;
+use crate::body::mesh::Mesh;
+
+/// Why two boundaries make no pair.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum MortarFault {
+    /// Nothing of the master is in front of the slave within the search.
+    #[error(
+        "nothing of `{master}` is in front of `{slave}` within {search} m; the least distance is {least} m, at {at:?}"
+    )]
+    NothingInFront {
+        /// The slave boundary.
+        slave: String,
+        /// The master boundary.
+        master: String,
+        /// How far it was looked, m.
+        search: f64,
+        /// The least distance between the two, m.
+        least: f64,
+        /// Where that is, m.
+        at: Vector,
+    },
+    /// Part of a slave facet has two layers of the master in front of it.
+    #[error("two layers of `{master}` are in front of the facet of `{slave}` at {at:?}")]
+    TwoLayers {
+        /// The slave boundary.
+        slave: String,
+        /// The master boundary.
+        master: String,
+        /// The centre of the facet, m.
+        at: Vector,
+    },
+    /// A quadrilateral that cannot be clipped.
+    #[error("the quadrilateral of `{boundary}` at {at:?} is not convex")]
+    NotConvex {
+        /// The boundary.
+        boundary: String,
+        /// The centre of the facet, m.
+        at: Vector,
+    },
+    /// Supports hold all nodes of the slave that the master is in front of, along their normals.
+    #[error("supports hold `{slave}` along its normal wherever `{master}` is in front of it")]
+    SlaveHeld {
+        /// The slave boundary.
+        slave: String,
+        /// The master boundary.
+        master: String,
+    },
+    /// Facets that meet in a node, or that are in front of it, look in opposite directions.
+    #[error("the normals of the facets of `{boundary}` around {at:?} cancel")]
+    NormalsCancel {
+        /// The boundary.
+        boundary: String,
+        /// The place of the node, m.
+        at: Vector,
+    },
+    /// The direction that is given points into the slave.
+    #[error("the direction points into the body at {at:?} of `{slave}`")]
+    Inwards {
+        /// The slave boundary.
+        slave: String,
+        /// The place of the node, m.
+        at: Vector,
+    },
+}
+
+impl MortarFault {
+    /// What mends the fault, in words.
+    pub fn help(&self) -> &'static str {
+        match self {
+            MortarFault::NothingInFront { search, least, .. } if least <= search => {
+                "let the two face each other, so that the normals of the one meet facets of the other that look back"
+            }
+            MortarFault::NothingInFront { .. } => "give a longer `search`, or move the bodies to where they meet",
+            MortarFault::TwoLayers { .. } => {
+                "give a shorter `search`, or name only the part of the boundary that is to be met"
+            }
+            MortarFault::NotConvex { .. } => {
+                "mesh again; no angle of a quadrilateral on a contact boundary may exceed 180°"
+            }
+            MortarFault::SlaveHeld { .. } => "swap the two: what nothing holds is to be the slave",
+            MortarFault::NormalsCancel { .. } => "name the two sides of a sharp edge as different boundaries",
+            MortarFault::Inwards { .. } => "turn the direction round: it points out of the slave, towards the master",
+        }
+    }
+}
+
+/// A place as it is told: two coordinates in two dimensions.
+pub(super) fn place(mesh: &Mesh, [x, y, z]: [f64; 3]) -> Vector {
+    if mesh.dimension == 2 { [x, y].into() } else { [x, y, z].into() }
+}

@@ -1,0 +1,259 @@
+//! The facets of a pair as they are seen along a normal: shape functions in the order of the nodes of a facet, and where in a
+//! facet a point of the plane is.
+
+use crate::algebra::vector::{cross, dot, minus, plus, unit};
+use crate::body::mesh::Mesh;
+
+/// No facet has more nodes.
+pub(super) const MOST: usize = 6;
+
+/// A value for each node of a facet; 0 beyond its last one.
+pub(super) type Values = [f64; MOST];
+
+/// A point of the plane; in two dimensions its second coordinate is 0.
+pub(super) type Flat = [f64; 2];
+
+/// A middle of an edge that is off by more than this share of it makes a facet curved, and so of a quadrilateral that is no
+/// parallelogram; what rounding makes of coordinates is far less.
+const STRAIGHT: f64 = 1e-10;
+
+/// Newton's method stops where a step is as short, in local coordinates.
+const FOUND: f64 = 1e-14;
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    Edge,
+    BentEdge,
+    Triangle,
+    Quadrilateral,
+    BentTriangle,
+}
+
+impl Kind {
+    pub(super) fn of(mesh: &Mesh, facet: &[usize]) -> Self {
+        match (mesh.dimension, facet.len()) {
+            (2, 3) => Kind::BentEdge,
+            (2, _) => Kind::Edge,
+            (_, 4) => Kind::Quadrilateral,
+            (_, 6) => Kind::BentTriangle,
+            _ => Kind::Triangle,
+        }
+    }
+
+    fn nodes(self) -> usize {
+        match self {
+            Kind::Edge => 2,
+            Kind::BentEdge | Kind::Triangle => 3,
+            Kind::Quadrilateral => 4,
+            Kind::BentTriangle => 6,
+        }
+    }
+
+    fn centre(self) -> Flat {
+        match self {
+            Kind::Edge | Kind::BentEdge => [0.5, 0.0],
+            Kind::Triangle | Kind::BentTriangle => [1.0 / 3.0; 2],
+            Kind::Quadrilateral => [0.0; 2],
+        }
+    }
+
+    /// The shape functions at `[ξ, η]`: along edges ξ goes from 0 to 1, a quadrilateral is the square [-1, 1]².
+    fn shape(self, [x, y]: Flat) -> Values {
+        let z = 1.0 - x - y;
+        match self {
+            Kind::Edge => [1.0 - x, x, 0.0, 0.0, 0.0, 0.0],
+            Kind::BentEdge => [(1.0 - x) * (1.0 - 2.0 * x), 4.0 * x * (1.0 - x), x * (2.0 * x - 1.0), 0.0, 0.0, 0.0],
+            Kind::Triangle => [z, x, y, 0.0, 0.0, 0.0],
+            Kind::Quadrilateral => {
+                let at = |a: f64, b: f64| 0.25 * (1.0 + a * x) * (1.0 + b * y);
+                [at(-1.0, -1.0), at(1.0, -1.0), at(1.0, 1.0), at(-1.0, 1.0), 0.0, 0.0]
+            }
+            Kind::BentTriangle => {
+                let corner = |l: f64| l * (2.0 * l - 1.0);
+                [corner(z), 4.0 * z * x, corner(x), 4.0 * x * y, corner(y), 4.0 * y * z]
+            }
+        }
+    }
+
+    /// Their derivatives along ξ and along η.
+    fn slopes(self, [x, y]: Flat) -> [Values; 2] {
+        let z = 1.0 - x - y;
+        match self {
+            Kind::Edge => [[-1.0, 1.0, 0.0, 0.0, 0.0, 0.0], [0.0; MOST]],
+            Kind::BentEdge => [[4.0 * x - 3.0, 4.0 - 8.0 * x, 4.0 * x - 1.0, 0.0, 0.0, 0.0], [0.0; MOST]],
+            Kind::Triangle => [[-1.0, 1.0, 0.0, 0.0, 0.0, 0.0], [-1.0, 0.0, 1.0, 0.0, 0.0, 0.0]],
+            Kind::Quadrilateral => [
+                [-(1.0 - y), 1.0 - y, 1.0 + y, -(1.0 + y), 0.0, 0.0].map(|c| 0.25 * c),
+                [-(1.0 - x), -(1.0 + x), 1.0 + x, 1.0 - x, 0.0, 0.0].map(|c| 0.25 * c),
+            ],
+            Kind::BentTriangle => [
+                [1.0 - 4.0 * z, 4.0 * (z - x), 4.0 * x - 1.0, 4.0 * y, 0.0, -4.0 * y],
+                [1.0 - 4.0 * z, -4.0 * x, 0.0, 4.0 * x, 4.0 * y - 1.0, 4.0 * (z - y)],
+            ],
+        }
+    }
+}
+
+/// The plane of a facet (in two dimensions a line), and the normal along which others are seen on it.
+pub(super) struct Plane {
+    origin: [f64; 3],
+    /// At right angles to each other and to the normal; in two dimensions the second is 0.
+    axes: [[f64; 3]; 2],
+    /// The outward unit normal.
+    pub normal: [f64; 3],
+}
+
+impl Plane {
+    pub(super) fn of(mesh: &Mesh, facet: &[usize]) -> Self {
+        let normal = unit(mesh.area_vector(facet));
+        let points = mesh.points(facet);
+        let origin = [0, 1, 2].map(|c| points.iter().map(|x| x[c]).sum::<f64>() / points.len() as f64);
+        let axes = if mesh.dimension == 2 {
+            [unit(minus(points[points.len() - 1], points[0])), [0.0; 3]]
+        } else {
+            let side = minus(points[if facet.len() == 6 { 2 } else { 1 }], points[0]);
+            let along = unit(plus(side, -dot(side, normal), normal));
+            [along, cross(normal, along)]
+        };
+        Plane { origin, axes, normal }
+    }
+
+    pub(super) fn project(&self, mesh: &Mesh, facet: &[usize]) -> Projected {
+        let kind = Kind::of(mesh, facet);
+        let mut projected = Projected { kind, at: [[0.0; 2]; MOST], height: [0.0; MOST], straight: true };
+        for (k, &node) in facet.iter().enumerate() {
+            let from = minus(mesh.nodes[node], self.origin);
+            projected.at[k] = self.axes.map(|axis| dot(axis, from));
+            projected.height[k] = dot(self.normal, from);
+        }
+        projected.straight = projected.is_straight();
+        projected
+    }
+}
+
+/// A facet, projected to a plane.
+pub(super) struct Projected {
+    kind: Kind,
+    /// The places of its nodes in the plane, m.
+    pub at: [Flat; MOST],
+    /// How far they are from the plane, m.
+    height: Values,
+    /// Whether local coordinates are linear in those of the plane.
+    pub straight: bool,
+}
+
+impl Projected {
+    fn is_straight(&self) -> bool {
+        let p = &self.at;
+        let small = |off: Flat, edge: Flat| off[0].hypot(off[1]) <= STRAIGHT * edge[0].hypot(edge[1]);
+        let between = |[a, m, b]: [usize; 3]| {
+            small([0, 1].map(|c| p[m][c] - 0.5 * (p[a][c] + p[b][c])), [0, 1].map(|c| p[b][c] - p[a][c]))
+        };
+        match self.kind {
+            Kind::Edge | Kind::Triangle => true,
+            Kind::BentEdge => between([0, 1, 2]),
+            Kind::BentTriangle => [[0, 1, 2], [2, 3, 4], [4, 5, 0]].into_iter().all(between),
+            Kind::Quadrilateral => {
+                small([0, 1].map(|c| p[0][c] - p[1][c] + p[2][c] - p[3][c]), [0, 1].map(|c| p[2][c] - p[0][c]))
+            }
+        }
+    }
+
+    /// The two ends along the axis, in two dimensions.
+    pub(super) fn ends(&self) -> [f64; 2] {
+        [self.at[0][0], self.at[self.kind.nodes() - 1][0]]
+    }
+
+    /// The polygons that make up the facet, in the order of its nodes: four where edges between three nodes are bent.
+    pub(super) fn polygons(&self) -> Vec<Vec<Flat>> {
+        let pick = |places: &[usize]| places.iter().map(|&k| self.at[k]).collect();
+        match self.kind {
+            Kind::BentTriangle if self.straight => vec![pick(&[0, 2, 4])],
+            Kind::BentTriangle => [[0, 1, 5], [1, 2, 3], [3, 4, 5], [1, 3, 5]].map(|places| pick(&places)).into(),
+            kind => vec![self.at[..kind.nodes()].to_vec()],
+        }
+    }
+
+    /// The shape functions at the point of the facet that is seen at `y`, by Newton's method; `None` where the facet folds.
+    pub(super) fn shape_at(&self, y: Flat) -> Option<Values> {
+        let mut local = self.kind.centre();
+        for _ in 0..20 {
+            let (values, slopes) = (self.kind.shape(local), self.kind.slopes(local));
+            let sum = |weights: &Values, c: usize| weights.iter().zip(&self.at).map(|(w, x)| w * x[c]).sum::<f64>();
+            let off = [0, 1].map(|c| sum(&values, c) - y[c]);
+            let along = |r: usize| [0, 1].map(|c| sum(&slopes[r], c));
+            let step = match self.kind {
+                Kind::Edge | Kind::BentEdge => [off[0] / along(0)[0], 0.0],
+                _ => {
+                    let ([a, b], [c, d]) = (along(0), along(1));
+                    let determinant = a * d - b * c;
+                    [(d * off[0] - c * off[1]) / determinant, (a * off[1] - b * off[0]) / determinant]
+                }
+            };
+            local = [local[0] - step[0], local[1] - step[1]];
+            if !local.iter().all(|c| c.is_finite()) {
+                return None;
+            }
+            if step.iter().all(|s| s.abs() < FOUND) {
+                break;
+            }
+        }
+        Some(self.kind.shape(local))
+    }
+
+    /// How far from the plane the point with these shape functions is, m.
+    pub(super) fn height(&self, shape: &Values) -> f64 {
+        shape.iter().zip(&self.height).map(|(n, h)| n * h).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ALL: [Kind; 5] = [Kind::Edge, Kind::BentEdge, Kind::Triangle, Kind::Quadrilateral, Kind::BentTriangle];
+
+    #[test]
+    fn slopes_are_derivatives_and_add_up_to_nothing() {
+        let (at, step) = ([0.3, 0.2], 1e-6);
+        for kind in ALL {
+            assert!((kind.shape(at).iter().sum::<f64>() - 1.0).abs() < 1e-15);
+            for c in 0..2 {
+                let moved = |s: f64| kind.shape([0, 1].map(|k| at[k] + if k == c { s } else { 0.0 }));
+                let slopes = kind.slopes(at)[c];
+                if c == 1 && matches!(kind, Kind::Edge | Kind::BentEdge) {
+                    assert_eq!(slopes, [0.0; MOST]);
+                    continue;
+                }
+                for ((ahead, behind), slope) in moved(step).iter().zip(moved(-step)).zip(slopes) {
+                    assert!(((ahead - behind) / (2.0 * step) - slope).abs() < 1e-9, "{kind:?}");
+                }
+            }
+        }
+    }
+
+    /// What is seen at the place of local coordinates has these.
+    #[test]
+    fn points_of_bent_facets_are_found() {
+        let bend = |[x, y]: Flat| [x + 0.1 * y * y, y - 0.2 * x + 0.05 * x * x];
+        let nodes: [(Kind, &[Flat]); 5] = [
+            (Kind::Edge, &[[0.0, 0.0], [1.0, 0.0]]),
+            (Kind::BentEdge, &[[0.0, 0.0], [0.45, 0.0], [1.0, 0.0]]),
+            (Kind::Triangle, &[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]),
+            (Kind::Quadrilateral, &[[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]),
+            (Kind::BentTriangle, &[[0.0, 0.0], [0.5, 0.0], [1.0, 0.0], [0.5, 0.5], [0.0, 1.0], [0.0, 0.5]]),
+        ];
+        for (kind, nodes) in nodes {
+            let edge = matches!(kind, Kind::Edge | Kind::BentEdge);
+            let mut facet = Projected { kind, at: [[0.0; 2]; MOST], height: [0.0; MOST], straight: false };
+            for (k, &x) in nodes.iter().enumerate() {
+                facet.at[k] = if edge { x } else { bend(x) };
+            }
+            let shape = kind.shape(if edge { [0.3, 0.0] } else { [0.3, 0.2] });
+            let y = [0, 1].map(|c| shape.iter().zip(&facet.at).map(|(n, x)| n * x[c]).sum());
+            for (found, n) in facet.shape_at(y).unwrap().iter().zip(shape) {
+                assert!((found - n).abs() < 1e-14, "{kind:?}");
+            }
+        }
+    }
+}

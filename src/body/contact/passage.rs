@@ -1,0 +1,203 @@
+//! Where bodies pass through each other because no row of contact is between them.
+//!
+//! Contact is where a scene asks for it, and a node has a row only where something is in front of it within the search. What moves together
+//! elsewhere overlaps, and every law still holds. So nodes on the outside of a body are looked for inside the cells of the others, as both are
+//! displaced. Nodes that have rows between two bodies, or are in such rows, are left out for these two: there facets may overlap a little.
+
+use std::collections::BTreeSet;
+
+use serde::{Deserialize, Serialize};
+
+use super::mortar::Mortar;
+use super::tree::{Bounds, Tree};
+use super::triangles::nearest_of;
+use crate::algebra::vector::{dot, minus, norm};
+use crate::body::fem::is_inside_cell;
+use crate::body::mesh::{Facet, Mesh};
+
+/// A node that has come into a body by less than this share of what the two deform counts as rounding and as what small displacements
+/// leave out.
+const COUNTS: f64 = 0.02;
+
+/// The same, as a share of the size of the mesh, for bodies that do not deform.
+const ROUNDING: f64 = 1e-9;
+
+/// A slave facet of which more is covered has rows at its nodes.
+const COVERED: f64 = 0.5;
+
+/// A node inside a body that it was not in.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Passed {
+    /// The number of the node in the mesh.
+    pub node: usize,
+    /// The body of the node, and the one that it is in.
+    pub bodies: [usize; 2],
+    /// How much deeper it is in there than at rest, m.
+    pub depth: f64,
+    /// Its distance from that body at rest, m; 0 where it was inside.
+    pub apart: f64,
+}
+
+/// The outside of a body: its nodes, facets and cells.
+#[derive(Debug, Clone, PartialEq, Default)]
+struct Outside {
+    nodes: Vec<usize>,
+    facets: Vec<Facet>,
+    cells: Vec<usize>,
+}
+
+/// What may pass through what.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Passages {
+    bodies: Vec<Outside>,
+    /// The nodes that are in rows of contact with a body, with this.
+    guarded: BTreeSet<(usize, usize)>,
+    /// Boundaries of one body in front of each other: the nodes of the one without rows, and the other.
+    slots: Vec<(usize, Vec<usize>, Outside)>,
+}
+
+impl Passages {
+    /// Those of `mesh`, whose bodies meet as `mortars` say. `None` where there is one body and nothing in front of itself.
+    pub fn new<'a>(mesh: &Mesh, mortars: impl Iterator<Item = &'a Mortar>) -> Option<Self> {
+        let bodies = mesh.bodies();
+        let of = bodies.of_nodes();
+        let mut guarded = BTreeSet::new();
+        let mut slots = Vec::new();
+        for mortar in mortars {
+            let [slave, master] = mortar.sides();
+            let masters: BTreeSet<usize> = master.iter().flatten().map(|&node| of[node]).collect();
+            let covered = slave.iter().zip(&mortar.covered).filter(|(_, share)| **share > COVERED);
+            let with_rows: BTreeSet<usize> = covered
+                .flat_map(|(facet, _)| facet.iter().copied())
+                .chain(mortar.rows.iter().map(|row| row.node))
+                .collect();
+            guarded.extend(with_rows.iter().flat_map(|&node| masters.iter().map(move |&body| (node, body))));
+            for row in &mortar.rows {
+                guarded.extend(row.master.iter().map(|&(node, _)| (node, of[row.node])));
+            }
+            let own = slave.first().map_or(0, |facet| of[facet[0]]);
+            if masters.contains(&own) {
+                let nodes: BTreeSet<usize> =
+                    slave.iter().flatten().copied().filter(|node| !with_rows.contains(node)).collect();
+                let corners: BTreeSet<usize> = master.iter().flatten().copied().collect();
+                let at_master = |e: &usize| mesh.cells[*e].nodes.iter().any(|node| corners.contains(node));
+                let cells = (0..mesh.cells.len()).filter(at_master).collect();
+                let other = Outside { nodes: corners.iter().copied().collect(), facets: master.to_vec(), cells };
+                slots.push((own, nodes.into_iter().collect(), other));
+            }
+        }
+        if !bodies.are_several() && slots.is_empty() {
+            return None;
+        }
+        let mut outside = vec![Outside::default(); bodies.count()];
+        if bodies.are_several() {
+            for (facet, cell) in mesh.surface() {
+                outside[bodies.of_cells()[cell]].facets.push(facet);
+            }
+            for (e, body) in bodies.of_cells().iter().enumerate() {
+                outside[*body].cells.push(e);
+            }
+            for body in &mut outside {
+                let nodes: BTreeSet<usize> = body.facets.iter().flatten().copied().collect();
+                body.nodes = nodes.into_iter().collect();
+            }
+        }
+        Some(Passages { bodies: outside, guarded, slots })
+    }
+
+    /// The node that has come furthest into a body when the nodes of `mesh` have moved by `u` (m), if that counts.
+    pub fn deepest(&self, mesh: &Mesh, u: &[[f64; 3]]) -> Option<Passed> {
+        let moved = |node: usize| [0, 1, 2].map(|c| mesh.nodes[node][c] + u[node][c]);
+        let bounds: Vec<Bounds> = self.bodies.iter().map(|body| bounds(&body.nodes, &moved)).collect();
+        let spreads: Vec<f64> = self.bodies.iter().map(|body| spread(&body.nodes, u)).collect();
+        let least = ROUNDING * mesh.size();
+        let mut deepest: Option<Passed> = None;
+        let mut look = |bodies: [usize; 2], nodes: &[usize], other: &Outside, spread: f64| {
+            for (node, depth) in inside(mesh, &moved, nodes, other) {
+                let at_rest = |node: usize| mesh.nodes[node];
+                let before = inside(mesh, &at_rest, &[node], other).first().map_or(0.0, |(_, depth)| *depth);
+                let depth = depth - before;
+                if depth > least.max(COUNTS * spread) && deepest.is_none_or(|deepest| depth > deepest.depth) {
+                    let apart = if before > 0.0 { 0.0 } else { distances(mesh, &at_rest, &other.facets, &[node])[0] };
+                    deepest = Some(Passed { node, bodies, depth, apart });
+                }
+            }
+        };
+        for (a, own) in self.bodies.iter().enumerate() {
+            for (b, other) in self.bodies.iter().enumerate().filter(|(b, _)| *b != a) {
+                if bounds[a].overlaps(&bounds[b]) {
+                    let free = |node: &usize| !self.guarded.contains(&(*node, b)) && bounds[b].holds(moved(*node));
+                    let nodes: Vec<usize> = own.nodes.iter().copied().filter(free).collect();
+                    look([a, b], &nodes, other, spreads[a].max(spreads[b]));
+                }
+            }
+        }
+        for (body, nodes, other) in &self.slots {
+            let around = self::bounds(&other.nodes, &moved);
+            let nodes: Vec<usize> = nodes.iter().copied().filter(|node| around.holds(moved(*node))).collect();
+            look([*body; 2], &nodes, other, spread(&other.nodes, u));
+        }
+        deepest
+    }
+}
+
+fn bounds(nodes: &[usize], at: &dyn Fn(usize) -> [f64; 3]) -> Bounds {
+    Bounds::of(&nodes.iter().map(|&node| at(node)).collect::<Vec<_>>())
+}
+
+/// How much the displacements `u` (m) of `nodes` differ from their mean at most, m.
+fn spread(nodes: &[usize], u: &[[f64; 3]]) -> f64 {
+    let mean = [0, 1, 2].map(|c| nodes.iter().map(|&node| u[node][c]).sum::<f64>() / nodes.len() as f64);
+    nodes.iter().map(|&node| norm(minus(u[node], mean))).fold(0.0, f64::max)
+}
+
+/// Which of `nodes` are inside the cells of `other`, and how far from its facets, m.
+fn inside(mesh: &Mesh, at: &dyn Fn(usize) -> [f64; 3], nodes: &[usize], other: &Outside) -> Vec<(usize, f64)> {
+    if nodes.is_empty() {
+        return Vec::new();
+    }
+    let around = bounds(nodes, at);
+    let of_cell = |&e: &usize| (e, bounds(&mesh.cells[e].nodes, at));
+    let near: Vec<(usize, Bounds)> =
+        other.cells.iter().map(of_cell).filter(|(_, cell)| cell.overlaps(&around)).collect();
+    let tree = Tree::new(&near.iter().map(|(_, bounds)| *bounds).collect::<Vec<_>>());
+    let is_inside = |node: &usize| {
+        let x = at(*node);
+        let mut found = false;
+        tree.around(&Bounds::of(&[x]), |k| {
+            let (cell, bounds) = (&mesh.cells[near[k].0], &near[k].1);
+            let corners = || cell.nodes.iter().map(|&node| at(node)).collect::<Vec<_>>();
+            found |= !cell.nodes.contains(node) && bounds.holds(x) && is_inside_cell(cell.kind, &corners(), x);
+        });
+        found
+    };
+    let found: Vec<usize> = nodes.iter().copied().filter(is_inside).collect();
+    let depths = distances(mesh, at, &other.facets, &found);
+    found.into_iter().zip(depths).collect()
+}
+
+/// The distance of each of `nodes` from `facets`, m.
+fn distances(mesh: &Mesh, at: &dyn Fn(usize) -> [f64; 3], facets: &[Facet], nodes: &[usize]) -> Vec<f64> {
+    if nodes.is_empty() {
+        return Vec::new();
+    }
+    let triangles_of = |piece: Facet| {
+        let corners: Vec<[f64; 3]> = piece.iter().map(|&node| at(node)).collect();
+        let last = corners.len() - 1;
+        (1..corners.len().max(3) - 1).map(|k| [corners[0], corners[k], corners[(k + 1).min(last)]]).collect::<Vec<_>>()
+    };
+    let triangles: Vec<[[f64; 3]; 3]> =
+        facets.iter().flat_map(|facet| mesh.pieces_of(facet)).flat_map(triangles_of).collect();
+    let tree = Tree::new(&triangles.iter().map(|corners| Bounds::of(corners)).collect::<Vec<_>>());
+    let distance = |node: &usize| {
+        let x = at(*node);
+        let mut least = f64::INFINITY;
+        tree.near(x, |k| {
+            let away = minus(nearest_of(&triangles[k], x).0, x);
+            least = least.min(dot(away, away));
+            dot(away, away)
+        });
+        least.sqrt()
+    };
+    nodes.iter().map(distance).collect()
+}

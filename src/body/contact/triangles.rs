@@ -1,0 +1,354 @@
+//! A rigid surface of triangles: where a line enters it, and its nearest point.
+//!
+//! Triangles are counterclockwise seen from outside of the obstacle, as in an STL file. The surface may be closed or end
+//! in a rim; beyond the rim there is nothing.
+
+mod read;
+mod rim;
+
+use std::collections::{HashMap, HashSet};
+use std::path::Path;
+
+pub use read::SurfaceError;
+pub use rim::Hole;
+
+use super::tree::{Bounds, Tree};
+use crate::algebra::vector::{cross, dot, minus, norm, plus, unit};
+
+/// A surface of triangles.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Triangles {
+    corners: Vec<[[f64; 3]; 3]>,
+    /// Unit vectors out of the obstacle.
+    normals: Vec<[f64; 3]>,
+    /// For each triangle the numbers of its corners among `vertices`.
+    points: Vec<[usize; 3]>,
+    /// For each triangle the numbers of its sides among `edges`; side k begins at corner k.
+    sides: Vec<[usize; 3]>,
+    vertices: Vec<Feature>,
+    edges: Vec<Feature>,
+    tree: Tree,
+    /// The longest side of the box around all, m.
+    extent: f64,
+}
+
+/// An edge or a corner of the surface.
+#[derive(Debug, Clone, PartialEq, Default)]
+struct Feature {
+    /// The sum of the normals of the triangles that meet there, at a corner weighted by their angles: its side tells inside
+    /// from outside (Bærentzen and Aanæs, 2005).
+    normal: [f64; 3],
+    /// On a rim, the unit vectors that lead off the surface.
+    off: Vec<[f64; 3]>,
+}
+
+/// Where a line enters the obstacle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Entry {
+    /// How far along the line, m.
+    pub distance: f64,
+    /// Through which triangle.
+    pub triangle: usize,
+}
+
+/// A part of a triangle.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum TriangleFeature {
+    Face,
+    Side(usize),
+    Corner(usize),
+}
+
+/// What rounding makes of a place, as a share of the size of the surface: a line through an edge meets both triangles.
+const ROUNDING: f64 = 1e-12;
+
+/// The same in single precision, which is that of most STL files. By so much a place may be over the rim, and a triangle may
+/// lean to a line before it counts as met.
+const SINGLE: f64 = 1e-6;
+
+/// What tells a point from others that are not exactly in its place: + 0.0 turns -0 into 0.
+fn place(x: [f64; 3]) -> [u64; 3] {
+    x.map(|c| (c + 0.0).to_bits())
+}
+
+/// The corners of a triangle from its least one on, with the same outside.
+fn from_least(corners: &[[f64; 3]; 3]) -> [[u64; 3]; 3] {
+    let mut places = corners.map(place);
+    let least = (0..3).min_by_key(|k| places[*k]).unwrap_or(0);
+    places.rotate_left(least);
+    places
+}
+
+impl Triangles {
+    /// Reads the STL file or the Gmsh file at `path`, whose unit is `scale` (m).
+    pub(super) fn read(path: &Path, scale: f64) -> Result<Self, SurfaceError> {
+        let corners = read::corners(path)?;
+        let corners = corners.into_iter().map(|corners| corners.map(|x| x.map(|c| c * scale))).collect();
+        Self::new(corners).map_err(|message| SurfaceError::Unsound { file: path.display().to_string(), message })
+    }
+
+    /// The surface of these triangles; those without an area, and those that are there already, are left out. Otherwise why it is none, in words.
+    fn new(mut corners: Vec<[[f64; 3]; 3]>) -> Result<Self, String> {
+        let area = |[a, b, c]: &[[f64; 3]; 3]| cross(minus(*b, *a), minus(*c, *a));
+        corners.retain(|corners| norm(area(corners)) > 0.0);
+        let mut known = HashSet::new();
+        corners.retain(|corners| known.insert(from_least(corners)));
+        if corners.is_empty() {
+            return Err("the surface has no triangle with an area".to_string());
+        }
+        let normals: Vec<[f64; 3]> = corners.iter().map(|corners| unit(area(corners))).collect();
+        let (mut points, mut vertices) = (Vec::with_capacity(corners.len()), Vec::new());
+        let mut numbers = HashMap::new();
+        for (corners, normal) in corners.iter().zip(&normals) {
+            points.push([0, 1, 2].map(|k| {
+                let number = *numbers.entry(place(corners[k])).or_insert(vertices.len());
+                if number == vertices.len() {
+                    vertices.push(Feature::default());
+                }
+                let [one, other] = [1, 2].map(|j| unit(minus(corners[(k + j) % 3], corners[k])));
+                let angle = norm(cross(one, other)).atan2(dot(one, other));
+                vertices[number].normal = plus(vertices[number].normal, angle, *normal);
+                number
+            }));
+        }
+        let mut surface = Triangles {
+            sides: Vec::new(),
+            edges: Vec::new(),
+            tree: Tree::new(&corners.iter().map(|corners| Bounds::of(corners)).collect::<Vec<_>>()),
+            extent: Bounds::of(corners.as_flattened()).extent(),
+            corners,
+            normals,
+            points,
+            vertices,
+        };
+        surface.find_edges()?;
+        Ok(surface)
+    }
+
+    /// Finds which triangles share a side, and the rims where there is only one.
+    fn find_edges(&mut self) -> Result<(), String> {
+        let mut numbers = HashMap::new();
+        // Of each edge its first triangle with the side, and how many there are.
+        let mut first: Vec<(usize, usize, usize)> = Vec::new();
+        for (t, points) in self.points.iter().enumerate() {
+            self.sides.push([(); 3].map(|()| 0));
+            for k in 0..3 {
+                let (a, b) = (points[k], points[(k + 1) % 3]);
+                let edge = *numbers.entry((a.min(b), a.max(b))).or_insert(first.len());
+                if edge == first.len() {
+                    first.push((t, k, 0));
+                    self.edges.push(Feature::default());
+                }
+                self.sides[t][k] = edge;
+                self.edges[edge].normal = plus(self.edges[edge].normal, 1.0, self.normals[t]);
+                first[edge].2 += 1;
+                let (other, j, count) = first[edge];
+                if count == 2 && self.points[other][j] == a {
+                    let [x, y, z] = self.corners[t][k];
+                    return Err(format!("two triangles at ({x}, {y}, {z}) m are turned to different sides"));
+                }
+            }
+        }
+        for (edge, (t, k, _)) in first.into_iter().enumerate().filter(|(_, (.., count))| *count == 1) {
+            let ends = [k, (k + 1) % 3];
+            let along = minus(self.corners[t][ends[1]], self.corners[t][ends[0]]);
+            let off = unit(cross(along, self.normals[t]));
+            self.edges[edge].off.push(off);
+            for end in ends {
+                self.vertices[self.points[t][end]].off.push(off);
+            }
+        }
+        Ok(())
+    }
+
+    /// The number of triangles.
+    pub(super) fn count(&self) -> usize {
+        self.corners.len()
+    }
+
+    /// The longest side of the box around all, m.
+    pub(super) fn extent(&self) -> f64 {
+        self.extent
+    }
+
+    /// The unit vector out of the obstacle at a triangle.
+    pub(super) fn normal(&self, triangle: usize) -> [f64; 3] {
+        self.normals[triangle]
+    }
+
+    /// Where the line through `x` along the unit vector `n` enters the obstacle: behind `x` if that is inside, otherwise
+    /// the first time ahead.
+    pub(super) fn entry(&self, x: [f64; 3], n: [f64; 3]) -> Option<Entry> {
+        [ROUNDING, SINGLE].into_iter().find_map(|slack| self.entry_within(x, n, slack * self.extent))
+    }
+
+    /// [`Triangles::entry`], with triangles that are larger by `slack` (m) all around.
+    fn entry_within(&self, x: [f64; 3], n: [f64; 3], slack: f64) -> Option<Entry> {
+        let (mut behind, mut ahead): (Option<Entry>, Option<Entry>) = (None, None);
+        let mut left = f64::NEG_INFINITY;
+        self.tree.along(x, n, slack, |triangle| {
+            let (normal, corners) = (self.normals[triangle], self.corners[triangle]);
+            let facing = dot(normal, n);
+            if facing.abs() <= SINGLE {
+                return;
+            }
+            let distance = dot(minus(corners[0], x), normal) / facing;
+            let foot = plus(x, distance, n);
+            let within = |k: usize| {
+                let inwards = cross(normal, unit(minus(corners[(k + 1) % 3], corners[k])));
+                dot(minus(foot, corners[k]), inwards) >= -slack
+            };
+            if !(0..3).all(within) {
+                return;
+            }
+            let entry = Entry { distance, triangle };
+            match (facing < 0.0, distance <= 0.0) {
+                (true, true) if behind.is_none_or(|last| last.distance < distance) => behind = Some(entry),
+                (true, false) if ahead.is_none_or(|first| distance < first.distance) => ahead = Some(entry),
+                (false, true) => left = left.max(distance),
+                _ => {}
+            }
+        });
+        behind.filter(|entry| entry.distance >= left).or(ahead)
+    }
+
+    /// The distance (m) from `x` to the nearest point, negative inside, and the unit vector into the obstacle in which that
+    /// is; nothing if `x` is beyond the rim.
+    pub(super) fn nearest(&self, x: [f64; 3]) -> Option<(f64, [f64; 3])> {
+        let mut best = (f64::INFINITY, 0, x, TriangleFeature::Face);
+        self.tree.near(x, |triangle| {
+            let (foot, part) = nearest_of(&self.corners[triangle], x);
+            let away = minus(foot, x);
+            let square = dot(away, away);
+            if square < best.0 {
+                best = (square, triangle, foot, part);
+            }
+            square
+        });
+        let (_, triangle, foot, part) = best;
+        let to = minus(foot, x);
+        let feature = match part {
+            TriangleFeature::Face => {
+                let normal = self.normals[triangle].map(|c| -c);
+                return Some((dot(to, normal), normal));
+            }
+            TriangleFeature::Side(k) => &self.edges[self.sides[triangle][k]],
+            TriangleFeature::Corner(k) => &self.vertices[self.points[triangle][k]],
+        };
+        let distance = norm(to);
+        if feature.off.iter().any(|off| -dot(to, off) > SINGLE * distance.max(self.extent)) {
+            return None;
+        }
+        let inward = unit(feature.normal.map(|c| -c));
+        // On the surface itself there is no way to it.
+        if distance <= SINGLE * self.extent {
+            return Some((dot(to, inward), inward));
+        }
+        let sign = if dot(to, inward) < 0.0 { -1.0 } else { 1.0 };
+        Some((sign * distance, to.map(|c| sign * c / distance)))
+    }
+}
+
+/// The point of a triangle, or of a side if two of its corners are one, that is nearest to `x`, and the part of it that it lies on
+/// (Ericson, Real-Time Collision Detection, 5.1.5).
+pub(super) fn nearest_of(&[a, b, c]: &[[f64; 3]; 3], x: [f64; 3]) -> ([f64; 3], TriangleFeature) {
+    let (ab, ac) = (minus(b, a), minus(c, a));
+    let [from_a, from_b, from_c] = [a, b, c].map(|corner| minus(x, corner));
+    let (d1, d2) = (dot(ab, from_a), dot(ac, from_a));
+    let (d3, d4) = (dot(ab, from_b), dot(ac, from_b));
+    let (d5, d6) = (dot(ab, from_c), dot(ac, from_c));
+    let (of_a, of_b, of_c) = (d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2);
+    match () {
+        () if d1 <= 0.0 && d2 <= 0.0 => (a, TriangleFeature::Corner(0)),
+        () if d3 >= 0.0 && d4 <= d3 => (b, TriangleFeature::Corner(1)),
+        () if d6 >= 0.0 && d5 <= d6 => (c, TriangleFeature::Corner(2)),
+        () if of_c <= 0.0 && d1 >= 0.0 && d3 <= 0.0 => (plus(a, d1 / (d1 - d3), ab), TriangleFeature::Side(0)),
+        () if of_b <= 0.0 && d2 >= 0.0 && d6 <= 0.0 => (plus(a, d2 / (d2 - d6), ac), TriangleFeature::Side(2)),
+        () if of_a <= 0.0 && d4 >= d3 && d5 >= d6 => {
+            (plus(b, (d4 - d3) / ((d4 - d3) + (d5 - d6)), minus(c, b)), TriangleFeature::Side(1))
+        }
+        () => {
+            let all = of_a + of_b + of_c;
+            (plus(plus(a, of_b / all, ab), of_c / all, ac), TriangleFeature::Face)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two triangles over the unit square at z = 1, seen from below.
+    fn ceiling() -> Triangles {
+        let [a, b, c, d] = [[0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 1.0, 1.0], [0.0, 1.0, 1.0]];
+        Triangles::new(vec![[a, c, b], [a, d, c], [a, a, b]]).unwrap()
+    }
+
+    /// The unit cube, seen from outside.
+    fn cube() -> Triangles {
+        let at = |k: usize| [k & 1, k >> 1 & 1, k >> 2 & 1].map(|c| c as f64);
+        let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let halves = faces.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]);
+        Triangles::new(halves.map(|corners| corners.map(at)).collect()).unwrap()
+    }
+
+    /// A triangle that is there several times, from whichever corner on, is one.
+    #[test]
+    fn repeated_triangles_are_left_out() {
+        let cube = cube();
+        let mut corners = cube.corners.clone();
+        let turned = |[a, b, c]: [[f64; 3]; 3]| [b, c, a];
+        corners.extend(cube.corners.iter().map(|corners| turned(*corners)));
+        corners.push(turned(turned(cube.corners[3].map(|x| x.map(|c| if c == 0.0 { -0.0 } else { c })))));
+        assert_eq!(Triangles::new(corners), Ok(cube));
+        // The other side of a triangle is not the same.
+        let [a, b, c] = ceiling().corners[0];
+        assert_eq!(Triangles::new(vec![[a, b, c], [c, b, a]]).unwrap().count(), 2);
+    }
+
+    #[test]
+    fn lines_enter_also_through_edges_and_from_within() {
+        let up = [0.0, 0.0, 1.0];
+        let at = |surface: &Triangles, x: [f64; 3], n: [f64; 3]| surface.entry(x, n).map(|entry| entry.distance);
+        let ceiling = ceiling();
+        assert_eq!(ceiling.count(), 2);
+        for x in [[0.3, 0.3, 0.0], [0.0, 0.0, 0.0], [1.0, 0.5, 0.0], [1.0 + 1e-7, 0.5, 0.0]] {
+            assert_eq!(at(&ceiling, x, up), Some(1.0));
+        }
+        assert_eq!(at(&ceiling, [0.3, 0.4, 1.1], up).map(|d| (1e12 * d).round()), Some(-1e11));
+        assert_eq!(at(&ceiling, [0.3, 0.4, 2.0], [0.0, 0.0, -1.0]), None);
+        assert_eq!(at(&ceiling, [1.0 + 1e-5, 0.5, 0.0], up), None);
+        let cube = cube();
+        assert_eq!(at(&cube, [0.5, 0.5, -2.0], up), Some(2.0));
+        assert_eq!(at(&cube, [0.5, 0.5, 0.25], up), Some(-0.25));
+        assert_eq!(at(&cube, [0.5, 0.5, 1.25], up), None);
+    }
+
+    #[test]
+    fn the_nearest_point_of_faces_edges_and_corners() {
+        let (ceiling, cube) = (ceiling(), cube());
+        let third = 3.0_f64.sqrt().recip();
+        for (x, distance, normal) in [
+            ([0.5, 0.25, -0.5], 0.5, [0.0, 0.0, 1.0]),
+            ([0.5, 0.5, 0.25], -0.25, [0.0, 0.0, 1.0]),
+            ([-0.3, 0.5, -0.4], 0.5, [0.6, 0.0, 0.8]),
+            ([-1.0, -1.0, -1.0], 1.0 / third, [third; 3]),
+            ([1.0, 1.0, 1.0], 0.0, [-third; 3]),
+        ] {
+            let (d, n) = cube.nearest(x).unwrap();
+            assert!((d - distance).abs() < 1e-14 && norm(minus(n, normal)) < 1e-14, "{x:?}: {d} {n:?}");
+        }
+        assert_eq!(ceiling.nearest([0.5, 0.5, 1.5]), Some((-0.5, [0.0, 0.0, 1.0])));
+        // Beyond the rim is nothing; straight below it the surface is.
+        assert_eq!(ceiling.nearest([1.2, 0.5, 0.5]), None);
+        assert_eq!(ceiling.nearest([1.2, 1.2, 1.0]), None);
+        assert_eq!(ceiling.nearest([1.0, 1.0, 0.5]), Some((0.5, [0.0, 0.0, 1.0])));
+    }
+
+    #[test]
+    fn surfaces_that_are_none() {
+        assert!(Triangles::new(vec![[[1.0; 3]; 3]]).unwrap_err().contains("no triangle with an area"));
+        let [a, b, c, d] = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+        assert!(Triangles::new(vec![[a, b, c], [a, d, c]]).is_err_and(|said| said.contains("different sides")));
+    }
+}

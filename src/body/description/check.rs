@@ -1,0 +1,90 @@
+//! Are the values of a description possible, each by itself and beside each other?
+
+use super::{Against, Contact, Description, Opposite};
+use crate::base::input_error::{InputError, ensure};
+use crate::base::timeline::{check_points, check_times};
+use crate::body::contact::{Friction, Obstacle};
+use crate::body::fem::{Element, Plane};
+
+impl Description {
+    /// Whether a model can be made of it, as far as that is known without its mesh.
+    ///
+    /// # Errors
+    /// [`InputError`] of the key that is wrong, such as `contact[0].friction`.
+    pub fn check(&self) -> Result<(), InputError> {
+        check_times("times", &self.times)?;
+        self.mesh.check()?;
+        self.material.check()?;
+        if self.element != Element::Bilinear && self.material.plane == Some(Plane::Stress) {
+            let message = format!("mesh.element is \"{}\", but material.plane is \"stress\"", self.element.name());
+            let help = "plane stress does not constrain the volume, so nothing locks: use \"bilinear\"";
+            return Err(InputError::new("mesh.element", message, help));
+        }
+        let under = |list: &'static str, k: usize| move |fault: InputError| fault.with_key(&format!("{list}[{k}]"));
+        for (k, support) in self.supports.iter().enumerate() {
+            support.check().map_err(under("support", k))?;
+        }
+        for (k, contact) in self.contacts.iter().enumerate() {
+            contact.check(&self.contacts[..k]).map_err(under("contact", k))?;
+        }
+        for (k, spring) in self.springs.iter().enumerate() {
+            spring.check().map_err(under("spring", k))?;
+        }
+        for (k, load) in self.loads.iter().enumerate() {
+            load.check().map_err(under("load", k))?;
+        }
+        Ok(())
+    }
+}
+
+impl Contact {
+    /// Checks it beside those before it.
+    fn check(&self, earlier: &[Contact]) -> Result<(), InputError> {
+        if earlier.iter().any(|other| other.boundary == self.boundary) {
+            let message = format!("the boundary `{}` has a [[contact]] already", self.boundary);
+            let help = match self.opposite() {
+                None => "keep one [[contact]] for each boundary",
+                Some(_) => {
+                    "keep one [[contact]] for each boundary: against may be a list of all that is in front of it"
+                }
+            };
+            return Err(InputError::new("boundary", message, help));
+        }
+        self.friction.check()?;
+        if let Some(history) = &self.friction_history {
+            check_points("friction_history", "factor", history)?;
+            let sound = history.iter().all(|point| point[1] > 0.0);
+            let help = "a node has friction at all times or never: give a small factor, such as 1e-3, in place of 0";
+            ensure(sound, "friction_history", history, "of factors above 0", help)?;
+        }
+        let obstacles = match &self.against {
+            Against::Boundary(opposite) => return self.check_opposite(opposite),
+            Against::Obstacles(obstacles) => obstacles,
+        };
+        let whole = match &obstacles[..] {
+            [] => {
+                let message = format!("there is no obstacle in front of `{}`", self.boundary);
+                return Err(InputError::new("obstacle", message, "give an obstacle, or remove the contact"));
+            }
+            [obstacle] => return obstacle.check().map_err(|fault| fault.with_key("obstacle")),
+            all => all,
+        };
+        let each = |(j, obstacle): (usize, &Obstacle)| {
+            obstacle.check().map_err(|fault| fault.with_key(&format!("obstacle[{j}]")))
+        };
+        whole.iter().enumerate().try_for_each(each)
+    }
+
+    fn check_opposite(&self, opposite: &Opposite) -> Result<(), InputError> {
+        opposite.check()?;
+        if opposite.boundaries.contains(&self.boundary) {
+            let message = format!("the boundary `{}` is against itself", self.boundary);
+            return Err(InputError::new("against", message, "name the boundary that is in front of it"));
+        }
+        if opposite.glued && (self.friction != Friction::Uniform(0.0) || self.friction_history.is_some()) {
+            let help = "remove the friction, or glue";
+            return Err(InputError::new("friction", "what is glued does not slide, so that it has no friction", help));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,51 @@
+//! All formulas of a description, and whether they suit the body.
+
+use super::{Action, Description, Field, FirstGap, Opposite};
+use crate::base::formula::Formula;
+use crate::base::input_error::InputError;
+use crate::body::contact::{Friction, Shape};
+
+impl Description {
+    /// Refuses formulas of z for a body of two dimensions.
+    pub(crate) fn formulas_suit(&self, dimension: usize) -> Result<(), InputError> {
+        match self.formulas().into_iter().find(|(_, formula)| formula.has_coordinate(2)) {
+            Some((key, formula)) if dimension == 2 => {
+                let message = format!("`{}` has z, but the body has two dimensions", formula.text());
+                Err(InputError::new(key, message, "use x and y: y points up in the plane"))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Each formula with the key at which it stands.
+    fn formulas(&self) -> Vec<(String, &Formula)> {
+        let mut formulas = Vec::new();
+        for (k, contact) in self.contacts.iter().enumerate() {
+            if let Friction::Formula(formula) = &contact.friction {
+                formulas.push((format!("contact[{k}].friction"), formula));
+            }
+            if let Some(Opposite { gap: FirstGap::Formula(formula), .. }) = contact.opposite() {
+                formulas.push((format!("contact[{k}].gap"), formula));
+            }
+            for (j, obstacle) in contact.obstacles().iter().enumerate() {
+                if let Shape::Formula(formula) = &obstacle.shape {
+                    formulas.push((format!("{}.formula", contact.obstacle_key(k, j)), formula));
+                }
+            }
+        }
+        for (k, load) in self.loads.iter().enumerate() {
+            let (key, fields) = match &load.action {
+                Action::Traction { traction, .. } => ("traction", &traction[..]),
+                Action::Pressure { pressure, .. } => ("pressure", std::slice::from_ref(pressure)),
+                Action::Temperature(field) => ("temperature", std::slice::from_ref(field)),
+                Action::Force { .. } | Action::Acceleration(_) | Action::Spin { .. } => continue,
+            };
+            for field in fields {
+                if let Field::Formula(formula) = field {
+                    formulas.push((format!("load[{k}].{key}"), formula));
+                }
+            }
+        }
+        formulas
+    }
+}

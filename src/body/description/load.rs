@@ -1,0 +1,168 @@
+//! What loads a body.
+
+use super::Field;
+use crate::algebra::vector::{Vector, norm};
+use crate::base::input_error::{InputError, ensure, finite, not_huge};
+use crate::base::timeline::check_points;
+use crate::base::units::{Quantity, UnitSystem};
+
+/// A load: an action times a factor that changes in time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Load {
+    /// The action at factor 1.
+    pub action: Action,
+    /// Points `[time (s), factor]` with increasing times; linear between, constant outside. Without them the factor
+    /// grows from 0 at the beginning to 1 at the end.
+    pub history: Option<Vec<[f64; 2]>>,
+}
+
+/// What a load does at factor 1. Lists of components have two in the plane and three in space.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Action {
+    /// A traction on a boundary, N/m².
+    Traction {
+        /// The boundary.
+        boundary: String,
+        /// Its components.
+        traction: Vec<Field>,
+    },
+    /// A pressure on a boundary, N/m²: a traction against the outward normal of each facet.
+    Pressure {
+        /// The boundary.
+        boundary: String,
+        /// The pressure; negative where it pulls.
+        pressure: Field,
+    },
+    /// A force, spread evenly over a boundary or at the node at a point, N; in two dimensions N per m of depth.
+    Force {
+        /// The boundary or the point.
+        at: Where,
+        /// Its components.
+        force: Vec<f64>,
+    },
+    /// An acceleration of the ground, or gravity: the force `density · acceleration`, m/s².
+    Acceleration(Vec<f64>),
+    /// A body that turns steadily about an axis: the centrifugal force `density · ω² · r`.
+    Spin {
+        /// Direction of the axis; without it, along z.
+        axis: Option<Vector>,
+        /// A point of the axis, m.
+        through: Vector,
+        /// Angular speed `ω`, rad/s. A history multiplies the force, so `ω²`.
+        speed: f64,
+    },
+    /// A temperature above that at which the body is free of stress, K: the strain `expansion · temperature`.
+    Temperature(Field),
+}
+
+/// A part of the boundary, or a single node.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Where {
+    /// The boundary of this name.
+    Boundary(String),
+    /// The node at this point, m.
+    Point(Vector),
+}
+
+impl From<Action> for Load {
+    /// The action, growing from nothing at the beginning to the whole of it at the end.
+    fn from(action: Action) -> Self {
+        Load { action, history: None }
+    }
+}
+
+impl Load {
+    /// A uniform `traction` (N/m², two components or three) on `boundary` that grows from 0 at the beginning to the whole
+    /// of it at the end.
+    pub fn new(boundary: &str, traction: &[f64]) -> Self {
+        let traction = traction.iter().map(|t| Field::from(*t)).collect();
+        Action::Traction { boundary: boundary.to_string(), traction }.into()
+    }
+
+    /// The same action times the factor of `history`: points `[time (s), factor]`.
+    #[must_use]
+    pub fn over(self, history: &[[f64; 2]]) -> Self {
+        Load { history: Some(history.to_vec()), ..self }
+    }
+
+    /// The points `[time (s), factor]` of its history, which ends at `end` (s) if it does not say when.
+    pub fn factors(&self, end: f64) -> Vec<[f64; 2]> {
+        self.history.clone().unwrap_or_else(|| vec![[0.0, 0.0], [end, 1.0]])
+    }
+
+    pub(super) fn check(&self) -> Result<(), InputError> {
+        self.action.check()?;
+        self.history.as_ref().map_or(Ok(()), |history| check_points("history", "factor", history))
+    }
+}
+
+impl Action {
+    /// What it acts on, in words, with coordinates in `units`.
+    pub fn place(&self, units: &UnitSystem) -> String {
+        match self {
+            Action::Traction { boundary, .. } | Action::Pressure { boundary, .. } => boundary.clone(),
+            Action::Force { at, .. } => at.place(units),
+            Action::Acceleration(_) | Action::Spin { .. } | Action::Temperature(_) => "the body".to_string(),
+        }
+    }
+
+    fn check(&self) -> Result<(), InputError> {
+        match self {
+            Action::Traction { traction, .. } => {
+                let sound = (2..=3).contains(&traction.len());
+                let sound = sound && traction.iter().filter_map(Field::uniform).all(f64::is_finite);
+                let given: Vec<String> = traction.iter().map(Field::to_string).collect();
+                let (must, help) =
+                    ("two or three finite numbers or formulas", "give one for each axis, not nan or inf");
+                if !sound {
+                    let message = format!("traction is [{}], but must be {must}", given.join(", "));
+                    return Err(InputError::new("traction", message, help));
+                }
+                not_huge("traction", traction.iter().filter_map(Field::uniform))
+            }
+            Action::Pressure { pressure, .. } => pressure.check("pressure"),
+            Action::Force { at, force } => {
+                at.check()?;
+                components("force", force)
+            }
+            Action::Acceleration(acceleration) => components("acceleration", acceleration),
+            Action::Spin { axis, through, speed } => {
+                axis.map_or(Ok(()), |axis| direction("rotation.axis", axis))?;
+                components("rotation.through", &through.components())?;
+                finite("rotation.speed", *speed)
+            }
+            Action::Temperature(temperature) => temperature.check("temperature"),
+        }
+    }
+}
+
+impl Where {
+    /// The name of the boundary, or the coordinates in `units`.
+    pub fn place(&self, units: &UnitSystem) -> String {
+        match self {
+            Where::Boundary(name) => name.clone(),
+            Where::Point(point) => format!("{:?}", point.map(|x| units.number(Quantity::Length, x))),
+        }
+    }
+
+    pub(super) fn check(&self) -> Result<(), InputError> {
+        match self {
+            Where::Boundary(_) => Ok(()),
+            Where::Point(point) => components("point", &point.components()),
+        }
+    }
+}
+
+/// Two or three finite numbers.
+pub(super) fn components(key: &str, values: &[f64]) -> Result<(), InputError> {
+    let sound = (2..=3).contains(&values.len()) && values.iter().all(|x| x.is_finite());
+    ensure(sound, key, &values, "two or three finite numbers", "give one for each axis, not nan or inf")?;
+    not_huge(key, values.iter().copied())
+}
+
+/// A vector with a direction.
+pub(super) fn direction(key: &str, given: Vector) -> Result<(), InputError> {
+    components(key, &given.components())?;
+    let length = norm(given.components());
+    ensure(length > 0.0 && length.is_finite(), key, &given, "a vector with a direction", "give e.g. [0, 1]")
+}

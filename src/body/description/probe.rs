@@ -1,0 +1,92 @@
+//! Points of the body at which displacement and stress are told over time.
+
+use std::collections::HashSet;
+
+use crate::algebra::vector::Vector;
+use crate::base::input_error::{InputError, ensure, finite};
+
+/// More points than these belong into a file of fields.
+const MOST_POINTS: usize = 10_000;
+
+/// Points under one name: one, or a row of them on a line.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Probe {
+    /// What it is called.
+    pub name: String,
+    /// Where it is.
+    pub place: ProbePlace,
+}
+
+/// Where a probe is; vectors have as many components as the body has dimensions.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ProbePlace {
+    /// At a point, m.
+    Point(Vector),
+    /// On a line.
+    Line {
+        /// The first point, m.
+        from: Vector,
+        /// The last point, m.
+        to: Vector,
+        /// How many points there are, equally spaced, the ends included.
+        count: usize,
+    },
+}
+
+impl Probe {
+    /// A probe at `point`, m.
+    pub fn at(name: &str, point: impl Into<Vector>) -> Self {
+        Probe { name: name.to_string(), place: ProbePlace::Point(point.into()) }
+    }
+
+    /// A probe at `count` points between two ends (m), which are two of them.
+    pub fn along(name: &str, from: impl Into<Vector>, to: impl Into<Vector>, count: usize) -> Self {
+        let (from, to) = (from.into(), to.into());
+        Probe { name: name.to_string(), place: ProbePlace::Line { from, to, count } }
+    }
+
+    /// Its points, m; 0 for a component that is not there.
+    pub fn points(&self) -> Vec<[f64; 3]> {
+        match self.place {
+            ProbePlace::Point(point) => vec![point.components()],
+            ProbePlace::Line { from, to, count } => {
+                let (from, to) = (from.components(), to.components());
+                let share = |k: usize| k as f64 / (count.max(2) - 1) as f64;
+                // Each end is met exactly.
+                let at = |k: usize| [0, 1, 2].map(|c| (1.0 - share(k)) * from[c] + share(k) * to[c]);
+                (0..count).map(at).collect()
+            }
+        }
+    }
+
+    /// Whether `probes` are possible, as far as that is known without a mesh.
+    ///
+    /// # Errors
+    /// [`InputError`] of the key that is wrong, such as `output.probe[0].point`.
+    pub fn check(probes: &[Probe]) -> Result<(), InputError> {
+        let mut names = HashSet::new();
+        for (k, probe) in probes.iter().enumerate() {
+            let key = |name: &str| format!("output.probe[{k}].{name}");
+            if probe.name.is_empty() || !names.insert(&probe.name) {
+                let message = format!("the probe is called {:?}, which is empty or the name of another", probe.name);
+                return Err(InputError::new(key("name"), message, "give each probe a name of its own"));
+            }
+            let each = |name: &str, point: Vector| point.components().iter().try_for_each(|x| finite(&key(name), *x));
+            match probe.place {
+                ProbePlace::Point(point) => each("point", point)?,
+                ProbePlace::Line { from, to, count } => {
+                    each("from", from)?;
+                    each("to", to)?;
+                    let help = "the ends count; use output.fields for the whole body";
+                    let sound = (2..=MOST_POINTS).contains(&count);
+                    ensure(sound, &key("points"), &count, "at least 2 and at most 10000", help)?;
+                    if from == to {
+                        let message = "the line from a point to itself has no length";
+                        return Err(InputError::new(key("to"), message, "give point = [x, y] for a single point"));
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}

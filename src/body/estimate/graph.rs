@@ -1,0 +1,185 @@
+//! The contact nodes as a graph: neighbours are joined by an edge of the contact surface.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::algebra::union_find::UnionFind;
+use crate::algebra::vector::dot;
+use crate::body::model::Model;
+
+/// A direction whose component along a normal is smaller than this lies along the surface, as symmetry planes have it that cut
+/// a curved one not quite at right angles.
+pub(super) const ALONG: f64 = 0.1;
+
+/// The contact nodes of a model as a graph.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactGraph {
+    /// The neighbours of each contact node.
+    neighbours: Vec<Vec<usize>>,
+    /// Whether a contact node is at the rim of the contact surface, and not because a symmetry plane cuts it there.
+    rim: Vec<bool>,
+    /// Whether a symmetry plane or an axis cuts the surface there: a support or the axis holds the node along it.
+    mirrored: Vec<bool>,
+    surfaces: Vec<ContactPatch>,
+}
+
+/// Boundaries with contact that share nodes.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct ContactPatch {
+    /// Their names, with commas.
+    pub name: String,
+    /// Their contact nodes, ascending.
+    pub nodes: Vec<usize>,
+}
+
+impl ContactGraph {
+    /// The graph of the contact nodes of `model`.
+    pub fn new(model: &Model) -> Self {
+        let n = model.contacts.len();
+        let mut neighbours = vec![BTreeSet::new(); n];
+        let mut sides: BTreeMap<[usize; 2], usize> = BTreeMap::new();
+        let mut together = UnionFind::new(model.contact_boundaries.len());
+        let mut first_of = vec![None; n];
+        for (b, boundary) in model.contact_boundaries.iter().enumerate() {
+            let contact: BTreeMap<usize, usize> = boundary.nodes.iter().map(|&i| (model.contacts[i].node, i)).collect();
+            for &i in &boundary.nodes {
+                match first_of[i] {
+                    Some(other) => together.join(b, other),
+                    None => first_of[i] = Some(b),
+                }
+            }
+            let facets = model.mesh.boundary(&boundary.name).map_or(&[][..], |boundary| &boundary.facets);
+            for facet in facets {
+                let closed = facet.len() > 2 && model.mesh.dimension == 3;
+                let ends = if closed { facet.len() } else { facet.len() - 1 };
+                for k in 0..ends {
+                    let side = [facet[k], facet[(k + 1) % facet.len()]].map(|node| contact.get(&node).copied());
+                    let [Some(i), Some(j)] = side else { continue };
+                    neighbours[i].insert(j);
+                    neighbours[j].insert(i);
+                    *sides.entry([i.min(j), i.max(j)]).or_default() += 1;
+                }
+            }
+        }
+        let mirrored: Vec<bool> = (model.contacts.iter())
+            .map(|contact| {
+                let normal = contact.facing.normal;
+                let in_the_way = |held: [f64; 3]| dot(held, normal).abs() < ALONG;
+                // In two dimensions z is held, too.
+                let held = match contact.coupled() {
+                    Some(coupled) => coupled.still.clone(),
+                    None => model.dofs.held(contact.node).collect(),
+                };
+                held.into_iter().filter(|held| in_the_way(*held)).count() > 3 - model.mesh.dimension
+            })
+            .collect();
+        let rim = if model.mesh.dimension == 2 {
+            (0..n).map(|i| neighbours[i].len() < 2 && !mirrored[i]).collect()
+        } else {
+            let mut rim = vec![false; n];
+            for (side, _) in sides.iter().filter(|(_, facets)| **facets == 1) {
+                for &i in side {
+                    rim[i] = !mirrored[i];
+                }
+            }
+            rim
+        };
+        let mut patches: BTreeMap<usize, (Vec<&str>, BTreeSet<usize>)> = BTreeMap::new();
+        for (b, boundary) in model.contact_boundaries.iter().enumerate() {
+            let (names, nodes) = patches.entry(together.least(b)).or_default();
+            names.push(&boundary.name);
+            nodes.extend(&boundary.nodes);
+        }
+        let patch = |(names, nodes): (Vec<&str>, BTreeSet<usize>)| ContactPatch {
+            name: names.join(", "),
+            nodes: nodes.into_iter().collect(),
+        };
+        ContactGraph {
+            neighbours: neighbours.into_iter().map(|all| all.into_iter().collect()).collect(),
+            rim,
+            mirrored,
+            surfaces: patches.into_values().map(patch).collect(),
+        }
+    }
+
+    /// The sum of the normal forces `p_n` (n_c, N) on each surface: boundaries that share nodes.
+    pub(crate) fn forces(&self, p_n: &[f64]) -> impl Iterator<Item = f64> {
+        self.surfaces.iter().map(|surface| surface.nodes.iter().map(|&i| p_n[i]).sum())
+    }
+
+    /// Boundaries that share nodes, together.
+    pub(crate) fn surfaces(&self) -> &[ContactPatch] {
+        &self.surfaces
+    }
+
+    /// The contact nodes beside contact node `i`.
+    pub(super) fn neighbours(&self, i: usize) -> &[usize] {
+        &self.neighbours[i]
+    }
+
+    /// Whether the contact surface ends at contact node `i`; at a symmetry plane it goes on.
+    pub fn is_at_the_rim(&self, i: usize) -> bool {
+        self.rim[i]
+    }
+
+    /// Whether a symmetry plane cuts the contact surface at contact node `i`.
+    pub(super) fn is_mirrored(&self, i: usize) -> bool {
+        self.mirrored[i]
+    }
+
+    /// The pressure (Pa) of the forces `p_n` (N) on contact node `i` and its neighbours together: `Σ p_n / Σ l`.
+    pub(super) fn patch_pressure(&self, model: &Model, p_n: &[f64], i: usize) -> f64 {
+        let around = || self.neighbours(i).iter().chain([&i]);
+        around().map(|&j| p_n[j]).sum::<f64>() / around().map(|&j| model.contacts[j].weight).sum::<f64>()
+    }
+
+    /// The same of all contact nodes.
+    pub(crate) fn patch_pressures(&self, model: &Model, p_n: &[f64]) -> Vec<f64> {
+        (0..self.neighbours.len()).map(|i| self.patch_pressure(model, p_n, i)).collect()
+    }
+
+    /// The contact nodes that are closed, by the forces `p_n` (N), and have no closed neighbour.
+    pub(crate) fn isolated(&self, p_n: &[f64]) -> impl Iterator<Item = usize> {
+        let alone = |i: &usize| p_n[*i] > 0.0 && self.neighbours[*i].iter().all(|&j| p_n[j] <= 0.0);
+        (0..self.neighbours.len()).filter(alone)
+    }
+
+    /// The parts of `nodes` that hang together, each ascending.
+    pub(super) fn parts(&self, nodes: &[usize]) -> Vec<Vec<usize>> {
+        let mut left: BTreeSet<usize> = nodes.iter().copied().collect();
+        let mut parts = Vec::new();
+        while let Some(first) = left.pop_first() {
+            let mut part = vec![first];
+            let mut next = 0;
+            while next < part.len() {
+                let beside = self.neighbours[part[next]].iter().copied();
+                let new: Vec<usize> = beside.filter(|i| left.remove(i)).collect();
+                part.extend(new);
+                next += 1;
+            }
+            part.sort_unstable();
+            parts.push(part);
+        }
+        parts
+    }
+
+    /// How many edges each of `nodes` is away from the nearest of the rest of the surface, the rim of which does not count;
+    /// none where there is no way.
+    pub(super) fn depths(&self, surface: &[usize], nodes: &[usize]) -> BTreeMap<usize, usize> {
+        let inside: BTreeSet<usize> = nodes.iter().copied().collect();
+        let mut depths: BTreeMap<usize, usize> = BTreeMap::new();
+        let mut at: Vec<usize> = surface.iter().copied().filter(|i| !inside.contains(i)).collect();
+        let mut depth = 0;
+        while !at.is_empty() {
+            depth += 1;
+            let mut next = Vec::new();
+            for &i in at.iter().flat_map(|&i| self.neighbours(i)) {
+                if inside.contains(&i) && !depths.contains_key(&i) {
+                    depths.insert(i, depth);
+                    next.push(i);
+                }
+            }
+            at = next;
+        }
+        depths
+    }
+}

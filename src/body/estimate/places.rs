@@ -1,0 +1,76 @@
+//! Where nodes have values of their own: one for each law of the cells around, for at a border between materials strains jump.
+
+use std::collections::HashMap;
+
+use crate::body::fem::numbered;
+use crate::body::model::Model;
+
+/// The nodal values of a body.
+pub(super) struct Places {
+    /// The place of each node of each cell among them.
+    of_cells: Vec<usize>,
+    /// Where those of each cell begin, and the end.
+    begins: Vec<usize>,
+    /// How many there are.
+    count: usize,
+    /// The number of the law of each cell.
+    laws: Vec<usize>,
+}
+
+impl Places {
+    pub(super) fn new(model: &Model) -> Self {
+        let laws = numbered(model.materials().iter().copied());
+        let (mut of_cells, mut begins, mut count) = (Vec::new(), vec![0], 0);
+        // Most nodes have one law.
+        let mut first: Vec<Option<(usize, usize)>> = vec![None; model.mesh.nodes.len()];
+        let mut others: HashMap<(usize, usize), usize> = HashMap::new();
+        for (cell, &law) in model.mesh.cells.iter().zip(&laws) {
+            for &node in &cell.nodes {
+                let mut new = || {
+                    count += 1;
+                    count - 1
+                };
+                of_cells.push(match first[node] {
+                    Some((own, place)) if own == law => place,
+                    Some(_) => *others.entry((node, law)).or_insert_with(new),
+                    None => first[node].insert((law, new())).1,
+                });
+            }
+            begins.push(of_cells.len());
+        }
+        Places { of_cells, begins, count, laws }
+    }
+
+    /// Those of the nodes of cell `e`.
+    pub(super) fn of_cell(&self, e: usize) -> &[usize] {
+        &self.of_cells[self.begins[e]..self.begins[e + 1]]
+    }
+
+    /// How many there are.
+    pub(super) fn count(&self) -> usize {
+        self.count
+    }
+
+    /// The number of the law of each cell.
+    pub(super) fn laws(&self) -> &[usize] {
+        &self.laws
+    }
+
+    /// At each place the mean of what the cells around have there: `value` of a cell and the number of its node, each with the
+    /// weight of its volume.
+    pub(super) fn means<const N: usize>(
+        &self,
+        volumes: &[f64],
+        value: impl Fn(usize, usize) -> [f64; N],
+    ) -> Vec<[f64; N]> {
+        let mut sums = vec![([0.0; N], 0.0); self.count];
+        for (e, volume) in volumes.iter().enumerate() {
+            for (k, &place) in self.of_cell(e).iter().enumerate() {
+                let (sum, weight) = &mut sums[place];
+                sum.iter_mut().zip(value(e, k)).for_each(|(sum, x)| *sum += volume * x);
+                *weight += volume;
+            }
+        }
+        sums.into_iter().map(|(sum, weight)| sum.map(|x| x / weight)).collect()
+    }
+}

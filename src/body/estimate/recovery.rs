@@ -1,0 +1,247 @@
+//! Strains in the nodes, recovered from those at the integration points.
+//!
+//! On linear cells they are means of what the cells of one law around a node have there, each with the weight of its volume. On
+//! cells of second order means are not good enough: each corner has a quadratic polynomial, fitted to the strains of the cells
+//! around (Zienkiewicz and Zhu, Int. J. Numer. Meth. Engng 33 (1992) 1331), and a node between two corners the mean of the
+//! polynomials of all corners of the cells that have it.
+
+use super::places::Places;
+use super::strains::Strains;
+use crate::algebra::vector::minus;
+use crate::body::mesh::{CellKind, Geometry, quadrature_of, shape, stiffness_rule};
+use crate::body::model::Model;
+
+/// So many more strains than coefficients a polynomial is fitted to.
+const SPARE: usize = 2;
+
+/// A patch grows by a layer of cells until it has enough; so often at most.
+const LAYERS: usize = 4;
+
+/// A pivot that is smaller, of a matrix whose columns are as large as one, is what rounding leaves.
+const SINGULAR: f64 = 1e-10;
+
+/// The strains at the `places`; none where too few cells of second order hang together.
+pub(super) fn recovered(model: &Model, places: &Places, strains: &Strains) -> Option<Vec<[f64; 6]>> {
+    let cells = &model.mesh.cells;
+    if cells.iter().any(|cell| cell.kind.is_quadratic()) {
+        return fitted(model, places, strains);
+    }
+    let mut known: [Option<Vec<[f64; COLUMNS]>>; CellKind::ALL.len()] = Default::default();
+    for cell in cells {
+        known[cell.kind as usize].get_or_insert_with(|| continuation(cell.kind, model.mesh.geometry));
+    }
+    Some(places.means(strains.volumes(), |e, k| {
+        let points = strains.of_cell(e);
+        let mut sum = [0.0; 6];
+        let Some(weights) = &known[cells[e].kind as usize] else { return sum };
+        for (weight, (_, strain)) in weights[k].iter().zip(points) {
+            sum.iter_mut().zip(strain).for_each(|(sum, x)| *sum += weight * x);
+        }
+        sum
+    }))
+}
+
+/// For each node of a linear cell the weights with which values at its integration points continue to there.
+fn continuation(kind: CellKind, geometry: Geometry) -> Vec<[f64; COLUMNS]> {
+    let mut rows: Vec<[f64; COLUMNS]> = (stiffness_rule(kind, geometry, false).into_iter().enumerate())
+        .map(|(k, (point, _))| {
+            let mut row = [0.0; COLUMNS];
+            row.iter_mut().zip(shape(kind, point)).for_each(|(row, n)| *row = n);
+            row[kind.nodes() + k] = 1.0;
+            row
+        })
+        .collect();
+    let mut weights = [0.0; COLUMNS];
+    if let [_] = rows[..] {
+        weights[0] = 1.0;
+        return vec![weights; kind.nodes()];
+    }
+    // As many points as nodes: the values in the nodes that have these between them. The shape functions are independent there.
+    let sound = solve(&mut rows).is_some();
+    let of_node = |row: &[f64; COLUMNS]| {
+        weights[..kind.nodes()].copy_from_slice(&row[kind.nodes()..2 * kind.nodes()]);
+        if sound { weights } else { [f64::NAN; COLUMNS] }
+    };
+    rows.iter().map(of_node).collect()
+}
+
+/// The monomials of a quadratic polynomial in space, and as many strains: no system here has longer rows.
+const COLUMNS: usize = MONOMIALS + 6;
+
+/// By Gauss and Jordan, `A⁻¹ B` in the place of B of rows that hold those of A, and behind them those of B; none where A is singular.
+fn solve(rows: &mut [[f64; COLUMNS]]) -> Option<()> {
+    let n = rows.len();
+    for k in 0..n {
+        let largest = (k..n).max_by(|&i, &j| rows[i][k].abs().total_cmp(&rows[j][k].abs()))?;
+        rows.swap(k, largest);
+        let pivot = rows[k][k];
+        if pivot.abs() < SINGULAR {
+            return None;
+        }
+        rows[k].iter_mut().for_each(|x| *x /= pivot);
+        let scaled = rows[k];
+        for (_, row) in rows.iter_mut().enumerate().filter(|(i, _)| *i != k) {
+            let factor = row[k];
+            row[k..].iter_mut().zip(&scaled[k..]).for_each(|(x, y)| *x -= factor * y);
+        }
+    }
+    Some(())
+}
+
+/// A polynomial of second degree for each strain, about a point.
+struct Polynomial {
+    about: [f64; 3],
+    /// The size of the patch along each axis, m: coordinates are measured by it, for cells may be much longer than high.
+    size: [f64; 3],
+    dimension: usize,
+    /// Of each monomial.
+    coefficients: Vec<[f64; 6]>,
+}
+
+/// Those up to the second degree in space.
+const MONOMIALS: usize = 10;
+
+/// The monomials up to the second degree at `x`; in the plane 0 beyond the first six.
+fn monomials([x, y, z]: [f64; 3], dimension: usize) -> [f64; MONOMIALS] {
+    match dimension {
+        2 => [1.0, x, y, x * x, x * y, y * y, 0.0, 0.0, 0.0, 0.0],
+        _ => [1.0, x, y, z, x * x, x * y, y * y, x * z, y * z, z * z],
+    }
+}
+
+/// The components of `x` in those of `size`.
+fn scaled(x: [f64; 3], size: [f64; 3]) -> [f64; 3] {
+    [0, 1, 2].map(|c| x[c] / size[c])
+}
+
+impl Polynomial {
+    /// The nearest, in the mean square, to these strains; none where they do not determine one.
+    fn new(about: [f64; 3], samples: &[([f64; 3], [f64; 6])], dimension: usize) -> Option<Self> {
+        let count = if dimension == 2 { 6 } else { MONOMIALS };
+        if samples.len() < count + SPARE {
+            return None;
+        }
+        let reach = |c: usize| samples.iter().map(|(x, _)| (x[c] - about[c]).abs()).fold(0.0, f64::max);
+        let size = [0, 1, 2].map(|c| if c < dimension { reach(c) } else { 1.0 });
+        if size.contains(&0.0) {
+            return None;
+        }
+        let mut rows = [[0.0; COLUMNS]; MONOMIALS];
+        let rows = &mut rows[..count];
+        for (x, strain) in samples {
+            let q = monomials(scaled(minus(*x, about), size), dimension);
+            for (row, a) in rows.iter_mut().zip(&q) {
+                let a = a / samples.len() as f64;
+                row.iter_mut().zip(q[..count].iter().chain(strain)).for_each(|(sum, b)| *sum += a * b);
+            }
+        }
+        solve(rows)?;
+        let coefficients = rows.iter().map(|row| std::array::from_fn(|c| row[count + c])).collect();
+        Some(Polynomial { about, size, dimension, coefficients })
+    }
+
+    fn at(&self, x: [f64; 3]) -> [f64; 6] {
+        let q = monomials(scaled(minus(x, self.about), self.size), self.dimension);
+        let mut strain = [0.0; 6];
+        for (q, of) in q.iter().zip(&self.coefficients) {
+            strain.iter_mut().zip(of).for_each(|(strain, of)| *strain += q * of);
+        }
+        strain
+    }
+}
+
+/// The strains in the nodes by a polynomial for each corner.
+fn fitted(model: &Model, places: &Places, strains: &Strains) -> Option<Vec<[f64; 6]>> {
+    let (mesh, d) = (&model.mesh, model.mesh.dimension);
+    let mut samples: Vec<([f64; 3], [f64; 6])> = Vec::new();
+    let mut begins = vec![0];
+    for (e, cell) in mesh.cells.iter().enumerate() {
+        let nodes = mesh.points(&cell.nodes);
+        for ((point, _), (_, strain)) in
+            quadrature_of(cell.kind, mesh.geometry, &nodes).into_iter().zip(strains.of_cell(e))
+        {
+            let n = shape(cell.kind, point);
+            let at = [0, 1, 2].map(|c| n.iter().zip(&nodes).map(|(n, x)| n * x[c]).sum::<f64>());
+            samples.push((at, *strain));
+        }
+        begins.push(samples.len());
+    }
+    let corners = |e: usize| &places.of_cell(e)[..mesh.cells[e].kind.corners()];
+    let mut around = vec![Vec::new(); places.count()];
+    let mut nodes = vec![0; places.count()];
+    for (e, cell) in mesh.cells.iter().enumerate() {
+        for &place in corners(e) {
+            around[place].push(e);
+        }
+        places.of_cell(e).iter().zip(&cell.nodes).for_each(|(&place, &node)| nodes[place] = node);
+    }
+    let mut sums = vec![([0.0; 6], 0.0); places.count()];
+    // The corner that a place was last told of.
+    let mut last = vec![usize::MAX; places.count()];
+    for (corner, own) in around.iter().enumerate().filter(|(_, own)| !own.is_empty()) {
+        let mut patch = own.clone();
+        let fit = (0..LAYERS).find_map(|_| {
+            let of_patch: Vec<_> = patch.iter().flat_map(|&e| &samples[begins[e]..begins[e + 1]]).copied().collect();
+            let fit = Polynomial::new(mesh.nodes[nodes[corner]], &of_patch, d);
+            if fit.is_none() {
+                patch = patch.iter().flat_map(|&e| corners(e)).flat_map(|&place| &around[place]).copied().collect();
+                patch.sort_unstable();
+                patch.dedup();
+            }
+            fit
+        })?;
+        for &e in own {
+            for (k, &place) in places.of_cell(e).iter().enumerate() {
+                let takes = place == corner || k >= corners(e).len();
+                if takes && std::mem::replace(&mut last[place], corner) != corner {
+                    let (sum, count) = &mut sums[place];
+                    sum.iter_mut().zip(fit.at(mesh.nodes[nodes[place]])).for_each(|(sum, x)| *sum += x);
+                    *count += 1.0;
+                }
+            }
+        }
+    }
+    Some(sums.into_iter().map(|(sum, count)| sum.map(|x| x / count)).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is in the space of the shape functions is continued as it is.
+    #[test]
+    fn values_in_nodes_are_met() {
+        for kind in CellKind::ALL.into_iter().filter(|kind| !kind.is_quadratic()) {
+            for geometry in [Geometry::Cartesian, Geometry::Axisymmetric] {
+                let rule = stiffness_rule(kind, geometry, false);
+                let value = |k: usize| if rule.len() == 1 { 3.0 } else { (k * k) as f64 };
+                let points: Vec<f64> = (rule.iter())
+                    .map(|(point, _)| shape(kind, *point).iter().enumerate().map(|(k, n)| n * value(k)).sum())
+                    .collect();
+                for (k, row) in continuation(kind, geometry).iter().enumerate() {
+                    let continued: f64 = row.iter().zip(&points).map(|(weight, x)| weight * x).sum();
+                    assert!((continued - value(k)).abs() < 1e-12, "{kind:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_quadratic_strain_is_fitted_as_it_is() {
+        for d in [2, 3] {
+            let strain = |x: [f64; 3]| -> [f64; 6] {
+                let q = monomials(x, d);
+                std::array::from_fn(|c| q.iter().enumerate().map(|(k, q)| q * ((k + 2 * c) as f64).sin()).sum())
+            };
+            let place = |k: usize| {
+                [0, 1, 2].map(|c| if c < d { 1e-3 * (0.618 * ((k + 1) * (k + 3 * c + 2)) as f64).fract() } else { 0.0 })
+            };
+            let samples: Vec<_> = (0..20).map(place).map(|x| (x, strain(x))).collect();
+            let fit = Polynomial::new(place(20), &samples, d).unwrap();
+            let (found, exact) = (fit.at(place(21)), strain(place(21)));
+            assert!(found.iter().zip(exact).all(|(a, b)| (a - b).abs() < 1e-10), "{found:?} {exact:?}");
+            assert!(Polynomial::new(place(20), &samples[..6], d).is_none());
+            assert!(Polynomial::new(place(20), &[samples[0]; 20], d).is_none());
+        }
+    }
+}

@@ -1,0 +1,259 @@
+//! The strains of a body at the points of rules.
+
+use crate::algebra::vector::{cross, dot};
+use crate::body::fem::{Element, with_dilatation};
+use crate::body::mesh::{CellKind, Geometry, MOST_NODES, Mesh, ReferenceCell, ReferenceCells, ReferencePoint};
+use crate::body::model::Model;
+
+/// A volume (m³; in two dimensions an area, m²) and the strain `(ε_xx, ε_yy, ε_zz, γ_xy, γ_yz, γ_zx)` there.
+pub(super) type Sample = (f64, [f64; 6]);
+
+/// Strains that are smaller, as a share of the displacements by the size of the body, are those of rounding.
+const ROUNDING: f64 = 1e-10;
+
+/// The elastic strains of a body.
+pub(super) struct Strains<'a> {
+    body: StrainedBody<'a>,
+    /// At the points that integrate the stiffness, cell by cell.
+    points: Vec<Sample>,
+    /// Where those of each cell begin, and the end.
+    begins: Vec<usize>,
+    /// The volume of each cell.
+    volumes: Vec<f64>,
+    /// The strain energy of each cell, J, in two dimensions per m of depth.
+    energies: Vec<f64>,
+}
+
+impl<'a> Strains<'a> {
+    /// Those of `displacements` of all nodes (m), with the `factors` of [`Model::thermal_factors`].
+    pub(super) fn new(model: &'a Model, factors: &'a [f64], displacements: &'a [[f64; 3]]) -> Self {
+        let body = StrainedBody { model, factors, displacements, kinds: ReferenceCells::new(&model.mesh) };
+        let (mut points, mut begins) = (Vec::new(), vec![0]);
+        let (mut volumes, mut energies) = (Vec::new(), Vec::new());
+        for (e, law) in model.materials().iter().enumerate() {
+            body.sample(e, ReferenceCell::of, &mut points);
+            let own = &mut points[begins[e]..];
+            let volume = own.iter().map(|(volume, _)| volume).sum();
+            if model.element() == Element::BBar {
+                let mean = mean_dilatation(own, volume);
+                for (_, strain) in own.iter_mut() {
+                    *strain = with_dilatation(*strain, mean);
+                }
+            }
+            energies.push(own.iter().map(|(v, strain)| v * law.energy_density(strain)).sum());
+            volumes.push(volume);
+            begins.push(points.len());
+        }
+        Strains { body, points, begins, volumes, energies }
+    }
+
+    /// Volume and strain at the points of cell `e` that integrate the stiffness.
+    pub(super) fn of_cell(&self, e: usize) -> &[Sample] {
+        &self.points[self.begins[e]..self.begins[e + 1]]
+    }
+
+    /// Whether the body is strained by no more than what rounding leaves of its `displacements` (m), or nothing moves at all.
+    pub(super) fn are_rounding(&self, displacements: &[[f64; 3]]) -> bool {
+        let model = self.body.model;
+        let moved = displacements.iter().flatten().fold(0.0_f64, |most, u| most.max(u.abs())) / model.mesh.size();
+        let with_moved: f64 = self.volumes.iter().zip(model.materials()).map(|(volume, law)| volume * law.mu).sum();
+        self.energies.iter().sum::<f64>() <= with_moved * (ROUNDING * moved).powi(2)
+    }
+
+    /// The volumes of the cells.
+    pub(super) fn volumes(&self) -> &[f64] {
+        &self.volumes
+    }
+
+    /// The strain energies of the cells, J, in two dimensions per m of depth.
+    pub(super) fn energies(&self) -> &[f64] {
+        &self.energies
+    }
+
+    /// The mean dilatation of cell `e`.
+    pub(super) fn mean_dilatation(&self, e: usize) -> f64 {
+        mean_dilatation(self.of_cell(e), self.volumes[e])
+    }
+
+    /// The same as [`Strains::of_cell`] at the points of [`crate::body::mesh::fine_quadrature`], into `samples`; and these points.
+    pub(super) fn at_fine_points(&self, e: usize, samples: &mut Vec<Sample>) -> &[ReferencePoint] {
+        let kind = self.body.model.mesh.cells[e].kind;
+        let points = self.body.kinds.get(kind).map_or(&[][..], |reference| &reference.fine);
+        samples.clear();
+        match self.of_cell(e) {
+            // Uniform, and so is the Jacobian.
+            [(volume, strain)] => {
+                let all: f64 = points.iter().map(|point| point.weight).sum();
+                samples.extend(points.iter().map(|point| (volume * point.weight / all, *strain)));
+            }
+            _ if kind.is_quadratic() => self.body.sample(e, |reference, _, _| &reference.fine, samples),
+            same => samples.extend_from_slice(same),
+        }
+        points
+    }
+}
+
+/// What strains follow from.
+struct StrainedBody<'a> {
+    model: &'a Model,
+    factors: &'a [f64],
+    displacements: &'a [[f64; 3]],
+    kinds: ReferenceCells,
+}
+
+impl StrainedBody<'_> {
+    /// Adds volume and strain of the displacements of cell `e`, less that of heat, at the points of a rule.
+    fn sample(
+        &self,
+        e: usize,
+        rule: impl for<'r> Fn(&'r ReferenceCell, CellKind, &[[f64; 3]]) -> &'r [ReferencePoint],
+        samples: &mut Vec<Sample>,
+    ) {
+        let mesh = &self.model.mesh;
+        let cell = &mesh.cells[e];
+        let Some(reference) = self.kinds.get(cell.kind) else { return };
+        let (mut nodes, mut moved) = ([[0.0; 3]; MOST_NODES], [[0.0; 3]; MOST_NODES]);
+        for ((x, u), &node) in nodes.iter_mut().zip(&mut moved).zip(&cell.nodes) {
+            (*x, *u) = (mesh.nodes[node], self.displacements[node]);
+        }
+        let (nodes, moved) = (&nodes[..cell.nodes.len()], &moved[..cell.nodes.len()]);
+        let at_corners = self.model.corner_dilatations(e, self.factors, self.displacements);
+        let free = (!self.factors.is_empty()).then(|| self.model.free_stretch(e, self.factors));
+        let at = if mesh.dimension == 2 { strain_at::<2> } else { strain_at::<3> };
+        for point in rule(reference, cell.kind, nodes) {
+            let (volume, mut strain) = at(point, mesh.geometry, nodes, moved);
+            if let Some(at_corners) = &at_corners {
+                let dilatation = at_corners.iter().zip(point.corners).map(|(at_corner, n)| at_corner * n).sum();
+                strain = with_dilatation(strain, dilatation);
+            } else if let Some(free) = free {
+                strain.iter_mut().zip(free).for_each(|(strain, free)| *strain -= free);
+            }
+            samples.push((volume, strain));
+        }
+    }
+}
+
+/// The volume that a point of a cell with these `nodes` (m) stands for, and its strain where they are `moved` (m).
+fn strain_at<const D: usize>(
+    point: &ReferencePoint,
+    geometry: Geometry,
+    nodes: &[[f64; 3]],
+    moved: &[[f64; 3]],
+) -> Sample {
+    // ∂x/∂ξ and ∂u/∂ξ.
+    let (mut j, mut h) = ([[0.0; 3]; 3], [[0.0; 3]; 3]);
+    for ((slope, x), u) in point.slopes.iter().zip(nodes).zip(moved) {
+        for r in 0..D {
+            for c in 0..D {
+                j[r][c] += slope[r] * x[c];
+                h[r][c] += slope[r] * u[c];
+            }
+        }
+    }
+    if D == 2 {
+        // A slice of space.
+        j[2] = [0.0, 0.0, 1.0];
+    }
+    let cofactors = [cross(j[1], j[2]), cross(j[2], j[0]), cross(j[0], j[1])];
+    let determinant = dot(j[0], cofactors[0]);
+    let inverse = 1.0 / determinant;
+    // ∂u_c/∂x_k.
+    let d = |c: usize, k: usize| inverse * (0..D).map(|r| cofactors[r][k] * h[r][c]).sum::<f64>();
+    let mut strain = [d(0, 0), d(1, 1), 0.0, d(0, 1) + d(1, 0), 0.0, 0.0];
+    if D == 3 {
+        (strain[2], strain[4], strain[5]) = (d(2, 2), d(1, 2) + d(2, 1), d(2, 0) + d(0, 2));
+    }
+    let area = determinant * point.weight;
+    if geometry == Geometry::Cartesian {
+        return (area, strain);
+    }
+    let aside = |of: &[[f64; 3]]| point.shape.iter().zip(of).map(|(n, x)| n * x[0]).sum::<f64>();
+    let r = aside(nodes);
+    // No point of a rule is on the axis.
+    strain[2] = aside(moved) / r;
+    (area * geometry.depth([r, 0.0, 0.0]), strain)
+}
+
+/// The volume of a body, m³; in two dimensions the area of its section, m².
+pub(super) fn volume(mesh: &Mesh, cells: &[usize]) -> f64 {
+    let kinds = ReferenceCells::new(mesh);
+    let mut all = 0.0;
+    let at = if mesh.dimension == 2 { strain_at::<2> } else { strain_at::<3> };
+    for cell in cells.iter().map(|&e| &mesh.cells[e]) {
+        let Some(reference) = kinds.get(cell.kind) else { continue };
+        let mut nodes = [[0.0; 3]; MOST_NODES];
+        nodes.iter_mut().zip(&cell.nodes).for_each(|(x, &node)| *x = mesh.nodes[node]);
+        let nodes = &nodes[..cell.nodes.len()];
+        let points = reference.of(cell.kind, nodes).iter();
+        all += points.map(|point| at(point, Geometry::Cartesian, nodes, nodes).0).sum::<f64>();
+    }
+    all
+}
+
+/// `tr ε`.
+pub(super) fn dilatation(strain: &[f64; 6]) -> f64 {
+    strain[0] + strain[1] + strain[2]
+}
+
+fn mean_dilatation(points: &[Sample], volume: f64) -> f64 {
+    points.iter().map(|(v, strain)| v * dilatation(strain)).sum::<f64>() / volume
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::body::description::{Action, Axis, Description, Field};
+    use crate::body::fem::Material;
+    use crate::body::mesh::MeshSource;
+
+    /// What is fast here is what the energy of the body sums up.
+    #[test]
+    fn strains_are_those_of_the_model() {
+        for kind in CellKind::ALL {
+            for element in [Element::Bilinear, Element::BBar, Element::NodalVolume] {
+                let meant = match element {
+                    Element::Bilinear => true,
+                    Element::BBar => !kind.is_simplex(),
+                    Element::NodalVolume => kind.is_simplex() || kind == CellKind::Prism,
+                };
+                if !meant {
+                    continue;
+                }
+                let d = kind.dimension();
+                let axes: Vec<_> = (0..d).map(|_| vec![1.0]).collect();
+                let source = MeshSource::segmented(&axes, &vec![vec![2]; d], None, Some(kind)).unwrap();
+                let mesh = source.build().unwrap();
+                let mut mesh = (*mesh).clone();
+                for (k, x) in mesh.nodes.iter_mut().enumerate() {
+                    (0..d).for_each(|c| x[c] += 0.02 * ((7 * k + 3 * c) as f64).sin());
+                }
+                let action = Action::Temperature(Field::Uniform(30.0));
+                let material = Material { expansion: Some(1e-5), ..Material::new(1e9, 0.3) };
+                let body = Description::new(MeshSource::Given(mesh.into()), material, vec![1.0])
+                    .element(element)
+                    .support("left", &[Axis::X, Axis::Y, Axis::Z][..d])
+                    .load(action.into());
+                let model = Model::build(&body).unwrap();
+                let moved: Vec<[f64; 3]> = (0..model.mesh.nodes.len())
+                    .map(|k| std::array::from_fn(|c| if c < d { ((3 * k + c) as f64).cos() } else { 0.0 }))
+                    .collect();
+                let strains = Strains::new(&model, &[0.7], &moved);
+                for e in 0..model.mesh.cells.len() {
+                    let exact = model.elastic_strains(e, &[0.7], &moved);
+                    assert_eq!(exact.len(), strains.of_cell(e).len());
+                    let (mut volume, mut fine) = (0.0, Vec::new());
+                    for ((v, strain), (w, other)) in exact.iter().zip(strains.of_cell(e)) {
+                        assert!((v - w).abs() < 1e-13 * v, "{kind:?} {v} {w}");
+                        assert!(strain.iter().zip(other).all(|(a, b)| (a - b).abs() < 1e-11), "{strain:?} {other:?}");
+                        volume += v;
+                    }
+                    assert!((volume - strains.volumes()[e]).abs() < 1e-13 * volume);
+                    let points = strains.at_fine_points(e, &mut fine);
+                    assert_eq!(points.len(), fine.len());
+                    let fine: f64 = fine.iter().map(|(volume, _)| volume).sum();
+                    assert!((volume - fine).abs() < 1e-3 * volume, "{kind:?} {volume} {fine}");
+                }
+            }
+        }
+    }
+}

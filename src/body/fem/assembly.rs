@@ -1,0 +1,114 @@
+//! The stiffness matrix of a mesh.
+
+use rayon::prelude::*;
+
+use super::dofs::Dofs;
+use super::elastic::Elasticity;
+use super::inverted::InvertedElement;
+use super::nodal_volume::{NodalVolume, NodalVolumes};
+use super::stiffness::element_stiffness;
+use super::strain::Element;
+use crate::algebra::sparse::Symmetric;
+use crate::body::mesh::Mesh;
+
+/// The stiffnesses of so many cells are made together, on all threads, before they are added up in the order of the cells.
+const TOGETHER: usize = 4096;
+
+/// `K`, the stiffness of `mesh` for the free unknowns of `dofs`, N/m, in two dimensions per unit
+/// depth, of a body of revolution all around; every element is an `element`, and `material` is that of each.
+///
+/// # Errors
+/// [`InvertedElement`] for the first element that is not sound.
+pub fn assemble(
+    mesh: &Mesh,
+    dofs: &Dofs,
+    element: Element,
+    material: impl Fn(usize) -> Elasticity + Sync,
+) -> Result<Symmetric, InvertedElement> {
+    let volumes = NodalVolumes::new(mesh, element, &material)?;
+    assemble_watched(mesh, dofs, element, &volumes, material, |_, _| {})
+}
+
+/// The same with the nodal volumes of the mesh, showing `watch` the nodes and the stiffness of every cell and nodal volume: as all
+/// nodes have it, with the components x, y and z.
+pub(super) fn assemble_watched(
+    mesh: &Mesh,
+    dofs: &Dofs,
+    element: Element,
+    volumes: &NodalVolumes,
+    material: impl Fn(usize) -> Elasticity + Sync,
+    mut watch: impl FnMut(&[usize], &[Vec<f64>]),
+) -> Result<Symmetric, InvertedElement> {
+    let mut k = Symmetric::of(dofs.free(), |take| {
+        let cells = mesh.cells.iter().map(|cell| &cell.nodes[..]);
+        for nodes in cells.chain(volumes.iter().map(NodalVolume::nodes)) {
+            if dofs.any_relative(nodes) {
+                let unknowns = dofs.unknowns_of(nodes);
+                for (k, &column) in unknowns.iter().enumerate() {
+                    unknowns[k..].iter().for_each(|&row| take(row, column));
+                }
+                continue;
+            }
+            let unknowns = dofs.element(nodes);
+            for &column in unknowns.iter().flatten() {
+                unknowns.iter().flatten().filter(|row| **row >= column).for_each(|&row| take(row, column));
+            }
+        }
+    });
+    let mut add = |nodes: &[usize], mut stiffness: Vec<Vec<f64>>| {
+        watch(nodes, &stiffness);
+        dofs.turn(nodes, &mut stiffness);
+        if dofs.any_relative(nodes) {
+            let (unknowns, stiffness) = dofs.expanded(nodes, &stiffness);
+            for (&row, values) in unknowns.iter().zip(&stiffness) {
+                let lower = unknowns.iter().zip(values).filter(|(column, _)| row >= **column);
+                lower.for_each(|(column, value)| k.raise(row, *column, *value));
+            }
+            return;
+        }
+        let unknowns = dofs.element(nodes);
+        for (row, values) in unknowns.iter().zip(&stiffness) {
+            for (column, value) in unknowns.iter().zip(values) {
+                if let (Some(row), Some(column)) = (*row, *column)
+                    && row >= column
+                {
+                    k.raise(row, column, *value);
+                }
+            }
+        }
+    };
+    let law = |e: usize| {
+        let whole = material(e);
+        if volumes.of_cell(e).is_empty() { whole } else { whole.deviatoric() }
+    };
+    each_stiffness(mesh, element, law, mesh.cells.len(), |k| k, &mut add)?;
+    for volume in volumes.iter() {
+        add(volume.nodes(), volume.stiffness(mesh.dimension));
+    }
+    Ok(k)
+}
+
+/// Calls with the nodes and the stiffness of `count` cells, one after the other, of which number `k` is `cell(k)`.
+pub(super) fn each_stiffness(
+    mesh: &Mesh,
+    element: Element,
+    law: impl Fn(usize) -> Elasticity + Sync,
+    count: usize,
+    cell: impl Fn(usize) -> usize + Sync,
+    take: &mut impl FnMut(&[usize], Vec<Vec<f64>>),
+) -> Result<(), InvertedElement> {
+    let of_cell = |k: usize| {
+        let e = cell(k);
+        let (law, cell) = (law(e), &mesh.cells[e]);
+        let stiffness = element_stiffness(cell.kind, mesh.geometry, &mesh.points(&cell.nodes), element, &law);
+        stiffness.ok_or_else(|| InvertedElement::of(mesh, e))
+    };
+    for first in (0..count).step_by(TOGETHER) {
+        let cells = first..count.min(first + TOGETHER);
+        let together: Vec<_> = cells.clone().into_par_iter().map(of_cell).collect();
+        for (k, stiffness) in cells.zip(together) {
+            take(&mesh.cells[cell(k)].nodes, stiffness?);
+        }
+    }
+    Ok(())
+}

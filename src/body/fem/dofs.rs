@@ -1,0 +1,270 @@
+//! The numbering of the free displacements.
+
+use std::collections::BTreeMap;
+
+use super::relative::Resolved;
+use crate::algebra::vector::{axis, axis_across, cross, dot, minus, norm, unit};
+use crate::body::mesh::Mesh;
+
+/// Three directions at right angles to each other, along which the displacements of a node are counted.
+type Frame = [[f64; 3]; 3];
+
+/// Which displacement components are unknowns, and their numbers. Supported components are
+/// eliminated: they have no number.
+///
+/// The components of a node are those along the axes of coordinates, but for a node that an oblique support holds: its
+/// frame is turned so that what is held is along its own axes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Dofs {
+    dimension: usize,
+    /// Node by node, as many as there are dimensions.
+    numbers: Vec<Option<usize>>,
+    /// Which of these supports hold.
+    held: Vec<bool>,
+    /// The frames that are not those of coordinates.
+    frames: BTreeMap<usize, Frame>,
+    /// The nodes whose unknowns are relative to others.
+    pub(super) relative: BTreeMap<usize, Resolved>,
+    /// The same, each after those that it is relative to.
+    pub(super) relative_order: Vec<usize>,
+    free: usize,
+}
+
+/// A direction that is as long as this, or shorter, beyond others of unit length is one of theirs, and rounding.
+pub const SAME_DIRECTION: f64 = 1e-9;
+
+/// The component along an axis of an oblique frame that is as small as this, of a unit vector, is what rounding leaves.
+const ROUNDING: f64 = 1e-14;
+
+impl Dofs {
+    /// Numbers node by node every component for which `fixed(node, component)` is false.
+    pub fn new(mesh: &Mesh, fixed: impl Fn(usize, usize) -> bool) -> Self {
+        let axes = |node: usize| (0..mesh.dimension).filter(|&c| fixed(node, c)).map(axis).collect();
+        Self::holding(mesh, axes)
+    }
+
+    /// Numbers what is left of each node when it is held along the directions that `held` names: unit vectors, in two
+    /// dimensions of the plane. Directions that follow from others add nothing. The axis of a body of revolution holds its nodes along x.
+    pub fn holding(mesh: &Mesh, mut held: impl FnMut(usize) -> Vec<[f64; 3]>) -> Self {
+        let dimension = mesh.dimension;
+        let mut dofs = Dofs {
+            dimension,
+            numbers: Vec::new(),
+            held: Vec::new(),
+            frames: BTreeMap::new(),
+            relative: BTreeMap::new(),
+            relative_order: Vec::new(),
+            free: 0,
+        };
+        for node in 0..mesh.nodes.len() {
+            let mut held = held(node);
+            if mesh.is_on_axis(node) {
+                held.push(axis(0));
+            }
+            let held = independent(held, dimension);
+            let along_axis = |n: &[f64; 3]| n.iter().filter(|c| **c != 0.0).count() == 1;
+            let fixed = if held.len() == dimension || held.iter().all(along_axis) {
+                [0, 1, 2].map(|c| held.len() == dimension || held.iter().any(|n| n[c] != 0.0))
+            } else {
+                let (frame, fixed) = turned(&held, dimension);
+                dofs.frames.insert(node, frame);
+                fixed
+            };
+            dofs.held.extend(&fixed[..dimension]);
+        }
+        dofs.leave_out(|_| false);
+        dofs
+    }
+
+    /// Numbers what is not held, but for the nodes that are left out.
+    pub(super) fn leave_out(&mut self, left_out: impl Fn(usize) -> bool) {
+        (self.numbers, self.free) = (Vec::with_capacity(self.held.len()), 0);
+        for (k, held) in self.held.iter().enumerate() {
+            let counts = !held && !left_out(k / self.dimension);
+            self.numbers.push(counts.then_some(self.free));
+            self.free += usize::from(counts);
+        }
+    }
+
+    /// How many nodes there are.
+    pub fn nodes(&self) -> usize {
+        self.held.len() / self.dimension
+    }
+
+    /// Whether supports hold something of `node`.
+    pub fn is_held(&self, node: usize) -> bool {
+        self.held[self.dimension * node..self.dimension * (node + 1)].contains(&true)
+    }
+
+    /// Whether they hold it along axis `a` of its frame.
+    pub(super) fn is_held_along(&self, node: usize, a: usize) -> bool {
+        self.held[self.dimension * node + a]
+    }
+
+    /// The number of unknown displacements, n_u.
+    pub fn free(&self) -> usize {
+        self.free
+    }
+
+    /// The unknowns of `node` along the axes of its frame: x, y and, in three dimensions, z, but for a node that an
+    /// oblique support holds; `None` where a support holds it, or it is tied to others. Those of a [`super::Relative`] node are relative.
+    pub fn node(&self, node: usize) -> &[Option<usize>] {
+        &self.numbers[self.dimension * node..self.dimension * (node + 1)]
+    }
+
+    /// The axes of the frame of `node`, if they are not those of coordinates.
+    pub fn frame(&self, node: usize) -> Option<&[[f64; 3]; 3]> {
+        self.frames.get(&node)
+    }
+
+    /// The node of an unknown.
+    pub fn node_of(&self, dof: usize) -> Option<usize> {
+        Some(self.numbers.iter().position(|&number| number == Some(dof))? / self.dimension)
+    }
+
+    /// The unknowns of an element with the corners `nodes`, corner by corner.
+    pub fn element(&self, nodes: &[usize]) -> Vec<Option<usize>> {
+        nodes.iter().flat_map(|&node| self.node(node)).copied().collect()
+    }
+
+    /// Whether some of `nodes` are relative to others.
+    pub(super) fn any_relative(&self, nodes: &[usize]) -> bool {
+        !self.relative.is_empty() && nodes.iter().any(|node| self.relative.contains_key(node))
+    }
+
+    /// The displacement of `node` along `vector` by the unknowns, each with its coefficient. One may stand several times.
+    pub fn along(&self, node: usize, vector: [f64; 3]) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let components = self.in_frame(node, vector);
+        let relative = self.relative.get(&node);
+        let own = relative.map_or(1.0, |relative| relative.own);
+        let own = (self.node(node).iter().zip(components))
+            .filter_map(move |(dof, component)| Some(((*dof)?, component / own)));
+        let beyond = relative.into_iter().flat_map(move |relative| {
+            let along = |(beyond, component): (&'_ Vec<(usize, f64)>, f64)| {
+                beyond.iter().map(|&(dof, c)| (dof, component * c)).collect::<Vec<_>>()
+            };
+            relative.beyond.iter().zip(components).filter(|(_, component)| *component != 0.0).flat_map(along)
+        });
+        own.chain(beyond)
+    }
+
+    /// The components of `vector` along the axes of the frame of `node`.
+    pub(super) fn in_frame(&self, node: usize, vector: [f64; 3]) -> [f64; 3] {
+        match self.frame(node) {
+            None => vector,
+            Some(frame) => frame.map(|axis| {
+                let along = dot(axis, vector);
+                if along.abs() <= ROUNDING * norm(vector) { 0.0 } else { along }
+            }),
+        }
+    }
+
+    /// The directions along which supports, or the axis of a body of revolution, hold `node`; in two dimensions z, which nothing moves along, too.
+    pub fn held(&self, node: usize) -> impl Iterator<Item = [f64; 3]> + '_ {
+        let frame = self.frame(node).copied().unwrap_or([0, 1, 2].map(axis));
+        (0..3).filter(move |&c| c >= self.dimension || self.is_held_along(node, c)).map(move |c| frame[c])
+    }
+
+    /// Forces (N) on the nodes that are named, as forces on the unknowns, n_u.
+    pub fn forces(&self, nodal: impl IntoIterator<Item = (usize, [f64; 3])>) -> Vec<f64> {
+        let mut forces = vec![0.0; self.free];
+        for (node, force) in nodal {
+            self.along(node, force).for_each(|(dof, component)| forces[dof] += component);
+        }
+        forces
+    }
+
+    /// The displacement of every node (m) from the vector `u` of unknowns; 0 where supported.
+    pub fn displacements(&self, u: &[f64]) -> Vec<[f64; 3]> {
+        let node = |dofs: &[Option<usize>]| [0, 1, 2].map(|c| dofs.get(c).copied().flatten().map_or(0.0, |dof| u[dof]));
+        let mut displacements: Vec<[f64; 3]> = self.numbers.chunks_exact(self.dimension).map(node).collect();
+        for (&node, relative) in &self.relative {
+            for (own, beyond) in displacements[node].iter_mut().zip(&relative.beyond) {
+                *own = *own / relative.own + beyond.iter().map(|(dof, c)| c * u[*dof]).sum::<f64>();
+            }
+        }
+        for (&node, frame) in &self.frames {
+            let along = displacements[node];
+            displacements[node] = [0, 1, 2].map(|c| (0..3).map(|k| along[k] * frame[k][c]).sum());
+        }
+        displacements
+    }
+
+    /// Turns the stiffness of an element with the corners `nodes` from the axes of coordinates into the frames of its nodes.
+    pub(super) fn turn(&self, nodes: &[usize], stiffness: &mut [Vec<f64>]) {
+        let d = self.dimension;
+        for (a, node) in nodes.iter().enumerate() {
+            let Some(frame) = self.frame(*node) else { continue };
+            let turned = |x: [f64; 3]| frame.map(|axis| dot(axis, x));
+            let at = |c: usize| d * a + c;
+            for row in stiffness.iter_mut() {
+                let new = turned([0, 1, 2].map(|c| if c < d { row[at(c)] } else { 0.0 }));
+                (0..d).for_each(|c| row[at(c)] = new[c]);
+            }
+            let rows: Vec<Vec<f64>> = (0..d).map(|c| std::mem::take(&mut stiffness[at(c)])).collect();
+            for (r, axis) in frame[..d].iter().enumerate() {
+                let turned =
+                    |column| rows.iter().zip(axis).map(|(row, share): (&Vec<f64>, _)| share * row[column]).sum();
+                stiffness[at(r)] = (0..d * nodes.len()).map(turned).collect();
+            }
+        }
+    }
+}
+
+/// An orthonormal basis of what `directions`, unit vectors, span; first those along axes.
+pub fn independent(mut directions: Vec<[f64; 3]>, dimension: usize) -> Vec<[f64; 3]> {
+    directions.sort_by_key(|n| n.iter().filter(|c| **c != 0.0).count());
+    let mut basis: Vec<[f64; 3]> = Vec::new();
+    for n in directions {
+        let rest = basis.iter().fold(n, |rest, b| {
+            let along = dot(rest, *b);
+            minus(rest, b.map(|c| along * c))
+        });
+        if basis.len() < dimension && norm(rest) > SAME_DIRECTION {
+            basis.push(if basis.is_empty() { n } else { unit(rest) });
+        }
+    }
+    basis
+}
+
+/// A frame with the directions `held`, fewer than there are dimensions, and which of its axes these are.
+fn turned(held: &[[f64; 3]], dimension: usize) -> (Frame, [bool; 3]) {
+    match *held {
+        [n] if dimension == 2 => ([[-n[1], n[0], 0.0], n, axis(2)], [false, true, true]),
+        [n] => {
+            let least = (0..3).min_by(|&a, &b| n[a].abs().total_cmp(&n[b].abs())).unwrap_or(0);
+            let first = axis_across(least, n);
+            ([first, cross(n, first), n], [false, false, true])
+        }
+        [a, b, ..] => ([unit(cross(a, b)), a, b], [false, true, true]),
+        [] => ([0, 1, 2].map(axis), [false; 3]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::body::mesh::block;
+
+    /// A displacement given by its unknowns has these components along the frame, and none along what is held.
+    #[test]
+    fn oblique_supports_leave_what_is_across() {
+        let n = unit([1.0, 2.0, -2.0]);
+        let cases: [Vec<[f64; 3]>; 5] =
+            [vec![n], vec![n, n.map(|c| -c)], vec![n, axis(1)], vec![axis(0), n, axis(2)], vec![unit([1.0, 0.0, 1.0])]];
+        let mesh = block(&[1.0; 3], &[1; 3]);
+        for held in cases {
+            let dofs = Dofs::holding(&mesh, |node| if node == 3 { held.clone() } else { Vec::new() });
+            let rank = independent(held.clone(), 3).len();
+            assert_eq!(dofs.free(), 24 - rank, "{held:?}");
+            let u: Vec<f64> = (0..dofs.free()).map(|k| 1.0 + k as f64).collect();
+            let moved = dofs.displacements(&u);
+            assert!(held.iter().all(|n| dot(*n, moved[3]).abs() < 1e-14), "{held:?}");
+            assert_eq!(moved[0], [1.0, 2.0, 3.0]);
+            for (dof, along) in dofs.along(3, moved[3]) {
+                assert!((along - u[dof]).abs() < 1e-14, "{held:?}");
+            }
+            assert_eq!(dofs.held(3).count(), rank);
+        }
+    }
+}

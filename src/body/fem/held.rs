@@ -1,0 +1,182 @@
+//! What happens where supports hold a body: their forces on it, and what their motion does to the rest.
+
+use super::assembly::{assemble_watched, each_stiffness};
+use super::dofs::Dofs;
+use super::elastic::Elasticity;
+use super::facet::NodalForces;
+use super::inverted::InvertedElement;
+use super::nodal_volume::NodalVolumes;
+use super::part::cells_at;
+use super::spring::Spring;
+use super::strain::Element;
+use crate::algebra::sparse::{Csr, Symmetric};
+use crate::algebra::vector::{axis, dot, minus};
+use crate::body::mesh::Mesh;
+
+/// The rows of the stiffness of a body, springs included, at the nodes that supports hold, and at those that follow them as they are
+/// relative to such nodes: as all nodes have them, with the components x, y and z.
+#[derive(Debug, Clone)]
+pub struct HeldRows {
+    nodes: Vec<usize>,
+    rows: Csr,
+}
+
+impl HeldRows {
+    /// `K` as [`super::assemble`] makes it, with `springs`, and the rows at the nodes of which `dofs` holds something; `volumes` are
+    /// those of the mesh.
+    ///
+    /// # Errors
+    /// [`InvertedElement`] for the first element that is not sound.
+    pub fn beside(
+        mesh: &Mesh,
+        dofs: &Dofs,
+        element: Element,
+        volumes: &NodalVolumes,
+        material: impl Fn(usize) -> Elasticity + Sync,
+        springs: &[Spring],
+    ) -> Result<(Symmetric, Self), InvertedElement> {
+        let mut gathered = Gathered::new(mesh, dofs);
+        let watch = |nodes: &[usize], stiffness: &[Vec<f64>]| gathered.add(nodes, stiffness);
+        let mut stiffness = assemble_watched(mesh, dofs, element, volumes, material, watch)?;
+        for spring in springs {
+            spring.add_to(&mut stiffness, dofs);
+        }
+        for (row, column, value) in springs.iter().flat_map(Spring::entries) {
+            if let Some(held) = gathered.place(row / 3) {
+                gathered.rows[3 * held + row % 3].push((column, value));
+            }
+        }
+        Ok((stiffness, gathered.rows(mesh)))
+    }
+
+    /// These rows alone, of a body without springs and nodal volumes, where others assemble `K`.
+    ///
+    /// # Errors
+    /// [`InvertedElement`] for the first element at these nodes that is not sound.
+    pub fn alone(
+        mesh: &Mesh,
+        dofs: &Dofs,
+        element: Element,
+        material: impl Fn(usize) -> Elasticity + Sync,
+    ) -> Result<Self, InvertedElement> {
+        let mut gathered = Gathered::new(mesh, dofs);
+        let cells = cells_at(mesh, |node| gathered.place(node).is_some());
+        let mut add = |nodes: &[usize], stiffness: Vec<Vec<f64>>| gathered.add(nodes, &stiffness);
+        each_stiffness(mesh, element, material, cells.len(), |k| cells[k], &mut add)?;
+        Ok(gathered.rows(mesh))
+    }
+
+    /// The nodes, ascending.
+    pub fn nodes(&self) -> &[usize] {
+        &self.nodes
+    }
+
+    /// `K u` at these nodes (N), of displacements `u` (m) of all nodes, and of `rest`, what rounding leaves off them.
+    pub fn forces(&self, u: &[[f64; 3]], rest: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        let (u, rest) = (u.as_flattened(), rest.as_flattened());
+        (0..self.nodes.len()).map(|k| [0, 1, 2].map(|c| self.rows.difference(3 * k + c, u, rest, 0.0))).collect()
+    }
+
+    /// `K u` at all nodes (N), where these nodes alone are displaced, each by its own of `displacements` (m).
+    pub fn response(&self, displacements: &[[f64; 3]]) -> NodalForces {
+        let mut forces = vec![0.0; self.rows.columns()];
+        self.rows.add_transposed(displacements.as_flattened(), &mut forces);
+        forces.as_chunks().0.iter().copied().enumerate().filter(|(_, force)| *force != [0.0; 3]).collect()
+    }
+}
+
+/// Rows at the nodes that are held, or follow such nodes, as they add up cell by cell.
+struct Gathered {
+    dimension: usize,
+    nodes: Vec<usize>,
+    rows: Vec<Vec<(usize, f64)>>,
+}
+
+impl Gathered {
+    fn new(mesh: &Mesh, dofs: &Dofs) -> Self {
+        let followers: std::collections::BTreeSet<usize> = dofs.followers().into_iter().collect();
+        let holds = |node: &usize| dofs.is_held(*node) || followers.contains(node);
+        let nodes: Vec<usize> = (0..mesh.nodes.len()).filter(holds).collect();
+        Gathered { dimension: mesh.dimension, rows: vec![Vec::new(); 3 * nodes.len()], nodes }
+    }
+
+    fn place(&self, node: usize) -> Option<usize> {
+        self.nodes.binary_search(&node).ok()
+    }
+
+    /// Adds the stiffness of the cell with these nodes.
+    fn add(&mut self, nodes: &[usize], stiffness: &[Vec<f64>]) {
+        let d = self.dimension;
+        for (a, &node) in nodes.iter().enumerate() {
+            let Some(held) = self.place(node) else { continue };
+            for (c, values) in stiffness[d * a..d * (a + 1)].iter().enumerate() {
+                let columns = values.iter().enumerate().map(|(j, value)| (3 * nodes[j / d] + j % d, *value));
+                self.rows[3 * held + c].extend(columns);
+            }
+        }
+    }
+
+    fn rows(self, mesh: &Mesh) -> HeldRows {
+        HeldRows { rows: Csr::of_rows(3 * mesh.nodes.len(), self.rows), nodes: self.nodes }
+    }
+}
+
+/// Supports that feel a translation by less, as a share of the one that they feel most, do not feel it.
+const FELT: f64 = 1e-6;
+
+/// The translation (m) that comes nearest, in the mean square, to displacements prescribed at nodes: pairs of a unit vector and
+/// the displacement (m) along it. It is 0 along what none of them feels.
+pub fn nearest_translation(prescribed: impl Iterator<Item = ([f64; 3], f64)> + Clone) -> [f64; 3] {
+    // Gram-Schmidt on the columns of `n · t = value`, twice, with what makes each member of the basis: the longest column first,
+    // for one that is felt a little because a direction is off its axis by rounding says nothing of the motion along it.
+    let mut columns: Vec<(usize, Vec<f64>)> =
+        (0..3).map(|c| (c, prescribed.clone().map(|(n, _)| n[c]).collect())).collect();
+    columns.sort_by(|(_, a), (_, b)| dot(b, b).total_cmp(&dot(a, a)));
+    let whole = dot(&columns[0].1, &columns[0].1).sqrt();
+    let mut basis: Vec<(Vec<f64>, [f64; 3])> = Vec::new();
+    for (c, mut member) in columns {
+        let mut made_of = axis(c);
+        for (other, of) in basis.iter().chain(&basis) {
+            let along = dot(&member, other);
+            member.iter_mut().zip(other).for_each(|(x, y)| *x -= along * y);
+            made_of = minus(made_of, of.map(|x| along * x));
+        }
+        let rest = dot(&member, &member).sqrt();
+        if rest > FELT * whole {
+            basis.push((member.into_iter().map(|x| x / rest).collect(), made_of.map(|x| x / rest)));
+        }
+    }
+    let mut left: Vec<f64> = prescribed.map(|(_, value)| value).collect();
+    let mut translation = [0.0; 3];
+    for (member, made_of) in basis.iter().chain(&basis) {
+        let along = dot(&left, member);
+        left.iter_mut().zip(member).for_each(|(x, y)| *x -= along * y);
+        (0..3).for_each(|c| translation[c] += along * made_of[c]);
+    }
+    translation
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::algebra::vector::{norm, unit};
+
+    #[test]
+    fn what_moves_as_a_whole_is_seen_to() {
+        let to = [1.0, -2.0, 3e-3];
+        let along = |n: [f64; 3]| (n, dot(n, to));
+        let oblique = unit([1.0, 1.0, 0.0]);
+        let all = [axis(0), axis(1), axis(2), oblique].map(along);
+        let found = nearest_translation(all.into_iter());
+        assert!((0..3).all(|c| (found[c] - to[c]).abs() < 1e-15), "{found:?}");
+        // Nothing is known of what is across.
+        let found = nearest_translation([along(oblique), along(oblique)].into_iter());
+        assert!((dot(found, oblique) - dot(to, oblique)).abs() < 1e-15 && found[2] == 0.0, "{found:?}");
+        assert_eq!(nearest_translation(std::iter::empty()), [0.0; 3]);
+        // A direction that rounding has turned off its axis.
+        for off in [1e-25, 6e-17, 1e-10, 1e-7] {
+            let found = nearest_translation([(unit([off, -1.0, 0.0]), 1e-6); 5].into_iter());
+            assert!(norm(found) < 1.1e-6 && (found[1] + 1e-6).abs() < 1e-12, "{off}: {found:?}");
+        }
+    }
+}

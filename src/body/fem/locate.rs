@@ -1,0 +1,97 @@
+//! Where a point is within a cell.
+
+use crate::algebra::vector::dot;
+use crate::body::mesh::{CellKind, Jacobian, shape};
+
+/// How far outside a cell a point may be that counts as on its side, in the coordinates of the reference cell.
+const SLACK: f64 = 1e-9;
+
+/// Newton's method on bilinear cells takes four or five; more are no sound cell.
+const MOST_STEPS: usize = 30;
+
+/// The reference point `[ξ, η, ζ]` that the shape functions map to `x` (m), for a point in the cell with `nodes` (m), its
+/// sides included. `None` for a point outside.
+pub fn reference_point(kind: CellKind, nodes: &[[f64; 3]], x: [f64; 3]) -> Option<[f64; 3]> {
+    // The first guess is the centre.
+    let mut point = kind.centre();
+    for _ in 0..MOST_STEPS {
+        let values = shape(kind, point);
+        let at = |c: usize| values.iter().zip(nodes).map(|(n, node)| n * node[c]).sum::<f64>();
+        let left = [0, 1, 2].map(|c| x[c] - at(c));
+        let Jacobian { cofactors, determinant: det, .. } = Jacobian::new(kind, point, nodes);
+        let step = cofactors.map(|cofactor| dot(left, cofactor) / det);
+        (0..3).for_each(|r| point[r] += step[r]);
+        let length = step.iter().fold(0.0_f64, |m, s| m.max(s.abs()));
+        // Far outside, the map may not even be invertible.
+        if length.is_nan() || point.iter().any(|c| c.abs() > 10.0) {
+            return None;
+        }
+        if length <= 1e-12 {
+            return inside(kind, point).then_some(point);
+        }
+    }
+    None
+}
+
+fn inside(kind: CellKind, point: [f64; 3]) -> bool {
+    let [xi, eta, zeta] = point;
+    match kind {
+        CellKind::Prism => [1.0 - xi - eta, xi, eta].iter().all(|share| *share >= -SLACK) && zeta.abs() <= 1.0 + SLACK,
+        _ if kind.is_simplex() => [1.0 - xi - eta - zeta, xi, eta, zeta].iter().all(|share| *share >= -SLACK),
+        _ => point.iter().all(|c| c.abs() <= 1.0 + SLACK),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CORNERS: [[f64; 3]; 8] = [
+        [0.0, 0.0, 0.0],
+        [2.0, 0.3, 0.1],
+        [1.7, 1.4, 0.0],
+        [-0.2, 1.1, -0.1],
+        [0.1, 0.1, 1.0],
+        [2.1, 0.2, 1.2],
+        [1.6, 1.5, 0.9],
+        [-0.1, 1.0, 1.1],
+    ];
+
+    #[test]
+    fn points_are_found_where_they_are() {
+        for kind in CellKind::ALL {
+            let flat = |x: [f64; 3]| if kind.dimension() == 2 { [x[0], x[1], 0.0] } else { x };
+            let spatial_simplex = kind.is_simplex() && kind.dimension() == 3;
+            let chosen: Vec<usize> = match kind {
+                CellKind::Prism => vec![0, 1, 3, 4, 5, 7],
+                _ if spatial_simplex => vec![0, 1, 3, 4],
+                _ => (0..8).collect(),
+            };
+            let corners: Vec<_> = chosen[..kind.corners()].iter().map(|&k| flat(CORNERS[k])).collect();
+            // Those between corners are moved off the middle.
+            let off = |k: usize| flat([0.03 * (k as f64).sin(), 0.02 * (k as f64).cos(), 0.01]);
+            let between = (corners.len()..kind.nodes()).map(|k| {
+                let linear = match kind.dimension() {
+                    2 => CellKind::Triangle,
+                    _ => CellKind::Tetrahedron,
+                };
+                let values = shape(linear, kind.reference_node(k));
+                [0, 1, 2].map(|c| values.iter().zip(&corners).map(|(n, x)| n * x[c]).sum::<f64>() + off(k)[c])
+            });
+            let nodes: Vec<_> = corners.iter().copied().chain(between).collect();
+            let place = |reference: [f64; 3]| {
+                let values = shape(kind, reference);
+                [0, 1, 2].map(|c| values.iter().zip(&nodes).map(|(n, x)| n * x[c]).sum::<f64>())
+            };
+            let triangular = kind.is_simplex() || kind == CellKind::Prism;
+            let reference = flat(if triangular { [0.2, 0.3, 0.1] } else { [0.7, -0.9, 0.3] });
+            let found = reference_point(kind, &nodes, place(reference)).unwrap();
+            assert!((0..3).all(|c| (found[c] - reference[c]).abs() < 1e-12), "{kind:?}: {found:?}");
+            // Corners belong to the cell; what is beyond a side does not, however near.
+            assert!(corners.iter().all(|&corner| reference_point(kind, &nodes, corner).is_some()), "{kind:?}");
+            let beyond = flat(if triangular { [-1e-6, 0.3, 0.1] } else { [1.0 + 1e-6, 0.0, 0.0] });
+            assert_eq!(reference_point(kind, &nodes, place(beyond)), None, "{kind:?}");
+            assert_eq!(reference_point(kind, &nodes, flat([90.0, -40.0, 7.0])), None, "{kind:?}");
+        }
+    }
+}

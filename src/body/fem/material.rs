@@ -1,0 +1,298 @@
+//! The materials of a body: which law each cell of its mesh has.
+
+use serde::{Deserialize, Serialize};
+
+use super::elastic::Elasticity;
+use crate::base::input_error::{InputError, ensure, finite, positive};
+use crate::body::mesh::Mesh;
+
+/// The isotropic linear elastic materials of a body; in two dimensions it is of unit thickness, or axisymmetric.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Material {
+    /// Young's modulus, Pa.
+    pub young: f64,
+    /// Poisson's ratio, in (-1, 0.5).
+    pub poisson: f64,
+    /// What the body is in two dimensions, in plane strain if it is left out; in three there is nothing to say.
+    pub plane: Option<Plane>,
+    /// Mass density, kg/m³, for loads that act on the mass.
+    pub density: Option<f64>,
+    /// Coefficient of thermal expansion, 1/K, for loads by temperature.
+    pub expansion: Option<f64>,
+    /// Horizontal layers of other materials, from the bottom of the body up; above the last, the
+    /// material itself. Density and expansion are the same in all.
+    pub layers: Vec<Layer>,
+    /// Other materials of groups of elements; the other groups are of the material itself.
+    pub groups: Vec<MaterialGroup>,
+}
+
+/// The material of a group of elements.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct MaterialGroup {
+    /// The group of the mesh.
+    pub name: String,
+    /// Young's modulus, Pa.
+    pub young: f64,
+    /// Poisson's ratio, in (-1, 0.5).
+    pub poisson: f64,
+    /// Mass density, kg/m³; that of the material itself if it is left out.
+    pub density: Option<f64>,
+    /// Coefficient of thermal expansion, 1/K; that of the material itself if it is left out.
+    pub expansion: Option<f64>,
+}
+
+/// A horizontal layer of the body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Layer {
+    /// How high it is, m.
+    pub thickness: f64,
+    /// Young's modulus, Pa.
+    pub young: f64,
+    /// Poisson's ratio, in (-1, 0.5).
+    pub poisson: f64,
+}
+
+/// What a body in two dimensions is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Plane {
+    /// `ε_zz = 0`: a slice of a long body.
+    #[default]
+    Strain,
+    /// `σ_zz = 0`: a thin plate.
+    Stress,
+    /// No plane state but half the section of a body of revolution about the y axis, with `ε_zz = u_x / x`.
+    Axisymmetric,
+}
+
+/// What a constant of a material called by a name must be.
+type Limit = fn(&str, f64) -> Result<(), InputError>;
+
+const THICKNESS: Limit = |name, value| positive(name, value, "give the thickness of the layer in m or as [units] says");
+
+const YOUNG: Limit = |name, value| positive(name, value, "give Young's modulus in Pa or as [units] says");
+
+const POISSON: Limit = |name, value| {
+    let help = "thermodynamics sets the lower limit; an incompressible material is beyond displacements alone, \
+                use e.g. 0.49, or 0.4999 with mesh.element = \"b-bar\" or \"nodal-volume\"";
+    finite(name, value)?;
+    ensure(value > -1.0 && value < 0.5, name, &value, "above -1 and below 0.5", help)
+};
+
+const DENSITY: Limit = |name, value| positive(name, value, "give the density in kg/m³ or as [units] says");
+
+const EXPANSION: Limit = |name, value| finite(name, value);
+
+impl Material {
+    /// One material for the whole body, in two dimensions in plane strain: Young's modulus in Pa, Poisson's ratio.
+    pub fn new(young: f64, poisson: f64) -> Self {
+        Material { young, poisson, ..Material::default() }
+    }
+
+    /// The materials of `bodies`, by their names, as groups of the mesh that these are joined in, see
+    /// [`crate::body::mesh::MeshSource::Bodies`]. A group of a body's own is called `name:group` there.
+    ///
+    /// # Errors
+    /// [`InputError`] of the key of the body, such as `body[1].material.plane`: layers, which only a single body has, another plane state than
+    /// that of the first, no body.
+    pub fn of_bodies(bodies: impl IntoIterator<Item = (String, Material)>) -> Result<Self, InputError> {
+        let mut all: Option<Material> = None;
+        for (k, (name, material)) in bodies.into_iter().enumerate() {
+            let Material { young, poisson, plane, density, expansion, layers, groups } = material;
+            let fault = |key: &str, message: String, help: &str| {
+                InputError::new(format!("body[{k}].material.{key}"), message, help)
+            };
+            if !layers.is_empty() {
+                let message = format!("the body `{name}` has layers, which are those of a scene with a single body");
+                return Err(fault("layers", message, "use groups of its mesh, or a body for each layer"));
+            }
+            // Density and expansion of one body are not those of another.
+            let all = all.get_or_insert_with(|| Material { young, poisson, plane, ..Material::default() });
+            if plane.unwrap_or_default() != all.plane.unwrap_or_default() {
+                let message = format!("the body `{name}` is in another plane state than those before it");
+                let help = "all bodies have the same material.plane, which is \"strain\" where it is left out";
+                return Err(fault("plane", message, help));
+            }
+            all.plane = all.plane.or(plane);
+            all.groups.push(MaterialGroup { name: name.clone(), young, poisson, density, expansion });
+            all.groups.extend(groups.into_iter().map(|group| MaterialGroup {
+                name: format!("{name}:{}", group.name),
+                density: group.density.or(density),
+                expansion: group.expansion.or(expansion),
+                ..group
+            }));
+        }
+        all.ok_or_else(|| InputError::new("body", "there is no body", "give one at least"))
+    }
+
+    /// The same in `plane`.
+    #[must_use]
+    pub fn in_plane(self, plane: Plane) -> Self {
+        Material { plane: Some(plane), ..self }
+    }
+
+    /// Whether the body is one of revolution.
+    pub fn is_axisymmetric(&self) -> bool {
+        self.plane == Some(Plane::Axisymmetric)
+    }
+
+    /// Whether all constants are possible, and layers and groups do not contradict each other.
+    ///
+    /// # Errors
+    /// [`InputError`] of the key that is wrong, such as `material.young`.
+    pub fn check(&self) -> Result<(), InputError> {
+        YOUNG("material.young", self.young)?;
+        POISSON("material.poisson", self.poisson)?;
+        self.density.map_or(Ok(()), |density| DENSITY("material.density", density))?;
+        self.expansion.map_or(Ok(()), |expansion| EXPANSION("material.expansion", expansion))?;
+        for (k, &Layer { thickness, young, poisson }) in self.layers.iter().enumerate() {
+            let key = format!("material.layers[{k}]");
+            let of_layer = |what: &str, value: f64, limit: Limit| {
+                limit(&format!("{what} in {key}"), value).map_err(|fault| InputError { key: key.clone(), ..fault })
+            };
+            of_layer("the thickness", thickness, THICKNESS)?;
+            of_layer("Young's modulus", young, YOUNG)?;
+            of_layer("Poisson's ratio", poisson, POISSON)?;
+        }
+        for (k, MaterialGroup { name, young, poisson, density, expansion }) in self.groups.iter().enumerate() {
+            let key = |what: &str| format!("material.group[{k}].{what}");
+            if self.groups[..k].iter().any(|other| other.name == *name) {
+                let message = format!("the group `{name}` has a [[material.group]] already");
+                return Err(InputError::new(key("name"), message, "keep one [[material.group]] for each group"));
+            }
+            let of_group = |what: &str, key: String, value: f64, limit: Limit| {
+                limit(&format!("{what} of the group `{name}`"), value).map_err(|fault| InputError { key, ..fault })
+            };
+            of_group("Young's modulus", key("young"), *young, YOUNG)?;
+            of_group("Poisson's ratio", key("poisson"), *poisson, POISSON)?;
+            density.map_or(Ok(()), |density| of_group("the density", key("density"), density, DENSITY))?;
+            expansion.map_or(Ok(()), |value| of_group("the expansion", key("expansion"), value, EXPANSION))?;
+        }
+        if !self.layers.is_empty() && !self.groups.is_empty() {
+            let message = "the material has layers and groups, which both say what an element is made of";
+            return Err(InputError::new("material.layers", message, "keep material.layers or [[material.group]]"));
+        }
+        Ok(())
+    }
+
+    /// Heights of the upper sides of the layers over the bottom of the body, m.
+    pub fn tops(&self) -> Vec<f64> {
+        let mut top = 0.0;
+        let above = |layer: &Layer| {
+            top += layer.thickness;
+            top
+        };
+        self.layers.iter().map(above).collect()
+    }
+
+    /// The number of the layer at `height` (m) over the bottom of the body; `None` in the material itself.
+    pub fn layer(&self, height: f64) -> Option<usize> {
+        self.tops().iter().position(|top| height < *top)
+    }
+
+    /// The law of each cell of `mesh`: that of its group, or of the layer that holds its centre, or of the material
+    /// itself.
+    ///
+    /// # Errors
+    /// [`InputError`] of the key that `mesh` contradicts: a plane state in three dimensions, a group it does not have, a
+    /// layer without a cell.
+    pub fn laws(&self, mesh: &Mesh) -> Result<Vec<Elasticity>, InputError> {
+        if mesh.dimension == 3 && self.plane.is_some() {
+            let message = "the material has a plane state, but the body has three dimensions";
+            return Err(InputError::new("material.plane", message, "remove material.plane"));
+        }
+        let law = |young, poisson| match (mesh.dimension, self.plane.unwrap_or_default()) {
+            (2, Plane::Stress) => Elasticity::plane_stress(young, poisson),
+            // Plane strain and axisymmetry are states in space.
+            _ => Elasticity::isotropic(young, poisson),
+        };
+        let base = law(self.young, self.poisson);
+        if self.layers.is_empty() {
+            let groups = self.groups_of(mesh)?;
+            let of_group = |k: Option<usize>| k.map_or(base, |k| law(self.groups[k].young, self.groups[k].poisson));
+            let laws: Vec<Elasticity> = groups.into_iter().map(of_group).collect();
+            return Ok(mesh.cells.iter().map(|cell| laws[cell.group]).collect());
+        }
+        let height = |e: usize| mesh.centre(e)[mesh.dimension - 1];
+        let of_cell: Vec<Option<usize>> = (0..mesh.cells.len()).map(|e| self.layer(height(e))).collect();
+        if let Some(k) = (0..self.layers.len()).find(|k| !of_cell.contains(&Some(*k))) {
+            let message = format!("no element of the mesh has its centre in material.layers[{k}]");
+            let help = "use more elements, a thicker layer or fewer layers; thicknesses are in m or as [units] says, from the bottom up";
+            return Err(InputError::new(format!("material.layers[{k}]"), message, help));
+        }
+        let laws: Vec<Elasticity> = self.layers.iter().map(|layer| law(layer.young, layer.poisson)).collect();
+        Ok(of_cell.into_iter().map(|layer| layer.map_or(base, |k| laws[k])).collect())
+    }
+
+    /// The density (kg/m³) of each cell of `mesh`.
+    ///
+    /// # Errors
+    /// [`InputError`] of the key that is missing, or names a group that `mesh` does not have.
+    pub fn densities(&self, mesh: &Mesh) -> Result<Vec<f64>, InputError> {
+        let help = "give the density, e.g. 7850 kg/m³ for steel, 7.85e-9 t/mm³ where [units] has mm and MPa";
+        self.of_cells(mesh, "density", help, self.density, |group| group.density)
+    }
+
+    /// The coefficient of thermal expansion (1/K) of each cell of `mesh`.
+    ///
+    /// # Errors
+    /// [`InputError`] of the key that is missing, or names a group that `mesh` does not have.
+    pub fn expansions(&self, mesh: &Mesh) -> Result<Vec<f64>, InputError> {
+        let help = "give the coefficient of thermal expansion in 1/K, e.g. 12e-6 for steel";
+        self.of_cells(mesh, "expansion", help, self.expansion, |group| group.expansion)
+    }
+
+    /// A constant of each cell: that of its group, otherwise that of the material `itself`.
+    fn of_cells(
+        &self,
+        mesh: &Mesh,
+        key: &str,
+        help: &str,
+        itself: Option<f64>,
+        of_group: impl Fn(&MaterialGroup) -> Option<f64>,
+    ) -> Result<Vec<f64>, InputError> {
+        let groups = self.groups_of(mesh)?;
+        let missing = |group: usize| match groups[group] {
+            Some(k) => {
+                let message = format!("a load needs the {key} of the group `{}`", self.groups[k].name);
+                InputError::new(format!("material.group[{k}].{key}"), message, help)
+            }
+            None => InputError::new(format!("material.{key}"), format!("a load needs the {key} of the material"), help),
+        };
+        let value = |group: usize| groups[group].and_then(|k| of_group(&self.groups[k])).or(itself);
+        mesh.cells.iter().map(|cell| value(cell.group).ok_or_else(|| missing(cell.group))).collect()
+    }
+
+    /// For each group of `mesh`, which of the groups here it is. A group `upper:rim` that is not named has the material of
+    /// `upper`, if that is named.
+    fn groups_of(&self, mesh: &Mesh) -> Result<Vec<Option<usize>>, InputError> {
+        let body = |group: &'_ str| group.split_once(':').map(|(body, _)| body.to_string());
+        for (k, MaterialGroup { name, .. }) in self.groups.iter().enumerate() {
+            let has = |group: &String| {
+                group == name || mesh.notes.members(group).contains(name) || body(group).as_ref() == Some(name)
+            };
+            if !mesh.groups.iter().any(has) {
+                let message = format!("the mesh has no material group `{name}`");
+                let named: Vec<_> = mesh.groups.iter().map(String::as_str).filter(|name| !name.is_empty()).collect();
+                let help = format!("the mesh has the groups {}", named.join(", "));
+                return Err(InputError::new(format!("material.group[{k}].name"), message, help));
+            }
+        }
+        let called = |name: &str| self.groups.iter().position(|group| group.name == name);
+        let one_of = |group: &String| -> Result<Option<usize>, InputError> {
+            let members: Vec<usize> = mesh.notes.members(group).iter().filter_map(|member| called(member)).collect();
+            match members[..] {
+                [] => Ok(called(group).or_else(|| called(&body(group)?))),
+                [one] => Ok(Some(one)),
+                [first, second, ..] => {
+                    let [first, name] = [first, second].map(|k| &self.groups[k].name);
+                    let message =
+                        format!("elements are in the groups `{first}` and `{name}`, which have a material each");
+                    let help = "name one of the two groups, or let them share no element";
+                    Err(InputError::new(format!("material.group[{second}].name"), message, help))
+                }
+            }
+        };
+        mesh.groups.iter().map(one_of).collect()
+    }
+}

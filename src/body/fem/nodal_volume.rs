@@ -1,0 +1,175 @@
+//! Dilatations averaged at the corners of triangles, tetrahedra and prisms (Bonet & Burton, Commun. Numer. Meth. Engng 14 (1998)
+//! 437, for small strains).
+//!
+//! With the shape functions L_a of the corners alone a corner has a share of each cell around it, and of these the mean dilatation,
+//! material by material:
+//!
+//! ```text
+//! V_a = Σ_e ∫_e L_a dV,   G_a = Σ_e ∫_e L_a tr B dV,   θ_a = G_a u / V_a,
+//! K = Σ_e ∫ Bᵀ D_dev B dV + Σ_a κ / V_a G_aᵀ G_a,   D_dev = 2 μ (1 - ⅓ 1 1ᵀ).
+//! ```
+//!
+//! The volume stress is so `κ Σ L_a θ_a` within a cell. There are fewer volumes to be held than displacements, so that nothing locks, and
+//! displacements are the only unknowns; in exchange all nodes of the cells around a corner are coupled.
+
+use std::collections::HashMap;
+
+use super::elastic::{Elasticity, numbered};
+use super::facet::NodalForces;
+use super::inverted::InvertedElement;
+use super::shape::CellPoint;
+use super::strain::Element;
+use crate::algebra::vector::dot;
+use crate::body::mesh::{CellKind, Mesh, corner_shape, quadrature_of, shape};
+
+/// The nodal volumes of a mesh: one for each corner and each law of the cells around it.
+#[derive(Debug, Clone, Default)]
+pub struct NodalVolumes {
+    volumes: Vec<NodalVolume>,
+    /// For each cell the volumes at its corners; none of a cell that keeps its own dilatation.
+    cells: Vec<Vec<usize>>,
+}
+
+/// What the cells of one law around a corner leave to it.
+#[derive(Debug, Clone)]
+pub(super) struct NodalVolume {
+    /// `V_a`, m³; in two dimensions m², in a body of revolution all around.
+    volume: f64,
+    /// `κ`, Pa.
+    bulk: f64,
+    /// The nodes of these cells.
+    nodes: Vec<usize>,
+    /// `G_a / V_a`, 1/m: the dilatation that a unit displacement of each makes.
+    gradients: Vec<[f64; 3]>,
+}
+
+impl NodalVolumes {
+    /// Whether cells of this kind share their volume between their corners; others, which have B-bar, keep their own dilatation.
+    pub fn take(kind: CellKind) -> bool {
+        kind.is_simplex() || kind == CellKind::Prism
+    }
+
+    /// Those of `mesh`, where `material` is that of each cell; none unless every element is an [`Element::NodalVolume`].
+    ///
+    /// # Errors
+    /// [`InvertedElement`] for the first element that is not sound.
+    pub fn new(mesh: &Mesh, element: Element, material: impl Fn(usize) -> Elasticity) -> Result<Self, InvertedElement> {
+        let mut all = NodalVolumes::default();
+        if element != Element::NodalVolume {
+            return Ok(all);
+        }
+        let laws = numbered((0..mesh.cells.len()).map(&material));
+        let mut known = HashMap::new();
+        for (e, (cell, law)) in mesh.cells.iter().zip(laws).enumerate() {
+            let corners = if Self::take(cell.kind) { &cell.nodes[..cell.kind.corners()] } else { &[] };
+            let mut place = |corner: &usize| {
+                *known.entry((*corner, law)).or_insert_with(|| {
+                    all.volumes.push(NodalVolume::without_cells(material(e).bulk()));
+                    all.volumes.len() - 1
+                })
+            };
+            let at_corners: Vec<usize> = corners.iter().map(&mut place).collect();
+            let nodes = mesh.points(&cell.nodes);
+            let rule = quadrature_of(cell.kind, mesh.geometry, &nodes);
+            let points = CellPoint::all(cell.kind, mesh.geometry, &nodes, &rule);
+            let points = points.ok_or_else(|| InvertedElement::of(mesh, e))?;
+            for ((place, _), point) in rule.iter().zip(&points) {
+                for (&a, share) in at_corners.iter().zip(corner_shape(cell.kind, *place)) {
+                    all.volumes[a].add(share * point.volume, &cell.nodes, point);
+                }
+            }
+            all.cells.push(at_corners);
+        }
+        for NodalVolume { volume, gradients, .. } in &mut all.volumes {
+            gradients.iter_mut().flatten().for_each(|g| *g /= *volume);
+        }
+        Ok(all)
+    }
+
+    /// Whether no cell shares its volume.
+    pub fn is_empty(&self) -> bool {
+        self.volumes.is_empty()
+    }
+
+    /// The numbers of the volumes at the corners of cell `e`; none where the cell keeps its own dilatation.
+    pub fn of_cell(&self, e: usize) -> &[usize] {
+        self.cells.get(e).map_or(&[], |cell| cell)
+    }
+
+    /// The dilatation `θ_a` of volume `a` for `displacements` of all nodes, m.
+    pub fn dilatation(&self, a: usize, displacements: &[[f64; 3]]) -> f64 {
+        let NodalVolume { nodes, gradients, .. } = &self.volumes[a];
+        nodes.iter().zip(gradients).map(|(&node, g)| dot(*g, displacements[node])).sum()
+    }
+
+    /// The mean `Σ_e ∫ L_a f dV / V_a` in each volume of what is `value` in a cell at a position (m), by the points that the
+    /// dilatation is averaged at.
+    pub fn means(&self, mesh: &Mesh, value: impl Fn(usize, [f64; 3]) -> f64) -> Vec<f64> {
+        let mut means = vec![0.0; self.volumes.len()];
+        for (e, cell) in mesh.cells.iter().enumerate().filter(|(e, _)| !self.of_cell(*e).is_empty()) {
+            let nodes = mesh.points(&cell.nodes);
+            let rule = quadrature_of(cell.kind, mesh.geometry, &nodes);
+            // The volumes are those of sound cells.
+            let Some(points) = CellPoint::all(cell.kind, mesh.geometry, &nodes, &rule) else { continue };
+            for ((point, _), CellPoint { volume, .. }) in rule.iter().zip(&points) {
+                let n = shape(cell.kind, *point);
+                let value = value(e, [0, 1, 2].map(|c| n.iter().zip(&nodes).map(|(n, x)| n * x[c]).sum()));
+                for (&a, share) in self.of_cell(e).iter().zip(corner_shape(cell.kind, *point)) {
+                    means[a] += share * volume / self.volumes[a].volume * value;
+                }
+            }
+        }
+        means
+    }
+
+    /// The forces `Σ_a κ θ_a G_aᵀ` (N; in two dimensions per unit depth, of a body of revolution all around) that a stress-free `dilatation` of each volume exerts while
+    /// the nodes are held.
+    pub fn forces(&self, dilatation: &[f64]) -> NodalForces {
+        let of_volume = |(of, dilatation): (&NodalVolume, &f64)| {
+            let NodalVolume { volume, bulk, nodes, gradients } = of;
+            let pressure = bulk * dilatation * volume;
+            let force = |(node, g): (&usize, &[f64; 3])| (*node, g.map(|g| pressure * g));
+            nodes.iter().zip(gradients).map(force).collect::<Vec<_>>()
+        };
+        self.volumes.iter().zip(dilatation).flat_map(of_volume).collect()
+    }
+
+    /// The energy `½ Σ_a κ V_a θ_a²` (J; in two dimensions per unit depth) of the elastic `dilatation` of each volume.
+    pub fn energy(&self, dilatation: impl Fn(usize) -> f64) -> f64 {
+        let of = |(a, volume): (usize, &NodalVolume)| 0.5 * volume.bulk * volume.volume * dilatation(a).powi(2);
+        self.volumes.iter().enumerate().map(of).sum()
+    }
+
+    pub(super) fn iter(&self) -> impl Iterator<Item = &NodalVolume> {
+        self.volumes.iter()
+    }
+}
+
+impl NodalVolume {
+    fn without_cells(bulk: f64) -> Self {
+        NodalVolume { volume: 0.0, bulk, nodes: Vec::new(), gradients: Vec::new() }
+    }
+
+    /// Adds a `share` of a point of a cell with these nodes. The sum is `G_a` until it is divided.
+    fn add(&mut self, share: f64, nodes: &[usize], point: &CellPoint) {
+        self.volume += share;
+        for (k, node) in nodes.iter().enumerate() {
+            let place = self.nodes.iter().position(|other| other == node).unwrap_or_else(|| {
+                self.nodes.push(*node);
+                self.gradients.push([0.0; 3]);
+                self.nodes.len() - 1
+            });
+            self.gradients[place].iter_mut().zip(point.dilatation(k)).for_each(|(sum, g)| *sum += share * g);
+        }
+    }
+
+    pub(super) fn nodes(&self) -> &[usize] {
+        &self.nodes
+    }
+
+    /// `κ / V_a G_aᵀ G_a` (N/m; in two dimensions per unit depth), with unknowns as of an element.
+    pub(super) fn stiffness(&self, dimension: usize) -> Vec<Vec<f64>> {
+        let row: Vec<f64> = self.gradients.iter().flat_map(|g| &g[..dimension]).copied().collect();
+        row.iter().map(|g| row.iter().map(|other| self.bulk * self.volume * (g * other)).collect()).collect()
+    }
+}

@@ -1,0 +1,309 @@
+//! Rigid motions that the supports leave free, of each body its own: the null space of `K`.
+
+use std::fmt;
+use std::ops::Range;
+
+use super::dofs::Dofs;
+use super::spring::Spring;
+use crate::algebra::null_space::{NEGLIGIBLE, null_space};
+use crate::algebra::union_find::UnionFind;
+use crate::algebra::vector::{cross, dot, minus, norm};
+use crate::base::units::{Quantity, UnitSystem};
+use crate::body::mesh::{Bodies, Geometry, Mesh};
+
+/// What a rotation adds to a translation counts from this share on, when motions are told.
+const FAR: f64 = 1e-4;
+
+/// An infinitesimal rigid motion: of each body of a mesh its own.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RigidMotion {
+    /// Those of the bodies, in the order of [`Mesh::bodies`].
+    pub bodies: Vec<BodyMotion>,
+    /// 2 or 3.
+    pub dimension: usize,
+}
+
+/// An infinitesimal rigid motion of one body, `u(x) = translation + rotation × (x - about)`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BodyMotion {
+    /// The name of the body.
+    pub name: String,
+    /// Translation of the point `about`, m.
+    pub translation: [f64; 3],
+    /// Rotation vector, rad; along z in two dimensions.
+    pub rotation: [f64; 3],
+    /// A point, m.
+    pub about: [f64; 3],
+    /// The size of the body (m), which says when a rotation is negligible.
+    pub size: f64,
+}
+
+impl BodyMotion {
+    /// The displacement at `x`.
+    pub fn at(&self, x: [f64; 3]) -> [f64; 3] {
+        let turned = cross(self.rotation, minus(x, self.about));
+        [0, 1, 2].map(|c| self.translation[c] + turned[c])
+    }
+
+    /// About how far it moves the body, m.
+    fn length(&self) -> f64 {
+        norm(self.translation) + norm(self.rotation) * self.size
+    }
+
+    /// The motion in words, with coordinates in a unit of this name.
+    fn in_words(&self, dimension: usize, unit: &str) -> String {
+        let rounded = |x: [f64; 3], unit: f64| rounded(&x[..dimension], unit);
+        let (length, angle) = (norm(self.translation), norm(self.rotation));
+        // A rotation about an axis that is ten thousand sizes away is none that anybody sees.
+        if angle * self.size <= FAR * length {
+            let along = rounded(self.translation.map(|t| t / length), 1e-6);
+            return format!("a translation along {along}");
+        }
+        // The foot of the axis: of all points of the axis the nearest to `about`.
+        let arm = cross(self.rotation, self.translation).map(|c| c / (angle * angle));
+        let foot = [0, 1, 2].map(|c| self.about[c] + arm[c]);
+        let foot = rounded(foot, 10_f64.powi(self.size.log10().ceil() as i32 - 4));
+        if dimension == 2 {
+            return format!("a rotation about {foot} {unit}");
+        }
+        let axis = self.rotation.map(|r| r / angle);
+        let pitch = dot(self.translation, axis);
+        let motion = if pitch.abs() <= 1e-6 * angle * self.size { "rotation" } else { "screw motion" };
+        format!("a {motion} about the axis through {foot} {unit} along {}", rounded(axis, 1e-6))
+    }
+}
+
+/// `(x, y)` or `(x, y, z)` in whole numbers of `unit`.
+fn rounded(x: &[f64], unit: f64) -> String {
+    // Dividing by the inverse keeps few digits in print; + 0.0 turns -0 into 0.
+    let inverse = (1.0 / unit).round();
+    let round = |c: &f64| if unit < 1.0 { (c * inverse).round() / inverse } else { (c / unit).round() * unit };
+    let numbers: Vec<String> = x.iter().map(|c| (round(c) + 0.0).to_string()).collect();
+    format!("({})", numbers.join(", "))
+}
+
+impl RigidMotion {
+    /// The motion as a vector of unknowns, length n_u; the motion is one of this mesh.
+    pub fn displacements(&self, mesh: &Mesh, dofs: &Dofs) -> Vec<f64> {
+        let bodies = mesh.bodies();
+        dofs.unknowns(|node| self.bodies[bodies.of_nodes()[node]].at(mesh.nodes[node]))
+    }
+
+    /// The sum `Σ w_k motion_k` of motions of one mesh.
+    pub fn combination(motions: &[RigidMotion], weights: &[f64]) -> Option<RigidMotion> {
+        let mut sum = motions.first()?.clone();
+        for (k, own) in sum.bodies.iter_mut().enumerate() {
+            (own.translation, own.rotation) = ([0.0; 3], [0.0; 3]);
+            for (motion, w) in motions.iter().zip(weights) {
+                for c in 0..3 {
+                    own.translation[c] += w * motion.bodies[k].translation[c];
+                    own.rotation[c] += w * motion.bodies[k].rotation[c];
+                }
+            }
+        }
+        Some(sum)
+    }
+
+    /// The motion in words, with coordinates in `units`; where there are several bodies each that moves is named:
+    /// `` `upper`: a translation along (0, 1); `lower`: a rotation about (1, 0) m``.
+    pub fn told(&self, units: &UnitSystem) -> String {
+        let (length, unit) = (|x: f64| units.of_si(Quantity::Length, x), units.name(Quantity::Length));
+        let told = |motion: &BodyMotion| BodyMotion {
+            translation: motion.translation.map(length),
+            about: motion.about.map(length),
+            size: length(motion.size),
+            ..motion.clone()
+        };
+        RigidMotion { bodies: self.bodies.iter().map(told).collect(), ..self.clone() }.in_words(&unit)
+    }
+
+    /// What moves, and how: "the body against a translation along (0, 1)", `` `upper` against a translation along (0, 1)``.
+    pub fn against(&self, units: &UnitSystem) -> String {
+        let told = self.told(units);
+        match &self.moving()[..] {
+            _ if self.bodies.len() == 1 => format!("the body against {told}"),
+            [_] => told.replacen("`: ", "` against ", 1),
+            _ => format!("the bodies against {told}"),
+        }
+    }
+
+    /// The bodies that move as far as anybody sees.
+    fn moving(&self) -> Vec<&BodyMotion> {
+        let furthest = self.bodies.iter().map(BodyMotion::length).fold(0.0, f64::max);
+        self.bodies.iter().filter(|body| self.bodies.len() == 1 || body.length() > FAR * furthest).collect()
+    }
+
+    /// The motion in words, whose coordinates are in a unit of this name.
+    fn in_words(&self, unit: &str) -> String {
+        // Bodies that move alike are told together.
+        let mut told: Vec<(String, Vec<String>)> = Vec::new();
+        for body in self.moving() {
+            let words = body.in_words(self.dimension, unit);
+            if self.bodies.len() == 1 {
+                return words;
+            }
+            let name = format!("`{}`", body.name);
+            match told.iter_mut().find(|(other, _)| *other == words) {
+                Some((_, names)) => names.push(name),
+                None => told.push((words, vec![name])),
+            }
+        }
+        told.into_iter().map(|(words, names)| format!("{}: {words}", names.join(", "))).collect::<Vec<_>>().join("; ")
+    }
+}
+
+impl fmt::Display for RigidMotion {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.in_words("m"))
+    }
+}
+
+/// A linear form of displacements, `Σ c_k · u(x_k)`, by the nodes and their coefficients.
+pub type Tie = Vec<(usize, [f64; 3])>;
+
+/// The rigid motions of `mesh` that the fixed components of `dofs` leave free: none for a body
+/// that is held; for one that is not supported at all three in two dimensions, six in three; for one of revolution the translation
+/// along its axis, for what moves it aside or tilts it is no motion of its section. First the
+/// translations, then rotations about one axis of coordinates each, as far as there are such; body by body, where there are several.
+pub fn rigid_motions(mesh: &Mesh, dofs: &Dofs) -> Vec<RigidMotion> {
+    unresisted_motions(mesh, dofs, &[], &[])
+}
+
+/// Those of them that no spring of `springs` resists, and for which each of the `ties` between bodies, or of a body to the ground, is 0.
+/// Bodies that ties join move together.
+pub fn unresisted_motions(mesh: &Mesh, dofs: &Dofs, springs: &[Spring], ties: &[Tie]) -> Vec<RigidMotion> {
+    let bodies = mesh.bodies();
+    let own: Vec<Vec<BodyMotion>> = (0..bodies.count()).map(|k| all_motions(mesh, &bodies, k)).collect();
+    let of = bodies.of_nodes();
+    let mut joined = UnionFind::new(bodies.count());
+    for tie in ties {
+        tie.windows(2).for_each(|pair| joined.join(of[pair[0].0], of[pair[1].0]));
+    }
+    let first_of: Vec<usize> = (0..bodies.count()).map(|k| joined.least(k)).collect();
+    let still: Vec<BodyMotion> = own.iter().map(|motions| at_rest(&motions[0])).collect();
+    let mut found = Vec::new();
+    for first in (0..bodies.count()).filter(|&k| first_of[k] == k) {
+        let together: Vec<usize> = (0..bodies.count()).filter(|&k| first_of[k] == first).collect();
+        // First the translations of all these bodies, then their rotations.
+        let (moves, turns): (Vec<_>, Vec<_>) = (together.iter())
+            .flat_map(|&k| own[k].iter().map(move |motion| (k, motion)))
+            .partition(|(_, motion)| motion.rotation == [0.0; 3]);
+        let translations = moves.len();
+        let all: Vec<(usize, &BodyMotion)> = moves.into_iter().chain(turns).collect();
+        let row = |form: &[(usize, [f64; 3])]| -> Vec<f64> {
+            let felt = |k: usize, motion: &BodyMotion| {
+                let own = form.iter().filter(|(node, _)| of[*node] == k);
+                own.map(|(node, c)| dot(motion.at(mesh.nodes[*node]), *c)).sum()
+            };
+            all.iter().map(|(k, motion)| felt(*k, motion)).collect()
+        };
+        let held = (0..of.len()).flat_map(|node| dofs.held(node).map(move |n| (node, n)));
+        let single = held.chain(springs.iter().flat_map(Spring::resisted));
+        let single = single.filter(|(node, _)| first_of[of[*node]] == first).map(|form| row(&[form]));
+        let several = ties.iter().filter(|tie| tie.first().is_some_and(|(node, _)| first_of[of[*node]] == first));
+        let rows = single.chain(several.map(|tie| row(&of_unit_size(tie))));
+        for weights in readable(null_space(all.len(), rows), translations) {
+            let mut bodies = still.clone();
+            for ((k, motion), w) in all.iter().zip(weights) {
+                for c in 0..3 {
+                    bodies[*k].translation[c] += w * motion.translation[c];
+                    bodies[*k].rotation[c] += w * motion.rotation[c];
+                }
+            }
+            found.push(RigidMotion { bodies, dimension: mesh.dimension });
+        }
+    }
+    found
+}
+
+/// The same form but for a factor that makes its largest coefficient one.
+fn of_unit_size(tie: &Tie) -> Tie {
+    let size = tie.iter().map(|(_, c)| norm(*c)).fold(0.0, f64::max);
+    tie.iter().map(|(node, c)| (*node, c.map(|c| if size > 0.0 { c / size } else { 0.0 }))).collect()
+}
+
+/// The same body at rest.
+fn at_rest(motion: &BodyMotion) -> BodyMotion {
+    BodyMotion { translation: [0.0; 3], rotation: [0.0; 3], ..motion.clone() }
+}
+
+/// All rigid motions of body `k` that nothing holds: translations along the axes, then rotations about them.
+fn all_motions(mesh: &Mesh, bodies: &Bodies, k: usize) -> Vec<BodyMotion> {
+    let bounds = mesh.bounds_of(bodies.nodes(k));
+    let about = bounds.map(|(lo, hi)| 0.5 * (lo + hi));
+    let size = norm(bounds.map(|(lo, hi)| hi - lo));
+    let along = |axis: usize, length: f64| [0, 1, 2].map(|c| if c == axis { length } else { 0.0 });
+    let name = &bodies.names()[k];
+    let unit = |translation, rotation| BodyMotion { name: name.clone(), translation, rotation, about, size };
+    // Directions of equal weight: unit translations, and rotations that move the far corners by about 1/2.
+    if mesh.geometry == Geometry::Axisymmetric {
+        return vec![unit(along(1, 1.0), [0.0; 3])];
+    }
+    let translations = (0..mesh.dimension).map(|axis| unit(along(axis, 1.0), [0.0; 3]));
+    let axes = if mesh.dimension == 2 { 2..3 } else { 0..3 };
+    let rotations = axes.map(|axis| unit([0.0; 3], along(axis, 1.0 / size)));
+    translations.chain(rotations).collect()
+}
+
+/// A basis for people of the space of `basis`, whose members are weights of the translations and then of the rotations:
+/// first what is a translation only, then rotations about one axis of coordinates each, without the translations
+/// that are free by themselves, as far as the space has such members.
+///
+/// That is the reduced echelon form, the rotations eliminated first; its members are unit, but need not be at right
+/// angles.
+fn readable(mut basis: Vec<Vec<f64>>, translations: usize) -> Vec<Vec<f64>> {
+    let mut pivots = Vec::new();
+    for columns in [translations..basis.first().map_or(0, Vec::len), 0..translations] {
+        while let Some((column, row)) = pivot(&basis, pivots.len(), columns.clone()) {
+            let k = pivots.len();
+            basis.swap(k, row);
+            let scale = basis[k][column];
+            basis[k].iter_mut().for_each(|x| *x /= scale);
+            let pivot = basis[k].clone();
+            for (_, member) in basis.iter_mut().enumerate().filter(|(j, _)| *j != k) {
+                let factor = member[column];
+                member.iter_mut().zip(&pivot).for_each(|(x, p)| *x -= factor * p);
+            }
+            pivots.push(column);
+        }
+    }
+    let mut members: Vec<(usize, Vec<f64>)> = pivots.into_iter().zip(basis).collect();
+    members.sort_by_key(|(column, _)| *column);
+    let unit = |member: Vec<f64>| {
+        let length = member.iter().map(|x| x * x).sum::<f64>().sqrt();
+        member.iter().map(|x| x / length).collect()
+    };
+    members.into_iter().map(|(_, member)| unit(member)).collect()
+}
+
+/// The column and the row, from `first` on, to eliminate with: the first of `columns` whose largest entry is not much
+/// smaller than that of all. So columns come in order, and are safe to divide by.
+fn pivot(rows: &[Vec<f64>], first: usize, columns: Range<usize>) -> Option<(usize, usize)> {
+    let largest = |column: usize| {
+        let entries = (first..rows.len()).map(|row| (rows[row][column].abs(), row));
+        entries.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(entry, _)| *entry > NEGLIGIBLE)
+    };
+    let all: Vec<_> = columns.filter_map(|column| largest(column).map(|(entry, row)| (entry, column, row))).collect();
+    let most = all.iter().fold(0.0_f64, |most, (entry, ..)| most.max(*entry));
+    all.into_iter().find(|(entry, ..)| *entry >= 0.5 * most).map(|(_, column, row)| (column, row))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::body::mesh::block;
+
+    #[test]
+    fn what_supports_leave_free() {
+        let mesh = block(&[2.0, 1.0], &[4, 2]);
+        let free = |fixed: &dyn Fn(usize, usize) -> bool| rigid_motions(&mesh, &Dofs::new(&mesh, fixed));
+        assert_eq!(free(&|_, _| false).len(), 3);
+        assert!(free(&|node, _| mesh.nodes[node][0] == 0.0).is_empty());
+        let rollers = free(&|node, c| mesh.nodes[node][1] == 0.0 && c == 1);
+        assert_eq!(rollers.len(), 1);
+        assert_eq!(rollers[0].to_string(), "a translation along (1, 0)");
+        let hinge = free(&|node, _| node == 2);
+        assert_eq!(hinge.len(), 1);
+        assert_eq!(hinge[0].to_string(), "a rotation about (1, 0) m");
+    }
+}

@@ -1,0 +1,111 @@
+//! Springs: elastic foundations under a boundary, and springs at single nodes, all of them fixed to the ground.
+
+use super::dofs::Dofs;
+use super::facet::{FacetPoint, facet_points};
+use crate::algebra::sparse::Symmetric;
+use crate::algebra::vector::{axis, norm, unit};
+use crate::body::mesh::{Boundary, Mesh};
+
+/// What stands against displacements of a few nodes; its stiffness is for the components x, y and z node by node.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spring {
+    nodes: Vec<usize>,
+    /// N/m, in two dimensions per unit depth.
+    stiffness: Vec<Vec<f64>>,
+}
+
+/// The stiffness of a foundation for each m² of it, N/m³.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Bedding {
+    /// Along x, y and z.
+    Axes([f64; 3]),
+    /// Along the outward normal, and across it.
+    Surface {
+        /// Along the normal.
+        normal: f64,
+        /// Across it.
+        tangential: f64,
+    },
+}
+
+impl Bedding {
+    /// The stiffness (N/m³) as a matrix, where `n` is the outward normal.
+    fn matrix(self, n: [f64; 3]) -> [[f64; 3]; 3] {
+        match self {
+            Bedding::Axes(k) => [0, 1, 2].map(|r| axis(r).map(|c| k[r] * c)),
+            Bedding::Surface { normal, tangential } => {
+                let entry = |r: usize, c: usize| (normal - tangential) * n[r] * n[c];
+                [0, 1, 2].map(|r| [0, 1, 2].map(|c| entry(r, c) + if r == c { tangential } else { 0.0 }))
+            }
+        }
+    }
+}
+
+impl Spring {
+    /// A spring of `stiffness` (N/m, along x, y and z) between `node` and the ground.
+    pub fn at_node(node: usize, stiffness: [f64; 3]) -> Self {
+        Spring { nodes: vec![node], stiffness: [0, 1, 2].map(|r| axis(r).map(|c| stiffness[r] * c).to_vec()).into() }
+    }
+
+    /// The springs of a foundation under `boundary`, one for each facet: `∫ N_a k N_b dA`.
+    pub fn foundation(mesh: &Mesh, boundary: &Boundary, bedding: Bedding) -> Vec<Self> {
+        let of_facet = |facet: &Vec<usize>| {
+            let mut stiffness = vec![vec![0.0; 3 * facet.len()]; 3 * facet.len()];
+            for FacetPoint { shape, area, .. } in facet_points(mesh, facet) {
+                let (k, d_area) = (bedding.matrix(unit(area)), norm(area));
+                for (row, entries) in stiffness.iter_mut().enumerate() {
+                    for (column, entry) in entries.iter_mut().enumerate() {
+                        *entry += shape[row / 3] * shape[column / 3] * d_area * k[row % 3][column % 3];
+                    }
+                }
+            }
+            Spring { nodes: facet.clone(), stiffness }
+        };
+        boundary.facets.iter().map(of_facet).collect()
+    }
+
+    /// Its energy (J) under `displacements` of all nodes, m.
+    pub fn energy(&self, displacements: &[[f64; 3]]) -> f64 {
+        let u = |k: usize| displacements[k / 3][k % 3];
+        0.5 * self.entries().map(|(row, column, value)| u(row) * value * u(column)).sum::<f64>()
+    }
+
+    /// The entries `(row, column, value)` of its stiffness, where `3 · node + component` counts rows and columns.
+    pub(super) fn entries(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
+        let place = |k: usize| 3 * self.nodes[k / 3] + k % 3;
+        let row = move |(r, entries): (usize, &'_ Vec<f64>)| {
+            entries.iter().enumerate().map(move |(c, value)| (r, c, *value)).collect::<Vec<_>>()
+        };
+        self.stiffness.iter().enumerate().flat_map(row).map(move |(r, c, value)| (place(r), place(c), value))
+    }
+
+    /// Adds it to the stiffness `k` of the body, which couples the nodes of a facet already.
+    pub fn add_to(&self, k: &mut Symmetric, dofs: &Dofs) {
+        let unit_along = |place: usize| dofs.along(place / 3, axis(place % 3)).filter(|(_, c)| *c != 0.0);
+        for (row, column, value) in self.entries().filter(|(.., value)| *value != 0.0) {
+            for (i, along_row) in unit_along(row) {
+                for (j, along_column) in unit_along(column).filter(|(j, _)| i >= *j) {
+                    k.raise(i, j, value * along_row * along_column);
+                }
+            }
+        }
+    }
+
+    /// The forces (N) on its nodes that it exerts when they are displaced by `u` (m, all nodes of the mesh).
+    pub fn forces<'a>(&'a self, u: &'a [[f64; 3]]) -> impl Iterator<Item = (usize, [f64; 3])> + 'a {
+        let along =
+            |row: &Vec<f64>| -> f64 { row.iter().enumerate().map(|(c, k)| -k * u[self.nodes[c / 3]][c % 3]).sum() };
+        self.nodes
+            .iter()
+            .enumerate()
+            .map(move |(a, &node)| (node, [0, 1, 2].map(|c| along(&self.stiffness[3 * a + c]))))
+    }
+
+    /// Directions at nodes in which it resists a motion.
+    pub fn resisted(&self) -> impl Iterator<Item = (usize, [f64; 3])> + '_ {
+        self.nodes.iter().enumerate().flat_map(move |(a, &node)| {
+            let row = move |c: usize| [0, 1, 2].map(|d| self.stiffness[3 * a + c][3 * a + d]);
+            (0..3).map(row).filter(|n| norm(*n) > 0.0).map(move |n| (node, unit(n)))
+        })
+    }
+}

@@ -1,0 +1,184 @@
+//! Nodes whose unknowns are displacements relative to other nodes.
+//!
+//! In front of another body a node of the slave's boundary has
+//!
+//! ```text
+//! w_j = d_j u_j - Σ_k c_jk u_k
+//! ```
+//!
+//! for an unknown in place of `u_j`, where the `k` are nodes of the master, or others of the slave: the displacement that the contact law
+//! is about. With `û` for all unknowns that is `u = T û`; the stiffness of a body becomes `Tᵀ K T`, its loads `Tᵀ f`, element by element. A
+//! node that is tied has `w_j = 0` and no unknown. What supports hold stays held where it is.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::dofs::Dofs;
+use super::relative::{Relative, Resolved, Ring, in_order, merged};
+use crate::algebra::vector::{axis, dot};
+
+impl Dofs {
+    /// The same with `nodes`, of which no two are the same, relative to others.
+    ///
+    /// # Errors
+    /// [`Ring`] where nodes are relative to each other.
+    pub fn relative_to(mut self, nodes: Vec<Relative>) -> Result<Self, Ring> {
+        let order = in_order(&nodes)?;
+        let mut nodes: BTreeMap<usize, Relative> =
+            nodes.into_iter().map(|relative| (relative.node, relative)).collect();
+        self.leave_out(|node| nodes.get(&node).is_some_and(|relative| relative.tied));
+        for node in order {
+            let Some(Relative { own, others, tied, .. }) = nodes.remove(&node) else { continue };
+            let along = |(a, n): (usize, [f64; 3])| {
+                if self.is_held_along(node, a) {
+                    return Vec::new();
+                }
+                let mut sum = BTreeMap::new();
+                for &(other, c) in &others {
+                    for (dof, value) in self.along(other, n).filter(|(_, value)| *value != 0.0) {
+                        *sum.entry(dof).or_insert(0.0) += c / own * value;
+                    }
+                }
+                sum.into_iter().collect()
+            };
+            let beyond = self.axes(node).into_iter().enumerate().map(along).collect();
+            self.relative.insert(node, Resolved { own, others, tied, beyond });
+            self.relative_order.push(node);
+        }
+        Ok(self)
+    }
+
+    /// Whether the unknowns of a node are relative to others, or it is tied to them.
+    pub fn is_relative(&self, node: usize) -> bool {
+        self.relative.contains_key(&node)
+    }
+
+    /// The displacement of a relative node along `vector` less that of what it is relative to, `own · u - Σ coefficient · u_other`, by
+    /// unknowns: its own, and where a support holds it those of the others.
+    pub fn relative_along(&self, node: usize, vector: [f64; 3]) -> Vec<(usize, f64)> {
+        let Some(Resolved { others, tied: false, .. }) = self.relative.get(&node) else { return Vec::new() };
+        let mut row = Vec::new();
+        for ((a, n), (dof, component)) in
+            self.axes(node).into_iter().enumerate().zip(self.node(node).iter().zip(self.in_frame(node, vector)))
+        {
+            match dof {
+                Some(dof) => row.push((*dof, component)),
+                None if component != 0.0 && self.is_held_along(node, a) => {
+                    let others =
+                        others.iter().flat_map(|&(other, c)| self.along(other, n).map(move |(k, x)| (k, c * x)));
+                    row.extend(others.map(|(dof, value)| (dof, -component * value)));
+                }
+                None => (),
+            }
+        }
+        merged(row)
+    }
+
+    /// The unknowns that the displacements `at` (m) of the nodes are, of which what supports hold does not count.
+    pub fn unknowns(&self, at: impl Fn(usize) -> [f64; 3]) -> Vec<f64> {
+        let mut u = vec![0.0; self.free()];
+        for node in 0..self.nodes() {
+            let own = match self.relative.get(&node) {
+                None => at(node),
+                Some(Resolved { own, others, .. }) => {
+                    let (of_node, others) = (at(node), others.iter().map(|&(other, c)| (c, at(other))));
+                    let sum = others.fold([0.0; 3], |sum, (c, u)| [0, 1, 2].map(|k| sum[k] + c * u[k]));
+                    [0, 1, 2].map(|k| own * of_node[k] - sum[k])
+                }
+            };
+            for (dof, component) in self.node(node).iter().zip(self.in_frame(node, own)) {
+                if let Some(dof) = dof {
+                    u[*dof] = component;
+                }
+            }
+        }
+        u
+    }
+
+    /// The relative nodes that are moved along where supports move others, each after those that it is relative to.
+    pub fn followers(&self) -> Vec<usize> {
+        let mut follows = BTreeSet::new();
+        for &node in &self.relative_order {
+            let others = &self.relative[&node].others;
+            if others.iter().any(|(other, _)| self.is_held(*other) || follows.contains(other)) {
+                follows.insert(node);
+            }
+        }
+        self.relative_order.iter().copied().filter(|node| follows.contains(node)).collect()
+    }
+
+    /// To which nodes the force on a tied node is passed on, with its share for each; none where it is not tied.
+    pub fn passed_on(&self, node: usize) -> Vec<(usize, f64)> {
+        match self.relative.get(&node) {
+            Some(Resolved { own, others, tied: true, .. }) => {
+                others.iter().map(|&(other, c)| (other, c / own)).collect()
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    /// How far (m) a relative node is moved along by what it is relative to where that moves as `at` says, beside where supports hold it.
+    pub fn carried_along(&self, node: usize, at: impl Fn(usize) -> [f64; 3]) -> [f64; 3] {
+        let Some(Resolved { own, others, .. }) = self.relative.get(&node) else { return [0.0; 3] };
+        let mut sum = [0.0; 3];
+        for n in self.free_axes(node) {
+            let along: f64 = others.iter().map(|&(other, c)| c / own * dot(at(other), n)).sum();
+            (0..3).for_each(|c| sum[c] += along * n[c]);
+        }
+        sum
+    }
+
+    /// The stiffness of an element with the corners `nodes` for its unknowns `Tᵀ K T`, and these, where some of them are relative.
+    pub(super) fn expanded(&self, nodes: &[usize], stiffness: &[Vec<f64>]) -> (Vec<usize>, Vec<Vec<f64>>) {
+        let unknowns = self.unknowns_of(nodes);
+        let place = |dof: usize| unknowns.binary_search(&dof).unwrap_or(0);
+        let rows: Vec<Vec<(usize, f64)>> =
+            self.forms(nodes).map(|row| row.into_iter().map(|(dof, c)| (place(dof), c)).collect()).collect();
+        let mut expanded = vec![vec![0.0; unknowns.len()]; unknowns.len()];
+        for (row, values) in rows.iter().zip(stiffness) {
+            let mut of_row = vec![0.0; unknowns.len()];
+            for (column, value) in rows.iter().zip(values) {
+                for (j, c) in column {
+                    of_row[*j] += c * value;
+                }
+            }
+            for (i, c) in row {
+                expanded[*i].iter_mut().zip(&of_row).for_each(|(sum, value)| *sum += c * value);
+            }
+        }
+        (unknowns, expanded)
+    }
+
+    /// The unknowns that the displacements of `nodes` are made of, ascending.
+    pub(super) fn unknowns_of(&self, nodes: &[usize]) -> Vec<usize> {
+        let mut unknowns: Vec<usize> = self.forms(nodes).flatten().map(|(dof, _)| dof).collect();
+        unknowns.sort_unstable();
+        unknowns.dedup();
+        unknowns
+    }
+
+    /// The displacements of `nodes` along the axes of their frames, node by node, by the unknowns.
+    fn forms(&self, nodes: &[usize]) -> impl Iterator<Item = Vec<(usize, f64)>> {
+        let of_node = |&node: &usize| {
+            let relative = self.relative.get(&node);
+            let own = relative.map_or(1.0, |relative| relative.own);
+            let axis = move |(a, dof): (usize, &Option<usize>)| {
+                let beyond = relative.map_or(&[][..], |relative| &relative.beyond[a]);
+                dof.map(|dof| (dof, 1.0 / own)).into_iter().chain(beyond.iter().copied()).collect::<Vec<_>>()
+            };
+            self.node(node).iter().enumerate().map(axis).collect::<Vec<_>>()
+        };
+        nodes.iter().flat_map(of_node).collect::<Vec<_>>().into_iter()
+    }
+
+    /// The axes of the frame of `node` along which no support holds it.
+    pub fn free_axes(&self, node: usize) -> Vec<[f64; 3]> {
+        let axes = self.axes(node).into_iter().enumerate();
+        axes.filter(|(a, _)| !self.is_held_along(node, *a)).map(|(_, n)| n).collect()
+    }
+
+    /// The axes of the frame of `node`, as many as there are dimensions.
+    fn axes(&self, node: usize) -> Vec<[f64; 3]> {
+        let frame = self.frame(node).copied().unwrap_or([0, 1, 2].map(axis));
+        frame[..self.node(node).len()].to_vec()
+    }
+}

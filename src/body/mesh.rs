@@ -1,0 +1,181 @@
+//! Meshes in two and three dimensions with named boundaries and material groups. A mesh may consist of several bodies.
+
+mod arrays;
+mod block;
+mod bodies;
+mod boundaries;
+mod check;
+mod geometry;
+mod gmsh;
+mod half_plane;
+mod interpolation;
+mod joined;
+mod kind;
+mod midsides;
+mod notes;
+mod quadrature;
+mod reference;
+mod rules;
+mod section;
+mod sides;
+mod simplices;
+mod source;
+
+pub use block::block;
+pub use bodies::Bodies;
+pub use check::MeshFault;
+pub use geometry::Geometry;
+pub(crate) use gmsh::faces;
+pub use gmsh::{GmshError, MeshFileError, from_gmsh, gmsh};
+pub(crate) use interpolation::{Jacobian, local_gradients};
+pub use interpolation::{corner_shape, shape};
+pub use kind::CellKind;
+pub use notes::Notes;
+pub(crate) use quadrature::stiffness_rule;
+pub use quadrature::{fine_quadrature, quadrature, quadrature_of};
+pub(crate) use reference::{MOST_NODES, ReferenceCell, ReferenceCells, ReferencePoint};
+pub use source::{Body, HalfPlane, MeshError, MeshSource, Segment};
+
+use crate::algebra::vector::{cross, minus};
+
+/// A mesh of the plane or of space. The dimension is data: points always have three coordinates.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mesh {
+    /// 2 or 3.
+    pub dimension: usize,
+    /// What the coordinates are.
+    pub geometry: Geometry,
+    /// Node coordinates, m; z = 0 in two dimensions.
+    pub nodes: Vec<[f64; 3]>,
+    /// The cells, each of the mesh's dimension.
+    pub cells: Vec<Cell>,
+    /// The names of the material groups.
+    pub groups: Vec<String>,
+    /// The parts of the boundary that a scene can name.
+    pub boundaries: Vec<Boundary>,
+    /// What its file says beyond it.
+    pub notes: Notes,
+}
+
+/// A cell of a mesh.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Cell {
+    /// The kind of the cell.
+    pub kind: CellKind,
+    /// The nodes of the cell, as many as the kind has, in the order of [`CellKind`].
+    pub nodes: Vec<usize>,
+    /// The material group of the cell, an index of [`Mesh::groups`].
+    pub group: usize,
+}
+
+/// The nodes of a part of the boundary in order: an edge in two dimensions from end to end, a triangle or a quadrilateral
+/// in three all around. An edge has the body on its left; a face is counterclockwise seen from outside. In cells of second order
+/// the nodes between corners stand between these: an edge has three, a triangle six.
+pub type Facet = Vec<usize>;
+
+/// A named part of the boundary.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Boundary {
+    /// The name a scene uses.
+    pub name: String,
+    /// The facets of the boundary; in two dimensions in a row.
+    pub facets: Vec<Facet>,
+}
+
+impl Mesh {
+    /// The boundary called `name`.
+    pub fn boundary(&self, name: &str) -> Option<&Boundary> {
+        self.boundaries.iter().find(|boundary| boundary.name == name)
+    }
+
+    /// The names of all boundaries.
+    pub fn boundary_names(&self) -> Vec<&str> {
+        self.boundaries.iter().map(|boundary| boundary.name.as_str()).collect()
+    }
+
+    /// The coordinates of `nodes`, m.
+    pub fn points(&self, nodes: &[usize]) -> Vec<[f64; 3]> {
+        nodes.iter().map(|&node| self.nodes[node]).collect()
+    }
+
+    /// The smallest and the largest coordinate along each axis, m.
+    pub fn bounds(&self) -> [(f64, f64); 3] {
+        self.bounds_of(0..self.nodes.len())
+    }
+
+    /// The same of `nodes`.
+    pub fn bounds_of(&self, nodes: impl IntoIterator<Item = usize>) -> [(f64, f64); 3] {
+        let wider = |bounds: [(f64, f64); 3], node: usize| {
+            let x = self.nodes[node];
+            [0, 1, 2].map(|c| (bounds[c].0.min(x[c]), bounds[c].1.max(x[c])))
+        };
+        nodes.into_iter().fold([(f64::INFINITY, f64::NEG_INFINITY); 3], wider)
+    }
+
+    /// The centre of cell `e`, the mean of its corners, m.
+    pub fn centre(&self, e: usize) -> [f64; 3] {
+        let cell = &self.cells[e];
+        let corners = self.points(&cell.nodes[..cell.kind.corners()]);
+        [0, 1, 2].map(|c| corners.iter().map(|x| x[c]).sum::<f64>() / corners.len() as f64)
+    }
+
+    /// The lengths of the box around the body, m.
+    pub fn extent(&self) -> [f64; 3] {
+        self.bounds().map(|(lowest, highest)| highest - lowest)
+    }
+
+    /// The longest of these, m.
+    pub fn size(&self) -> f64 {
+        self.extent().into_iter().fold(0.0, f64::max)
+    }
+
+    /// The outward normal of a facet times its length (m) or area (m²): exact for curved faces and edges,
+    /// too, since the integral of the normal depends on the edges or ends alone.
+    pub fn area_vector(&self, facet: &[usize]) -> [f64; 3] {
+        let points = self.points(facet);
+        if self.dimension == 2 {
+            let [dx, dy, _] = minus(points[points.len() - 1], points[0]);
+            return [dy, -dx, 0.0];
+        }
+        let polygon = |points: &mut dyn Iterator<Item = [f64; 3]>| {
+            let (mut sum, mut last) = ([0.0; 3], None::<[f64; 3]>);
+            let Some(first) = points.next() else { return sum };
+            for point in points {
+                let from = minus(point, first);
+                if let Some(last) = last.replace(from) {
+                    sum.iter_mut().zip(cross(last, from)).for_each(|(sum, c)| *sum += 0.5 * c);
+                }
+            }
+            sum
+        };
+        let all = polygon(&mut points.iter().copied());
+        if !self.is_quadratic(facet) {
+            return all;
+        }
+        // Simpson's rule, as edges are parabolas.
+        let corners = polygon(&mut points.iter().copied().step_by(2));
+        [0, 1, 2].map(|c| (4.0 * all[c] - corners[c]) / 3.0)
+    }
+
+    /// A point in words: `(x, y)` or `(x, y, z)`.
+    pub fn place(&self, x: [f64; 3]) -> String {
+        let [x, y, z] = x;
+        if self.dimension == 2 { format!("({x}, {y})") } else { format!("({x}, {y}, {z})") }
+    }
+}
+
+impl Boundary {
+    /// The nodes of the boundary, each once, in the order of its facets. Edges may be listed along
+    /// their direction or against it.
+    pub fn nodes(&self) -> Vec<usize> {
+        let mut seen = std::collections::HashSet::new();
+        let against = self.facets.windows(2).any(|pair| pair[0].len() == 2 && pair[0][0] == pair[1][1]);
+        let mut nodes = Vec::new();
+        for facet in &self.facets {
+            let in_order: &mut dyn Iterator<Item = &usize> =
+                if against { &mut facet.iter().rev() } else { &mut facet.iter() };
+            nodes.extend(in_order.copied().filter(|&node| seen.insert(node)));
+        }
+        nodes
+    }
+}

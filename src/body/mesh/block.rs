@@ -1,0 +1,154 @@
+//! Structured meshes of a rectangle or a box.
+
+use super::{Boundary, Cell, CellKind, Facet, Geometry, Mesh, Notes};
+
+/// A rectangle or box of `size` (m, two or three lengths) with its lowest corner in the origin, divided
+/// into `elements` equal quadrilaterals or hexahedra along each axis.
+///
+/// Boundaries: `left` and `right` are at the ends of x. In two dimensions `bottom` and `top` are at the
+/// ends of y; in three they are at the ends of z, and `front` and `back` at those of y.
+pub fn block<const D: usize>(size: &[f64; D], elements: &[usize; D]) -> Mesh {
+    const { assert!(D == 2 || D == 3, "a block has two or three axes") };
+    let axis = |k: usize| progression(size[k], elements[k], 1.0);
+    graded_block(&axis(0), &axis(1), (D == 3).then(|| axis(2)).as_deref())
+}
+
+/// As [`block`], with the mesh lines at the ascending coordinates (m) of each axis.
+pub(super) fn graded_block(xs: &[f64], ys: &[f64], zs: Option<&[f64]>) -> Mesh {
+    zs.map_or_else(|| rectangle(xs, ys), |zs| cuboid(xs, ys, zs))
+}
+
+/// The ends of `n` lengths that fill `length` in geometric progression, the last `ratio` times the
+/// first: `x_i = length (q^i - 1) / (q^n - 1)` with `q = ratio^(1 / (n - 1))`.
+pub(super) fn progression(length: f64, n: usize, ratio: f64) -> Vec<f64> {
+    // Both fractions are exact at both ends, so the sides are exactly straight.
+    if ratio == 1.0 || n == 1 {
+        return (0..=n).map(|i| length * i as f64 / n as f64).collect();
+    }
+    let log = ratio.ln() / (n - 1) as f64;
+    // exp_m1 keeps the digits of q^i - 1 for q close to 1.
+    (0..=n).map(|i| length * ((log * i as f64).exp_m1() / (log * n as f64).exp_m1())).collect()
+}
+
+/// The mesh of the products of the coordinates `xs` and `ys`, both ascending.
+pub(super) fn rectangle(xs: &[f64], ys: &[f64]) -> Mesh {
+    let (nx, ny) = (xs.len() - 1, ys.len() - 1);
+    let node = |i: usize, j: usize| j * (nx + 1) + i;
+    let nodes = ys.iter().flat_map(|&y| xs.iter().map(move |&x| [x, y, 0.0])).collect();
+    let quad = |i, j| vec![node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)];
+    let cells = (0..ny).flat_map(|j| (0..nx).map(move |i| quad(i, j)));
+    let boundaries = vec![
+        side("bottom", (0..nx).map(|i| vec![node(i, 0), node(i + 1, 0)]).collect()),
+        side("right", (0..ny).map(|j| vec![node(nx, j), node(nx, j + 1)]).collect()),
+        side("top", (0..nx).rev().map(|i| vec![node(i + 1, ny), node(i, ny)]).collect()),
+        side("left", (0..ny).rev().map(|j| vec![node(0, j + 1), node(0, j)]).collect()),
+    ];
+    uniform(2, nodes, CellKind::Quadrilateral, cells, boundaries)
+}
+
+/// The mesh of the products of the coordinates `xs`, `ys` and `zs`, all ascending.
+fn cuboid(xs: &[f64], ys: &[f64], zs: &[f64]) -> Mesh {
+    let (nx, ny, nz) = (xs.len() - 1, ys.len() - 1, zs.len() - 1);
+    let node = |i: usize, j: usize, k: usize| (k * (ny + 1) + j) * (nx + 1) + i;
+    let layer = |&z: &f64| ys.iter().flat_map(move |&y| xs.iter().map(move |&x| [x, y, z])).collect::<Vec<_>>();
+    let nodes = zs.iter().flat_map(layer).collect();
+    let around = |i, j, k| [node(i, j, k), node(i + 1, j, k), node(i + 1, j + 1, k), node(i, j + 1, k)];
+    let brick = |i, j, k| [around(i, j, k), around(i, j, k + 1)].concat();
+    let cells = (0..nz).flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| brick(i, j, k))));
+    // `at(a, b)` is a node of a side; a and b count along it so that a × b points outwards.
+    let face = |name: &str, n: [usize; 2], at: &dyn Fn(usize, usize) -> usize| {
+        let quad = |a, b| vec![at(a, b), at(a + 1, b), at(a + 1, b + 1), at(a, b + 1)];
+        side(name, (0..n[1]).flat_map(|b| (0..n[0]).map(move |a| quad(a, b))).collect())
+    };
+    let boundaries = vec![
+        face("bottom", [ny, nx], &|a, b| node(b, a, 0)),
+        face("top", [nx, ny], &|a, b| node(a, b, nz)),
+        face("left", [nz, ny], &|a, b| node(0, b, a)),
+        face("right", [ny, nz], &|a, b| node(nx, a, b)),
+        face("front", [nx, nz], &|a, b| node(a, 0, b)),
+        face("back", [nz, nx], &|a, b| node(b, ny, a)),
+    ];
+    uniform(3, nodes, CellKind::Hexahedron, cells, boundaries)
+}
+
+fn side(name: &str, facets: Vec<Facet>) -> Boundary {
+    Boundary { name: name.into(), facets }
+}
+
+fn uniform(
+    dimension: usize,
+    nodes: Vec<[f64; 3]>,
+    kind: CellKind,
+    cells: impl Iterator<Item = Vec<usize>>,
+    boundaries: Vec<Boundary>,
+) -> Mesh {
+    let cells = cells.map(|nodes| Cell { kind, nodes, group: 0 }).collect();
+    Mesh {
+        dimension,
+        geometry: Geometry::Cartesian,
+        nodes,
+        cells,
+        groups: vec!["body".into()],
+        boundaries,
+        notes: Notes::default(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::algebra::vector::dot;
+
+    #[test]
+    fn boundaries_run_around_the_body() {
+        let mesh = block(&[2.0, 1.0], &[3, 2]);
+        assert_eq!((mesh.nodes.len(), mesh.cells.len()), (12, 6));
+        assert_eq!(mesh.boundary("bottom").unwrap().nodes(), [0, 1, 2, 3]);
+        assert_eq!(mesh.boundary("top").unwrap().nodes(), [11, 10, 9, 8]);
+    }
+
+    /// By Gauss's theorem, `d V = ∮ x · n`, for flat facets with x at any point of them.
+    #[test]
+    fn facets_point_outwards() {
+        let sizes: [(&[f64], Mesh); 2] =
+            [(&[2.0, 1.5], block(&[2.0, 1.5], &[3, 2])), (&[2.0, 1.5, 0.5], block(&[2.0, 1.5, 0.5], &[3, 2, 4]))];
+        for (size, block) in sizes {
+            for mesh in [block.clone(), block.into_simplices()] {
+                let facets = || mesh.boundaries.iter().flat_map(|b| &b.facets);
+                let volume: f64 = facets().map(|facet| dot(mesh.nodes[facet[0]], mesh.area_vector(facet))).sum();
+                assert!((volume - size.len() as f64 * size.iter().product::<f64>()).abs() < 1e-14);
+                let mut closed = [0.0; 3];
+                for facet in facets() {
+                    closed.iter_mut().zip(mesh.area_vector(facet)).for_each(|(sum, a)| *sum += a);
+                }
+                assert!(closed.iter().all(|c| c.abs() < 1e-14), "{closed:?}");
+            }
+        }
+        let mesh = block(&[2.0, 1.5, 0.5], &[3, 2, 4]);
+        for (name, normal) in [
+            ("left", [-1.0, 0.0, 0.0]),
+            ("right", [1.0, 0.0, 0.0]),
+            ("front", [0.0, -1.0, 0.0]),
+            ("back", [0.0, 1.0, 0.0]),
+            ("bottom", [0.0, 0.0, -1.0]),
+            ("top", [0.0, 0.0, 1.0]),
+        ] {
+            let facets = &mesh.boundary(name).unwrap().facets;
+            assert!(facets.iter().all(|facet| dot(mesh.area_vector(facet), normal) > 0.0), "{name}");
+        }
+    }
+
+    #[test]
+    fn sizes_are_in_geometric_progression() {
+        for ratio in [1e-6, 0.25, 1.0 + 1e-9, 8.0, 1e6] {
+            let xs = progression(3.0, 10, ratio);
+            let sizes: Vec<f64> = xs.windows(2).map(|x| x[1] - x[0]).collect();
+            assert_eq!((xs.len(), xs[0], xs[10]), (11, 0.0, 3.0));
+            assert!((sizes[9] / sizes[0] / ratio - 1.0).abs() < 1e-9, "{sizes:?}");
+            let q = ratio.powf(1.0 / 9.0);
+            assert!(sizes.windows(2).all(|h| (h[1] / h[0] / q - 1.0).abs() < 1e-9), "{sizes:?}");
+        }
+        assert_eq!(graded_block(&[0.0, 1.0, 2.0], &[0.0, 1.0], None), block(&[2.0, 1.0], &[2, 1]));
+        assert_eq!(progression(3.0, 1, 8.0), [0.0, 3.0]);
+    }
+}

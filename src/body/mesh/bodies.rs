@@ -1,0 +1,137 @@
+//! The bodies of a mesh: its pieces, which share no node.
+
+use std::collections::BTreeMap;
+
+use super::Mesh;
+use crate::algebra::union_find::UnionFind;
+
+/// Which body each node and each cell of a mesh belongs to. Bodies count from 0, in the order of their first cells.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Bodies {
+    names: Vec<String>,
+    of_node: Vec<usize>,
+    of_cell: Vec<usize>,
+}
+
+impl Bodies {
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.names.len()
+    }
+
+    /// Whether there is more than one.
+    pub fn are_several(&self) -> bool {
+        self.count() > 1
+    }
+
+    /// Their names, from the groups of their cells: the group's own, without what follows a colon; of cells in several groups
+    /// the names of these joined by `+`. A name that several bodies share has a number: `disc 1`, `disc 2`.
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// What messages call body `k`: by its name where there are several, otherwise "the body".
+    pub fn told(&self, k: usize) -> String {
+        if self.are_several() { format!("`{}`", self.names[k]) } else { "the body".to_string() }
+    }
+
+    /// The body of each node of the mesh.
+    pub fn of_nodes(&self) -> &[usize] {
+        &self.of_node
+    }
+
+    /// The body of each cell of the mesh.
+    pub fn of_cells(&self) -> &[usize] {
+        &self.of_cell
+    }
+
+    /// The nodes of body `k`, ascending.
+    pub fn nodes(&self, k: usize) -> impl Iterator<Item = usize> + '_ {
+        (0..self.of_node.len()).filter(move |&node| self.of_node[node] == k)
+    }
+
+    /// The cells of body `k`, ascending.
+    pub fn cells(&self, k: usize) -> impl Iterator<Item = usize> + '_ {
+        (0..self.of_cell.len()).filter(move |&e| self.of_cell[e] == k)
+    }
+}
+
+impl Mesh {
+    /// The bodies that the mesh consists of: the cells that hang together by their nodes. The mesh must be sound.
+    pub fn bodies(&self) -> Bodies {
+        let mut pieces = UnionFind::new(self.nodes.len());
+        for cell in &self.cells {
+            cell.nodes.windows(2).for_each(|pair| pieces.join(pair[0], pair[1]));
+        }
+        let mut numbers: Vec<Option<usize>> = vec![None; self.nodes.len()];
+        let mut groups: Vec<Vec<usize>> = Vec::new();
+        let mut of_cell = Vec::with_capacity(self.cells.len());
+        for cell in &self.cells {
+            let body = *numbers[pieces.least(cell.nodes[0])].get_or_insert_with(|| {
+                groups.push(Vec::new());
+                groups.len() - 1
+            });
+            if !groups[body].contains(&cell.group) {
+                groups[body].push(cell.group);
+            }
+            of_cell.push(body);
+        }
+        let of_node = (0..self.nodes.len()).map(|node| numbers[pieces.least(node)].unwrap_or(0)).collect();
+        let names =
+            groups.iter().map(|groups| named(groups.iter().map(|&group| self.groups[group].as_str()).collect()));
+        Bodies { names: numbered(&names.collect::<Vec<_>>()), of_node, of_cell }
+    }
+
+    /// Pairs of nodes in one place that belong to different bodies of `bodies`, those of this mesh: each node with the next one there.
+    /// That is well where bodies touch; where they should be one, somebody forgot to join them.
+    pub fn touching_nodes(&self, bodies: &Bodies) -> Vec<(usize, usize)> {
+        let of = bodies.of_nodes();
+        if !bodies.are_several() {
+            return Vec::new();
+        }
+        self.pairs_in(&self.in_order(), self.near(), |a, b| of[a] != of[b])
+    }
+}
+
+/// The name of a body whose cells are in `groups`; what is in no group has a group without a name.
+fn named(groups: Vec<&str>) -> String {
+    let body = |group: &&str| group.split(':').next().unwrap_or_default().to_string();
+    let whole = |name: &str| if name.is_empty() { "body".to_string() } else { name.to_string() };
+    match groups.first().map(body) {
+        Some(first) if groups.iter().all(|group| body(group) == first) => whole(&first),
+        _ => groups.into_iter().map(whole).collect::<Vec<_>>().join("+"),
+    }
+}
+
+/// The same names, numbered where several are alike.
+fn numbered(names: &[String]) -> Vec<String> {
+    let mut counts: BTreeMap<&str, (usize, usize)> = BTreeMap::new();
+    for name in names {
+        counts.entry(name).or_default().0 += 1;
+    }
+    let number = |name: &String| match counts.get_mut(name.as_str()) {
+        Some((2.., met)) => {
+            *met += 1;
+            format!("{name} {met}")
+        }
+        _ => name.clone(),
+    };
+    names.iter().map(number).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{named, numbered};
+
+    #[test]
+    fn bodies_are_called_by_their_groups() {
+        assert_eq!(named(vec!["upper"]), "upper");
+        assert_eq!(named(vec!["upper:a", "upper:b"]), "upper");
+        assert_eq!(named(vec!["upper", "upper:b"]), "upper");
+        assert_eq!(named(vec!["steel", "rubber"]), "steel+rubber");
+        assert_eq!(named(vec!["", "rubber"]), "body+rubber");
+        assert_eq!(named(vec![""]), "body");
+        let names = ["disc", "plate", "disc"].map(str::to_string);
+        assert_eq!(numbered(&names), ["disc 1", "plate", "disc 2"]);
+    }
+}

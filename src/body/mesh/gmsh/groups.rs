@@ -1,0 +1,133 @@
+//! From elements and physical groups to cells, material groups and boundaries.
+
+use std::collections::HashSet;
+
+use super::read::{Block, File, SAME_PLACE};
+use super::{ElementKind, GmshError};
+use crate::body::mesh::boundaries::Outline;
+use crate::body::mesh::{Cell, Facet, Geometry, Mesh, Notes};
+
+/// The mesh without its boundaries, and Gmsh's number of each cell.
+pub(super) fn mesh(file: &mut File, name: &str) -> Result<(Mesh, Vec<usize>), GmshError> {
+    let dimension = file.blocks.iter().map(|block| block.kind.dimension()).max().unwrap_or(0);
+    if dimension < 2 {
+        return Err(GmshError {
+            file: name.to_string(),
+            line: 1,
+            message: "the file has no elements of two or three dimensions".to_string(),
+            help: "mesh the surfaces (gmsh -2) or volumes (gmsh -3), and put them in a physical group: where there are any \
+                   groups, Gmsh writes nothing else"
+                .to_string(),
+        });
+    }
+    let mut notes = Notes::default();
+    let unused = file.leave_out_unused_nodes(dimension);
+    if unused > 0 {
+        notes.remarks.push(match unused {
+            1 => "1 node is left out: no element of the body has it".to_string(),
+            _ => format!("{unused} nodes are left out: no element of the body has them"),
+        });
+    }
+    let (mut cells, mut numbers, mut groups) = (Vec::new(), Vec::new(), Vec::<String>::new());
+    for Block { kind, groups: names, elements } in &file.blocks {
+        let ElementKind::Cell(kind) = *kind else { continue };
+        if kind.dimension() < dimension {
+            continue;
+        }
+        // What is in no group is a group of its own, without a name.
+        let mut names = names.clone();
+        names.sort();
+        let group = names.join("+");
+        if names.len() > 1 && !notes.combined.iter().any(|(known, _)| *known == group) {
+            notes.combined.push((group.clone(), names.clone()));
+        }
+        let group = groups.iter().position(|known| *known == group).unwrap_or_else(|| {
+            groups.push(group);
+            groups.len() - 1
+        });
+        for (number, nodes) in elements {
+            let nodes = kind.properties().gmsh_order.iter().map(|&place| nodes[place]).collect();
+            cells.push(Cell { kind, nodes, group });
+            numbers.push(*number);
+        }
+    }
+    let mut nodes = file.nodes.clone();
+    if dimension == 2 {
+        let axes = plane(file).map_err(|message| GmshError {
+            file: name.to_string(),
+            line: 1,
+            message,
+            help: "turn a plane mesh into the x-y plane of the file (x-z and y-z are read, too); a body in space needs volume \
+                   elements: mesh it with gmsh -3 and put its volumes into a physical group, too, for where there are any \
+                   groups, Gmsh writes nothing else"
+                .to_string(),
+        })?;
+        for x in &mut nodes {
+            *x = [x[axes[0]], x[axes[1]], 0.0];
+        }
+        if axes != [0, 1] {
+            let [first, second] = axes.map(|axis| ["x", "y", "z"][axis]);
+            let remark =
+                format!("the mesh lies in the {first}-{second} plane of its file: {first} is x here, {second} is y");
+            notes.remarks.push(remark);
+        }
+    }
+    let boundaries = Vec::new();
+    let mut mesh = Mesh { dimension, geometry: Geometry::Cartesian, nodes, cells, groups, boundaries, notes };
+    turn_over(&mut mesh);
+    Ok((mesh, numbers))
+}
+
+/// The axes of the coordinate plane that all nodes lie in; otherwise why there is none, in words.
+fn plane(file: &File) -> Result<[usize; 2], String> {
+    let extent = file.nodes.iter().flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
+    let origin = file.nodes.first().copied().unwrap_or_default();
+    let off = |axis: usize| file.nodes.iter().position(|x| (x[axis] - origin[axis]).abs() > SAME_PLACE * extent);
+    match (off(2), off(1), off(0)) {
+        (None, ..) => Ok([0, 1]),
+        (_, None, _) => Ok([0, 2]),
+        (.., None) => Ok([1, 2]),
+        (Some(k), ..) => {
+            let (node, z) = (file.numbers[k], file.nodes[k][2]);
+            Err(format!("the mesh is a surface that is not plane: node {node} has z = {z}"))
+        }
+    }
+}
+
+/// Turns over the cells that are numbered the wrong way round. A cell that lies on a neighbour afterwards was inverted by its
+/// nodes rather than by their order, and stays as it was.
+fn turn_over(mesh: &mut Mesh) {
+    let inverted = |cell: &Cell| mesh.corner_volumes(cell).iter().all(|&(volume, _)| volume < 0.0);
+    let turned: Vec<bool> = mesh.cells.iter().map(inverted).collect();
+    let turn = |cells: &mut [Cell], which: &dyn Fn(usize) -> bool| {
+        cells.iter_mut().enumerate().filter(|(e, _)| which(*e)).for_each(|(_, cell)| cell.turn_over());
+    };
+    turn(&mut mesh.cells, &|e| turned[e]);
+    // Where all are turned, none lies on another that did not before.
+    if turned.contains(&true) && turned.contains(&false) {
+        let pairs = mesh.sides().err().unwrap_or_default();
+        let overlapping: HashSet<usize> = pairs.into_iter().flat_map(|(a, b)| [a, b]).collect();
+        turn(&mut mesh.cells, &|e| turned[e] && overlapping.contains(&e));
+    }
+}
+
+/// Adds a boundary for each physical group of facets that can be one.
+pub(super) fn boundaries(mesh: &mut Mesh, file: &File) {
+    let mut named: Vec<(String, Vec<(usize, Facet)>)> = Vec::new();
+    for block in file.blocks.iter().filter(|block| block.kind.dimension() + 1 == mesh.dimension) {
+        for name in &block.groups {
+            let k = named.iter().position(|(known, _)| known == name).unwrap_or_else(|| {
+                named.push((name.clone(), Vec::new()));
+                named.len() - 1
+            });
+            named[k].1.extend(block.elements.iter().cloned());
+        }
+    }
+    let outline = Outline::new(&mesh.cells);
+    for (name, facets) in named {
+        match outline.boundary(&name, &facets) {
+            Ok(boundary) => mesh.boundaries.push(boundary),
+            Err(fault) => mesh.notes.unusable.push((name, fault)),
+        }
+    }
+}

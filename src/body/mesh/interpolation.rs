@@ -1,0 +1,181 @@
+//! Shape functions: linear on triangles and tetrahedra, quadratic on those of second order, bilinear on quadrilaterals, trilinear
+//! on hexahedra, products on prisms. They map the reference cell to the cell.
+
+use super::CellKind;
+use super::kind::Functions;
+use crate::algebra::vector::{cross, dot, minus, norm};
+
+/// The middle of an edge that is off its straight line, or off the middle, by more than this share of the edge is meant to be;
+/// what rounding makes of coordinates is far less.
+const STRAIGHT: f64 = 1e-10;
+
+/// The shape functions of all nodes at the reference point `[ξ, η, ζ]`: `Π ½ (1 + ξ_c ξ_ac)` over the
+/// axes c of a square or cube; `1 - ξ - η - ζ, ξ, η, ζ` of a tetrahedron, without ζ of a triangle, and these times
+/// `½ (1 ± ζ)` of a prism. With these `L_a` those of second
+/// order have `L_a (2 L_a - 1)` at corners and `4 L_a L_b` between the corners a and b.
+pub fn shape(kind: CellKind, point: [f64; 3]) -> Vec<f64> {
+    let corners = kind.corners();
+    let product = |k: usize| {
+        let corner = kind.reference_node(k);
+        (0..kind.dimension()).map(|c| 0.5 * (1.0 + point[c] * corner[c])).product()
+    };
+    match kind.properties().functions {
+        Functions::Multilinear => (0..corners).map(product).collect(),
+        Functions::Prismatic => {
+            let ends = [0.5 * (1.0 - point[2]), 0.5 * (1.0 + point[2])];
+            let l = across(point);
+            ends.into_iter().flat_map(|end| l.map(|l| l * end)).collect()
+        }
+        Functions::Linear => barycentric(kind, point),
+        Functions::Quadratic => {
+            let l = barycentric(kind, point);
+            let middles = kind.properties().edges.iter().map(|&[a, b]| 4.0 * l[a] * l[b]);
+            l.iter().map(|l| l * (2.0 * l - 1.0)).chain(middles).collect()
+        }
+    }
+}
+
+/// The shape functions of the corners alone, as if there were no other nodes.
+pub fn corner_shape(kind: CellKind, point: [f64; 3]) -> Vec<f64> {
+    if kind.is_quadratic() { barycentric(kind, point) } else { shape(kind, point) }
+}
+
+/// `L_a` of the triangle across a prism.
+fn across([xi, eta, _]: [f64; 3]) -> [f64; 3] {
+    [1.0 - xi - eta, xi, eta]
+}
+
+/// `L_a` of all corners of a simplex.
+fn barycentric(kind: CellKind, [xi, eta, zeta]: [f64; 3]) -> Vec<f64> {
+    match kind.dimension() {
+        2 => vec![1.0 - xi - eta, xi, eta],
+        _ => vec![1.0 - xi - eta - zeta, xi, eta, zeta],
+    }
+}
+
+/// `∂N_a/∂(ξ, η, ζ)` of all nodes; the last is 0 in the plane.
+pub(crate) fn local_gradients(kind: CellKind, point: [f64; 3]) -> Vec<[f64; 3]> {
+    let (axes, corners) = (kind.dimension(), kind.corners());
+    let slope = |corner: &[f64; 3], along: usize| {
+        let others = (0..axes).filter(|&c| c != along);
+        0.5 * corner[along] * others.map(|c| 0.5 * (1.0 + point[c] * corner[c])).product::<f64>()
+    };
+    let gradient = |k: usize| {
+        let corner = kind.reference_node(k);
+        [0, 1, 2].map(|c| if c < axes { slope(&corner, c) } else { 0.0 })
+    };
+    let linear = || match axes {
+        2 => vec![[-1.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+        _ => vec![[-1.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+    };
+    match kind.properties().functions {
+        Functions::Multilinear => (0..corners).map(gradient).collect(),
+        Functions::Prismatic => {
+            let (l, d) = (across(point), [[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]]);
+            let at_end = |sign: f64| {
+                let end = 0.5 * (1.0 + sign * point[2]);
+                (0..3).map(move |a| [end * d[a][0], end * d[a][1], 0.5 * sign * l[a]])
+            };
+            at_end(-1.0).chain(at_end(1.0)).collect()
+        }
+        Functions::Linear => linear(),
+        Functions::Quadratic => {
+            let (l, d) = (barycentric(kind, point), linear());
+            let at_corner = |a: usize| d[a].map(|d| (4.0 * l[a] - 1.0) * d);
+            let between = |[a, b]: [usize; 2]| [0, 1, 2].map(|c| 4.0 * (l[a] * d[b][c] + l[b] * d[a][c]));
+            let middles = kind.properties().edges.iter().map(|&edge| between(edge));
+            (0..corners).map(at_corner).chain(middles).collect()
+        }
+    }
+}
+
+/// The map of a reference cell near a point.
+pub(crate) struct Jacobian {
+    /// `∂N_a/∂(ξ, η, ζ)` of all nodes.
+    pub local: Vec<[f64; 3]>,
+    /// `∂(x, y, z)/∂(ξ, η, ζ)`, row by row of the latter; in the plane the third row is (0, 0, 1), for it is a slice of space.
+    pub rows: [[f64; 3]; 3],
+    /// The columns of its inverse times the determinant.
+    pub cofactors: [[f64; 3]; 3],
+    /// The determinant, m^d.
+    pub determinant: f64,
+}
+
+impl Jacobian {
+    /// At the reference point `point` of the cell with `nodes` (m).
+    pub(crate) fn new(kind: CellKind, point: [f64; 3], nodes: &[[f64; 3]]) -> Self {
+        let local = local_gradients(kind, point);
+        let mut j = [[0.0; 3]; 3];
+        for (d, x) in local.iter().zip(nodes) {
+            for r in 0..3 {
+                for c in 0..3 {
+                    j[r][c] += d[r] * x[c];
+                }
+            }
+        }
+        if kind.dimension() == 2 {
+            j[2] = [0.0, 0.0, 1.0];
+        }
+        let cofactors = [cross(j[1], j[2]), cross(j[2], j[0]), cross(j[0], j[1])];
+        Jacobian { local, rows: j, cofactors, determinant: dot(j[0], cofactors[0]) }
+    }
+}
+
+impl CellKind {
+    /// Whether an edge of the cell with these `nodes` is curved, or the node between its ends not in the middle.
+    pub(super) fn is_curved(self, nodes: &[[f64; 3]]) -> bool {
+        let off = |(&[a, b], middle): (&[usize; 2], &[f64; 3])| {
+            let (a, b) = (nodes[a], nodes[b]);
+            let off = [0, 1, 2].map(|c| middle[c] - 0.5 * (a[c] + b[c]));
+            norm(off) > STRAIGHT * norm(minus(b, a))
+        };
+        self.properties().edges.iter().zip(&nodes[self.corners()..]).any(off)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The nodes of a reference cell, bent; those of the plane stay in it.
+    fn distorted(kind: CellKind) -> Vec<[f64; 3]> {
+        let bent = |[x, y, z]: [f64; 3]| [x + 0.2 * y * y + 0.1 * z, y - 0.3 * x + 0.1 * x * y, z + 0.2 * x * y * z];
+        (0..kind.nodes()).map(|k| bent(kind.reference_node(k))).collect()
+    }
+
+    #[test]
+    fn each_function_is_one_at_its_node() {
+        for kind in CellKind::ALL {
+            for a in 0..kind.nodes() {
+                let values = shape(kind, kind.reference_node(a));
+                assert!(values.iter().enumerate().all(|(b, &n)| n == f64::from(u8::from(a == b))), "{kind:?}");
+            }
+        }
+    }
+
+    /// The gradients are the derivatives of the functions, which add up to 1.
+    #[test]
+    fn gradients_are_derivatives() {
+        let (point, step) = ([0.2, 0.3, 0.1], 1e-6);
+        for kind in CellKind::ALL {
+            assert!((shape(kind, point).iter().sum::<f64>() - 1.0).abs() < 1e-15);
+            let gradients = local_gradients(kind, point);
+            assert_eq!(gradients.len(), kind.nodes());
+            for c in 0..kind.dimension() {
+                let at = |s: f64| shape(kind, [0, 1, 2].map(|k| point[k] + if k == c { s } else { 0.0 }));
+                for ((ahead, behind), gradient) in at(step).iter().zip(at(-step)).zip(&gradients) {
+                    assert!(((ahead - behind) / (2.0 * step) - gradient[c]).abs() < 1e-9, "{kind:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn curved_is_what_is_off_the_middle() {
+        for kind in CellKind::ALL {
+            let straight: Vec<_> = (0..kind.nodes()).map(|k| kind.reference_node(k)).collect();
+            assert!(!kind.is_curved(&straight), "{kind:?}");
+            assert_eq!(kind.is_curved(&distorted(kind)), kind.is_quadratic(), "{kind:?}");
+        }
+    }
+}

@@ -1,0 +1,129 @@
+//! Nodes at the middles of edges: cells and facets of second order.
+
+use std::collections::HashMap;
+
+use super::{Cell, Facet, Mesh};
+
+impl Mesh {
+    /// Whether there are nodes between the corners of a facet of this mesh.
+    pub fn is_quadratic(&self, facet: &[usize]) -> bool {
+        facet.len() == if self.dimension == 2 { 3 } else { 6 }
+    }
+
+    /// The edges of a facet that have a node between their ends: the one end, that node, the other end.
+    pub fn bent_edges(&self, facet: &[usize]) -> Vec<[usize; 3]> {
+        let places = if self.is_quadratic(facet) { 1..facet.len() } else { 0..0 };
+        places.step_by(2).map(|k| [facet[k - 1], facet[k], facet[(k + 1) % facet.len()]]).collect()
+    }
+
+    /// A facet cut into pieces between its nodes that are flat or straight if it is: an edge of three nodes into two, a triangle of
+    /// six into four. Others stay as they are.
+    pub fn pieces_of(&self, facet: &[usize]) -> Vec<Facet> {
+        match (self.is_quadratic(facet), facet) {
+            (true, &[a, b, c]) => vec![vec![a, b], vec![b, c]],
+            (true, &[a, ab, b, bc, c, ca]) => {
+                vec![vec![a, ab, ca], vec![ab, b, bc], vec![bc, c, ca], vec![ab, bc, ca]]
+            }
+            _ => vec![facet.to_vec()],
+        }
+    }
+
+    /// The mesh with a node at the middle of each edge of its triangles and tetrahedra: cells of second order with straight edges.
+    /// Other cells stay as they are.
+    #[must_use]
+    pub fn into_second_order(mut self) -> Mesh {
+        let mut middles = HashMap::<[usize; 2], usize>::new();
+        for cell in &mut self.cells {
+            let Some(kind) = cell.kind.of_second_order() else { continue };
+            for edge in kind.properties().edges {
+                let [a, b] = edge.map(|k| cell.nodes[k]);
+                let middle = *middles.entry([a.min(b), a.max(b)]).or_insert_with(|| {
+                    let (x, y) = (self.nodes[a], self.nodes[b]);
+                    self.nodes.push([0, 1, 2].map(|c| 0.5 * (x[c] + y[c])));
+                    self.nodes.len() - 1
+                });
+                cell.nodes.push(middle);
+            }
+            cell.kind = kind;
+        }
+        let around = |facet: &Facet| -> Facet {
+            let edges = if self.dimension == 2 { facet.len() - 1 } else { facet.len() };
+            let middle = |k: usize| {
+                let (a, b) = (facet[k], facet[(k + 1) % facet.len()]);
+                middles.get(&[a.min(b), a.max(b)]).copied().filter(|_| k < edges)
+            };
+            (0..facet.len()).flat_map(|k| [Some(facet[k]), middle(k)]).flatten().collect()
+        };
+        for boundary in &mut self.boundaries {
+            boundary.facets = boundary.facets.iter().map(around).collect();
+        }
+        self
+    }
+}
+
+impl Cell {
+    /// Numbers the nodes the other way round, which changes the sign of the volume.
+    pub(super) fn turn_over(&mut self) {
+        self.nodes = self.kind.properties().mirrored.iter().map(|&k| self.nodes[k]).collect();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::body::mesh::{Mesh, block};
+
+    /// Every facet of a boundary is a side of its cell, with the same outside.
+    #[test]
+    fn sides_and_boundaries_agree() {
+        for mesh in [block(&[2.0, 1.0], &[3, 2]), block(&[2.0, 1.0, 1.5], &[3, 2, 2])] {
+            let (corners, d) = (mesh.nodes.len(), mesh.dimension);
+            let mesh: Mesh = mesh.into_simplices().into_second_order();
+            mesh.check().unwrap();
+            let lattice = if d == 2 { 7 * 5 } else { 7 * 5 * 5 };
+            assert_eq!(mesh.nodes.len(), lattice);
+            for facet in mesh.boundaries.iter().flat_map(|boundary| &boundary.facets) {
+                assert!(mesh.is_quadratic(facet));
+                let edges = mesh.bent_edges(facet);
+                assert_eq!(edges.len(), if d == 2 { 1 } else { 3 });
+                for [a, m, b] in edges {
+                    assert!(a < corners && b < corners && m >= corners);
+                    let middle = [0, 1, 2].map(|c| 0.5 * (mesh.nodes[a][c] + mesh.nodes[b][c]));
+                    assert_eq!(mesh.nodes[m], middle);
+                }
+                let pieces: [f64; 3] = mesh.pieces_of(facet).iter().fold([0.0; 3], |sum, piece| {
+                    let area = mesh.area_vector(piece);
+                    [0, 1, 2].map(|c| sum[c] + area[c])
+                });
+                let whole = mesh.area_vector(facet);
+                assert!((0..3).all(|c| (pieces[c] - whole[c]).abs() < 1e-15), "{pieces:?} {whole:?}");
+            }
+        }
+    }
+
+    /// A plane mesh that runs the wrong way round is sound once its cells are turned over.
+    #[test]
+    fn cells_are_turned_over_with_their_edges() {
+        let mut mesh = block(&[2.0, 1.0], &[2, 2]).into_simplices().into_second_order();
+        mesh.nodes.iter_mut().for_each(|x| x[0] = -x[0]);
+        assert!(mesh.check_indices().is_ok() && mesh.check().is_err());
+        mesh.cells.iter_mut().for_each(super::Cell::turn_over);
+        mesh.boundaries.clear();
+        mesh.check().unwrap();
+    }
+
+    /// The area vector of a curved face is that of its flat edges where these bound it, and Simpson's rule otherwise.
+    #[test]
+    fn area_vectors_of_curved_facets() {
+        let mut mesh = block(&[1.0, 1.0, 1.0], &[1, 1, 1]).into_simplices().into_second_order();
+        let facet = mesh.boundary("top").unwrap().facets[0].clone();
+        // The curved edge from a to b bulges by 0.1 aside: a parabola, whose segment has the area 2/3 · 0.1 · |b - a|.
+        let [a, m, b] = mesh.bent_edges(&facet)[0];
+        let (x, y) = (mesh.nodes[a], mesh.nodes[b]);
+        let along = [y[0] - x[0], y[1] - x[1]];
+        let length = along[0].hypot(along[1]);
+        let flat = mesh.area_vector(&facet)[2];
+        mesh.nodes[m][0] += 0.1 * along[1] / length;
+        mesh.nodes[m][1] -= 0.1 * along[0] / length;
+        assert!((mesh.area_vector(&facet)[2] - flat - 0.2 / 3.0 * length).abs() < 1e-15);
+    }
+}

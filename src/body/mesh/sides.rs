@@ -1,0 +1,198 @@
+//! The sides of cells, and which cells hang together by them.
+
+use std::collections::{HashMap, HashSet};
+
+use super::{Cell, Facet, Mesh};
+use crate::algebra::union_find::UnionFind;
+
+/// Where parts of one body touch that share no whole side.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) struct Joint {
+    /// A cell of each part of the body.
+    pub cells: Vec<usize>,
+    /// A node of two of them.
+    pub node: usize,
+}
+
+impl Cell {
+    /// The sides of the cell, each with its outside as [`Facet`] wants it.
+    pub(super) fn facets(&self) -> Vec<Facet> {
+        let sides = self.kind.properties().sides;
+        sides.iter().map(|side| side.iter().map(|&k| self.nodes[k]).collect()).collect()
+    }
+
+    /// The nodes of a plane cell all around.
+    pub fn around(&self) -> Vec<usize> {
+        self.facets().iter().flat_map(|side| &side[..side.len() - 1]).copied().collect()
+    }
+}
+
+impl Mesh {
+    /// The cell on the inner side of each facet, which is written from its least node on; or the pairs of cells, of
+    /// positive volume, that lie on the same side of a facet and so on one another.
+    pub(super) fn sides(&self) -> Result<HashMap<Facet, usize>, Vec<(usize, usize)>> {
+        let (mut sides, mut overlapping) = (HashMap::new(), Vec::new());
+        for (e, cell) in self.cells.iter().enumerate() {
+            for facet in cell.facets() {
+                if let Some(other) = sides.insert(from_least(facet), e) {
+                    overlapping.push((other, e));
+                }
+            }
+        }
+        overlapping.sort_unstable();
+        overlapping.dedup();
+        if overlapping.is_empty() { Ok(sides) } else { Err(overlapping) }
+    }
+
+    /// The surface of the body: the sides that belong to one cell only, each with its outside as [`Facet`] wants it, and the
+    /// number of that cell; in the order of the cells.
+    pub fn surface(&self) -> Vec<(Facet, usize)> {
+        self.surface_at(|_| true)
+    }
+
+    /// The part of the surface whose facets have a node that is `wanted`. Sides of other cells are not looked at.
+    pub fn surface_at(&self, wanted: impl Fn(usize) -> bool) -> Vec<(Facet, usize)> {
+        let inward = |facet: &Facet| from_least(facet.iter().rev().copied().collect());
+        let is_wanted = |facet: &Facet| facet.iter().any(|node| wanted(*node));
+        let sides: Vec<(Facet, usize)> = self
+            .cells
+            .iter()
+            .enumerate()
+            .filter(|(_, cell)| cell.nodes.iter().any(|node| wanted(*node)))
+            .flat_map(|(e, cell)| cell.facets().into_iter().filter(is_wanted).map(move |facet| (facet, e)))
+            .collect();
+        let all = || sides.iter().cloned();
+        let known: HashSet<Facet> = all().map(|(facet, _)| from_least(facet)).collect();
+        all().filter(|(facet, _)| !known.contains(&inward(facet))).collect()
+    }
+
+    /// A joint, if there is one; `body` is that of each cell.
+    pub(super) fn joint(&self, sides: &HashMap<Facet, usize>, body: &[usize]) -> Option<Joint> {
+        // The first cell stands for its part.
+        let mut joined = UnionFind::new(self.cells.len());
+        for (facet, &cell) in sides {
+            let from_outside = from_least(facet.iter().rev().copied().collect());
+            if let Some(&neighbour) = sides.get(&from_outside) {
+                joined.join(cell, neighbour);
+            }
+        }
+        let mut part_at: Vec<Option<usize>> = vec![None; self.nodes.len()];
+        let (node, own) = self.cells.iter().enumerate().find_map(|(e, cell)| {
+            let part = joined.least(e);
+            let meets = |&node: &usize| *part_at[node].get_or_insert(part) != part;
+            Some((cell.nodes.iter().copied().find(meets)?, body[e]))
+        })?;
+        let cells = (0..self.cells.len()).filter(|&e| body[e] == own && joined.least(e) == e).collect();
+        Some(Joint { cells, node })
+    }
+}
+
+/// Pairs of cells of which one has a quadrilateral, of those in `sides`, and the other a triangle with three of its corners.
+pub(super) fn unmatched(sides: &HashMap<Facet, usize>) -> Vec<(usize, usize)> {
+    if sides.keys().all(|facet| facet.len() != 4) || sides.keys().all(|facet| facet.len() != 3) {
+        return Vec::new();
+    }
+    let sorted = |mut corners: Facet| {
+        corners.sort_unstable();
+        corners
+    };
+    let triangles: HashMap<Facet, usize> =
+        sides.iter().filter(|(facet, _)| facet.len() == 3).map(|(facet, &e)| (sorted(facet.clone()), e)).collect();
+    let mut pairs: Vec<(usize, usize)> = Vec::new();
+    for (facet, &e) in sides.iter().filter(|(facet, _)| facet.len() == 4) {
+        let without = |k: usize| sorted((0..4).filter(|j| *j != k).map(|j| facet[j]).collect());
+        let others = (0..4).filter_map(|k| triangles.get(&without(k))).filter(|other| **other != e);
+        pairs.extend(others.map(|&other| (e.min(other), e.max(other))));
+    }
+    pairs.sort_unstable();
+    pairs.dedup();
+    pairs
+}
+
+/// A facet written from its least node on, with the same outside. An edge has one way only to be written.
+pub(super) fn from_least(mut facet: Facet) -> Facet {
+    if facet.len() > 2 {
+        let least = (0..facet.len()).min_by_key(|&k| facet[k]).unwrap_or(0);
+        facet.rotate_left(least);
+    }
+    facet
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::body::mesh::half_plane::half_plane;
+    use crate::body::mesh::{CellKind, block};
+
+    fn joint(mesh: &Mesh) -> Option<(Vec<usize>, usize)> {
+        let Joint { cells, node } = mesh.joint(&mesh.sides().unwrap(), mesh.bodies().of_cells())?;
+        Some((cells, node))
+    }
+
+    #[test]
+    fn what_is_made_here_is_one_piece() {
+        let plane = block(&[2.0, 1.0], &[3, 2]);
+        let space = block(&[2.0, 1.0, 1.0], &[3, 2, 2]);
+        let half = half_plane([10.0, 10.0], 1.0, 4, 4, 4);
+        for mesh in [plane.clone().into_simplices(), space.clone().into_simplices(), plane, space, half] {
+            assert_eq!((joint(&mesh), mesh.bodies().count()), (None, 1));
+        }
+    }
+
+    /// The block without all cells but `kept`.
+    fn part<const D: usize>(size: &[f64; D], elements: &[usize; D], kept: &[usize]) -> Mesh {
+        let whole = block(size, elements);
+        Mesh { cells: kept.iter().map(|&e| whole.cells[e].clone()).collect(), ..whole }
+    }
+
+    #[test]
+    fn the_surface_is_what_has_a_cell_on_one_side_only() {
+        let box_of = block(&[2.0, 1.0, 1.0], &[3, 2, 2]);
+        for (mesh, sides, area) in [
+            (block(&[2.0, 1.0], &[3, 2]), 10, 6.0),
+            (block(&[2.0, 1.0], &[3, 2]).into_simplices(), 10, 6.0),
+            (box_of.clone(), 32, 10.0),
+            (box_of.into_simplices(), 64, 10.0),
+        ] {
+            let surface = mesh.surface();
+            assert_eq!(surface.len(), sides);
+            let vectors: Vec<[f64; 3]> = surface.iter().map(|(facet, _)| mesh.area_vector(facet)).collect();
+            let all: f64 = vectors.iter().map(|v| v.iter().map(|c| c * c).sum::<f64>().sqrt()).sum();
+            // The normals of a closed surface balance.
+            assert!((all - area).abs() < 1e-14 * area);
+            assert!((0..3).all(|c| vectors.iter().map(|v| v[c]).sum::<f64>().abs() < 1e-14));
+            assert!(surface.iter().all(|(facet, e)| facet.iter().all(|node| mesh.cells[*e].nodes.contains(node))));
+        }
+    }
+
+    #[test]
+    fn what_meets_in_a_node_or_an_edge_is_a_joint() {
+        let corner = part(&[2.0, 2.0], &[2, 2], &[0, 3]);
+        assert_eq!(joint(&corner), Some((vec![0, 1], 4)));
+        assert_eq!(joint(&part(&[2.0, 2.0], &[2, 2], &[0, 3, 1])), None);
+        // What shares no node is a body of its own, and not named.
+        assert_eq!(joint(&part(&[3.0, 1.0], &[3, 1], &[0, 2])), None);
+        assert_eq!(joint(&part(&[4.0, 2.0], &[4, 2], &[0, 5, 3])), Some((vec![0, 1], 6)));
+        let cube: [(&[usize], Option<usize>); 4] =
+            [(&[0, 7], Some(13)), (&[0, 3], Some(4)), (&[0, 3, 7], Some(4)), (&[0, 1, 3], None)];
+        for (kept, node) in cube {
+            let expected = node.map(|node| (vec![0, 1], node));
+            assert_eq!(joint(&part(&[1.0; 3], &[2; 3], kept)), expected, "{kept:?}");
+        }
+    }
+
+    #[test]
+    fn cells_on_one_another_are_found() {
+        let mut mesh = block(&[2.0, 1.0], &[2, 1]);
+        // The second cell again, from another corner on; and half of the first.
+        let mut again = mesh.cells[1].clone();
+        again.nodes.rotate_left(1);
+        let half = Cell { kind: CellKind::Triangle, nodes: mesh.cells[0].nodes[..3].to_vec(), group: 0 };
+        mesh.cells.extend([again, half]);
+        assert_eq!(mesh.sides().unwrap_err(), [(0, 3), (1, 2)]);
+        let mut mesh = block(&[1.0; 3], &[1; 3]).into_simplices();
+        let [a, b, c, d] = mesh.cells[2].nodes[..] else { panic!() };
+        mesh.cells.push(Cell { nodes: vec![b, c, a, d], ..mesh.cells[2].clone() });
+        assert_eq!(mesh.sides().unwrap_err(), [(2, 6)]);
+    }
+}

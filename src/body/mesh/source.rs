@@ -1,0 +1,400 @@
+//! Where a mesh comes from: made here, read from a file, or given.
+
+use std::fmt;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use super::block::{graded_block, progression};
+use super::half_plane::half_plane;
+use super::joined::{append, named};
+use super::{CellKind, Mesh, MeshFileError, gmsh};
+use crate::algebra::vector::{Vector, plus};
+use crate::base::input_error::{InputError, ensure, finite, not_huge, positive};
+
+/// How a mesh is made. Lengths are in m.
+#[derive(Debug, Clone, PartialEq)]
+pub enum MeshSource {
+    /// A rectangle or box.
+    Block {
+        /// The segments that x, y and, in three dimensions, z are made of.
+        axes: Vec<Vec<Segment>>,
+        /// The cells; triangles and tetrahedra divide the elements.
+        cells: CellKind,
+        /// Its lowest corner, m, such as `[r, 0]` of a ring of the inner radius r; that of coordinates without it.
+        origin: Option<Vector>,
+    },
+    /// A rectangle that stands for a half-plane pressed at the left end of its top.
+    HalfPlane(HalfPlane),
+    /// A mesh from a file in the format MSH 4.1 of Gmsh.
+    Gmsh {
+        /// The file.
+        file: PathBuf,
+        /// The length of the file's unit, m.
+        scale: f64,
+    },
+    /// A mesh in memory; see [`Mesh::new`].
+    Given(Arc<Mesh>),
+    /// Several bodies, each with a mesh of its own.
+    Bodies(Vec<Body>),
+}
+
+/// A length with elements in geometric progression.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Segment {
+    /// The length, m.
+    pub length: f64,
+    /// The elements along it.
+    pub elements: usize,
+    /// Size of the last element over that of the first.
+    pub grading: f64,
+}
+
+/// A rectangle, fine under a contact zone at the left end of its top and coarser away from it:
+/// half of a body that is symmetric about its left side.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HalfPlane {
+    /// Width and height, m.
+    pub size: [f64; 2],
+    /// Width of the contact zone, m.
+    pub contact_width: f64,
+    /// Equal elements along the contact zone.
+    pub contact_elements: usize,
+    /// Equal elements along the rest of the top.
+    pub outer_elements: usize,
+    /// Layers of elements, in geometric progression from the top one, whose elements are square in
+    /// the contact zone, to the bottom.
+    pub layers: usize,
+}
+
+/// A body of several, with a mesh of its own.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Body {
+    /// Its name, without a colon. Its boundaries are called `name:boundary`, its groups `name:group`; the one group of a mesh
+    /// that names none is called `name`.
+    pub name: String,
+    /// Its mesh.
+    pub mesh: MeshSource,
+    /// Where the origin of that is put, m; where it is, without it.
+    pub at: Option<Vector>,
+}
+
+impl Body {
+    /// The body `name` where its mesh is.
+    pub fn new(name: &str, mesh: impl Into<MeshSource>) -> Self {
+        Body { name: name.to_string(), mesh: mesh.into(), at: None }
+    }
+
+    /// The same with its origin at `at` (m).
+    #[must_use]
+    pub fn at(self, at: impl Into<Vector>) -> Self {
+        Body { at: Some(at.into()), ..self }
+    }
+}
+
+/// Why a source makes no mesh.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+pub enum MeshError {
+    /// One of its values is not possible.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Source(#[from] InputError),
+    /// Its file is not sound.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    File(#[from] MeshFileError),
+}
+
+/// Beyond this a mesh is a slip of the pen, not a model: no matrix of it would fit into memory.
+const MOST_ELEMENTS: usize = 50_000_000;
+
+/// The values of each axis, printed as a scene writes them: a list only where there are several segments.
+struct Axes<T>(Vec<Vec<T>>);
+
+impl<T: fmt::Debug> fmt::Debug for Axes<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut list = f.debug_list();
+        for axis in &self.0 {
+            match &axis[..] {
+                [one] => list.entry(one),
+                all => list.entry(&all),
+            };
+        }
+        list.finish()
+    }
+}
+
+impl From<Mesh> for MeshSource {
+    fn from(mesh: Mesh) -> Self {
+        MeshSource::Given(Arc::new(mesh))
+    }
+}
+
+impl MeshSource {
+    /// A rectangle or box of `size` (m) with so many equal `elements` along each axis: quadrilaterals or hexahedra.
+    /// Its boundaries are those of [`super::block`].
+    pub fn block<const D: usize>(size: [f64; D], elements: [usize; D]) -> Self {
+        let axis = |k: usize| vec![Segment { length: size[k], elements: elements[k], grading: 1.0 }];
+        MeshSource::Block { axes: (0..D).map(axis).collect(), cells: CellKind::of_block(D), origin: None }
+    }
+
+    /// A rectangle or box whose axes have segments of the lengths `size` (m) with so many `elements` each, in geometric
+    /// progression by `grading` (equal without it); quadrilaterals or hexahedra unless `cells` says otherwise.
+    ///
+    /// # Errors
+    /// Where the lists do not belong together, and as [`MeshSource::check`].
+    pub fn segmented(
+        size: &[Vec<f64>],
+        elements: &[Vec<usize>],
+        grading: Option<&[Vec<f64>]>,
+        cells: Option<CellKind>,
+    ) -> Result<Self, InputError> {
+        check_size(size)?;
+        like_size("mesh.elements", elements, size)?;
+        let equal: Vec<Vec<f64>> = size.iter().map(|axis| vec![1.0; axis.len()]).collect();
+        let grading = grading.unwrap_or(&equal);
+        like_size("mesh.grading", grading, size)?;
+        let axes = (size.iter().zip(elements).zip(grading)).map(|((lengths, elements), grading)| {
+            let segments = lengths.iter().zip(elements).zip(grading);
+            segments.map(|((&length, &elements), &grading)| Segment { length, elements, grading }).collect()
+        });
+        let cells = cells.unwrap_or(CellKind::of_block(size.len()));
+        let source = MeshSource::Block { axes: axes.collect(), cells, origin: None };
+        source.check()?;
+        Ok(source)
+    }
+
+    /// Whether a mesh can be made of it, as far as that is known before a file is read.
+    ///
+    /// # Errors
+    /// [`InputError`] of the key that is wrong, such as `mesh.size`; of a given mesh, `mesh`.
+    pub fn check(&self) -> Result<(), InputError> {
+        match self {
+            MeshSource::Block { axes, cells, origin } => check_block(axes, *cells, *origin),
+            MeshSource::HalfPlane(half_plane) => half_plane.check(),
+            MeshSource::Gmsh { scale, .. } => {
+                finite("mesh.scale", *scale)?;
+                let help = "give the length of the file's unit in m, 0.001 for mm, or in the unit of [units]";
+                ensure(*scale > 0.0, "mesh.scale", scale, "positive", help)
+            }
+            MeshSource::Given(mesh) => {
+                mesh.check().map_err(|fault| InputError::new("mesh", fault.to_string(), fault.help()))
+            }
+            MeshSource::Bodies(bodies) => check_bodies(bodies),
+        }
+    }
+
+    /// The mesh.
+    ///
+    /// # Errors
+    /// As [`MeshSource::check`]; when its file cannot be read, or has no sound mesh.
+    pub fn build(&self) -> Result<Arc<Mesh>, MeshError> {
+        self.check()?;
+        self.made()
+    }
+
+    /// The mesh of a source that has been checked.
+    pub(crate) fn made(&self) -> Result<Arc<Mesh>, MeshError> {
+        let mesh = match self {
+            MeshSource::Block { axes, cells, origin } => {
+                let lines: Vec<Vec<f64>> = axes.iter().map(|segments| mesh_lines(segments)).collect();
+                let mut mesh = match &lines[..] {
+                    [xs, ys] => graded_block(xs, ys, None),
+                    [xs, ys, zs] => graded_block(xs, ys, Some(zs)),
+                    _ => return Err(MeshError::Source(no_dimension(&lines))),
+                };
+                if let Some(origin) = origin.map(Vector::components) {
+                    mesh.nodes.iter_mut().for_each(|x| *x = plus(*x, 1.0, origin));
+                }
+                let mesh = match cells {
+                    CellKind::Prism => mesh.into_prisms(),
+                    _ if cells.is_simplex() => mesh.into_simplices(),
+                    _ => mesh,
+                };
+                if cells.is_quadratic() { mesh.into_second_order() } else { mesh }
+            }
+            MeshSource::HalfPlane(m) => {
+                half_plane(m.size, m.contact_width, m.contact_elements, m.outer_elements, m.layers)
+            }
+            MeshSource::Gmsh { file, scale } => gmsh(file, *scale)?,
+            MeshSource::Given(mesh) => return Ok(Arc::clone(mesh)),
+            MeshSource::Bodies(bodies) => joined(bodies)?,
+        };
+        Ok(Arc::new(mesh))
+    }
+
+    /// The number of nodes and the dimension; `None` if they are not known before a file is read.
+    pub fn nodes(&self) -> Option<(usize, usize)> {
+        match self {
+            MeshSource::Block { axes, cells, .. } => {
+                // The edges of simplices end, or have their middles, at each point of a lattice twice as fine.
+                let each = if cells.is_quadratic() { 2 } else { 1 };
+                let along = |axis: &Vec<Segment>| 1 + each * axis.iter().map(|segment| segment.elements).sum::<usize>();
+                Some((axes.iter().map(along).product(), axes.len()))
+            }
+            MeshSource::HalfPlane(m) => Some(((m.contact_elements + m.outer_elements + 1) * (m.layers + 1), 2)),
+            MeshSource::Gmsh { .. } => None,
+            MeshSource::Given(mesh) => Some((mesh.nodes.len(), mesh.dimension)),
+            MeshSource::Bodies(bodies) => {
+                let each: Option<Vec<(usize, usize)>> = bodies.iter().map(|body| body.mesh.nodes()).collect();
+                let each = each?;
+                Some((each.iter().map(|(nodes, _)| nodes).sum(), each.first()?.1))
+            }
+        }
+    }
+}
+
+const LENGTHS: &str = "give width and height in m or as [units] says, in three dimensions the lengths along x, y and z";
+
+fn check_size(size: &[Vec<f64>]) -> Result<(), InputError> {
+    if !(2..=3).contains(&size.len()) {
+        return Err(no_dimension(size));
+    }
+    let sound = size.iter().all(|axis| !axis.is_empty() && axis.iter().all(|&x| x > 0.0 && x.is_finite()));
+    ensure(sound, "mesh.size", &Axes(size.to_vec()), "positive finite lengths", LENGTHS)?;
+    size.iter().flatten().try_for_each(|&length| positive("mesh.size", length, LENGTHS))
+}
+
+/// The fault of a block with too few axes, or too many.
+fn no_dimension(size: &[Vec<f64>]) -> InputError {
+    let message = format!("mesh.size is {:?}, but must be two or three lengths", Axes(size.to_vec()));
+    InputError::new("mesh.size", message, LENGTHS)
+}
+
+/// Whether a list has a value for each length in `size`.
+fn like_size<T: Clone + fmt::Debug>(key: &str, values: &[Vec<T>], size: &[Vec<f64>]) -> Result<(), InputError> {
+    let sound = values.iter().map(Vec::len).eq(size.iter().map(Vec::len));
+    let help = "mesh.size says how many segments there are along each axis";
+    ensure(sound, key, &Axes(values.to_vec()), "a number for each length in mesh.size", help)
+}
+
+fn check_block(axes: &[Vec<Segment>], cells: CellKind, origin: Option<Vector>) -> Result<(), InputError> {
+    fn each<T>(axes: &[Vec<Segment>], value: fn(&Segment) -> T) -> Vec<Vec<T>> {
+        axes.iter().map(|axis| axis.iter().map(value).collect()).collect()
+    }
+    check_size(&each(axes, |segment| segment.length))?;
+    let elements = Axes(each(axes, |segment| segment.elements));
+    let help = "give the numbers of elements along each axis";
+    let sound = elements.0.iter().flatten().all(|&n| n > 0);
+    ensure(sound, "mesh.elements", &elements, "numbers of at least 1", help)?;
+    let along = |axis: &Vec<usize>| axis.iter().try_fold(0_usize, |sum, &n| sum.checked_add(n));
+    let all = elements.0.iter().try_fold(1_usize, |all, axis| all.checked_mul(along(axis)?));
+    let few = all.is_some_and(|n| n <= MOST_ELEMENTS);
+    ensure(few, "mesh.elements", &elements, "at most 50 million in all", "use a coarser mesh")?;
+    let grading = Axes(each(axes, |segment| segment.grading));
+    let help = "give the size of the last element over that of the first, along each axis";
+    let sound = grading.0.iter().flatten().all(|ratio| (1e-6..=1e6).contains(ratio));
+    ensure(sound, "mesh.grading", &grading, "ratios from 1e-6 to 1e6", help)?;
+    if let Some(origin) = origin {
+        let sound = origin.dimension() == axes.len() && origin.components().iter().all(|c| c.is_finite());
+        let help = "give the lowest corner of the block, such as [0.1, 0]";
+        ensure(sound, "mesh.origin", &origin, "a finite number for each axis of mesh.size", help)?;
+        not_huge("mesh.origin", origin.components())?;
+    }
+    if cells.dimension() == axes.len() {
+        return Ok(());
+    }
+    let message = format!("mesh.cells have {} dimensions, but mesh.size has {}", cells.dimension(), axes.len());
+    let help = "use \"triangle\", \"triangle6\" or \"quadrilateral\" in two dimensions, \"tetrahedron\", \"tetrahedron10\", \
+                \"prism\" or \"hexahedron\" in three";
+    Err(InputError::new("mesh.cells", message, help))
+}
+
+impl HalfPlane {
+    fn check(&self) -> Result<(), InputError> {
+        check_size(&self.size.map(|length| vec![length]))?;
+        let (key, width) = ("mesh.contact_width", self.contact_width);
+        finite(key, width)?;
+        let must = "positive and less than the width of the mesh";
+        ensure(
+            width > 0.0 && width < self.size[0],
+            key,
+            &width,
+            must,
+            "give the contact zone in m or as [units] says",
+        )?;
+        let (contact, outer, layers) = (self.contact_elements, self.outer_elements, self.layers);
+        for (key, n) in [("mesh.contact_elements", contact), ("mesh.outer_elements", outer), ("mesh.layers", layers)] {
+            let must = "at least 1 and at most 50 million";
+            ensure((1..=MOST_ELEMENTS).contains(&n), key, &n, must, "give a number of elements")?;
+        }
+        if (contact + outer).checked_mul(layers).is_none_or(|n| n > MOST_ELEMENTS) {
+            return Err(InputError::new("mesh", "the mesh has more than 50 million elements", "use a coarser mesh"));
+        }
+        Ok(())
+    }
+}
+
+/// Where the elements of `segments` in a row end, m.
+fn mesh_lines(segments: &[Segment]) -> Vec<f64> {
+    let mut lines = vec![0.0];
+    let mut end = 0.0;
+    for &Segment { length, elements, grading } in segments {
+        lines.extend(progression(length, elements, grading)[1..].iter().map(|x| end + x));
+        end += length;
+    }
+    lines
+}
+
+fn no_body() -> InputError {
+    InputError::new("body", "there is no body", "give one at least")
+}
+
+/// Whether one mesh can be made of `bodies`, as far as that is known before files are read.
+fn check_bodies(bodies: &[Body]) -> Result<(), InputError> {
+    if bodies.is_empty() {
+        return Err(no_body());
+    }
+    let mut plane_or_not: Option<(usize, &str)> = None;
+    for (k, Body { name, mesh, at }) in bodies.iter().enumerate() {
+        let key = |what: &str| format!("body[{k}].{what}");
+        if name.is_empty() || name.contains(':') {
+            let message = format!("the name of the body is {name:?}, but must have a letter and no colon");
+            return Err(InputError::new(key("name"), message, "its boundaries will be called `name:boundary`"));
+        }
+        if bodies[..k].iter().any(|other| other.name == *name) {
+            let message = format!("another body is called `{name}`");
+            return Err(InputError::new(key("name"), message, "give every body a name of its own"));
+        }
+        if let MeshSource::Bodies(_) = mesh {
+            let message = format!("the body `{name}` is made of bodies");
+            return Err(InputError::new(key("mesh"), message, "list all bodies side by side"));
+        }
+        mesh.check().map_err(|fault| fault.with_key(&format!("body[{k}]")))?;
+        let dimension = mesh.nodes().map(|(_, dimension)| dimension);
+        if let Some(at) = at {
+            let sound = at.components().iter().all(|c| c.is_finite());
+            let sound = sound && dimension.is_none_or(|dimension| dimension == at.dimension());
+            let help = "give where the origin of the body's mesh is put, such as [0, 0.5]";
+            ensure(sound, &key("at"), at, "a finite number for each dimension of the body", help)?;
+            not_huge(&key("at"), at.components())?;
+        }
+        let known = dimension.or(at.map(Vector::dimension));
+        match (plane_or_not, known) {
+            (Some((first, of)), Some(other)) if first != other => {
+                let message = format!("`{name}` has {other} dimensions, but `{of}` has {first}");
+                return Err(InputError::new(key("mesh"), message, "let all bodies be plane, or all have a volume"));
+            }
+            (None, Some(dimension)) => plane_or_not = Some((dimension, name)),
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+/// The one mesh of `bodies` that were checked.
+fn joined(bodies: &[Body]) -> Result<Mesh, MeshError> {
+    let mut all: Option<Mesh> = None;
+    for (k, Body { name, mesh, at }) in bodies.iter().enumerate() {
+        let under = |fault: InputError| MeshError::Source(fault.with_key(&format!("body[{k}]")));
+        let mesh = mesh.made().map_err(|error| match error {
+            MeshError::Source(fault) => under(fault),
+            file @ MeshError::File(_) => file,
+        })?;
+        let mesh = named(Arc::unwrap_or_clone(mesh), name, *at);
+        match &mut all {
+            None => all = Some(mesh),
+            Some(all) => append(all, name, mesh).map_err(under)?,
+        }
+    }
+    Ok(all.ok_or_else(no_body)?)
+}

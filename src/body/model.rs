@@ -1,0 +1,340 @@
+//! From a description, or the scene that holds one, to the discrete problem: mesh, `K`, contact maps, loads.
+
+mod balance;
+mod bodies;
+mod carrying;
+mod contact;
+mod discrete;
+mod element;
+mod energy;
+mod holding;
+mod load;
+mod meridian;
+mod motions;
+mod nearest;
+mod on_the_way;
+mod pair;
+mod pair_state;
+mod place;
+mod range;
+mod recovery;
+mod shared;
+mod stress;
+mod support;
+mod unseen;
+
+pub use balance::{Balance, Wrench};
+pub use on_the_way::OnTheWay;
+pub use pair::Pair;
+pub use pair_state::{Faceted, Slid};
+pub use shared::{Body, Share};
+pub use unseen::{BetweenNodes, Overlap};
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use crate::algebra::linear::LinearError;
+use crate::algebra::sparse::{Csr, Symmetric};
+use crate::base::input_error::InputError;
+use crate::base::timeline::within;
+use crate::base::units::{Scaling, UnitSystem};
+use crate::body::contact::{
+    ContactBoundary, ContactNode, ObstacleMotion, Passages, PlacedObstacle, Row, leave_out_dependent, share_edges,
+};
+use crate::body::description::Description;
+use crate::body::fem::{
+    Dofs, Elasticity, Element, HeldRows, InvertedElement, NodalVolumes, Plane, RigidMotion, Spring, assemble,
+    unresisted_motions,
+};
+use crate::body::mesh::{Boundary, Mesh, MeshError, MeshFileError};
+use crate::solver::loading::{FrictionHistory, LoadCase, Loading, Motion};
+use crate::solver::problem::{ContactProblem, Parts, ProblemError};
+use balance::Statics;
+use carrying::Carrying;
+use contact::Contacts;
+use discrete::Discrete;
+use load::FreeStrain;
+use motions::Motions;
+use nearest::Nearest;
+use recovery::Recovery;
+use support::Moved;
+
+/// A body, discretised.
+#[derive(Debug, Clone)]
+pub struct Model {
+    /// What it was made of.
+    description: Description,
+    /// The mesh.
+    pub mesh: Arc<Mesh>,
+    /// The law of each cell.
+    materials: Vec<Elasticity>,
+    /// Where dilatations are averaged, if they are.
+    volumes: NodalVolumes,
+    /// The numbering of the free displacements.
+    pub dofs: Dofs,
+    /// The contact nodes, in the order of `problem`'s rows.
+    pub contacts: Vec<ContactNode>,
+    /// The boundaries they stand on.
+    pub contact_boundaries: Vec<ContactBoundary>,
+    /// The obstacles in front of these boundaries, and how they move.
+    pub obstacles: Vec<(PlacedObstacle, ObstacleMotion)>,
+    /// Which of several obstacles each contact node meets.
+    nearest: Nearest,
+    /// The boundaries in front of each other.
+    pub pairs: Vec<Pair>,
+    /// The algebraic problem.
+    pub problem: ContactProblem,
+    /// The loads and gaps over time.
+    pub loading: Loading,
+    /// The rigid motions behind `problem.rigid_modes()`.
+    pub rigid_motions: Vec<RigidMotion>,
+    /// Where supports move the bodies, and which of these together.
+    moved: Vec<Moved>,
+    carrying: Carrying,
+    /// The stress-free strains of loads by temperature at factor 1, and the number of the load.
+    thermal: Vec<(FreeStrain, usize)>,
+    statics: Statics,
+    /// How tractions at contact nodes follow from forces, where that takes more than their weights.
+    recovery: Option<Recovery>,
+    /// The contact nodes whose forces together are the pressure at a node beyond the end of the other body.
+    beside_the_end: BTreeMap<usize, Vec<usize>>,
+    /// Where bodies may pass through each other.
+    passages: Option<Passages>,
+    /// Whether something moves past each contact node along a direction in which supports hold it, so that it has no friction there.
+    passed_by: Vec<bool>,
+}
+
+/// Why there is no model of a description.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+pub enum ModelError {
+    /// A value of the description is not possible, or contradicts the mesh.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Description(#[from] InputError),
+    /// The mesh file is not sound.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Mesh(#[from] MeshFileError),
+    /// What the mesh makes of the description is no sound problem, as where its numbers overflow.
+    #[error(transparent)]
+    #[diagnostic(help("moduli, loads or lengths leave the range of double precision: check their units"))]
+    Problem(#[from] ProblemError),
+    /// An element of the mesh is not sound.
+    #[error(transparent)]
+    Element(#[from] InvertedElement),
+    /// Those that share the stiffness cannot go on.
+    #[error(transparent)]
+    Linear(#[from] LinearError),
+}
+
+impl From<MeshError> for ModelError {
+    fn from(error: MeshError) -> Self {
+        match error {
+            MeshError::Source(fault) => ModelError::Description(fault),
+            MeshError::File(error) => ModelError::Mesh(error),
+        }
+    }
+}
+
+/// The problem of contact nodes: `all`, and as each would be `alone` where they differ at edges.
+fn contact_problem(
+    stiffness: Symmetric,
+    [all, alone]: [&[ContactNode]; 2],
+    mu: Vec<f64>,
+    rigid_modes: Vec<Vec<f64>>,
+    free: usize,
+) -> Result<ContactProblem, ProblemError> {
+    let map = |contacts: &[ContactNode], row: fn(&ContactNode) -> &Row| {
+        Csr::of_rows(free, contacts.iter().map(|contact| row(contact).iter().copied()))
+    };
+    let problem = ContactProblem::new(Parts {
+        stiffness,
+        c_n: map(all, |contact| &contact.normal),
+        c_t: map(all, |contact| &contact.tangents[0]),
+        c_o: map(all, |contact| &contact.tangents[1]),
+        mu,
+        weight: Some(all.iter().map(|contact| contact.weight).collect()),
+        rigid_modes: Some(rigid_modes),
+    })?;
+    if alone == all {
+        return Ok(problem);
+    }
+    problem.with_tangents_alone(map(alone, |contact| &contact.tangents[0]), map(alone, |contact| &contact.tangents[1]))
+}
+
+impl Model {
+    /// Discretises `description`.
+    ///
+    /// # Errors
+    /// When a value is not possible, or contradicts the mesh: a boundary that is not there, an obstacle in front of
+    /// nothing, contact where supports hold the body inside the obstacle, nothing free; the message names the key.
+    pub fn build(description: &Description) -> Result<Self, ModelError> {
+        Self::shared(description, None)
+    }
+
+    /// The same with a stiffness that is shared as `share` does it, where that can be.
+    ///
+    /// # Errors
+    /// As [`Model::build`], and as `share`.
+    pub fn shared(description: &Description, share: Option<Share<'_>>) -> Result<Self, ModelError> {
+        let discrete = Discrete::new(description)?;
+        let times = description.ends_at_kinks(&description.times);
+        let laid_out = Description { times, ..description.clone() };
+        let description = &laid_out;
+        let sharing = share.and_then(|share| Some((share, Body::on(&discrete)?)));
+        let Discrete { mesh, holdings, dofs, element, materials, pairs, volumes, beds } = discrete;
+        let law = |e: usize| materials[e];
+        let springs: Vec<Spring> = beds.iter().flatten().cloned().collect();
+        let (stiffness, rows) = if sharing.is_some() {
+            (None, HeldRows::alone(&mesh, &dofs, element, law)?)
+        } else {
+            let (stiffness, rows) = HeldRows::beside(&mesh, &dofs, element, &volumes, law, &springs)?;
+            (Some(stiffness), rows)
+        };
+        let carrying = Carrying::new(description, &mesh, &pairs, holdings.iter().flatten().map(|(node, ..)| *node))?;
+        let moved = Moved::all(description, &mesh, &dofs, &holdings, &rows, &carrying)?;
+
+        let contacts = Contacts::new(description, &mesh, &dofs, &rows, &moved, &pairs, &carrying)?;
+        let friction = contacts.friction_history(description)?;
+        let Contacts { nodes: mut contacts, mu, boundaries: contact_boundaries, obstacles, .. } = contacts;
+        let mu = friction.as_ref().map_or(mu, FrictionHistory::largest);
+        leave_out_dependent(&mut contacts, &mu, &dofs);
+        let alone = contacts.clone();
+        share_edges(&mut contacts, &mu, &dofs);
+        let gap = |contact: &ContactNode| {
+            contact.obstacle().map_or(contact.facing.gap, |k| contact.gap_at_rest(&obstacles[k].0))
+        };
+        let gap: Vec<f64> = contacts.iter().map(gap).collect();
+        let Motions { rates: mut motions, bends, nearest } =
+            motions::motions(&contacts, &obstacles, &gap, &description.times)?;
+        let thin = description.material.plane == Some(Plane::Stress);
+        let body =
+            load::LoadedBody { description, mesh: &mesh, element, volumes: &volumes, thin, materials: &materials };
+        let (mut cases, mut forces, mut thermal) = (Vec::new(), Vec::new(), Vec::new());
+        let end = description.end();
+        for (k, load) in description.loads.iter().enumerate() {
+            let on_mesh = body.load(k)?;
+            let factors = within(end, &load.factors(end));
+            cases.push(LoadCase::new(dofs.forces(on_mesh.forces.iter().copied()), factors)?);
+            thermal.extend(on_mesh.free_strain.map(|strain| (strain, k)));
+            forces.push(on_mesh.forces);
+        }
+        // What supports move beyond the body comes as forces on the rest of it, and as gaps.
+        for moved in &moved {
+            cases.push(LoadCase::new(dofs.forces(moved.forces(&carrying, &rows, &springs)), moved.history.clone())?);
+            let beyond: Vec<_> =
+                contacts.iter().map(|contact| moved.beyond_contact(&rows, &dofs, &carrying, contact)).collect();
+            if beyond.iter().any(|beyond| *beyond != [0.0; 3]) {
+                let gap = beyond.iter().map(|[n, ..]| -n).collect();
+                let drift = beyond.iter().map(|[_, t, o]| [-t, -o]).collect();
+                motions.push(Motion::new(0..contacts.len(), gap, drift, moved.history.clone())?);
+            }
+        }
+        let on_springs: Vec<_> = moved.iter().map(|moved| moved.forces_of_springs(&carrying, &springs)).collect();
+        let statics = Statics::new(&mesh, rows.clone(), support::shares(&holdings, &rows), beds, &forces, &on_springs);
+        let loading = Loading::new(cases, gap)?.with_motions(motions, bends)?.with_friction(friction)?;
+
+        let recovery = Recovery::new(&mesh, &contacts, &contact_boundaries, &pairs.all);
+        let past = |contact: &ContactNode| support::moves_past(&moved, &rows, &dofs, &carrying, contact);
+        let rigid_motions = unresisted_motions(&mesh, &dofs, &springs, &pairs.ties(&dofs));
+        let shared = match &sharing {
+            Some((share, body)) => body.stiffness(&contacts, share)?,
+            None => None,
+        };
+        let stiffness = match stiffness.or(shared) {
+            Some(stiffness) => stiffness,
+            None => assemble(&mesh, &dofs, element, law)?,
+        };
+        let rigid_modes = rigid_motions.iter().map(|motion| motion.displacements(&mesh, &dofs)).collect();
+        let problem = contact_problem(stiffness, [&contacts, &alone], mu, rigid_modes, dofs.free())?;
+        Ok(Model {
+            passed_by: motions::passed_by(&alone, mesh.dimension, &obstacles, past),
+            passages: Passages::new(&mesh, pairs.all.iter().map(|pair| &pair.mortar)),
+            beside_the_end: recovery::beside_the_end(&mesh, &contacts, &contact_boundaries),
+            description: laid_out,
+            mesh,
+            materials,
+            volumes,
+            dofs,
+            contacts,
+            contact_boundaries,
+            obstacles,
+            nearest,
+            pairs: pairs.all,
+            problem,
+            loading,
+            rigid_motions,
+            moved,
+            carrying,
+            thermal,
+            statics,
+            recovery,
+        })
+    }
+
+    /// What it was made of.
+    pub fn description(&self) -> &Description {
+        &self.description
+    }
+
+    /// The units in which its results are told.
+    pub fn units(&self) -> UnitSystem {
+        self.description.system(self.mesh.dimension)
+    }
+
+    /// The ends of the increments, s, for which the gaps of moving obstacles are exact.
+    pub fn times(&self) -> &[f64] {
+        &self.description.times
+    }
+
+    /// The law of each cell of the mesh.
+    pub fn materials(&self) -> &[Elasticity] {
+        &self.materials
+    }
+
+    /// How strains follow from displacements.
+    pub fn element(&self) -> Element {
+        self.description.element
+    }
+
+    /// Whether the body is a thin plate, in plane stress.
+    pub fn is_thin(&self) -> bool {
+        self.description.material.plane == Some(Plane::Stress)
+    }
+
+    /// The key of obstacle `k` of [`Model::obstacles`] in a scene, as `contact[0].obstacle[1]`.
+    pub fn obstacle_key(&self, k: usize) -> String {
+        let boundary = self.contact_boundaries.iter().find(|boundary| boundary.obstacles.contains(&k));
+        let (contact, first) = boundary.map_or((0, 0), |boundary| (boundary.contact, boundary.obstacles.start));
+        self.description.contacts[contact].obstacle_key(contact, k - first)
+    }
+
+    /// Units for the numbers inside, see [`ContactProblem::scaling`].
+    pub fn scaling(&self) -> Scaling {
+        self.problem.scaling(self.loading.largest_force(), self.loading.largest_interference())
+    }
+}
+
+/// The boundary that the thing at `key` names.
+fn find<'a>(mesh: &'a Mesh, name: &str, key: &str) -> Result<&'a Boundary, InputError> {
+    mesh.boundary(name).ok_or_else(|| {
+        if let Some((_, fault)) = mesh.notes.unusable.iter().find(|(group, _)| group == name) {
+            return InputError::new(
+                format!("{key}.boundary"),
+                format!("`{name}` is no boundary: {fault}"),
+                fault.help(),
+            );
+        }
+        let known = mesh.boundary_names();
+        let help = match (&known[..], mesh.dimension) {
+            ([], 2) => {
+                "the mesh has no boundaries: put its outer curves into physical groups, too, and mesh again".into()
+            }
+            ([], _) => {
+                "the mesh has no boundaries: put its outer surfaces into physical groups, too, and mesh again".into()
+            }
+            (known, _) => format!("the mesh has the boundaries {}", known.join(", ")),
+        };
+        InputError::new(format!("{key}.boundary"), format!("the mesh has no boundary `{name}`"), help)
+    })
+}

@@ -1,0 +1,341 @@
+//! The balance of all forces on a body: loads, supports, springs, contact.
+
+use std::ops::AddAssign;
+
+use super::Model;
+use super::support::Moved;
+use crate::algebra::vector::{cross, dot, minus, norm, plus};
+use crate::body::contact::{Facing, Term};
+use crate::body::fem::{HeldRows, NodalForces, Spring};
+use crate::body::mesh::{Geometry, Mesh};
+use crate::solver::problem::error::expect_length;
+use crate::solver::problem::{ProblemError, State};
+
+/// A force, and its moment about the origin at the reference positions of the nodes; in two dimensions per m of depth. Of a body of
+/// revolution forces are those all around, those along x add up to what leads away from the axis on all sides, and there is no moment.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Wrench {
+    /// N.
+    pub force: [f64; 3],
+    /// N m.
+    pub moment: [f64; 3],
+}
+
+impl Wrench {
+    /// A `force` (N) on a body of this geometry at `x` (m).
+    pub fn at(geometry: Geometry, x: [f64; 3], force: [f64; 3]) -> Self {
+        let moment = match geometry {
+            Geometry::Cartesian => cross(x, force),
+            Geometry::Axisymmetric => [0.0; 3],
+        };
+        Wrench { force, moment }
+    }
+
+    fn times(self, factor: f64) -> Self {
+        Wrench { force: self.force.map(|f| factor * f), moment: self.moment.map(|m| factor * m) }
+    }
+}
+
+impl AddAssign for Wrench {
+    fn add_assign(&mut self, other: Self) {
+        for c in 0..3 {
+            self.force[c] += other.force[c];
+            self.moment[c] += other.moment[c];
+        }
+    }
+}
+
+impl std::iter::Sum for Wrench {
+    fn sum<I: Iterator<Item = Self>>(wrenches: I) -> Self {
+        wrenches.fold(Wrench::default(), |mut sum, wrench| {
+            sum += wrench;
+            sum
+        })
+    }
+}
+
+/// All that acts on a body, in the order of its description.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Balance {
+    /// The force of each load.
+    pub loads: Vec<Wrench>,
+    /// The force of each support on the body.
+    pub supports: Vec<Wrench>,
+    /// The force of each spring or foundation on the body.
+    pub springs: Vec<Wrench>,
+    /// The force of the obstacles on the body; those of bodies on each other leave at most the moment of friction across a gap.
+    pub contact: Wrench,
+    /// What all of these leave, a force or a moment, relative to the sum of the sizes of the forces on its nodes.
+    pub closure: f64,
+    /// What the forces leave, without their moments, relative to that sum.
+    pub force_closure: f64,
+    /// That sum, N.
+    pub size: f64,
+}
+
+/// What the balance is made from.
+#[derive(Debug, Clone)]
+pub(super) struct Statics {
+    rows: HeldRows,
+    /// Whose the forces on held nodes are, see [`super::support::shares`].
+    shares: Vec<Vec<(usize, [[f64; 3]; 3])>>,
+    springs: Vec<Vec<Spring>>,
+    loads: Vec<Acting>,
+    /// The forces of springs (N) on the held nodes that each motion of supports makes at factor 1 as it carries the body.
+    on_springs: Vec<Vec<[f64; 3]>>,
+}
+
+/// A load at factor 1.
+#[derive(Debug, Clone)]
+struct Acting {
+    whole: Wrench,
+    /// The sum of the sizes of its forces, N.
+    size: f64,
+    /// Its forces on the held nodes, N.
+    on_held: Vec<[f64; 3]>,
+}
+
+impl Statics {
+    pub(super) fn new(
+        mesh: &Mesh,
+        rows: HeldRows,
+        shares: Vec<Vec<(usize, [[f64; 3]; 3])>>,
+        springs: Vec<Vec<Spring>>,
+        loads: &[NodalForces],
+        on_springs: &[NodalForces],
+    ) -> Self {
+        let on_held = |forces: &NodalForces| {
+            let mut on_held = vec![[0.0; 3]; rows.nodes().len()];
+            for (node, force) in forces {
+                if let Ok(held) = rows.nodes().binary_search(node) {
+                    (0..3).for_each(|c| on_held[held][c] += force[c]);
+                }
+            }
+            on_held
+        };
+        let acting = |forces: &NodalForces| {
+            let whole = forces.iter().map(|(node, force)| Wrench::at(mesh.geometry, mesh.nodes[*node], *force)).sum();
+            Acting { whole, size: forces.iter().map(|(_, force)| norm(*force)).sum(), on_held: on_held(forces) }
+        };
+        let loads = loads.iter().map(acting).collect();
+        let on_springs = on_springs.iter().map(on_held).collect();
+        Statics { rows, shares, springs, loads, on_springs }
+    }
+
+    /// All springs, those of foundations one for each facet.
+    pub(super) fn springs(&self) -> impl Iterator<Item = &Spring> {
+        self.springs.iter().flatten()
+    }
+}
+
+impl Model {
+    /// The displacements (m) of all nodes that the unknowns `u` (n_u, m) are at time `t` (s), where supports have moved the body.
+    ///
+    /// # Errors
+    /// [`ProblemError`] where `u` has another length.
+    pub fn displacements(&self, t: f64, u: &[f64]) -> Result<Vec<[f64; 3]>, ProblemError> {
+        expect_length("u", self.dofs.free(), u.len(), "one for each displacement")?;
+        Ok(self.displaced(t, u))
+    }
+
+    /// The same of unknowns that are known to be as many.
+    pub(crate) fn displaced(&self, t: f64, u: &[f64]) -> Vec<[f64; 3]> {
+        let mut all = self.strained(t, u);
+        let carried: Vec<[f64; 3]> = (0..self.carrying.groups).map(|group| self.carried(group, t)).collect();
+        if carried.iter().any(|carried| *carried != [0.0; 3]) {
+            for (node, u) in all.iter_mut().enumerate() {
+                *u = plus(*u, 1.0, carried[self.carrying.of(node)]);
+            }
+        }
+        all
+    }
+
+    /// The force of each load at factor 1, N, what acts on held nodes included; in two dimensions per m of depth, of a body of revolution all around.
+    pub fn forces_of_loads(&self) -> impl Iterator<Item = [f64; 3]> + '_ {
+        self.statics.loads.iter().map(|load| load.whole.force)
+    }
+
+    /// The same from where supports have carried the body as a whole, from which gaps count.
+    pub(super) fn strained(&self, t: f64, u: &[f64]) -> Vec<[f64; 3]> {
+        let mut all = self.dofs.displacements(u);
+        for moved in &self.moved {
+            let nodes = self.statics.rows.nodes().iter().copied();
+            add(&mut all, moved.factor(t), nodes.zip(moved.beyond.iter().copied()));
+        }
+        all
+    }
+
+    /// How far supports have carried the bodies of a group as a whole until time `t` (s), m.
+    fn carried(&self, group: usize, t: f64) -> [f64; 3] {
+        [0, 1, 2].map(|c| self.moved.iter().map(|moved| moved.factor(t) * moved.carried[group][c]).sum())
+    }
+
+    /// How far supports have moved contact node `i` along its normal beyond the body, m: its gap counts from there.
+    pub(super) fn beyond(&self, i: usize, t: f64) -> f64 {
+        let contact = &self.contacts[i];
+        let beyond = |moved: &Moved| {
+            moved.factor(t) * dot(moved.beyond(&self.statics.rows, contact.node), contact.facing.normal)
+        };
+        self.moved.iter().map(beyond).sum()
+    }
+
+    /// How supports have moved contact node `i` along its normal and its tangents until time `t` (s), beside what its unknowns tell, m.
+    pub(crate) fn moved(&self, i: usize, t: f64) -> [f64; 3] {
+        let (contact, rows) = (&self.contacts[i], &self.statics.rows);
+        let directions = [contact.facing.normal, contact.facing.tangents[0], contact.facing.tangents[1]];
+        let coupled = contact.coupled().is_some();
+        // What carries both bodies takes neither past the other.
+        let carried = if coupled { [0.0; 3] } else { self.carried(self.carrying.of(contact.node), t) };
+        let of = |moved: &Moved| {
+            if coupled {
+                return moved.beyond_contact(rows, &self.dofs, &self.carrying, contact);
+            }
+            directions.map(|n| dot(moved.beyond(rows, contact.node), n))
+        };
+        let mut sum = directions.map(|n| dot(carried, n));
+        for moved in &self.moved {
+            let (factor, beyond) = (moved.factor(t), of(moved));
+            (0..3).for_each(|c| sum[c] += factor * beyond[c]);
+        }
+        sum
+    }
+
+    /// The gap (m) of contact node `i` at time `t` (s), from which its own displacement leaves a distance, where `of_rows` (n_c) are those
+    /// of rows: on boundaries of second order these are made of other nodes, too.
+    pub(crate) fn nodal_gap(&self, i: usize, t: f64, of_rows: &[f64]) -> f64 {
+        let contact = &self.contacts[i];
+        let Some((k, facing)) = self.met(i, t) else { return self.of_node_from_rows(i, |j| of_rows[j]) };
+        if contact.ends.is_none() {
+            return of_rows[i];
+        }
+        let (obstacle, motion) = &self.obstacles[k];
+        motion.exact_gap(obstacle, t, contact.position, &facing) - self.beyond(i, t)
+    }
+
+    /// The force (N) of the body on the obstacle, or on the body in front of it, at contact node `i`, for the contact forces of `state`.
+    pub(crate) fn contact_force(&self, state: &State, i: usize) -> [f64; 3] {
+        force_along(&self.contacts[i].facing, [state.p_n[i], state.p_t[i], state.p_o[i]])
+    }
+
+    /// The force (N) of all nodes in the rows of contact node `i` on what is in front of its body. On boundaries of second order these
+    /// have normals of their own.
+    pub(crate) fn force_of_row(&self, state: &State, i: usize) -> [f64; 3] {
+        if self.contacts[i].ends.is_none() {
+            return self.contact_force(state, i);
+        }
+        self.forces_of_rows(state, i).fold([0.0; 3], |sum, (_, force)| plus(sum, 1.0, force))
+    }
+
+    /// The force (N) that each node in the rows of contact node `i` exerts on what is in front of its body.
+    pub(crate) fn forces_of_rows(&self, state: &State, i: usize) -> impl Iterator<Item = (Term, [f64; 3])> + '_ {
+        let p = [state.p_n[i], state.p_t[i], state.p_o[i]];
+        self.contacts[i].terms().map(move |term| {
+            let force = force_along(&term.facing, p);
+            (term, if term.coefficient == 1.0 { force } else { force.map(|f| term.coefficient * f) })
+        })
+    }
+
+    /// Everything that acts on the body at time `t` (s) in the `state` it has then: the force of a support is what the stiffness
+    /// of its nodes, their contact and their loads leave, `K u + Cᵀ p - f`.
+    ///
+    /// # Errors
+    /// [`ProblemError`] where an array of the state has another length than the problem says.
+    pub fn balance(&self, t: f64, state: &State) -> Result<Balance, ProblemError> {
+        state.check(&self.problem)?;
+        Ok(self.balanced(t, state))
+    }
+
+    /// The same of a state that is known to fit.
+    pub(crate) fn balanced(&self, t: f64, state: &State) -> Balance {
+        let Statics { rows, shares, springs, loads, on_springs } = &self.statics;
+        let (strained, rest) = if state.u_rest.is_empty() {
+            (self.strained(t, &state.u), Vec::new())
+        } else {
+            let (u, rest) = self.problem.strained(state);
+            (self.strained(t, &u), self.dofs.displacements(&rest))
+        };
+        let mut forces = rows.forces(&strained, &rest);
+        let factors: Vec<f64> = self.loading.cases().iter().take(loads.len()).map(|case| case.factor(t)).collect();
+        for (load, factor) in loads.iter().zip(&factors) {
+            add(&mut forces, -factor, load.on_held.iter().copied().enumerate());
+        }
+        for (moved, on_held) in self.moved.iter().zip(on_springs) {
+            add(&mut forces, -moved.factor(t), on_held.iter().copied().enumerate());
+        }
+        let geometry = self.mesh.geometry;
+        let mut size = 0.0;
+        let mut contact = Wrench::default();
+        for i in 0..self.contacts.len() {
+            size += norm(self.contact_force(state, i));
+            for (term, force) in self.forces_of_rows(state, i) {
+                contact += Wrench::at(geometry, term.position, force.map(|f| -f));
+                if let Ok(held) = rows.nodes().binary_search(&term.node) {
+                    add(&mut forces, 1.0, [(held, force)]);
+                }
+            }
+        }
+        // What glue passes on to held nodes is carried by their supports.
+        for node in self.dofs.followers().into_iter().rev() {
+            let Ok(from) = rows.nodes().binary_search(&node) else { continue };
+            let free = self.dofs.free_axes(node).into_iter();
+            let passed = free.fold([0.0; 3], |sum, n| plus(sum, dot(forces[from], n), n));
+            for (other, share) in self.dofs.passed_on(node) {
+                if let Ok(to) = rows.nodes().binary_search(&other) {
+                    forces[to] = plus(forces[to], share, passed);
+                }
+            }
+        }
+        let position = |held: usize| self.mesh.nodes[rows.nodes()[held]];
+        let supports: Vec<Wrench> = (shares.iter())
+            .map(|shares| {
+                let share = |(held, matrix): &(usize, [[f64; 3]; 3])| {
+                    let force = matrix.map(|row| dot(row, forces[*held]));
+                    size += norm(force);
+                    Wrench::at(geometry, position(*held), force)
+                };
+                shares.iter().map(share).sum()
+            })
+            .collect();
+        let displaced = if springs.is_empty() { Vec::new() } else { self.displaced(t, &state.u) };
+        let springs: Vec<Wrench> = (springs.iter())
+            .map(|springs| {
+                let all = springs.iter().flat_map(|spring| spring.forces(&displaced));
+                all.map(|(node, force)| {
+                    size += norm(force);
+                    Wrench::at(geometry, self.mesh.nodes[node], force)
+                })
+                .sum()
+            })
+            .collect();
+        size += loads.iter().zip(&factors).map(|(load, factor)| factor.abs() * load.size).sum::<f64>();
+        let loads: Vec<Wrench> = loads.iter().zip(factors).map(|(load, factor)| load.whole.times(factor)).collect();
+        let mut left: Wrench = loads.iter().chain(&supports).chain(&springs).copied().sum();
+        left += contact;
+        let [closure, force_closure] = self.left_of(left).map(|left| if size > 0.0 { left / size } else { 0.0 });
+        Balance { loads, supports, springs, contact, closure, force_closure, size }
+    }
+
+    /// The size of a force, or of a moment about the middle of the body by its size; and that of the force alone.
+    fn left_of(&self, left: Wrench) -> [f64; 2] {
+        if self.mesh.geometry == Geometry::Axisymmetric {
+            // What leads away from the axis is in balance with itself.
+            return [left.force[1].abs(); 2];
+        }
+        let middle = self.mesh.bounds().map(|(lowest, highest)| 0.5 * (lowest + highest));
+        let moment = minus(left.moment, cross(middle, left.force));
+        [norm(left.force).max(norm(moment) / self.mesh.size()), norm(left.force)]
+    }
+}
+
+/// The force of these components along the normal and the tangents of a node.
+fn force_along(facing: &Facing, [p_n, p_t, p_o]: [f64; 3]) -> [f64; 3] {
+    let [t, o] = facing.tangents;
+    [0, 1, 2].map(|c| p_n * facing.normal[c] + p_t * t[c] + p_o * o[c])
+}
+
+/// Adds `factor` times `terms` at their places.
+fn add(sums: &mut [[f64; 3]], factor: f64, terms: impl IntoIterator<Item = (usize, [f64; 3])>) {
+    for (k, term) in terms {
+        (0..3).for_each(|c| sums[k][c] += factor * term[c]);
+    }
+}

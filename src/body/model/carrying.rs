@@ -1,0 +1,88 @@
+//! Which bodies the supports carry along together.
+//!
+//! What moves a body as a whole strains nothing, and forces that would be the work of its stiffness against itself are left out
+//! (`Moved`). Bodies that are moved by different supports are carried by translations of their own: one for all would pull a stiff body
+//! that stays where it is back against the mean, with forces far above all that act.
+
+use std::collections::{BTreeSet, VecDeque};
+
+use super::find;
+use super::pair::Pairs;
+use crate::algebra::union_find::UnionFind;
+use crate::base::input_error::InputError;
+use crate::body::description::Description;
+use crate::body::mesh::Mesh;
+
+/// The groups of bodies that go along together: those that are glued, and those that one obstacle is in front of.
+#[derive(Debug, Clone)]
+pub(super) struct Carrying {
+    /// The group of each node.
+    of_node: Vec<usize>,
+    /// How many there are.
+    pub groups: usize,
+    /// For each group the one whose supports carry it: itself, or if it has none the nearest in contact with it that has.
+    pub carrier: Vec<usize>,
+}
+
+impl Carrying {
+    /// The groups of the bodies of `mesh`, of which supports hold the nodes `held`.
+    pub(super) fn new(
+        description: &Description,
+        mesh: &Mesh,
+        pairs: &Pairs,
+        held: impl Iterator<Item = usize>,
+    ) -> Result<Self, InputError> {
+        let bodies = mesh.bodies();
+        let mut together = UnionFind::new(bodies.count());
+        let of = |node: usize| bodies.of_nodes()[node];
+        let mut neighbours: BTreeSet<(usize, usize)> = BTreeSet::new();
+        for (k, contact) in description.contacts.iter().enumerate() {
+            let key = format!("contact[{k}]");
+            let first: BTreeSet<usize> = find(mesh, &contact.boundary, &key)?.nodes().into_iter().map(of).collect();
+            let opposite: BTreeSet<usize> = match pairs.of_contact(k).map(|pair| &pairs.all[pair]) {
+                Some(pair) => {
+                    let both = pair.master.nodes().into_iter().chain(pair.mortar.rows.iter().map(|row| row.node));
+                    let both: BTreeSet<usize> = both.map(of).collect();
+                    if !pair.glued {
+                        neighbours.extend(both.iter().flat_map(|&a| both.iter().map(move |&b| (a, b))));
+                        continue;
+                    }
+                    both
+                }
+                None => BTreeSet::new(),
+            };
+            let all: Vec<usize> = first.union(&opposite).copied().collect();
+            for pair in all.windows(2) {
+                together.join(pair[0], pair[1]);
+            }
+        }
+        let least: Vec<usize> = (0..bodies.count()).map(|k| together.least(k)).collect();
+        let firsts: Vec<usize> = (0..bodies.count()).filter(|&k| least[k] == k).collect();
+        let group = |body: usize| firsts.binary_search(&least[body]).unwrap_or(0);
+        let held: BTreeSet<usize> = held.map(|node| group(of(node))).collect();
+        let carrier = |from: usize| {
+            let (mut seen, mut queue) = (BTreeSet::from([from]), VecDeque::from([from]));
+            while let Some(k) = queue.pop_front() {
+                if held.contains(&k) {
+                    return k;
+                }
+                let next = neighbours.iter().filter(|(a, _)| group(*a) == k).map(|(_, b)| group(*b));
+                queue.extend(next.filter(|k| seen.insert(*k)));
+            }
+            from
+        };
+        let carrier = (0..firsts.len()).map(carrier).collect();
+        let of_node = bodies.of_nodes().iter().map(|&body| group(body)).collect();
+        Ok(Carrying { of_node, groups: firsts.len(), carrier })
+    }
+
+    /// How many nodes there are.
+    pub(super) fn nodes(&self) -> usize {
+        self.of_node.len()
+    }
+
+    /// The group of `node`.
+    pub(super) fn of(&self, node: usize) -> usize {
+        self.of_node[node]
+    }
+}

@@ -1,0 +1,382 @@
+//! The contact nodes of all boundaries and what is in front of them, checked.
+
+use std::collections::BTreeMap;
+
+use super::carrying::Carrying;
+use super::find;
+use super::pair::Pairs;
+use super::support::Moved;
+use crate::algebra::vector::{dot, plus};
+use crate::base::input_error::InputError;
+use crate::base::timeline::within;
+use crate::base::units::{Quantity, UnitSystem};
+use crate::body::contact::{
+    ContactBoundary, ContactNode, Counterpart, Meeting, ObstacleMotion, PlacedObstacle, Unclear, contact_nodes,
+    meetings, unreachable,
+};
+use crate::body::description::{Contact, Description};
+use crate::body::fem::{Dofs, HeldRows};
+use crate::body::mesh::{Boundary, Mesh};
+use crate::solver::loading::FrictionHistory;
+use crate::solver::problem::ProblemError;
+
+/// How much of the body an obstacle may take up when the history begins. Strains are about this share, and
+/// far less is no small deformation any more: more is a slip of the pen.
+const DEEPEST: f64 = 0.2;
+
+/// The body as contacts see it.
+struct ContactBody<'a> {
+    description: &'a Description,
+    mesh: &'a Mesh,
+    dofs: &'a Dofs,
+    rows: &'a HeldRows,
+    moved: &'a [Moved],
+    pairs: &'a Pairs,
+    carrying: &'a Carrying,
+}
+
+/// The contacts of a description.
+#[derive(Default)]
+pub(super) struct Contacts {
+    pub nodes: Vec<ContactNode>,
+    /// Coulomb's coefficient of each node.
+    pub mu: Vec<f64>,
+    pub boundaries: Vec<ContactBoundary>,
+    /// The obstacles in front of all boundaries, and how they move.
+    pub obstacles: Vec<(PlacedObstacle, ObstacleMotion)>,
+    /// Coulomb's coefficient at the nodes of each boundary, before those that are of several have the mean.
+    own_mu: Vec<Vec<f64>>,
+    /// The contact nodes at each node of the mesh that has one.
+    at_node: BTreeMap<usize, Vec<usize>>,
+}
+
+impl Contacts {
+    /// The contacts of `description`, boundary by boundary.
+    pub(super) fn new(
+        description: &Description,
+        mesh: &Mesh,
+        dofs: &Dofs,
+        rows: &HeldRows,
+        moved: &[Moved],
+        pairs: &Pairs,
+        carrying: &Carrying,
+    ) -> Result<Self, InputError> {
+        let mut contacts = Contacts::default();
+        share_no_facet(description, mesh, pairs)?;
+        let body = ContactBody { description, mesh, dofs, rows, moved, pairs, carrying };
+        for k in 0..description.contacts.len() {
+            match pairs.of_contact(k) {
+                Some(pair) => contacts.add_pair(&body, k, pair)?,
+                None => contacts.add(&body, k)?,
+            }
+        }
+        Ok(contacts)
+    }
+
+    /// Adds what is in front of another boundary, unless it is glued to it.
+    fn add_pair(&mut self, body: &ContactBody<'_>, k: usize, number: usize) -> Result<(), InputError> {
+        let ContactBody { description, mesh, dofs, pairs, .. } = *body;
+        let (pair, contact) = (&pairs.all[number], &description.contacts[k]);
+        if pair.glued {
+            return Ok(());
+        }
+        let boundary = find(mesh, &pair.slave, &format!("contact[{k}]"))?;
+        let units = description.system(mesh.dimension);
+        // Along the boundary, as its nodes are told.
+        let mut nodes: BTreeMap<usize, ContactNode> =
+            pair.nodes(mesh, dofs, number).into_iter().map(|node| (node.node, node)).collect();
+        let nodes: Vec<ContactNode> = boundary.nodes().iter().filter_map(|node| nodes.remove(node)).collect();
+        let mut own_mu = Vec::with_capacity(nodes.len());
+        for node in &nodes {
+            own_mu.push(friction(contact, &units, node, k)?);
+        }
+        refuse_idle_history(contact, &own_mu, k)?;
+        let first = self.nodes.len();
+        self.boundaries.push(ContactBoundary {
+            name: pair.slave.clone(),
+            contact: k,
+            nodes: (first..first + nodes.len()).collect(),
+            weights: nodes.iter().map(|node| node.weight).collect(),
+            beyond: boundary.nodes().len() - nodes.len(),
+            obstacles: self.obstacles.len()..self.obstacles.len(),
+            pair: Some(number),
+        });
+        for (i, node) in nodes.iter().enumerate() {
+            self.at_node.entry(node.node).or_default().push(first + i);
+        }
+        self.mu.extend(&own_mu);
+        self.nodes.extend(nodes);
+        self.own_mu.push(own_mu);
+        Ok(())
+    }
+
+    fn add(&mut self, body: &ContactBody<'_>, k: usize) -> Result<(), InputError> {
+        let ContactBody { description, mesh, dofs, moved, carrying, .. } = *body;
+        let contact = &description.contacts[k];
+        let boundary = find(mesh, &contact.boundary, &format!("contact[{k}]"))?;
+        let mut obstacles = placed(contact, description.end(), mesh, boundary, k)?;
+        for (_, motion) in &mut obstacles {
+            // All bodies behind one obstacle are carried along together.
+            let group = boundary.nodes().first().map_or(0, |&node| carrying.of(node));
+            for Moved { carried, history, .. } in moved {
+                motion.pass(carried[group], history);
+            }
+        }
+        let met = met(contact, body, boundary, &obstacles, k)?;
+        let nodes = contact_nodes(mesh, dofs, boundary, &obstacles, &met);
+        if nodes.is_empty() {
+            let message = if met.len() < boundary.nodes().len() {
+                format!("supports hold every node of `{}` that an obstacle reaches", contact.boundary)
+            } else {
+                format!("supports hold every node of the contact boundary `{}`", contact.boundary)
+            };
+            return Err(InputError::new(
+                format!("contact[{k}].boundary"),
+                message,
+                "remove the contact or the support",
+            ));
+        }
+        let first = self.obstacles.len();
+        self.obstacles.extend(obstacles);
+        let mut own = ContactBoundary {
+            name: contact.boundary.clone(),
+            contact: k,
+            nodes: Vec::with_capacity(nodes.len()),
+            weights: nodes.iter().map(|node| node.weight).collect(),
+            beyond: boundary.nodes().len() - met.len(),
+            obstacles: first..self.obstacles.len(),
+            pair: None,
+        };
+        let mut own_mu = Vec::with_capacity(nodes.len());
+        let units = description.system(mesh.dimension);
+        for node in nodes {
+            let mu = friction(contact, &units, &node, k)?;
+            own_mu.push(mu);
+            let met = node.obstacle().unwrap_or(0);
+            let others = node.others.iter().map(|k| first + k).collect();
+            let node = ContactNode { counterpart: Counterpart::Obstacle(first + met), others, ..node };
+            own.nodes.push(self.add_node(node, mu, &contact.boundary, &description.system(3), k)?);
+        }
+        refuse_idle_history(contact, &own_mu, k)?;
+        self.boundaries.push(own);
+        self.own_mu.push(own_mu);
+        Ok(())
+    }
+
+    /// How friction changes in time, if that of any contact does: the part of each contact in that of its nodes.
+    pub(super) fn friction_history(&self, description: &Description) -> Result<Option<FrictionHistory>, ProblemError> {
+        let contacts = &description.contacts;
+        if contacts.iter().all(|contact| contact.friction_history.is_none()) {
+            return Ok(None);
+        }
+        let case = |(boundary, own): (&ContactBoundary, &Vec<f64>)| {
+            let contact = &contacts[boundary.contact];
+            let mut mu = vec![0.0; self.nodes.len()];
+            boundary.parts(&self.nodes).zip(own).for_each(|((i, part), own)| mu[i] = part * own);
+            let history = contact.friction_history.as_ref().map(|points| within(description.end(), points));
+            (mu, history.unwrap_or_default())
+        };
+        let cases = self.boundaries.iter().zip(&self.own_mu).map(case).collect();
+        FrictionHistory::new(self.nodes.len(), cases).map(Some)
+    }
+
+    /// The number of a node of the boundary `name`: that of an earlier boundary in front of the same normal, or a new one.
+    /// Refuses opposite normals, for the forces would cancel, whatever they are.
+    fn add_node(
+        &mut self,
+        node: ContactNode,
+        mu: f64,
+        name: &str,
+        units: &UnitSystem,
+        k: usize,
+    ) -> Result<usize, InputError> {
+        let sharing = self.at_node.entry(node.node).or_default();
+        // One degree from parallel; a sharper edge of a body cannot be meshed.
+        let parallel = |i: &&usize| {
+            let other = &self.nodes[**i];
+            other.obstacle().is_some() && dot(node.facing.normal, other.facing.normal).abs() > 0.9998
+        };
+        let Some(&same) = sharing.iter().find(parallel) else {
+            sharing.push(self.nodes.len());
+            self.nodes.push(node);
+            self.mu.push(mu);
+            return Ok(self.nodes.len() - 1);
+        };
+        let earlier = &self.nodes[same];
+        if dot(node.facing.normal, earlier.facing.normal) < 0.0 {
+            let place = units.place(node.position);
+            let message =
+                format!("the node at {place} of `{name}` lies in front of two obstacles with opposite normals");
+            let help = "give an obstacle another normal, or let the boundaries share no node";
+            return Err(InputError::new(format!("contact[{k}].obstacle"), message, help));
+        }
+        let weight = earlier.weight + node.weight;
+        // Of equal coefficients the mean is that to the last bit.
+        self.mu[same] += (mu - self.mu[same]) * (node.weight / weight);
+        let gap = |node: &ContactNode| {
+            node.obstacle().map_or(node.facing.gap, |k| {
+                let (obstacle, motion) = &self.obstacles[k];
+                motion.exact_gap(obstacle, 0.0, node.position, &node.facing)
+            })
+        };
+        let (nearest, other) = if gap(&node) < gap(earlier) { (&node, earlier) } else { (earlier, &node) };
+        let own = nearest.obstacle().map(|k| &self.obstacles[k].0);
+        let presses_alike = |k: &usize| own.is_some_and(|own| self.obstacles[*k].0.presses_as(own));
+        let further = other.obstacle().into_iter().chain(other.others.iter().copied()).filter(presses_alike);
+        let others = nearest.others.iter().copied().chain(further).collect();
+        self.nodes[same] = ContactNode { others, weight, ..nearest.clone() };
+        Ok(same)
+    }
+}
+
+/// Refuses a history of a friction that there is none of.
+fn refuse_idle_history(contact: &Contact, own_mu: &[f64], k: usize) -> Result<(), InputError> {
+    if contact.friction_history.is_none() || own_mu.iter().any(|mu| *mu != 0.0) {
+        return Ok(());
+    }
+    let message = format!("friction_history multiplies a friction that is 0 on the whole of `{}`", contact.boundary);
+    let help = "give the friction at factor 1, or remove the key";
+    Err(InputError::new(format!("contact[{k}].friction_history"), message, help))
+}
+
+/// Refuses contacts of which two have a facet in common whose nodes carry their forces: it would count twice.
+fn share_no_facet(description: &Description, mesh: &Mesh, pairs: &Pairs) -> Result<(), InputError> {
+    let contacts = &description.contacts;
+    if contacts.len() < 2 {
+        return Ok(());
+    }
+    let mut whose: BTreeMap<Vec<usize>, &str> = BTreeMap::new();
+    for (k, contact) in contacts.iter().enumerate() {
+        let own = pairs.of_contact(k).map_or(&contact.boundary, |pair| &pairs.all[pair].slave);
+        for facet in &find(mesh, own, &format!("contact[{k}]"))?.facets {
+            let mut nodes = facet.clone();
+            nodes.sort_unstable();
+            let Some(other) = whose.insert(nodes, own) else { continue };
+            let corners = facet.len() as f64;
+            let middle = facet.iter().fold([0.0; 3], |sum, node| plus(sum, 1.0 / corners, mesh.nodes[*node]));
+            let place = description.system(mesh.dimension).place(middle);
+            let message = format!("the boundaries `{other}` and `{own}` have the facet at {place} in common");
+            let help = "let each facet be of one [[contact]]; several obstacles may be in front of one boundary";
+            return Err(InputError::new(format!("contact[{k}].boundary"), message, help));
+        }
+    }
+    Ok(())
+}
+
+/// Coulomb's coefficient of `node`.
+fn friction(contact: &Contact, units: &UnitSystem, node: &ContactNode, k: usize) -> Result<f64, InputError> {
+    let mu = contact.friction.at(node.position);
+    if mu.is_finite() && mu >= 0.0 {
+        return Ok(mu);
+    }
+    let place = units.place(node.position);
+    let message = format!("the friction is {mu} at the contact node at {place}, but must be 0 or more");
+    Err(InputError::new(format!("contact[{k}].friction"), message, "mend the formula, such as by max(0, ...)"))
+}
+
+/// The obstacles of contact `k` in front of its `boundary`, and how they move.
+fn placed(
+    contact: &Contact,
+    end: f64,
+    mesh: &Mesh,
+    boundary: &Boundary,
+    k: usize,
+) -> Result<Vec<(PlacedObstacle, ObstacleMotion)>, InputError> {
+    let name = &contact.boundary;
+    let place = |(j, given)| {
+        let obstacle = PlacedObstacle::new(mesh, boundary, given).map_err(|error| {
+            InputError::new(contact.obstacle_key(k, j), format!("contact at `{name}`: {error}"), error.help())
+        })?;
+        let motion = ObstacleMotion::new(given, obstacle.normal, end).of(&obstacle);
+        Ok((obstacle, motion))
+    };
+    contact.obstacles().iter().enumerate().map(place).collect()
+}
+
+/// The nodes of contact `k` with the obstacle that each meets.
+fn met(
+    contact: &Contact,
+    body: &ContactBody<'_>,
+    boundary: &Boundary,
+    obstacles: &[(PlacedObstacle, ObstacleMotion)],
+    k: usize,
+) -> Result<Vec<Meeting>, InputError> {
+    let ContactBody { description, mesh, dofs, rows, moved, .. } = *body;
+    let name = &contact.boundary;
+    let at_obstacle =
+        |j: usize, message: String, help: &str| InputError::new(contact.obstacle_key(k, j), message, help);
+    let units = description.system(mesh.dimension);
+    let place = |node: usize| units.place(mesh.nodes[node]);
+    let times = &description.times;
+    let met =
+        meetings(mesh, boundary, obstacles, times).map_err(|Unclear { node, obstacle, time, why: (what, help) }| {
+            let when = time.map_or(String::new(), |t| format!(" at t = {t} s"));
+            at_obstacle(obstacle, format!("{what} the contact node at {}{when}", place(node)), help)
+        })?;
+    if let [(obstacle, _)] = obstacles
+        && let Some(node) = obstacle.faces_away(mesh, boundary)
+    {
+        let (message, help) = if obstacle.has_one_normal() {
+            let message = format!("the normal of the obstacle points into the body at `{name}`, or along it");
+            (message, "let the normal point out of the body")
+        } else {
+            let what = "the nearest point of the obstacle is beside or behind the contact node at";
+            let message = format!("{what} {}, from which the way there does not lead out of the body", place(node));
+            (
+                message,
+                "use direction = \"normal\", which leaves open what the obstacle is not in front of, or a smaller boundary",
+            )
+        };
+        return Err(at_obstacle(0, message, help));
+    }
+    let is_met_later = |j: usize| {
+        let comes_nearest = |met: &Meeting| {
+            met.others.contains(&j) && times.iter().any(|t| met.nearest(obstacles, mesh.nodes[met.node], *t).0 == j)
+        };
+        met.iter().any(comes_nearest)
+    };
+    let is_met = |j: usize| met.iter().any(|met| met.obstacle == j) || is_met_later(j);
+    if let Some(j) = (0..obstacles.len()).find(|j| !is_met(*j)) {
+        let (message, help) = match obstacles.len() {
+            1 => (
+                format!("the obstacle is in front of no node of `{name}`, now or later"),
+                "move the obstacle, or give it another normal; triangles must be counterclockwise seen from the body",
+            ),
+            _ => (
+                format!(
+                    "no node of `{name}` meets this obstacle: to each another is nearer, or it is in front of none"
+                ),
+                "if it comes by within an increment, take more increments; otherwise remove or move it, or give it a boundary of its own",
+            ),
+        };
+        return Err(at_obstacle(j, message, help));
+    }
+    let start = |met: &Meeting| {
+        let (obstacle, motion) = &obstacles[met.obstacle];
+        motion.exact_gap(obstacle, 0.0, mesh.nodes[met.node], &met.facing)
+    };
+    for (j, (obstacle, _)) in obstacles.iter().enumerate() {
+        let along = || mesh.nodes.iter().map(|x| dot(*x, obstacle.normal));
+        let thickness = along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min);
+        let own = met.iter().filter(|met| met.obstacle == j);
+        if let Some(deepest) = own.min_by(|a, b| start(a).total_cmp(&start(b)))
+            && start(deepest) < -DEEPEST * thickness
+        {
+            let [depth, thickness] = [-start(deepest), thickness].map(|x| units.number(Quantity::Length, x));
+            let (place, unit) = (place(deepest.node), units.name(Quantity::Length));
+            let message = format!(
+                "the obstacle starts {depth:e} {unit} inside the body at {place}, which is {thickness:e} {unit} thick there"
+            );
+            return Err(at_obstacle(j, message, "move the obstacle out, or the part of the motion before time 0"));
+        }
+    }
+    let beyond = |met: &Meeting, t: f64| {
+        moved.iter().map(|moved| moved.factor(t) * dot(moved.beyond(rows, met.node), met.facing.normal)).sum()
+    };
+    if let Some(node) = unreachable(mesh, dofs, obstacles, &met, times, beyond) {
+        let message = format!("supports hold the body where the obstacle is or comes to be, at {}", place(node));
+        let help = "use a gap of at least 0, a shorter approach or fewer supports";
+        return Err(InputError::new(format!("contact[{k}].boundary"), message, help));
+    }
+    Ok(met)
+}

@@ -1,0 +1,31 @@
+//! The elements of a description, which have to suit the cells of its mesh.
+
+use crate::base::input_error::InputError;
+use crate::body::description::Description;
+use crate::body::fem::{Element, NodalVolumes};
+use crate::body::mesh::{CellKind, Mesh};
+
+/// How strains follow from displacements: B-bar is for quadrilaterals, hexahedra and prisms, nodal volumes for triangles,
+/// tetrahedra and prisms.
+pub(super) fn element(description: &Description, mesh: &Mesh) -> Result<Element, InputError> {
+    let element = description.element;
+    let kinds = || mesh.cells.iter().map(|cell| cell.kind);
+    match element {
+        Element::BBar if kinds().any(CellKind::is_simplex) => {
+            let message = "mesh.element is \"b-bar\", but the mesh has triangles or tetrahedra";
+            let help = "use \"nodal-volume\", quadrilaterals or hexahedra, or triangles of six and tetrahedra of ten nodes without b-bar, which need no \
+                        remedy up to nu = 0.499";
+            Err(InputError::new("mesh.element", message, help))
+        }
+        Element::NodalVolume => match kinds().find(|kind| !NodalVolumes::take(*kind)) {
+            None => Ok(element),
+            Some(kind) => {
+                let message = format!("mesh.element is \"nodal-volume\", but the mesh has a {}", kind.name());
+                let help =
+                    "nodal volumes are for triangles, tetrahedra and prisms: use \"b-bar\", or a mesh of these alone";
+                Err(InputError::new("mesh.element", message, help))
+            }
+        },
+        Element::Bilinear | Element::BBar => Ok(element),
+    }
+}

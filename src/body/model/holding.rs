@@ -1,0 +1,94 @@
+//! Which displacements the supports of a description hold on its mesh.
+
+use super::find;
+use super::place::{nodes, normals, suits};
+use crate::algebra::vector::{axis, unit};
+use crate::base::input_error::InputError;
+use crate::base::units::UnitSystem;
+use crate::body::description::{Axis, Description, Direction, Held, Support, Where};
+use crate::body::fem::{Dofs, SAME_DIRECTION};
+use crate::body::mesh::Mesh;
+
+/// What one support holds: nodes, unit vectors, displacements (m) at factor 1.
+pub(super) type Holding = Vec<(usize, [f64; 3], f64)>;
+
+/// What each support of `description` holds.
+pub(super) fn holdings(description: &Description, mesh: &Mesh) -> Result<Vec<Holding>, InputError> {
+    let units = description.system(mesh.dimension);
+    description.supports.iter().enumerate().map(|(k, support)| holding(mesh, support, &units, k)).collect()
+}
+
+fn holding(mesh: &Mesh, support: &Support, units: &UnitSystem, k: usize) -> Result<Holding, InputError> {
+    let key = format!("support[{k}]");
+    let nodes = nodes(mesh, &support.at, units, &key)?;
+    let mut holding = Vec::new();
+    for Held { direction, displacement } in &support.held {
+        let mut hold = |node: usize, n: [f64; 3]| {
+            holding.extend(beside_axis(mesh, units, &key, (node, n, *displacement))?);
+            Ok(())
+        };
+        match direction {
+            Direction::Axis(Axis::Z) if mesh.dimension == 2 => {
+                let place = support.at.place(units);
+                let message = format!("the support of `{place}` holds z, but the body has two dimensions");
+                return Err(InputError::new(format!("{key}.fix"), message, "leave out \"z\""));
+            }
+            Direction::Axis(along) => nodes.iter().try_for_each(|&node| hold(node, axis(*along as usize)))?,
+            Direction::Along(vector) => {
+                suits(mesh, *vector, &format!("{key}.direction"))?;
+                let n = unit(vector.components());
+                nodes.iter().try_for_each(|&node| hold(node, n))?;
+            }
+            Direction::Normal => {
+                let Where::Boundary(name) = &support.at else { continue };
+                let normals = normals(mesh, find(mesh, name, &key)?);
+                for &node in &nodes {
+                    let Some(n) = normals[node] else {
+                        let place = units.place(mesh.nodes[node]);
+                        let message = format!("`{name}` has no normal at {place}: its facets there cancel each other");
+                        return Err(InputError::new(format!("{key}.fix"), message, "give a direction, or fix axes"));
+                    };
+                    hold(node, n)?;
+                }
+            }
+        }
+    }
+    Ok(holding)
+}
+
+/// What a support that moves a node by a length (m) along a unit vector holds there beside what the axis of a body of revolution holds:
+/// nothing, where that is along the axis' own.
+fn beside_axis(
+    mesh: &Mesh,
+    units: &UnitSystem,
+    key: &str,
+    (node, n, to): (usize, [f64; 3], f64),
+) -> Result<Option<(usize, [f64; 3], f64)>, InputError> {
+    if !mesh.is_on_axis(node) || n[0] == 0.0 {
+        return Ok(Some((node, n, to)));
+    }
+    if n[1].abs() > SAME_DIRECTION {
+        return Ok(Some((node, axis(1), to / n[1])));
+    }
+    if to == 0.0 {
+        return Ok(None);
+    }
+    let place = units.place(mesh.nodes[node]);
+    let message = format!("the support moves the node at {place} aside, which is on the axis of the body");
+    let help = "an axisymmetric body is not moved across its axis: leave the axis out, or move along y";
+    Err(InputError::new(format!("{key}.displacement"), message, help))
+}
+
+/// The displacements that the supports leave free.
+pub(super) fn dofs(mesh: &Mesh, holdings: &[Holding]) -> Result<Dofs, InputError> {
+    let mut directions = vec![Vec::new(); mesh.nodes.len()];
+    for (node, n, _) in holdings.iter().flatten() {
+        directions[*node].push(*n);
+    }
+    let dofs = Dofs::holding(mesh, |node| std::mem::take(&mut directions[node]));
+    if dofs.free() == 0 {
+        let message = "the supports fix every node of the mesh, so nothing is left to solve";
+        return Err(InputError::new("support[0].boundary", message, "support fewer boundaries, or use a finer mesh"));
+    }
+    Ok(dofs)
+}

@@ -1,0 +1,206 @@
+//! The loads and springs of a description on its mesh: forces on its nodes.
+
+use super::find;
+use super::place::{node, of_dimension, suits};
+use crate::algebra::vector::{axis, cross, dot, minus, norm, unit};
+use crate::base::input_error::InputError;
+use crate::body::description::{Action, Bed, Description, Field, Where};
+use crate::body::fem::{
+    Bedding, Elasticity, Element, NodalForces, NodalVolumes, Spring, area, body_force, thermal_forces,
+    traction as traction_of, uniform_traction,
+};
+use crate::body::mesh::{Boundary, Geometry, Mesh};
+
+/// The body as loads see it.
+pub(super) struct LoadedBody<'a> {
+    pub description: &'a Description,
+    pub mesh: &'a Mesh,
+    pub element: Element,
+    pub volumes: &'a NodalVolumes,
+    pub thin: bool,
+    pub materials: &'a [Elasticity],
+}
+
+/// What a load does at factor 1.
+pub(super) struct LoadOnMesh {
+    pub forces: NodalForces,
+    /// If it is a load by temperature.
+    pub free_strain: Option<FreeStrain>,
+}
+
+/// The strain that heat alone makes, along all axes.
+#[derive(Debug, Clone)]
+pub(super) struct FreeStrain {
+    /// At the centre of each cell.
+    pub of_cells: Vec<f64>,
+    /// The mean in each nodal volume.
+    pub of_volumes: Vec<f64>,
+}
+
+impl LoadedBody<'_> {
+    /// What load `k` does.
+    pub(super) fn load(&self, k: usize) -> Result<LoadOnMesh, InputError> {
+        let LoadedBody { description, mesh, element, volumes, thin, materials } = *self;
+        let key = format!("load[{k}]");
+        let at = |name: &str| format!("{key}.{name}");
+        let boundary = |name: &str| find(mesh, name, &key);
+        let mut free_strain = None;
+        let forces = match &description.loads[k].action {
+            Action::Traction { boundary: name, traction } => {
+                tractions(mesh, boundary(name)?, name, traction, &at("traction"))?
+            }
+            Action::Pressure { boundary: name, pressure } => {
+                let forces = traction_of(mesh, boundary(name)?, |x, area| area.map(|a| -pressure.at(x) * a));
+                defined(forces, &at("pressure"), "pressure")?
+            }
+            Action::Force { at: place, force } => {
+                let force = in_space(mesh, force, &at("force"))?;
+                match place {
+                    Where::Point(point) => {
+                        vec![(node(mesh, *point, &description.system(mesh.dimension), &key)?, force)]
+                    }
+                    Where::Boundary(name) => {
+                        let boundary = with_area(mesh, name, &at("boundary"), boundary(name)?, "a force")?;
+                        uniform_traction(mesh, boundary, force.map(|f| f / area(mesh, boundary)))
+                    }
+                }
+            }
+            Action::Acceleration(acceleration) => {
+                let acceleration = in_space(mesh, acceleration, &at("acceleration"))?;
+                if mesh.geometry == Geometry::Axisymmetric && acceleration[0] != 0.0 {
+                    let message =
+                        "acceleration has a component along x, which leads away from the axis on all sides at once";
+                    let help =
+                        "give [0, y]; what pulls away from the axis because the body spins is a load by rotation";
+                    return Err(InputError::new(at("acceleration"), message, help));
+                }
+                let density = description.material.densities(mesh)?;
+                body_force(mesh, |e, _| acceleration.map(|a| density[e] * a))
+            }
+            Action::Spin { axis: given, through, speed } => {
+                suits(mesh, *through, &at("rotation.through"))?;
+                let own = if mesh.geometry == Geometry::Axisymmetric { axis(1) } else { axis(2) };
+                let along = given.map_or(own, |axis| unit(axis.components()));
+                if mesh.dimension == 2 && cross(along, own) != [0.0; 3] {
+                    let message = match mesh.geometry {
+                        Geometry::Cartesian => {
+                            "the axis of the rotation leaves the plane of the body, which has two dimensions"
+                        }
+                        Geometry::Axisymmetric => "the axis of the rotation is not that of the body, y",
+                    };
+                    return Err(InputError::new(at("rotation.axis"), message, "leave it out"));
+                }
+                if mesh.geometry == Geometry::Axisymmetric && through.components()[0] != 0.0 {
+                    let message = "the axis of the rotation does not go through that of the body, x = 0";
+                    return Err(InputError::new(
+                        at("rotation.through"),
+                        message,
+                        "give a point of the axis, such as [0, 0]",
+                    ));
+                }
+                let density = description.material.densities(mesh)?;
+                let through = through.components();
+                body_force(mesh, |e, x| {
+                    let arm = minus(x, through);
+                    let up = dot(arm, along);
+                    minus(arm, along.map(|c| up * c)).map(|r| density[e] * speed * speed * r)
+                })
+            }
+            Action::Temperature(temperature) => {
+                let expansion = description.material.expansions(mesh)?;
+                let strain = |e: usize, x: [f64; 3]| expansion[e] * temperature.at(x);
+                let of_cells: Vec<f64> = (0..mesh.cells.len()).map(|e| strain(e, mesh.centre(e))).collect();
+                let of_volumes = volumes.means(mesh, strain);
+                // What is averaged of the displacements has to be averaged of the heat, or the difference would be pressure.
+                let forces = if volumes.is_empty() {
+                    thermal_forces(mesh, element, thin, |e| materials[e], strain)
+                } else {
+                    volumes.forces(&of_volumes.iter().map(|strain| 3.0 * strain).collect::<Vec<_>>())
+                };
+                free_strain = Some(FreeStrain { of_cells, of_volumes });
+                defined(forces, &at("temperature"), "temperature")?
+            }
+        };
+        Ok(LoadOnMesh { forces, free_strain })
+    }
+}
+
+/// The `boundary`, which is called `name` at `key`, if there is an area for what is to act on it: the axis of a body of revolution has none.
+fn with_area<'a>(
+    mesh: &Mesh,
+    name: &str,
+    key: &str,
+    boundary: &'a Boundary,
+    what: &str,
+) -> Result<&'a Boundary, InputError> {
+    if area(mesh, boundary) > 0.0 {
+        return Ok(boundary);
+    }
+    let message = format!("`{name}` is the axis of the body, which has no area for {what}");
+    Err(InputError::new(key, message, "name another boundary, or a point"))
+}
+
+/// The springs of each bed of `description`.
+pub(super) fn springs(description: &Description, mesh: &Mesh) -> Result<Vec<Vec<Spring>>, InputError> {
+    let units = description.system(mesh.dimension);
+    let bedded = |name: &str, key: &str| {
+        with_area(mesh, name, &format!("{key}.boundary"), find(mesh, name, key)?, "a foundation")
+    };
+    let of_bed = |(k, bed): (usize, &Bed)| {
+        let key = format!("spring[{k}]");
+        match bed {
+            Bed::Axes { at, stiffness } => {
+                let stiffness = in_space(mesh, stiffness, &format!("{key}.stiffness"))?;
+                match at {
+                    Where::Point(point) => Ok(vec![Spring::at_node(node(mesh, *point, &units, &key)?, stiffness)]),
+                    Where::Boundary(name) => {
+                        Ok(Spring::foundation(mesh, bedded(name, &key)?, Bedding::Axes(stiffness)))
+                    }
+                }
+            }
+            Bed::Surface { boundary, normal, tangential } => {
+                let bedding = Bedding::Surface { normal: *normal, tangential: *tangential };
+                Ok(Spring::foundation(mesh, bedded(boundary, &key)?, bedding))
+            }
+        }
+    };
+    description.springs.iter().enumerate().map(of_bed).collect()
+}
+
+/// The forces of a traction on `boundary`, which is called `name`.
+fn tractions(
+    mesh: &Mesh,
+    boundary: &Boundary,
+    name: &str,
+    given: &[Field],
+    key: &str,
+) -> Result<NodalForces, InputError> {
+    let dimension = mesh.dimension;
+    if given.len() != dimension {
+        let n = given.len();
+        let message = format!("the traction on `{name}` has {n} components, but the body has {dimension} dimensions");
+        let help = if dimension == 2 { "give [x, y]" } else { "give [x, y, z]" };
+        return Err(InputError::new(key, message, help));
+    }
+    if let Some(uniform) = given.iter().map(Field::uniform).collect::<Option<Vec<_>>>() {
+        return Ok(uniform_traction(mesh, boundary, in_space(mesh, &uniform, key)?));
+    }
+    let at = |x: [f64; 3], size: f64| [0, 1, 2].map(|c| given.get(c).map_or(0.0, |field| size * field.at(x)));
+    let forces = traction_of(mesh, boundary, |x, area| at(x, norm(area)));
+    defined(forces, key, "traction")
+}
+
+/// Fails unless all `forces` are finite: a formula may have no value somewhere.
+fn defined(forces: NodalForces, key: &str, what: &str) -> Result<NodalForces, InputError> {
+    if forces.iter().flat_map(|(_, force)| force).all(|f| f.is_finite()) {
+        return Ok(forces);
+    }
+    let message = format!("the {what} is not a finite number everywhere");
+    Err(InputError::new(key, message, "give a formula that has a value wherever the load acts"))
+}
+
+/// Components as they are in space.
+fn in_space(mesh: &Mesh, components: &[f64], key: &str) -> Result<[f64; 3], InputError> {
+    of_dimension(mesh, key, components.len())?;
+    Ok([0, 1, 2].map(|c| components.get(c).copied().unwrap_or(0.0)))
+}

@@ -1,0 +1,150 @@
+//! What moving obstacles do to the gaps and drifts of contact nodes.
+
+use super::nearest::Nearest;
+use crate::algebra::vector::cross;
+use crate::body::contact::{ContactNode, Facing, ObstacleMotion, PlacedObstacle, Rates, Term};
+use crate::solver::loading::{GapCorrection, Loading, Motion};
+use crate::solver::problem::ProblemError;
+
+/// What the motions of obstacles do to the contact nodes.
+pub(super) struct Motions {
+    /// Rates times histories.
+    pub rates: Vec<Motion>,
+    /// What these leave out at the ends of the increments.
+    pub bends: Vec<GapCorrection>,
+    /// Which obstacle each node meets.
+    pub nearest: Nearest,
+}
+
+/// What the motions of `obstacles` do to the contact nodes, which have these gaps at rest (m), at `times` (s).
+pub(super) fn motions(
+    contacts: &[ContactNode],
+    obstacles: &[(PlacedObstacle, ObstacleMotion)],
+    gap: &[f64],
+    times: &[f64],
+) -> Result<Motions, ProblemError> {
+    let times: Vec<f64> = [0.0].into_iter().chain(times.iter().copied()).collect();
+    let (rates, mut bends) = of_first(contacts, obstacles, &times)?;
+    if contacts.iter().all(|contact| contact.others.is_empty()) {
+        return Ok(Motions { rates, bends, nearest: Nearest::default() });
+    }
+    let loading = Loading::new(Vec::new(), gap.to_vec())?.with_motions(rates.clone(), bends.clone())?;
+    let (nearest, bend) = Nearest::new(contacts, obstacles, &times, &loading)?;
+    bends.extend(bend);
+    Ok(Motions { rates, bends, nearest })
+}
+
+/// What the motion of the obstacle that each node met first does to it. A node that met another obstacle has zeros.
+fn of_first(
+    contacts: &[ContactNode],
+    obstacles: &[(PlacedObstacle, ObstacleMotion)],
+    times: &[f64],
+) -> Result<(Vec<Motion>, Vec<GapCorrection>), ProblemError> {
+    let (mut motions, mut bends) = (Vec::new(), Vec::new());
+    for (k, (obstacle, motion)) in obstacles.iter().enumerate() {
+        let met: Vec<usize> = (0..contacts.len()).filter(|&i| contacts[i].obstacle() == Some(k)).collect();
+        let (Some(&first), Some(&last)) = (met.first(), met.last()) else { continue };
+        // All nodes in the rows of each.
+        let terms: Vec<Vec<Term>> = met.iter().map(|&i| contacts[i].terms().collect()).collect();
+        let all = || terms.iter().flatten();
+        let (positions, facings): (Vec<[f64; 3]>, Vec<Facing>) = all().map(|term| (term.position, term.facing)).unzip();
+        let rows = |of_node: &[Rates], add: &mut dyn FnMut(usize, Rates)| {
+            let mut rest = of_node;
+            for (&i, terms) in met.iter().zip(&terms) {
+                let (own, others) = rest.split_at(terms.len());
+                rest = others;
+                let sum = |rate: &dyn Fn(&Rates) -> f64| match own {
+                    [one] => rate(one),
+                    _ => own.iter().zip(terms).map(|(rates, term)| term.coefficient * rate(rates)).sum(),
+                };
+                add(i - first, Rates { gap: sum(&|r| r.gap), drift: [0, 1].map(|k| sum(&|r| r.drift[k])) });
+            }
+        };
+        for (rates, history) in motion.rates(&positions, &facings) {
+            let (mut gap, mut drift) = (vec![0.0; last + 1 - first], vec![[0.0; 2]; last + 1 - first]);
+            rows(&rates, &mut |i, rates| (gap[i], drift[i]) = (rates.gap, rates.drift));
+            motions.push(Motion::new(first..last + 1, gap, drift, history)?);
+        }
+        if let Some(of_nodes) = motion.bends(obstacle, &positions, &facings, times) {
+            let of_rows = |(t, of_nodes): (&f64, Vec<f64>)| {
+                let mut gap = vec![0.0; last + 1 - first];
+                let mut rest = &of_nodes[..];
+                for (&i, terms) in met.iter().zip(&terms) {
+                    let (own, others) = rest.split_at(terms.len());
+                    rest = others;
+                    gap[i - first] = bend(&contacts[i], terms, own, (obstacle, motion), *t);
+                }
+                gap
+            };
+            let table = times.iter().zip(of_nodes).map(of_rows).collect();
+            bends.push(GapCorrection::new(first..last + 1, times.to_vec(), table)?);
+        }
+    }
+    Ok((motions, bends))
+}
+
+/// Drifts of a smaller share of a motion are rounding.
+const DRIFTS: f64 = 1e-9;
+
+/// What [`passes`] says of each of `contacts`.
+pub(super) fn passed_by(
+    contacts: &[ContactNode],
+    dimension: usize,
+    obstacles: &[(PlacedObstacle, ObstacleMotion)],
+    others: impl Fn(&ContactNode) -> bool,
+) -> Vec<bool> {
+    contacts.iter().map(|contact| passes(contact, dimension, obstacles, &others)).collect()
+}
+
+/// Whether an obstacle, or by `others` what is in front of it, moves past a contact node along a tangential direction in which it has no
+/// row, for supports hold it there. `others` looks at the tangents of the node that it is given.
+fn passes(
+    contact: &ContactNode,
+    dimension: usize,
+    obstacles: &[(PlacedObstacle, ObstacleMotion)],
+    others: impl Fn(&ContactNode) -> bool,
+) -> bool {
+    let facing = &contact.facing;
+    let has = contact.tangents.iter().filter(|row| !row.is_empty()).count();
+    let tangents = match (dimension - 1 - has, has) {
+        (0, _) => return false,
+        (_, 0) if dimension == 2 => [contact.frame[0], [0.0; 3]],
+        (_, 0) => contact.frame,
+        _ => [cross(facing.normal, facing.tangents[0]), [0.0; 3]],
+    };
+    if contact.coupled().is_some_and(|coupled| coupled.tangent_left_out) {
+        return true;
+    }
+    let facing = Facing { tangents, ..*facing };
+    let drifts = contact.obstacle().is_some_and(|k| {
+        let rates = obstacles[k].1.rates(&[contact.position], &[facing]);
+        rates.iter().any(|(rates, _)| {
+            let [t, o] = rates[0].drift;
+            t.hypot(o) > DRIFTS * rates[0].gap.abs()
+        })
+    });
+    drifts || others(&ContactNode { facing, ..contact.clone() })
+}
+
+/// What the rates of its motion leave out at time `t` (s) of the gap of the rows of a contact node, m, where that is `own` at each of
+/// their nodes, `terms`.
+fn bend(
+    contact: &ContactNode,
+    terms: &[Term],
+    own: &[f64],
+    (obstacle, motion): (&PlacedObstacle, &ObstacleMotion),
+    t: f64,
+) -> f64 {
+    if let [one] = own {
+        return *one;
+    }
+    let by_rates: Vec<f64> = terms.iter().map(|term| motion.gap(t, term.position, &term.facing)).collect();
+    let exact: Vec<f64> = by_rates.iter().zip(own).map(|(gap, bend)| gap + bend).collect();
+    let at_rest: Vec<f64> = terms.iter().map(|term| term.facing.gap).collect();
+    if obstacle.is_in_front_of_all(&at_rest) && obstacle.is_in_front_of_all(&exact) {
+        // Without the digits that are lost beside whole gaps.
+        return terms.iter().zip(own).map(|(term, bend)| term.coefficient * bend).sum();
+    }
+    let changes = terms.iter().zip(&by_rates).map(|(term, gap)| term.coefficient * (gap - term.facing.gap));
+    contact.gap(obstacle, &exact) - contact.gap(obstacle, &at_rest) - changes.sum::<f64>()
+}

@@ -1,0 +1,381 @@
+//! Boundaries in front of each other: which is the slave, its mortar rows, and the displacements that are relative.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::find;
+use super::holding::Holding;
+use crate::algebra::vector::{Vector, axis, dot, minus, norm, plus, unit};
+use crate::base::input_error::InputError;
+use crate::base::units::{Quantity, UnitSystem};
+use crate::body::contact::{
+    ContactNode, Mortar, MortarFault, MortarOptions, MortarRow, SlaveChoice, Supports, coupled_nodes, relative,
+};
+use crate::body::description::{Description, FirstGap, Opposite, Slave};
+use crate::body::fem::{Dofs, Elasticity, Relative, SAME_DIRECTION, Tie};
+use crate::body::mesh::{Bodies, Boundary, Mesh};
+
+/// How much of a body another may take up when the history begins, as for obstacles.
+const DEEPEST: f64 = 0.2;
+
+/// Two boundaries in front of each other.
+#[derive(Debug, Clone)]
+pub struct Pair {
+    /// The number of the contact in the description.
+    pub contact: usize,
+    /// The boundary whose nodes have the contact forces.
+    pub slave: String,
+    /// The other; of several boundaries that count as one it has all facets and their names.
+    pub master: Boundary,
+    /// Why that is the slave, where it was chosen.
+    pub choice: Option<SlaveChoice>,
+    /// Whether the two are glued.
+    pub glued: bool,
+    /// The rows.
+    pub mortar: Mortar,
+    /// The gap of each row when the history begins, m.
+    pub gaps: Vec<f64>,
+    /// Where a direction is given: how much the surface of the slave leans against it at each node, the tangent of the angle.
+    pub(super) slopes: BTreeMap<usize, f64>,
+    /// The shortest edge of the facets in front of each slave node, m.
+    pub(super) edges: BTreeMap<usize, f64>,
+    /// Which rows are of nodes whose displacements are relative in this pair.
+    relative: BTreeSet<usize>,
+}
+
+/// The pairs of a description.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Pairs {
+    pub all: Vec<Pair>,
+    /// The nodes whose displacements are relative to others.
+    pub relative: Vec<Relative>,
+}
+
+impl Pairs {
+    /// Those of `description`, whose supports hold what `dofs` and `holdings` say. What is glued goes first: a node that is tied has no
+    /// displacement left to be relative.
+    pub(super) fn new(
+        description: &Description,
+        mesh: &Mesh,
+        dofs: &Dofs,
+        holdings: &[Holding],
+        materials: &[Elasticity],
+    ) -> Result<Self, InputError> {
+        let mut pairs = Pairs::default();
+        let mut tied: BTreeSet<usize> = BTreeSet::new();
+        let mut taken: BTreeSet<usize> = BTreeSet::new();
+        // Those that are named first are so in any case.
+        let chosen = |opposite: &Opposite| opposite.slave == Slave::Automatic;
+        let named = description.contacts.iter().filter(|contact| !contact.opposite().is_some_and(chosen));
+        let mut slaves: BTreeSet<String> = named.map(|contact| contact.boundary.clone()).collect();
+        let moving = moving(description, holdings);
+        for glued in [true, false] {
+            for (k, contact) in description.contacts.iter().enumerate() {
+                let Some(opposite) = contact.opposite().filter(|opposite| opposite.glued == glued) else { continue };
+                let supports = OfNodes { dofs, tied: if glued { &tied } else { &BTreeSet::new() }, moving: &moving };
+                let mut pair = pair(description, mesh, k, opposite, materials, &supports, &slaves)?;
+                slaves.insert(pair.slave.clone());
+                for row in &pair.mortar.rows {
+                    if taken.insert(row.node) {
+                        pairs.relative.push(relative(row, glued));
+                        pair.relative.insert(row.node);
+                        if glued {
+                            tied.insert(row.node);
+                        }
+                    }
+                }
+                pairs.all.push(pair);
+            }
+        }
+        Ok(pairs)
+    }
+
+    /// `dofs` with the displacements that are relative.
+    pub(super) fn dofs(&mut self, description: &Description, mesh: &Mesh, dofs: Dofs) -> Result<Dofs, InputError> {
+        if self.all.is_empty() {
+            return Ok(dofs);
+        }
+        dofs.relative_to(std::mem::take(&mut self.relative)).map_err(|ring| {
+            let place = description.system(mesh.dimension).place(mesh.nodes[ring.0]);
+            let of = self.all.iter().find(|pair| pair.relative.contains(&ring.0));
+            let k = of.map_or(0, |pair| pair.contact);
+            let message =
+                format!("the node at {place} is in front of nodes that are, in other contacts, in front of it");
+            let help = "let boundary and against change places in one of these contacts";
+            InputError::new(format!("contact[{k}].against"), message, help)
+        })
+    }
+
+    /// The number of the pair of contact `k`, if it is in front of another boundary.
+    pub(super) fn of_contact(&self, k: usize) -> Option<usize> {
+        self.all.iter().position(|pair| pair.contact == k)
+    }
+
+    /// What is tied together: sums of displacements along axes that are 0.
+    pub(super) fn ties(&self, dofs: &Dofs) -> Vec<Tie> {
+        let glued = self.all.iter().filter(|pair| pair.glued);
+        let rows = glued.flat_map(|pair| pair.mortar.rows.iter().filter(|row| pair.relative.contains(&row.node)));
+        let of_row = |row: &MortarRow| {
+            let along = |n: [f64; 3]| {
+                let own = row.slave.iter().map(|&(node, c)| (node, n.map(|x| c * x)));
+                own.chain(row.master.iter().map(|&(node, c)| (node, n.map(|x| -c * x)))).collect::<Vec<_>>()
+            };
+            dofs.free_axes(row.node).into_iter().map(along).collect::<Vec<_>>()
+        };
+        rows.flat_map(of_row).collect()
+    }
+}
+
+/// The supports of a description, node by node.
+struct OfNodes<'a> {
+    dofs: &'a Dofs,
+    /// The nodes that are glued: nothing is left of their displacements.
+    tied: &'a BTreeSet<usize>,
+    moving: &'a BTreeMap<usize, Vec<Moving>>,
+}
+
+/// A support that moves a node: its history, its direction, and its displacement (m) at factor 1.
+type Moving = (Vec<[f64; 2]>, [f64; 3], f64);
+
+/// The supports that move each node.
+fn moving(description: &Description, holdings: &[Holding]) -> BTreeMap<usize, Vec<Moving>> {
+    let mut moving = BTreeMap::<usize, Vec<Moving>>::new();
+    for (support, holding) in description.supports.iter().zip(holdings).filter(|(support, _)| support.moves()) {
+        let history = support.factors(description.end());
+        for &(node, n, to) in holding.iter().filter(|(.., to)| *to != 0.0) {
+            moving.entry(node).or_default().push((history.clone(), n, to));
+        }
+    }
+    moving
+}
+
+impl Supports for OfNodes<'_> {
+    fn held(&self, node: usize) -> Vec<[f64; 3]> {
+        if self.tied.contains(&node) { [0, 1, 2].map(axis).to_vec() } else { self.dofs.held(node).collect() }
+    }
+
+    fn move_apart(&self, nodes: [usize; 2], n: [f64; 3]) -> bool {
+        let along = |node: usize| {
+            let of_node = self.moving.get(&node).into_iter().flatten();
+            of_node.filter(|(_, direction, _)| dot(*direction, n).abs() > SAME_DIRECTION).collect::<Vec<_>>()
+        };
+        along(nodes[0]) != along(nodes[1])
+    }
+}
+
+impl Pair {
+    /// Whether its gaps are those of the mesh.
+    pub fn is_measured(&self) -> bool {
+        self.mortar.rows.iter().zip(&self.gaps).all(|(row, gap)| row.gap == *gap)
+    }
+
+    /// Its contact nodes.
+    pub(super) fn nodes(&self, mesh: &Mesh, dofs: &Dofs, number: usize) -> Vec<ContactNode> {
+        let gaps: BTreeMap<usize, f64> =
+            self.mortar.rows.iter().map(|row| row.node).zip(self.gaps.iter().copied()).collect();
+        let gap = |row: &MortarRow| gaps[&row.node];
+        coupled_nodes(mesh, dofs, number, &self.mortar.rows, gap, |node| self.relative.contains(&node))
+    }
+}
+
+/// What the contact `k` is in front of, as one boundary.
+pub(super) fn opposite(mesh: &Mesh, opposite: &Opposite, k: usize) -> Result<Boundary, InputError> {
+    let of_name = |name: &String| {
+        let found = find(mesh, name, &format!("contact[{k}]"));
+        found.map_err(|fault| InputError { key: format!("contact[{k}].against"), ..fault })
+    };
+    let all = opposite.boundaries.iter().map(of_name).collect::<Result<Vec<_>, _>>()?;
+    let facets = all.iter().flat_map(|boundary| boundary.facets.iter().cloned()).collect();
+    Ok(Boundary { name: opposite.boundaries.join("+"), facets })
+}
+
+/// The pair of contact `k`, which is in front of `opposite`.
+fn pair(
+    description: &Description,
+    mesh: &Mesh,
+    k: usize,
+    opposite: &Opposite,
+    materials: &[Elasticity],
+    supports: &dyn Supports,
+    slaves: &BTreeSet<String>,
+) -> Result<Pair, InputError> {
+    let key = format!("contact[{k}]");
+    let first = find(mesh, &description.contacts[k].boundary, &key)?;
+    let second = &self::opposite(mesh, opposite, k)?;
+    share_nothing(description, mesh, first, second, k)?;
+    let units = description.system(mesh.dimension);
+    let direction = opposite.direction.map(|direction| unit(direction.components()));
+    let options = MortarOptions { search: opposite.search, direction };
+    let refused = |fault: MortarFault| {
+        let message = told(&fault, &units).unwrap_or_else(|| fault.to_string());
+        InputError::new(format!("{key}.{}", key_of(&fault)), message, fault.help())
+    };
+    let all_held = first.nodes().into_iter().all(|node| supports.held(node).len() == 3);
+    if opposite.slave == Slave::Automatic && opposite.boundaries.len() > 1 {
+        let message = "several boundaries that are against one cannot be the slave";
+        return Err(InputError::new(format!("{key}.slave"), message, "remove the key, or name one boundary"));
+    }
+    let may_change = opposite.boundaries.len() == 1;
+    let (mortar, choice) = if opposite.slave == Slave::Automatic || all_held && may_change {
+        let young = [first, second].map(|boundary| young(mesh, boundary, materials));
+        let taken = [first, second].map(|boundary| slaves.contains(&boundary.name));
+        let sides = [first, second];
+        let (mortar, choice) =
+            Mortar::of_better_slave(mesh, sides, young, taken, &options, supports).map_err(refused)?;
+        (mortar, Some(choice))
+    } else {
+        (Mortar::new(mesh, first, second, &options, supports).map_err(refused)?, None)
+    };
+    let swapped = choice.is_some_and(|choice| choice.slave == 1);
+    let (slave, master) = if swapped { (second, first) } else { (first, second) };
+    let gap = |row: &MortarRow| -> Result<f64, InputError> {
+        let place = mesh.nodes[row.node];
+        let gap = match &opposite.gap {
+            FirstGap::Measured if row.gap.abs() <= opposite.adjust => 0.0,
+            FirstGap::Measured => row.gap,
+            FirstGap::Uniform(gap) => *gap,
+            FirstGap::Formula(formula) => formula.at(place),
+        };
+        if gap.is_finite() {
+            return Ok(gap);
+        }
+        let message = format!("the gap is {gap} at the node at {}, but must be a number", units.place(place));
+        Err(InputError::new(format!("{key}.gap"), message, "mend the formula"))
+    };
+    let gaps: Vec<f64> = if opposite.glued {
+        vec![0.0; mortar.rows.len()]
+    } else {
+        mortar.rows.iter().map(gap).collect::<Result<_, _>>()?
+    };
+    let deepest = mortar.rows.iter().zip(&gaps).min_by(|a, b| a.1.total_cmp(b.1));
+    if let Some((row, gap)) = deepest {
+        let bodies = mesh.bodies();
+        let thickness = [slave, master].map(|boundary| thickness(mesh, &bodies, boundary, row.normal));
+        let thickness = thickness[0].min(thickness[1]);
+        if *gap < -DEEPEST * thickness {
+            let [depth, thickness] = [-gap, thickness].map(|x| units.number(Quantity::Length, x));
+            let (place, unit) = (units.place(mesh.nodes[row.node]), units.name(Quantity::Length));
+            let message = format!(
+                "the bodies start {depth:e} {unit} inside each other at {place}, where one is {thickness:e} {unit} thick"
+            );
+            let (place, help) = match opposite.gap {
+                FirstGap::Measured => ("against", "move a body out, or give the gap"),
+                _ => (
+                    "gap",
+                    "the gap is in the scene's unit of length, and negative where bodies overlap: give a smaller one",
+                ),
+            };
+            return Err(InputError::new(format!("{key}.{place}"), message, help));
+        }
+    }
+    let edges = edges(mesh, master, &mortar.rows);
+    let slopes = opposite.direction.map_or_else(BTreeMap::new, |_| slopes(mesh, slave, &mortar.rows));
+    let (slave, master) = (slave.name.clone(), master.clone());
+    let relative = BTreeSet::new();
+    Ok(Pair { contact: k, slave, master, choice, glued: opposite.glued, mortar, gaps, slopes, edges, relative })
+}
+
+/// How much the surface of `slave` leans against the normal of each row, by its node: the tangent of the angle.
+fn slopes(mesh: &Mesh, slave: &Boundary, rows: &[MortarRow]) -> BTreeMap<usize, f64> {
+    let mut normals: BTreeMap<usize, [f64; 3]> = BTreeMap::new();
+    for facet in &slave.facets {
+        let area = mesh.area_vector(facet);
+        for node in facet {
+            let sum = normals.entry(*node).or_default();
+            *sum = plus(*sum, 1.0, area);
+        }
+    }
+    let of_row = |row: &MortarRow| {
+        let normal = normals.get(&row.node).copied().unwrap_or(row.normal);
+        let along = dot(normal, row.normal);
+        (row.node, norm(plus(normal, -along, row.normal)) / along)
+    };
+    rows.iter().map(of_row).collect()
+}
+
+/// The shortest edge of the facets of `master` that have a node in each row, by its slave node, m.
+fn edges(mesh: &Mesh, master: &Boundary, rows: &[MortarRow]) -> BTreeMap<usize, f64> {
+    let mut shortest: BTreeMap<usize, f64> = BTreeMap::new();
+    for facet in &master.facets {
+        let ends = facet.iter().zip(facet.iter().skip(1).chain(facet.first()));
+        let least = ends.map(|(a, b)| norm(minus(mesh.nodes[*a], mesh.nodes[*b]))).fold(f64::INFINITY, f64::min);
+        for node in facet {
+            let edge = shortest.entry(*node).or_insert(f64::INFINITY);
+            *edge = edge.min(least);
+        }
+    }
+    let of_row = |row: &MortarRow| {
+        let of_nodes = row.master.iter().filter_map(|(node, _)| shortest.get(node));
+        (row.node, of_nodes.copied().fold(f64::INFINITY, f64::min))
+    };
+    rows.iter().map(of_row).collect()
+}
+
+/// Young's modulus of the softest cell with a facet of `boundary`, Pa.
+fn young(mesh: &Mesh, boundary: &Boundary, materials: &[Elasticity]) -> f64 {
+    let nodes: BTreeSet<usize> = boundary.nodes().into_iter().collect();
+    let at_boundary = |e: &usize| mesh.cells[*e].nodes.iter().any(|node| nodes.contains(node));
+    let young = |e: usize| {
+        let Elasticity { lambda, mu, .. } = materials[e];
+        mu * (3.0 * lambda + 2.0 * mu) / (lambda + mu)
+    };
+    (0..mesh.cells.len()).filter(at_boundary).map(young).fold(f64::INFINITY, f64::min)
+}
+
+/// The key that `fault` is about.
+fn key_of(fault: &MortarFault) -> &'static str {
+    match fault {
+        MortarFault::NothingInFront { .. } | MortarFault::TwoLayers { .. } => "search",
+        MortarFault::Inwards { .. } => "direction",
+        MortarFault::NotConvex { .. } | MortarFault::SlaveHeld { .. } | MortarFault::NormalsCancel { .. } => "against",
+    }
+}
+
+/// The faults with lengths, in `units`.
+fn told(fault: &MortarFault, units: &UnitSystem) -> Option<String> {
+    let place = |at: &Vector| units.place(at.components());
+    let length = |x: f64| format!("{:.3e} {}", units.number(Quantity::Length, x), units.name(Quantity::Length));
+    Some(match fault {
+        MortarFault::NothingInFront { slave, master, search, least, at } => format!(
+            "nothing of `{master}` is in front of `{slave}` within {}; the least distance is {}, at {}",
+            length(*search),
+            length(*least),
+            place(at)
+        ),
+        MortarFault::TwoLayers { slave, master, at } => {
+            format!("two layers of `{master}` are in front of the facet of `{slave}` at {}", place(at))
+        }
+        MortarFault::NotConvex { boundary, at } => {
+            format!("the quadrilateral of `{boundary}` at {} is not convex", place(at))
+        }
+        MortarFault::NormalsCancel { boundary, at } => {
+            format!("the normals of the facets of `{boundary}` around {} cancel", place(at))
+        }
+        MortarFault::Inwards { slave, at } => {
+            format!("the direction points into the body at {} of `{slave}`", place(at))
+        }
+        MortarFault::SlaveHeld { .. } => return None,
+    })
+}
+
+/// How thick the body of `boundary` is along `normal`, m.
+fn thickness(mesh: &Mesh, bodies: &Bodies, boundary: &Boundary, normal: [f64; 3]) -> f64 {
+    let own = boundary.facets.first().map_or(0, |facet| bodies.of_nodes()[facet[0]]);
+    let along = || bodies.nodes(own).map(|node| dot(mesh.nodes[node], normal));
+    along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
+}
+
+/// Refuses two boundaries of one pair that have a node in common: it would be in front of itself.
+fn share_nothing(
+    description: &Description,
+    mesh: &Mesh,
+    first: &Boundary,
+    second: &Boundary,
+    k: usize,
+) -> Result<(), InputError> {
+    let of_first: BTreeSet<usize> = first.nodes().into_iter().collect();
+    let Some(node) = second.nodes().into_iter().find(|node| of_first.contains(node)) else { return Ok(()) };
+    let place = description.system(mesh.dimension).place(mesh.nodes[node]);
+    let message = format!("`{}` and `{}` have the node at {place} in common", first.name, second.name);
+    let help = "let the bodies have nodes of their own: do not join them in Gmsh where they are in contact";
+    Err(InputError::new(format!("contact[{k}].against"), message, help))
+}

@@ -1,0 +1,88 @@
+//! Boundaries and nodes that a description names.
+
+use super::find;
+use crate::algebra::vector::{Vector, minus, norm, unit};
+use crate::base::input_error::InputError;
+use crate::base::units::UnitSystem;
+use crate::body::description::Where;
+use crate::body::fem::facet_normals;
+use crate::body::mesh::{Boundary, Mesh};
+
+/// A node that is named by its coordinates may be as far from them, of the size of the body: coordinates are given with a few
+/// digits.
+const NEAR: f64 = 1e-6;
+
+/// The nodes at the place that is named at `key`, each once.
+pub(super) fn nodes(mesh: &Mesh, at: &Where, units: &UnitSystem, key: &str) -> Result<Vec<usize>, InputError> {
+    match at {
+        Where::Boundary(name) => Ok(find(mesh, name, key)?.nodes()),
+        Where::Point(point) => Ok(vec![node(mesh, *point, units, key)?]),
+    }
+}
+
+/// The node at `point`; a fault is told in `units`.
+pub(super) fn node(mesh: &Mesh, point: Vector, units: &UnitSystem, key: &str) -> Result<usize, InputError> {
+    suits(mesh, point, &format!("{key}.point"))?;
+    let x = point.components();
+    let distance = |node: usize| norm(minus(mesh.nodes[node], x));
+    let nearest = (0..mesh.nodes.len()).min_by(|&a, &b| distance(a).total_cmp(&distance(b)));
+    let nearest = nearest.unwrap_or(0);
+    let near = NEAR * mesh.size();
+    if distance(nearest) <= near {
+        return only(mesh, nearest, |node| distance(node) <= near, units, key);
+    }
+    let message = format!("no node of the mesh is at {}", units.place(x));
+    let help = format!("the nearest is at {}", units.place(mesh.nodes[nearest]));
+    Err(InputError::new(format!("{key}.point"), message, help))
+}
+
+/// `node`, unless another body has one that is `near`, too.
+fn only(
+    mesh: &Mesh,
+    node: usize,
+    near: impl Fn(usize) -> bool,
+    units: &UnitSystem,
+    key: &str,
+) -> Result<usize, InputError> {
+    let bodies = mesh.bodies();
+    let of = bodies.of_nodes();
+    let Some(other) = (0..mesh.nodes.len()).find(|&other| of[other] != of[node] && near(other)) else {
+        return Ok(node);
+    };
+    let names = [node, other].map(|node| bodies.told(of[node]));
+    let message = format!("{} and {} both have a node at {}", names[0], names[1], units.place(mesh.nodes[node]));
+    Err(InputError::new(
+        format!("{key}.point"),
+        message,
+        "name a boundary in place of the point: those are of one body",
+    ))
+}
+
+/// Fails unless a vector has as many components as the body has dimensions.
+pub(super) fn suits(mesh: &Mesh, vector: Vector, key: &str) -> Result<(), InputError> {
+    of_dimension(mesh, key, vector.dimension()).map(drop)
+}
+
+/// Fails unless `count` components are as many as the body has dimensions.
+pub(super) fn of_dimension(mesh: &Mesh, key: &str, count: usize) -> Result<usize, InputError> {
+    let dimension = mesh.dimension;
+    if count == dimension {
+        return Ok(count);
+    }
+    let name = key.rsplit('.').next().unwrap_or(key);
+    let message = format!("{name} has {count} components, but the body has {dimension} dimensions");
+    Err(InputError::new(key, message, if dimension == 2 { "give [x, y]" } else { "give [x, y, z]" }))
+}
+
+/// The outward unit normal of `boundary` in each node of the mesh: that of the sum of its facets at the node; `None` off the
+/// boundary.
+pub(super) fn normals(mesh: &Mesh, boundary: &Boundary) -> Vec<Option<[f64; 3]>> {
+    let mut sums = vec![[0.0; 3]; mesh.nodes.len()];
+    for facet in &boundary.facets {
+        for (&node, area) in facet.iter().zip(facet_normals(mesh, facet)) {
+            sums[node].iter_mut().zip(area).for_each(|(sum, a)| *sum += a);
+        }
+    }
+    // + 0.0 turns -0 into 0.
+    sums.into_iter().map(|sum| (sum != [0.0; 3]).then(|| unit(sum).map(|c| c + 0.0))).collect()
+}

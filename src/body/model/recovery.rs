@@ -1,0 +1,165 @@
+//! Contact tractions at the nodes of boundaries of second order, for output alone.
+//!
+//! There `p̃ / l̃` is a mean of the traction over as much of the boundary as the Bernstein polynomial of the node covers, and under the
+//! top of a dome several percent low. One defect correction with their mass matrix takes that away,
+//!
+//! ```text
+//! s_i = p̃_i / l̃_i,   λ_i = s_i + (p̃_i - Σ_j M̃_ij s_j) / l̃_i,   M̃_ij = ∫ Ñ_i Ñ_j dA,
+//! ```
+//!
+//! and `Σ λ_i Ñ_i` at the nodes is `λ_a` at corners and `½ λ_m + ¼ (λ_a + λ_b)` between them. Next to the end of a contact it may leave
+//! tension, which is taken off: the law and the status are those of `p̃`. What supports hold of a boundary has no contact force; its traction
+//! counts as that of the node beside it.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::{Model, Pair};
+use crate::algebra::vector::{across, dot, plus};
+use crate::body::contact::{ContactBoundary, ContactNode};
+use crate::body::fem::facet_mass;
+use crate::body::mesh::Mesh;
+use crate::solver::problem::State;
+
+/// The contact nodes that are beyond the end of the other body, each with the contact nodes of its facets, itself among them. Hardly any
+/// of what such a node has of the boundary is covered: a force over that is no pressure, but the forces of all of them over all their
+/// weights are.
+pub(super) fn beside_the_end(
+    mesh: &Mesh,
+    contacts: &[ContactNode],
+    boundaries: &[ContactBoundary],
+) -> BTreeMap<usize, Vec<usize>> {
+    let is_beyond = |i: &usize| contacts[*i].coupled().is_some_and(|coupled| coupled.beyond_the_end);
+    let mut beside = BTreeMap::<usize, BTreeSet<usize>>::new();
+    for own in boundaries.iter().filter(|own| own.nodes.iter().any(is_beyond)) {
+        let at_node: BTreeMap<usize, usize> = own.nodes.iter().map(|&i| (contacts[i].node, i)).collect();
+        for facet in mesh.boundary(&own.name).map_or(&[][..], |boundary| &boundary.facets) {
+            let of_facet: Vec<usize> = facet.iter().filter_map(|node| at_node.get(node).copied()).collect();
+            for &i in of_facet.iter().filter(|i| is_beyond(i)) {
+                beside.entry(i).or_default().extend(&of_facet);
+            }
+        }
+    }
+    beside.into_iter().map(|(i, others)| (i, others.into_iter().collect())).collect()
+}
+
+/// What nodal tractions follow from.
+#[derive(Debug, Clone)]
+pub(super) struct Recovery {
+    /// For each contact node the others whose polynomials meet its own, with `M̃`.
+    mass: Vec<Vec<(usize, f64)>>,
+    /// For each the contact nodes at the ends of its edge.
+    ends: Vec<Option<[Option<usize>; 2]>>,
+    /// Whether each is at a facet that another body covers in part only: what it carries is told as it is.
+    plain: Vec<bool>,
+}
+
+/// A facet of which less than this share is left uncovered is covered.
+const UNCOVERED: f64 = 1e-9;
+
+impl Recovery {
+    /// `None` where no boundary with contact is of second order.
+    pub(super) fn new(
+        mesh: &Mesh,
+        contacts: &[ContactNode],
+        boundaries: &[ContactBoundary],
+        pairs: &[Pair],
+    ) -> Option<Self> {
+        let facets = |own: &ContactBoundary| mesh.boundary(&own.name).map_or(&[][..], |boundary| &boundary.facets);
+        if boundaries.iter().flat_map(facets).all(|facet| !mesh.is_quadratic(facet)) {
+            return None;
+        }
+        let n = contacts.len();
+        let mut recovery = Recovery { mass: vec![Vec::new(); n], ends: vec![None; n], plain: vec![false; n] };
+        for own in boundaries {
+            let mut at_node = vec![None; mesh.nodes.len()];
+            own.nodes.iter().for_each(|&i| at_node[contacts[i].node] = Some(i));
+            for (f, facet) in facets(own).iter().enumerate() {
+                for [a, middle, b] in mesh.bent_edges(facet) {
+                    if let Some(i) = at_node[middle] {
+                        recovery.ends[i] = Some([at_node[a], at_node[b]]);
+                    }
+                }
+                if own.pair.is_some_and(|pair| pairs[pair].mortar.covered[f] < 1.0 - UNCOVERED) {
+                    facet.iter().filter_map(|&node| at_node[node]).for_each(|i| recovery.plain[i] = true);
+                    continue;
+                }
+                for (row, &node) in facet_mass(mesh, facet).iter().zip(facet) {
+                    let Some(i) = at_node[node] else { continue };
+                    let others = facet.iter().zip(row);
+                    let others = others.filter_map(|(&other, mass)| Some((at_node[other]?, *mass)));
+                    recovery.mass[i].extend(others.filter(|(j, _)| *j != i));
+                }
+            }
+        }
+        Some(recovery)
+    }
+}
+
+impl Model {
+    /// What rows in front of another body say of the contact node itself: on boundaries of second order `½ w̃_m + ¼ (w̃_a + w̃_b)` at a
+    /// node between corners of which `value` gives the `w̃`, and `w̃` elsewhere.
+    pub(crate) fn of_node_from_rows(&self, i: usize, value: impl Fn(usize) -> f64) -> f64 {
+        match self.recovery.as_ref().and_then(|recovery| recovery.ends[i]) {
+            Some([Some(a), Some(b)]) => 0.5 * value(i) + 0.25 * (value(a) + value(b)),
+            _ => value(i),
+        }
+    }
+
+    /// A contact force of each node over its weight `l` (32), Pa; at a node beyond the end of the other body those of all nodes of its facets
+    /// over all their weights.
+    pub fn over_weights(&self, force: impl Fn(usize) -> f64) -> Vec<f64> {
+        let mut stresses: Vec<f64> =
+            self.contacts.iter().enumerate().map(|(i, contact)| force(i) / contact.weight).collect();
+        for (&i, beside) in &self.beside_the_end {
+            let weight: f64 = beside.iter().map(|&j| self.contacts[j].weight).sum();
+            stresses[i] = beside.iter().map(|&j| force(j)).sum::<f64>() / weight;
+        }
+        stresses
+    }
+
+    /// The pressure (Pa) at each contact node: as [`Model::over_weights`], on boundaries of second order as in
+    /// [`Model::recovered_tractions`].
+    pub fn contact_pressures(&self, state: &State) -> Vec<f64> {
+        match self.recovered_tractions(state) {
+            None => self.over_weights(|i| state.p_n[i]),
+            Some(all) => {
+                self.contacts.iter().zip(all).map(|(contact, sigma)| dot(sigma, contact.facing.normal)).collect()
+            }
+        }
+    }
+
+    /// The traction (Pa) of the body on the obstacle at each contact node, in the directions of space, where boundaries with contact are
+    /// of second order. `None` where none is: there it is the contact force by the node's weight (32).
+    pub fn recovered_tractions(&self, state: &State) -> Option<Vec<[f64; 3]>> {
+        let Recovery { mass, ends, plain } = self.recovery.as_ref()?;
+        // Pressures are numbers, as normals turn along the boundary; friction is a vector, for tangents are any.
+        let forces: Vec<[f64; 3]> = (self.contacts.iter().enumerate())
+            .map(|(i, contact)| across(self.contact_force(state, i), contact.facing.normal))
+            .collect();
+        let pressures = self.over_weights(|i| state.p_n[i]);
+        let shears = [0, 1, 2].map(|c| self.over_weights(|i| forces[i][c]));
+        let means: Vec<[f64; 4]> =
+            (0..pressures.len()).map(|i| [pressures[i], shears[0][i], shears[1][i], shears[2][i]]).collect();
+        // The polynomials add up to 1, so that p̃_i - Σ_j M̃_ij s_j = Σ_j M̃_ij (s_i - s_j).
+        let corrected = |(i, contact): (usize, &ContactNode)| {
+            std::array::from_fn(|c| {
+                let defect: f64 = mass[i].iter().map(|(j, mass)| mass * (means[i][c] - means[*j][c])).sum();
+                means[i][c] + defect / contact.weight
+            })
+        };
+        let corrected: Vec<[f64; 4]> = self.contacts.iter().enumerate().map(corrected).collect();
+        let nodal = |(i, ends): (usize, &Option<[Option<usize>; 2]>)| {
+            if plain[i] {
+                let [pressure, x, y, z] = means[i];
+                return plus([x, y, z], pressure, self.contacts[i].facing.normal);
+            }
+            let own = corrected[i];
+            let [a, b] = ends.unwrap_or([None; 2]).map(|end| end.map_or(own, |j| corrected[j]));
+            let [pressure, x, y, z] = std::array::from_fn(|c| 0.5 * own[c] + 0.25 * (a[c] + b[c]));
+            let normal = self.contacts[i].facing.normal;
+            // The tension that the correction leaves beside the end of a contact is none of the law's.
+            plus(across([x, y, z], normal), f64::max(pressure, 0.0), normal)
+        };
+        Some(ends.iter().enumerate().map(nodal).collect())
+    }
+}

@@ -1,0 +1,155 @@
+//! The stresses of a body from its displacements.
+
+use std::collections::BTreeMap;
+
+use super::Model;
+use crate::algebra::vector::dot;
+use crate::body::fem::{cell_volume, strain_at, thermal_stress, with_dilatation};
+use crate::body::mesh::corner_shape;
+use crate::solver::problem::ProblemError;
+use crate::solver::problem::error::expect_length;
+
+impl Model {
+    /// The stress `(σ_xx, σ_yy, σ_zz, τ_xy, τ_yz, τ_zx)` (Pa) at the centre of every cell, for the displacements
+    /// of all nodes (m) at time `t` (s); with `σ_zz` of plane strain, 0 in plane stress, and the hoop stress in a body of revolution. What heat alone makes of the strain
+    /// is taken off.
+    ///
+    /// # Errors
+    /// When there is not one displacement for each node of the mesh.
+    pub fn centre_stresses(&self, t: f64, displacements: &[[f64; 3]]) -> Result<Vec<[f64; 6]>, ProblemError> {
+        expect_length("displacements", self.mesh.nodes.len(), displacements.len(), "one for each node of the mesh")?;
+        Ok(self.stresses(&self.thermal_factors(t), displacements))
+    }
+
+    /// [`Model::centre_stresses`] of displacements that fit, with the `factors` of [`Model::thermal_factors`].
+    pub fn stresses(&self, factors: &[f64], displacements: &[[f64; 3]]) -> Vec<[f64; 6]> {
+        let cells = self.mesh.cells.iter().enumerate();
+        cells.map(|(e, cell)| self.stress_in(e, cell.kind.centre(), factors, displacements)).collect()
+    }
+
+    /// The stress in each node (Pa), the mean of those that the elements around it have there, each with the weight of its volume; at a
+    /// border between materials only those of the material of the first element.
+    pub fn nodal_stresses(&self, factors: &[f64], displacements: &[[f64; 3]]) -> Vec<[f64; 6]> {
+        let mut sums: BTreeMap<usize, (usize, f64, [f64; 6])> = BTreeMap::new();
+        for (e, cell) in self.mesh.cells.iter().enumerate() {
+            let volume = cell_volume(cell.kind, self.mesh.geometry, &self.mesh.points(&cell.nodes)).unwrap_or(f64::NAN);
+            let alike =
+                |first: usize| self.materials[first] == self.materials[e] && self.mesh.cells[first].group == cell.group;
+            for (k, &node) in cell.nodes.iter().enumerate() {
+                let (first, weight, sum) = sums.entry(node).or_insert((e, 0.0, [0.0; 6]));
+                if alike(*first) {
+                    let stress = self.stress_in(e, cell.kind.reference_node(k), factors, displacements);
+                    *weight += volume;
+                    sum.iter_mut().zip(stress).for_each(|(sum, s)| *sum += volume * s);
+                }
+            }
+        }
+        // Every node is of a cell.
+        sums.into_values().map(|(_, weight, sum)| sum.map(|s| s / weight)).collect()
+    }
+
+    /// The factors of the loads by temperature at time `t` (s).
+    pub(crate) fn thermal_factors(&self, t: f64) -> Vec<f64> {
+        self.thermal.iter().map(|(_, load)| self.loading.cases()[*load].factor(t)).collect()
+    }
+
+    /// The stress-free strain of cell `e`, where loads by temperature have these `factors`; none stand for no such loads.
+    pub(super) fn free_strain(&self, e: usize, factors: &[f64]) -> f64 {
+        self.thermal.iter().zip(factors).map(|((free, _), f)| f * free.of_cells[e]).sum()
+    }
+
+    /// The dilatation of nodal volume `a`, beyond what heat alone makes of it.
+    pub(super) fn elastic_dilatation(&self, a: usize, factors: &[f64], displacements: &[[f64; 3]]) -> f64 {
+        let free: f64 = self.thermal.iter().zip(factors).map(|((free, _), f)| f * free.of_volumes[a]).sum();
+        self.volumes.dilatation(a, displacements) - 3.0 * free
+    }
+
+    /// The same at the corners of cell `e`, which is linear between them; none where the cell keeps its own dilatation.
+    pub(crate) fn corner_dilatations(&self, e: usize, factors: &[f64], displacements: &[[f64; 3]]) -> Option<Vec<f64>> {
+        let volumes = self.volumes.of_cell(e);
+        let at_corners = volumes.iter().map(|&a| self.elastic_dilatation(a, factors, displacements)).collect();
+        (!volumes.is_empty()).then_some(at_corners)
+    }
+
+    /// The stress (Pa) at the reference point `point` of cell `e`.
+    pub(crate) fn stress_in(&self, e: usize, point: [f64; 3], factors: &[f64], displacements: &[[f64; 3]]) -> [f64; 6] {
+        let (cell, material) = (&self.mesh.cells[e], &self.materials[e]);
+        let nodes = self.mesh.points(&cell.nodes);
+        let of_nodes: Vec<_> = cell.nodes.iter().map(|&node| displacements[node]).collect();
+        // Assembly has refused cells that have none.
+        let strain = strain_at(cell.kind, self.mesh.geometry, point, &nodes, &of_nodes, self.element());
+        let strain = strain.unwrap_or([f64::NAN; 6]);
+        if let Some(at_corners) = self.corner_dilatations(e, factors, displacements) {
+            return material.stress(with_dilatation(strain, dot(&at_corners, corner_shape(cell.kind, point))));
+        }
+        let mut stress = material.stress(strain);
+        if !factors.is_empty() {
+            let free = thermal_stress(material, self.is_thin(), self.free_strain(e, factors));
+            stress.iter_mut().zip(free).for_each(|(s, free)| *s -= free);
+        }
+        if self.is_thin() {
+            stress[2] = 0.0;
+        }
+        stress
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::body::description::{Axis, Description};
+    use crate::body::fem::{Dofs, Element, Layer, Material, assemble, gradients};
+    use crate::body::mesh::{CellKind, MeshSource, block, quadrature_of};
+    use crate::body::model::Model;
+
+    /// Whatever the displacements, the stresses at the integration points pull at the nodes as the stiffness says: of a body of two
+    /// materials, on all cells whose dilatation is averaged, curved ones, too.
+    #[test]
+    fn stresses_pull_as_the_stiffness_says() {
+        let (plane, space) = (block(&[1.0, 0.8], &[3, 2]), block(&[1.0, 0.9, 0.8], &[2, 1, 2]));
+        let simplices = [plane, space.clone()].map(crate::body::mesh::Mesh::into_simplices);
+        let curved = simplices.clone().map(|mesh| {
+            let (corners, mut mesh) = (mesh.nodes.len(), mesh.into_second_order());
+            let d = mesh.dimension;
+            for (k, x) in mesh.nodes.iter_mut().enumerate().skip(corners) {
+                (0..d).for_each(|c| x[c] += 0.02 * (1.7 * (k * (c + 1)) as f64).sin());
+            }
+            mesh
+        });
+        for mesh in simplices.into_iter().chain(curved).chain([space.into_prisms()]) {
+            let layer = Layer { thickness: 0.4, young: 4.0, poisson: 0.3 };
+            let material = Material { layers: vec![layer], ..Material::new(1.0, 0.499) };
+            let description = Description::new(MeshSource::from(mesh.clone()), material, vec![1.0]);
+            let description = description.element(Element::NodalVolume).support("bottom", &[Axis::X, Axis::Y]);
+            let model = Model::build(&description).unwrap();
+            let moved =
+                |k: usize| [0, 1, 2].map(|c| if c < mesh.dimension { (2.3 * (k + 7 * c) as f64).sin() } else { 0.0 });
+            let u: Vec<[f64; 3]> = (0..mesh.nodes.len()).map(moved).collect();
+            let mut forces = vec![[0.0; 3]; mesh.nodes.len()];
+            for (e, cell) in mesh.cells.iter().enumerate() {
+                let nodes = mesh.points(&cell.nodes);
+                for (point, weight) in quadrature_of(cell.kind, model.mesh.geometry, &nodes) {
+                    let (of_nodes, det) = gradients(cell.kind, point, &nodes).unwrap();
+                    let [xx, yy, zz, xy, yz, zx] = model.stress_in(e, point, &[], &u);
+                    for (&node, g) in cell.nodes.iter().zip(of_nodes) {
+                        for (c, row) in [[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]].into_iter().enumerate() {
+                            forces[node][c] += weight * det * (0..3).map(|k| row[k] * g[k]).sum::<f64>();
+                        }
+                    }
+                }
+            }
+            let dofs = Dofs::new(&mesh, |_, _| false);
+            let k = assemble(&mesh, &dofs, Element::NodalVolume, |e| model.materials()[e]).unwrap();
+            let free: Vec<f64> = u.iter().flat_map(|u| &u[..mesh.dimension]).copied().collect();
+            let expected = dofs.displacements(&k.times(&free).unwrap());
+            let size = expected.iter().flatten().fold(0.0_f64, |m, f| m.max(f.abs()));
+            let kind: CellKind = mesh.cells[0].kind;
+            for (found, expected) in forces.iter().zip(&expected) {
+                let d = mesh.dimension;
+                assert!(
+                    (0..d).all(|c| (found[c] - expected[c]).abs() < 1e-13 * size),
+                    "{kind:?}: {found:?} {expected:?}"
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,261 @@
+//! The supports of a description on its mesh: which displacements are held, and where they are moved to.
+
+use super::carrying::Carrying;
+use super::holding::Holding;
+use crate::algebra::vector::{dot, minus, norm, plus};
+use crate::base::input_error::InputError;
+use crate::base::timeline::within;
+use crate::body::contact::{ContactNode, Facing};
+use crate::body::description::{Description, Support};
+use crate::body::fem::{Dofs, HeldRows, NodalForces, SAME_DIRECTION, Spring, independent, nearest_translation};
+use crate::body::mesh::{Geometry, Mesh};
+use crate::solver::loading::piecewise_linear;
+
+/// Displacements that supports prescribe in one place may differ by this share of the largest.
+const SAME: f64 = 1e-9;
+
+/// A few times what rounding makes of a displacement.
+const ROUNDING: f64 = 1e-15;
+
+/// A motion of supports that have one history. A body is carried along by the translation that comes nearest to theirs, which
+/// strains nothing: it is as if the obstacles came the other way, and displacements count from where the body then is. Bodies with
+/// supports of their own have translations of their own, see [`Carrying`].
+#[derive(Debug, Clone)]
+pub(super) struct Moved {
+    /// How far the bodies of each group are carried along at factor 1, m.
+    pub carried: Vec<[f64; 3]>,
+    /// Where the nodes of [`HeldRows`] are moved beyond that at factor 1, m.
+    pub beyond: Vec<[f64; 3]>,
+    /// Points `[time (s), factor]`.
+    pub history: Vec<[f64; 2]>,
+}
+
+impl Moved {
+    /// The motions of all supports.
+    pub(super) fn all(
+        description: &Description,
+        mesh: &Mesh,
+        dofs: &Dofs,
+        holdings: &[Holding],
+        rows: &HeldRows,
+        carrying: &Carrying,
+    ) -> Result<Vec<Self>, InputError> {
+        let supports = || description.supports.iter().zip(holdings).enumerate();
+        let history = |support: &Support| within(description.end(), &support.factors(description.end()));
+        let mut histories: Vec<Vec<[f64; 2]>> = Vec::new();
+        for (_, (support, _)) in supports().filter(|(_, (support, _))| support.moves()) {
+            if !histories.contains(&history(support)) {
+                histories.push(history(support));
+            }
+        }
+        let axisymmetric = mesh.geometry == Geometry::Axisymmetric;
+        let of_history = |of: Vec<[f64; 2]>| {
+            // What others hold stays where it is.
+            let mut prescribed = Vec::new();
+            for (k, (support, holding)) in supports() {
+                let moves = support.moves() && history(support) == of;
+                prescribed.extend(holding.iter().map(|&(node, n, to)| (k, node, n, if moves { to } else { 0.0 })));
+            }
+            prescribed.sort_by_key(|(_, node, ..)| *node);
+            // Nothing carries a body of revolution aside.
+            let carrying_along = |n: [f64; 3]| if axisymmetric { [0.0, n[1], n[2]] } else { n };
+            let carried: Vec<[f64; 3]> = (carrying.carrier.iter())
+                .map(|&group| {
+                    let own = prescribed.iter().filter(|(_, node, ..)| carrying.of(*node) == group);
+                    nearest_translation(own.map(|(_, _, n, to)| (carrying_along(*n), *to)))
+                })
+                .collect();
+            let size = prescribed.iter().fold(0.0_f64, |m, (.., to)| m.max(to.abs()));
+            let mut beyond = vec![[0.0; 3]; rows.nodes().len()];
+            for at_node in prescribed.chunk_by(|a, b| a.1 == b.1) {
+                let node = at_node[0].1;
+                let carried = carried[carrying.of(node)];
+                let values: Vec<_> = at_node.iter().map(|(_, _, n, to)| (*n, to - dot(carried, *n))).collect();
+                let rest = solved(dofs, node, &values);
+                let missed = |(n, to): &([f64; 3], f64)| (dot(rest, *n) - to).abs() > SAME * size;
+                if let Some(j) = values.iter().position(missed) {
+                    let place = description.system(mesh.dimension).place(mesh.nodes[node]);
+                    let message = format!("two supports move the node at {place} to different places");
+                    let help = "let them agree there, or hold it by one of them";
+                    return Err(InputError::new(format!("support[{}].displacement", at_node[j].0), message, help));
+                }
+                if let Ok(held) = rows.nodes().binary_search(&node) {
+                    // What rounding leaves of a body that is carried along as a whole would be strain.
+                    beyond[held] = rest.map(|x| if x.abs() > ROUNDING * size { x } else { 0.0 });
+                }
+            }
+            for node in dofs.followers() {
+                let at = |node: usize| rows.nodes().binary_search(&node).map_or([0.0; 3], |held| beyond[held]);
+                let along = dofs.carried_along(node, at);
+                if let Ok(held) = rows.nodes().binary_search(&node) {
+                    (0..3).for_each(|c| beyond[held][c] += along[c]);
+                }
+            }
+            Ok(Moved { carried, beyond, history: of })
+        };
+        histories.into_iter().map(of_history).collect()
+    }
+
+    /// The forces (N) on all nodes at factor 1 that take the place of this motion: what it strains of the body, and of the springs
+    /// that are fixed to the ground.
+    pub(super) fn forces(&self, carrying: &Carrying, rows: &HeldRows, springs: &[Spring]) -> NodalForces {
+        let strained = rows.response(&self.beyond).into_iter().map(|(node, force)| (node, force.map(|f| -f)));
+        strained.chain(self.forces_of_springs(carrying, springs)).collect()
+    }
+
+    /// The forces (N) at factor 1 of the springs of a body that is carried along.
+    pub(super) fn forces_of_springs(&self, carrying: &Carrying, springs: &[Spring]) -> NodalForces {
+        if springs.is_empty() || self.carried.iter().all(|carried| *carried == [0.0; 3]) {
+            return Vec::new();
+        }
+        let carried: Vec<[f64; 3]> = (0..carrying.nodes()).map(|node| self.carried[carrying.of(node)]).collect();
+        springs.iter().flat_map(|spring| spring.forces(&carried)).collect()
+    }
+
+    /// Where `node` is moved beyond the body at factor 1, m.
+    pub(super) fn beyond(&self, rows: &HeldRows, node: usize) -> [f64; 3] {
+        rows.nodes().binary_search(&node).map_or([0.0; 3], |held| self.beyond[held])
+    }
+
+    /// The same of what the rows of a contact node are made of, along its normal and its tangents.
+    /// In front of a body that is carried elsewhere its own counts from that.
+    pub(super) fn beyond_contact(
+        &self,
+        rows: &HeldRows,
+        dofs: &Dofs,
+        carrying: &Carrying,
+        contact: &ContactNode,
+    ) -> [f64; 3] {
+        let relative = contact.coupled().is_some_and(|coupled| coupled.relative);
+        let own = self.carried[carrying.of(contact.node)];
+        let apart = contact
+            .terms()
+            .filter(|term| term.opposite)
+            .fold([0.0; 3], |sum, term| plus(sum, term.coefficient, minus(self.carried[carrying.of(term.node)], own)));
+        let along = |direction: fn(&Facing) -> [f64; 3]| {
+            let apart = dot(apart, direction(&contact.facing));
+            if !relative {
+                return apart + contact.sum(|term| dot(self.beyond(rows, term.node), direction(&term.facing)));
+            }
+            // What is free goes along with the other side.
+            let held = dofs.held(contact.node).filter(|held| dot(*held, direction(&contact.facing)) != 0.0);
+            let of_axis = |held: [f64; 3]| {
+                dot(held, direction(&contact.facing)) * contact.sum(|term| dot(self.beyond(rows, term.node), held))
+            };
+            apart + held.map(of_axis).sum::<f64>()
+        };
+        [along(|facing| facing.normal), along(|facing| facing.tangents[0]), along(|facing| facing.tangents[1])]
+    }
+
+    /// The factor at time `t` (s).
+    pub(super) fn factor(&self, t: f64) -> f64 {
+        piecewise_linear(&self.history, t).unwrap_or(0.0)
+    }
+}
+
+/// Whether supports move what a contact node is made of along its tangents.
+pub(super) fn moves_past(
+    all: &[Moved],
+    rows: &HeldRows,
+    dofs: &Dofs,
+    carrying: &Carrying,
+    contact: &ContactNode,
+) -> bool {
+    let along = |moved: &Moved| moved.beyond_contact(rows, dofs, carrying, contact);
+    all.iter().map(along).any(|[_, t, o]| t != 0.0 || o != 0.0)
+}
+
+/// The displacement (m) of `node` along what is held there with the components `values` along unit vectors, of which
+/// those that follow from others are left out.
+fn solved(dofs: &Dofs, node: usize, values: &[([f64; 3], f64)]) -> [f64; 3] {
+    let mut basis: Vec<([f64; 3], f64)> = Vec::new();
+    for (n, value) in values {
+        let (mut rest, mut to) = (*n, *value);
+        for (b, along) in &basis {
+            let share = dot(rest, *b);
+            rest = minus(rest, b.map(|c| share * c));
+            to -= share * along;
+        }
+        let length = norm(rest);
+        if length > SAME_DIRECTION && basis.len() < dofs.node(node).len() {
+            basis.push((rest.map(|c| c / length), to / length));
+        }
+    }
+    [0, 1, 2].map(|c| basis.iter().map(|(b, along)| b[c] * along).sum())
+}
+
+/// For each support, what share of the force on a held node is its own: pairs of the place of the node in [`HeldRows`] and a
+/// matrix. Directions that several supports hold they share evenly.
+pub(super) fn shares(holdings: &[Holding], rows: &HeldRows) -> Vec<Vec<(usize, [[f64; 3]; 3])>> {
+    let place = |node: usize| rows.nodes().binary_search(&node).unwrap_or(0);
+    let mut of_node: Vec<Vec<(usize, [f64; 3])>> = vec![Vec::new(); rows.nodes().len()];
+    for (k, holding) in holdings.iter().enumerate() {
+        for (node, n, _) in holding {
+            of_node[place(*node)].push((k, *n));
+        }
+    }
+    let mut shares = vec![Vec::new(); holdings.len()];
+    for (held, directions) in of_node.iter().enumerate() {
+        let inverse = pseudo_inverse(directions.iter().map(|(_, n)| *n));
+        for support in directions.iter().map(|(k, _)| *k).collect::<std::collections::BTreeSet<_>>() {
+            let own = directions.iter().filter(|(k, _)| *k == support).map(|(_, n)| *n);
+            shares[support].push((held, product(outer(own), inverse)));
+        }
+    }
+    shares
+}
+
+/// `Σ n nᵀ`.
+fn outer(directions: impl Iterator<Item = [f64; 3]>) -> [[f64; 3]; 3] {
+    let mut sum = [[0.0; 3]; 3];
+    for n in directions {
+        (0..3).for_each(|r| (0..3).for_each(|c| sum[r][c] += n[r] * n[c]));
+    }
+    sum
+}
+
+fn product(a: [[f64; 3]; 3], b: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
+    a.map(|row| [0, 1, 2].map(|c| (0..3).map(|k| row[k] * b[k][c]).sum()))
+}
+
+/// The pseudo-inverse of `Σ n nᵀ`, by eliminating one direction after the other in a basis of them.
+fn pseudo_inverse(directions: impl Iterator<Item = [f64; 3]> + Clone) -> [[f64; 3]; 3] {
+    let matrix = outer(directions.clone());
+    let basis = independent(directions.collect(), 3);
+    // Gram-Schmidt in the inner product of the matrix: then it is diagonal.
+    let times = |x: [f64; 3]| matrix.map(|row| dot(row, x));
+    let mut inverse = [[0.0; 3]; 3];
+    let mut done: Vec<([f64; 3], f64)> = Vec::new();
+    for b in basis {
+        let x = done.iter().fold(b, |x, (d, square)| {
+            let along = dot(times(b), *d) / square;
+            minus(x, d.map(|c| along * c))
+        });
+        let square = dot(times(x), x);
+        (0..3).for_each(|r| (0..3).for_each(|c| inverse[r][c] += x[r] * x[c] / square));
+        done.push((x, square));
+    }
+    inverse
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::algebra::vector::axis;
+
+    #[test]
+    fn forces_belong_to_whom_they_can() {
+        let s = 0.5_f64.sqrt();
+        let directions = [[1.0, 0.0, 0.0], [s, s, 0.0]];
+        let inverse = pseudo_inverse(directions.into_iter());
+        // 3 along the first and 2 along the second.
+        let force = [3.0 + 2.0 * s, 2.0 * s, 0.0];
+        for (n, share) in directions.into_iter().zip([3.0, 2.0]) {
+            let own = product(outer([n].into_iter()), inverse).map(|row| dot(row, force));
+            assert!((0..3).all(|c| (own[c] - share * n[c]).abs() < 1e-14), "{own:?}");
+        }
+        // Whoever holds the same direction has half.
+        let inverse = pseudo_inverse([axis(1), axis(1)].into_iter());
+        assert_eq!(product(outer([axis(1)].into_iter()), inverse)[1], [0.0, 0.5, 0.0]);
+    }
+}

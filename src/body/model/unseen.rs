@@ -1,0 +1,217 @@
+//! What contact nodes do not feel of obstacles: those that they do not meet, and what is between nodes.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::Model;
+use crate::algebra::vector::{dot, minus, norm, plus, unit};
+use crate::body::contact::{ContactBoundary, outsides};
+use crate::solver::laws::ContactStatus;
+use crate::solver::problem::State;
+
+/// A contact node inside an obstacle that it does not meet.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Overlap {
+    /// The number of the contact node.
+    pub contact: usize,
+    /// The number of the obstacle.
+    pub obstacle: usize,
+    /// How deep the node is inside the obstacle, m.
+    pub depth: f64,
+}
+
+/// Where the distance of an obstacle between nodes is not what the distances at the nodes say.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct BetweenNodes {
+    /// The name of the contact boundary.
+    pub boundary: String,
+    /// The place before the deformation, m.
+    pub position: [f64; 3],
+    /// The difference between the distance there and the distance that those at the nodes say, m.
+    pub missed: f64,
+    /// The longest edge of the facet, m.
+    pub size: f64,
+}
+
+/// What a solution leaves of a distance that is 0, as a share of the largest displacement.
+const SOLVED: f64 = 1e-10;
+
+/// What rounding leaves of a distance, as a share of the coordinates that it is a difference of.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
+
+/// A direction leads out of the body if its component along the outward normal is larger, as a share.
+const OUT: f64 = 1e-9;
+
+/// The height of an arc is known to this factor from the normals at its ends.
+const ARC: f64 = 1.5;
+
+/// Places on an edge, as shares of its length. They are unequal, so that no period of a surface has nodes and all places in step.
+const PLACES: [f64; 4] = [0.14, 0.38, 0.5, 0.83];
+
+/// What a point of a boundary sees of the nearest obstacle.
+pub(super) struct Seen {
+    /// m; NaN where nothing is in front.
+    pub distance: f64,
+    /// A vector into the obstacle, at right angles to its surface.
+    inward: [f64; 3],
+}
+
+/// A place on a facet: its nodes with their shares.
+type Place = Vec<(usize, f64)>;
+
+impl Model {
+    /// How far (m) contact forces press the body in on the obstacle that bears most, see [`Model::range_left`].
+    pub fn pressed(&self, t: f64, state: &State) -> f64 {
+        (0..self.obstacles.len()).map(|k| self.pressed_in(k, t, state)).fold(0.0, f64::max)
+    }
+
+    /// The contact node that is deepest inside an obstacle that it does not meet at time `t` (s). The obstacle is one of its boundary, or
+    /// a round one or a surface that has come from elsewhere. What a solution or rounding leave of a distance is none.
+    pub fn overlap(&self, t: f64, state: &State) -> Option<Overlap> {
+        if self.obstacles.len() < 2 {
+            return None;
+        }
+        let displacements = self.strained(t, &state.u);
+        let noise = SOLVED * displacements.iter().map(|u| norm(*u)).fold(0.0, f64::max);
+        let mut deepest: Option<Overlap> = None;
+        for boundary in self.contact_boundaries.iter().filter(|boundary| boundary.pair.is_none()) {
+            let outsides = self.mesh.boundary(&boundary.name).map(|facets| outsides(&self.mesh, facets));
+            for &i in &boundary.nodes {
+                let (node, x) = (self.contacts[i].node, self.contacts[i].position);
+                let met = self.met(i, t).map(|(k, _)| k);
+                let Some(outside) = outsides.as_ref().and_then(|outsides| outsides.get(&node)) else { continue };
+                for (k, (obstacle, motion)) in self.obstacles.iter().enumerate().filter(|(k, _)| Some(*k) != met) {
+                    let own = boundary.obstacles.contains(&k);
+                    let may_come = obstacle.is_bounded() && self.is_carried_along(k, node);
+                    if !(own || may_come) {
+                        continue;
+                    }
+                    let seen = |t: f64, moved: [f64; 3]| {
+                        let (back, out) = motion.back(t, moved, *outside);
+                        let (distance, normal) = obstacle.nearest(back, x);
+                        (distance < 0.0 && dot(out, normal) > OUT * norm(out)).then_some((-distance, back))
+                    };
+                    let Some((depth, back)) = seen(t, plus(x, 1.0, displacements[node])) else { continue };
+                    let small = depth <= noise + ROUNDING * (norm(x) + norm(back));
+                    if !small && deepest.is_none_or(|last| depth > last.depth) && (own || seen(0.0, x).is_none()) {
+                        deepest = Some(Overlap { contact: i, obstacle: k, depth });
+                    }
+                }
+            }
+        }
+        deepest
+    }
+
+    /// Whether obstacle `k` is told from where the body at `node` has been carried.
+    fn is_carried_along(&self, k: usize, node: usize) -> bool {
+        let boundary = self.contact_boundaries.iter().find(|boundary| boundary.obstacles.contains(&k));
+        let first = boundary.and_then(|boundary| boundary.nodes.first()).map(|&i| self.contacts[i].node);
+        first.is_some_and(|first| self.carrying.of(first) == self.carrying.of(node))
+    }
+
+    /// The place on a contact facet where the distance of the obstacle differs most from what the distances at the nodes say, at time `t`
+    /// (s): of a facet with a closed node by how much the two differ, of one without by how deep the place is inside the obstacle.
+    /// Arcs that the normals at the nodes tell of are not counted, neither those of the obstacle, which nodes resolve as far as they
+    /// can, nor those that straight facets cut off a curved boundary.
+    pub fn between_nodes(&self, t: f64, state: &State, statuses: &[ContactStatus]) -> Option<BetweenNodes> {
+        let curved = |boundary: &&ContactBoundary| {
+            self.obstacles[boundary.obstacles.clone()].iter().any(|(obstacle, _)| !obstacle.is_plane())
+        };
+        let boundaries: Vec<&ContactBoundary> = self.contact_boundaries.iter().filter(curved).collect();
+        if boundaries.is_empty() {
+            return None;
+        }
+        let displacements = self.strained(t, &state.u);
+        let noise = SOLVED * displacements.iter().map(|u| norm(*u)).fold(0.0, f64::max);
+        let mut worst: Option<BetweenNodes> = None;
+        for boundary in boundaries {
+            let Some(facets) = self.mesh.boundary(&boundary.name) else { continue };
+            let outsides = outsides(&self.mesh, facets);
+            let closed: BTreeMap<usize, bool> =
+                boundary.nodes.iter().map(|&i| (self.contacts[i].node, statuses[i] != ContactStatus::Open)).collect();
+            let mut at_nodes: BTreeMap<usize, Seen> = BTreeMap::new();
+            for facet in facets.facets.iter().filter(|facet| facet.iter().any(|node| closed.contains_key(node))) {
+                let outward = self.mesh.area_vector(facet);
+                let mean = |place: &[(usize, f64)], of: &dyn Fn(usize) -> [f64; 3]| {
+                    place.iter().fold([0.0; 3], |sum, (node, share)| plus(sum, *share, of(*node)))
+                };
+                let see = |place: &[(usize, f64)]| {
+                    let x = mean(place, &|node| self.mesh.nodes[node]);
+                    self.see(boundary, t, x, mean(place, &|node| displacements[node]), outward)
+                };
+                let touches = facet.iter().any(|node| closed.get(node) == Some(&true));
+                for node in facet {
+                    at_nodes.entry(*node).or_insert_with(|| see(&[(*node, 1.0)]));
+                }
+                for (edges, places) in parts(facet, self.mesh.dimension) {
+                    let along = |[a, b]: [usize; 2]| minus(self.mesh.nodes[b], self.mesh.nodes[a]);
+                    let arc = |edge: [usize; 2]| {
+                        let of = |[from, to]: [[f64; 3]; 2]| dot(minus(unit(to), unit(from)), along(edge)).abs() / 8.0;
+                        // A node that nothing is in front of tells of no arc.
+                        of(edge.map(|node| outsides[&node])) + of(edge.map(|node| at_nodes[&node].inward)).max(0.0)
+                    };
+                    // Across a facet in space the arcs of its sides add up, each of which is there twice.
+                    let twice = if edges.len() > 1 { 2.0 } else { 1.0 };
+                    let arcs = edges.iter().map(|edge| arc(*edge)).sum::<f64>() / twice;
+                    let size = edges.iter().map(|edge| norm(along(*edge))).fold(0.0, f64::max);
+                    for place in places {
+                        let there = see(&place).distance;
+                        let said: f64 = place.iter().map(|(node, share)| share * at_nodes[node].distance).sum();
+                        let missed = if touches && !said.is_nan() { (there - said).abs() } else { -there };
+                        let position = mean(&place, &|node| self.mesh.nodes[node]);
+                        let missed = missed - ARC * arcs - noise - ROUNDING * norm(position);
+                        if missed > 0.0 && worst.as_ref().is_none_or(|worst| missed > worst.missed) {
+                            worst = Some(BetweenNodes { boundary: boundary.name.clone(), position, missed, size });
+                        }
+                    }
+                }
+            }
+        }
+        worst
+    }
+
+    /// What a point that was at `x` and is displaced by `u` (m), on a facet of `boundary` that looks `outward`, sees at time `t` (s) of
+    /// the nearest obstacle.
+    pub(super) fn see(&self, boundary: &ContactBoundary, t: f64, x: [f64; 3], u: [f64; 3], outward: [f64; 3]) -> Seen {
+        let moved = plus(x, 1.0, u);
+        let mut nearest = Seen { distance: f64::NAN, inward: [f64::NAN; 3] };
+        for (obstacle, motion) in &self.obstacles[boundary.obstacles.clone()] {
+            let (back, out) = motion.back(t, moved, outward);
+            let (distance, normal) = if obstacle.has_one_normal() {
+                let normal = motion.back(t, moved, obstacle.normal).1;
+                (obstacle.distance(back, normal, x), normal)
+            } else {
+                obstacle.nearest(back, x)
+            };
+            let is_nearer = nearest.distance.is_nan() || distance < nearest.distance;
+            if is_nearer && dot(out, normal) > OUT * norm(out) {
+                let inward = motion.forth(t, obstacle.at(back).inward);
+                nearest = Seen { distance, inward };
+            }
+        }
+        nearest
+    }
+}
+
+/// The parts of a facet, each with its edges and places on it: in the plane the facet from node to node, in space all of it.
+fn parts(facet: &[usize], dimension: usize) -> Vec<(Vec<[usize; 2]>, Vec<Place>)> {
+    let on_edge = |[a, b]: [usize; 2]| PLACES.map(|share| vec![(a, 1.0 - share), (b, share)]);
+    if dimension == 2 {
+        return facet
+            .windows(2)
+            .map(|edge| [edge[0], edge[1]])
+            .map(|edge| (vec![edge], on_edge(edge).to_vec()))
+            .collect();
+    }
+    let count = facet.len();
+    let edges: Vec<[usize; 2]> = (0..count).map(|k| [facet[k], facet[(k + 1) % count]]).collect();
+    let inwards = |place: Place, share: f64| -> Place {
+        let own = place.into_iter().map(|(node, of_edge)| (node, (1.0 - share) * of_edge));
+        own.chain(facet.iter().map(|&node| (node, share / count as f64))).collect()
+    };
+    let places = edges.iter().flat_map(|edge| on_edge(*edge).into_iter().zip(PLACES));
+    let mut places: Vec<Place> = places.flat_map(|(place, share)| [place.clone(), inwards(place, share)]).collect();
+    places.push(inwards(Vec::new(), 1.0));
+    vec![(edges, places)]
+}

@@ -1,0 +1,131 @@
+//! The forces that act on the body, and what they leave of each other.
+
+use serde::{Deserialize, Serialize};
+
+use super::warnings::{Warning, WarningKind};
+use crate::base::units::Quantity;
+use crate::body::model::{Balance, Model, Pair, Wrench};
+use crate::solver::history::IncrementView;
+
+/// What acts on the body beside contact, at the end of an increment. Loads, supports and springs act on the body, contact forces
+/// ([`super::ForceRecord`]) on the obstacles: the first three less the last is what `balance` measures.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct BalanceRecord {
+    /// The increment, from 1.
+    pub index: usize,
+    /// The time at its end, s.
+    pub time: f64,
+    /// The force of each support on the body, its reaction. What several supports hold in the same direction they share evenly.
+    pub supports: Vec<Acting>,
+    /// The force of each spring or foundation on the body.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub springs: Vec<Acting>,
+    /// The force of each load.
+    pub loads: Vec<Acting>,
+    /// What all forces on the body leave of each other, as a force or as a moment about its middle by its size, relative to the
+    /// sum of the sizes of the forces on its nodes.
+    pub balance: f64,
+    /// What the forces leave without their moments, relative to that sum.
+    #[serde(skip)]
+    pub of_forces: f64,
+    /// That sum, N.
+    #[serde(skip)]
+    pub size: f64,
+}
+
+/// A force on the body.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Acting {
+    /// The boundary, or the point.
+    pub at: String,
+    /// x, y and, in three dimensions, z, N; in two dimensions N per m of depth.
+    pub force: Vec<f64>,
+    /// The moment about the origin at the reference positions of the nodes: about z in two dimensions, about x, y and z in
+    /// three, N m; in two dimensions N m per m of depth.
+    pub moment: Vec<f64>,
+}
+
+impl BalanceRecord {
+    /// The balance at the end of a step.
+    pub fn new(model: &Model, step: &IncrementView<'_>) -> Self {
+        let (index, time) = (step.record.index, step.record.time);
+        let Balance { loads, supports, springs, closure, force_closure, size, .. } = model.balanced(time, step.state);
+        let (description, units) = (model.description(), model.units());
+        let acting = |names: Vec<String>, wrenches: Vec<Wrench>| {
+            names.into_iter().zip(wrenches).map(|(at, wrench)| Acting::new(at, wrench, model.mesh.dimension)).collect()
+        };
+        BalanceRecord {
+            index,
+            time,
+            supports: acting(description.supports.iter().map(|support| support.at.place(&units)).collect(), supports),
+            springs: acting(description.springs.iter().map(|bed| bed.place(&units)).collect(), springs),
+            loads: acting(description.loads.iter().map(|load| load.action.place(&units)).collect(), loads),
+            balance: closure,
+            of_forces: force_closure,
+            size,
+        }
+    }
+}
+
+/// More of the forces may be left than the error of each node, whose signs add up: so many tolerances count as none.
+const BALANCED: f64 = 100.0;
+
+/// Watches what is left of the balance over a history.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct BalanceWatch {
+    /// The largest sum of the sizes of forces, N.
+    largest: f64,
+    /// The most that forces have left of each other, as a force or a moment and as a force alone, N, and when, s.
+    worst: Option<[f64; 3]>,
+}
+
+impl BalanceWatch {
+    /// Looks at the end of an increment that converged. What did not is in balance with nothing, and its verdict says so.
+    pub fn see(&mut self, record: &BalanceRecord) {
+        let left = record.balance * record.size;
+        self.largest = self.largest.max(record.size);
+        if self.worst.is_none_or(|[worst, ..]| left >= worst || left.is_nan()) {
+            self.worst = Some([left, record.of_forces * record.size, record.time]);
+        }
+    }
+
+    /// The warning where forces as large as those of this run leave more of each other than the `tolerance` lets expect. Beside what the
+    /// stiffness makes of large displacements they are lost in its rounding, which the errors of a state cannot tell. Where bodies
+    /// are in front of each other and the forces balance, but not their moments, the gap between the bodies is the reason.
+    pub(super) fn unbalanced(&self, model: &Model, tolerance: f64) -> Option<Warning> {
+        let [left, of_forces, time] = self.worst?;
+        if left <= BALANCED * tolerance * self.largest {
+            return None;
+        }
+        let share = left / self.largest;
+        let apart = |pair: &Pair| pair.mortar.gaps.iter().map(|gap| gap.gap.abs()).fold(0.0, f64::max);
+        let widest = model.pairs.iter().max_by(|a, b| apart(a).total_cmp(&apart(b)));
+        let message = match widest.filter(|_| of_forces <= BALANCED * tolerance * self.largest) {
+            Some(pair) => format!(
+                "at t = {time} s the moments of all forces leave {share:.1e} of their sizes, though the forces balance: `{}` and `{}`, whose meshes \
+                 are up to {:.2e} {} apart, act on each other along lines that are as far apart, and nothing balances the moment of that; let the two \
+                 meet without a gap, on plane facets or with nodes at the same places",
+                pair.slave,
+                pair.master.name,
+                model.units().of_si(Quantity::Length, apart(pair)),
+                model.units().name(Quantity::Length)
+            ),
+            None => format!(
+                "at t = {time} s all forces on the body leave {share:.1e} of their sizes: they are so small beside the stiffness and the \
+                 displacements of the body that rounding counts, and may be as wrong; let the body move less, or let supports, \
+                 and not contact or springs, carry it along"
+            ),
+        };
+        Some(Warning { kind: WarningKind::Unbalanced, message })
+    }
+}
+
+impl Acting {
+    fn new(at: String, wrench: Wrench, dimension: usize) -> Self {
+        let Wrench { force, moment } = wrench;
+        let moment = if dimension == 2 { vec![moment[2]] } else { moment.to_vec() };
+        Acting { at, force: force[..dimension].to_vec(), moment }
+    }
+}

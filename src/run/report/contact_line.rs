@@ -1,0 +1,257 @@
+//! The state of every contact node at the end of an increment.
+
+use serde::Serialize;
+
+use super::csv;
+use super::quantities::cell;
+use crate::algebra::vector::{dot, minus, norm};
+use crate::base::units::UnitSystem;
+use crate::body::contact::ContactBoundary;
+use crate::body::estimate::ContactGraph;
+use crate::body::model::Model;
+use crate::solver::history::IncrementView;
+use crate::solver::laws::ContactStatus;
+
+/// One contact node at the end of an increment, SI.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ContactPoint {
+    /// The number of the node in the mesh, from 0.
+    pub node: usize,
+    /// Position, m.
+    pub x: f64,
+    /// Position, m.
+    pub y: f64,
+    /// Position, m; 0 in two dimensions, like the components below that only space has.
+    pub z: f64,
+    /// Distance along the contact boundary from its first node, m.
+    pub s: f64,
+    /// Normal contact force, N, in two dimensions per unit depth, positive in compression.
+    pub p_n: f64,
+    /// Tangential contact force, N, in two dimensions per unit depth: of the body on the obstacle, along the
+    /// first tangent.
+    pub p_t: f64,
+    /// Tangential contact force along the second tangent, N.
+    pub p_o: f64,
+    /// Normal contact stress `p_n / l` (32), Pa; on boundaries of second order corrected, and perhaps negative; at a node beyond the end of
+    /// the other body that of the nodes of its facets together.
+    pub sigma_n: f64,
+    /// Tangential contact stress `p_t / l` (32), Pa.
+    pub sigma_t: f64,
+    /// Tangential contact stress `p_o / l`, Pa.
+    pub sigma_o: f64,
+    /// The normal stress of the node with its neighbours, `Σ p_n / Σ l`, Pa; with tetrahedra only.
+    pub sigma_patch: Option<f64>,
+    /// Normal contact displacement, m, positive towards the obstacle.
+    pub w_n: f64,
+    /// Tangential contact displacement along the first tangent, m.
+    pub w_t: f64,
+    /// Tangential contact displacement along the second tangent, m.
+    pub w_o: f64,
+    /// The distance from the obstacle that is left, m.
+    pub gap: f64,
+    /// Motion past the obstacle along the first tangent since the beginning, m.
+    pub slip_t: f64,
+    /// Motion past the obstacle along the second tangent since the beginning, m.
+    pub slip_o: f64,
+    /// The force of the body on the obstacle, N: normal and tangential ones together.
+    pub force: [f64; 3],
+    /// The normal, out of the body, and the two tangents of the obstacle, along which the components are told.
+    pub frame: [[f64; 3]; 3],
+    /// Friction coefficient.
+    pub mu: f64,
+    /// What the node does.
+    pub status: ContactStatus,
+}
+
+/// The contact nodes of one boundary, in order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactLine {
+    /// The boundary, if the scene has contact on several.
+    pub boundary: Option<String>,
+    /// The increment, from 1.
+    pub index: usize,
+    /// The time at its end, s.
+    pub time: f64,
+    /// 2 or 3: in space the contact nodes make up a surface, and `s` says nothing.
+    pub dimension: usize,
+    /// One point a node.
+    pub points: Vec<ContactPoint>,
+    /// The obstacle that each node meets, by its key, where several are in front of the boundary; otherwise none.
+    pub obstacles: Vec<String>,
+    /// The units of tables and pictures of it.
+    pub units: UnitSystem,
+}
+
+impl ContactLine {
+    /// The contact lines of a step, one for each boundary with contact.
+    pub fn all(model: &Model, step: &IncrementView<'_>) -> Vec<Self> {
+        let several = model.contact_boundaries.len() > 1;
+        let line = |boundary: &ContactBoundary| ContactLine {
+            boundary: several.then(|| boundary.name.clone()),
+            index: step.record.index,
+            time: step.record.time,
+            dimension: model.mesh.dimension,
+            points: points(model, boundary.nodes.iter().copied(), step),
+            obstacles: match boundary.obstacles.len() {
+                0 | 1 => Vec::new(),
+                _ => boundary
+                    .nodes
+                    .iter()
+                    .filter_map(|&i| model.met(i, step.record.time))
+                    .map(|(k, _)| model.obstacle_key(k))
+                    .collect(),
+            },
+            units: model.units(),
+        };
+        model.contact_boundaries.iter().map(line).collect()
+    }
+
+    /// The nodes as CSV: the columns of the plane, and in three dimensions those of space among them; the obstacles last.
+    pub fn to_csv(&self) -> String {
+        let patches = self.points.iter().any(|point| point.sigma_patch.is_some());
+        let is_there = |column: &&Column| column.dimension <= self.dimension && (patches || column.name != PATCH);
+        let columns: Vec<&Column> = COLUMNS.iter().filter(is_there).collect();
+        let place: Vec<&Column> = PLACE.iter().filter(|column| column.dimension <= self.dimension).collect();
+        let names = |columns: &[&Column]| columns.iter().map(|column| column.name).collect::<Vec<_>>();
+        let mut header = [names(&columns), vec!["status"], names(&place)].concat();
+        header.extend((!self.obstacles.is_empty()).then_some("obstacle"));
+        let row = |(k, p): (usize, &ContactPoint)| {
+            let status = match p.status {
+                ContactStatus::Open => "open",
+                ContactStatus::Stick => "stick",
+                ContactStatus::Slip => "slip",
+            };
+            let numbers = |columns: &[&Column]| {
+                columns.iter().map(|column| cell(&self.units, column.name, (column.value)(p))).collect()
+            };
+            let numbers: [Vec<String>; 2] = [numbers(&columns), numbers(&place)];
+            let [values, place] = numbers;
+            [values, vec![status.to_string()], place, self.obstacles.get(k).cloned().into_iter().collect()].concat()
+        };
+        csv::table(&header, self.points.iter().enumerate().map(row))
+    }
+}
+
+/// A column of numbers, written from so many dimensions on.
+struct Column {
+    name: &'static str,
+    dimension: usize,
+    value: fn(&ContactPoint) -> f64,
+}
+
+/// The column that only tetrahedra have.
+const PATCH: &str = "sigma_patch";
+
+const COLUMNS: [Column; 19] = [
+    Column { name: "x", dimension: 2, value: |p| p.x },
+    Column { name: "y", dimension: 2, value: |p| p.y },
+    Column { name: "z", dimension: 3, value: |p| p.z },
+    Column { name: "p_n", dimension: 2, value: |p| p.p_n },
+    Column { name: "p_t", dimension: 2, value: |p| p.p_t },
+    Column { name: "p_o", dimension: 3, value: |p| p.p_o },
+    Column { name: "sigma_n", dimension: 2, value: |p| p.sigma_n },
+    Column { name: "sigma_t", dimension: 2, value: |p| p.sigma_t },
+    Column { name: "sigma_o", dimension: 3, value: |p| p.sigma_o },
+    Column { name: PATCH, dimension: 3, value: |p| p.sigma_patch.unwrap_or(f64::NAN) },
+    Column { name: "w_n", dimension: 2, value: |p| p.w_n },
+    Column { name: "w_t", dimension: 2, value: |p| p.w_t },
+    Column { name: "w_o", dimension: 3, value: |p| p.w_o },
+    Column { name: "gap", dimension: 2, value: |p| p.gap },
+    Column { name: "slip_t", dimension: 2, value: |p| p.slip_t },
+    Column { name: "slip_o", dimension: 3, value: |p| p.slip_o },
+    Column { name: "f_x", dimension: 2, value: |p| p.force[0] },
+    Column { name: "f_y", dimension: 2, value: |p| p.force[1] },
+    Column { name: "f_z", dimension: 3, value: |p| p.force[2] },
+];
+
+/// Behind the status: which node it is, and the directions of its components.
+const PLACE: [Column; 10] = [
+    Column { name: "node", dimension: 2, value: |p| p.node as f64 },
+    Column { name: "n_x", dimension: 2, value: |p| p.frame[0][0] },
+    Column { name: "n_y", dimension: 2, value: |p| p.frame[0][1] },
+    Column { name: "n_z", dimension: 3, value: |p| p.frame[0][2] },
+    Column { name: "t_x", dimension: 2, value: |p| p.frame[1][0] },
+    Column { name: "t_y", dimension: 2, value: |p| p.frame[1][1] },
+    Column { name: "t_z", dimension: 3, value: |p| p.frame[1][2] },
+    Column { name: "o_x", dimension: 3, value: |p| p.frame[2][0] },
+    Column { name: "o_y", dimension: 3, value: |p| p.frame[2][1] },
+    Column { name: "o_z", dimension: 3, value: |p| p.frame[2][2] },
+];
+
+/// The names of all columns.
+#[cfg(test)]
+pub(super) fn names() -> impl Iterator<Item = &'static str> {
+    COLUMNS.iter().chain(&PLACE).map(|column| column.name).chain(["status", "obstacle"])
+}
+
+/// The contact nodes `nodes` at the end of a step.
+pub fn points(model: &Model, nodes: impl Iterator<Item = usize>, step: &IncrementView<'_>) -> Vec<ContactPoint> {
+    let (problem, state) = (&model.problem, step.state);
+    let tractions = model.recovered_tractions(state);
+    let in_frame = |i: usize| model.contacts[i].in_frame([state.p_t[i], state.p_o[i]]);
+    let over_weights = |force: &dyn Fn(usize) -> f64| {
+        if tractions.is_none() { model.over_weights(force) } else { Vec::new() }
+    };
+    let sigma_n = over_weights(&|i| state.p_n[i]);
+    let [sigma_t, sigma_o] = [0, 1].map(|k| over_weights(&|i| in_frame(i)[k]));
+    let tetrahedra = model.mesh.dimension == 3 && model.mesh.cells.iter().any(|cell| cell.kind.is_simplex());
+    let patches = tetrahedra.then(|| ContactGraph::new(model).patch_pressures(model, &state.p_n));
+    let drift = [0, 1].map(|k| model.loading.drift_at(step.record.time, k));
+    let mut s = 0.0;
+    let mut last: Option<[f64; 3]> = None;
+    let point = |i: usize| {
+        let position = model.contacts[i].position;
+        s += last.replace(position).map_or(0.0, |last| norm(minus(position, last)));
+        let [x, y, z] = position;
+        let contact = &model.contacts[i];
+        let p_n = state.p_n[i];
+        // Displacements from where supports have moved the body, which gaps and drifts count from, too.
+        let gap = &step.increment.gap;
+        let (relative, along) = if contact.coupled().is_some() {
+            let normal = model.of_node_from_rows(i, |j| problem.c_n().dot(j, &state.u));
+            let tangential = |k: usize| model.of_node_from_rows(i, |j| problem.tangential_maps()[k].dot(j, &state.u));
+            (normal, [0, 1].map(tangential))
+        } else if contact.ends.is_none() {
+            (problem.c_n().dot(i, &state.u), problem.tangential_maps().map(|map| map.dot(i, &state.u)))
+        } else {
+            let own = |n: [f64; 3]| model.dofs.along(contact.node, n).map(|(dof, c)| c * state.u[dof]).sum::<f64>();
+            (own(contact.facing.normal), contact.facing.tangents.map(own))
+        };
+        let moved = model.moved(i, step.record.time);
+        let w_n = relative + moved[0];
+        let w = [0, 1].map(|k| along[k] + moved[k + 1]);
+        let [p_t, p_o] = in_frame(i);
+        let [w_t, w_o] = contact.in_frame(w);
+        let [slip_t, slip_o] = contact.in_frame([0, 1].map(|k| along[k] - drift[k][i]));
+        let [t, o] = contact.frame;
+        let [sigma_n, sigma_t, sigma_o] = match &tractions {
+            None => [&sigma_n, &sigma_t, &sigma_o].map(|sigma| sigma[i]),
+            Some(all) => [contact.facing.normal, t, o].map(|axis| dot(axis, all[i])),
+        };
+        ContactPoint {
+            node: contact.node,
+            frame: [contact.facing.normal, t, o],
+            x,
+            y,
+            z,
+            s,
+            p_n,
+            p_t,
+            p_o,
+            sigma_n,
+            sigma_t,
+            sigma_o,
+            sigma_patch: patches.as_ref().map(|patches| patches[i]),
+            w_n,
+            w_t,
+            w_o,
+            gap: model.nodal_gap(i, step.record.time, gap) - relative,
+            slip_t,
+            slip_o,
+            force: model.force_of_row(state, i),
+            mu: step.increment.mu[i],
+            status: step.statuses[i],
+        }
+    };
+    nodes.map(point).collect()
+}

@@ -1,0 +1,55 @@
+//! Comma-separated values (RFC 4180): a header line, then numbers in the shortest form that reads back the same.
+
+use std::borrow::Cow;
+
+/// A table of named columns; every field is quoted that has to be.
+pub fn table(header: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
+    let mut text = line(header);
+    text.extend(rows.map(|row| line(&row)));
+    text
+}
+
+/// Fields in a line, quoted where they have to be.
+pub fn line(fields: &[impl AsRef<str>]) -> String {
+    let fields: Vec<Cow<'_, str>> = fields.iter().map(|field| quoted(field.as_ref())).collect();
+    fields.join(",") + "\n"
+}
+
+/// A text as a field: names of boundaries may hold commas, quotes and line breaks.
+fn quoted(text: &str) -> Cow<'_, str> {
+    if text.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", text.replace('"', "\"\"")).into()
+    } else {
+        text.into()
+    }
+}
+
+/// A number as a field: with an exponent where it would be a row of zeros otherwise.
+pub fn number(x: f64) -> String {
+    match x {
+        // -0 too.
+        0.0 => "0".to_string(),
+        _ if (1e-4..1e16).contains(&x.abs()) => x.to_string(),
+        _ => format!("{x:e}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{line, number};
+
+    #[test]
+    fn numbers_are_short_and_read_back_the_same() {
+        let texts = [0.0, -0.0, 1.0, -0.25, 1e-5, 1.25e-37, 2.5e9, 1e300, f64::NAN].map(number);
+        assert_eq!(texts, ["0", "0", "1", "-0.25", "1e-5", "1.25e-37", "2500000000", "1e300", "NaN"]);
+        for x in [0.1, 1.0 / 3.0, -7e-9 / 3.0, 1e22 / 7.0] {
+            assert_eq!(number(x).parse(), Ok(x));
+        }
+    }
+
+    #[test]
+    fn fields_are_quoted_where_they_have_to_be() {
+        assert_eq!(line(&["1", "left edge", ""]), "1,left edge,\n");
+        assert_eq!(line(&["le,ft", "the \"top\"", "a\nb"]), "\"le,ft\",\"the \"\"top\"\"\",\"a\nb\"\n");
+    }
+}

@@ -1,0 +1,72 @@
+//! The pairs of boundaries in front of each other.
+
+use serde::Serialize;
+
+use crate::algebra::vector::norm;
+use crate::body::model::{Model, Pair};
+use crate::solver::problem::State;
+
+/// Two boundaries in front of each other, as a report tells of them.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct PairRecord {
+    /// The boundary whose nodes have the contact forces.
+    pub slave: String,
+    /// The other.
+    pub master: String,
+    /// Why that is the slave, where it was chosen.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
+    /// Whether the two are glued.
+    pub glued: bool,
+    /// How many nodes of the slave have the other side in front of them.
+    pub rows: usize,
+    /// How many pairs of facets have a part in common.
+    pub segments: usize,
+    /// The share of the slave that the other side is in front of.
+    pub covered: f64,
+    /// The least gap of the mesh, m; negative where the bodies overlap.
+    pub least_gap: f64,
+    /// The largest, m.
+    pub largest_gap: f64,
+    /// Where gaps are those of the mesh: by how much facets overlap at most at the end, m. The law holds in the mean over the facets around
+    /// a node, and this tells how good the meshes are for it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub overlap: Option<f64>,
+}
+
+impl PairRecord {
+    /// All pairs of `model` without a state.
+    pub fn all(model: &Model) -> Vec<Self> {
+        model.pairs.iter().map(|pair| PairRecord::of(model, pair)).collect()
+    }
+
+    /// The same in the `state` at time `t` (s).
+    pub(super) fn all_at(model: &Model, t: f64, state: &State) -> Vec<Self> {
+        let displacements = if model.pairs.is_empty() { Vec::new() } else { model.displaced(t, &state.u) };
+        let overlap = |pair: &Pair| {
+            let least = pair.mortar.least_gap(&model.mesh, &displacements).filter(|_| pair.is_measured())?;
+            Some((-least.gap).max(0.0))
+        };
+        model.pairs.iter().map(|pair| PairRecord { overlap: overlap(pair), ..PairRecord::of(model, pair) }).collect()
+    }
+
+    fn of(model: &Model, pair: &Pair) -> Self {
+        let facets = model.mesh.boundary(&pair.slave).map_or(&[][..], |slave| &slave.facets);
+        let areas: Vec<f64> = facets.iter().map(|facet| norm(model.mesh.area_vector(facet))).collect();
+        let covered: f64 = areas.iter().zip(&pair.mortar.covered).map(|(area, share)| area * share).sum();
+        let [least, largest] = pair.mortar.gaps.map(|gap| gap.gap);
+        PairRecord {
+            slave: pair.slave.clone(),
+            master: pair.master.name.clone(),
+            reason: pair.choice.map(|choice| choice.reason.to_string()),
+            glued: pair.glued,
+            rows: pair.mortar.rows.len(),
+            segments: pair.mortar.segments(),
+            covered: covered / areas.iter().sum::<f64>(),
+            least_gap: least,
+            largest_gap: largest,
+            overlap: None,
+        }
+    }
+}

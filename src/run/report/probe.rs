@@ -1,0 +1,166 @@
+//! Displacement and stress at points of the body, over time.
+
+use super::csv::{self, number};
+use super::deformation::deformation;
+use super::principal::von_mises;
+use super::quantities::cell;
+use crate::algebra::vector::{minus, norm};
+use crate::base::input_error::InputError;
+use crate::base::units::{Quantity, UnitSystem};
+use crate::body::description::{Probe, ProbePlace};
+use crate::body::fem::reference_point;
+use crate::body::mesh::{Mesh, shape};
+use crate::body::model::Model;
+use crate::solver::history::IncrementView;
+
+/// How far outside the box around the nodes of a cell a point may be, in sizes of the cell, that is still tried; a curved edge
+/// leaves the box by an eighth of its length at most.
+const MARGINS: [f64; 2] = [1e-6, 0.25];
+
+/// The points of a probe, each with the cell that holds it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ProbeTable {
+    /// The name of the probe.
+    pub name: String,
+    dimension: usize,
+    points: Vec<Held>,
+}
+
+/// A point in its cell.
+#[derive(Debug, Clone, PartialEq)]
+struct Held {
+    position: [f64; 3],
+    cell: usize,
+    /// Where it is in the reference cell.
+    reference: [f64; 3],
+}
+
+/// What is known at a point of a probe.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ProbeValue {
+    /// The point before the deformation, m.
+    pub position: [f64; 3],
+    /// Its displacement, interpolated in the cell that holds it, m.
+    pub displacement: [f64; 3],
+    /// The stress `(σ_xx, σ_yy, σ_zz, τ_xy, τ_yz, τ_zx)` of that cell at the point, Pa; on a side of cells that of the one with
+    /// the lowest number.
+    pub stress: [f64; 6],
+}
+
+impl ProbeTable {
+    /// The tables of `probes`, which are [`Probe::check`]ed here, too.
+    ///
+    /// # Errors
+    /// [`InputError`] of the key of a point that is outside of the body of `model`, or has not its dimension.
+    pub fn all(model: &Model, probes: &[Probe]) -> Result<Vec<Self>, InputError> {
+        Probe::check(probes)?;
+        let mut tables = Vec::with_capacity(probes.len());
+        for (k, probe) in probes.iter().enumerate() {
+            tables.push(Self::new(model, probe).map_err(|fault| fault.with_key(&format!("output.probe[{k}]")))?);
+        }
+        Ok(tables)
+    }
+
+    fn new(model: &Model, probe: &Probe) -> Result<Self, InputError> {
+        let (mesh, name) = (&*model.mesh, probe.name.clone());
+        let dimension = mesh.dimension;
+        let given = match probe.place {
+            ProbePlace::Point(point) => vec![("point", point)],
+            ProbePlace::Line { from, to, .. } => vec![("from", from), ("to", to)],
+        };
+        if let Some((key, point)) = given.iter().find(|(_, point)| point.dimension() != dimension) {
+            let told = point.map(|x| model.units().number(Quantity::Length, x));
+            let message =
+                format!("the point {told:?} has {} components, but the body {dimension} dimensions", point.dimension());
+            let help = if dimension == 2 { "give [x, y]" } else { "give [x, y, z]" };
+            return Err(InputError::new(*key, message, help));
+        }
+        let positions = probe.points();
+        let cells = cells(mesh, &positions);
+        let mut points = Vec::with_capacity(positions.len());
+        for (k, (position, held)) in positions.iter().zip(cells).enumerate() {
+            let Some((cell, reference)) = held else {
+                let key = if k == 0 { given[0].0 } else { given[given.len() - 1].0 };
+                return Err(outside(mesh, &model.units(), key, *position));
+            };
+            points.push(Held { position: *position, cell, reference });
+        }
+        Ok(ProbeTable { name, dimension, points })
+    }
+
+    /// What the points have come to at the end of a `step` of `model`, which is that of the table.
+    pub fn values(&self, model: &Model, step: &IncrementView<'_>) -> Vec<ProbeValue> {
+        let (displacements, factors) = deformation(model, step);
+        let value = |point: &Held| {
+            let cell = &model.mesh.cells[point.cell];
+            let shares = shape(cell.kind, point.reference);
+            let along = |c: usize| cell.nodes.iter().zip(&shares).map(|(&node, n)| n * displacements[node][c]).sum();
+            ProbeValue {
+                position: point.position,
+                displacement: [0, 1, 2].map(along),
+                stress: model.stress_in(point.cell, point.reference, &factors, &displacements),
+            }
+        };
+        self.points.iter().map(value).collect()
+    }
+
+    /// The names of the columns.
+    pub fn header(&self) -> String {
+        header(self.dimension)
+    }
+
+    /// A line for each point at the end of a step.
+    pub fn lines(&self, model: &Model, step: &IncrementView<'_>) -> String {
+        let (d, units) = (self.dimension, model.units());
+        let line = |(k, value): (usize, ProbeValue)| {
+            let ProbeValue { position, displacement, stress } = value;
+            let components = if d == 2 { 4 } else { 6 };
+            let mises = von_mises(stress);
+            let numbers = position[..d].iter().chain(&displacement[..d]).chain(&stress[..components]).chain([&mises]);
+            let mut fields = vec![step.record.index.to_string(), number(step.record.time), (k + 1).to_string()];
+            fields.extend(columns(d).iter().zip(numbers).map(|(column, x)| cell(&units, column, *x)));
+            csv::line(&fields)
+        };
+        self.values(model, step).into_iter().enumerate().map(line).collect()
+    }
+}
+
+/// The names of the columns in so many dimensions.
+pub(super) fn header(dimension: usize) -> String {
+    csv::table(&[&["index", "time", "point"], columns(dimension)].concat(), std::iter::empty())
+}
+
+/// The columns of what is known at a point.
+fn columns(dimension: usize) -> &'static [&'static str] {
+    match dimension {
+        2 => &["x", "y", "u_x", "u_y", "s_xx", "s_yy", "s_zz", "s_xy", "von_mises"],
+        _ => &["x", "y", "z", "u_x", "u_y", "u_z", "s_xx", "s_yy", "s_zz", "s_xy", "s_yz", "s_zx", "von_mises"],
+    }
+}
+
+/// The first cell that holds each of `points`, and where it does.
+fn cells(mesh: &Mesh, points: &[[f64; 3]]) -> Vec<Option<(usize, [f64; 3])>> {
+    let mut found = vec![None; points.len()];
+    for (e, cell) in mesh.cells.iter().enumerate() {
+        let nodes = || cell.nodes.iter().map(|&node| mesh.nodes[node]);
+        let bounds = [0, 1, 2].map(|c| {
+            nodes().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x[c]), high.max(x[c])))
+        });
+        let margin = MARGINS[usize::from(cell.kind.is_quadratic())]
+            * bounds.iter().map(|(low, high)| high - low).fold(0.0, f64::max);
+        let near = |x: &[f64; 3]| (0..3).all(|c| x[c] >= bounds[c].0 - margin && x[c] <= bounds[c].1 + margin);
+        for (point, place) in points.iter().zip(&mut found).filter(|(_, place)| place.is_none()) {
+            if near(point) {
+                *place = reference_point(cell.kind, &mesh.points(&cell.nodes), *point).map(|reference| (e, reference));
+            }
+        }
+    }
+    found
+}
+
+fn outside(mesh: &Mesh, units: &UnitSystem, key: &str, point: [f64; 3]) -> InputError {
+    let nearest = mesh.nodes.iter().min_by(|a, b| norm(minus(**a, point)).total_cmp(&norm(minus(**b, point))));
+    let message = format!("the point {} is outside of the body", units.place(point));
+    let node = nearest.map_or(String::new(), |node| format!("; the nearest node is at {}", units.place(*node)));
+    InputError::new(key, message, format!("give a point of the undeformed mesh{node}"))
+}

@@ -1,0 +1,179 @@
+//! The resultants of the contact forces.
+
+use std::collections::BTreeSet;
+
+use serde::{Deserialize, Serialize};
+
+use crate::body::contact::ContactBoundary;
+use crate::body::model::{Model, Wrench};
+use crate::solver::history::IncrementView;
+use crate::solver::problem::State;
+
+/// What the body does to the obstacles, or the body, in front of one boundary: the sum of the contact forces, and their components. The forces
+/// on a node that is of several boundaries count in each by its share in the node's area. On several boundaries, and on an
+/// obstacle with a normal for each node, normals and tangents point different ways.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Resultant {
+    /// The boundary.
+    pub boundary: String,
+    /// The force of the body on the obstacle: x, y and, in three dimensions, z, N; in two dimensions N per m of depth.
+    pub force: Vec<f64>,
+    /// The moment of the force about the origin, at the reference positions of the nodes: about z in two dimensions, about x, y
+    /// and z in three, N m; in two dimensions N m per m of depth.
+    pub moment: Vec<f64>,
+    /// The sums of the components.
+    #[serde(flatten)]
+    pub sums: ComponentSums,
+    /// What of it is on each obstacle, where there are several in front of the boundary.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub obstacles: Vec<OnObstacle>,
+    /// The same from the other side, where a body is in front of the boundary.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub opposite: Option<OfOpposite>,
+}
+
+/// What the body in front of a boundary does to the body of that.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct OfOpposite {
+    /// Its boundary.
+    pub boundary: String,
+    /// The force on the other body, as above.
+    pub force: Vec<f64>,
+    /// Its moment, as above: at the nodes of this side. Where there is a gap, friction across it has another moment here.
+    pub moment: Vec<f64>,
+}
+
+/// What the nodes of one boundary do to one of the obstacles.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct OnObstacle {
+    /// The obstacle, by its key: `contact[0].obstacle[1]`.
+    pub obstacle: String,
+    /// The force of the body on it, as above.
+    pub force: Vec<f64>,
+    /// Its moment, as above.
+    pub moment: Vec<f64>,
+    /// The sums of the components.
+    #[serde(flatten)]
+    pub sums: ComponentSums,
+}
+
+/// Sums of the components of contact forces.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ComponentSums {
+    /// `Σ p_n`, N.
+    pub sum_p_n: f64,
+    /// `Σ p_t`, N, along the first tangent of the obstacle.
+    pub sum_p_t: f64,
+    /// `Σ p_o`, N, along the second; only in three dimensions.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sum_p_o: Option<f64>,
+}
+
+/// The resultant of a boundary at the end of an increment.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ForceRecord {
+    /// The increment, from 1.
+    pub index: usize,
+    /// The time at its end, s.
+    pub time: f64,
+    /// The resultant.
+    #[serde(flatten)]
+    pub resultant: Resultant,
+}
+
+impl Resultant {
+    /// The resultants of a `state` at time `t` (s), one for each boundary with contact.
+    pub fn all(model: &Model, t: f64, state: &State) -> Vec<Self> {
+        model.contact_boundaries.iter().map(|boundary| Resultant::of(model, t, state, boundary)).collect()
+    }
+
+    fn of(model: &Model, t: f64, state: &State, boundary: &ContactBoundary) -> Self {
+        let (force, moment, sums) = total(model, state, boundary.parts(&model.contacts));
+        let name = boundary.name.clone();
+        let obstacles = OnObstacle::all(model, t, state, boundary);
+        Resultant { boundary: name, force, moment, sums, obstacles, opposite: OfOpposite::of(model, state, boundary) }
+    }
+}
+
+impl OfOpposite {
+    fn of(model: &Model, state: &State, boundary: &ContactBoundary) -> Option<Self> {
+        let name = model.pairs[boundary.pair?].master.name.clone();
+        let (force, moment) = wrench(model, state, boundary.parts(&model.contacts), true);
+        Some(OfOpposite { boundary: name, force, moment })
+    }
+}
+
+impl OnObstacle {
+    /// One for each obstacle in front of `boundary`, and for each other that a node meets which is of another boundary, too; none
+    /// if there is only one in front.
+    fn all(model: &Model, t: f64, state: &State, boundary: &ContactBoundary) -> Vec<Self> {
+        if boundary.obstacles.len() < 2 {
+            return Vec::new();
+        }
+        let met_by = |i: usize| model.met(i, t).map(|(k, _)| k);
+        let met = boundary.nodes.iter().filter_map(|&i| met_by(i));
+        let on = |k: usize| {
+            let parts = boundary.parts(&model.contacts).filter(|(i, _)| met_by(*i) == Some(k));
+            let (force, moment, sums) = total(model, state, parts);
+            OnObstacle { obstacle: model.obstacle_key(k), force, moment, sums }
+        };
+        boundary.obstacles.clone().chain(met).collect::<BTreeSet<_>>().into_iter().map(on).collect()
+    }
+}
+
+/// Force, moment and sums over contact nodes, each with the part of it that counts.
+fn total(
+    model: &Model,
+    state: &State,
+    parts: impl Iterator<Item = (usize, f64)> + Clone,
+) -> (Vec<f64>, Vec<f64>, ComponentSums) {
+    let (force, moment) = wrench(model, state, parts.clone(), false);
+    (force, moment, ComponentSums::of(model, state, parts))
+}
+
+/// The force and the moment of the nodes of the contact nodes' own body, or of the body in front of that, on the other.
+fn wrench(
+    model: &Model,
+    state: &State,
+    parts: impl Iterator<Item = (usize, f64)>,
+    opposite: bool,
+) -> (Vec<f64>, Vec<f64>) {
+    let dimension = model.mesh.dimension;
+    let geometry = model.mesh.geometry;
+    let of_row = |(i, part): (usize, f64)| {
+        let forces = model.forces_of_rows(state, i).filter(move |(term, _)| term.opposite == opposite);
+        forces.map(move |(term, force)| Wrench::at(geometry, term.position, force.map(|f| part * f)))
+    };
+    let Wrench { force, moment } = parts.flat_map(of_row).sum();
+    let moment = if dimension == 2 { vec![moment[2]] } else { moment.to_vec() };
+    (force[..dimension].to_vec(), moment)
+}
+
+impl ComponentSums {
+    /// The sums over contact nodes, each with the part of it that counts.
+    pub(super) fn of(model: &Model, state: &State, parts: impl Iterator<Item = (usize, f64)>) -> Self {
+        let mut sums = [0.0; 3];
+        for (i, part) in parts {
+            let [p_t, p_o] = model.contacts[i].in_frame([state.p_t[i], state.p_o[i]]);
+            sums.iter_mut().zip([state.p_n[i], p_t, p_o]).for_each(|(sum, p)| *sum += part * p);
+        }
+        let [sum_p_n, sum_p_t, sum_p_o] = sums;
+        ComponentSums { sum_p_n, sum_p_t, sum_p_o: (model.mesh.dimension == 3).then_some(sum_p_o) }
+    }
+}
+
+impl ForceRecord {
+    /// The records of a step, one for each boundary with contact.
+    pub fn all(model: &Model, step: &IncrementView<'_>) -> Vec<Self> {
+        let (index, time) = (step.record.index, step.record.time);
+        Resultant::all(model, time, step.state)
+            .into_iter()
+            .map(|resultant| ForceRecord { index, time, resultant })
+            .collect()
+    }
+}

@@ -1,0 +1,101 @@
+//! Which unknowns a run has, and which it does without.
+
+use serde::Serialize;
+
+use crate::body::mesh::Geometry;
+use crate::body::model::Model;
+use crate::solver::formulation::Layout;
+use crate::solver::history::Method;
+
+/// Why condensed equations do without a contact node.
+const OUT_OF_REACH: &str = "at nodes out of reach: they join as soon as they would penetrate";
+
+/// The numbers of unknowns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Unknowns {
+    /// Displacements.
+    pub u: usize,
+    /// Tangential contact forces along the first tangent.
+    pub p_t: usize,
+    /// Tangential forces along second tangents, in three dimensions.
+    pub p_o: usize,
+    /// Normal contact forces.
+    pub p_n: usize,
+    /// Distances, the slacks of the interior point method.
+    pub v_n: usize,
+    /// Friction reserves, the slacks of the interior point method: two for each `p_t` in two dimensions, one for each
+    /// cone in three.
+    pub s: usize,
+    /// Multipliers of the interior point method, as many.
+    pub lambda: usize,
+}
+
+/// Unknowns that a scene does not need.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct LeftOut {
+    /// The number of unknowns that are left out.
+    pub count: usize,
+    /// Of which kind: `"u"`, `"p_n"`, `"p_t and p_o"`.
+    pub unknown: &'static str,
+    /// The reason, in words.
+    pub reason: &'static str,
+}
+
+impl Unknowns {
+    /// The unknowns of `method` for those in `layout`.
+    pub fn new(layout: &Layout, method: Method) -> Self {
+        let (u, p_n) = (layout.displacements(), layout.contacts());
+        let with = |has: &dyn Fn(usize) -> bool| (0..p_n).filter(|&i| has(i)).count();
+        let p_o = with(&|i| layout.p_o(i).is_some());
+        let p_t = layout.tangentials() - p_o;
+        let reserves = if layout.has_second_tangent() { with(&|i| layout.has_friction(i)) } else { 2 * p_t };
+        let (v_n, s) = if method.is_interior() { (p_n, reserves) } else { (0, 0) };
+        Unknowns { u, p_t, p_o, p_n, v_n, s, lambda: s }
+    }
+}
+
+impl LeftOut {
+    /// What a run of `model` does without, if its interior is `condensed` or not; condensed equations hold the contact nodes
+    /// `working_set` at first, or all.
+    pub fn all(model: &Model, condensed: bool, working_set: Option<&[usize]>) -> Vec<Self> {
+        let Model { mesh, problem, contacts, contact_boundaries, .. } = model;
+        let tangential = if mesh.dimension == 2 { "p_t" } else { "p_t and p_o" };
+        let beyond: usize = contact_boundaries.iter().map(|boundary| boundary.beyond).sum();
+        let held = contact_boundaries.iter().filter_map(|boundary| {
+            let all = mesh.boundary(&boundary.name)?.nodes().len();
+            Some(all - boundary.beyond - boundary.nodes.len())
+        });
+        let smooth = contacts.iter().zip(problem.mu()).filter(|(_, mu)| **mu == 0.0);
+        let rough = contacts.iter().zip(problem.mu()).filter(|(_, mu)| **mu > 0.0);
+        let free =
+            |contact: &crate::body::contact::ContactNode| contact.tangents.iter().filter(|row| !row.is_empty()).count();
+        let nodes = working_set.map_or_else(|| (0..contacts.len()).collect(), <[usize]>::to_vec);
+        let held_displacements = problem.contact_displacements_of(nodes.iter().copied()).len();
+        let interior = if condensed { problem.displacements() - held_displacements } else { 0 };
+        let layout = Layout::new(problem);
+        let of_node = |i: usize| layout.tangential(i).into_iter().flatten().count();
+        let apart = layout.tangentials() - nodes.iter().map(|&i| of_node(i)).sum::<usize>();
+        let held_by = match mesh.geometry {
+            Geometry::Cartesian => "held by supports",
+            Geometry::Axisymmetric => "held by supports or on the axis",
+        };
+        let counted = [
+            (mesh.nodes.len() * mesh.dimension - problem.displacements(), "u", held_by),
+            (interior, "u", "within the body: condensed, known once those at the contact are"),
+            (contacts.len() - nodes.len(), "p_n", OUT_OF_REACH),
+            (apart, tangential, OUT_OF_REACH),
+            (held.sum(), "p_n", "at nodes that supports hold along the normal"),
+            (beyond, "p_n", "at nodes that no obstacle ever reaches"),
+            (smooth.map(|(contact, _)| free(contact)).sum(), tangential, "at nodes without friction"),
+            (
+                rough.map(|(contact, _)| mesh.dimension - 1 - free(contact)).sum(),
+                tangential,
+                "along directions in which supports, or a second obstacle, let nothing slide",
+            ),
+        ];
+        let present = counted.into_iter().filter(|(count, ..)| *count > 0);
+        present.map(|(count, unknown, reason)| LeftOut { count, unknown, reason }).collect()
+    }
+}

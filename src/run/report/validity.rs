@@ -1,0 +1,494 @@
+//! Whether a solution stays where its equations hold: small displacements, and gaps linearised in the undeformed state.
+
+use serde::{Deserialize, Serialize};
+
+use super::largest::is_as_large;
+use super::warnings::{Warning, WarningKind};
+use crate::algebra::vector::norm;
+use crate::base::units::Quantity;
+use crate::body::contact::{Passed, RangeLeft, TOLERATED_SHARE};
+use crate::body::fem::RigidMotion;
+use crate::body::mesh::Boundary;
+use crate::body::model::{BetweenNodes, Faceted, Model, OnTheWay, Overlap, Pair, Slid};
+use crate::solver::history::{IncrementView, Status};
+use crate::solver::laws::ContactStatus;
+use crate::solver::problem::State;
+use crate::solver::uniqueness::{NeutralMotion, neutral_motions};
+
+/// The share of the body's size from which on displacements do not count as small. A body that turns by as much turns
+/// its normals by six degrees, and the squares of strains that are left out reach a percent.
+pub const NOT_SMALL: f64 = 0.1;
+
+/// The share of a force on nodes beyond the end of the other body from which on it does not count as small.
+const BEYOND_THE_END: f64 = 0.05;
+
+/// What facets do to the gaps that contact closes changes from node to node, and against that bodies are so many times stiffer than against the gaps
+/// themselves: 7 to 8 by the peaks of rings of 32 to 44 facets a quarter pressed into each other, and of pins in holes with 20 to 40.
+const STIFFER: f64 = 7.0;
+
+/// The error of pressures by facets from which on it is told.
+const FACETED: f64 = 0.1;
+
+/// The share of what contact forces press in from which on it counts where an obstacle is on the way through an increment. Of one that rolls on, the
+/// friction of the whole way is then a few percent off at most.
+const PASSES: f64 = 1.0;
+
+/// The share of friction from which on it is told that it is left out.
+const LEFT_OUT: f64 = 0.01;
+
+/// The share of the facet in front of a node from which on its slip does not count as small.
+const ACROSS_FACETS: f64 = 0.25;
+
+/// Watches the converged increments of a history.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Validity {
+    /// The largest displacement, if there was any increment.
+    pub largest: Option<LargestDisplacement>,
+    /// Where the linearised gaps were most wrong, if they were out of their range.
+    pub range_left: Option<RangeLeft>,
+    /// The pair with most of its force beyond the end of the other body, if there are pairs, that share, and the time, s.
+    pub beyond: Option<(usize, f64, f64)>,
+    /// Where a body has come furthest into another without a contact row, and the time, s.
+    pub passed: Option<(Passed, f64)>,
+    /// What facets do to the gaps of each pair with curved boundaries, when it was pressed most.
+    pub faceted: Vec<Faceted>,
+    /// The boundary with most of its friction left out, that share, and the time, s.
+    pub friction_left_out: Option<(usize, f64, f64)>,
+    /// Where bodies slid furthest past each other, by the size of their facets, if they slid at all, and the time, s.
+    pub slid: Option<(Slid, f64)>,
+    /// The contact node that was deepest inside an obstacle that it does not meet, if one was, and the time, s.
+    pub overlap: Option<(Overlap, f64)>,
+    /// Where an obstacle is most different between nodes when contact forces were largest, if it is, and the time, s.
+    pub between: Option<(BetweenNodes, f64)>,
+    /// The deepest passage of an obstacle within an increment.
+    pub on_the_way: Option<OnTheWay>,
+    /// The end of the last increment, where the ways of obstacles are looked at: its time, s, and its state.
+    last: Option<(f64, State)>,
+    /// How far contact forces have pressed the body in, m.
+    pressed: f64,
+    /// The motion that the first equilibrium that is one of many leaves open, if there was any, and its time, s.
+    pub neutral: Option<(NeutralMotion, f64)>,
+    /// The contact node that touched the obstacle where that leant most against the node's normal, and the slope.
+    steepest: Option<(usize, f64)>,
+    /// Whether each contact node ever touched its obstacle.
+    touched: Vec<bool>,
+}
+
+/// The largest displacement of a history.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct LargestDisplacement {
+    /// The length of the displacement, m.
+    pub length: f64,
+    /// The node's position, m.
+    pub position: [f64; 3],
+    /// The time, s.
+    pub time: f64,
+}
+
+impl Validity {
+    /// Before the first increment of `model`.
+    pub fn new(model: &Model) -> Self {
+        let touched = vec![false; model.contacts.len()];
+        Validity {
+            largest: None,
+            range_left: None,
+            beyond: None,
+            passed: None,
+            faceted: Vec::new(),
+            friction_left_out: None,
+            slid: None,
+            overlap: None,
+            between: None,
+            on_the_way: None,
+            last: model.has_passing_obstacles().then(|| (0.0, State::zero(&model.problem))),
+            pressed: 0.0,
+            neutral: None,
+            steepest: None,
+            touched,
+        }
+    }
+
+    /// Whether it is one of `model`.
+    pub(crate) fn fits(&self, model: &Model) -> bool {
+        let contacts = model.contacts.len();
+        let is_contact = |i: Option<usize>| i.is_none_or(|i| i < contacts);
+        self.touched.len() == contacts
+            && is_contact(self.steepest.map(|(i, _)| i))
+            && is_contact(self.slid.map(|(slid, _)| slid.contact))
+            && is_contact(self.overlap.map(|(overlap, _)| overlap.contact))
+            && self.overlap.is_none_or(|(overlap, _)| overlap.obstacle < model.obstacles.len())
+            && self.beyond.is_none_or(|(pair, ..)| pair < model.pairs.len())
+            && self.passed.is_none_or(|(passed, _)| passed.node < model.mesh.nodes.len())
+            && self.faceted.iter().all(|faceted| faceted.pair < model.pairs.len())
+            && self.on_the_way.is_none_or(|found| found.contact < contacts)
+            && self.last.as_ref().is_none_or(|(_, state)| state.check(&model.problem).is_ok())
+            && self.friction_left_out.is_none_or(|(boundary, ..)| boundary < model.contact_boundaries.len())
+            && self.neutral.as_ref().is_none_or(|(motion, _)| motion.weights.len() == model.rigid_motions.len())
+    }
+
+    /// Looks at the end of an increment; one that did not converge says nothing.
+    pub fn see(&mut self, model: &Model, step: &IncrementView<'_>) {
+        let IncrementView { record, increment, state, statuses } = step;
+        if record.status != Status::Converged {
+            return;
+        }
+        let displaced = model.displaced(record.time, &state.u);
+        if let Some(passed) = model.passed(&displaced)
+            && self.passed.is_none_or(|(worst, _)| passed.depth > worst.depth)
+        {
+            self.passed = Some((passed, record.time));
+        }
+        for (position, u) in model.mesh.nodes.iter().zip(&displaced) {
+            let u = *u;
+            let largest = self.largest.map_or(-1.0, |largest| largest.length);
+            // No length is above the sum of the components, which takes less time; NaN is above all.
+            if u.iter().map(|u| u.abs()).sum::<f64>() <= largest {
+                continue;
+            }
+            let length = norm(u);
+            if length > largest {
+                self.largest = Some(LargestDisplacement { length, position: *position, time: record.time });
+            }
+        }
+        for (i, _) in statuses.iter().enumerate().filter(|(_, status)| **status != ContactStatus::Open) {
+            self.touched[i] = true;
+            // Where an obstacle that passes is when it touches, not where it was at first.
+            let slope = model.slope(i, record.time);
+            if !slope.is_nan() && self.steepest.is_none_or(|(_, steepest)| slope >= steepest) {
+                self.steepest = Some((i, slope));
+            }
+        }
+        if let Some(left) = model.range_left(record.time, state, increment.gap, statuses)
+            && self.range_left.is_none_or(|worst| left.share.is_nan() || left.share > worst.share)
+        {
+            self.range_left = Some(left);
+        }
+        if let Some(slid) = model.slid(record.time, state, statuses)
+            && self.slid.is_none_or(|(worst, _)| slid.share > worst.share)
+        {
+            self.slid = Some((slid, record.time));
+        }
+        if let Some(overlap) = model.overlap(record.time, state)
+            && self.overlap.is_none_or(|(deepest, _)| overlap.depth > deepest.depth)
+        {
+            self.overlap = Some((overlap, record.time));
+        }
+        if let Some((time, last)) = &mut self.last {
+            if let Some(found) = model.on_the_way([*time, record.time], [&*last, state])
+                && self.on_the_way.is_none_or(|worst| found.distance.abs() > worst.distance.abs())
+            {
+                self.on_the_way = Some(found);
+            }
+            (*time, *last) = (record.time, (*state).clone());
+        }
+        let pressed = model.pressed(record.time, state);
+        if is_as_large(pressed, self.pressed) {
+            self.pressed = pressed.max(self.pressed);
+            self.between = model.between_nodes(record.time, state, statuses).map(|between| (between, record.time));
+        }
+        if let Some((k, share)) = model.beyond_the_end(state)
+            && self.beyond.is_none_or(|(_, worst, _)| share > worst)
+        {
+            self.beyond = Some((k, share, record.time));
+        }
+        for faceted in model.faceted(state) {
+            match self.faceted.iter_mut().find(|before| before.pair == faceted.pair) {
+                Some(before) if faceted.force > before.force => *before = faceted,
+                Some(_) => (),
+                None => self.faceted.push(faceted),
+            }
+        }
+        if let Some((k, share)) = model.friction_left_out(state, increment.mu)
+            && self.friction_left_out.is_none_or(|(_, worst, _)| share > worst)
+        {
+            self.friction_left_out = Some((k, share, record.time));
+        }
+        if self.neutral.is_none() {
+            let neutral = neutral_motions(&model.problem, increment, state, statuses);
+            self.neutral = neutral.into_iter().next().map(|motion| (motion, record.time));
+        }
+    }
+
+    /// The deepest passage of an obstacle within an increment, unless it is small.
+    pub(super) fn passage(&self) -> Option<OnTheWay> {
+        self.on_the_way.filter(|found| found.distance.abs() > PASSES * self.pressed)
+    }
+
+    /// The pairs whose facets change the gaps so much that pressures mean little.
+    fn faceted_gaps(&self) -> impl Iterator<Item = &Faceted> {
+        self.faceted.iter().filter(|faceted| STIFFER * faceted.bulge > FACETED * faceted.closed)
+    }
+
+    /// Whether facets change the gaps in front of `boundary` so much that warnings of its pressures would name the wrong cause.
+    pub(super) fn has_faceted_gaps(&self, model: &Model, boundary: &str) -> bool {
+        self.faceted_gaps().any(|faceted| model.pairs[faceted.pair].slave == boundary)
+    }
+
+    /// The warnings that follow.
+    pub fn warnings(&self, model: &Model) -> Vec<Warning> {
+        let units = model.units();
+        let unit = units.name(Quantity::Length);
+        let mut warnings = Vec::new();
+        let mut warn = |kind, message| warnings.push(Warning { kind, message });
+        let mut boundaries = model.contact_boundaries.iter();
+        // Without a converged increment nothing is known of the contact.
+        let untouched = boundaries.find(|boundary| !boundary.nodes.iter().any(|&i| self.touched[i]));
+        if let (Some(boundary), Some(_)) = (untouched, self.largest) {
+            let message = match boundary.pair.map(|k| &model.pairs[k].master.name) {
+                None => format!(
+                    "`{}` never touched its obstacle; `stickslip check` tells where that is and how it moves",
+                    boundary.name
+                ),
+                Some(master) => {
+                    format!(
+                        "`{}` never touched `{master}`; `stickslip check` tells how far apart they are",
+                        boundary.name
+                    )
+                }
+            };
+            warn(WarningKind::NoContact, message);
+        }
+        if let Some((i, slope)) = self.steepest.filter(|(_, slope)| *slope > NOT_SMALL) {
+            let message = if model.contacts[i].coupled().is_some() {
+                format!(
+                    "at the node {} the surface leans by {:.0} degrees against the direction of its contact; leave `direction` out",
+                    units.place(model.contacts[i].position),
+                    slope.atan().to_degrees()
+                )
+            } else {
+                format!(
+                    "at the node {} the obstacle leans by {:.0} degrees against the normal along which it presses; use \
+                 direction = \"nearest\", or another normal",
+                    units.place(model.contacts[i].position),
+                    slope.atan().to_degrees()
+                )
+            };
+            warn(WarningKind::LeaningObstacle, message);
+        }
+        let size = model.mesh.size();
+        if let Some(LargestDisplacement { length, position, time }) = self.largest
+            && length > NOT_SMALL * size
+        {
+            let message = format!(
+                "displacements are taken as small, but the node {} moves by {:.2e} {unit} at t = {time} s, {:.0} % of \
+                 the body's size; are lengths in {unit}, moduli and tractions in {}?",
+                units.place(position),
+                units.of_si(Quantity::Length, length),
+                100.0 * length / size,
+                units.name(Quantity::Stress)
+            );
+            warn(WarningKind::LargeDisplacements, message);
+        }
+        if let Some(left) = &self.range_left {
+            warn(WarningKind::GapsOutOfRange, out_of_range(model, left));
+        }
+        if let Some((k, share, time)) = self.beyond.filter(|(_, share, _)| *share > BEYOND_THE_END) {
+            warn(WarningKind::BeyondTheEnd, beyond_the_end(&model.pairs[k], share, time));
+        }
+        if let Some((passed, time)) = &self.passed {
+            warn(WarningKind::PassedThrough, passed_through(model, passed, *time));
+        }
+        for faceted in self.faceted_gaps() {
+            warn(WarningKind::FacetedGaps, faceted_gaps(model, faceted));
+        }
+        if let Some((k, share, time)) = self.friction_left_out.filter(|(_, share, _)| *share > LEFT_OUT) {
+            let message = friction_left_out(&model.contact_boundaries[k].name, share, time);
+            warn(WarningKind::FrictionLeftOut, message);
+        }
+        if let Some((overlap, time)) =
+            self.overlap.filter(|(overlap, _)| overlap.depth > TOLERATED_SHARE * self.pressed)
+        {
+            warn(WarningKind::ObstacleNotMet, not_met(model, overlap, time, self.pressed));
+        }
+        if let Some((between, time)) =
+            self.between.as_ref().filter(|(between, _)| between.missed > TOLERATED_SHARE * self.pressed)
+        {
+            warn(WarningKind::ObstacleBetweenNodes, between_nodes(model, between, *time, self.pressed));
+        }
+        if let Some(found) = self.passage() {
+            warn(WarningKind::CurvedGaps, on_the_way(model, found, self.pressed));
+        }
+        if let Some((slid, time)) = self.slid.filter(|(slid, _)| slid.share > ACROSS_FACETS) {
+            let message = format!(
+                "the contact node at {} has slid by {:.2e} {unit} at t = {time} s, {:.0} % of the facet in front of it, but stays in \
+                 front of the nodes that it met at first; pressures may be off by as much as they change over that distance",
+                units.place(model.contacts[slid.contact].position),
+                units.of_si(Quantity::Length, slid.slip),
+                100.0 * slid.share
+            );
+            warn(WarningKind::SlidAcrossFacets, message);
+        }
+        if let Some((motion, time)) = &self.neutral
+            && let Some(message) = not_unique(model, motion, *time)
+        {
+            warn(WarningKind::NotUnique, message);
+        }
+        warnings
+    }
+}
+
+/// That a `share` of the friction of `boundary` is at nodes that supports hold.
+fn friction_left_out(boundary: &str, share: f64, time: f64) -> String {
+    format!(
+        "at t = {time} s {:.0} % of the normal force of `{boundary}` times its friction is at nodes that supports hold along the direction in which \
+         what is in front of them moves: their friction is in no result; let the support end at some distance from the contact, or let the other \
+         side be the slave",
+        100.0 * share
+    )
+}
+
+/// That a `share` of the force of a pair is beyond the end of the master.
+fn beyond_the_end(pair: &Pair, share: f64, time: f64) -> String {
+    let (slave, master) = (&pair.slave, &pair.master.name);
+    let cure = if pair.mortar.overhangs()[1] {
+        format!("let the mesh of `{slave}` have nodes where `{master}` ends, or smaller elements there")
+    } else {
+        format!("let `{master}` be the slave, or make the elements of `{slave}` smaller there")
+    };
+    format!(
+        "at t = {time} s {:.0} % of the force of `{slave}` on `{master}` is on nodes beyond the end of the other: they press where \
+         they are, and pull at its inner nodes; {cure}",
+        100.0 * share
+    )
+}
+
+/// That a body has come into another.
+fn passed_through(model: &Model, passed: &Passed, time: f64) -> String {
+    let Passed { node, bodies, depth, apart } = *passed;
+    let (units, all) = (model.units(), model.mesh.bodies());
+    let (of, unit) = (all.of_nodes(), units.name(Quantity::Length));
+    let [depth, apart] = [depth, apart].map(|x| format!("{:.2e} {unit}", units.of_si(Quantity::Length, x)));
+    let place = units.place(model.mesh.nodes[node]);
+    let nodes_of = |name: &str| model.mesh.boundary(name).map_or(Vec::new(), Boundary::nodes);
+    let is_between = |pair: &&Pair| {
+        let (slave, master) = (nodes_of(&pair.slave), pair.master.nodes());
+        let faces =
+            |own: &[usize], other: &[usize]| own.contains(&node) && other.iter().any(|&node| of[node] == bodies[1]);
+        faces(&slave, &master) || faces(&master, &slave)
+    };
+    if let Some(pair) = model.pairs.iter().find(is_between) {
+        let search = format!("{:.2e} {unit}", units.of_si(Quantity::Length, pair.mortar.search));
+        return format!(
+            "at t = {time} s the node at {place} is {depth} inside the other side of `{}` against `{}`, and no contact holds it: nothing was in \
+             front of it within the search of {search}, and it was {apart} away; give contact[{}].search so that it is longer than every gap \
+             that closes",
+            pair.slave, pair.master.name, pair.contact
+        );
+    }
+    format!(
+        "at t = {time} s the node at {place} of {} is {depth} inside {}, and no contact holds it: give a [[contact]] with `against` between \
+         boundaries of the two there",
+        all.told(bodies[0]),
+        all.told(bodies[1])
+    )
+}
+
+/// That facets change measured gaps.
+fn faceted_gaps(model: &Model, faceted: &Faceted) -> String {
+    let pair = &model.pairs[faceted.pair];
+    let (units, share) = (model.units(), faceted.bulge / faceted.closed);
+    let length = |x: f64| format!("{:.2e} {}", units.of_si(Quantity::Length, x), units.name(Quantity::Length));
+    format!(
+        "the facets of `{}` and `{}` are chords of curved surfaces, and gaps between them differ by {} from those of the surfaces at half of \
+         the nodes, {:.1} % of the {} that contact closes: pressures may be off by about {:.0} %, forces by less; give contact[{}].gap, if it is known, use elements of second order, or at least {:.0} times as \
+         many along the curve",
+        pair.slave,
+        pair.master.name,
+        length(faceted.bulge),
+        100.0 * share,
+        length(faceted.closed),
+        100.0 * (STIFFER * share).min(1.0),
+        pair.contact,
+        (STIFFER * share / FACETED).sqrt().ceil()
+    )
+}
+
+fn not_unique(model: &Model, neutral: &NeutralMotion, time: f64) -> Option<String> {
+    let motion = RigidMotion::combination(&model.rigid_motions, &neutral.weights)?;
+    let room = neutral.room[0].min(neutral.room[1]);
+    let (units, told) = (model.units(), model.units().of_si(Quantity::Length, room));
+    let (motion, unit) = (motion.against(&units), units.name(Quantity::Length));
+    let room = if room.is_finite() { format!("by {told:.2e} {unit}") } else { "by any distance".to_string() };
+    Some(format!(
+        "at t = {time} s contact forces balance the loads, but nothing holds {motion}: displacements are \
+         one of many solutions, which may differ {room} before another node touches; stresses are the same in all; add a \
+         support to make them unique"
+    ))
+}
+
+/// How large `length` (m) is beside how far contact forces have `pressed` the body in (m).
+fn beside(length: f64, pressed: f64) -> String {
+    if pressed > 0.0 {
+        format!("{:.0} % of what contact forces press in", 100.0 * length / pressed)
+    } else {
+        "where nothing else presses".to_string()
+    }
+}
+
+fn not_met(model: &Model, overlap: Overlap, time: f64, pressed: f64) -> String {
+    let Overlap { contact, obstacle, depth } = overlap;
+    let units = model.units();
+    let (place, unit) = (units.place(model.contacts[contact].position), units.name(Quantity::Length));
+    let key = model.obstacle_key(obstacle);
+    let boundary = model.contact_boundaries.iter().find(|boundary| boundary.obstacles.contains(&obstacle));
+    let own = boundary.is_some_and(|boundary| boundary.nodes.contains(&contact));
+    let cure = match (own, boundary) {
+        (false, Some(boundary)) => format!("which is in front of `{}` only; list it for the node's boundary, too", boundary.name),
+        _ => "which it does not meet: of obstacles with different normals a node meets the one that was nearest at first; give \
+              these obstacles one `normal`, with direction = \"normal\", or each a boundary of its own"
+            .to_string(),
+    };
+    format!(
+        "the contact node at {place} is {:.2e} {unit} inside {key} at t = {time} s, {}, {cure}",
+        units.of_si(Quantity::Length, depth),
+        beside(depth, pressed)
+    )
+}
+
+fn between_nodes(model: &Model, between: &BetweenNodes, time: f64, pressed: f64) -> String {
+    let BetweenNodes { boundary, position, missed, size } = between;
+    let units = model.units();
+    let (unit, told) = (units.name(Quantity::Length), |x: f64| units.of_si(Quantity::Length, x));
+    format!(
+        "the obstacle in front of `{boundary}` has details that are finer than the elements: between nodes, at {}, its distance at t = {time} s is \
+         {:.2e} {unit} off the distances at the nodes, {}; pressures may be as wrong; make the elements there, which are {:.2e} {unit} long, \
+         smaller than these details",
+        units.place(*position),
+        told(*missed),
+        beside(*missed, pressed),
+        told(*size)
+    )
+}
+
+/// That an obstacle is elsewhere on the way through an increment.
+fn on_the_way(model: &Model, found: OnTheWay, pressed: f64) -> String {
+    let OnTheWay { contact, time, distance } = found;
+    let (units, does) = (model.units(), if distance < 0.0 { "goes through" } else { "leaves" });
+    format!(
+        "on the way through the increment that ends at t = {time} s an obstacle {does} the contact node at {}, by {:.2e} {}, {}: \
+         increments tell of their ends only, and the friction of what is between is left out; take more of them",
+        units.place(model.contacts[contact].position),
+        units.of_si(Quantity::Length, distance.abs()),
+        units.name(Quantity::Length),
+        beside(distance.abs(), pressed)
+    )
+}
+
+fn out_of_range(model: &Model, left: &RangeLeft) -> String {
+    let RangeLeft { position, time, linearised, exact, share, .. } = *left;
+    let units = model.units();
+    let (place, unit) = (units.place(position), units.name(Quantity::Length));
+    let [linearised, exact] = [linearised, exact].map(|distance| units.of_si(Quantity::Length, distance));
+    let remedy =
+        "pressures may be as wrong; put the obstacle, in the scene, nearer to where it presses, or let it move less";
+    if exact.is_nan() {
+        return format!("the obstacle is no longer in front of the contact node at {place} at t = {time} s: {remedy}");
+    }
+    let off =
+        if share.is_finite() { format!(", off by {:.0} % of the indentation", 100.0 * share) } else { String::new() };
+    format!(
+        "gaps are linearised in the undeformed state, and the contact leaves where that holds: at the node {place} at \
+         t = {time} s the distance is {exact:.2e} {unit}, not {linearised:.2e} {unit}{off}; {remedy}"
+    )
+}

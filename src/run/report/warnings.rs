@@ -1,0 +1,340 @@
+//! What may make an answer wrong although every law holds: assumptions that a scene does not meet; and what makes it slow.
+
+use serde::Serialize;
+
+use crate::algebra::linear::Statistics;
+use crate::algebra::linear::blas::{Blas, KERNEL_VARIABLE};
+use crate::base::units::Quantity;
+use crate::body::contact::holes_in_front_of;
+use crate::body::description::Action;
+use crate::body::estimate::expected_locking;
+use crate::body::fem::Element;
+use crate::body::model::Model;
+use crate::solver::history::LinearAlgebra;
+
+/// A warning.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Warning {
+    /// The kind of the warning.
+    pub kind: WarningKind,
+    /// The warning in words, with what to do.
+    pub message: String,
+}
+
+/// What a warning is about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum WarningKind {
+    /// Elements that lock, because a material hardly changes its volume.
+    Locking,
+    /// A border of layers that runs through elements.
+    LayersThroughElements,
+    /// A load that acts on nothing but supports.
+    IdleLoad,
+    /// A coefficient of friction beyond what surfaces have.
+    LargeFriction,
+    /// A hole in a surface of triangles in front of a boundary.
+    SurfaceHole,
+    /// A boundary that never touches its obstacle.
+    NoContact,
+    /// Displacements that are not small.
+    LargeDisplacements,
+    /// An obstacle that leans against the normal along which it presses.
+    LeaningObstacle,
+    /// A contact that leaves the range of its linearised gaps.
+    GapsOutOfRange,
+    /// Contact forces on nodes beyond the end of the other body.
+    BeyondTheEnd,
+    /// Bodies that pass through each other, where no contact row is between them.
+    PassedThrough,
+    /// Facets of curved boundaries that change the measured gaps.
+    FacetedGaps,
+    /// Friction of nodes that supports hold while something moves past them.
+    FrictionLeftOut,
+    /// Bodies that slide past each other's facets.
+    SlidAcrossFacets,
+    /// A contact node inside an obstacle that it does not meet.
+    ObstacleNotMet,
+    /// An obstacle with details that are finer than the elements.
+    ObstacleBetweenNodes,
+    /// An equilibrium that is one of many: contact leaves a motion of the body open.
+    NotUnique,
+    /// A mesh that is too coarse for the body itself.
+    CoarseMesh,
+    /// Stresses of a body that hardly changes its volume, far worse than its displacements.
+    RoughStresses,
+    /// A contact zone of a few nodes, or of isolated ones.
+    ContactUnresolved,
+    /// A contact zone that is fewer than eight nodes across.
+    ContactCoarse,
+    /// A peak pressure that is far above that of the neighbours.
+    PeakScatter,
+    /// A pressure that is singular at the edge of the contact.
+    SingularEdge,
+    /// Elements that differ much in size at the end of the contact.
+    UnevenElements,
+    /// A zone that sticks, known to one element.
+    StickZoneCoarse,
+    /// Increments that change the work of friction much.
+    IncrementsWork,
+    /// Increments that change the tangential forces much, or too few of them to tell.
+    IncrementsForce,
+    /// Gaps that are curved in time, which the exact path follows along chords.
+    CurvedGaps,
+    /// A quasi-static motion that ended, so that a jump took it on.
+    Jump,
+    /// Forces that are so small beside the stiffness and the displacements that rounding counts.
+    Unbalanced,
+    /// A result that was asked for beside the history and could not be computed. The history itself is complete.
+    NotComputed,
+    /// A BLAS that is several times slower than the processor could run one. Costs time and no accuracy.
+    SlowBlas,
+    /// Multigrid that stood still, so that a direct solver took over. Costs time and no accuracy.
+    MultigridGaveWay,
+    /// A process that has another body than rank 0, so that they do not share its stiffness. Costs memory and no accuracy.
+    RanksApart,
+}
+
+impl WarningKind {
+    /// Whether it is known only once the scene is solved; that elements lock is expected before.
+    pub fn needs_the_solution(self) -> bool {
+        match self {
+            WarningKind::LayersThroughElements
+            | WarningKind::IdleLoad
+            | WarningKind::LargeFriction
+            | WarningKind::SurfaceHole
+            | WarningKind::SlowBlas => false,
+            WarningKind::Locking
+            | WarningKind::NoContact
+            | WarningKind::LargeDisplacements
+            | WarningKind::LeaningObstacle
+            | WarningKind::GapsOutOfRange
+            | WarningKind::BeyondTheEnd
+            | WarningKind::PassedThrough
+            | WarningKind::FacetedGaps
+            | WarningKind::FrictionLeftOut
+            | WarningKind::SlidAcrossFacets
+            | WarningKind::ObstacleNotMet
+            | WarningKind::ObstacleBetweenNodes
+            | WarningKind::NotUnique
+            | WarningKind::CoarseMesh
+            | WarningKind::RoughStresses
+            | WarningKind::ContactUnresolved
+            | WarningKind::ContactCoarse
+            | WarningKind::PeakScatter
+            | WarningKind::SingularEdge
+            | WarningKind::UnevenElements
+            | WarningKind::StickZoneCoarse
+            | WarningKind::IncrementsWork
+            | WarningKind::IncrementsForce
+            | WarningKind::CurvedGaps
+            | WarningKind::Jump
+            | WarningKind::Unbalanced
+            | WarningKind::NotComputed
+            | WarningKind::MultigridGaveWay
+            | WarningKind::RanksApart => true,
+        }
+    }
+}
+
+/// A body that is too stiff by a smaller share is worth no warning.
+const LOCKING: f64 = 0.05;
+
+/// Beyond this share the estimate is known to be too small.
+const AT_LEAST: f64 = 1.0;
+
+/// Elements of half the size lock by so much less.
+const HALVED: f64 = 2.64;
+
+/// The same of elements of second order, which at 0.499 are as good as B-bar elements.
+const QUADRATIC_LOCKING: f64 = 0.499;
+
+/// Coulomb's coefficient is hardly larger anywhere: soft rubber on dry asphalt comes to 1.5.
+const PLAUSIBLE: f64 = 2.0;
+
+/// Relative to the size of the body, what rounding leaves of the corners of an element.
+const ROUNDING: f64 = 1e-9;
+
+impl Warning {
+    /// The warnings that a model deserves before it is solved.
+    pub fn of_model(model: &Model) -> Vec<Self> {
+        let messages = [
+            (WarningKind::LayersThroughElements, layers_through_elements(model)),
+            (WarningKind::IdleLoad, idle_load(model)),
+            (WarningKind::LargeFriction, large_friction(model)),
+            (WarningKind::SurfaceHole, surface_hole(model)),
+        ];
+        let found = messages.into_iter().filter_map(|(kind, message)| Some(Warning { kind, message: message? }));
+        expected(model).into_iter().chain(found).collect()
+    }
+
+    /// A warning that `result` could not be computed, although the history was solved.
+    pub fn of_missing(result: &str, why: &dyn std::error::Error) -> Self {
+        let message = format!("{result} could not be computed: {why}; all other results are complete");
+        Warning { kind: WarningKind::NotComputed, message }
+    }
+
+    /// That the BLAS is slow, if it is, and what makes it faster.
+    pub fn of_blas(blas: &Blas) -> Option<Self> {
+        let cure = match blas.better_kernel {
+            Some(better) if blas.selectable => {
+                format!("ask for the kernel {better}: the program by --blas-kernel, any other by {KERNEL_VARIABLE}")
+            }
+            Some(_) => "install an OpenBLAS that was built for several processors".to_string(),
+            None => "install OpenBLAS, or BLIS or MKL".to_string(),
+        };
+        let message = format!(
+            "the BLAS in use is {blas}; factorisations take longer than they need, up to several times: {cure}"
+        );
+        blas.is_slow().then_some(Warning { kind: WarningKind::SlowBlas, message })
+    }
+
+    /// That multigrid was `asked` for and stood still, if it is known `why`, or could not begin, so that another solver was `taken`.
+    pub(super) fn of_multigrid(linear: &Statistics, asked: bool, taken: &str, why: Option<&str>) -> Option<Self> {
+        if asked && taken != "multigrid" {
+            let message = format!(
+                "multigrid cannot have two obstacles at a node, or contact rows that nodes share: {taken} solved"
+            );
+            return Some(Warning { kind: WarningKind::MultigridGaveWay, message });
+        }
+        let why = why.unwrap_or("these matrices are not for it");
+        linear.instead.map(|instead| Warning {
+            kind: WarningKind::MultigridGaveWay,
+            message: format!(
+                "multigrid did not come to an end in 60 iterations, so that {instead} took over, which takes more memory: {why}; use \
+                 solver.linear = \"auto\""
+            ),
+        })
+    }
+
+    /// That rank 0 has the stiffness in one piece where several processes might share it: one of them has another body.
+    pub(super) fn of_ranks(model: &Model, linear: LinearAlgebra, ranks: usize) -> Option<Self> {
+        let apart = ranks > 1
+            && linear == LinearAlgebra::Multigrid
+            && model.has_rows()
+            && model.problem.stiffness().shared().is_none();
+        let message = "a process has another body than rank 0, or cannot read the scene, so that rank 0 has assembled alone, which takes more \
+                       memory there: start all with the same scene and options, and have all files at the same place";
+        apart.then(|| Warning { kind: WarningKind::RanksApart, message: message.to_string() })
+    }
+
+    /// That elements lock, if it makes the body too stiff by a `share` that counts.
+    pub(super) fn of_locking(model: &Model, share: f64) -> Option<Self> {
+        let poisson = largest_poisson(model);
+        let simplices = model.mesh.cells.iter().any(|cell| cell.kind.is_simplex());
+        let cells = match (simplices, model.mesh.dimension) {
+            (false, _) => "use mesh.element = \"b-bar\"",
+            (true, 2) => {
+                "use mesh.element = \"nodal-volume\", triangles of second order, or quadrilaterals with mesh.element = \"b-bar\""
+            }
+            (true, _) => {
+                "use mesh.element = \"nodal-volume\", tetrahedra of second order, or hexahedra with mesh.element = \"b-bar\""
+            }
+        };
+        let about = if share > AT_LEAST { "at least" } else { "about" };
+        let [now, halved] = [share, share / HALVED].map(|share| 100.0 * share);
+        let message = format!(
+            "expect the body to be {about} {now:.0} % too stiff: such elements hardly change their volume, least near nu = 0.5, and \
+             nu is {poisson:.6}; {cells}, or halve the elements for {about} {halved:.0} %"
+        );
+        (share > LOCKING).then_some(Warning { kind: WarningKind::Locking, message })
+    }
+}
+
+/// What is expected of elements before they are solved with.
+fn expected(model: &Model) -> Option<Warning> {
+    if let Some(share) = expected_locking(model) {
+        return Warning::of_locking(model, share);
+    }
+    let poisson = largest_poisson(model);
+    let quadratic = model.mesh.cells.iter().any(|cell| cell.kind.is_quadratic());
+    let plain = model.element() == Element::Bilinear && !model.is_thin();
+    let locks = quadratic && plain && poisson > QUADRATIC_LOCKING + ROUNDING;
+    let message = format!(
+        "nu is {poisson:.6}: elements of second order, too, may be too stiff; use mesh.element = \"nodal-volume\""
+    );
+    locks.then_some(Warning { kind: WarningKind::Locking, message })
+}
+
+fn largest_poisson(model: &Model) -> f64 {
+    model.materials().iter().map(|law| 0.5 * law.lambda / (law.lambda + law.mu)).fold(0.0, f64::max)
+}
+
+fn layers_through_elements(model: &Model) -> Option<String> {
+    let mesh = &model.mesh;
+    let up = mesh.dimension - 1;
+    let cut = |height: f64| {
+        let within = |e: usize| {
+            let heights = || mesh.cells[e].nodes.iter().map(|&node| mesh.nodes[node][up]);
+            let (low, high) = (heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max));
+            let slack = ROUNDING * mesh.size();
+            low + slack < height && height < high - slack
+        };
+        (0..mesh.cells.len()).filter(|&e| within(e)).count()
+    };
+    let tops = model.description().material.tops();
+    let (height, count) = tops.into_iter().map(|top| (top, cut(top))).find(|cut| cut.1 > 0)?;
+    let axis = ["x", "y", "z"][up];
+    // A height is a sum of thicknesses; seven digits hide its rounding.
+    let height = model.units().of_si(Quantity::Length, height);
+    let height: f64 = format!("{height:.6e}").parse().unwrap_or(height);
+    let unit = model.units().name(Quantity::Length);
+    Some(format!(
+        "the border between layers at {axis} = {height} {unit} goes through {count} elements, each of which is of one layer; \
+         let elements end there"
+    ))
+}
+
+fn large_friction(model: &Model) -> Option<String> {
+    let largest = |nodes: &[usize]| nodes.iter().map(|&i| model.problem.mu()[i]).fold(0.0, f64::max);
+    let contacts = model.contact_boundaries.iter().map(|boundary| (largest(&boundary.nodes), &boundary.name));
+    let (mu, name) = contacts.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(mu, _)| *mu > PLAUSIBLE)?;
+    Some(format!(
+        "the friction of `{name}` is up to {mu}, and few surfaces have more than {PLAUSIBLE}: is it in percent? Where nothing is to slide, glue = true \
+         ties bodies to each other, and a [[support]] holds one"
+    ))
+}
+
+/// That a surface of triangles has a hole in front of its boundary: the first such surface, by its largest hole.
+fn surface_hole(model: &Model) -> Option<String> {
+    let units = model.units();
+    model.contact_boundaries.iter().find_map(|contact| {
+        let boundary = model.mesh.boundary(&contact.name)?;
+        contact.obstacles.clone().find_map(|k| {
+            let holes = holes_in_front_of(&model.mesh, boundary, &model.obstacles[k], model.times());
+            let largest = holes.iter().max_by(|a, b| a.size.total_cmp(&b.size))?;
+            let what = match holes.len() {
+                1 => "a hole".to_string(),
+                count => format!("{count} holes"),
+            };
+            Some(format!(
+                "the surface of {} has {what} in front of `{}`, the largest {:.2e} {} long at {}: nothing presses there; a triangle may be \
+                 missing, or triangles on both sides of a crack may not have the same corners: close it in the file if the part is whole",
+                model.obstacle_key(k),
+                contact.name,
+                units.of_si(Quantity::Length, largest.size),
+                units.name(Quantity::Length),
+                units.place(largest.box_centre())
+            ))
+        })
+    })
+}
+
+fn idle_load(model: &Model) -> Option<String> {
+    let idle = |force: &[f64]| force.iter().all(|f| *f == 0.0);
+    let mut loads = model.description().loads.iter().zip(model.loading.cases());
+    let acts = |action: &Action| match action {
+        Action::Traction { traction, .. } => traction.iter().any(|t| t.uniform() != Some(0.0)),
+        Action::Pressure { pressure, .. } => pressure.uniform() != Some(0.0),
+        Action::Force { force, .. } | Action::Acceleration(force) => force.iter().any(|f| *f != 0.0),
+        Action::Spin { speed, .. } => *speed != 0.0,
+        Action::Temperature(temperature) => temperature.uniform() != Some(0.0),
+    };
+    let (load, _) = loads.find(|(load, case)| acts(&load.action) && idle(case.force()))?;
+    Some(format!(
+        "the load on `{}` does nothing: supports hold the boundary in its direction",
+        load.action.place(&model.units())
+    ))
+}

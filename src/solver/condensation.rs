@@ -1,0 +1,328 @@
+//! Static condensation (33)–(35): a problem on the contact displacements alone, and the way back.
+//!
+//! With the contact displacements `u_c` and the interior `u_r`,
+//!
+//! ```text
+//! [ K_rr K_rc ] [u_r]   [f_r]         S u_c = f̃_c,  S = K_cc - K_cr K_rr⁻¹ K_rc,
+//! [ K_cr K_cc ] [u_c] = [f_c - Cᵀ p]                f̃_c = f_c - Cᵀ p - K_cr K_rr⁻¹ f_r.
+//! ```
+//!
+//! `K` never changes. It is factored once with `u_c` last, so that `S = L_cc L_ccᵀ` stands in the factors,
+//! see [`Cholesky`]. This stiffness form bears slender bodies, where the compliance form `C K⁻¹ Cᵀ` loses
+//! half the digits. What a load case leaves of the interior is worked out once, too, so an
+//! increment touches the interior only at its end, in [`Condensed::state`].
+//!
+//! Where contact rows hold displacements of several nodes the condensed problem has others, by `OwnBasis`, so that each node can be
+//! eliminated by itself.
+//!
+//! A body that only contact holds has a singular `K`; then `ρ`, the diagonal of `K` as a rule, is added to the
+//! contact block and taken off again, `S = L_cc L_ccᵀ - ρ`, which changes nothing else.
+
+use std::borrow::Cow;
+use std::sync::Arc;
+
+use crate::algebra::linear::{Cholesky, FactorInfo, LinearError, Reduced, SparseCholesky, times_transposed};
+use crate::algebra::sparse::{Csr, DenseSymmetric, Symmetric};
+use crate::solver::loading::{LoadCase, Loading};
+use crate::solver::problem::{ContactProblem, OwnBasis, Parts, State};
+
+/// How a body is condensed.
+#[derive(Clone)]
+pub struct Condensation {
+    cholesky: SparseCholesky,
+    /// The factors of `K` with the displacements of all contact nodes last, if somebody has them.
+    factor: Option<Arc<Cholesky>>,
+}
+
+impl From<SparseCholesky> for Condensation {
+    /// By this factorisation of `K`.
+    fn from(cholesky: SparseCholesky) -> Self {
+        Condensation { cholesky, factor: None }
+    }
+}
+
+impl Condensation {
+    /// The same, and what it would factor first.
+    pub(crate) fn factored(cholesky: SparseCholesky, factor: Option<Arc<Cholesky>>) -> Self {
+        Condensation { cholesky, factor }
+    }
+
+    /// The factorisation of `K`.
+    pub fn cholesky(&self) -> SparseCholesky {
+        self.cholesky
+    }
+}
+
+/// A condensed body.
+pub struct Condensed {
+    /// The problem on `u_c`.
+    pub problem: ContactProblem,
+    /// Its loads.
+    pub loading: Loading,
+    factor: Arc<Cholesky>,
+    /// The contact displacements among all, ascending.
+    border: Vec<usize>,
+    /// What each load case leaves of the interior.
+    cases: Vec<Reduced>,
+    /// How the displacements of the problem are changed, if they are.
+    basis: Option<OwnBasis>,
+    /// If it has some of the contact nodes of the body only.
+    part: Option<NodeSubset>,
+}
+
+/// Some of the contact nodes of a body.
+struct NodeSubset {
+    /// Which, ascending.
+    nodes: Vec<usize>,
+    /// How many there are in all.
+    all: usize,
+}
+
+impl Condensed {
+    /// Condenses a body with its loads.
+    ///
+    /// # Errors
+    /// [`LinearError::Singular`] when a part of the body moves freely while the contact nodes are held;
+    /// when memory is short.
+    pub fn new(problem: &ContactProblem, loading: &Loading, by: impl Into<Condensation>) -> Result<Self, LinearError> {
+        let border = problem.contact_displacements();
+        let basis = OwnBasis::of(problem);
+        let (factor, stiffness) = schur_complement(problem.stiffness(), &border, basis.as_ref(), by.into())?;
+        let mut condensed = Condensed {
+            problem: ContactProblem::of(Parts {
+                stiffness,
+                c_n: restrict(problem.c_n(), &border, basis.as_ref(), |_| true),
+                c_t: restrict(problem.c_t(), &border, basis.as_ref(), |i| problem.mu()[i] > 0.0),
+                c_o: restrict(problem.c_o(), &border, basis.as_ref(), |i| problem.mu()[i] > 0.0),
+                mu: problem.mu().to_vec(),
+                weight: problem.weight().map(<[f64]>::to_vec),
+                rigid_modes: Some(
+                    (problem.rigid_modes().iter())
+                        .map(|motion| {
+                            let mut motion = motion.clone();
+                            if let Some(basis) = &basis {
+                                basis.undo(&mut motion);
+                            }
+                            border.iter().map(|&dof| motion[dof]).collect()
+                        })
+                        .collect(),
+                ),
+            }),
+            loading: Loading::default(),
+            factor,
+            border,
+            cases: Vec::new(),
+            basis,
+            part: None,
+        };
+        condensed.load(loading)?;
+        Ok(condensed)
+    }
+
+    /// Puts the body under other loads; one with some of the contact nodes only knows those of its nodes.
+    ///
+    /// # Errors
+    /// When memory is short.
+    pub(crate) fn load(&mut self, loading: &Loading) -> Result<(), LinearError> {
+        let cases =
+            loading.cases().iter().map(|case| self.factor.reduce(case.force())).collect::<Result<Vec<_>, _>>()?;
+        let reduced = |(case, reduced): (&LoadCase, &Reduced)| case.on(self.on_contact(reduced));
+        self.loading = loading.with_cases(loading.cases().iter().zip(&cases).map(reduced).collect());
+        self.cases = cases;
+        Ok(())
+    }
+
+    /// The same with these contact `nodes` alone, ascending; the others are free of forces, and their displacements in the interior.
+    ///
+    /// # Errors
+    /// As [`Condensed::new`].
+    pub(crate) fn of_nodes(
+        problem: &ContactProblem,
+        loading: &Loading,
+        nodes: Vec<usize>,
+        cholesky: SparseCholesky,
+    ) -> Result<Self, LinearError> {
+        let condensed = Self::new(&problem.of_nodes(&nodes), &loading.of_nodes(&nodes), cholesky)?;
+        Ok(Condensed { part: Some(NodeSubset { nodes, all: problem.contacts() }), ..condensed })
+    }
+
+    /// The contact nodes that the condensed problem has, ascending, if there are others.
+    pub(crate) fn nodes(&self) -> Option<&[usize]> {
+        self.part.as_ref().map(|part| part.nodes.as_slice())
+    }
+
+    /// Of a value for each contact node of the body those of the nodes that the condensed problem has.
+    pub(crate) fn on_nodes<'v>(&self, values: &'v [f64]) -> Cow<'v, [f64]> {
+        match &self.part {
+            Some(part) => part.nodes.iter().map(|&i| values[i]).collect(),
+            None => Cow::Borrowed(values),
+        }
+    }
+
+    /// A value for each contact node of the body, 0 for those that the condensed problem does not have.
+    pub(crate) fn of_all_nodes(&self, values: Vec<f64>) -> Vec<f64> {
+        let Some(NodeSubset { nodes, all }) = &self.part else { return values };
+        let mut of_all = vec![0.0; *all];
+        nodes.iter().zip(values).for_each(|(&i, value)| of_all[i] = value);
+        of_all
+    }
+
+    /// The state of the condensed problem that belongs to one of the whole body, to the rounding of its displacements.
+    pub(crate) fn condensed_state(&self, whole: &State) -> State {
+        let mut u = whole.u.clone();
+        if let Some(basis) = &self.basis {
+            basis.undo(&mut u);
+        }
+        State {
+            u: self.border.iter().map(|&dof| u[dof]).collect(),
+            u_rest: Vec::new(),
+            p_t: self.on_nodes(&whole.p_t).into_owned(),
+            p_o: self.on_nodes(&whole.p_o).into_owned(),
+            p_n: self.on_nodes(&whole.p_n).into_owned(),
+        }
+    }
+
+    /// The factors of the body.
+    pub fn info(&self) -> FactorInfo {
+        self.factor.info()
+    }
+
+    /// The state of the whole body at `time` (35), where `contact` is that of the condensed problem.
+    ///
+    /// # Errors
+    /// When an array of `contact` has another length than the condensed problem asks for.
+    pub fn state(&self, time: f64, contact: &State) -> Result<State, LinearError> {
+        Ok(self.states(&[(time, contact.clone())])?.pop().unwrap_or_default())
+    }
+
+    /// [`Condensed::state`] at several times, in one pass over the factors: each is the same as alone.
+    ///
+    /// # Errors
+    /// As [`Condensed::state`].
+    pub(crate) fn states(&self, ends: &[(f64, State)]) -> Result<Vec<State>, LinearError> {
+        let (mut loads, mut borders, mut rests) = (Vec::new(), Vec::<Vec<f64>>::new(), Vec::new());
+        for (time, contact) in ends {
+            let rest = match &self.basis {
+                None => {
+                    borders.push(contact.u.clone());
+                    self.spread(&contact.u_rest)
+                }
+                Some(basis) => {
+                    let (mut border, mut rest) = (self.spread(&contact.u), self.spread(&contact.u_rest));
+                    if rest.is_empty() {
+                        basis.apply(&mut border);
+                    } else {
+                        basis.apply_beyond(&mut border, &mut rest);
+                    }
+                    borders.push(self.border.iter().map(|&dof| border[dof]).collect());
+                    rest
+                }
+            };
+            loads.push(self.loading.cases().iter().map(|case| case.factor(*time)).collect());
+            rests.push(rest);
+        }
+        let bodies = self.factor.expand_each(&self.cases, &loads, &borders)?;
+        let states = bodies.into_iter().zip(rests).zip(ends).map(|((u, u_rest), (_, contact))| {
+            let forces = |p: &Vec<f64>| self.of_all_nodes(p.clone());
+            State { u, u_rest, p_t: forces(&contact.p_t), p_o: forces(&contact.p_o), p_n: forces(&contact.p_n) }
+        });
+        Ok(states.collect())
+    }
+
+    /// Values on the contact displacements as values on all, 0 on the others; none if there are none.
+    fn spread(&self, values: &[f64]) -> Vec<f64> {
+        let mut all = vec![0.0; if values.is_empty() { 0 } else { self.factor.order() }];
+        self.border.iter().zip(values).for_each(|(&dof, value)| all[dof] = *value);
+        all
+    }
+
+    /// Reduces forces on the whole body (N) to the contact displacements: `b_c - K_cr K_rr⁻¹ b_r`.
+    ///
+    /// # Errors
+    /// When memory is short.
+    pub fn reduce(&self, forces: &[f64]) -> Result<Reduced, LinearError> {
+        self.factor.reduce(forces)
+    }
+
+    /// Reduced forces (N) on the displacements of the condensed problem.
+    pub fn on_contact(&self, forces_on_body: &Reduced) -> Vec<f64> {
+        forces(&self.border, self.basis.as_ref(), forces_on_body)
+    }
+
+    /// The displacements (m) that reduced forces make while those of the condensed problem are `contact` (m).
+    ///
+    /// # Errors
+    /// When memory is short.
+    pub fn displacements(&self, forces: &Reduced, contact: &[f64]) -> Result<Vec<f64>, LinearError> {
+        let mut u = vec![0.0; self.factor.order()];
+        match &self.basis {
+            None => self.factor.expand(forces, contact, &mut u)?,
+            Some(basis) => {
+                let mut all = self.spread(contact);
+                basis.apply(&mut all);
+                let border: Vec<f64> = self.border.iter().map(|&dof| all[dof]).collect();
+                self.factor.expand(forces, &border, &mut u)?;
+            }
+        }
+        Ok(u)
+    }
+}
+
+/// Reduced forces on the displacements `border`, changed by `basis`.
+fn forces(border: &[usize], basis: Option<&OwnBasis>, reduced: &Reduced) -> Vec<f64> {
+    let Some(basis) = basis else { return reduced.border.clone() };
+    let mut all = vec![0.0; border.last().map_or(0, |last| last + 1)];
+    border.iter().zip(&reduced.border).for_each(|(&dof, force)| all[dof] = *force);
+    basis.apply_transposed(&mut all);
+    border.iter().map(|&dof| all[dof]).collect()
+}
+
+/// The factors of `K`, and `S`, changed by `basis`.
+fn schur_complement(
+    stiffness: &Symmetric,
+    border: &[usize],
+    basis: Option<&OwnBasis>,
+    Condensation { cholesky, factor }: Condensation,
+) -> Result<(Arc<Cholesky>, Symmetric), LinearError> {
+    let mut shift = Vec::new();
+    let factor_of = |stiffness| cholesky.factor(stiffness, border).map(Arc::new);
+    let factor = match factor.map_or_else(|| factor_of(stiffness), Ok) {
+        Err(LinearError::Singular { .. }) if !border.is_empty() => {
+            let (mut held, diagonal) = (stiffness.clone(), stiffness.diagonal());
+            // What has no stiffness of its own takes that of others, or any.
+            let largest = diagonal.iter().fold(0.0_f64, |m, rho| m.max(*rho));
+            let other = if largest > 0.0 { largest } else { 1.0 };
+            let rho = |&dof: &usize| match diagonal[dof] {
+                own if own > 0.0 => own,
+                _ if stiffness.stores(dof, dof) => other,
+                _ => 0.0,
+            };
+            shift.extend(border.iter().map(rho));
+            border.iter().zip(&shift).filter(|entry| *entry.1 > 0.0).for_each(|(&dof, rho)| held.raise(dof, dof, *rho));
+            factor_of(&held)?
+        }
+        factor => factor?,
+    };
+    // What moves freely without contact taking part.
+    let pivot_ratio = factor.interior_pivot_ratio()?;
+    if pivot_ratio <= f64::EPSILON {
+        return Err(LinearError::Singular { pivot_ratio });
+    }
+    let m = border.len();
+    let mut values = times_transposed(&factor.trailing(), m);
+    shift.iter().enumerate().for_each(|(i, rho)| values[i * m + i] -= rho);
+    if let Some(basis) = basis {
+        basis.congruence(border, &mut values);
+    }
+    Ok((factor, DenseSymmetric::of_lower(m, values).into()))
+}
+
+/// The rows of `map` that are `wanted`, on the contact displacements, changed by `basis`; the others are empty.
+fn restrict(map: &Csr, border: &[usize], basis: Option<&OwnBasis>, wanted: impl Fn(usize) -> bool) -> Csr {
+    let place = |dof: &usize| border.binary_search(dof).ok();
+    let row = |i: usize| {
+        let row = basis.map_or_else(|| map.row(i).to_vec(), |basis| basis.row(map, i));
+        row.into_iter().filter_map(|(dof, c)| place(&dof).map(|k| (k, c)))
+    };
+    Csr::of_rows(border.len(), (0..map.rows()).map(|i| row(i).filter(|_| wanted(i)).collect::<Vec<_>>()))
+}

@@ -1,0 +1,161 @@
+//! The exact path in time: from event to event, without increments.
+//!
+//! Between two corners of the loads all that is given is linear in time, and as long as no contact node changes its status so are
+//! displacements and forces. The solution of the quasi-static problem is therefore piecewise linear in time where nodes slide
+//! along lines, as in the plane, and the walk here goes from one of its corners, an *event*, to the next:
+//!
+//! 1. the statuses that go on, and the rates that follow, are decided by the rate problem, `rate.rs`;
+//! 2. the step goes to the nearest of: a gap that closes, a pressure that ends, friction that comes to the border of its cone;
+//! 3. the state there is solved anew with the statuses that go on, so that rounding does not add up.
+//!
+//! Between two events every node sticks, slips one way or is open, so that each state is that of a backward Euler increment from
+//! the one before, and the error measure of increments judges it. Where no rates obey the laws the quasi-static motion ends.
+//!
+//! | what | file |
+//! | --- | --- |
+//! | the walk; what is given on it | `walk.rs`, `stretch.rs` |
+//! | the rate problem and its laws; the search for its statuses; as a linear complementarity problem, and Lemke's method for that, where corrections do not settle it | `rate_problem.rs`, `rate.rs`, `complementarity.rs`, `lemke.rs` |
+//! | the linear equations of given statuses: sparse, one factorisation a set; dense, by changes of rank one | `tangent.rs`, `sparse.rs`, `dictionary.rs` |
+//! | solutions in twice the precision, for slender bodies | `refined.rs` |
+//! | displacements in which each contact row is one | `coordinates.rs` |
+//! | what a walk goes on from another time | `saved.rs` |
+//!
+//! ```
+//! use stickslip::solver::events::{Equations, SegmentEnd, ExactPath};
+//! use stickslip::algebra::linear::RefinedSolver;
+//! use stickslip::solver::loading::{LoadCase, Loading};
+//! use stickslip::solver::problem::{ContactProblem, Parts};
+//! use stickslip::algebra::sparse::{Csr, Symmetric};
+//!
+//! // A node on two springs of 2 N/m, 0.25 m above a floor, pressed with 1 N and pulled along it with 0.6 N; friction 0.5.
+//! let stiffness = Symmetric::from_triplets(2, &[(0, 0, 2.0), (1, 1, 2.0)])?;
+//! let c_n = Csr::from_rows(2, [[(1, -1.0)]])?;
+//! let c_t = Csr::from_rows(2, [[(0, 1.0)]])?;
+//! let problem = ContactProblem::new(Parts { c_t, mu: vec![0.5], ..Parts::new(stiffness, c_n) })?;
+//! let load = LoadCase::new(vec![0.6, -1.0], vec![[0.0, 0.0], [1.0, 1.0]])?;
+//! let loading = Loading::new(vec![load], vec![0.25])?;
+//!
+//! let mut linear = RefinedSolver::default();
+//! let scaling = problem.scaling(loading.largest_force(), 0.0);
+//! let mut walk = ExactPath::new(&problem, &loading, scaling, Equations::Sparse(&mut linear))?;
+//! let mut times = Vec::new();
+//! while let stickslip::solver::events::PathSegment { stop: SegmentEnd::Event | SegmentEnd::Corner, .. } = walk.step(1.0)? {
+//!     times.push(walk.time());
+//! }
+//! // It touches when half of the load is there, slips at once, and ends with half the force on the floor.
+//! assert!((times[0] - 0.5).abs() < 1e-12);
+//! assert!((walk.state().p_n[0] - 0.5).abs() < 1e-12 && (walk.state().p_t[0] - 0.25).abs() < 1e-12);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod complementarity;
+mod coordinates;
+mod dictionary;
+mod lemke;
+mod node;
+mod rate;
+mod rate_problem;
+mod refined;
+mod saved;
+mod sparse;
+mod stretch;
+mod tangent;
+mod walk;
+
+use serde::{Deserialize, Serialize};
+
+pub use node::NodeStatus;
+pub use rate_problem::Effort;
+pub(crate) use saved::SavedExactPath;
+pub use walk::ExactPath;
+
+use crate::algebra::linear::{LinearError, RefinedSolver};
+use crate::solver::problem::ProblemError;
+
+/// The linear equations of a walk.
+pub enum Equations<'a> {
+    /// Of all displacements and contact forces: one factorisation for each set of statuses, on one pattern.
+    Sparse(&'a mut RefinedSolver),
+    /// Of the contact displacements of a condensed problem: changes of rank one.
+    Dense,
+}
+
+/// A contact node that changes its status.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Event {
+    /// When, s.
+    pub time: f64,
+    /// Which contact node, from 0.
+    pub node: usize,
+    /// What it did.
+    pub from: NodeStatus,
+    /// What it does.
+    pub to: NodeStatus,
+}
+
+/// A step of the walk.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PathSegment {
+    /// The changes of status with which it began.
+    pub events: Vec<Event>,
+    /// The work that friction dissipated in it, J, exactly; in two dimensions J per m of depth.
+    pub friction_work: f64,
+    /// Why it ended.
+    pub stop: SegmentEnd,
+}
+
+/// Why a step ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum SegmentEnd {
+    /// A node has come to the border of a law.
+    Event,
+    /// The rates of the loads change.
+    Corner,
+    /// The time that was asked for is reached.
+    Until,
+    /// No rates obey the laws: the quasi-static motion ends here.
+    PathEnd(PathEnd),
+}
+
+/// The end of the quasi-static motion.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct PathEnd {
+    /// When, s.
+    pub time: f64,
+    /// Whether all statuses of the nodes concerned were tried, and none was singular; otherwise Lemke's method ended on a ray, which proves it
+    /// in some problems only.
+    pub certain: bool,
+}
+
+/// A jump over the end of a quasi-static motion, to one of the states that the laws allow beyond it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Jump {
+    /// Where the motion ended, s.
+    pub from: f64,
+    /// The end of the increment that leads over it, s.
+    pub to: f64,
+    /// Whether it is certain that there was no quasi-static way, as in [`PathEnd::certain`].
+    pub certain: bool,
+}
+
+/// Why there is no walk.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum PathError {
+    /// The path is not piecewise linear where friction turns.
+    #[error("a contact node can slide in more than one direction, so that the path in time is curved")]
+    SlidesInAPlane,
+    /// The path is not piecewise linear where `μ(t) p_n(t)` is not.
+    #[error("friction changes in time, so that the path is curved")]
+    FrictionChanges,
+    /// Forces cannot be told apart.
+    #[error("contact rows depend on each other, so that their forces cannot be told apart")]
+    DependentRows,
+    /// The loading does not fit the problem.
+    #[error(transparent)]
+    Problem(#[from] ProblemError),
+    /// The linear algebra cannot go on.
+    #[error(transparent)]
+    Linear(#[from] LinearError),
+}

@@ -1,0 +1,196 @@
+//! The rate problem: which statuses go on, where the laws leave several open.
+//!
+//! Where a node is on the border of a law, its rates obey complementarity: a grazing node has `w_n' ≤ g'`, `p_n' ≥ 0` and Coulomb's
+//! law for both rates; a node on the border of its cone has `sign w_t' ≥ 0`, `sign p_t' ≤ μ p_n'`. Statuses that are guessed and put
+//! right where the rates that follow break a law, all at once as Newton's method would, settle it as a rule in one or two solves.
+//! Where they come again, nodes are changed one by one; then Lemke's method takes all of them together; and where that ends on a
+//! ray and the nodes are few, all their statuses are tried, so that what is said of a lost continuation is so.
+
+use super::complementarity::Unknowns;
+use super::node::{AdmissibleTransition, NodalContact, NodeStatus};
+use super::rate_problem::{Breach, Effort, ROUNDING, RateProblem};
+use super::tangent::Tangent;
+use crate::algebra::linear::LinearError;
+
+/// The same where nothing better is found: a solution of a rate problem that is nearly singular.
+const ACCEPTED: f64 = 1e-9;
+
+/// Solves with all nodes changed at once; then so many for each node, one by one.
+const TOGETHER: usize = 12;
+const EACH: usize = 4;
+
+/// Nodes of which all statuses are tried: 4^5 = 1024 solves.
+const FEW: usize = 5;
+
+/// What came of trying all statuses.
+enum Tried {
+    /// Some obey all laws.
+    Found,
+    /// None does.
+    AllRegular,
+    /// None that can be solved with does; the others may have rates, but not unique ones.
+    SomeSingular,
+}
+
+/// What the search for rates came to.
+pub(super) enum Found {
+    /// Statuses whose rates obey all laws.
+    Rates,
+    /// There are none: all statuses of the nodes concerned were tried, and could be solved with.
+    None,
+    /// None was found, nor is it certain that there is none.
+    Nothing,
+}
+
+impl RateProblem<'_> {
+    /// Finds `statuses` and their rates, from a guess.
+    pub(super) fn solve(
+        &self,
+        tangent: &mut dyn Tangent,
+        statuses: &mut Vec<NodeStatus>,
+        rate: &mut NodalContact,
+        effort: &mut Effort,
+    ) -> Result<Found, LinearError> {
+        let mut best: Option<(f64, Vec<NodeStatus>)> = None;
+        if self.by_correction(tangent, statuses, rate, &mut best, effort)? {
+            return Ok(Found::Rates);
+        }
+        let concerned: Vec<usize> =
+            (0..self.may.len()).filter(|&i| self.may[i] != AdmissibleTransition::Stay).collect();
+        for unknowns in [Unknowns::Forces, Unknowns::Motions] {
+            let Some(found) = self.by_lemke(unknowns, tangent, statuses, &concerned, rate, effort)? else { continue };
+            let size = self.try_out(tangent, &found, rate, effort)?;
+            keep(&mut best, size, &found);
+            let mut settled = found;
+            if size.is_some_and(|size| size <= ROUNDING)
+                || self.by_correction(tangent, &mut settled, rate, &mut best, effort)?
+            {
+                effort.lemke += 1;
+                *statuses = settled;
+                return Ok(Found::Rates);
+            }
+        }
+        let mut all_tried = false;
+        if concerned.len() <= FEW {
+            effort.enumerated += 1;
+            match self.by_enumeration(tangent, statuses, &concerned, rate, &mut best, effort)? {
+                Tried::Found => return Ok(Found::Rates),
+                Tried::AllRegular => all_tried = true,
+                Tried::SomeSingular => {}
+            }
+        }
+        match best {
+            Some((size, found)) if size <= ACCEPTED => {
+                self.try_out(tangent, &found, rate, effort)?;
+                *statuses = found;
+                Ok(Found::Rates)
+            }
+            _ if all_tried => Ok(Found::None),
+            _ => Ok(Found::Nothing),
+        }
+    }
+
+    /// Corrects statuses where their rates break a law: all at once, and one by one where that goes in circles.
+    fn by_correction(
+        &self,
+        tangent: &mut dyn Tangent,
+        statuses: &mut [NodeStatus],
+        rate: &mut NodalContact,
+        best: &mut Option<(f64, Vec<NodeStatus>)>,
+        effort: &mut Effort,
+    ) -> Result<bool, LinearError> {
+        let concerned = self.may.iter().filter(|may| **may != AdmissibleTransition::Stay).count();
+        let mut seen: Vec<Vec<NodeStatus>> = Vec::new();
+        let mut tried = vec![[0_usize; 4]; statuses.len()];
+        let mut alone = false;
+        for turn in 0..TOGETHER + EACH * concerned {
+            effort.solves += 1;
+            if !(tangent.take(statuses)? && tangent.solve(self.given, rate)?) {
+                return Ok(false);
+            }
+            let breaches = self.breaches(statuses, rate);
+            let size = breaches.iter().fold(0.0_f64, |m, breach| m.max(breach.size));
+            keep(best, Some(size), statuses);
+            if breaches.is_empty() {
+                return Ok(true);
+            }
+            if !alone && (turn >= TOGETHER || seen.iter().any(|before| before == statuses)) {
+                alone = true;
+                effort.one_by_one += 1;
+            }
+            if !alone {
+                seen.push(statuses.to_vec());
+                for breach in &breaches {
+                    statuses[breach.node] = breach.to;
+                }
+                continue;
+            }
+            let worst = breaches.iter().max_by(|a, b| a.size.total_cmp(&b.size));
+            let Some(Breach { node, to, .. }) = worst else { return Ok(true) };
+            // A grazing node may go in circles past the status that is right, so each has its turn.
+            let next = if self.may[*node] == AdmissibleTransition::Anything && self.rough[*node] {
+                tried[*node][place(statuses[*node])] += 1;
+                let others = ALL.into_iter().filter(|status| *status != statuses[*node]);
+                others.min_by_key(|status| (tried[*node][place(*status)], *status != *to)).unwrap_or(*to)
+            } else {
+                *to
+            };
+            statuses[*node] = next;
+        }
+        Ok(false)
+    }
+
+    /// Tries all statuses of the nodes `concerned`.
+    fn by_enumeration(
+        &self,
+        tangent: &mut dyn Tangent,
+        statuses: &mut [NodeStatus],
+        concerned: &[usize],
+        rate: &mut NodalContact,
+        best: &mut Option<(f64, Vec<NodeStatus>)>,
+        effort: &mut Effort,
+    ) -> Result<Tried, LinearError> {
+        let choices: Vec<Vec<NodeStatus>> = concerned.iter().map(|&i| self.choices(i)).collect();
+        let all = choices.iter().map(Vec::len).product::<usize>();
+        let before = statuses.to_vec();
+        let mut tried = Tried::AllRegular;
+        for mut number in 0..all {
+            for (&i, choices) in concerned.iter().zip(&choices) {
+                statuses[i] = choices[number % choices.len()];
+                number /= choices.len();
+            }
+            let size = self.try_out(tangent, statuses, rate, effort)?;
+            keep(best, size, statuses);
+            match size {
+                Some(size) if size <= ROUNDING => return Ok(Tried::Found),
+                Some(_) => {}
+                None => tried = Tried::SomeSingular,
+            }
+        }
+        statuses.copy_from_slice(&before);
+        Ok(tried)
+    }
+
+    /// The statuses that node `i` may take.
+    fn choices(&self, i: usize) -> Vec<NodeStatus> {
+        match self.may[i] {
+            AdmissibleTransition::Turn(sign) => vec![NodeStatus::Stick, NodeStatus::slip(sign)],
+            _ if self.rough[i] => ALL.to_vec(),
+            _ => vec![NodeStatus::Forward, NodeStatus::Open],
+        }
+    }
+}
+
+const ALL: [NodeStatus; 4] = [NodeStatus::Stick, NodeStatus::Forward, NodeStatus::Backward, NodeStatus::Open];
+
+fn place(status: NodeStatus) -> usize {
+    ALL.iter().position(|other| *other == status).unwrap_or(0)
+}
+
+/// Keeps statuses if they are the best so far.
+fn keep(best: &mut Option<(f64, Vec<NodeStatus>)>, size: Option<f64>, statuses: &[NodeStatus]) {
+    let Some(size) = size else { return };
+    if best.as_ref().is_none_or(|(least, _)| size < *least) {
+        *best = Some((size, statuses.to_vec()));
+    }
+}

@@ -1,0 +1,422 @@
+//! The way from event to event.
+
+use super::dictionary::Dictionary;
+use super::node::{AdmissibleTransition, Given, NodalContact, NodeStatus, largest};
+use super::rate::Found;
+use super::rate_problem::{Effort, ROUNDING, RateProblem};
+use super::refined::Refined;
+use super::sparse::SparseTangent;
+use super::stretch::Stretch;
+use super::tangent::Tangent;
+use super::{Equations, Event, PathEnd, PathError, PathSegment, SegmentEnd};
+use crate::algebra::linear::{LinearError, RefinedSolver, Statistics};
+use crate::base::units::Scaling;
+use crate::solver::formulation::Layout;
+use crate::solver::laws::ContactStatus;
+use crate::solver::loading::Loading;
+use crate::solver::problem::{ContactProblem, State};
+use crate::solver::solvability::{Landing, Load, NEARBY, is_carried_without_strain, landing};
+
+/// A distance, pressure or reserve of friction below this share of the largest is none.
+const NONE: f64 = 1e-13;
+
+/// Steps of no length in a row, after which statuses go in circles.
+const STANDSTILL: usize = 50;
+
+/// A history on its way.
+pub struct ExactPath<'a> {
+    problem: &'a ContactProblem,
+    scaling: Scaling,
+    mu: &'a [f64],
+    rough: Vec<bool>,
+    tangents: Vec<Option<usize>>,
+    pub(super) equations: Refined<'a>,
+    pub(super) stretch: Stretch<'a>,
+    /// How much of the stretch has passed.
+    pub(super) share: f64,
+    pub(super) statuses: Vec<NodeStatus>,
+    /// Where each node last stuck, past its obstacle.
+    pub(super) stuck: Vec<f64>,
+    pub(super) at: NodalContact,
+    pub(super) rate: NodalContact,
+    /// Whether `rate` holds on; if not, which nodes have just come to the border of a law.
+    pub(super) decided: bool,
+    pub(super) hit: Vec<bool>,
+    /// The largest forces and displacements so far.
+    pub(super) largest: [f64; 2],
+    pub(super) standstill: usize,
+    pub(super) effort: Effort,
+}
+
+impl<'a> ExactPath<'a> {
+    /// The unloaded body at the start of `loading`, with the `equations` to solve; `scaling` are the units inside.
+    ///
+    /// # Errors
+    /// [`PathError`] tells what it does not know: nodes that slide in a plane, friction that changes, rows that depend on
+    /// each other.
+    pub fn new(
+        problem: &'a ContactProblem,
+        loading: &'a Loading,
+        scaling: Scaling,
+        equations: Equations<'a>,
+    ) -> Result<Self, PathError> {
+        loading.check(problem)?;
+        let layout = Layout::new(problem);
+        let contacts = problem.contacts();
+        if (0..contacts).any(|i| layout.slides_in_a_plane(i)) {
+            return Err(PathError::SlidesInAPlane);
+        }
+        if loading.friction().is_some() {
+            return Err(PathError::FrictionChanges);
+        }
+        let tangents: Vec<Option<usize>> =
+            (0..contacts).map(|i| layout.tangential(i).iter().position(Option::is_some)).collect();
+        let rough: Vec<bool> = tangents.iter().map(Option::is_some).collect();
+        let equations: Box<dyn Tangent + 'a> = match equations {
+            Equations::Sparse(linear) => Box::new(SparseTangent::new(problem, tangents.clone(), scaling, linear)?),
+            Equations::Dense => Box::new(Dictionary::new(problem, &tangents, scaling).ok_or(PathError::DependentRows)?),
+        };
+        let none = || NodalContact::zero(contacts);
+        let mut walk = ExactPath {
+            problem,
+            scaling,
+            mu: problem.mu(),
+            rough,
+            equations: Refined::new(problem, tangents.clone(), scaling, equations),
+            stretch: Stretch::first(problem, loading, scaling, tangents.clone()),
+            tangents,
+            share: 0.0,
+            statuses: vec![NodeStatus::Open; contacts],
+            stuck: vec![0.0; contacts],
+            at: NodalContact { u: vec![0.0; problem.displacements()], ..none() },
+            rate: none(),
+            decided: false,
+            hit: vec![false; contacts],
+            largest: [0.0; 2],
+            standstill: 0,
+            effort: Effort::default(),
+        };
+        walk.begin();
+        Ok(walk)
+    }
+
+    /// Nodes that touch start closed: where contact alone holds the body, anything else would be singular. Such a body first comes to
+    /// rest under the loads that come first, as a rigid one, however small they are.
+    fn begin(&mut self) {
+        let rest = if is_carried_without_strain(self.problem) { self.rest() } else { None };
+        let gap = &self.stretch.at.gap;
+        let nodes = match rest {
+            None => (0..gap.len()).filter(|&i| gap[i] <= 0.0).collect(),
+            Some(Landing { weights, nodes }) => {
+                let mut u = vec![0.0; self.problem.displacements()];
+                for (weight, motion) in weights.iter().zip(self.problem.rigid_modes()) {
+                    u.iter_mut().zip(motion).for_each(|(u, r)| *u += weight * r);
+                }
+                let [w_n, w_t, w_o] = self.problem.contact_motion(&u);
+                let w_t = self.along([&w_t, &w_o], 1.0);
+                self.at = NodalContact { w_n, w_t, u, ..NodalContact::zero(self.statuses.len()) };
+                nodes
+            }
+        };
+        for i in nodes {
+            self.statuses[i] = if self.rough[i] { NodeStatus::Stick } else { NodeStatus::Forward };
+        }
+        self.stuck = self.at.w_t.iter().zip(&self.stretch.at.slide).map(|(w, slide)| w - slide).collect();
+    }
+
+    /// Where the loads that come first carry a rigid body to; `None` where nothing stops it.
+    fn rest(&self) -> Option<Landing> {
+        let Given { force, .. } = &self.stretch.change;
+        let sizes: Vec<f64> = force.iter().map(|f| f.abs()).collect();
+        let gap = &self.stretch.at.gap;
+        let reach: Vec<f64> = gap.iter().map(|gap| NEARBY * gap.abs()).collect();
+        landing(self.problem, self.mu, &Load { force, sizes: &sizes }, gap, &reach)
+    }
+
+    /// Of values along both tangents those along which nodes slide, in this `unit`.
+    fn along(&self, values: [&Vec<f64>; 2], unit: f64) -> Vec<f64> {
+        self.tangents.iter().enumerate().map(|(i, k)| k.map_or(0.0, |k| values[k][i] / unit)).collect()
+    }
+
+    /// Goes over to the stretch that begins where the last one ends.
+    fn next_stretch(&mut self) {
+        self.stretch.next();
+        (self.share, self.decided) = (0.0, false);
+    }
+
+    /// The time reached, s.
+    pub fn time(&self) -> f64 {
+        self.stretch.time_at(self.share)
+    }
+
+    /// Whether what is there at t = 0 is still coming, so that the state is none of any time.
+    pub fn is_beginning(&self) -> bool {
+        self.stretch.times[1] == 0.0
+    }
+
+    /// What each contact node does since the last event.
+    pub fn statuses(&self) -> &[NodeStatus] {
+        &self.statuses
+    }
+
+    /// What the rates have taken so far.
+    pub fn effort(&self) -> Effort {
+        self.effort
+    }
+
+    /// What the linear algebra has done so far.
+    pub fn statistics(&self) -> Statistics {
+        self.equations.statistics()
+    }
+
+    /// Where the nodes are along both tangents, past their obstacles, n_c each, m; 0 along one that they do not have.
+    pub fn places(&self) -> [Vec<f64>; 2] {
+        let slide = self.stretch.given_at(self.share).slide;
+        let place = |(w, slide): (&f64, &f64)| (w - slide) * self.scaling.length;
+        self.equations.along_both(&self.at.w_t.iter().zip(&slide).map(place).collect::<Vec<_>>())
+    }
+
+    /// External forces (N, n_u), gaps, and how far obstacles have moved along both tangents (m, n_c) in the state reached. In a stretch
+    /// that is short beside its time these cannot be told by the time.
+    pub(crate) fn given(&self) -> (Vec<f64>, Vec<f64>, [Vec<f64>; 2]) {
+        let Given { force, gap, slide } = self.stretch.given_at(self.share);
+        let si = |values: Vec<f64>, unit: f64| values.into_iter().map(|value| value * unit).collect::<Vec<_>>();
+        let slide = si(slide, self.scaling.length);
+        (si(force, self.scaling.force), si(gap, self.scaling.length), self.equations.along_both(&slide))
+    }
+
+    /// The state reached, SI.
+    pub fn state(&self) -> State {
+        self.equations.state(&self.at)
+    }
+
+    /// The linear algebra, for other equations in between, if it is of use to them.
+    pub(crate) fn lend(&mut self) -> Option<&mut RefinedSolver> {
+        self.equations.lend()
+    }
+
+    /// Goes on from another `state` at `time`, later than the one reached, in which contact nodes have these `statuses`.
+    pub(crate) fn go_on_from(&mut self, time: f64, state: &State, statuses: &[ContactStatus]) {
+        self.stretch.begin_at(time);
+        (self.share, self.decided) = (0.0, false);
+        let Scaling { force, length } = self.scaling;
+        let [w_n, w_t, w_o] = self.problem.contact_motion(&state.u);
+        let (w_t, p_t) = (self.along([&w_t, &w_o], length), self.along([&state.p_t, &state.p_o], force));
+        let scaled = |values: &[f64], unit: f64| values.iter().map(|value| value / unit).collect::<Vec<_>>();
+        self.statuses = (0..statuses.len())
+            .map(|i| match statuses[i] {
+                ContactStatus::Open => NodeStatus::Open,
+                ContactStatus::Stick if self.rough[i] => NodeStatus::Stick,
+                _ => NodeStatus::slip(p_t[i]),
+            })
+            .collect();
+        self.stuck = w_t.iter().zip(&self.stretch.at.slide).map(|(w, slide)| w - slide).collect();
+        self.at = NodalContact {
+            w_n: scaled(&w_n, length),
+            w_t,
+            p_n: scaled(&state.p_n, force),
+            p_t,
+            u: scaled(&state.u, length),
+            u_rest: scaled(&state.u_rest, length),
+            rounding: 0.0,
+        };
+        self.rate = NodalContact::zero(statuses.len());
+        (self.hit, self.standstill) = (vec![false; statuses.len()], 0);
+        self.measure(&self.stretch.at.clone());
+    }
+
+    /// What forces (N, n_u) change while no node changes its status, SI.
+    ///
+    /// # Errors
+    /// When the linear algebra cannot go on.
+    pub(crate) fn response(&mut self, forces: &[f64]) -> Result<State, LinearError> {
+        let zeros = || vec![0.0; self.statuses.len()];
+        let force = forces.iter().map(|f| f / self.scaling.force).collect();
+        let mut change = NodalContact::zero(self.statuses.len());
+        if !self.equations.solve(&Given { force, gap: zeros(), slide: zeros() }, &mut change)? {
+            return Err(LinearError::NotFinite);
+        }
+        Ok(self.equations.state(&change))
+    }
+
+    /// Goes on to the next event, corner of the loads, or to `until` (s), whichever comes first.
+    ///
+    /// # Errors
+    /// When the linear algebra cannot go on.
+    pub fn step(&mut self, until: f64) -> Result<PathSegment, PathError> {
+        let mut events = Vec::new();
+        let [start, end] = self.stretch.times;
+        let wanted = if end.is_infinite() {
+            0.0
+        } else if until >= end {
+            1.0
+        } else {
+            ((until - start) / (end - start)).max(self.share)
+        };
+        if !self.decided {
+            let before = self.statuses.clone();
+            if let Some(lost) = self.decide()? {
+                // What was asked for is reached all the same; whoever wants to go on will hear it.
+                let stop = if wanted - self.share <= NONE { SegmentEnd::Until } else { SegmentEnd::PathEnd(lost) };
+                return Ok(PathSegment { events, friction_work: 0.0, stop });
+            }
+            let time = self.time();
+            let changed = before.into_iter().zip(&self.statuses).enumerate().filter(|(_, (from, to))| from != *to);
+            events.extend(changed.map(|(node, (from, to))| Event { time, node, from, to: *to }));
+        }
+        let (reach, hit) = self.reach();
+        let target = if self.decided && end.is_infinite() { self.share } else { (self.share + reach).min(wanted) };
+        let happens = !end.is_infinite() && self.share + reach <= wanted;
+        let friction_work = self.go(target);
+        self.hit = vec![false; self.statuses.len()];
+        if happens && target < 1.0 {
+            self.standstill = if reach <= NONE { self.standstill + 1 } else { 0 };
+            self.hit = hit;
+            self.decided = false;
+            if self.standstill > STANDSTILL {
+                let lost = PathEnd { time: self.time(), certain: false };
+                return Ok(PathSegment { events, friction_work, stop: SegmentEnd::PathEnd(lost) });
+            }
+            return Ok(PathSegment { events, friction_work, stop: SegmentEnd::Event });
+        }
+        if end.is_infinite() || until < end {
+            return Ok(PathSegment { events, friction_work, stop: SegmentEnd::Until });
+        }
+        let arrived = until == end && start < end;
+        if happens {
+            self.hit = hit;
+        }
+        let hit = std::mem::take(&mut self.hit);
+        self.next_stretch();
+        self.hit = hit;
+        Ok(PathSegment { events, friction_work, stop: if arrived { SegmentEnd::Until } else { SegmentEnd::Corner } })
+    }
+
+    /// Finds the statuses with which the path goes on, and their rates.
+    fn decide(&mut self) -> Result<Option<PathEnd>, PathError> {
+        let may: Vec<AdmissibleTransition> = (0..self.statuses.len()).map(|i| self.may(i)).collect();
+        let mut statuses: Vec<NodeStatus> = (0..self.statuses.len()).map(|i| self.guess(i, may[i])).collect();
+        let problem = RateProblem {
+            problem: self.problem,
+            tangents: &self.tangents,
+            given: &self.stretch.change,
+            mu: self.mu,
+            rough: &self.rough,
+            may: &may,
+        };
+        match problem.solve(&mut self.equations, &mut statuses, &mut self.rate, &mut self.effort)? {
+            Found::Rates => {}
+            found => {
+                // Back to the equations of the state that was reached.
+                self.equations.take(&self.statuses)?;
+                return Ok(Some(PathEnd { time: self.time(), certain: matches!(found, Found::None) }));
+            }
+        }
+        let mut given = self.stretch.given_at(self.share);
+        for (i, status) in statuses.iter().enumerate() {
+            if status.is_held() && !self.statuses[i].is_held() {
+                self.stuck[i] = self.at.w_t[i] - given.slide[i];
+            }
+        }
+        (self.statuses, self.decided) = (statuses, true);
+        // Not by the rates before but anew, so that neither rounding nor the distance at which a node was said to touch adds up.
+        given.slide.iter_mut().zip(&self.stuck).for_each(|(slide, stuck)| *slide += stuck);
+        let mut anew = NodalContact::zero(self.statuses.len());
+        if self.equations.solve(&given, &mut anew)? {
+            self.at = anew;
+        }
+        self.measure(&given);
+        Ok(None)
+    }
+
+    /// Notes the largest forces and displacements of a state under what is `given`.
+    fn measure(&mut self, given: &Given) {
+        let interference = given.gap.iter().fold(0.0_f64, |m, gap| m.max(-gap));
+        let [force, length] = self.largest;
+        self.largest =
+            [force.max(self.at.force_scale(given)), length.max(self.at.largest_displacement()).max(interference)];
+    }
+
+    /// The distance of a node from its obstacle.
+    fn distance(&self, i: usize) -> f64 {
+        self.stretch.at.gap[i] + self.share * self.stretch.change.gap[i] - self.at.w_n[i]
+    }
+
+    /// How far the friction of a node is from the border of its cone in the direction of `sign`.
+    fn reserve(&self, i: usize, sign: f64) -> f64 {
+        self.mu[i] * self.at.p_n[i] - sign * self.at.p_t[i]
+    }
+
+    /// What the place of node `i` among the laws lets it do.
+    fn may(&self, i: usize) -> AdmissibleTransition {
+        let [force, length] = self.largest;
+        match self.statuses[i] {
+            NodeStatus::Open if self.hit[i] || self.distance(i) <= NONE * length => AdmissibleTransition::Anything,
+            NodeStatus::Open => AdmissibleTransition::Stay,
+            _ if self.at.p_n[i] <= NONE * force => AdmissibleTransition::Anything,
+            status if status.sign() != 0.0 && self.rough[i] => AdmissibleTransition::Turn(status.sign()),
+            NodeStatus::Stick => {
+                let sign = if self.at.p_t[i] < 0.0 { -1.0 } else { 1.0 };
+                if self.hit[i] || self.reserve(i, sign) <= NONE * force {
+                    AdmissibleTransition::Turn(sign)
+                } else {
+                    AdmissibleTransition::Stay
+                }
+            }
+            _ => AdmissibleTransition::Stay,
+        }
+    }
+
+    /// The status of node `i` with which to begin: that into which its last rates lead.
+    fn guess(&self, i: usize, may: AdmissibleTransition) -> NodeStatus {
+        let status = self.statuses[i];
+        let slip = self.rate.w_t[i] - self.stretch.change.slide[i];
+        match (may, status) {
+            _ if !self.hit[i] => status,
+            (AdmissibleTransition::Anything, NodeStatus::Open) if self.rough[i] => NodeStatus::slip(slip),
+            (AdmissibleTransition::Anything, NodeStatus::Open) => NodeStatus::Forward,
+            (AdmissibleTransition::Anything, _) => NodeStatus::Open,
+            (AdmissibleTransition::Turn(sign), NodeStatus::Stick) => NodeStatus::slip(sign),
+            _ => status,
+        }
+    }
+
+    /// How much of the stretch passes until a node comes to the border of a law, and which nodes do then.
+    fn reach(&self) -> (f64, Vec<bool>) {
+        let ExactPath { rate, stretch, .. } = self;
+        let force = rate.force_scale(&stretch.change);
+        let length = rate.largest_displacement().max(largest(&stretch.change.gap));
+        let until = |left: f64, pace: f64, scale: f64| {
+            if pace > ROUNDING * scale { left.max(0.0) / pace } else { f64::INFINITY }
+        };
+        let of_node = |i: usize| match self.statuses[i] {
+            NodeStatus::Open => until(self.distance(i), rate.w_n[i] - stretch.change.gap[i], length),
+            status => {
+                let leaves = until(self.at.p_n[i], -rate.p_n[i], force);
+                if status != NodeStatus::Stick {
+                    return leaves;
+                }
+                let slips =
+                    |sign: f64| until(self.reserve(i, sign), sign * rate.p_t[i] - self.mu[i] * rate.p_n[i], force);
+                leaves.min(slips(1.0)).min(slips(-1.0))
+            }
+        };
+        let shares: Vec<f64> = (0..self.statuses.len()).map(of_node).collect();
+        let least = shares.iter().fold(f64::INFINITY, |m, share| m.min(*share));
+        (least, shares.iter().map(|share| *share <= least + NONE).collect())
+    }
+
+    /// Goes on to `share` of the stretch; the work that friction dissipates on the way, J.
+    fn go(&mut self, share: f64) -> f64 {
+        let (before, passed) = (self.at.p_t.clone(), share - self.share);
+        self.at.add(passed, &self.rate);
+        self.share = share;
+        self.measure(&self.stretch.given_at(share));
+        let of_node = |i: usize| {
+            let slip = passed * (self.rate.w_t[i] - self.stretch.change.slide[i]);
+            0.5 * (before[i] + self.at.p_t[i]) * slip
+        };
+        let slipping = (0..self.statuses.len()).filter(|&i| self.statuses[i].sign() != 0.0);
+        slipping.map(of_node).sum::<f64>() * self.scaling.force * self.scaling.length
+    }
+}

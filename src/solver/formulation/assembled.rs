@@ -1,0 +1,58 @@
+//! What all formulations of a problem share.
+
+use std::sync::Arc;
+
+use super::Layout;
+use super::mixed::MixedMatrix;
+use super::scaled::ScaledData;
+use crate::algebra::sparse::Pattern;
+use crate::base::units::Scaling;
+use crate::solver::problem::ContactProblem;
+
+/// A problem in the units of a scaling, with the matrix on `(u, p_t, p_o, p_n)` set up: its pattern, its equilibrium rows
+/// and the places of all others. A formulation takes a clone, which shares all that never changes: with one pattern
+/// for all of them, one symbolic analysis serves BN, its rescue and an interior point method alike.
+#[derive(Clone)]
+pub struct Assembled {
+    pub(super) data: ScaledData,
+    pub(super) matrix: MixedMatrix,
+}
+
+impl Assembled {
+    /// Sets up the matrix of `problem`.
+    pub fn new(problem: &ContactProblem, scaling: Scaling) -> Self {
+        let data = ScaledData::new(problem, scaling);
+        let matrix = MixedMatrix::new(problem, &data.layout, &scaling);
+        Assembled { data, matrix }
+    }
+
+    /// The layout of `(u, p_t, p_o, p_n)`.
+    pub fn layout(&self) -> &Layout {
+        &self.data.layout
+    }
+
+    /// The union of the patterns of all cases of (21).
+    pub fn pattern(&self) -> &Arc<Pattern> {
+        self.matrix.matrix().pattern()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::algebra::sparse::{Csr, Symmetric};
+    use crate::solver::formulation::{Bdiff, Constrained, FormulationScaling, InteriorPoint, Partition};
+    use crate::solver::problem::Parts;
+
+    #[test]
+    fn all_formulations_have_one_pattern() {
+        let stiffness = Symmetric::from_triplets(2, &[(0, 0, 2.0), (1, 0, 1.0), (1, 1, 2.0)]).unwrap();
+        let [c_n, c_t] = [1, 0].map(|dof| Csr::of_rows(2, [[(dof, 1.0)]]));
+        let problem = ContactProblem::new(Parts { c_t, mu: vec![0.3], ..Parts::new(stiffness, c_n) }).unwrap();
+        let conventions = FormulationScaling::natural(&problem);
+        let bn = Bdiff::new(&problem, Scaling::SI, &conventions);
+        let ip = Constrained::on(bn.assembled(), &conventions, Partition::Products);
+        assert!(Arc::ptr_eq(bn.jacobian().pattern(), ip.matrix().pattern()));
+        assert!(Arc::ptr_eq(bn.jacobian().pattern(), bn.assembled().pattern()));
+    }
+}

@@ -1,0 +1,297 @@
+//! The B-differentiable formulation: `H_N` (19) and its linearisation (21) on `z = (u, p_t, p_o, p_n)`.
+
+mod changes;
+mod free;
+mod kept;
+mod tangent;
+
+pub use kept::Linearization;
+
+use super::mixed::{MixedMatrix, TangentialRow};
+use super::natural::Pressure;
+use super::natural::{NaturalRows, half_square};
+use super::scaled::ScaledData;
+use super::{Assembled, FormulationScaling, Layout};
+use crate::algebra::sparse::{DoubleDouble, SystemMatrix};
+use crate::base::units::Scaling;
+use crate::solver::laws::coulomb::{
+    DirectionalDerivative, NormalCase, TangentialCase, normal_case, normal_case_ahead, tangential_case,
+    tangential_case_ahead,
+};
+use crate::solver::problem::{ContactProblem, Increment, strained};
+
+/// `H_N` of a problem, in the units of its scaling, with its Jacobian on one fixed pattern.
+pub struct Bdiff {
+    data: ScaledData,
+    rows: NaturalRows,
+    matrix: MixedMatrix,
+    cases: Vec<Option<Case>>,
+}
+
+/// The normal case of a contact node, and the tangential one where it has a tangential unknown.
+type Case = (NormalCase, Option<TangentialCase>);
+
+impl Bdiff {
+    /// Sets up `H_N` of `problem`.
+    pub fn new(problem: &ContactProblem, scaling: Scaling, conventions: &FormulationScaling) -> Self {
+        Self::on(Assembled::new(problem, scaling), conventions)
+    }
+
+    /// `H_N` of a problem that is set up already.
+    pub fn on(assembled: Assembled, conventions: &FormulationScaling) -> Self {
+        let Assembled { data, matrix } = assembled;
+        let cases = vec![None; data.layout.contacts()];
+        Bdiff { rows: NaturalRows::new(conventions, &data.scaling), matrix, cases, data }
+    }
+
+    /// The same problem for another formulation.
+    pub fn assembled(&self) -> Assembled {
+        let mut matrix = self.matrix.clone();
+        matrix.release();
+        Assembled { data: self.data.clone(), matrix }
+    }
+
+    /// The layout of `z`.
+    pub fn layout(&self) -> &Layout {
+        &self.data.layout
+    }
+
+    /// The units of `z`.
+    pub fn scaling(&self) -> &Scaling {
+        &self.data.scaling
+    }
+
+    /// `r` of the normal row of node `i`, scaled.
+    pub fn r_n(&self, i: usize) -> f64 {
+        self.rows.r_n[i]
+    }
+
+    /// The cases of node `i` at `z`.
+    fn case(&self, i: usize, z: &[f64]) -> Case {
+        let (data, r_n, r_t) = (&self.data, self.rows.r_n[i], self.rows.r_t[i]);
+        let (p_n, w_n) = (z[data.layout.p_n(i)], data.w_n(i, z));
+        let tangential = data.layout.has_friction(i).then(|| {
+            let (p, slip) = (data.friction(i, z), data.slip(i, data.tangential(i, z)));
+            let pressure = self.rows.pressure(data, i, p_n, w_n);
+            self.of_tangents(i, tangential_case(p, pressure, slip, data.mu[i], r_t))
+        });
+        (normal_case(p_n, w_n, data.gap[i], r_n), tangential)
+    }
+
+    /// The cases of node `i` just ahead of `z` along `dz`.
+    fn case_ahead(&self, i: usize, z: &[f64], dz: &[f64]) -> Case {
+        let (data, r_n, r_t) = (&self.data, self.rows.r_n[i], self.rows.r_t[i]);
+        let n = data.layout.p_n(i);
+        let trial =
+            DirectionalDerivative::new(z[n], r_n * (data.w_n(i, z) - data.gap[i]), dz[n] + r_n * data.w_n(i, dz));
+        let tangential = data.layout.has_friction(i).then(|| {
+            let pressure = match self.rows.kind {
+                Pressure::Unknown => DirectionalDerivative::new(z[n], 0.0, dz[n]),
+                Pressure::Trial => trial,
+            };
+            let (p, dp, dw) = (data.friction(i, z), data.friction(i, dz), data.tangential(i, dz));
+            let slip = data.slip(i, data.tangential(i, z));
+            let q = [0, 1].map(|d| DirectionalDerivative::new(p[d], r_t * slip[d], dp[d] + r_t * dw[d]));
+            self.of_tangents(i, tangential_case_ahead(pressure, q, data.mu[i]))
+        });
+        (normal_case_ahead(trial), tangential)
+    }
+
+    /// A tangential case for the tangents that node `i` has.
+    fn of_tangents(&self, i: usize, case: TangentialCase) -> TangentialCase {
+        if self.layout().slides_in_a_plane(i) { case } else { case.straight() }
+    }
+
+    /// The contact rows of (19). The direction of a slip may be lost in the rounding of `z`, so a `rest` counts there.
+    fn contact_rows(&self, z: &[f64], rest: Option<&[f64]>, h: &mut [f64]) {
+        let Bdiff { data, rows, .. } = self;
+        for i in 0..data.layout.contacts() {
+            let n = data.layout.p_n(i);
+            h[n] = rows.normal(data, i, z[n], data.w_n(i, z));
+            if data.layout.has_friction(i) {
+                let pressure = rows.pressure(data, i, z[n], data.w_n(i, z));
+                let slip = match rest {
+                    None => data.slip(i, data.tangential(i, z)),
+                    Some(rest) => data.slip_beyond(i, z, rest),
+                };
+                let tangential = rows.tangential(data, i, data.friction(i, z), pressure, slip);
+                for (k, row) in data.layout.tangential(i).into_iter().zip(tangential) {
+                    if let Some(k) = k {
+                        h[k] = row;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Linearises for given cases of (21), one for each contact node, instead of those of a `z`. The
+    /// tangential case counts where there is a tangential unknown.
+    pub fn set_cases(&mut self, cases: impl IntoIterator<Item = (NormalCase, TangentialCase)>) {
+        self.matrix.release();
+        for (i, (normal, tangential)) in (0..self.layout().contacts()).zip(cases) {
+            self.write_rows(i, (normal, self.layout().has_friction(i).then_some(tangential)));
+        }
+    }
+
+    /// Writes the rows of node `i` for its cases in (21); tells whether they changed.
+    fn write_rows(&mut self, i: usize, (normal, tangential): Case) -> bool {
+        let kept = self.cases[i].is_some_and(|(last_normal, last)| {
+            let like = match (&last, &tangential) {
+                (Some(last), Some(tangential)) => tangential.is_like(last),
+                _ => last == tangential,
+            };
+            last_normal == normal && like
+        });
+        if kept {
+            return false;
+        }
+        self.cases[i] = Some((normal, tangential));
+        let (r_n, r_t) = (self.rows.r_n[i], self.rows.r_t[i]);
+        match normal {
+            NormalCase::Open => self.matrix.set_normal(i, 0.0, -1.0),
+            NormalCase::Closed => self.matrix.set_normal(i, r_n, 0.0),
+        }
+        for (d, unit) in [[1.0, 0.0], [0.0, 1.0_f64]].into_iter().enumerate() {
+            let row = match tangential {
+                None => continue,
+                Some(TangentialCase::NoPressure) => TangentialRow { w: [0.0; 2], p: unit.map(|x| -x), p_n: 0.0 },
+                Some(TangentialCase::Stick) => TangentialRow { w: unit.map(|x| r_t * x), p: [0.0; 2], p_n: 0.0 },
+                Some(TangentialCase::Slip { direction, turning }) => TangentialRow {
+                    w: turning[d].map(|x| r_t * x),
+                    p: [0, 1].map(|e| turning[d][e] - unit[e]),
+                    p_n: self.data.mu[i] * direction[d],
+                },
+            };
+            self.matrix.set_tangential(i, d, &row);
+        }
+        true
+    }
+
+    /// The length of `z`.
+    pub fn unknowns(&self) -> usize {
+        self.layout().unknowns()
+    }
+
+    /// Sets the data of a new increment.
+    pub fn begin(&mut self, increment: &Increment<'_>) {
+        if *self.data.mu != *increment.mu {
+            // The rows of slipping nodes have the old coefficient.
+            self.cases.fill(None);
+        }
+        self.data.begin(increment);
+    }
+
+    /// `h = H_N(z)` (19).
+    pub fn residual(&self, z: &[f64], h: &mut [f64]) {
+        let data = &self.data;
+        // The equilibrium rows of the Jacobian are constant: K u + C_nᵀ p_n + C_tᵀ p_t + C_oᵀ p_o - f.
+        self.matrix.matrix().mul(z, h);
+        for (row, force) in h.iter_mut().zip(&data.force) {
+            *row -= force;
+        }
+        for spring in self.matrix.springs() {
+            h[spring.place] -= spring.stiffness * z[spring.place];
+        }
+        self.contact_rows(z, None, h);
+    }
+
+    /// `h = H_N(z + rest)`, the linear rows in twice the working precision; `rest` is below the rounding of `z`.
+    pub fn residual_beyond(&self, z: &[f64], rest: &[f64], h: &mut [f64]) {
+        let mut sums = vec![DoubleDouble::default(); h.len()];
+        let n = self.layout().displacements();
+        let (mut strained, mut strained_rest) = strained(&self.data.rigid_modes, &z[..n], &rest[..n]);
+        strained.extend(&z[n..]);
+        strained_rest.extend(&rest[n..]);
+        self.matrix.matrix().add_beyond(&strained, &strained_rest, &mut sums);
+        for spring in self.matrix.springs() {
+            sums[spring.place].add_product(-spring.stiffness, strained[spring.place]);
+            sums[spring.place].add(-spring.stiffness * strained_rest[spring.place]);
+        }
+        sums.iter_mut().zip(&self.data.force).for_each(|(sum, force)| sum.add(-force));
+        h.iter_mut().zip(sums).for_each(|(row, sum)| *row = sum.value());
+        self.contact_rows(z, Some(rest), h);
+    }
+
+    /// `Theta` (10) of a residual, `½ Hᵀ H` with every row in its unit of [`FormulationScaling`], SI.
+    pub fn merit(&self, h: &[f64]) -> f64 {
+        self.rows.theta_of(&self.data, h)
+    }
+
+    /// `t ↦ Theta(z + t dz)` along a Newton direction `dz` from `z` with `h = H(z)`. The equilibrium rows are linear and
+    /// `dz` solves them, so along it they shrink by `1 - t`: a trial step costs O(n_c). What springs carry counts as carried.
+    pub fn merit_along<'a>(&'a self, z: &'a [f64], dz: &'a [f64], h: &[f64]) -> impl Fn(f64) -> f64 + 'a {
+        let equilibrium = half_square(&h[..self.layout().displacements()]);
+        move |t| self.rows.theta(&self.data, (1.0 - t).powi(2) * equilibrium, z, dz, t)
+    }
+
+    /// Linearises at `z` (21), and ties what that leaves free: rewrites the values of [`Bdiff::jacobian`] that depend on it, and tells whether any of them
+    /// changed. Where slip can turn, its coefficients are kept while they are the same to eight digits.
+    pub fn linearize(&mut self, z: &[f64]) -> bool {
+        self.write_cases(|this, i| this.case(i, z))
+    }
+
+    /// Linearises at `z` as seen from `z + t dz`, `t → 0+`: where several cases meet in `z`, each node
+    /// takes the one that `dz` leads into. A `dz` that solves with it and is met by it again, unchanged,
+    /// is the direction of the B-derivative itself (20). Tells whether any case changed.
+    pub fn linearize_towards(&mut self, z: &[f64], dz: &[f64]) -> bool {
+        self.write_cases(|this, i| this.case_ahead(i, z, dz))
+    }
+
+    /// Writes the rows of every node for its case, and ties what they leave free; tells whether any changed.
+    fn write_cases(&mut self, case: impl Fn(&Self, usize) -> Case) -> bool {
+        let mut changed = false;
+        for i in 0..self.layout().contacts() {
+            changed |= self.write_rows(i, case(self, i));
+        }
+        if changed {
+            self.tie_unheld_motions();
+        }
+        changed
+    }
+
+    /// Turns a residual into the right-hand side of [`Bdiff::jacobian`], whose rows are those of the derivative up to row
+    /// operations. The slip rows of (21) have no `C_n du`. With the trial pressure the derivative has, `μ n r C_n du`,
+    /// and the normal row of the closed node, taken away `μ n` times, removes it.
+    pub fn right_hand_side(&self, h: &mut [f64]) {
+        if self.rows.kind == Pressure::Unknown {
+            return;
+        }
+        for i in 0..self.layout().contacts() {
+            let Some((_, Some(TangentialCase::Slip { direction, .. }))) = self.cases[i] else { continue };
+            for (k, n) in self.layout().tangential(i).into_iter().zip(direction) {
+                if let Some(k) = k {
+                    h[k] -= self.data.mu[i] * n * h[self.layout().p_n(i)];
+                }
+            }
+        }
+    }
+
+    /// The case of every contact node in the last linearisation, to be compared with others.
+    pub fn cases(&self) -> Vec<u8> {
+        let tangential = |case: &Option<TangentialCase>| match case {
+            None => 0,
+            Some(TangentialCase::NoPressure) => 1,
+            Some(TangentialCase::Stick) => 2,
+            // In a plane, the quadrant.
+            Some(TangentialCase::Slip { direction: [t, o], .. }) => 3 + u8::from(*t > 0.0) + 2 * u8::from(*o > 0.0),
+        };
+        let cases = self.cases.iter().flatten();
+        cases.flat_map(|(normal, case)| [u8::from(*normal == NormalCase::Closed), tangential(case)]).collect()
+    }
+
+    /// Linearises as if every contact node were held where it is: closed, and sticking where there
+    /// is friction. With that matrix the other displacements follow a change of the load alone.
+    pub fn hold_contacts(&mut self) {
+        self.set_cases(vec![(NormalCase::Closed, TangentialCase::Stick); self.layout().contacts()]);
+    }
+
+    /// The matrix of the last linearisation, with what ties motions that it leaves free. Its pattern never changes.
+    pub fn jacobian(&self) -> &SystemMatrix {
+        self.matrix.matrix()
+    }
+
+    /// Whether `H` is affine, so that a single step solves it.
+    pub fn is_affine(&self) -> bool {
+        self.layout().contacts() == 0
+    }
+}

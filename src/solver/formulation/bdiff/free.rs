@@ -1,0 +1,185 @@
+//! Motions that a linearisation leaves free: held for the time of a step, and followed where the loads drive them.
+//!
+//! Where the cases of the contact nodes leave rigid motions `r` free, the Jacobian is singular, `J (r, 0) = 0`. It becomes
+//! regular when as many displacements are tied to where they are, each by a spring as stiff as its own entry of `K`, which is
+//! in the pattern anyway. With a left null vector `y` of `J`, `yᵀ` times `(J + Σ k e eᵀ) dz = -H` leaves
+//! `Σ (yᵀe) k dz = -yᵀ H`. If the equations have a solution, `yᵀ H = 0`: the springs carry nothing, and `dz` solves (22)
+//! itself, whatever their stiffness. If they have none, the springs carry what the loads do on `r` and give way to it.
+
+use super::{Bdiff, Case};
+use crate::algebra::null_space::{NEGLIGIBLE, null_space};
+use crate::algebra::sparse::Csr;
+use crate::solver::laws::coulomb::{NormalCase, TangentialCase};
+
+/// The bisections that find where a case changes, to nine digits.
+const BISECTIONS: usize = 30;
+
+impl Bdiff {
+    /// Weights of a combination of the problem's free motions that the last linearisation leaves free; `None` if there is
+    /// none.
+    pub fn unheld_motion(&self) -> Option<Vec<f64>> {
+        self.unheld_motions().into_iter().next()
+    }
+
+    /// Weights of the problem's free motions in all that the last linearisation leaves free. A rigid motion stays free
+    /// if no closed node stops it along the normal and no sticking node along a tangent; a slipping one resists across its
+    /// slip, as friction would turn.
+    fn unheld_motions(&self) -> Vec<Vec<f64>> {
+        let motions = &self.data.rigid_modes;
+        if motions.is_empty() {
+            return Vec::new();
+        }
+        let row = |c: &Csr, i: usize| motions.iter().map(|motion| c.dot(i, motion)).collect::<Vec<f64>>();
+        let closed = |i: usize| matches!(self.cases[i], Some((NormalCase::Closed, _)));
+        let tangents = |i: usize| [row(&self.data.c_t, i), row(&self.data.c_o, i)];
+        let held = |i: usize| match self.cases[i] {
+            Some((_, Some(TangentialCase::Stick))) => tangents(i).to_vec(),
+            Some((_, Some(TangentialCase::Slip { direction: [t, o], turning }))) if turning != [[0.0; 2]; 2] => {
+                let [along_t, along_o] = tangents(i);
+                vec![along_t.iter().zip(&along_o).map(|(w_t, w_o)| t * w_o - o * w_t).collect()]
+            }
+            _ => Vec::new(),
+        };
+        let contacts = 0..self.layout().contacts();
+        let normal = contacts.clone().filter(|&i| closed(i)).map(|i| row(&self.data.c_n, i));
+        let tangential = contacts.flat_map(held);
+        null_space(motions.len(), normal.chain(tangential))
+    }
+
+    /// Ties the displacements of contact nodes that tell the motions left free by the last linearisation apart.
+    pub(super) fn tie_unheld_motions(&mut self) {
+        self.matrix.release();
+        let unheld = self.unheld_motions();
+        if unheld.is_empty() {
+            return;
+        }
+        let candidates = self.data.contact_displacements();
+        let motion = |weights: &Vec<f64>| {
+            let u = self.data.motion(weights, self.layout().displacements());
+            candidates.iter().map(|&place| u[place]).collect()
+        };
+        let places = anchors(unheld.iter().map(motion).collect());
+        self.matrix.tie(places.into_iter().map(|k| candidates[k]));
+    }
+
+    /// Whether the last linearisation leaves motions free, which are tied.
+    pub fn is_tied(&self) -> bool {
+        !self.matrix.springs().is_empty()
+    }
+
+    /// The motion of [`Bdiff::unheld_motion`], if nothing ties it either.
+    pub fn loose_motion(&self) -> Option<Vec<f64>> {
+        if self.is_tied() { None } else { self.unheld_motion() }
+    }
+
+    /// The step from `z` along `dz` with which the first contact node comes into another case than that of the last
+    /// linearisation; a slip in a plane may turn by a right angle. `None` if none ever does.
+    pub fn reach(&self, z: &[f64], dz: &[f64]) -> Option<f64> {
+        let (mut near, mut far) = (0.0, 1.0);
+        while self.stays(z, dz, far) {
+            (near, far) = (far, 2.0 * far);
+            if !far.is_finite() {
+                return None;
+            }
+        }
+        Some(self.bisect(z, dz, near, far).1)
+    }
+
+    /// A solution as near to `to`, in the displacements of contact nodes, as the motions that the last linearisation leaves
+    /// free bring the solution `z` without a change of cases: of all along them the one that moves least.
+    pub fn settled(&self, z: &[f64], to: &[f64]) -> Vec<f64> {
+        let places = self.data.contact_displacements();
+        let product = |a: &[f64], b: &[f64]| places.iter().map(|&k| a[k] * b[k]).sum::<f64>();
+        let mut dz = vec![0.0; z.len()];
+        let mut left: Vec<f64> = to.iter().zip(z).map(|(to, z)| to - z).collect();
+        let mut taken = Vec::<Vec<f64>>::new();
+        for weights in self.unheld_motions() {
+            let mut motion = self.data.motion(&weights, z.len());
+            for other in &taken {
+                let part = product(&motion, other) / product(other, other);
+                motion.iter_mut().zip(other).for_each(|(u, other)| *u -= part * other);
+            }
+            let part = product(&left, &motion) / product(&motion, &motion);
+            dz.iter_mut().zip(&motion).for_each(|(dz, u)| *dz += part * u);
+            left.iter_mut().zip(&motion).for_each(|(left, u)| *left -= part * u);
+            taken.push(motion);
+        }
+        let step = if self.stays(z, &dz, 1.0) { 1.0 } else { self.bisect(z, &dz, 0.0, 1.0).0 };
+        z.iter().zip(&dz).map(|(z, dz)| z + step * dz).collect()
+    }
+
+    /// Whether all nodes have the cases of the last linearisation at `z + step dz`.
+    fn stays(&self, z: &[f64], dz: &[f64], step: f64) -> bool {
+        let ahead: Vec<f64> = z.iter().zip(dz).map(|(z, dz)| z + step * dz).collect();
+        let alike = |i: usize| self.cases[i].is_some_and(|case| is_alike(case, self.case(i, &ahead)));
+        (0..self.layout().contacts()).all(alike)
+    }
+
+    /// Brings the steps `near`, with which all nodes stay in their cases, and `far`, with which one does not, together.
+    fn bisect(&self, z: &[f64], dz: &[f64], mut near: f64, mut far: f64) -> (f64, f64) {
+        for _ in 0..BISECTIONS {
+            let middle = 0.5 * (near + far);
+            *(if self.stays(z, dz, middle) { &mut near } else { &mut far }) = middle;
+        }
+        (near, far)
+    }
+}
+
+/// The places by which `motions` are told apart, one for each: where the largest is when those before have been taken
+/// out of the others.
+fn anchors(motions: Vec<Vec<f64>>) -> Vec<usize> {
+    let mut places = Vec::with_capacity(motions.len());
+    // What is left of a motion that depends on others is rounding.
+    let least = |motion: &Vec<f64>| NEGLIGIBLE * motion.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
+    let mut motions: Vec<(f64, Vec<f64>)> = motions.into_iter().map(|motion| (least(&motion), motion)).collect();
+    loop {
+        let entries = motions.iter().enumerate().flat_map(|(k, (least, motion))| {
+            let telling = motion.iter().enumerate().filter(|(_, u)| u.abs() > *least);
+            telling.map(move |u| (k, u))
+        });
+        let largest = entries.max_by(|a, b| a.1.1.abs().total_cmp(&b.1.1.abs()));
+        let Some((k, (place, _))) = largest else { return places };
+        places.push(place);
+        let (_, pivot) = motions.swap_remove(k);
+        for (_, motion) in &mut motions {
+            let factor = motion[place] / pivot[place];
+            motion.iter_mut().zip(&pivot).for_each(|(u, pivot)| *u -= factor * pivot);
+        }
+    }
+}
+
+/// Whether two cases of a node are the same, a slip that has turned by less than a right angle included.
+fn is_alike((normal, tangential): Case, (other_normal, other): Case) -> bool {
+    let alike = match (tangential, other) {
+        (Some(TangentialCase::Slip { direction: n, .. }), Some(TangentialCase::Slip { direction: m, .. })) => {
+            n[0] * m[0] + n[1] * m[1] > 0.0
+        }
+        (one, other) => one == other,
+    };
+    normal == other_normal && alike
+}
+
+#[cfg(test)]
+mod tests {
+    use super::anchors;
+
+    #[test]
+    fn anchors_tell_motions_apart() {
+        assert_eq!(anchors(vec![vec![0.0, -2.0, 1.0]]), [1]);
+        // Two translations and a rotation of three points on a line.
+        let motions = vec![
+            vec![1.0, 0.0, 1.0, 0.0, 1.0, 0.0],
+            vec![0.0, 1.0, 0.0, 1.0, 0.0, 1.0],
+            vec![0.0, -0.5, 0.0, 0.0, 0.0, 0.5],
+        ];
+        let mut places = anchors(motions);
+        places.sort_unstable();
+        assert_eq!(places.len(), 3);
+        assert!(places.iter().filter(|place| *place % 2 == 1).count() == 2, "{places:?}");
+        // What depends on others has no place of its own.
+        assert_eq!(anchors(vec![vec![1.0, 2.0], vec![2.0, 4.0]]).len(), 1);
+        assert_eq!(anchors(vec![vec![0.1, 0.2, 0.3], vec![0.3, 0.6, 0.9]]).len(), 1);
+        // However small it is beside another.
+        assert_eq!(anchors(vec![vec![1.0, 0.0], vec![0.0, 1e-12]]).len(), 2);
+    }
+}

@@ -1,0 +1,150 @@
+//! Which unknowns a problem has, and where they stand in `z = (u, p_t, p_o, p_n)`.
+
+use crate::base::units::Scaling;
+use crate::solver::problem::error::expect_length;
+use crate::solver::problem::{ContactProblem, ProblemError, State};
+
+/// The layout of `z = (u, p_t, p_o, p_n)`. A contact node has a `p_t` only where there is friction and
+/// freedom along that tangent, and likewise a `p_o`: two, one or no tangential unknowns.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Layout {
+    displacements: usize,
+    /// For each contact node the places of its `p_t` and `p_o` in `z`, if it has them.
+    tangential: Vec<[Option<usize>; 2]>,
+    first_normal: usize,
+}
+
+impl Layout {
+    /// The layout that `problem` needs.
+    pub fn new(problem: &ContactProblem) -> Self {
+        let displacements = problem.displacements();
+        let mut next = displacements;
+        let mut tangential = vec![[None; 2]; problem.contacts()];
+        for (direction, map) in problem.tangential_maps().into_iter().enumerate() {
+            for (i, places) in tangential.iter_mut().enumerate() {
+                if problem.mu()[i] > 0.0 && !map.row(i).is_empty() {
+                    places[direction] = Some(next);
+                    next += 1;
+                }
+            }
+        }
+        Layout { displacements, tangential, first_normal: next }
+    }
+
+    /// The length of `z`.
+    pub fn unknowns(&self) -> usize {
+        self.first_normal + self.contacts()
+    }
+
+    /// n_u, the number of displacements.
+    pub fn displacements(&self) -> usize {
+        self.displacements
+    }
+
+    /// n_c, the number of contact nodes and of normal unknowns.
+    pub fn contacts(&self) -> usize {
+        self.tangential.len()
+    }
+
+    /// The number of tangential unknowns, `p_t` and `p_o`.
+    pub fn tangentials(&self) -> usize {
+        self.first_normal - self.displacements
+    }
+
+    /// The place of `p_t` of contact node `i`, if it has one.
+    pub fn p_t(&self, i: usize) -> Option<usize> {
+        self.tangential(i)[0]
+    }
+
+    /// The place of `p_o` of contact node `i`, if it has one.
+    pub fn p_o(&self, i: usize) -> Option<usize> {
+        self.tangential(i)[1]
+    }
+
+    /// The places of `(p_t, p_o)` of contact node `i`; there are none beyond the last.
+    pub fn tangential(&self, i: usize) -> [Option<usize>; 2] {
+        self.tangential.get(i).copied().unwrap_or_default()
+    }
+
+    /// Whether contact node `i` has a tangential unknown.
+    pub fn has_friction(&self, i: usize) -> bool {
+        self.tangential(i) != [None; 2]
+    }
+
+    /// Whether any contact node has a `p_o`, so that friction may turn.
+    pub fn has_second_tangent(&self) -> bool {
+        self.tangential.iter().any(|[_, p_o]| p_o.is_some())
+    }
+
+    /// Whether contact node `i` can slide in more than one direction.
+    pub fn slides_in_a_plane(&self, i: usize) -> bool {
+        self.tangential(i).iter().all(Option::is_some)
+    }
+
+    /// The place of `p_n` of contact node `i`.
+    pub fn p_n(&self, i: usize) -> usize {
+        self.first_normal + i
+    }
+
+    /// `z` of a state, in the units of `scaling`.
+    ///
+    /// # Errors
+    /// When an array of `state` has another length than the layout asks for.
+    pub fn pack(&self, state: &State, scaling: &Scaling) -> Result<Vec<f64>, ProblemError> {
+        expect_length("u", self.displacements, state.u.len(), "one for each displacement")?;
+        for (array, values) in [("p_t", &state.p_t), ("p_o", &state.p_o), ("p_n", &state.p_n)] {
+            expect_length(array, self.contacts(), values.len(), "one for each contact node")?;
+        }
+        Ok(self.packed(state, scaling))
+    }
+
+    /// [`Layout::pack`] of a state that fits.
+    pub(crate) fn packed(&self, state: &State, scaling: &Scaling) -> Vec<f64> {
+        let mut z = vec![0.0; self.unknowns()];
+        for (to, from) in z.iter_mut().zip(&state.u) {
+            *to = from / scaling.length;
+        }
+        for i in 0..self.contacts() {
+            for (k, p) in self.tangential[i].into_iter().zip([state.p_t[i], state.p_o[i]]) {
+                if let Some(k) = k {
+                    z[k] = p / scaling.force;
+                }
+            }
+            z[self.p_n(i)] = state.p_n[i] / scaling.force;
+        }
+        z
+    }
+
+    /// The state of `z + rest`, where `rest` is below the rounding of `z`, or 0 throughout.
+    pub(crate) fn unpacked_with(&self, z: &[f64], rest: &[f64], scaling: &Scaling) -> State {
+        let mut state = self.unpacked(z, scaling);
+        if rest.iter().any(|rest| *rest != 0.0) {
+            state.u_rest = rest[..self.displacements].iter().map(|x| x * scaling.length).collect();
+        }
+        state
+    }
+
+    /// The state of a `z` that begins with this layout; the inverse of [`Layout::pack`].
+    ///
+    /// # Errors
+    /// When `z` has fewer entries than the layout asks for.
+    pub fn unpack(&self, z: &[f64], scaling: &Scaling) -> Result<State, ProblemError> {
+        expect_length("z", self.unknowns(), z.len().min(self.unknowns()), "at least, one for each unknown")?;
+        Ok(self.unpacked(z, scaling))
+    }
+
+    /// [`Layout::unpack`] of a `z` that is long enough.
+    pub(crate) fn unpacked(&self, z: &[f64], scaling: &Scaling) -> State {
+        let tangential = |direction: usize| {
+            let places = self.tangential.iter().map(|places| places[direction]);
+            places.map(|k| k.map_or(0.0, |k| z[k] * scaling.force)).collect()
+        };
+        State {
+            u: z[..self.displacements].iter().map(|x| x * scaling.length).collect(),
+            u_rest: Vec::new(),
+            p_t: tangential(0),
+            p_o: tangential(1),
+            p_n: z[self.first_normal..self.unknowns()].iter().map(|x| x * scaling.force).collect(),
+        }
+    }
+}

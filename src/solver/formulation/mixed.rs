@@ -1,0 +1,226 @@
+//! The matrix on `(u, p_t, p_o, p_n)` that both methods factor: equilibrium rows that never change, and
+//! per contact node a normal row and a row for each tangential unknown, whose coefficients do.
+
+use std::sync::Arc;
+
+use super::Layout;
+use crate::algebra::sparse::{Pattern, SystemMatrix};
+use crate::base::units::Scaling;
+use crate::solver::problem::ContactProblem;
+
+/// `[K C_tᵀ C_oᵀ C_nᵀ; tangential rows; normal rows]` on one fixed pattern, which clones share.
+#[derive(Clone)]
+pub(super) struct MixedMatrix {
+    matrix: SystemMatrix,
+    slots: Arc<[Slots]>,
+    springs: Vec<Spring>,
+}
+
+/// What ties a displacement to where it is.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Spring {
+    /// The displacement.
+    pub place: usize,
+    /// As much as there is in `K`, so that nothing is rounded as it comes and goes.
+    pub stiffness: f64,
+}
+
+/// Where the values of one contact node's rows are stored.
+struct Slots {
+    /// `∂(normal row)/∂u`: slot and coefficient of `C_n`.
+    normal_u: Vec<(usize, f64)>,
+    normal_p_n: usize,
+    /// Of the rows at `p_t` and at `p_o`.
+    tangential: [Option<TangentialSlots>; 2],
+}
+
+struct TangentialSlots {
+    /// `∂(tangential row)/∂u`: slot and coefficients of `C_t` and `C_o`.
+    u: Vec<(usize, [f64; 2])>,
+    /// Of `p_t` and `p_o`, where the node has them.
+    p: [Option<usize>; 2],
+    p_n: usize,
+}
+
+/// The coefficients of a tangential row: those of `(C_t du, C_o du)`, of `(dp_t, dp_o)` and of `dp_n`.
+/// Those of an unknown that the node does not have are ignored.
+pub(super) struct TangentialRow {
+    pub w: [f64; 2],
+    pub p: [f64; 2],
+    pub p_n: f64,
+}
+
+impl MixedMatrix {
+    /// Sets up the pattern, the constant entries and the places of the others.
+    pub(super) fn new(problem: &ContactProblem, layout: &Layout, scaling: &Scaling) -> Self {
+        let mut matrix = matrix_with(union_pattern(problem, layout), problem, scaling);
+        write_equilibrium(&mut matrix, problem, layout, scaling);
+        let slot = |row, column| slot(matrix.pattern(), row, column);
+        let slots = (0..layout.contacts()).map(|i| {
+            let p_n = layout.p_n(i);
+            let places = layout.tangential(i);
+            let tangential = places.map(|row| {
+                row.map(|row| TangentialSlots {
+                    u: sliding(problem, layout, i).into_iter().map(|(dof, c)| (slot(row, dof), c)).collect(),
+                    p: places.map(|p| p.map(|p| slot(row, p))),
+                    p_n: slot(row, p_n),
+                })
+            });
+            Slots {
+                normal_u: problem.c_n().row(i).iter().map(|&(dof, c)| (slot(p_n, dof), c)).collect(),
+                normal_p_n: slot(p_n, p_n),
+                tangential,
+            }
+        });
+        let slots = slots.collect();
+        MixedMatrix { matrix, slots, springs: Vec::new() }
+    }
+
+    /// Ties the displacements at `places` by springs as stiff as their entries of `K`, or by a unit where that is 0.
+    pub(super) fn tie(&mut self, places: impl Iterator<Item = usize>) {
+        for place in places {
+            if let Some(slot) = self.matrix.pattern().slot(place, place) {
+                let own = self.matrix.get(place, place);
+                let stiffness = if own > 0.0 { own } else { 1.0 };
+                self.matrix.rest_mut().values_mut()[slot] += stiffness;
+                self.springs.push(Spring { place, stiffness });
+            }
+        }
+    }
+
+    /// Takes all springs away.
+    pub(super) fn release(&mut self) {
+        for Spring { place, stiffness } in std::mem::take(&mut self.springs) {
+            let slot = slot(self.matrix.pattern(), place, place);
+            self.matrix.rest_mut().values_mut()[slot] -= stiffness;
+        }
+    }
+
+    /// The springs in the equilibrium rows.
+    pub(super) fn springs(&self) -> &[Spring] {
+        &self.springs
+    }
+
+    pub(super) fn matrix(&self) -> &SystemMatrix {
+        &self.matrix
+    }
+
+    /// Writes the normal row of node `i`: `by_w_n C_n du + by_p_n dp_n`.
+    pub(super) fn set_normal(&mut self, i: usize, by_w_n: f64, by_p_n: f64) {
+        let (values, slots) = (self.matrix.rest_mut().values_mut(), &self.slots[i]);
+        slots.normal_u.iter().for_each(|&(k, c)| values[k] = by_w_n * c);
+        values[slots.normal_p_n] = by_p_n;
+    }
+
+    /// Writes the row of node `i` at its `p_t` (0) or `p_o` (1), if it has that.
+    pub(super) fn set_tangential(&mut self, i: usize, direction: usize, row: &TangentialRow) {
+        let (values, slots) = (self.matrix.rest_mut().values_mut(), &self.slots[i]);
+        if let Some(slots) = &slots.tangential[direction] {
+            let [by_w_t, by_w_o] = row.w;
+            slots.u.iter().for_each(|&(k, [c_t, c_o])| values[k] = by_w_t * c_t + by_w_o * c_o);
+            for (slot, value) in slots.p.into_iter().zip(row.p) {
+                if let Some(k) = slot {
+                    values[k] = value;
+                }
+            }
+            values[slots.p_n] = row.p_n;
+        }
+    }
+}
+
+/// The slot of an entry that `pattern` was made with.
+pub(super) fn slot(pattern: &Pattern, row: usize, column: usize) -> usize {
+    pattern.slot(row, column).expect("the pattern holds every entry it was made with")
+}
+
+/// The displacements that the tangential unknowns of node `i` belong to, with their coefficients in `C_t`
+/// and `C_o`.
+fn sliding(problem: &ContactProblem, layout: &Layout, i: usize) -> Vec<(usize, [f64; 2])> {
+    let mut columns = Vec::<(usize, [f64; 2])>::new();
+    for (direction, map) in problem.tangential_maps().into_iter().enumerate() {
+        let row = if layout.tangential(i)[direction].is_some() { map.row(i) } else { &[] };
+        for &(dof, c) in row {
+            match columns.iter_mut().find(|(column, _)| *column == dof) {
+                Some((_, both)) => both[direction] += c,
+                None => columns.push((dof, [0, 1].map(|d| if d == direction { c } else { 0.0 }))),
+            }
+        }
+    }
+    columns
+}
+
+/// The matrix with these entries, all of them 0 so far, and with `K` if that is dense or shared.
+pub(super) fn matrix_with(entries: Pattern, problem: &ContactProblem, scaling: &Scaling) -> SystemMatrix {
+    SystemMatrix::of(problem.stiffness(), 1.0 / scaling.stiffness(), entries)
+}
+
+/// Names the entries of the equilibrium rows, `K`, `C_nᵀ`, `C_tᵀ` and `C_oᵀ`; of a dense or shared `K` the diagonal, to which springs
+/// are added.
+pub(super) fn take_equilibrium(problem: &ContactProblem, layout: &Layout, take: &mut dyn FnMut(usize, usize)) {
+    let stiffness = problem.stiffness();
+    if stiffness.dense().is_some() || stiffness.shared().is_some() {
+        (0..stiffness.order()).for_each(|place| take(place, place));
+    } else {
+        stiffness.entries().for_each(|(row, column, _)| take(row, column));
+    }
+    for i in 0..layout.contacts() {
+        problem.c_n().row(i).iter().for_each(|&(dof, _)| take(dof, layout.p_n(i)));
+        for (map, place) in problem.tangential_maps().into_iter().zip(layout.tangential(i)) {
+            if let Some(p) = place {
+                map.row(i).iter().for_each(|&(dof, _)| take(dof, p));
+            }
+        }
+    }
+}
+
+/// Writes the equilibrium rows, which are constant.
+pub(super) fn write_equilibrium(
+    matrix: &mut SystemMatrix,
+    problem: &ContactProblem,
+    layout: &Layout,
+    scaling: &Scaling,
+) {
+    let stands_beside = matrix.has_leading();
+    let (pattern, values) = matrix.rest_mut().parts_mut();
+    if !stands_beside {
+        // The rows of each column come in ascending order, and those of K are the first: no search.
+        let mut next: Vec<usize> = pattern.column_starts().iter().map(|&start| start as usize).collect();
+        for (row, column, value) in problem.stiffness().entries() {
+            debug_assert_eq!(pattern.row_indices()[next[column]], row as i64);
+            values[next[column]] = value / scaling.stiffness();
+            next[column] += 1;
+        }
+    }
+    for i in 0..layout.contacts() {
+        for &(dof, c) in problem.c_n().row(i) {
+            values[slot(pattern, dof, layout.p_n(i))] = c;
+        }
+        for (map, place) in problem.tangential_maps().into_iter().zip(layout.tangential(i)) {
+            if let Some(p) = place {
+                map.row(i).iter().for_each(|&(dof, c)| values[slot(pattern, dof, p)] = c);
+            }
+        }
+    }
+}
+
+/// The union of the patterns of all cases of (21), which is also that of (25) once its slacks and
+/// multipliers are eliminated: what a case does not use holds an explicit zero.
+fn union_pattern(problem: &ContactProblem, layout: &Layout) -> Pattern {
+    let n = layout.unknowns();
+    Pattern::of(n, n, |take| {
+        take_equilibrium(problem, layout, take);
+        for i in 0..layout.contacts() {
+            let p_n = layout.p_n(i);
+            problem.c_n().row(i).iter().for_each(|&(dof, _)| take(p_n, dof));
+            take(p_n, p_n);
+            let places = layout.tangential(i).into_iter().flatten();
+            for row in places.clone() {
+                for (dof, _) in sliding(problem, layout, i) {
+                    take(row, dof);
+                }
+                places.clone().for_each(|p| take(row, p));
+                take(row, p_n);
+            }
+        }
+    })
+}

@@ -1,0 +1,138 @@
+//! A problem and the data of its increment in the units of a scaling: what every formulation reads.
+
+use std::sync::Arc;
+
+use super::Layout;
+use crate::algebra::null_space::null_space;
+use crate::algebra::sparse::Csr;
+use crate::base::units::Scaling;
+use crate::solver::laws::coulomb::length;
+use crate::solver::problem::{ContactProblem, Increment};
+
+/// The contact maps, and the data of the current increment, scaled.
+#[derive(Clone)]
+pub(super) struct ScaledData {
+    pub layout: Layout,
+    pub scaling: Scaling,
+    pub c_n: Arc<Csr>,
+    pub c_t: Arc<Csr>,
+    pub c_o: Arc<Csr>,
+    pub mu: Arc<[f64]>,
+    pub force: Vec<f64>,
+    pub gap: Vec<f64>,
+    pub w_t_last: Vec<f64>,
+    pub w_o_last: Vec<f64>,
+    pub rigid_modes: Arc<[Vec<f64>]>,
+}
+
+impl ScaledData {
+    pub(super) fn new(problem: &ContactProblem, scaling: Scaling) -> Self {
+        let layout = Layout::new(problem);
+        ScaledData {
+            force: vec![0.0; layout.displacements()],
+            gap: vec![0.0; layout.contacts()],
+            w_t_last: vec![0.0; layout.contacts()],
+            w_o_last: vec![0.0; layout.contacts()],
+            layout,
+            scaling,
+            c_n: Arc::new(problem.c_n().clone()),
+            c_t: Arc::new(problem.c_t().clone()),
+            c_o: Arc::new(problem.c_o().clone()),
+            mu: problem.mu().into(),
+            rigid_modes: problem.rigid_modes().into(),
+        }
+    }
+
+    /// Sets the data of a new increment.
+    pub(super) fn begin(&mut self, increment: &Increment<'_>) {
+        let Scaling { force, length } = self.scaling;
+        let convert = |to: &mut Vec<f64>, from: &[f64], unit: f64| {
+            to.clear();
+            to.extend(from.iter().map(|x| x / unit));
+        };
+        convert(&mut self.force, increment.force, force);
+        convert(&mut self.gap, increment.gap, length);
+        convert(&mut self.w_t_last, increment.w_t_last, length);
+        convert(&mut self.w_o_last, increment.w_o_last, length);
+        if *self.mu != *increment.mu {
+            self.mu = increment.mu.into();
+        }
+    }
+
+    /// `w_n` of node `i`; `z` begins with `u`.
+    pub(super) fn w_n(&self, i: usize, z: &[f64]) -> f64 {
+        self.c_n.dot(i, z)
+    }
+
+    /// `w_t` of node `i`.
+    pub(super) fn w_t(&self, i: usize, z: &[f64]) -> f64 {
+        self.c_t.dot(i, z)
+    }
+
+    /// `w_T = (w_t, w_o)` of node `i`.
+    pub(super) fn tangential(&self, i: usize, z: &[f64]) -> [f64; 2] {
+        [self.c_t.dot(i, z), self.c_o.dot(i, z)]
+    }
+
+    /// The slip increment `w_T - w̄_T` of node `i` when it has come to `w_T`.
+    pub(super) fn slip(&self, i: usize, [w_t, w_o]: [f64; 2]) -> [f64; 2] {
+        [w_t - self.w_t_last[i], w_o - self.w_o_last[i]]
+    }
+
+    /// The slip increment of node `i` at `z + rest`, where `rest` is below the rounding of `z`.
+    pub(super) fn slip_beyond(&self, i: usize, z: &[f64], rest: &[f64]) -> [f64; 2] {
+        [self.c_t.difference(i, z, rest, self.w_t_last[i]), self.c_o.difference(i, z, rest, self.w_o_last[i])]
+    }
+
+    /// The slip increment of node `i` at `z` beyond what the load deforms the body by, its `reach`: what a body has slid that
+    /// was carried along, or an obstacle that moves.
+    pub(super) fn slip_beyond_reach(&self, i: usize, z: &[f64], reach: f64) -> [f64; 2] {
+        let slip = self.slip(i, self.tangential(i, z));
+        let size = length(slip);
+        if size > reach { slip.map(|w| w * (1.0 - reach / size)) } else { [0.0; 2] }
+    }
+
+    /// `p_T = (p_t, p_o)` of node `i`; a component it does not have is 0.
+    pub(super) fn friction(&self, i: usize, z: &[f64]) -> [f64; 2] {
+        self.layout.tangential(i).map(|k| k.map_or(0.0, |k| z[k]))
+    }
+
+    /// Weights of a combination of the free motions that no contact node stops, were they all closed
+    /// and sticking.
+    pub(super) fn unheld_motion(&self) -> Option<Vec<f64>> {
+        let ScaledData { layout, c_n, c_t, c_o, rigid_modes, .. } = self;
+        let [c_n, c_t, c_o] = [c_n, c_t, c_o].map(|map| &**map);
+        let normal = (0..layout.contacts()).map(|i| (c_n, i));
+        let tangential = (0..layout.contacts()).flat_map(|i| {
+            let maps = [c_t, c_o].into_iter().zip(layout.tangential(i));
+            maps.filter_map(move |(map, place)| place.map(|_| (map, i)))
+        });
+        let row = |(c, i): (&Csr, usize)| rigid_modes.iter().map(|motion| c.dot(i, motion)).collect();
+        null_space(rigid_modes.len(), normal.chain(tangential).map(row)).into_iter().next()
+    }
+
+    /// The displacements that contact forces act on, ascending.
+    pub(super) fn contact_displacements(&self) -> Vec<usize> {
+        let ScaledData { layout, c_n, c_t, c_o, .. } = self;
+        let mut places: Vec<usize> = (0..layout.contacts())
+            .flat_map(|i| {
+                let [p_t, p_o] = layout.tangential(i);
+                let tangential = [(c_t, p_t), (c_o, p_o)].into_iter().filter(|(_, place)| place.is_some());
+                let rows = tangential.map(|(map, _)| map.row(i)).chain([c_n.row(i)]);
+                rows.flatten().map(|(dof, _)| *dof).collect::<Vec<_>>()
+            })
+            .collect();
+        places.sort_unstable();
+        places.dedup();
+        places
+    }
+
+    /// The sum of the free motions with these `weights`, followed by zeros up to `length`.
+    pub(super) fn motion(&self, weights: &[f64], length: usize) -> Vec<f64> {
+        let mut sum = vec![0.0; length];
+        for (motion, weight) in self.rigid_modes.iter().zip(weights) {
+            sum.iter_mut().zip(motion).for_each(|(sum, u)| *sum += weight * u);
+        }
+        sum
+    }
+}

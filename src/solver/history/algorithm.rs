@@ -1,0 +1,61 @@
+//! The methods by name: the one place that knows them all.
+
+use super::bn::BnMethod;
+use super::ip::IpMethod;
+use super::method::Method;
+use super::predictor_corrector::PredictorCorrectorMethod;
+use super::rescue::Rescued;
+use super::settings::HistorySettings;
+use super::task::{Algorithm, IncrementSolver};
+use crate::solver::formulation::{FormulationScaling, Layout, NewtonSystem};
+use crate::solver::loading::Loading;
+use crate::solver::problem::ContactProblem;
+
+/// After so many iterations BN leaves an increment to the interior point method: more than any
+/// increment of the tests takes that it solves at all.
+const BN_PATIENCE: usize = 40;
+
+impl Algorithm for HistorySettings {
+    fn start<'a>(&self, problem: &'a ContactProblem, loading: &Loading) -> Box<dyn IncrementSolver + 'a> {
+        match self.method {
+            Method::Bn { rescue, .. } => {
+                let bn = BnMethod::measured(problem, loading, self, self.max_iterations.min(BN_PATIENCE));
+                if rescue { Box::new(Rescued::new(problem, bn, self)) } else { Box::new(bn) }
+            }
+            // Only where the path jumps.
+            Method::Events { .. } => {
+                Box::new(Rescued::new(problem, BnMethod::measured(problem, loading, self, BN_PATIENCE), self))
+            }
+            Method::PaperBn => Box::new(BnMethod::paper(problem, loading, self)),
+            Method::Ip { newton } => Box::new(PredictorCorrectorMethod::new(problem, self, newton)),
+            Method::PaperIp { start, partition, newton } => {
+                Box::new(IpMethod::new(problem, self, start, partition, newton))
+            }
+        }
+    }
+
+    fn of_nodes(&self, nodes: &[usize]) -> Option<Box<dyn Algorithm>> {
+        if self.method.is_of_paper() {
+            return None;
+        }
+        let of = |values: &[f64]| nodes.iter().map(|&i| values[i]).collect();
+        let FormulationScaling { r_n, r_t, row_unit, .. } = &self.conventions;
+        let (r_n, r_t, row_unit) = (of(r_n), of(r_t), of(row_unit));
+        Some(Box::new(HistorySettings {
+            conventions: FormulationScaling { r_n, r_t, row_unit, ..self.conventions.clone() },
+            contact_stiffness: of(&self.contact_stiffness),
+            working_set: None,
+            ..self.clone()
+        }))
+    }
+
+    /// The paper's interior point method, and the extended Newton system, have one tangent at every node.
+    fn knows(&self, layout: &Layout) -> bool {
+        !layout.has_second_tangent()
+            || match self.method {
+                Method::Bn { .. } | Method::PaperBn | Method::Events { .. } => true,
+                Method::Ip { newton } => newton == NewtonSystem::Reduced,
+                Method::PaperIp { .. } => false,
+            }
+    }
+}

@@ -1,0 +1,272 @@
+//! BN along a history: every increment starts from the last solution, in the default setting on the tangent there.
+
+use super::increment_error::{IncrementErrors, Rate};
+use super::settings::{FirstGuess, HistorySettings};
+use super::snapshot::{Snapshot, take_over};
+use super::tangent;
+use super::task::{IncrementSolver, Observe, Task};
+use crate::algebra::linear::{LinearError, RefinedSolver};
+use crate::algebra::sparse::SystemMatrix;
+use crate::solver::formulation::{Assembled, Bdiff};
+use crate::solver::loading::Loading;
+use crate::solver::newton::{Armijo, Bn, MethodResult, StopCriterion, Termination};
+use crate::solver::problem::{ContactProblem, State};
+
+/// `Theta ≤ ε`, the paper's test: N² and Pa² added up.
+const PAPER_MERIT: f64 = 1e-2;
+
+pub(super) struct BnMethod<'a> {
+    problem: &'a ContactProblem,
+    formulation: Bdiff,
+    bn: Bn,
+    /// Whether it ends by the error measure, and not by the paper's merit.
+    measured: bool,
+    /// Whether the nodes on which the body comes to rest start closed.
+    closes: bool,
+    start: FirstGuess,
+    z: Vec<f64>,
+    /// What rounding leaves off `z`.
+    rest: Vec<f64>,
+    /// From where to where the last increment went, if it is measured and has been solved.
+    last: Option<[Vec<f64>; 2]>,
+    /// What the increments leave, where there is friction.
+    errors: Option<IncrementErrors>,
+    /// The rate at which the last increment set out.
+    rate: Option<Rate>,
+}
+
+impl<'a> BnMethod<'a> {
+    /// BN with the constants of the paper.
+    pub(super) fn paper(problem: &'a ContactProblem, loading: &Loading, history: &HistorySettings) -> Self {
+        // `p_n = 1 MPa · l` to start from, 10 MPa from 100 contact nodes on.
+        let start = FirstGuess::Pressure(if problem.contacts() < 100 { 1e6 } else { 1e7 });
+        let method = Self::new(problem, loading, history, start, Armijo::PAPER, history.max_iterations);
+        BnMethod { measured: false, ..method }
+    }
+
+    /// BN that ends by the error measure, after so many iterations at most.
+    pub(super) fn measured(
+        problem: &'a ContactProblem,
+        loading: &Loading,
+        history: &HistorySettings,
+        max_iterations: usize,
+    ) -> Self {
+        Self::new(problem, loading, history, FirstGuess::Held, Armijo::HALVING, max_iterations)
+    }
+
+    fn new(
+        problem: &'a ContactProblem,
+        loading: &Loading,
+        history: &HistorySettings,
+        start: FirstGuess,
+        armijo: Armijo,
+        max_iterations: usize,
+    ) -> Self {
+        let formulation = Bdiff::new(problem, history.scaling, &history.conventions);
+        let idle = loading.largest_force() == 0.0 && loading.largest_interference() == 0.0;
+        let p_n = start_forces(problem, idle, start);
+        let z = formulation.layout().packed(&State { p_n, ..State::zero(problem) }, &history.scaling);
+        BnMethod {
+            errors: IncrementErrors::new(problem, &formulation, &loading.gaps_at(0.0)),
+            bn: Bn::new(armijo, max_iterations, formulation.unknowns()),
+            problem,
+            formulation,
+            measured: true,
+            closes: !idle && !problem.rigid_modes().is_empty(),
+            start,
+            rest: vec![0.0; z.len()],
+            z,
+            last: None,
+            rate: None,
+        }
+    }
+
+    /// The problem with its pattern, for a method that works beside this one.
+    pub(super) fn assembled(&self) -> Assembled {
+        self.formulation.assembled()
+    }
+
+    /// The solution that an increment starts from. Before the first there is none, only a guess.
+    pub(super) fn last_solution(&self, task: &Task<'_>) -> State {
+        if task.first { State::zero(self.problem) } else { self.state() }
+    }
+
+    /// Estimates what the increment leaves that ends at the present solution.
+    pub(super) fn follow(&mut self, linear: &mut RefinedSolver) -> Result<(), LinearError> {
+        let BnMethod { problem, formulation, bn, z, errors, rate, .. } = self;
+        errors
+            .as_mut()
+            .map_or(Ok(()), |errors| errors.follow(rate.take().as_ref(), problem.weight(), formulation, bn, linear, z))
+    }
+
+    /// Whether the held body does by itself what the increment asks for.
+    fn is_solved(&self, task: &Task<'_>) -> bool {
+        let mut z = self.z.clone();
+        task.response.add_to(&mut z);
+        let state = self.formulation.layout().unpacked(&z, self.formulation.scaling());
+        task.error(self.problem, &state) <= task.tolerance
+    }
+
+    /// Closes the nodes on which a body comes to rest that contact alone holds, `p_n > r (g - w_n)`: with open ones the matrix
+    /// would be singular.
+    fn close_landed(&mut self, task: &Task<'_>) {
+        let (layout, scaling) = (self.formulation.layout().clone(), *self.formulation.scaling());
+        let all: Vec<usize> = if task.first { (0..layout.contacts()).collect() } else { Vec::new() };
+        for &i in task.landed.unwrap_or(&all) {
+            let left = task.increment.gap[i] / scaling.length - self.problem.c_n().dot(i, &self.z);
+            let pressed = if task.first { 0.0 } else { task.response.contact_force };
+            let closed = 2.0 * self.formulation.r_n(i) * left + pressed;
+            let p_n = &mut self.z[layout.p_n(i)];
+            *p_n = p_n.max(closed);
+        }
+    }
+}
+
+impl IncrementSolver for BnMethod<'_> {
+    fn matrix(&self) -> &SystemMatrix {
+        self.formulation.jacobian()
+    }
+
+    fn linearize(&mut self) {
+        self.formulation.linearize(&self.z);
+    }
+
+    fn hold_contacts(&mut self) -> Result<(), Vec<f64>> {
+        self.formulation.hold_contacts();
+        self.formulation.unheld_motion().map_or(Ok(()), Err)
+    }
+
+    fn solve(
+        &mut self,
+        task: &Task<'_>,
+        linear: &mut RefinedSolver,
+        observe: Observe<'_>,
+    ) -> Result<MethodResult, LinearError> {
+        let solved = self.closes && self.is_solved(task);
+        if self.closes && !solved {
+            self.close_landed(task);
+        }
+        let from = self.z.clone();
+        self.rate = match &self.errors {
+            Some(errors) => errors.rate(task.increment, &mut self.formulation, &mut self.bn, linear)?,
+            None => None,
+        };
+        let BnMethod { problem, formulation, bn, measured, start, z, rest, last, .. } = self;
+        let (layout, scaling) = (formulation.layout().clone(), *formulation.scaling());
+        formulation.begin(task.increment);
+        task.response.add_to(z);
+        if task.first && *start == FirstGuess::Held && !solved {
+            task.response.add_forces_to(z);
+        }
+        let start = z.clone();
+        let turns = (0..layout.contacts()).any(|i| layout.slides_in_a_plane(i));
+        let tangent = match last {
+            Some([_, after]) if *after == from && task.landed.is_none() && !solved => {
+                tangent::ahead(formulation, bn, linear, &from)?
+            }
+            _ => None,
+        };
+        match (tangent, task.stretch, last.as_ref()) {
+            (Some(ahead), ..) => *z = ahead,
+            (None, Some(stretch), Some(last)) if turns => go_on_as_before(formulation, last, &from, stretch, z),
+            _ => {}
+        }
+        let mut error = |z: &[f64], rest: &[f64]| task.error(problem, &layout.unpacked_with(z, rest, &scaling));
+        let end = match measured {
+            true => StopCriterion::Measured { tolerance: task.tolerance, error: &mut error },
+            false => StopCriterion::Merit(PAPER_MERIT),
+        };
+        let outcome = bn.solve(formulation, linear, z, end, observe)?;
+        rest.copy_from_slice(bn.rest());
+        *last = None;
+        if outcome.stop == Termination::Converged && formulation.is_tied() {
+            // One of many solutions: the one that is nearest, if rounding leaves it one.
+            let settled = formulation.settled(z, &start);
+            if error(&settled, rest) <= error(z, rest).max(task.tolerance) {
+                *z = settled;
+            }
+        }
+        if outcome.stop == Termination::Converged && *measured {
+            *last = Some([from, z.clone()]);
+        }
+        if outcome.stop == Termination::Converged {
+            self.follow(linear)?;
+        }
+        Ok(outcome)
+    }
+
+    fn state(&self) -> State {
+        self.formulation.layout().unpacked_with(&self.z, &self.rest, self.formulation.scaling())
+    }
+
+    fn go_on_from(&mut self, state: &State) {
+        let (layout, scaling) = (self.formulation.layout(), *self.formulation.scaling());
+        self.z.copy_from_slice(&layout.packed(state, &scaling));
+        self.rest.fill(0.0);
+        self.rest.iter_mut().zip(&state.u_rest).for_each(|(rest, u_rest)| *rest = u_rest / scaling.length);
+    }
+
+    fn unknowns(&mut self) -> &mut Vec<f64> {
+        &mut self.z
+    }
+
+    fn increment_errors(&mut self) -> Option<&mut IncrementErrors> {
+        self.errors.as_mut()
+    }
+
+    fn memory(&self, linear: &RefinedSolver) -> Snapshot {
+        Snapshot {
+            unknowns: self.z.clone(),
+            rest: self.rest.clone(),
+            last: self.last.clone(),
+            errors: self.errors.clone(),
+            linearization: Some(self.formulation.linearization()),
+            is_factored: self.bn.has_factors(linear),
+            ..Snapshot::default()
+        }
+    }
+
+    fn restore(&mut self, memory: Snapshot, linear: &mut RefinedSolver) -> Result<bool, LinearError> {
+        let Snapshot { unknowns, rest, last, errors, linearization, is_factored, .. } = memory;
+        let n = self.z.len();
+        let errors_fit = match (&self.errors, &errors) {
+            (Some(own), Some(kept)) => own.fit(kept),
+            (own, kept) => own.is_none() && kept.is_none(),
+        };
+        let last_fits = last.as_ref().is_none_or(|ends| ends.iter().all(|z| z.len() == n));
+        if !(take_over(&mut self.z, &unknowns) && take_over(&mut self.rest, &rest) && last_fits && errors_fit) {
+            return Ok(false);
+        }
+        (self.last, self.errors) = (last, errors);
+        if !linearization.is_some_and(|kept| self.formulation.linearize_as(&kept)) {
+            return Ok(false);
+        }
+        Ok(!is_factored || self.bn.factor(&self.formulation, linear)?)
+    }
+}
+
+/// Goes on from `from` as the `last` increment went, `stretch` times as far, if that is nearer to a solution than `z` is: where the
+/// directions of slip turn, they turn on, and Newton's method need not find out again.
+fn go_on_as_before(formulation: &Bdiff, last: &[Vec<f64>; 2], from: &[f64], stretch: f64, z: &mut [f64]) {
+    let [before, after] = last;
+    if after != from {
+        return;
+    }
+    let ahead: Vec<f64> = from.iter().zip(before).map(|(z, before)| z + stretch * (z - before)).collect();
+    let merit = |z: &[f64]| {
+        let mut h = vec![0.0; z.len()];
+        formulation.residual(z, &mut h);
+        formulation.merit(&h)
+    };
+    if merit(&ahead) < merit(z) {
+        z.copy_from_slice(&ahead);
+    }
+}
+
+/// `p_n` before the first increment. Without load or interference that is 0, the solution.
+fn start_forces(problem: &ContactProblem, idle: bool, start: FirstGuess) -> Vec<f64> {
+    match (start, problem.weight()) {
+        (FirstGuess::Pressure(pressure), Some(l)) if !idle => l.iter().map(|l| l * pressure).collect(),
+        _ => vec![0.0; problem.contacts()],
+    }
+}

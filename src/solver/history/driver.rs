@@ -1,0 +1,305 @@
+//! A stage of a history: the increments that are solved in one set-up of the equations.
+
+use std::time::Instant;
+
+use super::clamped::ClampedBody;
+use super::increment_result::IncrementResult;
+use super::observer::{IncrementView, Observer};
+use super::path::{IncrementDriver, IncrementProgress, JudgedIncrement};
+use super::progress::{Progress, record};
+use super::record::{ContactCounts, IncrementRecord, Seconds, Status};
+use super::saved::{Done, RunOf, Saved, SavedStage};
+use super::settings::HistorySettings;
+use super::state::HistoryState;
+use super::system::statistics;
+use super::task::Algorithm;
+use super::working_set::WorkingSet;
+use super::{Error, HistoryOutcome};
+use crate::algebra::linear::{Dense, LinearError, RefinedSolver, Statistics};
+use crate::solver::checkpoint::{Checkpoint, CheckpointError};
+use crate::solver::condensation::{Condensation, Condensed};
+use crate::solver::laws::{Violation, rounding_level, statuses_of};
+use crate::solver::loading::Loading;
+use crate::solver::newton::Termination;
+use crate::solver::problem::ContactProblem;
+
+/// A history on its way, from stage to stage.
+pub(super) struct HistoryDriver<'a> {
+    pub problem: &'a ContactProblem,
+    pub loading: &'a Loading,
+    /// The ends of all increments, s.
+    pub times: &'a [f64],
+    pub settings: &'a HistorySettings,
+    pub observer: &'a mut dyn Observer,
+    pub outcome: HistoryOutcome,
+    pub position: HistoryState,
+    /// When the history began.
+    pub start: Instant,
+    /// When the increment on the way began, and what the linear algebra had done by then.
+    pub begun: Option<(Instant, Statistics)>,
+    /// What the linear algebra has done in the stages before.
+    pub done: Statistics,
+    /// The contact nodes that have joined since the last increment ended.
+    pub joined: usize,
+    /// Whether observers know that the first increment can begin.
+    pub is_ready: bool,
+    /// The stage that was on the way when the history was put away, until it is taken up.
+    pub saved: Option<SavedStage>,
+}
+
+impl<'a> HistoryDriver<'a> {
+    /// A history with this `outcome` so far, that began at `start`, or goes on from where the settings say.
+    ///
+    /// # Errors
+    /// When the checkpoint there is of another history.
+    pub(super) fn new(
+        problem: &'a ContactProblem,
+        loading: &'a Loading,
+        times: &'a [f64],
+        settings: &'a HistorySettings,
+        observer: &'a mut dyn Observer,
+        outcome: HistoryOutcome,
+        start: Instant,
+    ) -> Result<Self, Error> {
+        let saved = settings.from.as_ref().map(|from| Saved::read(from, problem, times, settings)).transpose()?;
+        let mut stages = HistoryDriver {
+            problem,
+            loading,
+            times,
+            settings,
+            observer,
+            outcome,
+            position: HistoryState::start(problem),
+            start,
+            begun: None,
+            done: Statistics::default(),
+            joined: 0,
+            is_ready: false,
+            saved: None,
+        };
+        if let Some(Saved { outcome, position, stage, statistics, .. }) = saved {
+            stages.outcome = outcome.resume(stages.outcome);
+            (stages.position, stages.done, stages.saved) = (position, statistics, Some(stage));
+        }
+        Ok(stages)
+    }
+
+    /// Solves the history on the contact displacements.
+    ///
+    /// # Errors
+    /// As [`super::run`].
+    pub(super) fn condensed(&mut self, algorithm: &dyn Algorithm, condensation: &Condensation) -> Result<(), Error> {
+        let all = self.problem.contacts();
+        let asked_for = self.settings.working_set.as_ref().filter(|_| self.problem.rigid_modes().is_empty());
+        let mut nodes = asked_for.filter(|nodes| nodes.len() < all).cloned();
+        let mut resumes = self.saved.is_some();
+        if let Some(saved) = &mut self.saved {
+            nodes = saved.nodes.take();
+        }
+        loop {
+            let part = nodes.take().and_then(|nodes| Some((algorithm.of_nodes(&nodes)?, nodes)));
+            let held = part.as_ref().map_or(all, |(_, nodes)| nodes.len());
+            if !std::mem::take(&mut resumes) && (part.is_some() || self.outcome.working_set.is_some()) {
+                let first = WorkingSet { first: held, last: held, all, grown: 0 };
+                let grown = |before: WorkingSet| WorkingSet { last: held, grown: before.grown + 1, ..before };
+                self.outcome.working_set = Some(self.outcome.working_set.map_or(first, grown));
+            }
+            match self.condensed_stage(algorithm, condensation, part) {
+                Ok(None) => return Ok(()),
+                Ok(Some(more)) => {
+                    self.joined += more.len() - held;
+                    nodes = (more.len() < all).then_some(more);
+                }
+                Err(Error::Linear(LinearError::OutOfMemory { .. })) if self.begun.is_some() => {
+                    self.outcome.status = Status::OutOfMemory;
+                    return Ok(());
+                }
+                Err(error) => return Err(error),
+            }
+        }
+    }
+
+    /// One stage of it, on all contact nodes or on some with a method for these.
+    fn condensed_stage(
+        &mut self,
+        algorithm: &dyn Algorithm,
+        condensation: &Condensation,
+        part: Option<(Box<dyn Algorithm>, Vec<usize>)>,
+    ) -> Result<Option<Vec<usize>>, Error> {
+        let (own, condensed) = match part {
+            Some((own, nodes)) => {
+                (Some(own), Condensed::of_nodes(self.problem, self.loading, nodes, condensation.cholesky()))
+            }
+            None => (None, Condensed::new(self.problem, self.loading, condensation.clone())),
+        };
+        let condensed = match condensed {
+            Ok(condensed) => condensed,
+            Err(LinearError::Singular { .. }) => {
+                self.outcome.free_motion = algorithm.start(self.problem, self.loading).hold_contacts().err();
+                self.outcome.status = Status::Singular;
+                return Ok(None);
+            }
+            Err(error) => return Err(error.into()),
+        };
+        let mut dense = RefinedSolver::from(Dense::default()).after(self.done);
+        self.stage(own.as_deref().unwrap_or(algorithm), Some(&condensed), &mut dense)
+    }
+
+    /// Solves increments with `linear`, on the body or on `condensed`, until the history has ended: `None`; or until contact
+    /// nodes are missing from these equations: all that they must hold to go on.
+    ///
+    /// # Errors
+    /// As [`super::run`].
+    pub(super) fn stage(
+        &mut self,
+        algorithm: &dyn Algorithm,
+        condensed: Option<&Condensed>,
+        linear: &mut RefinedSolver,
+    ) -> Result<Option<Vec<usize>>, Error> {
+        let HistoryDriver { problem, loading, times, settings, .. } = *self;
+        let (small, loads, body) = match condensed {
+            Some(condensed) => (&condensed.problem, &condensed.loading, Some(condensed.info())),
+            None => (problem, loading, None),
+        };
+        let mut method = algorithm.start(small, loads);
+        linear.analyze(method.matrix())?;
+        let held = ClampedBody::new(method.as_mut(), small, loads, &settings.scaling, linear)?;
+        self.outcome.linear = statistics(*linear.statistics(), body, self.position.worst_backward_error);
+        let held = match held {
+            Ok(held) => held,
+            Err(free_motion) => {
+                self.outcome.status = Status::Singular;
+                self.outcome.free_motion = free_motion;
+                return Ok(None);
+            }
+        };
+        if !std::mem::replace(&mut self.is_ready, true) {
+            self.outcome.setup_seconds = self.start.elapsed().as_secs_f64();
+            self.observer.ready();
+        }
+        let mut path = IncrementDriver::new(problem, loading, settings, condensed, method, held, &mut self.position);
+        let (outcome, observer) = (&mut self.outcome, &mut *self.observer);
+
+        // How many increments go together: more and more, as long as all is well.
+        let mut batch_size = 1;
+        if let Some(saved) = self.saved.take() {
+            batch_size = path.restore_stage(saved, linear)?;
+            // As it was, should nothing be left to solve.
+            outcome.linear.factor = statistics(self.done, body, 0.0).factor;
+        }
+        while outcome.tally.increments < times.len() {
+            let done = outcome.tally.increments;
+            let (first, pending) = (done + 1, &times[done..]);
+            let most = batch_size.min(pending.len());
+            let many = (1..most).find(|&k| observer.waits_for(first + k - 1)).unwrap_or(most);
+            let mut progress = Progress { problem, index: first, observer: &mut *observer };
+            let mut batch = match path.ahead(&pending[..many], linear, &mut progress) {
+                Ok(batch) => batch,
+                Err(error) => return outcome.end_by(error).map(|()| None),
+            };
+            loop {
+                let index = outcome.tally.increments + 1;
+                progress.index = index;
+                let JudgedIncrement { time, walk, began, work: [before, after], seconds } =
+                    match path.judge(&mut batch, linear, &mut progress) {
+                        Ok(Some(judged)) => judged,
+                        Ok(None) => break,
+                        Err(error) => return outcome.end_by(error).map(|()| None),
+                    };
+                let (all, before) = match self.begun.take() {
+                    Some((began, before)) => (began.elapsed().as_secs_f64(), before),
+                    None => (seconds, before),
+                };
+                let increment = match walk {
+                    IncrementProgress::Ended(increment) => increment,
+                    IncrementProgress::NeedsNodes(nodes) => {
+                        self.begun = Some((began, before));
+                        self.done = *linear.statistics();
+                        return Ok(Some(nodes));
+                    }
+                };
+                let statuses = statuses_of(problem, &path.data(), &increment.substep.state, &increment.substep.scales);
+                let seconds = Seconds::between(&before, &after, increment.solved.assembly_seconds, all);
+                let counts = ContactCounts::of(&statuses);
+                let joined = std::mem::take(&mut self.joined);
+                let record = record(problem, path.data().force, index, time, &increment, counts, seconds);
+                let record = IncrementRecord { joined, ..record };
+                let IncrementResult { solved, substep, status, .. } = *increment;
+                let (flow, state) = path.show(&substep.state, |increment, state| {
+                    let step = IncrementView { record: &record, increment, state, statuses: &statuses };
+                    (progress.observer.increment(&step), state.clone())
+                });
+                outcome.push(record, settings.keeps_records);
+                outcome.linear = statistics(*linear.statistics(), body, path.at.worst_backward_error);
+                if status != Status::Converged || index == times.len() {
+                    outcome.rounding = rounding_level(problem, &substep.state, &substep.scales);
+                }
+                outcome.status = status;
+                outcome.reached = path.at.reached.unwrap_or(0.0);
+                if status != Status::Converged {
+                    outcome.violation = Some(Violation::worst(problem, &path.data(), &substep.state, &substep.scales));
+                    if let Termination::Unconstrained(motion)
+                    | Termination::NoEquilibrium(motion)
+                    | Termination::EdgeFriction(motion) = solved.stop
+                    {
+                        outcome.free_motion = Some(motion);
+                    }
+                    return Ok(None);
+                }
+                outcome.state = state;
+                outcome.increment_error = path.increment_error();
+                outcome.scales = substep.scales;
+                if flow.is_break() && index < times.len() {
+                    outcome.status = Status::Interrupted;
+                    return Ok(None);
+                }
+            }
+            batch_size = if batch.needs_no_refinement { path.batch_size().min(2 * batch_size) } else { 1 };
+            observer.rest(&|| outcome.checkpoint(settings, &path, condensed, linear, batch_size));
+        }
+        Ok(None)
+    }
+}
+
+impl IncrementDriver<'_> {
+    /// Takes a stage up that was put away: the method is as it was then. How many increments go together.
+    fn restore_stage(&mut self, saved: SavedStage, linear: &mut RefinedSolver) -> Result<usize, Error> {
+        if !self.restore(saved.memory, linear)? {
+            return Err(CheckpointError::Other { what: "the method" }.into());
+        }
+        Ok(saved.batch_size.clamp(1, self.batch_size()))
+    }
+}
+
+impl HistoryOutcome {
+    /// Where the history can be taken up after the increments so far, of which the next go so many together.
+    fn checkpoint(
+        &self,
+        settings: &HistorySettings,
+        path: &IncrementDriver<'_>,
+        condensed: Option<&Condensed>,
+        linear: &RefinedSolver,
+        batch_size: usize,
+    ) -> Checkpoint {
+        let nodes = condensed.and_then(Condensed::nodes).map(<[usize]>::to_vec);
+        let saved = Saved {
+            run: RunOf::new(&self.layout, settings),
+            outcome: Done::of(self),
+            position: path.at.clone(),
+            stage: SavedStage { memory: path.memory(linear), nodes, batch_size },
+            statistics: *linear.statistics(),
+        };
+        Checkpoint::new(self.tally.increments, self.reached, &saved)
+    }
+
+    /// The end that an error of the linear algebra makes: want of memory is a verdict.
+    fn end_by(&mut self, error: LinearError) -> Result<(), Error> {
+        match error {
+            LinearError::OutOfMemory { .. } => {
+                self.status = Status::OutOfMemory;
+                Ok(())
+            }
+            error => Err(error.into()),
+        }
+    }
+}

@@ -1,0 +1,407 @@
+//! A history along its exact path in time: its increments are where the path is looked at, not what makes it.
+
+use std::time::Instant;
+
+use super::jump::{JumpSolver, Landed, RestartPoint};
+use super::method::Method;
+use super::observer::{IncrementView, Observer};
+use super::record::{ContactCounts, IncrementRecord, Seconds, Status};
+use super::recovery::{InteriorRecovery, RecoveredState, Responds};
+use super::saved::SavedPath;
+use super::settings::HistorySettings;
+use super::system::{SystemSolver, statistics};
+use super::{Error, HistoryOutcome};
+use crate::algebra::linear::{LinearError, RefinedSolver, Statistics};
+use crate::solver::checkpoint::CheckpointError;
+use crate::solver::condensation::{Condensation, Condensed};
+use crate::solver::events::{Equations, Event, ExactPath, Jump, PathEnd, PathError, SegmentEnd};
+use crate::solver::laws::{KktErrors, KktScales, Violation, judge, rounding_level, statuses_of};
+use crate::solver::loading::Loading;
+use crate::solver::newton::IterationRecord;
+use crate::solver::problem::{ContactProblem, Increment, State};
+use crate::solver::solvability::{Load, driven_motion};
+use std::ops::ControlFlow;
+
+/// A history of which each step from event to event is judged, and each end of an increment on the whole body.
+pub(super) struct ExactHistory<'a> {
+    pub problem: &'a ContactProblem,
+    pub loading: &'a Loading,
+    /// The ends of all increments, s.
+    pub times: &'a [f64],
+    pub settings: &'a HistorySettings,
+    pub observer: &'a mut dyn Observer,
+    pub outcome: HistoryOutcome,
+}
+
+/// Where a step began, for the law of friction.
+struct Begun {
+    /// Displacements past the obstacles along both tangents, n_c, m.
+    places: [Vec<f64>; 2],
+    time: f64,
+}
+
+/// What is known of an increment so far.
+struct IncrementInProgress {
+    index: usize,
+    /// Its end, s.
+    end: f64,
+    clock: Instant,
+    before: Statistics,
+    kkt: KktErrors,
+    ends: Vec<f64>,
+    friction_work: f64,
+    rates: usize,
+    jumps: usize,
+}
+
+impl ExactHistory<'_> {
+    /// Follows the path to its end, or to where it is lost.
+    ///
+    /// # Errors
+    /// As [`super::run`].
+    pub(super) fn follow(mut self, system: SystemSolver, start: Instant) -> Result<HistoryOutcome, Error> {
+        let (problem, loading, settings) = (self.problem, self.loading, self.settings);
+        let saved =
+            settings.from.as_ref().map(|from| SavedPath::read(from, problem, self.times, settings)).transpose()?;
+        let (mut linear, condensation) = match system {
+            SystemSolver::Whole(linear) => (linear, None),
+            SystemSolver::Condensed(condensation) => (RefinedSolver::default(), Some(condensation)),
+        };
+        if let Some(saved) = &saved {
+            linear = linear.after(saved.walk.statistics());
+        }
+        let condensed = condensation.as_ref().map(|body| Condensed::new(problem, loading, body.clone())).transpose();
+        let condensed = match condensed {
+            Ok(condensed) => condensed,
+            Err(LinearError::Singular { .. }) => {
+                self.outcome.status = Status::Singular;
+                return Ok(self.outcome);
+            }
+            Err(error) => return Err(error.into()),
+        };
+        let walk = match &condensed {
+            Some(condensed) => {
+                ExactPath::new(&condensed.problem, &condensed.loading, settings.scaling, Equations::Dense)
+            }
+            None => ExactPath::new(problem, loading, settings.scaling, Equations::Sparse(&mut linear)),
+        };
+        let walk = match walk {
+            Ok(walk) => walk,
+            Err(PathError::SlidesInAPlane | PathError::FrictionChanges | PathError::DependentRows) => {
+                self.outcome.status = Status::Unsupported;
+                return Ok(self.outcome);
+            }
+            Err(error) => return Err(error.into()),
+        };
+        self.outcome.setup_seconds = start.elapsed().as_secs_f64();
+        self.observer.ready();
+        let condensed = condensed.as_ref().zip(condensation.as_ref());
+        match self.walk(walk, saved, condensed) {
+            Err(Error::Linear(LinearError::OutOfMemory { .. })) => self.outcome.status = Status::OutOfMemory,
+            Err(error) => return Err(error),
+            Ok(()) => {}
+        }
+        Ok(self.outcome)
+    }
+
+    fn walk(
+        &mut self,
+        mut walk: ExactPath<'_>,
+        saved: Option<SavedPath>,
+        condensed: Option<(&Condensed, &Condensation)>,
+    ) -> Result<(), Error> {
+        let body = condensed.map(|(condensed, _)| condensed.info());
+        let mut scales = [KktScales::default(); 2];
+        if let Some(saved) = saved {
+            if !walk.resume(saved.walk)? {
+                return Err(CheckpointError::Damaged.into());
+            }
+            (self.outcome, scales) = (saved.outcome.resume(self.outcome.clone()), saved.scales);
+            // As it was, should nothing be left to solve.
+            self.outcome.linear = statistics(walk.statistics(), body, 0.0);
+        }
+        for (k, &time) in self.times.iter().enumerate().skip(self.outcome.tally.increments) {
+            let mut in_progress = IncrementInProgress {
+                index: k + 1,
+                end: time,
+                clock: Instant::now(),
+                before: walk.statistics(),
+                kkt: KktErrors::default(),
+                ends: Vec::new(),
+                friction_work: 0.0,
+                rates: walk.effort().solves,
+                jumps: 0,
+            };
+            let (begun, lost) = loop {
+                let begun = Begun { places: walk.places(), time: walk.time() };
+                let step = walk.step(time)?;
+                for event in &step.events {
+                    self.observer.event(in_progress.index, event);
+                }
+                self.outcome.event_count += step.events.len();
+                if self.settings.keeps_records {
+                    self.outcome.events.extend(step.events);
+                }
+                in_progress.friction_work += step.friction_work;
+                match step.stop {
+                    SegmentEnd::PathEnd(lost) if self.jumps() => {
+                        if !self.jump(&mut walk, lost, &begun, &mut scales[1], condensed, &mut in_progress)? {
+                            break (begun, Some(lost));
+                        }
+                    }
+                    SegmentEnd::PathEnd(lost) => break (begun, Some(lost)),
+                    SegmentEnd::Event if walk.is_beginning() => {}
+                    stop => {
+                        self.judge_step(&walk, stop, &begun, &mut scales[0], condensed, &mut in_progress);
+                        if stop == SegmentEnd::Until {
+                            break (begun, None);
+                        }
+                    }
+                }
+                let error = Some(in_progress.kkt.worst().1);
+                let iteration = walk.effort().solves - in_progress.rates;
+                let progress = IterationRecord { iteration, error, ..IterationRecord::start(f64::NAN) };
+                if self.observer.iteration(in_progress.index, &progress).is_break() {
+                    self.outcome.status = Status::Interrupted;
+                    return Ok(());
+                }
+            };
+            let reached = lost.map_or(time, |lost| lost.time);
+            let data = Driven::new(self.problem, self.loading, reached, &begun);
+            in_progress.ends.push(reached);
+            scales[1] = scales[1].with_load(self.problem, &data.increment());
+            let balanced = self.balanced(&data, &scales[1], &mut walk, condensed)?;
+            scales[1] = scales[1].with_state(&balanced.state);
+            self.outcome.lost = lost;
+            self.outcome.free_motion = lost.and_then(|_| self.driven_motion(time));
+            let status = lost.map(|_| Status::NoContinuation);
+            let flow = self.end(&in_progress, &data, balanced, scales[1], status, &walk);
+            self.outcome.linear = statistics(walk.statistics(), body, 0.0);
+            if self.outcome.status != Status::Converged {
+                return Ok(());
+            }
+            if flow.is_break() && k + 1 < self.times.len() {
+                self.outcome.status = Status::Interrupted;
+                return Ok(());
+            }
+            let (outcome, settings) = (&self.outcome, self.settings);
+            self.observer.rest(&|| SavedPath::checkpoint(settings, outcome, &walk, scales));
+        }
+        Ok(())
+    }
+
+    /// Judges a step from event to event, on the problem of the `walk`.
+    fn judge_step(
+        &self,
+        walk: &ExactPath<'_>,
+        stop: SegmentEnd,
+        begun: &Begun,
+        scales: &mut KktScales,
+        condensed: Option<(&Condensed, &Condensation)>,
+        in_progress: &mut IncrementInProgress,
+    ) {
+        let small = condensed.map_or(self.problem, |(condensed, _)| &condensed.problem);
+        let (state, now) = (walk.state(), walk.time());
+        let data = Driven::by(walk, small, begun);
+        *scales = scales.with_load(small, &data.increment()).with_state(&state);
+        let imbalance = small.imbalance(&data.force, &state);
+        let (known, tolerance) = (self.above_rounding(*scales, small, &data), self.settings.tolerance);
+        let kkt = judge(small, &data.increment(), &state, &imbalance, &known, tolerance);
+        in_progress.kkt = in_progress.kkt.max(&kkt);
+        // What is there at t = 0 comes in a part of its own, which takes no time.
+        if stop != SegmentEnd::Until && (now > begun.time || now == 0.0) {
+            in_progress.ends.push(now);
+        }
+    }
+
+    /// A rigid motion that the loads at `time` drive against all contact forces, if there is one.
+    fn driven_motion(&self, time: f64) -> Option<Vec<f64>> {
+        let (problem, loading) = (self.problem, self.loading);
+        let mut force = vec![0.0; problem.displacements()];
+        loading.force(time, &mut force);
+        let sizes = loading.force_sizes(time, problem.displacements());
+        driven_motion(problem, problem.mu(), &Load { force: &force, sizes: &sizes })
+    }
+
+    fn jumps(&self) -> bool {
+        self.settings.method == Method::Events { jump: true }
+    }
+
+    /// Jumps on from where the `walk` is `lost`, to the end of the increment at most; tells whether it has come anywhere.
+    fn jump(
+        &mut self,
+        walk: &mut ExactPath<'_>,
+        lost: PathEnd,
+        begun: &Begun,
+        scales: &mut KktScales,
+        condensed: Option<(&Condensed, &Condensation)>,
+        in_progress: &mut IncrementInProgress,
+    ) -> Result<bool, Error> {
+        let (problem, loading, settings) = (self.problem, self.loading, self.settings);
+        let data = Driven::new(problem, loading, lost.time, begun);
+        *scales = scales.with_load(problem, &data.increment());
+        let RecoveredState { state, .. } = self.balanced(&data, scales, walk, condensed)?;
+        *scales = scales.with_state(&state);
+        let edge = RestartPoint { problem, loading, settings, time: lost.time, state, scales: *scales };
+        let landed = match (condensed, walk.lend()) {
+            (Some((_, condensation)), _) => edge.jump(in_progress.end, &mut JumpSolver::Condensed(condensation))?,
+            (None, Some(linear)) => edge.jump(in_progress.end, &mut JumpSolver::Whole(linear))?,
+            (None, None) => None,
+        };
+        let Some(Landed { time, state, record }) = landed else { return Ok(false) };
+        let data = Driven::new(problem, loading, time, &Begun { places: walk.places(), time: lost.time });
+        *scales = scales.with_load(problem, &data.increment()).with_state(&state);
+        let statuses = statuses_of(problem, &data.increment(), &state, scales);
+        let before = walk.statuses().to_vec();
+        let of_walk = condensed.map(|(condensed, _)| condensed.condensed_state(&state));
+        walk.go_on_from(time, of_walk.as_ref().unwrap_or(&state), &statuses);
+        for (node, (from, to)) in before.into_iter().zip(walk.statuses()).enumerate().filter(|(_, (a, b))| a != *b) {
+            let event = Event { time, node, from, to: *to };
+            self.observer.event(in_progress.index, &event);
+            self.outcome.event_count += 1;
+            if self.settings.keeps_records {
+                self.outcome.events.push(event);
+            }
+        }
+        in_progress.kkt = in_progress.kkt.max(&record.kkt);
+        in_progress.friction_work += record.friction_work;
+        in_progress.jumps += 1;
+        in_progress
+            .ends
+            .extend([lost.time, time].into_iter().filter(|end| *end < in_progress.end && *end > begun.time));
+        self.outcome.jumps.push(Jump { from: lost.time, to: time, certain: lost.certain });
+        Ok(true)
+    }
+
+    /// The state of the whole body where the `walk` has come to.
+    fn balanced(
+        &self,
+        data: &Driven,
+        scales: &KktScales,
+        walk: &mut ExactPath<'_>,
+        condensed: Option<(&Condensed, &Condensation)>,
+    ) -> Result<RecoveredState, Error> {
+        let (problem, settings, state) = (self.problem, self.settings, walk.state());
+        let Some((condensed, _)) = condensed else {
+            return Ok(RecoveredState {
+                imbalance: problem.imbalance(&data.force, &state),
+                backward_error: 0.0,
+                state,
+            });
+        };
+        let whole = InteriorRecovery { problem, condensed, settings };
+        let balanced = whole.states(&[(data.time, state)], std::slice::from_ref(&data.force))?.pop();
+        Ok(whole.refined(balanced.unwrap_or_default(), &data.force, scales, walk)?)
+    }
+
+    /// Scales with which the rounding of gaps that have closed from where they were at first, of loads that balance each other, and of a
+    /// body that has moved as a whole is no error.
+    fn above_rounding(&self, scales: KktScales, problem: &ContactProblem, data: &Driven) -> KktScales {
+        let largest = |values: &[f64]| values.iter().fold(0.0_f64, |m, value| m.max(value.abs()));
+        let loads = largest(&self.loading.force_sizes(data.time, self.problem.displacements()));
+        let elastic = f64::EPSILON * problem.stiffest() * scales.length;
+        let way = largest(&self.loading.gaps_at(0.0)).max(largest(&data.gap));
+        scales.above_rounding(self.settings.tolerance, loads.max(elastic), way)
+    }
+
+    /// Judges the end of an increment on the whole body, and tells of it.
+    fn end(
+        &mut self,
+        in_progress: &IncrementInProgress,
+        data: &Driven,
+        balanced: RecoveredState,
+        scales: KktScales,
+        status: Option<Status>,
+        walk: &ExactPath<'_>,
+    ) -> ControlFlow<()> {
+        let (problem, tolerance) = (self.problem, self.settings.tolerance);
+        let RecoveredState { state, imbalance, backward_error } = balanced;
+        let increment = data.increment();
+        let known = self.above_rounding(scales, problem, data);
+        let kkt = in_progress.kkt.max(&judge(problem, &increment, &state, &imbalance, &known, tolerance));
+        let judged = if kkt.worst().1 <= tolerance { Status::Converged } else { Status::Inaccurate };
+        let status = status.unwrap_or(judged);
+        let statuses = statuses_of(problem, &increment, &state, &scales);
+        let (after, all) = (walk.statistics(), in_progress.clock.elapsed().as_secs_f64());
+        let record = IncrementRecord {
+            index: in_progress.index,
+            time: data.time,
+            status,
+            jumps: in_progress.jumps,
+            parts: in_progress.ends.len(),
+            part_ends: if in_progress.ends.len() > 1 { in_progress.ends.clone() } else { Vec::new() },
+            iterations: walk.effort().solves - in_progress.rates,
+            kkt,
+            backward_error: after.worst_backward_error.max(backward_error),
+            contact: ContactCounts::of(&statuses),
+            friction_work: in_progress.friction_work,
+            strain_energy: problem.energy_in_equilibrium(&data.force, &state),
+            seconds: Seconds::between(&in_progress.before, &after, 0.0, all),
+            ..IncrementRecord::undeformed(0)
+        };
+        let flow = self.observer.increment(&IncrementView {
+            record: &record,
+            increment: &increment,
+            state: &state,
+            statuses: &statuses,
+        });
+        self.outcome.status = status;
+        self.outcome.reached = data.time;
+        self.outcome.rounding = rounding_level(problem, &state, &scales);
+        if status == Status::Converged {
+            (self.outcome.state, self.outcome.scales) = (state, scales);
+        } else {
+            self.outcome.violation = Some(Violation::worst(problem, &increment, &state, &scales));
+        }
+        self.outcome.push(record, self.settings.keeps_records);
+        flow
+    }
+}
+
+/// Between two events a walk responds as its rates do.
+impl Responds for ExactPath<'_> {
+    fn is_regular(&mut self) -> Result<bool, LinearError> {
+        Ok(true)
+    }
+
+    fn respond(&mut self, forces: &[f64]) -> Result<State, LinearError> {
+        self.response(forces)
+    }
+
+    /// The walk goes on from the state of its own problem, so that what it decides does not depend on where it is looked at.
+    fn go_on(&mut self) {}
+}
+
+/// What drove a step, with the arrays that an [`Increment`] borrows.
+struct Driven {
+    time: f64,
+    force: Vec<f64>,
+    gap: Vec<f64>,
+    mu: Vec<f64>,
+    w_last: [Vec<f64>; 2],
+}
+
+impl Driven {
+    /// That of a step that has `begun` and ends at `time`.
+    fn new(problem: &ContactProblem, loading: &Loading, time: f64, begun: &Begun) -> Self {
+        let mut force = vec![0.0; problem.displacements()];
+        loading.force(time, &mut force);
+        let w_last = [0, 1].map(|k| {
+            let drift = loading.drift_at(time, k);
+            begun.places[k].iter().zip(drift).map(|(place, drift)| place + drift).collect()
+        });
+        Driven { time, force, gap: loading.gaps_at(time), mu: problem.mu().to_vec(), w_last }
+    }
+
+    /// That of a step of a `walk` of `problem`.
+    fn by(walk: &ExactPath<'_>, problem: &ContactProblem, begun: &Begun) -> Self {
+        let (force, gap, drift) = walk.given();
+        let past = |k: usize| begun.places[k].iter().zip(&drift[k]).map(|(place, drift)| place + drift).collect();
+        Driven { time: walk.time(), force, gap, mu: problem.mu().to_vec(), w_last: [0, 1].map(past) }
+    }
+
+    fn increment(&self) -> Increment<'_> {
+        let Driven { force, gap, mu, w_last: [w_t_last, w_o_last], .. } = self;
+        Increment { force, gap, mu, w_t_last, w_o_last }
+    }
+}

@@ -1,0 +1,435 @@
+//! The error that increments leave: backward Euler in time, estimated while a history is solved.
+//!
+//! Backward Euler errs in two ways. A node that begins to stick within an increment does so at a place that is a little off, and
+//! stays there; and the work of friction takes the force at the end for all of the slip. With the rate `(u', p')` at which the
+//! solution sets out along the contact cases at the start of an increment,
+//!
+//! - a node that was open touches after the share `τ = gap / (w_n' - g')` of it and has slid `δ = τ w_T'` by then; one that slips
+//!   and goes on so does stick half way through, `δ = ½ w_T'`; one that touches, and slips in the increment by less than `τ w_T'`, did all of that
+//!   before it touched and sticks `δ = τ w_T' - Δw_T` farther on: its friction is off by that of holding it there, and by twice itself at most;
+//! - that is an error `e = (e_u, e_p)` of the solution, `K e_u + Cᵀ e_p = 0` along the cases at its end: `w_T(e)` is `δ` more
+//!   than before at nodes that begin to stick and stays at those that stick, and slip loses it;
+//! - the work is `Σ ½ (μ_0 p_n0 + μ_1 p_n1) |Δw_T|` with both forces and the slip corrected by `e`, and with `|δ|` of those that
+//!   stuck. Where nodes slide in a plane, that is all that is done, with `e = 0`; nodes that begin to stick are counted.
+//!
+//! So an increment costs one solve for the rate, with the factors at its start, and one for `e`, with those at its end. One in which
+//! the first nodes touch and slide costs another factorization.
+
+mod begin;
+
+use serde::{Deserialize, Serialize};
+
+use crate::algebra::linear::{LinearError, RefinedSolver};
+use crate::base::units::Scaling;
+use crate::solver::condensation::Condensed;
+use crate::solver::formulation::Bdiff;
+use crate::solver::laws::coulomb::{TangentialCase, length, positive};
+use crate::solver::loading::Loading;
+use crate::solver::newton::Bn;
+use crate::solver::problem::{ContactProblem, Increment};
+use begin::Begin;
+
+/// Loads that change in directions with a smaller cosine between them change in different ones.
+const CORNER: f64 = 0.9;
+
+/// Slip that is a smaller share of what nodes do is rounding, and so is a smaller share of an increment.
+const NEGLIGIBLE: f64 = 1e-9;
+
+/// A node that slides in an increment, though it sticks, counts where its friction may be off by a larger share of the largest friction of all nodes
+/// so far: a smaller error is no warning.
+const NOTABLE: f64 = 0.05;
+
+/// What the increments of a history do to its work of friction and to its tangential forces, estimated.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct IncrementError {
+    /// The work that friction dissipated as the increments have it, J; in two dimensions J per m of depth.
+    pub friction_work: f64,
+    /// The better value.
+    pub friction_work_corrected: f64,
+    /// The share of the work that is due to the increments; negative where it is too small.
+    pub work_error: f64,
+    /// The largest error of the tangential forces relative to their largest values; none where nodes slide in a plane.
+    pub force_error: Option<f64>,
+    /// The increments, or parts of them, in which nodes began to stick that were open or slipped when it began.
+    pub sticking_begins: usize,
+    /// The fewest increments of a stretch in which loads change in one direction and nodes begin to stick.
+    pub fewest: Option<usize>,
+}
+
+/// What the increments so far have done, and the end of the last one.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct IncrementErrors {
+    scaling: Scaling,
+    /// Whether no node slides in a plane.
+    is_straight: bool,
+    force: Vec<f64>,
+    gap: Vec<f64>,
+    nodes: Vec<Node>,
+    /// How the loads changed in the last increment.
+    change: Vec<f64>,
+    /// The increments since loads have changed their direction, and whether nodes began to stick in them.
+    stretch: (usize, bool),
+    fewest: Option<usize>,
+    sticking_begins: usize,
+    work: f64,
+    corrected: f64,
+    /// The largest sizes of `e_p` and of `p_T`.
+    largest: [f64; 2],
+}
+
+/// A contact node at the end of an increment, in the units of the scaling.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+struct Node {
+    closed: bool,
+    case: TangentialCase,
+    /// `g - w_n`, 0 or more.
+    distance: f64,
+    p_n: f64,
+    mu: f64,
+    w: [f64; 2],
+    /// `e`: of `w_T` and of `p_n`.
+    error_w: [f64; 2],
+    error_p_n: f64,
+}
+
+impl Node {
+    /// Apart, or in contact before anything is known of it.
+    fn at(distance: f64, w: [f64; 2]) -> Self {
+        let closed = distance <= 0.0;
+        let case = if closed { TangentialCase::Stick } else { TangentialCase::NoPressure };
+        Node { closed, case, distance: positive(distance), p_n: 0.0, mu: 0.0, w, error_w: [0.0; 2], error_p_n: 0.0 }
+    }
+
+    /// Whether it was apart, or slipped while loads went the same way, and sticks now; the farthest node tells what is rounding.
+    fn begins_to_stick(&self, now: TangentialCase, farthest: f64, turned: bool) -> bool {
+        let slipped = matches!(self.case, TangentialCase::Slip { .. }) && !turned;
+        now == TangentialCase::Stick && (slipped || self.distance > NEGLIGIBLE * farthest)
+    }
+
+    /// Whether it has a way to go before it touches.
+    fn is_open(&self) -> bool {
+        self.distance > 0.0
+    }
+}
+
+/// What nodes set out to do in an increment: the approach and the slip of each, if nothing changes its case.
+pub(super) type Rate = Vec<(f64, [f64; 2])>;
+
+impl IncrementErrors {
+    /// Before the first increment, with these gaps (m) in front of the unloaded body; none where nothing has friction.
+    pub(super) fn new(problem: &ContactProblem, formulation: &Bdiff, gap: &[f64]) -> Option<Self> {
+        let (layout, scaling) = (formulation.layout(), *formulation.scaling());
+        let contacts = 0..layout.contacts();
+        if !contacts.clone().any(|i| layout.has_friction(i)) || gap.len() != layout.contacts() {
+            return None;
+        }
+        let gap: Vec<f64> = gap.iter().map(|gap| gap / scaling.length).collect();
+        Some(IncrementErrors {
+            scaling,
+            is_straight: !contacts.into_iter().any(|i| layout.slides_in_a_plane(i)),
+            force: vec![0.0; problem.displacements()],
+            nodes: gap.iter().map(|gap| Node::at(*gap, [0.0; 2])).collect(),
+            gap,
+            change: Vec::new(),
+            stretch: (0, false),
+            fewest: None,
+            sticking_begins: 0,
+            work: 0.0,
+            corrected: 0.0,
+            largest: [0.0; 2],
+        })
+    }
+
+    /// Goes on where the equations of some contact `nodes` have been left at `time` (s), with all displacements (m) as given: with
+    /// others added, which were open.
+    pub(super) fn go_on_from(
+        &mut self,
+        before: &IncrementErrors,
+        nodes: &[usize],
+        condensed: &Condensed,
+        loading: &Loading,
+        time: f64,
+        [w_n, w_t, w_o]: [&[f64]; 3],
+    ) {
+        let Scaling { force, length } = self.scaling;
+        let mut forces = vec![0.0; condensed.problem.displacements()];
+        condensed.loading.force(time, &mut forces);
+        for f in &mut forces {
+            *f /= force;
+        }
+        let gap: Vec<f64> = loading.gaps_at(time).iter().map(|gap| gap / length).collect();
+        let mut all: Vec<Node> = gap
+            .iter()
+            .enumerate()
+            .map(|(i, gap)| Node::at(gap - w_n[i] / length, [w_t[i] / length, w_o[i] / length]))
+            .collect();
+        nodes.iter().zip(&before.nodes).for_each(|(&i, node)| all[i] = *node);
+        let now = |i: usize| (all[i], gap[i]);
+        let (nodes, gap) = match condensed.nodes() {
+            Some(nodes) => nodes.iter().map(|&i| now(i)).unzip(),
+            None => (0..all.len()).map(now).unzip(),
+        };
+        *self = IncrementErrors { force: forces, gap, nodes, change: Vec::new(), ..*before };
+    }
+
+    /// Whether those that were put away are of the same problem.
+    pub(super) fn fit(&self, kept: &IncrementErrors) -> bool {
+        let sizes = |of: &IncrementErrors| [of.force.len(), of.gap.len(), of.nodes.len()];
+        let known = sizes(kept)[0] + 3 * sizes(kept)[1];
+        sizes(self) == sizes(kept) && [0, known].contains(&kept.change.len())
+    }
+
+    /// What has come out so far.
+    pub(super) fn found(&self) -> IncrementError {
+        let joule = self.scaling.force * self.scaling.length;
+        let [error, force] = self.largest;
+        let relative = |error: f64, of: f64| if error == 0.0 { 0.0 } else { error / of };
+        IncrementError {
+            friction_work: self.work * joule,
+            friction_work_corrected: self.corrected * joule,
+            work_error: relative(self.work - self.corrected, self.work),
+            force_error: self.is_straight.then(|| relative(error, force)),
+            sticking_begins: self.sticking_begins,
+            fewest: self.fewest_so_far(),
+        }
+    }
+
+    /// With the stretch on the way.
+    fn fewest_so_far(&self) -> Option<usize> {
+        let (increments, sticks) = self.stretch;
+        let now = sticks.then_some(increments);
+        self.fewest.into_iter().chain(now).min()
+    }
+
+    /// The rate at which the solution sets out into an increment that has not begun yet, where that is needed and can be told.
+    pub(super) fn rate(
+        &self,
+        increment: &Increment<'_>,
+        formulation: &mut Bdiff,
+        bn: &mut Bn,
+        linear: &mut RefinedSolver,
+    ) -> Result<Option<Rate>, LinearError> {
+        let frees = |(i, node): (usize, &Node)| {
+            let slips = matches!(node.case, TangentialCase::Slip { .. });
+            formulation.layout().has_friction(i) && (slips || node.distance > 0.0)
+        };
+        if !self.is_straight || !self.nodes.iter().enumerate().any(frees) {
+            return Ok(None);
+        }
+        let cases: Vec<_> = self.nodes.iter().map(|node| (node.closed, node.case)).collect();
+        // Springs that tie a free body would carry the loads.
+        if !linearized(&cases, formulation, bn, linear)? || formulation.is_tied() {
+            return Ok(None);
+        }
+        let unit = self.scaling;
+        let force = increment.force.iter().zip(&self.force).map(|(now, before)| now / unit.force - before);
+        let gap: Vec<f64> =
+            increment.gap.iter().zip(&self.gap).map(|(now, before)| now / unit.length - before).collect();
+        let origins = increment.w_t_last.iter().zip(increment.w_o_last).zip(&self.nodes);
+        let origin: Vec<[f64; 2]> =
+            origins.map(|((t, o), node)| [t / unit.length - node.w[0], o / unit.length - node.w[1]]).collect();
+        let Some(rate) = solved(linear, &formulation.change(force, &gap, &origin))? else {
+            return Ok(None);
+        };
+        let of_node = |i: usize| {
+            let (w, origin) = (formulation.w_t(i, &rate), origin[i]);
+            (formulation.w_n(i, &rate) - gap[i], [w[0] - origin[0], w[1] - origin[1]])
+        };
+        let rate: Rate = (0..self.nodes.len()).map(of_node).collect();
+        let largest = rate.iter().fold(0.0_f64, |m, (approach, slip)| m.max(approach.abs()).max(length(*slip)));
+        let still = |slip: [f64; 2]| if length(slip) > NEGLIGIBLE * largest { slip } else { [0.0; 2] };
+        Ok(Some(rate.into_iter().map(|(approach, slip)| (approach, still(slip))).collect()))
+    }
+
+    /// Takes the increment in that ends at `z`, which set out at this `rate`.
+    pub(super) fn follow(
+        &mut self,
+        rate: Option<&Rate>,
+        weight: Option<&[f64]>,
+        formulation: &mut Bdiff,
+        bn: &mut Bn,
+        linear: &mut RefinedSolver,
+        z: &[f64],
+    ) -> Result<(), LinearError> {
+        let layout = formulation.layout().clone();
+        let turned = self.turn(formulation);
+        let cases: Vec<(bool, TangentialCase)> =
+            (0..self.nodes.len()).map(|i| (formulation.is_closed(i, z), formulation.friction_case(i, z))).collect();
+        let farthest = self.nodes.iter().map(|node| node.distance).fold(0.0, f64::max);
+        let begin = |i: usize| {
+            let rate = rate.filter(|_| layout.has_friction(i)).map(|rate| rate[i]);
+            Begin::of(&self.nodes[i], cases[i].1, formulation.slip(i, z), rate)
+        };
+        let mut begins: Vec<Begin> = (0..self.nodes.len()).map(begin).collect();
+        let alone = self.held_at_first_touch(&cases, &mut begins, turned, weight, formulation, bn, linear, z)?;
+        let mut sticks = false;
+        for (i, begin) in begins.iter_mut().enumerate().filter(|(i, _)| layout.has_friction(*i)) {
+            let node = &self.nodes[i];
+            sticks |= if self.is_straight { begin.sticks } else { node.begins_to_stick(cases[i].1, farthest, turned) };
+            if turned && !node.is_open() {
+                // The rate goes on along the old cases, where it may run the wrong way.
+                begin.delta = [0.0; 2];
+            }
+        }
+        self.sticking_begins += usize::from(sticks);
+        self.stretch.1 |= sticks;
+        let error = self.transport(&cases, &begins, formulation, bn, linear)?;
+
+        for (i, begin) in begins.iter().enumerate() {
+            let (gap, mu, _) = formulation.at_node(i);
+            let (p_n, slip, w) = (z[layout.p_n(i)], formulation.slip(i, z), formulation.w_t(i, z));
+            let (error_w, error_p_n) =
+                error.as_ref().map_or(([0.0; 2], 0.0), |error| (formulation.w_t(i, error), error[layout.p_n(i)]));
+            let before = self.nodes[i];
+            let (closed, case) = cases[i];
+            let [first, last] = [before.mu * positive(before.p_n + before.error_p_n), mu * positive(p_n + error_p_n)];
+            let friction = 0.5 * (first + last);
+            if let (TangentialCase::Slip { direction, .. }, true) = (case, layout.has_friction(i)) {
+                let p = formulation.p_t(i, z);
+                let corrected = |d: usize| slip[d] + error_w[d] - before.error_w[d] - begin.before_touch[d];
+                self.work += p[0] * slip[0] + p[1] * slip[1];
+                self.corrected += friction * positive(direction[0] * corrected(0) + direction[1] * corrected(1));
+            } else if begin.slipped {
+                self.corrected += friction * length(begin.delta);
+            }
+            let distance = if closed { 0.0 } else { positive(gap - formulation.w_n(i, z)) };
+            self.nodes[i] = Node { closed, case, distance, p_n, mu, w, error_w, error_p_n };
+        }
+        let sizes = [error.as_deref(), Some(z)].map(|z| z.map_or(0.0, |z| friction_of_all(formulation, weight, z)));
+        self.largest = [0, 1].map(|k| self.largest[k].max(sizes[k]));
+        self.largest[0] = self.largest[0].max(alone);
+        self.force.copy_from_slice(formulation.force());
+        self.gap = (0..layout.contacts()).map(|i| formulation.at_node(i).0).collect();
+        Ok(())
+    }
+
+    /// The largest error of the friction of nodes that stick where they touch, though the increment has them slide.
+    ///
+    /// These nodes are those of the first touch: the rate is theirs, and others may have been held up by them. Their error is solved for
+    /// with them held at the places where they touch, and is not carried on, since the cases of later increments are not theirs.
+    #[allow(clippy::too_many_arguments)]
+    fn held_at_first_touch(
+        &self,
+        cases: &[(bool, TangentialCase)],
+        begins: &mut [Begin],
+        turned: bool,
+        weight: Option<&[f64]>,
+        formulation: &mut Bdiff,
+        bn: &mut Bn,
+        linear: &mut RefinedSolver,
+        z: &[f64],
+    ) -> Result<f64, LinearError> {
+        let slips = |node: &Node| matches!(node.case, TangentialCase::Slip { .. });
+        // Nodes that slip may stick where loads turn, and then the rate along their cases is that of another way.
+        let is_led = !(turned && self.nodes.iter().any(slips));
+        let first = begins.iter().filter_map(|begin| begin.touches).fold(f64::INFINITY, f64::min);
+        let notable = NOTABLE * self.largest[1].max(friction_of_all(formulation, weight, z));
+        // Friction is within the cone, so that it may be off by the width of that at most: by twice what it is.
+        let width = |formulation: &Bdiff, i: usize| 2.0 * friction_at(formulation, weight, i, z);
+        let mut held_cases = cases.to_vec();
+        let mut held = Vec::new();
+        for (i, begin) in begins.iter_mut().enumerate() {
+            if begin.sticks && matches!(cases[i].1, TangentialCase::Slip { .. }) {
+                // A touch that was not seen to come counts as one at the end.
+                let is_first = begin.touches == Some(first) && first < 1.0;
+                if is_first && is_led && width(formulation, i) > notable {
+                    held_cases[i].1 = TangentialCase::Stick;
+                    held.push(i);
+                } else {
+                    *begin = Begin { sticks: false, delta: [0.0; 2], ..*begin };
+                }
+            }
+        }
+        let error = if held.is_empty() { None } else { self.transport(&held_cases, begins, formulation, bn, linear)? };
+        let mut largest = 0.0_f64;
+        for i in held {
+            let by_place = error.as_ref().map_or(0.0, |error| friction_at(formulation, weight, i, error));
+            let most = by_place.min(width(formulation, i));
+            let sticks = most > notable;
+            begins[i] = Begin { sticks, delta: [0.0; 2], ..begins[i] };
+            largest = largest.max(if sticks { most } else { 0.0 });
+        }
+        Ok(largest)
+    }
+
+    /// Whether loads change in another direction than in the increment before.
+    fn turn(&mut self, formulation: &Bdiff) -> bool {
+        let nodes = self.nodes.iter().enumerate().map(|(i, node)| (node, formulation.at_node(i)));
+        let forces = formulation.force().iter().zip(&self.force).map(|(now, before)| now - before);
+        let moved = nodes.zip(&self.gap).flat_map(|((node, (gap, _, origin)), before)| {
+            [gap - before, origin[0] - node.w[0], origin[1] - node.w[1]]
+        });
+        let change: Vec<f64> = forces.chain(moved).collect();
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let sizes = dot(&change, &change).sqrt() * dot(&self.change, &self.change).sqrt();
+        let turned = sizes > 0.0 && dot(&change, &self.change) < CORNER * sizes;
+        if turned {
+            self.fewest = self.fewest_so_far();
+            self.stretch = (0, false);
+        }
+        if change.iter().any(|change| *change != 0.0) {
+            self.change = change;
+            self.stretch.0 += 1;
+        }
+        turned
+    }
+
+    /// `e` at the end of an increment with these cases; none where it is 0, or cannot be told.
+    fn transport(
+        &self,
+        cases: &[(bool, TangentialCase)],
+        begins: &[Begin],
+        formulation: &mut Bdiff,
+        bn: &mut Bn,
+        linear: &mut RefinedSolver,
+    ) -> Result<Option<Vec<f64>>, LinearError> {
+        let moved = |((node, (_, case)), begin): ((&Node, &(bool, TangentialCase)), &Begin)| match case {
+            TangentialCase::Stick => [0, 1].map(|d| node.error_w[d] + begin.delta[d]),
+            _ => [0.0; 2],
+        };
+        let origin: Vec<[f64; 2]> = self.nodes.iter().zip(cases).zip(begins).map(moved).collect();
+        if !self.is_straight || origin.iter().all(|w| *w == [0.0; 2]) {
+            return Ok(None);
+        }
+        if !linearized(cases, formulation, bn, linear)? {
+            return Ok(None);
+        }
+        solved(linear, &formulation.change([], &vec![0.0; origin.len()], &origin))
+    }
+}
+
+/// The tangential force of node `i` at `z`, by the root of its weight.
+fn friction_at(formulation: &Bdiff, weight: Option<&[f64]>, i: usize, z: &[f64]) -> f64 {
+    length(formulation.p_t(i, z)) / weight.map_or(1.0, |l| l[i]).sqrt()
+}
+
+/// The root of the sum of the squares of these of all nodes.
+fn friction_of_all(formulation: &Bdiff, weight: Option<&[f64]>, z: &[f64]) -> f64 {
+    let nodes = 0..formulation.layout().contacts();
+    nodes.map(|i| friction_at(formulation, weight, i, z).powi(2)).sum::<f64>().sqrt()
+}
+
+/// Linearises for these cases with factors, if they are not those of the last linearisation; whether that can be solved with.
+fn linearized(
+    cases: &[(bool, TangentialCase)],
+    formulation: &mut Bdiff,
+    bn: &mut Bn,
+    linear: &mut RefinedSolver,
+) -> Result<bool, LinearError> {
+    if bn.has_factors(linear) && formulation.is_linearized_for(cases) {
+        return Ok(true);
+    }
+    formulation.linearize_for(cases);
+    bn.factor(formulation, linear)
+}
+
+/// The answer of the last linearisation; none where there is none in numbers.
+fn solved(linear: &mut RefinedSolver, b: &[f64]) -> Result<Option<Vec<f64>>, LinearError> {
+    let mut x = vec![0.0; b.len()];
+    match linear.solve_roughly(b, &mut x) {
+        Ok(()) => Ok(x.iter().all(|x| x.is_finite()).then_some(x)),
+        Err(LinearError::NotFinite) => Ok(None),
+        Err(error) => Err(error),
+    }
+}

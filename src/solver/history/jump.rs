@@ -1,0 +1,124 @@
+//! A jump: where the quasi-static motion ends, an increment to one of the states that the laws of an increment allow beyond it.
+//!
+//! Which of them a body comes to is a question of dynamics. Newton's method tries from the state that was reached, the interior
+//! point method from its own; and where neither gets to the end of the increment, they try half of the way, a quarter, and so on.
+
+use std::time::Instant;
+
+use super::driver::HistoryDriver;
+use super::record::{IncrementRecord, Status};
+use super::settings::HistorySettings;
+use super::state::HistoryState;
+use super::{Error, HistoryOutcome, Observer};
+use crate::algebra::linear::{RefinedSolver, Statistics};
+use crate::solver::condensation::Condensation;
+use crate::solver::laws::KktScales;
+use crate::solver::loading::Loading;
+use crate::solver::problem::{ContactProblem, State};
+
+/// From where a jump starts, or increments that are solved again.
+pub(crate) struct RestartPoint<'a> {
+    pub problem: &'a ContactProblem,
+    pub loading: &'a Loading,
+    pub settings: &'a HistorySettings,
+    /// The time at which the motion ended, s.
+    pub time: f64,
+    /// The state then.
+    pub state: State,
+    pub scales: KktScales,
+}
+
+/// Where a jump has come to.
+pub(super) struct Landed {
+    /// The time, s.
+    pub time: f64,
+    /// The state then.
+    pub state: State,
+    /// What became of the increment.
+    pub record: IncrementRecord,
+}
+
+/// The linear algebra of a jump.
+pub(crate) enum JumpSolver<'m> {
+    /// That of the whole body.
+    Whole(&'m mut RefinedSolver),
+    /// That of the condensed one.
+    Condensed(&'m Condensation),
+}
+
+impl RestartPoint<'_> {
+    /// Jumps to the time `to` (s), or as far on the way as a solution is found; `None` where there is none.
+    ///
+    /// # Errors
+    /// As [`super::run`].
+    pub(super) fn jump(&self, to: f64, means: &mut JumpSolver<'_>) -> Result<Option<Landed>, Error> {
+        let settings = HistorySettings { halvings: 0, ..self.settings.clone() };
+        for halvings in 0..=self.settings.halvings {
+            let time = self.time + (to - self.time) * 0.5_f64.powi(halvings as i32);
+            if time <= self.time {
+                break;
+            }
+            let outcome = self.try_to(&[time], &settings, &mut (), means)?;
+            if let (Status::Converged, Some(record)) = (outcome.status, outcome.records.last()) {
+                let record = record.clone();
+                return Ok(Some(Landed { time, state: outcome.state, record }));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Solves the increments that end at `times` (s), as far as they converge; `observer` sees them. The verdict of the last one.
+    ///
+    /// # Errors
+    /// As [`super::run`].
+    pub(crate) fn go_on(
+        &self,
+        times: &[f64],
+        observer: &mut dyn Observer,
+        means: &mut JumpSolver<'_>,
+    ) -> Result<Status, Error> {
+        Ok(self.try_to(times, self.settings, observer, means)?.status)
+    }
+
+    fn try_to(
+        &self,
+        times: &[f64],
+        settings: &HistorySettings,
+        observer: &mut dyn Observer,
+        means: &mut JumpSolver<'_>,
+    ) -> Result<HistoryOutcome, Error> {
+        let &RestartPoint { problem, loading, ref state, scales, .. } = self;
+        let [w_n, w_t, w_o] = problem.contact_motion(&state.u);
+        let position = HistoryState {
+            reached: Some(self.time),
+            state: Some(state.clone()),
+            scales,
+            w_n,
+            w_t,
+            w_o,
+            ..HistoryState::start(problem)
+        };
+        let mut stages = HistoryDriver {
+            problem,
+            loading,
+            times,
+            settings,
+            observer,
+            outcome: HistoryOutcome::begun(problem),
+            position,
+            start: Instant::now(),
+            begun: None,
+            done: Statistics::default(),
+            joined: 0,
+            is_ready: true,
+            saved: None,
+        };
+        match means {
+            JumpSolver::Whole(linear) => {
+                stages.stage(settings, None, linear)?;
+            }
+            JumpSolver::Condensed(condensation) => stages.condensed(settings, condensation)?,
+        }
+        Ok(stages.outcome)
+    }
+}

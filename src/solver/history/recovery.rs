@@ -1,0 +1,228 @@
+//! The states of the whole body at the ends of increments that were solved on the contact displacements.
+//!
+//! The interior follows from them (35), for several increments at once: the factors and `K` are read once for all. Where that
+//! leaves a law of equilibrium violated by more than rounding, as in slender bodies, the whole system is refined: its imbalance,
+//! reduced, is solved for with the linearisation of that state, and the interior follows the change.
+
+use rayon::prelude::*;
+
+use super::settings::HistorySettings;
+use super::task::IncrementSolver;
+use crate::algebra::linear::{LinearError, RefinedSolver, componentwise_error};
+use crate::algebra::sparse::{LANES, lane, side_by_side, sum};
+use crate::base::units::Scaling;
+use crate::solver::condensation::Condensed;
+use crate::solver::formulation::Layout;
+use crate::solver::laws::KktScales;
+use crate::solver::problem::{ContactProblem, State};
+
+/// The componentwise backward error of the whole system that needs no refinement.
+const BACKWARD_ERROR: f64 = 1e-14;
+
+/// One serves where rounding alone is to blame; slender bodies gain five or six digits by each.
+const REFINEMENTS: usize = 4;
+
+/// A condensed body, and the whole one that it stands for.
+#[derive(Clone, Copy)]
+pub(super) struct InteriorRecovery<'a> {
+    pub problem: &'a ContactProblem,
+    pub condensed: &'a Condensed,
+    pub settings: &'a HistorySettings,
+}
+
+/// A state of the whole body.
+#[derive(Default)]
+pub(super) struct RecoveredState {
+    pub state: State,
+    /// [`ContactProblem::imbalance`], N.
+    pub imbalance: Vec<f64>,
+    /// The componentwise backward error of the equations of equilibrium, whose contact forces are given.
+    pub backward_error: f64,
+}
+
+impl RecoveredState {
+    /// The largest imbalance, N.
+    fn violation(&self) -> f64 {
+        self.imbalance.iter().fold(0.0_f64, |m, r| m.max(r.abs()))
+    }
+}
+
+impl InteriorRecovery<'_> {
+    /// The states at these times (s), by those of the condensed problem and the external forces there.
+    pub(super) fn states(
+        &self,
+        ends: &[(f64, State)],
+        forces: &[Vec<f64>],
+    ) -> Result<Vec<RecoveredState>, LinearError> {
+        let states = self.condensed.states(ends)?;
+        let balances = |(states, forces): (&[State], &[Vec<f64>])| self.balances(states, forces);
+        let balances: Vec<(Vec<f64>, f64)> = if states.len() <= LANES {
+            balances((&states, forces))
+        } else {
+            states.par_chunks(LANES).zip(forces.par_chunks(LANES)).flat_map_iter(balances).collect()
+        };
+        let balanced = |(state, (imbalance, backward_error))| RecoveredState { state, imbalance, backward_error };
+        Ok(states.into_iter().zip(balances).map(balanced).collect())
+    }
+
+    /// Imbalance and backward error of as many states as go side by side.
+    fn balances(&self, states: &[State], forces: &[Vec<f64>]) -> Vec<(Vec<f64>, f64)> {
+        let problem = self.problem;
+        let u = side_by_side(problem.displacements(), states.iter().map(|state| &state.u[..]));
+        let (elastic, sizes) = problem.stiffness().products(&u);
+        let balanced = |(k, (state, force)): (usize, (&State, &Vec<f64>))| {
+            let imbalance = if state.u_rest.is_empty() {
+                problem.imbalance_of(lane(&elastic, k), force, state)
+            } else {
+                problem.imbalance(force, state)
+            };
+            let backward_error = backward_error(problem, state, force, &imbalance, lane(&sizes, k));
+            (imbalance, backward_error)
+        };
+        states.iter().zip(forces).enumerate().map(balanced).collect()
+    }
+
+    /// Whether a state needs no refinement; `scales` are those that include it.
+    pub(super) fn needs_no_refinement(&self, balanced: &RecoveredState, scales: &KktScales) -> bool {
+        balanced.backward_error <= BACKWARD_ERROR && balanced.violation() <= self.allowed(scales)
+    }
+
+    /// A tenth, as the rounding of the imbalance counts, too.
+    fn allowed(&self, scales: &KktScales) -> f64 {
+        0.1 * self.settings.tolerance * scales.force
+    }
+
+    /// The state that the method has reached under `force`, refined where it needs that by how its contact nodes respond.
+    pub(super) fn refined(
+        &self,
+        balanced: RecoveredState,
+        force: &[f64],
+        scales: &KktScales,
+        contact: &mut dyn Responds,
+    ) -> Result<RecoveredState, LinearError> {
+        let mut reached = balanced;
+        for refinement in 0..REFINEMENTS {
+            let scales = scales.with_state(&reached.state);
+            if self.needs_no_refinement(&reached, &scales) || refinement == 0 && !contact.is_regular()? {
+                break;
+            }
+            let mut state = reached.state.clone();
+            let mut imbalance = reached.imbalance.clone();
+            if reached.violation() > self.allowed(&scales) {
+                // Below the rounding of u: its second word is needed.
+                state.u_rest.resize(state.u.len(), 0.0);
+                imbalance = self.problem.imbalance(force, &state);
+            }
+            match self.correct(&imbalance, &mut state, contact) {
+                Err(LinearError::NotFinite) => break,
+                corrected => corrected?,
+            }
+            let imbalance = self.problem.imbalance(force, &state);
+            let mut sizes = vec![0.0; state.u.len()];
+            self.problem.stiffness().add_sizes(&state.u, &mut sizes);
+            let backward_error = backward_error(self.problem, &state, force, &imbalance, sizes);
+            if backward_error.is_nan() || backward_error > 0.5 * reached.backward_error {
+                break;
+            }
+            reached = RecoveredState { state, imbalance, backward_error };
+            contact.go_on();
+        }
+        Ok(reached)
+    }
+
+    /// Takes an imbalance off a state.
+    fn correct(&self, imbalance: &[f64], state: &mut State, contact: &mut dyn Responds) -> Result<(), LinearError> {
+        let forces = self.condensed.reduce(&imbalance.iter().map(|r| -r).collect::<Vec<_>>())?;
+        let change = contact.respond(&self.condensed.on_contact(&forces))?;
+        let du = self.condensed.displacements(&forces, &change.u)?;
+        if state.u_rest.is_empty() {
+            state.u.iter_mut().zip(&du).for_each(|(u, du)| *u += du);
+        } else {
+            for ((u, rest), du) in state.u.iter_mut().zip(&mut state.u_rest).zip(&du) {
+                (*u, *rest) = sum(*u, *rest + du);
+            }
+        }
+        for (p, dp) in [(&mut state.p_n, change.p_n), (&mut state.p_t, change.p_t), (&mut state.p_o, change.p_o)] {
+            p.iter_mut().zip(self.condensed.of_all_nodes(dp)).for_each(|(p, dp)| *p += dp);
+        }
+        Ok(())
+    }
+}
+
+/// How a condensed problem responds to forces while no node changes its status.
+pub(super) trait Responds {
+    /// Whether it does: with statuses that hold the body.
+    fn is_regular(&mut self) -> Result<bool, LinearError>;
+
+    /// What forces on its displacements (N) change.
+    fn respond(&mut self, forces: &[f64]) -> Result<State, LinearError>;
+
+    /// Goes on from the state with the last response.
+    fn go_on(&mut self);
+}
+
+/// The response of a method's linearisation.
+pub(super) struct Linearized<'m> {
+    method: &'m mut dyn IncrementSolver,
+    linear: &'m mut RefinedSolver,
+    problem: &'m ContactProblem,
+    scaling: Scaling,
+    change: Vec<f64>,
+}
+
+impl<'m> Linearized<'m> {
+    /// That of the state that the `method` has reached, of a condensed `problem`.
+    pub(super) fn new(
+        method: &'m mut dyn IncrementSolver,
+        linear: &'m mut RefinedSolver,
+        problem: &'m ContactProblem,
+        scaling: Scaling,
+    ) -> Self {
+        Linearized { method, linear, problem, scaling, change: Vec::new() }
+    }
+}
+
+impl Responds for Linearized<'_> {
+    fn is_regular(&mut self) -> Result<bool, LinearError> {
+        self.method.linearize();
+        match self.linear.factorize(self.method.linearization()) {
+            Ok(_) => Ok(true),
+            Err(LinearError::Singular { .. } | LinearError::NotFinite) => Ok(false),
+            Err(error) => Err(error),
+        }
+    }
+
+    fn respond(&mut self, forces: &[f64]) -> Result<State, LinearError> {
+        let n = self.method.linearization().order();
+        let mut rhs = vec![0.0; n];
+        rhs.iter_mut().zip(forces).for_each(|(b, force)| *b = force / self.scaling.force);
+        self.change = vec![0.0; n];
+        self.linear.solve(self.method.linearization(), &rhs, &mut self.change)?;
+        Ok(Layout::new(self.problem).unpacked(&self.change, &self.scaling))
+    }
+
+    fn go_on(&mut self) {
+        self.method.unknowns().iter_mut().zip(&self.change).for_each(|(z, dz)| *z += dz);
+    }
+}
+
+/// The componentwise backward error of the equations of equilibrium; `sizes` are `|K| |u|`.
+fn backward_error(
+    problem: &ContactProblem,
+    state: &State,
+    force: &[f64],
+    imbalance: &[f64],
+    mut sizes: Vec<f64>,
+) -> f64 {
+    sizes.iter_mut().zip(force).for_each(|(size, force)| *size += force.abs());
+    for (map, forces) in [(problem.c_n(), &state.p_n), (problem.c_t(), &state.p_t), (problem.c_o(), &state.p_o)] {
+        for (i, p) in forces.iter().enumerate() {
+            map.row(i).iter().for_each(|&(dof, c)| sizes[dof] += (c * p).abs());
+        }
+    }
+    componentwise_error(&state.u, imbalance, &sizes, problem.stiffest(), || {
+        let mut row_norm = vec![0.0_f64; imbalance.len()];
+        problem.stiffness().entries().for_each(|(i, _, value)| row_norm[i] = row_norm[i].max(value.abs()));
+        row_norm
+    })
+}

@@ -1,0 +1,208 @@
+//! A history that is put away between two increments.
+
+use serde::{Deserialize, Serialize};
+
+use super::record::{IncrementRecord, Tally};
+use super::settings::HistorySettings;
+use super::snapshot::Snapshot;
+use super::state::HistoryState;
+use super::{HistoryOutcome, IncrementError, Method, WorkingSet};
+use crate::algebra::linear::Statistics;
+use crate::base::units::Scaling;
+use crate::solver::checkpoint::{Checkpoint, CheckpointError};
+use crate::solver::events::{ExactPath, Jump, SavedExactPath};
+use crate::solver::formulation::Layout;
+use crate::solver::laws::KktScales;
+use crate::solver::problem::{ContactProblem, State};
+
+/// All that a history goes on from.
+#[derive(Clone, Serialize, Deserialize)]
+pub(super) struct Saved {
+    pub run: RunOf,
+    pub outcome: Done,
+    pub position: HistoryState,
+    pub stage: SavedStage,
+    /// What the linear algebra has done.
+    pub statistics: Statistics,
+}
+
+/// What a checkpoint is of: a history goes on from a checkpoint only if both have equal keys.
+#[derive(Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct RunOf {
+    version: u32,
+    method: Method,
+    scaling: Scaling,
+    displacements: usize,
+    contacts: usize,
+}
+
+/// Changes with what a history keeps, and with what methods make of it.
+const VERSION: u32 = 1;
+
+/// What has come of it so far.
+#[derive(Clone, Serialize, Deserialize)]
+pub(super) struct Done {
+    tally: Tally,
+    state: State,
+    scales: KktScales,
+    reached: f64,
+    working_set: Option<WorkingSet>,
+    increment_error: Option<IncrementError>,
+    event_count: usize,
+    jumps: Vec<Jump>,
+}
+
+/// An exact path that has been put away.
+#[derive(Clone, Serialize, Deserialize)]
+pub(super) struct SavedPath {
+    pub run: RunOf,
+    pub outcome: Done,
+    pub walk: SavedExactPath,
+    /// Those of the steps from event to event, and of the increments.
+    pub scales: [KktScales; 2],
+}
+
+/// The stage on the way.
+#[derive(Clone, Default, Serialize, Deserialize)]
+pub(super) struct SavedStage {
+    pub memory: Snapshot,
+    /// The contact nodes that condensed equations hold, if not all.
+    pub nodes: Option<Vec<usize>>,
+    /// How many increments go together.
+    pub batch_size: usize,
+}
+
+impl RunOf {
+    pub(super) fn new(layout: &Layout, settings: &HistorySettings) -> Self {
+        RunOf {
+            version: VERSION,
+            method: settings.method,
+            scaling: settings.scaling,
+            displacements: layout.displacements(),
+            contacts: layout.contacts(),
+        }
+    }
+
+    /// # Errors
+    /// [`CheckpointError::Other`] unless it is that of this problem and method.
+    fn is_that_of(&self, problem: &ContactProblem, settings: &HistorySettings) -> Result<(), CheckpointError> {
+        let now = RunOf::new(&Layout::new(problem), settings);
+        if *self == now {
+            return Ok(());
+        }
+        Err(CheckpointError::Other { what: self.difference(&now) })
+    }
+
+    fn difference(&self, now: &RunOf) -> &'static str {
+        if self.version != now.version {
+            "the version of stickslip"
+        } else if (self.method, self.scaling) == (now.method, now.scaling) {
+            "the mesh or its contact"
+        } else {
+            "the method"
+        }
+    }
+}
+
+impl Done {
+    pub(super) fn of(outcome: &HistoryOutcome) -> Self {
+        let HistoryOutcome { tally, state, scales, reached, working_set, increment_error, .. } = outcome;
+        let (event_count, jumps) = (outcome.event_count, outcome.jumps.clone());
+        Done {
+            tally: *tally,
+            state: state.clone(),
+            scales: *scales,
+            reached: *reached,
+            working_set: *working_set,
+            increment_error: *increment_error,
+            event_count,
+            jumps,
+        }
+    }
+
+    /// # Errors
+    /// [`CheckpointError::Other`] unless increments of these `times` end where the checkpoint is.
+    fn ends_at(&self, checkpoint: &Checkpoint, times: &[f64]) -> Result<(), CheckpointError> {
+        let done = self.tally.increments;
+        if done == 0 || done != checkpoint.increments() || times.get(done - 1) != Some(&checkpoint.time()) {
+            return Err(CheckpointError::Other { what: "the times of the increments" });
+        }
+        Ok(())
+    }
+
+    pub(super) fn resume(self, begun: HistoryOutcome) -> HistoryOutcome {
+        let Done { tally, state, scales, reached, working_set, increment_error, event_count, jumps } = self;
+        let done = HistoryOutcome { tally, state, reached, scales, working_set, increment_error, ..begun };
+        HistoryOutcome { event_count, jumps, ..done }
+    }
+}
+
+impl Saved {
+    /// What the `checkpoint` has, if it is one of this history.
+    pub(super) fn read(
+        checkpoint: &Checkpoint,
+        problem: &ContactProblem,
+        times: &[f64],
+        settings: &HistorySettings,
+    ) -> Result<Self, CheckpointError> {
+        let saved: Saved = checkpoint.part(0)?;
+        saved.run.is_that_of(problem, settings)?;
+        saved.outcome.ends_at(checkpoint, times)?;
+        if !saved.fits(problem) {
+            return Err(CheckpointError::Damaged);
+        }
+        Ok(saved)
+    }
+
+    fn fits(&self, problem: &ContactProblem) -> bool {
+        let contacts = problem.contacts();
+        let state = |state: &State| state.check(problem).is_ok();
+        let nodes = self
+            .stage
+            .nodes
+            .iter()
+            .all(|nodes| nodes.is_sorted_by(|a, b| a < b) && nodes.last().is_some_and(|last| *last < contacts));
+        state(&self.outcome.state) && nodes && self.position.fits(problem, state)
+    }
+}
+
+impl SavedPath {
+    /// Where an exact path can be taken up after the increments so far.
+    pub(super) fn checkpoint(
+        settings: &HistorySettings,
+        outcome: &HistoryOutcome,
+        walk: &ExactPath<'_>,
+        scales: [KktScales; 2],
+    ) -> Checkpoint {
+        let run = RunOf::new(&outcome.layout, settings);
+        let saved = SavedPath { run, outcome: Done::of(outcome), walk: walk.save(), scales };
+        Checkpoint::new(outcome.tally.increments, outcome.reached, &saved)
+    }
+
+    /// What the `checkpoint` has, if it is one of this history.
+    pub(super) fn read(
+        checkpoint: &Checkpoint,
+        problem: &ContactProblem,
+        times: &[f64],
+        settings: &HistorySettings,
+    ) -> Result<Self, CheckpointError> {
+        let saved: SavedPath = checkpoint.part(0)?;
+        saved.run.is_that_of(problem, settings)?;
+        saved.outcome.ends_at(checkpoint, times)?;
+        if saved.outcome.state.check(problem).is_err() {
+            return Err(CheckpointError::Damaged);
+        }
+        Ok(saved)
+    }
+}
+
+impl HistoryOutcome {
+    /// Takes the record of an increment in; of all, or of the last two.
+    pub(super) fn push(&mut self, record: IncrementRecord, keeps: bool) {
+        self.tally.add(&record);
+        if !keeps && self.records.len() > 1 {
+            self.records.remove(0);
+        }
+        self.records.push(record);
+    }
+}

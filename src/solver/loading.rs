@@ -1,0 +1,411 @@
+//! What is prescribed over time: external forces and gaps.
+
+mod friction;
+mod gap_correction;
+mod part;
+
+use std::ops::Range;
+
+pub use friction::FrictionHistory;
+pub use gap_correction::GapCorrection;
+
+use crate::base::timeline::kinks;
+use crate::solver::problem::error::{expect_finite, expect_history, expect_length};
+use crate::solver::problem::{ContactProblem, ProblemError};
+
+const PER_NODE: &str = "one for each node in front of the obstacle";
+
+/// Nodal forces of one load at factor 1, and the factor's history.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LoadCase {
+    force: Vec<f64>,
+    history: Vec<[f64; 2]>,
+}
+
+/// A motion of an obstacle in one direction, or about one axis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Motion {
+    nodes: Range<usize>,
+    gap: Vec<f64>,
+    drift: Vec<[f64; 2]>,
+    history: Vec<[f64; 2]>,
+}
+
+/// The external forces and gaps of a history.
+///
+/// ```
+/// use stickslip::solver::loading::{LoadCase, Loading};
+///
+/// // 2 N on the first of two displacements, raised over a second; one node, 1 mm from its obstacle.
+/// let load = LoadCase::new(vec![2.0, 0.0], vec![[0.0, 0.0], [1.0, 1.0]])?;
+/// let loading = Loading::new(vec![load], vec![1e-3])?;
+/// assert_eq!((loading.cases()[0].factor(0.5), loading.gaps_at(0.5)), (0.5, vec![1e-3]));
+/// # Ok::<(), stickslip::solver::problem::ProblemError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Loading {
+    cases: Vec<LoadCase>,
+    gap: Vec<f64>,
+    motions: Vec<Motion>,
+    bends: Vec<GapCorrection>,
+    friction: Option<FrictionHistory>,
+}
+
+/// The value at time `t` of a history: linear between its points, constant outside.
+pub(crate) fn piecewise_linear(history: &[[f64; 2]], t: f64) -> Option<f64> {
+    let after = history.partition_point(|[time, _]| *time <= t);
+    match (after.checked_sub(1).map(|k| history[k]), history.get(after)) {
+        (Some([_, value]), None) => Some(value),
+        (None, first) => first.map(|[_, value]| *value),
+        (Some([t0, v0]), Some([t1, v1])) => Some(v0 + (v1 - v0) * ((t - t0) / (t1 - t0))),
+    }
+}
+
+impl LoadCase {
+    /// A load of `force` (n_u, N) at factor 1, whose factor goes through the points `[time (s), factor]` of `history`, linear
+    /// between them and constant outside; it is 1 throughout where there is none.
+    ///
+    /// # Errors
+    /// When a number is not finite, or the times do not increase.
+    pub fn new(force: Vec<f64>, history: Vec<[f64; 2]>) -> Result<Self, ProblemError> {
+        expect_finite("force", &force)?;
+        expect_history("history", &history)?;
+        Ok(LoadCase { force, history })
+    }
+
+    /// The nodal forces at factor 1, n_u, N.
+    pub fn force(&self) -> &[f64] {
+        &self.force
+    }
+
+    /// The points of the factor's history.
+    pub fn history(&self) -> &[[f64; 2]] {
+        &self.history
+    }
+
+    /// The same factor on other forces.
+    pub(crate) fn on(&self, force: Vec<f64>) -> Self {
+        LoadCase { force, history: self.history.clone() }
+    }
+
+    /// The factor at time `t`.
+    pub fn factor(&self, t: f64) -> f64 {
+        piecewise_linear(&self.history, t).unwrap_or(1.0)
+    }
+}
+
+impl Motion {
+    /// The motion of an obstacle in front of the contact nodes `nodes`: a unit of it adds `gap` (m per unit) to the gap of
+    /// each and moves the surface by `drift` (m per unit) along its tangents; the points `[time (s), distance (m) or angle
+    /// (rad)]` of `history` tell how far it has gone, linear between them and constant outside.
+    ///
+    /// # Errors
+    /// When there is not one gap and one drift for each node, a number is not finite, or the times do not increase.
+    pub fn new(
+        nodes: Range<usize>,
+        gap: Vec<f64>,
+        drift: Vec<[f64; 2]>,
+        history: Vec<[f64; 2]>,
+    ) -> Result<Self, ProblemError> {
+        expect_length("gap", nodes.len(), gap.len(), PER_NODE)?;
+        expect_length("drift", nodes.len(), drift.len(), PER_NODE)?;
+        expect_finite("gap", &gap)?;
+        drift.iter().enumerate().try_for_each(|(k, drift)| expect_finite(&format!("drift[{k}]"), drift))?;
+        expect_history("history", &history)?;
+        Ok(Motion { nodes, gap, drift, history })
+    }
+
+    /// The points of its history.
+    pub fn history(&self) -> &[[f64; 2]] {
+        &self.history
+    }
+
+    /// How far it has gone at time `t`.
+    fn at(&self, t: f64) -> f64 {
+        piecewise_linear(&self.history, t).unwrap_or(0.0)
+    }
+}
+
+impl Loading {
+    /// Loads, which add up, and `gap`, the gaps before any obstacle moves, n_c, m.
+    ///
+    /// # Errors
+    /// When the loads have forces of different lengths, or a gap is not finite.
+    pub fn new(cases: Vec<LoadCase>, gap: Vec<f64>) -> Result<Self, ProblemError> {
+        let first = cases.first().map_or(0, |case| case.force.len());
+        for (k, case) in cases.iter().enumerate() {
+            expect_length(format!("force of load {k}"), first, case.force.len(), "as many as the first load has")?;
+        }
+        expect_finite("gap", &gap)?;
+        Ok(Loading { cases, gap, motions: Vec::new(), bends: Vec::new(), friction: None })
+    }
+
+    /// The same with obstacles that move. The motions add up, and so does what goes beyond their rates.
+    ///
+    /// # Errors
+    /// When one names a contact node that there is not, or they move too far for a number.
+    pub fn with_motions(self, motions: Vec<Motion>, bends: Vec<GapCorrection>) -> Result<Self, ProblemError> {
+        let n_c = self.gap.len();
+        let ends = motions
+            .iter()
+            .map(|motion| ("motion", &motion.nodes))
+            .chain(bends.iter().map(|bend| ("bend", &bend.nodes)));
+        for (what, nodes) in ends {
+            if nodes.start > nodes.end {
+                let (array, value) = (format!("nodes of a {what}"), nodes.start as f64);
+                return Err(ProblemError::Value { array, value, must: "a range that does not end before it begins" });
+            }
+            if nodes.end > n_c {
+                return expect_length(format!("nodes of a {what}"), n_c, nodes.end, "at most one for each gap")
+                    .map(|()| self);
+            }
+        }
+        let loading = Loading { motions, bends, ..self };
+        let mut gap = vec![0.0; n_c];
+        for t in loading.corner_times() {
+            loading.gap_at(t, &mut gap);
+            expect_finite("gap", &gap)?;
+            for k in 0..2 {
+                expect_finite("drift", &loading.drift_at(t, k))?;
+            }
+        }
+        Ok(loading)
+    }
+
+    /// The same with friction that changes in time, if it does.
+    ///
+    /// # Errors
+    /// When there is not one coefficient for each gap.
+    pub fn with_friction(self, friction: Option<FrictionHistory>) -> Result<Self, ProblemError> {
+        let nodes = friction.as_ref().map_or(self.gap.len(), FrictionHistory::nodes);
+        expect_length("mu", self.gap.len(), nodes, "one for each gap")?;
+        Ok(Loading { friction, ..self })
+    }
+
+    /// How friction changes in time, if it does.
+    pub fn friction(&self) -> Option<&FrictionHistory> {
+        self.friction.as_ref()
+    }
+
+    /// The loads.
+    pub fn cases(&self) -> &[LoadCase] {
+        &self.cases
+    }
+
+    /// `g`, the gaps before any obstacle moves, n_c, m.
+    pub fn gap(&self) -> &[f64] {
+        &self.gap
+    }
+
+    /// The motions of obstacles.
+    pub fn motions(&self) -> &[Motion] {
+        &self.motions
+    }
+
+    /// What goes beyond their rates.
+    pub fn bends(&self) -> &[GapCorrection] {
+        &self.bends
+    }
+
+    /// Other loads on the same contact nodes.
+    pub(crate) fn with_cases(&self, cases: Vec<LoadCase>) -> Self {
+        Loading { cases, ..self.clone() }
+    }
+
+    /// Whether it fits `problem`.
+    ///
+    /// # Errors
+    /// When its forces or gaps are more or fewer than the displacements or contact nodes of `problem`.
+    pub fn check(&self, problem: &ContactProblem) -> Result<(), ProblemError> {
+        if let Some(case) = self.cases.first() {
+            expect_length("force of a load", problem.displacements(), case.force.len(), "one for each displacement")?;
+        }
+        expect_length("gap", problem.contacts(), self.gap.len(), "one for each contact node")
+    }
+
+    /// The external forces (n_u, N) on `problem` at time `t`.
+    ///
+    /// # Errors
+    /// As [`Loading::check`].
+    pub fn force_at(&self, t: f64, problem: &ContactProblem) -> Result<Vec<f64>, ProblemError> {
+        self.check(problem)?;
+        let mut force = vec![0.0; problem.displacements()];
+        self.force(t, &mut force);
+        Ok(force)
+    }
+
+    /// The external forces (n_u, N) at time `t`.
+    pub(crate) fn force(&self, t: f64, force: &mut [f64]) {
+        force.fill(0.0);
+        for case in &self.cases {
+            let factor = case.factor(t);
+            for (sum, f) in force.iter_mut().zip(&case.force) {
+                *sum += factor * f;
+            }
+        }
+    }
+
+    /// The sizes of the terms (n_u, N) that the external forces at time `t` are sums of.
+    pub(crate) fn force_sizes(&self, t: f64, displacements: usize) -> Vec<f64> {
+        let mut sizes = vec![0.0; displacements];
+        for case in &self.cases {
+            let factor = case.factor(t);
+            sizes.iter_mut().zip(&case.force).for_each(|(size, f)| *size += (factor * f).abs());
+        }
+        sizes
+    }
+
+    /// How far gaps that are curved in time may be from the chords along which they are followed between the times of their
+    /// [`GapCorrection`]s, m.
+    pub(crate) fn off_the_chords(&self) -> f64 {
+        let kinks = self.kinks();
+        self.bends.iter().map(|bend| bend.off_the_chords(&kinks)).fold(0.0, f64::max)
+    }
+
+    /// The gaps (n_c, m) at time `t`.
+    pub fn gaps_at(&self, t: f64) -> Vec<f64> {
+        let mut gap = self.gap.clone();
+        self.gap_at(t, &mut gap);
+        gap
+    }
+
+    /// The gaps (n_c, m) at time `t`.
+    pub(crate) fn gap_at(&self, t: f64, gap: &mut [f64]) {
+        gap.copy_from_slice(&self.gap);
+        for motion in &self.motions {
+            let distance = motion.at(t);
+            let nodes = gap[motion.nodes.clone()].iter_mut();
+            nodes.zip(&motion.gap).for_each(|(g, rate)| *g += distance * rate);
+        }
+        for bend in &self.bends {
+            bend.add(t, &mut gap[bend.nodes.clone()]);
+        }
+    }
+
+    /// How far the surfaces of the obstacles have moved past the contact nodes along their first (`k` = 0)
+    /// or second tangents until time `t`, n_c, m. What slips is `w - drift`.
+    pub fn drift_at(&self, t: f64, k: usize) -> Vec<f64> {
+        let mut drift = vec![0.0; self.gap.len()];
+        for motion in &self.motions {
+            let distance = motion.at(t);
+            let nodes = drift[motion.nodes.clone()].iter_mut();
+            nodes.zip(&motion.drift).for_each(|(d, rate)| *d += distance * rate.get(k).unwrap_or(&0.0));
+        }
+        for bend in self.bends.iter().filter(|_| k < 2) {
+            bend.add_drift(t, k, &mut drift[bend.nodes.clone()]);
+        }
+        drift
+    }
+
+    /// The times after 0 between which forces and gaps are linear, ascending.
+    pub(crate) fn corners(&self) -> Vec<f64> {
+        let mut times = self.corner_times();
+        times.extend(self.cases.iter().flat_map(|case| case.history.iter().map(|point| point[0])));
+        times.retain(|time| *time > 0.0);
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+        times
+    }
+
+    /// The times (s) at which a load, the motion of an obstacle or friction changes its rate, ascending.
+    pub fn kinks(&self) -> Vec<f64> {
+        let loads = self.cases.iter().map(|case| &case.history);
+        let motions = self.motions.iter().map(|motion| &motion.history);
+        let friction = self.friction.iter().flat_map(|friction| friction.cases.iter().map(|(_, history)| history));
+        let mut times: Vec<f64> = loads.chain(motions).chain(friction).flat_map(|history| kinks(history)).collect();
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+        times
+    }
+
+    /// The times between which gaps are linear.
+    fn corner_times(&self) -> Vec<f64> {
+        let mut times = vec![0.0];
+        times.extend(self.bends.iter().flat_map(|bend| bend.times.iter().copied()));
+        times.extend(self.motions.iter().flat_map(|motion| motion.history.iter().map(|point| point[0])));
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+        times
+    }
+
+    /// The largest interference over all time, m: how deep an obstacle goes into the undeformed body.
+    pub fn largest_interference(&self) -> f64 {
+        let mut gap = vec![0.0; self.gap.len()];
+        let mut deepest = 0.0_f64;
+        for t in self.corner_times() {
+            self.gap_at(t, &mut gap);
+            deepest = gap.iter().fold(deepest, |m, g| m.max(-g));
+        }
+        deepest
+    }
+
+    /// A bound on the nodal forces over all time, N: the sum of each case's largest.
+    pub fn largest_force(&self) -> f64 {
+        let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0_f64, |m, v| m.max(v.abs()));
+        (self.cases.iter())
+            .map(|case| {
+                largest(&mut case.force.iter().copied()) * largest(&mut case.history.iter().map(|point| point[1]))
+            })
+            .sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn factors_are_piecewise_linear_and_constant_outside() {
+        let case = LoadCase::new(vec![2.0, -4.0], vec![[1.0, 0.0], [2.0, 1.0], [4.0, -1.0]]).unwrap();
+        for (t, factor) in [(0.0, 0.0), (1.0, 0.0), (1.25, 0.25), (2.0, 1.0), (3.0, 0.0), (4.0, -1.0), (9.0, -1.0)] {
+            assert_eq!(case.factor(t), factor, "at {t}");
+        }
+        let loading = Loading { cases: vec![case.clone(), case], ..Loading::default() };
+        let mut force = [0.0; 2];
+        loading.force(1.5, &mut force);
+        assert_eq!(force, [2.0, -4.0]);
+        assert_eq!(loading.largest_force(), 8.0);
+    }
+
+    #[test]
+    fn an_obstacle_takes_its_nodes_gaps_away_and_drifts_past_them() {
+        let motion = Motion {
+            nodes: 1..3,
+            gap: vec![-1.0, -0.5],
+            drift: vec![[0.0, 2.0], [1.0, 0.0]],
+            history: vec![[0.0, 0.0], [2.0, 4.0]],
+        };
+        let back = Motion { history: vec![[2.0, 0.0], [4.0, -4.0]], ..motion.clone() };
+        let loading = Loading { gap: vec![1.0, 2.0, 3.0], motions: vec![motion, back], ..Loading::default() };
+        let mut gap = [0.0; 3];
+        loading.gap_at(1.5, &mut gap);
+        assert_eq!(gap, [1.0, -1.0, 1.5]);
+        assert_eq!([0, 1].map(|k| loading.drift_at(1.0, k)), [[0.0, 0.0, 2.0], [0.0, 4.0, 0.0]]);
+        assert_eq!(loading.drift_at(5.0, 0), [0.0; 3]);
+        assert_eq!(loading.largest_interference(), 2.0);
+
+        let bend = GapCorrection {
+            nodes: 0..2,
+            times: vec![1.0, 1.5, 3.5],
+            gap: vec![vec![0.0, 0.5], vec![1.0, 4.0], vec![-3.0, 0.0]],
+            drift: vec![vec![[0.0; 2], [0.0; 2]], vec![[0.0; 2], [0.0, 2.0]], vec![[4.0, 0.0], [0.0, 2.0]]],
+        };
+        let loading = Loading { bends: vec![bend], ..loading };
+        for (t, expected) in
+            [(0.5, [1.0, 1.5, 2.5]), (1.25, [1.5, 1.75, 1.75]), (1.5, [2.0, 3.0, 1.5]), (2.0, [1.0, 1.0, 1.0])]
+        {
+            loading.gap_at(t, &mut gap);
+            assert_eq!(gap, expected, "{t}");
+        }
+        assert_eq!(loading.largest_interference(), 2.0);
+        loading.gap_at(9.0, &mut gap);
+        assert_eq!(gap[0], -2.0);
+        let before = Loading { bends: Vec::new(), ..loading.clone() };
+        for (t, added) in [(1.0, [[0.0; 2]; 2]), (1.25, [[0.0; 2], [0.0, 1.0]]), (9.0, [[4.0, 0.0], [0.0, 2.0]])] {
+            for k in 0..2 {
+                let [with, without] = [&loading, &before].map(|loading| loading.drift_at(t, k));
+                assert_eq!([with[0] - without[0], with[1] - without[1]], added.map(|of_node| of_node[k]), "{t}");
+            }
+        }
+    }
+}

@@ -1,0 +1,81 @@
+//! Friction that changes in time.
+
+use super::piecewise_linear;
+use crate::solver::problem::ProblemError;
+use crate::solver::problem::error::{expect_each, expect_finite, expect_history, expect_length};
+
+/// Coulomb's coefficients of the contact nodes over time, `μ_i(t) = Σ_k f_k(t) μ_ki`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FrictionHistory {
+    pub(super) nodes: usize,
+    /// `μ_k` at factor 1, and the points of `f_k`.
+    pub(super) cases: Vec<(Vec<f64>, Vec<[f64; 2]>)>,
+}
+
+impl FrictionHistory {
+    /// The sum of `cases`: coefficients of `nodes` contact nodes at factor 1, and points `[time (s), factor]`, between which
+    /// the factor is linear and outside of which it is constant; it is 1 throughout where there are none.
+    ///
+    /// # Errors
+    /// When there is not one coefficient for each node, one is negative or not finite, times do not increase, or a factor is not
+    /// above 0: a node has friction at all times or never.
+    pub fn new(nodes: usize, cases: Vec<(Vec<f64>, Vec<[f64; 2]>)>) -> Result<Self, ProblemError> {
+        for (mu, history) in &cases {
+            expect_length("mu", nodes, mu.len(), "one for each contact node")?;
+            expect_finite("mu", mu)?;
+            expect_each("mu", mu, "0 or more", |mu| mu >= 0.0)?;
+            expect_history("history of friction", history)?;
+            let factors: Vec<f64> = history.iter().map(|point| point[1]).collect();
+            expect_each("factors of friction", &factors, "above 0", |factor| factor > 0.0)?;
+        }
+        Ok(FrictionHistory { nodes, cases })
+    }
+
+    /// The number of contact nodes.
+    pub fn nodes(&self) -> usize {
+        self.nodes
+    }
+
+    /// The coefficients at time `t` (s).
+    pub fn at(&self, t: f64) -> Vec<f64> {
+        let mut mu = vec![0.0; self.nodes];
+        for (case, history) in &self.cases {
+            let factor = piecewise_linear(history, t).unwrap_or(1.0);
+            mu.iter_mut().zip(case).for_each(|(sum, mu)| *sum += factor * mu);
+        }
+        mu
+    }
+
+    /// The largest coefficient of each node over all time.
+    pub fn largest(&self) -> Vec<f64> {
+        let times = self.cases.iter().flat_map(|(_, history)| history.iter().map(|point| point[0]));
+        times.chain([0.0]).map(|t| self.at(t)).fold(vec![0.0; self.nodes], |mut largest, mu| {
+            largest.iter_mut().zip(mu).for_each(|(largest, mu)| *largest = largest.max(mu));
+            largest
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coefficients_are_sums_of_cases() {
+        let falling = (vec![0.4, 0.1, 0.0], vec![[1.0, 1.0], [3.0, 0.5]]);
+        let friction = FrictionHistory::new(3, vec![falling, (vec![0.0, 0.1, 0.2], Vec::new())]).unwrap();
+        assert_eq!(friction.at(0.0), [0.4, 0.2, 0.2]);
+        assert_eq!(friction.at(9.0), [0.2, 0.5 * 0.1 + 0.1, 0.2]);
+        assert_eq!(friction.at(2.0)[0], 0.75 * 0.4);
+        assert_eq!(friction.largest(), [0.4, 0.2, 0.2]);
+        for (mu, history, says) in [
+            (vec![0.4], vec![], "mu has 1"),
+            (vec![0.4, 0.4, -0.1], vec![], "mu[2] is -0.1"),
+            (vec![0.4; 3], vec![[0.0, 1.0], [1.0, 0.0]], "factors of friction[1] is 0"),
+            (vec![0.4; 3], vec![[1.0, 1.0], [0.0, 1.0]], "history of friction"),
+        ] {
+            let error = FrictionHistory::new(3, vec![(mu, history)]).unwrap_err().to_string();
+            assert!(error.contains(says), "{error}");
+        }
+    }
+}

@@ -1,0 +1,111 @@
+//! Gaps that do not follow a history in proportion.
+
+use std::ops::Range;
+
+use super::PER_NODE;
+use crate::solver::problem::ProblemError;
+use crate::solver::problem::error::{expect_finite, expect_increasing, expect_length};
+
+/// What the rates of a [`super::Motion`] leave out of the gaps, as an obstacle that is round passes, one that is oblique turns, or
+/// another one comes nearer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GapCorrection {
+    pub(super) nodes: Range<usize>,
+    pub(super) times: Vec<f64>,
+    pub(super) gap: Vec<Vec<f64>>,
+    /// What they leave out of the motion of the surface along both tangents; nothing where that is all of it.
+    pub(super) drift: Vec<Vec<[f64; 2]>>,
+}
+
+impl GapCorrection {
+    /// What to add to the gaps of the contact nodes `nodes`, m: a row of `gap` for each of the `times` (s), linear between
+    /// them and constant outside.
+    ///
+    /// # Errors
+    /// When there is not a row for each time and a number for each node, a number is not finite, or the times do not
+    /// increase.
+    pub fn new(nodes: Range<usize>, times: Vec<f64>, gap: Vec<Vec<f64>>) -> Result<Self, ProblemError> {
+        expect_length("gap", times.len(), gap.len(), "one row for each time")?;
+        expect_finite("times", &times)?;
+        expect_increasing("times", times.iter().copied())?;
+        for (k, row) in gap.iter().enumerate() {
+            let name = format!("gap[{k}]");
+            expect_length(&name, nodes.len(), row.len(), PER_NODE)?;
+            expect_finite(&name, row)?;
+        }
+        Ok(GapCorrection { nodes, times, gap, drift: Vec::new() })
+    }
+
+    /// The same, which also adds to how far the surface has moved past the nodes along both tangents, m: a row of `drift` for each
+    /// time.
+    ///
+    /// # Errors
+    /// When there is not a row for each time and a pair for each node, or a number is not finite.
+    pub fn with_drift(self, drift: Vec<Vec<[f64; 2]>>) -> Result<Self, ProblemError> {
+        expect_length("drift", self.times.len(), drift.len(), "one row for each time")?;
+        for (k, row) in drift.iter().enumerate() {
+            let name = format!("drift[{k}]");
+            expect_length(&name, self.nodes.len(), row.len(), PER_NODE)?;
+            expect_finite(&name, row.as_flattened())?;
+        }
+        Ok(GapCorrection { drift, ..self })
+    }
+
+    /// The times, s.
+    pub fn times(&self) -> &[f64] {
+        &self.times
+    }
+
+    /// How far gaps between its times may be from the chords that it has for them, m, by the chords on either side of each time but the
+    /// `kinks` (s), at which rates change.
+    pub(crate) fn off_the_chords(&self, kinks: &[f64]) -> f64 {
+        let off = |k: usize| {
+            let [before, at, after] = [k - 1, k, k + 1].map(|k| self.times[k]);
+            if kinks.contains(&at) {
+                return 0.0;
+            }
+            let share = (at - before) / (after - before);
+            // g'' (at - before) (after - at) / 2 off the chord over both, so g'' h² / 8 off that over one.
+            let longest = (at - before).max(after - at);
+            let of_one = longest * longest / (4.0 * (at - before) * (after - at));
+            let of_node = |i: usize| {
+                let [before, at, after] = [k - 1, k, k + 1].map(|k| self.gap[k][i]);
+                (at - before - share * (after - before)).abs()
+            };
+            of_one * (0..self.nodes.len()).map(of_node).fold(0.0, f64::max)
+        };
+        (1..self.times.len().saturating_sub(1)).map(off).fold(0.0, f64::max)
+    }
+
+    /// Adds what belongs to time `t` to the `gap` of its nodes.
+    pub(super) fn add(&self, t: f64, gap: &mut [f64]) {
+        let Some((k, share)) = self.place(t) else { return };
+        for (i, g) in gap.iter_mut().enumerate() {
+            *g += between(share, self.gap[k][i], || self.gap[k + 1][i]);
+        }
+    }
+
+    /// Adds what belongs to time `t` to the `drift` of its nodes along their first (`axis` = 0) or second tangents.
+    pub(super) fn add_drift(&self, t: f64, axis: usize, drift: &mut [f64]) {
+        let Some((k, share)) = self.place(t).filter(|_| !self.drift.is_empty()) else { return };
+        for (i, d) in drift.iter_mut().enumerate() {
+            *d += between(share, self.drift[k][i][axis], || self.drift[k + 1][i][axis]);
+        }
+    }
+
+    /// The row before time `t`, and how far it is to the next one, as a share.
+    fn place(&self, t: f64) -> Option<(usize, f64)> {
+        let last = self.times.len().checked_sub(1)?;
+        let after = self.times.partition_point(|time| *time <= t);
+        Some(match (after.checked_sub(1), self.times.get(after)) {
+            (Some(k), Some(next)) => (k, (t - self.times[k]) / (next - self.times[k])),
+            (Some(_), None) => (last, 0.0),
+            (None, _) => (0, 0.0),
+        })
+    }
+}
+
+/// The value that is a `share` of the way from `here` to the next one.
+fn between(share: f64, here: f64, next: impl Fn() -> f64) -> f64 {
+    if share > 0.0 { here + share * (next() - here) } else { here }
+}

@@ -1,0 +1,252 @@
+//! Algorithm BN: the B-differentiable Newton method.
+
+mod beyond;
+mod forcing;
+
+use super::clock::Clock;
+use super::cycle::Cycle;
+use super::{Armijo, Iteration, IterationRecord, LinearSystem, MethodResult, StopCriterion, Termination};
+use crate::algebra::linear::{LinearError, RefinedSolver};
+use crate::solver::formulation::Bdiff;
+use beyond::Branch;
+use forcing::Forcing;
+use std::ops::ControlFlow;
+
+/// Algorithm BN with its workspace.
+pub struct Bn {
+    armijo: Armijo,
+    max_iterations: usize,
+    h: Vec<f64>,
+    dz: Vec<f64>,
+    rhs: Vec<f64>,
+    /// What rounding leaves off `z`, where that matters.
+    rest: Vec<f64>,
+    /// The generation of the factors that `linear` had after this solver's last factorisation: if it is
+    /// still the same, its factors are those of the last linearisation.
+    factored: Option<usize>,
+    /// How well directions have to be known, where a measured error sees what they leave.
+    forcing: Option<Forcing>,
+}
+
+/// A direction, or why there is none.
+type Direction = Result<f64, Termination>;
+
+impl Bn {
+    /// A solver for `unknowns` equations, with this rule for the step size.
+    pub fn new(armijo: Armijo, max_iterations: usize, unknowns: usize) -> Self {
+        let zeros = || vec![0.0; unknowns];
+        Bn {
+            armijo,
+            max_iterations,
+            h: zeros(),
+            dz: zeros(),
+            rhs: zeros(),
+            rest: zeros(),
+            factored: None,
+            forcing: None,
+        }
+    }
+
+    /// Solves `H(z) = 0` from the given `z`, which is left at the last iterate, with its [`Bn::rest`]. `linear` must
+    /// have analysed the pattern of the Jacobian, and `z` have [`Bdiff::unknowns`] entries.
+    ///
+    /// # Errors
+    /// When the linear algebra cannot go on for want of memory or by misuse. A singular matrix is
+    /// no error: it is a way to [`Termination`].
+    pub fn solve(
+        &mut self,
+        formulation: &mut Bdiff,
+        linear: &mut RefinedSolver,
+        z: &mut [f64],
+        mut end: StopCriterion<'_>,
+        observe: &mut dyn FnMut(&Iteration<'_>) -> ControlFlow<()>,
+    ) -> Result<MethodResult, LinearError> {
+        // Step 1: initialisation.
+        expect_unknowns(formulation, &self.h, z)?;
+        let mut clock = Clock::default();
+        let mut theta = clock.time(|| self.evaluate(formulation, z));
+        let mut outcome = MethodResult::new(theta);
+        self.rest.fill(0.0);
+        let mut error = end.measure(z, &self.rest);
+        if observe(&Iteration::start(theta, error)).is_break() {
+            return Ok(MethodResult { stop: Termination::Interrupted, ..outcome });
+        }
+        if end.met_at_start(error) {
+            return Ok(MethodResult { stop: Termination::Converged, ..outcome });
+        }
+        self.forcing = end.is_measured().then(Forcing::default);
+        let (mut cycle, mut full_step) = (Cycle::default(), false);
+
+        for iteration in 1..=self.max_iterations {
+            // Step 2: the direction, H(z) + H̃'(z; dz) = 0 (22), which stands for (11). The matrix is factored
+            // unless it is that of the last direction.
+            let changed = clock.time(|| formulation.linearize(z));
+            let factored = changed || self.factored != Some(linear.generation());
+            cycle.visit(formulation.cases());
+            let mut backward_error = match self.direction(formulation, linear, factored)? {
+                Ok(error) => error,
+                Err(stop) => {
+                    outcome.stop = stop;
+                    break;
+                }
+            };
+
+            // Step 3: the step size (12), and the step. A full step repeated with the same matrix
+            // refines a solution: there is nothing to search.
+            let repeated = end.is_measured() && full_step && !changed;
+            let (mut step, mut backtracks) =
+                if repeated { (1.0, 0) } else { clock.time(|| self.step_size(formulation, z, theta)) };
+            if end.is_measured() && backtracks == self.armijo.max_backtracks {
+                let last = Branch { step, backtracks, backward_error, solves: 0 };
+                let ahead = self.branch_ahead(last, formulation, linear, z, theta)?;
+                Branch { step, backtracks, backward_error, .. } = ahead;
+                outcome.iterations += ahead.solves;
+            }
+            theta = clock.time(|| {
+                z.iter_mut().zip(&self.dz).for_each(|(z, dz)| *z += step * dz);
+                self.evaluate(formulation, z)
+            });
+            full_step = step == 1.0;
+            outcome.add(theta, backtracks, backward_error);
+
+            // Step 4: termination.
+            error = end.measure(z, &self.rest);
+            let record = IterationRecord { iteration, theta, step, backtracks, backward_error, factored, error };
+            let flow = observe(&Iteration { record, system: Some(self.system(formulation)) });
+            let mut met = end.met(theta, error);
+            if (repeated || formulation.is_affine() && end.is_measured()) && !met {
+                // Nothing is left to gain but by refinement, or by following a motion that is free.
+                met = self.refine(formulation, linear, z, &mut end)?;
+                match formulation.unheld_motion() {
+                    None => outcome.stop = Termination::Stalled,
+                    Some(_) if !met && self.follow(formulation, z) => theta = self.evaluate(formulation, z),
+                    Some(motion) => outcome.stop = Termination::Unconstrained(motion),
+                }
+            }
+            if outcome.ends(met || formulation.is_affine(), flow) || outcome.stop != Termination::MaxIterations {
+                break;
+            }
+        }
+        if outcome.stop == Termination::MaxIterations {
+            outcome.stop = match formulation.unheld_motion() {
+                Some(motion) => Termination::Unconstrained(motion),
+                None if cycle.closed() => Termination::Cycling,
+                None => Termination::MaxIterations,
+            };
+        }
+        outcome.assembly_seconds = clock.seconds;
+        Ok(outcome)
+    }
+
+    /// `H(z)`; its merit `Theta` (10).
+    fn evaluate(&mut self, formulation: &Bdiff, z: &[f64]) -> f64 {
+        formulation.residual(z, &mut self.h);
+        formulation.merit(&self.h)
+    }
+
+    /// Solves (22) for `dz`, with the matrix factored if it is `fresh`; the backward error, or why
+    /// there is no direction.
+    fn direction(
+        &mut self,
+        formulation: &Bdiff,
+        linear: &mut RefinedSolver,
+        fresh: bool,
+    ) -> Result<Direction, LinearError> {
+        if fresh {
+            self.factored = None;
+            if let Some(motion) = formulation.loose_motion() {
+                return Ok(Err(Termination::Unconstrained(motion)));
+            }
+            if let Err(error) = linear.factorize(formulation.jacobian()) {
+                return Termination::at(error).map(Err);
+            }
+            self.factored = Some(linear.generation());
+        }
+        self.rhs.copy_from_slice(&self.h);
+        formulation.right_hand_side(&mut self.rhs);
+        self.rhs.iter_mut().for_each(|b| *b = -*b);
+        let solved = match &mut self.forcing {
+            Some(forcing) if fresh => {
+                linear.solve_to(forcing.term(&self.rhs), formulation.jacobian(), &self.rhs, &mut self.dz)
+            }
+            _ => linear.solve(formulation.jacobian(), &self.rhs, &mut self.dz),
+        };
+        match solved {
+            Ok(info) => Ok(Ok(info.backward_error)),
+            Err(error) => Termination::at(error).map(Err),
+        }
+    }
+
+    /// The change of `z` that takes a residual `h` away, by the factors of the last linearisation, if `linear` has them still. It is no
+    /// iteration.
+    ///
+    /// # Errors
+    /// As [`Bn::solve`].
+    pub fn substitute(
+        &mut self,
+        formulation: &Bdiff,
+        linear: &mut RefinedSolver,
+        h: &[f64],
+    ) -> Result<Option<&[f64]>, LinearError> {
+        if self.factored != Some(linear.generation()) {
+            return Ok(None);
+        }
+        self.rhs.iter_mut().zip(h).for_each(|(b, h)| *b = -h);
+        match linear.solve(formulation.jacobian(), &self.rhs, &mut self.dz) {
+            Ok(_) => Ok(Some(&self.dz)),
+            Err(error) => Termination::at(error).map(|_| None),
+        }
+    }
+
+    /// (12) along the present direction: the step and how many times it was shortened.
+    fn step_size(&self, formulation: &Bdiff, z: &[f64], theta: f64) -> (f64, usize) {
+        self.armijo.step(theta, formulation.merit_along(z, &self.dz, &self.h))
+    }
+
+    /// What rounding leaves off the last `z`: the solution is their sum. 0 where that does not matter.
+    pub fn rest(&self) -> &[f64] {
+        &self.rest
+    }
+
+    /// Whether the factors of `linear` are those of the last linearisation.
+    pub fn has_factors(&self, linear: &RefinedSolver) -> bool {
+        self.factored == Some(linear.generation())
+    }
+
+    /// Factors the last linearisation, for it and for the iteration that comes next; whether that can be solved with.
+    ///
+    /// # Errors
+    /// As [`Bn::solve`].
+    pub fn factor(&mut self, formulation: &Bdiff, linear: &mut RefinedSolver) -> Result<bool, LinearError> {
+        self.factored = None;
+        if formulation.loose_motion().is_some() {
+            return Ok(false);
+        }
+        match linear.factorize(formulation.jacobian()) {
+            Ok(_) => self.factored = Some(linear.generation()),
+            Err(error) => drop(Termination::at(error)?),
+        }
+        Ok(self.factored.is_some())
+    }
+
+    /// Sets another limit of iterations.
+    pub fn limit(&mut self, max_iterations: usize) {
+        self.max_iterations = max_iterations;
+    }
+
+    /// The linear system of the last direction.
+    fn system<'a>(&'a self, formulation: &'a Bdiff) -> LinearSystem<'a> {
+        let (matrix, layout, scaling) = (formulation.jacobian(), formulation.layout(), *formulation.scaling());
+        LinearSystem { matrix, rhs: &self.rhs, solution: &self.dz, layout, scaling }
+    }
+}
+
+fn expect_unknowns(formulation: &Bdiff, own: &[f64], z: &[f64]) -> Result<(), LinearError> {
+    let expected = formulation.unknowns();
+    for (what, found) in [("unknowns of the solver", own.len()), ("z", z.len())] {
+        if found != expected {
+            return Err(LinearError::Shape { what, expected, found });
+        }
+    }
+    Ok(())
+}

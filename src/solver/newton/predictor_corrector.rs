@@ -1,0 +1,209 @@
+//! The predictor–corrector interior point method of Mehrotra, ended by one step on the face it has
+//! found where the equations are linear on their faces, as (25) of Algorithm IP.
+//!
+//! It has no number that depends on the problem: `σ` comes from how far the predictor gets, the
+//! step from the border, and the iteration ends when the caller's own error measure says so.
+
+use super::clock::Clock;
+use super::ip::Workspace;
+use super::{Iteration, IterationRecord, MethodResult, Termination};
+use crate::algebra::linear::{LinearError, RefinedSolver};
+use crate::solver::formulation::{Face, InteriorPoint, Pair, largest_step};
+use std::ops::ControlFlow;
+
+/// The share of the way to the border that a step may go. Closer makes the next steps short;
+/// 0.9 costs 8 % more iterations, and nothing was found between 0.99 and 0.995.
+const SHARE: f64 = 0.99;
+
+/// A step that is shorter has jammed, and is taken centred instead if the equations are curved.
+/// Of 160 histories with the exact cone and stiffness over three decades three were lost without
+/// that, none with 0.1; 0.03 and 0.3 take as many iterations. Equations that are linear on their
+/// faces lose none, and the extreme scenes in the plane took 1.3 % more iterations with it.
+const JAMMED: f64 = 0.1;
+
+/// When the iteration ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PredictorCorrectorSettings {
+    /// The error at which it has converged.
+    pub tolerance: f64,
+    /// The limit of iterations.
+    pub max_iterations: usize,
+}
+
+/// The method with its workspace.
+#[derive(Default)]
+pub struct PredictorCorrector {
+    work: Workspace,
+    /// The iterate before the last step.
+    before: Vec<f64>,
+}
+
+/// Where a step has led.
+struct Taken {
+    step: f64,
+    backward_error: f64,
+    error: f64,
+}
+
+impl PredictorCorrector {
+    /// Solves `H(z) = 0` from a `z` whose pairs are positive, and leaves it at the last iterate.
+    /// `error` measures the state in `z`. An iteration is one matrix factored; for the predictor
+    /// and the corrector it serves two right-hand sides.
+    ///
+    /// # Errors
+    /// When the linear algebra cannot go on for want of memory or by misuse. A singular matrix is
+    /// no error: it is a way to [`Termination`].
+    pub fn solve(
+        &mut self,
+        settings: &PredictorCorrectorSettings,
+        formulation: &mut dyn InteriorPoint,
+        linear: &mut RefinedSolver,
+        z: &mut [f64],
+        error: &mut dyn FnMut(&[f64]) -> f64,
+        observe: &mut dyn FnMut(&Iteration<'_>) -> ControlFlow<()>,
+    ) -> Result<MethodResult, LinearError> {
+        let mut clock = Clock::default();
+        self.work.resize(formulation);
+        clock.time(|| formulation.residual(z, &mut self.work.h));
+        let theta = formulation.theta(z, &self.work.h);
+        let mut outcome = MethodResult::new(theta);
+        if observe(&Iteration::start(theta, None)).is_break() {
+            return Ok(MethodResult { stop: Termination::Interrupted, ..outcome });
+        }
+        // The face ahead, and the last one that a step to it has been tried on.
+        let (mut ahead, mut tried): (Option<Face>, Option<Face>) = (None, None);
+        let mut settled = false;
+        // Equations that are not linear on their faces have none ahead, wherever they are asked.
+        let curved = formulation.face_ahead(z, z).is_none();
+
+        for iteration in 1..=settings.max_iterations {
+            let taken = match &ahead {
+                // Two steps have gone towards the same face: it may be the solution's.
+                Some(face) if settled && tried != ahead => {
+                    tried.clone_from(&ahead);
+                    self.step_to(face, formulation, linear, z, settings.tolerance, error)
+                }
+                _ => {
+                    let taken = self.step(curved, formulation, linear, z, error);
+                    // A step that fails has gone nowhere.
+                    if taken.is_ok() {
+                        let face = formulation.face_ahead(&self.before, z);
+                        settled = ahead == face;
+                        ahead = face;
+                    }
+                    taken
+                }
+            };
+            let taken = match taken {
+                Ok(taken) => taken,
+                Err(error) => {
+                    outcome.stop = Termination::at(error)?;
+                    break;
+                }
+            };
+            let theta = clock.time(|| {
+                formulation.residual(z, &mut self.work.h);
+                formulation.theta(z, &self.work.h)
+            });
+            let Taken { step, backward_error, error } = taken;
+            outcome.add(theta, 0, backward_error);
+            let record = IterationRecord {
+                iteration,
+                theta,
+                step,
+                backtracks: 0,
+                backward_error,
+                factored: true,
+                // A step that is not taken was measured at its end.
+                error: (step > 0.0).then_some(error),
+            };
+            let flow = observe(&Iteration { record, system: Some(self.work.system(formulation)) });
+            if outcome.ends(error <= settings.tolerance || formulation.is_affine(), flow) {
+                break;
+            }
+        }
+        outcome.assembly_seconds = clock.seconds;
+        Ok(outcome)
+    }
+
+    /// A predictor and a corrector with one matrix, and the step.
+    fn step(
+        &mut self,
+        curved: bool,
+        formulation: &mut dyn InteriorPoint,
+        linear: &mut RefinedSolver,
+        z: &mut [f64],
+        error: &mut dyn FnMut(&[f64]) -> f64,
+    ) -> Result<Taken, LinearError> {
+        let beta = mean_product(formulation.pairs(), z, &self.work.dz, 0.0);
+        formulation.linearize(z);
+        linear.factorize(formulation.matrix())?;
+
+        // The predictor aims at the solution itself, σ = 0.
+        self.work.b.iter_mut().zip(&self.work.h).for_each(|(b, h)| *b = -h);
+        let predicted = self.work.solve(formulation, linear, z)?;
+        let reach = largest_step(formulation.pairs(), z, &self.work.dz).min(1.0);
+
+        // The corrector aims at products of σ β, with σ after Mehrotra, and takes the second order
+        // of the products from the predictor.
+        let sigma = (mean_product(formulation.pairs(), z, &self.work.dz, reach) / beta).powi(3).min(1.0);
+        let centring = if sigma.is_finite() { sigma * beta } else { 0.0 };
+        for pair in formulation.pairs() {
+            self.work.b[pair.length] += centring - self.work.dz[pair.force] * self.work.dz[pair.length];
+        }
+        let mut corrected = self.work.solve(formulation, linear, z)?;
+        let mut step = (SHARE * largest_step(formulation.pairs(), z, &self.work.dz)).min(1.0);
+        if curved && step < JAMMED {
+            // A predictor that gets nowhere tells nothing of the second order. Without it, σ = 1.
+            self.work.b.iter_mut().zip(&self.work.h).for_each(|(b, h)| *b = -h);
+            for pair in formulation.pairs() {
+                self.work.b[pair.length] += beta;
+            }
+            corrected = self.work.solve(formulation, linear, z)?;
+            step = (SHARE * largest_step(formulation.pairs(), z, &self.work.dz)).min(1.0);
+        }
+
+        self.before.clear();
+        self.before.extend_from_slice(z);
+        z.iter_mut().zip(&self.work.dz).for_each(|(z, dz)| *z += step * dz);
+        let backward_error = predicted.backward_error.max(corrected.backward_error);
+        Ok(Taken { step, backward_error, error: error(z) })
+    }
+
+    /// The Newton step to `face`. It is taken if it leads to the solution, within `tolerance`;
+    /// otherwise `z` stays.
+    fn step_to(
+        &mut self,
+        face: &Face,
+        formulation: &mut dyn InteriorPoint,
+        linear: &mut RefinedSolver,
+        z: &mut [f64],
+        tolerance: f64,
+        error: &mut dyn FnMut(&[f64]) -> f64,
+    ) -> Result<Taken, LinearError> {
+        let point = face.point(formulation.pairs(), z.len());
+        formulation.linearize(&point);
+        face.towards(formulation.pairs(), z, &self.work.h, &mut self.work.b);
+        let solved = linear.factorize(formulation.matrix()).and_then(|_| self.work.solve(formulation, linear, &point));
+        let info = match solved {
+            Ok(info) => info,
+            // Not every face holds the body: then it is not the solution's.
+            Err(LinearError::Singular { .. } | LinearError::NotFinite) => {
+                return Ok(Taken { step: 0.0, backward_error: 0.0, error: f64::INFINITY });
+            }
+            Err(error) => return Err(error),
+        };
+        let end: Vec<f64> = z.iter().zip(&self.work.dz).map(|(z, dz)| z + dz).collect();
+        let error = error(&end);
+        let reached = error <= tolerance;
+        if reached {
+            z.copy_from_slice(&end);
+        }
+        Ok(Taken { step: f64::from(u8::from(reached)), backward_error: info.backward_error, error })
+    }
+}
+
+/// The mean product of the `pairs` at `z + t dz`.
+fn mean_product(pairs: &[Pair], z: &[f64], dz: &[f64], t: f64) -> f64 {
+    pairs.iter().map(|pair| pair.product_ahead(z, dz, t)).sum::<f64>() / pairs.len() as f64
+}

@@ -1,0 +1,163 @@
+//! What stands against a force on one contact node: the scale of `r`.
+
+use faer::linalg::solvers::{Llt, Solve};
+use faer::{Mat, Side};
+
+use super::ContactProblem;
+use crate::algebra::sparse::{Csc, Csr};
+use crate::algebra::vector::median;
+
+/// The displacements that share a stiffness entry with the normal motion of a contact node, ascending: with finite
+/// elements, those of the elements at the node.
+type Patch = Vec<usize>;
+
+/// Less than this share of a node's own stiffness may be what rounding leaves of a patch that turns about what is held
+/// beyond it; true contrasts of twelve decades are not told from that.
+const MERE_ROUNDING: f64 = 1e-12;
+
+impl ContactProblem {
+    /// The stiffness of each contact node along its normal, all others of its patch free and everything beyond held,
+    /// n_c, N/m: `1 / (C_n K_PP⁻¹ C_nᵀ)_ii` with `K_PP` the rows and columns of the displacements that the node's
+    /// own are coupled to.
+    ///
+    /// It stands for `1 / C_nn`, the inverse of the compliance `C_n K⁻¹ C_nᵀ`, where what is far away does not
+    /// count: neither the bending of a slender body, nor a stiffness against change of volume that no surface node
+    /// ever meets. Where the patch could move as a rigid body it is a quarter of the node's own `(C_n K C_nᵀ)_ii`,
+    /// which in a uniform mesh is about the same.
+    pub fn contact_stiffness(&self) -> Vec<f64> {
+        // Of a shared matrix, too, what there is reaches as far as the patches.
+        let at_hand = self.stiffness().at_hand();
+        let patches = patches(&at_hand, self.c_n());
+        let mut last: Option<(&Patch, Option<Llt<f64>>)> = None;
+        let mut stiffness = Vec::with_capacity(patches.len());
+        for (i, patch) in patches.iter().enumerate() {
+            // In a dense matrix all patches are the same.
+            let factors = match last.take() {
+                Some((same, factors)) if same == patch => factors,
+                _ => self.factors(&at_hand, patch),
+            };
+            let compliance = factors.as_ref().map(|factors| compliance(factors, patch, self.c_n().row(i)));
+            let own = self.own_stiffness(i);
+            let usable = compliance.map(|c| 1.0 / c).filter(|k| k.is_finite() && *k > MERE_ROUNDING * own);
+            stiffness.push(usable.unwrap_or(0.25 * own));
+            last = Some((patch, factors));
+        }
+        // A particle without any stiffness of its own takes what the body has elsewhere; any scale will do.
+        if stiffness.contains(&0.0) {
+            let mut present: Vec<f64> = self.stiffness().diagonal().into_iter().filter(|k| *k > 0.0).collect();
+            let typical = median(&mut present).unwrap_or(1.0);
+            stiffness.iter_mut().filter(|k| **k == 0.0).for_each(|k| *k = typical);
+        }
+        stiffness
+    }
+
+    /// `(C_n K C_nᵀ)_ii`, N/m: the stiffness of contact node `i` along its normal where all others are held.
+    pub(crate) fn own_stiffness(&self, i: usize) -> f64 {
+        let row = self.c_n().row(i);
+        let pairs = row.iter().flat_map(|a| row.iter().map(move |b| (a, b)));
+        pairs.map(|(a, b)| a.1 * b.1 * self.stiffness().get(a.0, b.0)).sum()
+    }
+
+    /// `K_PP`, factored. None where the patch is all that moves and nothing stops it, or where it is singular.
+    fn factors(&self, at_hand: &Csc, patch: &Patch) -> Option<Llt<f64>> {
+        if patch.len() == self.displacements() && !self.rigid_modes.is_empty() {
+            return None;
+        }
+        let (pattern, values) = (at_hand.pattern(), at_hand.values());
+        let mut matrix = Mat::zeros(patch.len(), patch.len());
+        for (j, &column) in patch.iter().enumerate() {
+            for slot in pattern.column(column) {
+                if let Ok(i) = patch.binary_search(&(pattern.row_indices()[slot] as usize)) {
+                    matrix[(i, j)] = values[slot];
+                }
+            }
+        }
+        matrix.llt(Side::Lower).ok()
+    }
+}
+
+/// `c K_PP⁻¹ cᵀ` of a row `c` of `C_n`.
+fn compliance(factors: &Llt<f64>, patch: &Patch, row: &[(usize, f64)]) -> f64 {
+    let mut force = Mat::zeros(patch.len(), 1);
+    let place = |dof: usize| patch.binary_search(&dof);
+    for &(dof, c) in row {
+        if let Ok(k) = place(dof) {
+            force[(k, 0)] = c;
+        }
+    }
+    let moved = factors.solve(&force);
+    row.iter().map(|&(dof, c)| place(dof).map_or(0.0, |k| c * moved[(k, 0)])).sum()
+}
+
+/// The patch of each contact node.
+fn patches(at_hand: &Csc, c_n: &Csr) -> Vec<Patch> {
+    let mut nodes_of = vec![Vec::new(); c_n.columns()];
+    for i in 0..c_n.rows() {
+        c_n.row(i).iter().for_each(|&(dof, _)| nodes_of[dof].push(i));
+    }
+    let mut patches = vec![Patch::new(); c_n.rows()];
+    for (row, column, _) in at_hand.entries() {
+        nodes_of[row].iter().for_each(|&i| patches[i].push(column));
+        nodes_of[column].iter().for_each(|&i| patches[i].push(row));
+    }
+    for patch in &mut patches {
+        patch.sort_unstable();
+        patch.dedup();
+    }
+    patches
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::algebra::sparse::Symmetric;
+    use crate::solver::problem::Parts;
+
+    /// `n` points in a row with unit springs between them, the last one on a wall by another if it is `held`; every
+    /// point is a contact node.
+    fn chain(n: usize, held: bool) -> ContactProblem {
+        let held_end = (n - 1, n - 1, f64::from(u8::from(held)));
+        let springs = (1..n).flat_map(|i| [(i - 1, i - 1, 1.0), (i, i, 1.0), (i, i - 1, -1.0)]);
+        let stiffness = Symmetric::from_triplets(n, &springs.chain([held_end]).collect::<Vec<_>>()).unwrap();
+        let c_n = Csr::of_rows(n, (0..n).map(|i| [(i, -1.0)]));
+        let none = Csr::empty(n, n);
+        ContactProblem::new(Parts {
+            stiffness,
+            c_n,
+            c_t: none.clone(),
+            c_o: none,
+            mu: vec![0.0; n],
+            weight: Some(vec![1.0; n]),
+            rigid_modes: Some(if held { Vec::new() } else { vec![vec![1.0; n]] }),
+        })
+        .unwrap()
+    }
+
+    fn assert_close(found: &[f64], expected: &[f64]) {
+        assert_eq!(found.len(), expected.len());
+        assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-14), "{found:?}");
+    }
+
+    /// Two springs in a row to either side; those to the free end carry nothing.
+    #[test]
+    fn what_is_beyond_the_neighbours_is_held() {
+        assert_close(&chain(6, true).contact_stiffness(), &[0.5, 0.5, 1.0, 1.0, 1.0, 1.5]);
+    }
+
+    /// The neighbours of the middle are all there is.
+    #[test]
+    fn a_patch_that_moves_as_a_rigid_body() {
+        assert_close(&chain(3, false).contact_stiffness(), &[0.5, 0.25 * 2.0, 0.5]);
+    }
+
+    #[test]
+    fn in_a_dense_matrix_it_is_the_inverse_of_the_compliance() {
+        // K = 1 + e eᵀ, K⁻¹ = 1 - e eᵀ / (n + 1).
+        let n = 5;
+        let entry = |i: usize, j: usize| (i, j, if i == j { 2.0 } else { 1.0 });
+        let entries: Vec<_> = (0..n).flat_map(|i| (0..=i).map(move |j| entry(i, j))).collect();
+        let stiffness = Symmetric::from_triplets(n, &entries).unwrap();
+        let problem = ContactProblem::new(Parts { stiffness, ..chain(n, true).into_parts() }).unwrap();
+        assert_close(&problem.contact_stiffness(), &[1.2; 5]);
+    }
+}

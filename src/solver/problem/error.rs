@@ -1,0 +1,156 @@
+//! Why arrays make no contact problem, or do not fit one.
+
+use crate::algebra::linear::LinearError;
+
+/// Why arrays make no contact problem, or do not fit one. Messages call arrays by their names in [`super::Parts`],
+/// [`super::Increment`], [`super::State`] and [`crate::solver::loading::Loading`].
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ProblemError {
+    /// There is no displacement to solve for.
+    #[error("stiffness is of order 0: a problem needs a displacement")]
+    Empty,
+    /// An array has another length than the others ask for.
+    #[error("{array} has {found} {of}, but must have {expected}, {reason}")]
+    Length {
+        /// The array.
+        array: String,
+        /// What is counted: entries, rows or columns.
+        of: &'static str,
+        /// How many there must be.
+        expected: usize,
+        /// How many there are.
+        found: usize,
+        /// Why so many.
+        reason: &'static str,
+    },
+    /// A number is out of the range that its array has.
+    #[error("{array} is {value}, but must be {must}")]
+    Value {
+        /// The array, with the place in it.
+        array: String,
+        /// What stands there.
+        value: f64,
+        /// What may stand there.
+        must: &'static str,
+    },
+    /// A displacement takes energy out of the stiffness.
+    #[error(
+        "stiffness is not positive semidefinite: its entries ({row}, {row}) = {first:e}, ({row}, {column}) = {between:e} and ({column}, {column}) = {second:e} give a displacement negative energy"
+    )]
+    Indefinite {
+        /// A row.
+        row: usize,
+        /// A column; the row itself where the diagonal entry is negative.
+        column: usize,
+        /// `K_ii`.
+        first: f64,
+        /// `K_ij`.
+        between: f64,
+        /// `K_jj`.
+        second: f64,
+    },
+    /// The same, where no two displacements alone show it.
+    #[error(
+        "stiffness is not positive semidefinite: some displacement takes energy out of it; look for a wrong sign in what it was assembled from"
+    )]
+    NotSemidefinite,
+    /// What is called a free motion meets resistance.
+    #[error(
+        "free_motions[{motion}] is no free motion: the stiffness answers it with a force in row {row}, {share:.1e} of the sizes of its terms"
+    )]
+    Resisted {
+        /// Which one.
+        motion: usize,
+        /// The row with the largest force.
+        row: usize,
+        /// The force relative to the sum of the sizes of the products behind it.
+        share: f64,
+    },
+    /// A free motion is made of those before it.
+    #[error("free_motions[{motion}] is a combination of those before it, or zero: a basis has each motion once")]
+    Dependent {
+        /// Which one.
+        motion: usize,
+    },
+    /// The points or ends of a history do not increase.
+    #[error("{array} goes from time {before} to {after}, but times must increase")]
+    Order {
+        /// The array, with the place in it.
+        array: String,
+        /// A time, s.
+        before: f64,
+        /// The one that follows, s.
+        after: f64,
+    },
+    /// An array holds nothing.
+    #[error("{array} is empty")]
+    Nothing {
+        /// The array.
+        array: String,
+    },
+    /// The free motions could not be found from the stiffness.
+    #[error("the free motions cannot be found from the stiffness: {0}")]
+    Linear(#[from] LinearError),
+}
+
+/// An error unless an array is as long as it must be.
+pub(crate) fn expect_length(
+    array: impl Into<String>,
+    expected: usize,
+    found: usize,
+    reason: &'static str,
+) -> Result<(), ProblemError> {
+    if expected == found {
+        return Ok(());
+    }
+    Err(ProblemError::Length { array: array.into(), of: "entries", expected, found, reason })
+}
+
+/// An error at the first of `values` that is not `sound`; `array` is their name.
+pub(crate) fn expect_each(
+    array: &str,
+    values: &[f64],
+    must: &'static str,
+    sound: impl Fn(f64) -> bool,
+) -> Result<(), ProblemError> {
+    match values.iter().position(|&value| !sound(value)) {
+        Some(k) => Err(ProblemError::Value { array: format!("{array}[{k}]"), value: values[k], must }),
+        None => Ok(()),
+    }
+}
+
+/// An error unless the `value` called `name` is `sound`.
+pub(crate) fn expect_value(
+    name: &str,
+    value: f64,
+    must: &'static str,
+    sound: impl Fn(f64) -> bool,
+) -> Result<(), ProblemError> {
+    if sound(value) { Ok(()) } else { Err(ProblemError::Value { array: name.to_string(), value, must }) }
+}
+
+/// An error at the first of `values` that is NaN or infinite.
+pub(crate) fn expect_finite(array: &str, values: &[f64]) -> Result<(), ProblemError> {
+    expect_each(array, values, "finite", f64::is_finite)
+}
+
+/// An error unless the points `[time, value]` of a history are finite, and their times increase.
+pub(crate) fn expect_history(array: &str, points: &[[f64; 2]]) -> Result<(), ProblemError> {
+    points.iter().enumerate().try_for_each(|(k, point)| expect_finite(&format!("{array}[{k}]"), point))?;
+    expect_increasing(array, points.iter().map(|point| point[0]))
+}
+
+/// An error unless the times increase.
+pub(crate) fn expect_increasing(array: &str, times: impl Iterator<Item = f64>) -> Result<(), ProblemError> {
+    let mut last: Option<f64> = None;
+    for (k, time) in times.enumerate() {
+        match last {
+            Some(before) if time <= before => {
+                return Err(ProblemError::Order { array: format!("{array}[{k}]"), before, after: time });
+            }
+            _ => last = Some(time),
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,268 @@
+//! A change of the displacements after which each contact row is of its own node.
+//!
+//! On boundaries of second order the rows of a node between corners hold displacements of the corners, too, and so all contact nodes
+//! hang together. With the displacements `e` of node `i` that no other contact node has, its rows are `O u_e + A u_a`, and
+//!
+//! ```text
+//! u_e = ũ_e - Oᵀ (O Oᵀ)⁻¹ A u_a,   u_a = ũ_a
+//! ```
+//!
+//! leaves `O ũ_e` of them: `u = Q ũ`, `C Q` has rows of the single nodes again, and `Q⁻¹` differs from `Q` by the sign of what is beside
+//! the diagonal.
+
+use super::ContactProblem;
+use crate::algebra::sparse::{Csr, DoubleDouble};
+use crate::algebra::union_find::UnionFind;
+
+/// More displacements than one node of a mesh has.
+const SEVERAL_NODES: usize = 4;
+
+/// A row of `O Oᵀ` of which elimination leaves less than this share depends on those before.
+const INDEPENDENT: f64 = 1e-10;
+
+/// A displacement, and what it holds of others.
+type Change = (usize, Vec<(usize, f64)>);
+
+/// `Q`.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct OwnBasis {
+    /// Displacements that are changed, each with what they hold of others.
+    changed: Vec<Change>,
+    /// For each contact node whether its rows keep only its own displacements.
+    local: Vec<bool>,
+    /// Whether each displacement is the own one of such a node.
+    own: Vec<bool>,
+}
+
+impl OwnBasis {
+    /// That of `problem`; `None` where contact rows hang together only within a node, as on boundaries of the first order.
+    pub(crate) fn of(problem: &ContactProblem) -> Option<Self> {
+        let (n_u, n_c) = (problem.displacements(), problem.contacts());
+        let rows = |i: usize| rows(problem, i);
+        let mut sets = UnionFind::new(n_u);
+        // How many contact nodes have each displacement, and the last of them.
+        let mut owners = vec![(0_usize, 0_usize); n_u];
+        for i in 0..n_c {
+            let mut own: Vec<usize> = rows(i).flatten().map(|(dof, _)| *dof).collect();
+            own.sort_unstable();
+            own.dedup();
+            for &dof in &own {
+                owners[dof] = (owners[dof].0 + 1, i);
+                sets.join(own[0], dof);
+            }
+        }
+        let mut sizes = vec![0_usize; n_u];
+        (0..n_u).filter(|&dof| owners[dof].0 > 0).for_each(|dof| sizes[sets.least(dof)] += 1);
+        if sizes.iter().all(|size| *size < SEVERAL_NODES) {
+            return None;
+        }
+        let mut basis = OwnBasis { changed: Vec::new(), local: vec![false; n_c], own: vec![false; n_u] };
+        for i in 0..n_c {
+            let rows: Vec<&[(usize, f64)]> = rows(i).filter(|row| !row.is_empty()).collect();
+            if let Some(changes) = changes(&rows, |dof| owners[dof] == (1, i)) {
+                basis.local[i] = true;
+                for (dof, others) in changes {
+                    basis.own[dof] = true;
+                    if !others.is_empty() {
+                        basis.changed.push((dof, others));
+                    }
+                }
+            }
+        }
+        Some(basis)
+    }
+
+    /// The displacements that are changed, each with what it holds of others: `u_e = ũ_e + Σ c ũ_a`.
+    #[cfg(feature = "petsc")]
+    pub(crate) fn changes(&self) -> &[(usize, Vec<(usize, f64)>)] {
+        &self.changed
+    }
+
+    /// `u = Q ũ` in the place of `ũ`.
+    pub(crate) fn apply(&self, u: &mut [f64]) {
+        for (dof, others) in &self.changed {
+            u[*dof] += others.iter().map(|(other, c)| c * u[*other]).sum::<f64>();
+        }
+    }
+
+    /// The same of `u + rest`, where `rest` is below the rounding of `u`.
+    pub(crate) fn apply_beyond(&self, u: &mut [f64], rest: &mut [f64]) {
+        for (dof, others) in &self.changed {
+            let mut sum = DoubleDouble::default();
+            sum.add(u[*dof]);
+            sum.add(rest[*dof]);
+            for (other, c) in others {
+                sum.add_product(*c, u[*other]);
+                sum.add(c * rest[*other]);
+            }
+            u[*dof] = sum.value();
+            sum.add(-u[*dof]);
+            rest[*dof] = sum.value();
+        }
+    }
+
+    /// `ũ = Q⁻¹ u` in the place of `u`.
+    pub(crate) fn undo(&self, u: &mut [f64]) {
+        for (dof, others) in &self.changed {
+            u[*dof] -= others.iter().map(|(other, c)| c * u[*other]).sum::<f64>();
+        }
+    }
+
+    /// `Qᵀ f` in the place of `f`.
+    pub(crate) fn apply_transposed(&self, f: &mut [f64]) {
+        for (dof, others) in &self.changed {
+            let force = f[*dof];
+            for (other, c) in others {
+                f[*other] += c * force;
+            }
+        }
+    }
+
+    /// `Qᵀ S Q` in the place of `S`, which is symmetric, on the displacements `border` (ascending, with all that `Q` names), m × m,
+    /// column after column.
+    pub(crate) fn congruence(&self, border: &[usize], s: &mut [f64]) {
+        let m = border.len();
+        let place = |dof: &usize| border.binary_search(dof).expect("a contact displacement");
+        for (dof, others) in &self.changed {
+            let from = place(dof);
+            let column = s[from * m..(from + 1) * m].to_vec();
+            for (other, c) in others {
+                let to = place(other);
+                s[to * m..(to + 1) * m].iter_mut().zip(&column).for_each(|(to, from)| *to += c * from);
+            }
+        }
+        for column in s.chunks_exact_mut(m) {
+            for (dof, others) in &self.changed {
+                let from = column[place(dof)];
+                for (other, c) in others {
+                    column[place(other)] += c * from;
+                }
+            }
+        }
+    }
+
+    /// Row `i` of `map Q`, one of the contact maps.
+    pub(crate) fn row(&self, map: &Csr, i: usize) -> Vec<(usize, f64)> {
+        map.row(i).iter().copied().filter(|(dof, _)| !self.local[i] || self.own[*dof]).collect()
+    }
+}
+
+/// The rows of contact node `i`: the normal one, and with friction the tangential ones.
+fn rows(problem: &ContactProblem, i: usize) -> impl Iterator<Item = &[(usize, f64)]> {
+    let tangential = problem.tangential_maps().map(|map| if problem.mu()[i] > 0.0 { map.row(i) } else { &[] });
+    [problem.c_n().row(i)].into_iter().chain(tangential)
+}
+
+/// For each displacement that only this node has, `-Oᵀ (O Oᵀ)⁻¹ A` by the others in its `rows`; `None` where these are not independent
+/// in its own displacements.
+fn changes(rows: &[&[(usize, f64)]], is_own: impl Fn(usize) -> bool) -> Option<Vec<Change>> {
+    let mut all: Vec<usize> = rows.iter().flat_map(|row| row.iter().map(|(dof, _)| *dof)).collect();
+    all.sort_unstable();
+    all.dedup();
+    let (own, others): (Vec<usize>, Vec<usize>) = all.into_iter().partition(|dof| is_own(*dof));
+    let entry = |row: &[(usize, f64)], dof: usize| row.iter().find(|(d, _)| *d == dof).map_or(0.0, |(_, c)| *c);
+    let (r, columns) = (rows.len(), rows.len() + others.len());
+    // [O Oᵀ | A], reduced to [1 | (O Oᵀ)⁻¹ A].
+    let mut table: Vec<Vec<f64>> = (rows.iter())
+        .map(|row| {
+            let product = |other: &[(usize, f64)]| own.iter().map(|&d| entry(row, d) * entry(other, d)).sum::<f64>();
+            rows.iter().map(|other| product(other)).chain(others.iter().map(|&d| entry(row, d))).collect()
+        })
+        .collect();
+    for k in 0..r {
+        let whole = rows[k].iter().map(|(_, c)| c * c).sum::<f64>();
+        let pivot = table[k][k];
+        if pivot.is_nan() || pivot <= INDEPENDENT * whole {
+            return None;
+        }
+        for value in &mut table[k] {
+            *value /= pivot;
+        }
+        let row = table[k].clone();
+        for (_, other) in table.iter_mut().enumerate().filter(|(j, _)| *j != k) {
+            let factor = other[k];
+            (0..columns).for_each(|j| other[j] -= factor * row[j]);
+        }
+    }
+    let change = |dof: usize| {
+        let by = |j: usize| -(0..r).map(|k| entry(rows[k], dof) * table[k][r + j]).sum::<f64>();
+        others.iter().enumerate().map(|(j, &other)| (other, by(j))).filter(|(_, c)| *c != 0.0).collect()
+    };
+    Some(own.iter().map(|&dof| (dof, change(dof))).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::algebra::sparse::Symmetric;
+    use crate::solver::problem::Parts;
+
+    /// A line of three nodes in the plane, its middle between corners, in front of a slanted obstacle with friction; the last node is
+    /// held along x.
+    fn line() -> ContactProblem {
+        let (n, t) = ([0.6, -0.8], [0.8, 0.6]);
+        let dofs = [[Some(0), Some(1)], [Some(2), Some(3)], [None, Some(4)]];
+        let along = |node: usize, direction: [f64; 2], factor: f64| {
+            let pairs = dofs[node].into_iter().zip(direction);
+            pairs.filter_map(move |(dof, c)| Some((dof?, factor * c))).collect::<Vec<_>>()
+        };
+        let rows = |direction: [f64; 2]| {
+            let end = |node| along(node, direction, -0.5);
+            [along(0, direction, 1.0), [along(1, direction, 2.0), end(0), end(2)].concat(), along(2, direction, 1.0)]
+        };
+        let [first, second, _] = rows(t);
+        let entries = |i: usize| (0..=i).map(move |j| (i, j, if i == j { 4.0 + i as f64 } else { 0.3 }));
+        let stiffness = Symmetric::from_triplets(5, &(0..5).flat_map(entries).collect::<Vec<_>>()).unwrap();
+        let c_n = Csr::from_rows(5, rows(n)).unwrap();
+        let c_t = Csr::from_rows(5, [first, second, Vec::new()]).unwrap();
+        let parts = Parts { c_t, mu: vec![0.3; 3], rigid_modes: Some(Vec::new()), ..Parts::new(stiffness, c_n) };
+        ContactProblem::new(parts).unwrap()
+    }
+
+    #[test]
+    fn rows_become_those_of_single_nodes() {
+        let problem = line();
+        let basis = OwnBasis::of(&problem).unwrap();
+        let columns = |map: &Csr, i: usize| basis.row(map, i).into_iter().map(|(dof, _)| dof).collect::<Vec<_>>();
+        assert_eq!([0, 1, 2].map(|i| columns(problem.c_n(), i)), [vec![0, 1], vec![2, 3], vec![4]]);
+        assert_eq!([0, 1, 2].map(|i| columns(problem.c_t(), i)), [vec![0, 1], vec![2, 3], vec![]]);
+        let changed = [0.3, -0.7, 0.2, 0.9, -0.4];
+        let mut u = changed;
+        basis.apply(&mut u);
+        for map in [problem.c_n(), problem.c_t()] {
+            for i in 0..3 {
+                let in_basis: f64 = basis.row(map, i).into_iter().map(|(dof, c)| c * changed[dof]).sum();
+                assert!((in_basis - map.dot(i, &u)).abs() < 1e-15);
+            }
+        }
+        let mut back = u;
+        basis.undo(&mut back);
+        assert!(back.iter().zip(changed).all(|(a, b)| (a - b).abs() < 1e-15));
+        // uᵀ f = ũᵀ Qᵀ f, uᵀ K u = ũᵀ (Qᵀ K Q) ũ.
+        let force = [1.0, 2.0, -3.0, 0.5, 0.7];
+        let mut changed_force = force;
+        basis.apply_transposed(&mut changed_force);
+        let work = |u: &[f64], f: &[f64]| u.iter().zip(f).map(|(u, f)| u * f).sum::<f64>();
+        assert!((work(&u, &force) - work(&changed, &changed_force)).abs() < 1e-14);
+        let mut s: Vec<f64> =
+            (0..25).map(|k| problem.stiffness().get((k % 5).max(k / 5), (k % 5).min(k / 5))).collect();
+        basis.congruence(&[0, 1, 2, 3, 4], &mut s);
+        let times: Vec<f64> = (0..5).map(|i| (0..5).map(|j| s[j * 5 + i] * changed[j]).sum()).collect();
+        let mut energy = vec![0.0; 5];
+        problem.stiffness().mul(&u, &mut energy);
+        assert!((work(&u, &energy) - work(&changed, &times)).abs() < 1e-14);
+        // What is below the rounding of a number stays.
+        let (mut high, mut low) = (changed, [1e-20; 5]);
+        basis.apply_beyond(&mut high, &mut low);
+        assert_eq!(high, u);
+        assert!(low.iter().all(|low| low.abs() < 1e-15 && *low != 0.0), "{low:?}");
+    }
+
+    #[test]
+    fn rows_of_single_nodes_stay() {
+        let parts = line().into_parts();
+        let diagonal = |c: f64| Csr::from_rows(5, [[(0, c)], [(2, c)], [(4, c)]]).unwrap();
+        let single = ContactProblem::new(Parts { c_n: diagonal(-1.0), c_t: Csr::empty(3, 5), ..parts }).unwrap();
+        assert_eq!(OwnBasis::of(&single), None);
+    }
+}

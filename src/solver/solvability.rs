@@ -1,0 +1,385 @@
+//! Whether a problem can be expected to have a solution, told before anything is solved.
+//!
+//! Theorem 3 of the paper assumes three things, which [`Conditions`] checks as far as that is possible:
+//!
+//! - (a) `K u = 0` and `C_n u ≤ 0` only for `u = 0`: no rigid motion takes the body away from every
+//!   obstacle;
+//! - (b) the columns of `[C_nᵀ C_tᵀ]`, in three dimensions of `[C_nᵀ C_tᵀ C_oᵀ]`, are linearly independent;
+//! - the Jacobian of `H_I` (25) is regular everywhere in `Ω₊₊` (28). That depends on points which
+//!   only the iteration visits: nobody can check it beforehand.
+//!
+//! Then Algorithm IP with the partition (F, G) is well defined and drives `H_I` to 0.
+//!
+//! Where (a) fails it depends on the load whether there is a solution: see [`rigid_equilibrium`].
+
+mod cone;
+mod free;
+mod landing;
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::algebra::null_space::{NEGLIGIBLE, null_space};
+use crate::algebra::sparse::Csr;
+use crate::algebra::union_find::UnionFind;
+use crate::solver::problem::error::{expect_finite, expect_length};
+use crate::solver::problem::{ContactProblem, OwnBasis, ProblemError};
+use cone::{FiniteCone, norm};
+use free::Free;
+pub(crate) use free::Load;
+pub(crate) use landing::{Landing, NEARBY, is_carried_without_strain, landing};
+
+/// What violates the conditions (a) and (b) of Theorem 3.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Conditions {
+    /// A motion that violates (a), if there is one: the weights of the problem's `rigid_modes`.
+    pub leaving: Option<Vec<f64>>,
+    /// The contact nodes whose rows violate (b), ascending. A row that is empty depends on any other.
+    pub dependent: Vec<usize>,
+}
+
+impl Conditions {
+    /// Checks `problem`. The rows of `C_t` and `C_o` count where there is a `p_t` or `p_o`: where they are not
+    /// empty and `μ > 0`.
+    pub fn of(problem: &ContactProblem) -> Self {
+        Conditions { leaving: leaving(problem), dependent: dependent(problem) }
+    }
+
+    /// Whether both hold.
+    pub fn hold(&self) -> bool {
+        self.leaving.is_none() && self.dependent.is_empty()
+    }
+}
+
+/// Whether contact forces can balance `force` (n_u, N) against the free rigid motions `R`: whether
+/// there are `p_n ≥ 0` and `|p_T| ≤ μ p_n` with `Rᵀ (f - C_nᵀ p_n - C_tᵀ p_t - C_oᵀ p_o) = 0`.
+///
+/// An equilibrium needs that: `Rᵀ K = 0`, so (15) multiplied by `Rᵀ` is this. It is not enough for
+/// one, since it lets every contact node carry a force, whatever its gap and its slip. A node in front of two obstacles
+/// has friction at both, in all tangential directions, though the equations leave some of it out.
+///
+/// With one tangent a node the cone of these forces has finitely many edges. A disk has a rim: there an inner
+/// cone grows by the edge on which the residual does most work, until the load is inside or no edge of the
+/// whole cone is left to resist the residual. If neither comes about nothing is claimed, as for a load that a
+/// balance can just carry.
+///
+/// Gives the weights of the problem's `rigid_modes` in a motion on which the load does work, while no admissible contact
+/// force does negative work. By Farkas' lemma there is either such a motion or a balance; and it excludes a balance, as
+/// the work of all forces would have to vanish.
+///
+/// # Errors
+/// When `force` has not one finite entry for each displacement.
+pub fn rigid_equilibrium(problem: &ContactProblem, force: &[f64]) -> Result<Option<Vec<f64>>, ProblemError> {
+    rigid_equilibrium_with(problem, problem.mu(), force)
+}
+
+/// [`rigid_equilibrium`] with other coefficients of friction than those of the problem (n_c), as where these change in time.
+///
+/// # Errors
+/// When `force` has not one finite entry for each displacement, or `mu` not one for each contact node.
+pub fn rigid_equilibrium_with(
+    problem: &ContactProblem,
+    mu: &[f64],
+    force: &[f64],
+) -> Result<Option<Vec<f64>>, ProblemError> {
+    expect_length("mu", problem.contacts(), mu.len(), "one for each contact node")?;
+    expect_length("force", problem.displacements(), force.len(), "one for each displacement")?;
+    expect_finite("force", force)?;
+    let sizes: Vec<f64> = force.iter().map(|f| f.abs()).collect();
+    Ok(driven_motion(problem, mu, &Load { force, sizes: &sizes }))
+}
+
+/// [`rigid_equilibrium`] of a load that fits, with the friction coefficients `mu`.
+pub(crate) fn driven_motion(problem: &ContactProblem, mu: &[f64], load: &Load<'_>) -> Option<Vec<f64>> {
+    let within = motion_driven_in_the_equations(problem, mu, load)?;
+    match problem.tangents_alone() {
+        None => Some(within),
+        Some(alone) => driven_against(problem, mu, alone, load),
+    }
+}
+
+/// The same with the friction that the equations have: a motion that only friction which they leave out resists.
+pub(crate) fn motion_driven_in_the_equations(
+    problem: &ContactProblem,
+    mu: &[f64],
+    load: &Load<'_>,
+) -> Option<Vec<f64>> {
+    driven_against(problem, mu, problem.tangential_maps(), load)
+}
+
+/// The motion that `load` drives against all contact forces with friction `mu` along `tangents`.
+fn driven_against(problem: &ContactProblem, mu: &[f64], tangents: [&Csr; 2], load: &Load<'_>) -> Option<Vec<f64>> {
+    let free = Free::new(problem);
+    let (load, size) = free.work(load);
+    let cones: Vec<FrictionCone> =
+        (0..problem.contacts()).map(|i| FrictionCone::of(problem, mu[i], tangents, &free, i)).collect();
+    unbalanced(&cones.iter().collect::<Vec<_>>(), &load, size).map(|y| free.weights(&y))
+}
+
+/// What `cones` leave of the `load`, a sum of terms of this `size`, if they do not balance it.
+fn unbalanced(cones: &[&FrictionCone], load: &[f64], size: f64) -> Option<Vec<f64>> {
+    let mut generators: Vec<Vec<f64>> = cones.iter().flat_map(|cone| cone.edges()).collect();
+    let has_rim = cones.iter().any(|cone| cone.tangents.len() > 1);
+    for _ in 0..ROUNDS {
+        let cone = FiniteCone::new(load.len(), generators.iter().cloned());
+        let y = cone.outside(load, size)?;
+        let least = NEARER * norm(load);
+        let edges = cones.iter().filter_map(|cone| cone.edge_towards(&y)).filter(|(gain, _)| *gain > least);
+        let further = edges.max_by(|a, b| a.0.total_cmp(&b.0));
+        match further {
+            Some((_, edge)) => generators.push(edge),
+            None if has_rim && norm(&y) <= TELLABLE * norm(load) => break,
+            None => return Some(y),
+        }
+    }
+    None
+}
+
+/// A new edge halves the angle between its neighbours on a rim and leaves a quarter of the gap there: far more rounds than a
+/// few nodes have digits to gain.
+const ROUNDS: usize = 100;
+/// What a unit edge takes off the load, relative to the load, above which it counts as nearer than those there are:
+/// ten times what rounding does to the residual of a projection.
+const NEARER: f64 = 1e-13;
+/// With edges missed by that much, a load is told from one in balance if the residual, whose square is the work
+/// that the load does on it, is larger than this share of the load.
+const TELLABLE: f64 = 1e-6;
+
+/// What the forces on one contact node do to the free motions.
+struct FrictionCone {
+    mu: f64,
+    normal: Vec<f64>,
+    /// One for each tangent that the node has.
+    tangents: Vec<Vec<f64>>,
+}
+
+impl FrictionCone {
+    fn of(problem: &ContactProblem, mu: f64, tangents: [&Csr; 2], free: &Free, i: usize) -> Self {
+        let rows = tangents.map(|map| map.row(i));
+        FrictionCone {
+            mu,
+            normal: free.felt(problem.c_n().row(i)),
+            tangents: rows.into_iter().filter(|row| !row.is_empty()).map(|row| free.felt(row)).collect(),
+        }
+    }
+
+    /// `n + μ t`, divided by what may be large.
+    fn edge(&self, mu: f64, tangent: &[f64]) -> Vec<f64> {
+        self.normal.iter().zip(tangent).map(|(n, t)| (n + mu * t) / mu.abs().max(1.0)).collect()
+    }
+
+    /// The edges along the tangents, and the normal. It is the mean of two of them, which would lose it beside
+    /// an enormous mu.
+    fn edges(&self) -> Vec<Vec<f64>> {
+        let pair = |tangent: &Vec<f64>| [self.edge(self.mu, tangent), self.edge(-self.mu, tangent)];
+        self.tangents.iter().flat_map(pair).chain([self.normal.clone()]).collect()
+    }
+
+    /// The edge on the rim that is nearest to `y`, with the part of `y` along it; `None` where the cone has no other
+    /// than [`FrictionCone::edges`].
+    fn edge_towards(&self, y: &[f64]) -> Option<(f64, Vec<f64>)> {
+        let [t, o] = self.tangents.as_slice() else { return None };
+        let dot = |a: &[f64]| a.iter().zip(y).map(|(a, y)| a * y).sum::<f64>();
+        let (along_t, along_o) = (dot(t), dot(o));
+        let length = along_t.hypot(along_o);
+        let steepest: Vec<f64> = t.iter().zip(o).map(|(t, o)| (along_t * t + along_o * o) / length).collect();
+        let edge = self.edge(self.mu, &steepest);
+        Some((dot(&edge) / norm(&edge), edge))
+    }
+}
+
+/// (a): motions that no row of `C_n` feels as positive are the polar of the cone of these rows. There
+/// are none but zero if and only if that cone is the whole space, and so holds every direction.
+fn leaving(problem: &ContactProblem) -> Option<Vec<f64>> {
+    let free = Free::new(problem);
+    let rows: Vec<Vec<f64>> = (0..problem.contacts()).map(|i| free.felt(problem.c_n().row(i))).collect();
+    let dimension = problem.rigid_modes().len();
+    // First the way out of all of them at once: where it exists it is the plainest to tell.
+    let away: Vec<f64> = (0..dimension).map(|k| -rows.iter().map(|row| row[k]).sum::<f64>()).collect();
+    let size: f64 = rows.iter().map(|row| norm(row)).sum();
+    let cone = FiniteCone::new(dimension, rows);
+    let directions = (0..dimension).flat_map(|k| {
+        [1.0, -1.0].map(|sign| (0..dimension).map(|j| if j == k { sign } else { 0.0 }).collect::<Vec<f64>>())
+    });
+    let y = cone.outside(&away, size).or_else(|| directions.into_iter().find_map(|e| cone.outside(&e, 1.0)));
+    y.map(|y| free.weights(&y))
+}
+
+/// A contact node and one of its rows.
+type Row = (usize, Vec<(usize, f64)>);
+
+/// (b): each group of rows that share displacements has relations of its own, the null space of
+/// its transposed.
+fn dependent(problem: &ContactProblem) -> Vec<usize> {
+    // A change of the displacements leaves relations what they are, and groups small.
+    let basis = OwnBasis::of(problem);
+    let row = |map: &Csr, i: usize| basis.as_ref().map_or_else(|| map.row(i).to_vec(), |basis| basis.row(map, i));
+    let rows: Vec<Row> = (0..problem.contacts())
+        .flat_map(|i| {
+            let tangential = problem.tangential_maps().map(|map| row(map, i));
+            let sliding = tangential.into_iter().filter(move |row| problem.mu()[i] > 0.0 && !row.is_empty());
+            [row(problem.c_n(), i)].into_iter().chain(sliding).map(move |row| (i, row)).collect::<Vec<_>>()
+        })
+        .collect();
+    let mut found = BTreeSet::new();
+    for group in groups(&rows) {
+        let mut columns = BTreeMap::new();
+        for (place, (_, row)) in group.iter().enumerate() {
+            let length = row.iter().map(|(_, c)| c * c).sum::<f64>().sqrt();
+            for &(column, c) in row {
+                columns.entry(column).or_insert_with(|| vec![0.0; group.len()])[place] += c / length;
+            }
+        }
+        for relation in null_space(group.len(), columns.into_values()) {
+            let part = group.iter().zip(relation).filter(|(_, weight)| weight.abs() > NEGLIGIBLE);
+            found.extend(part.map(|((node, _), _)| *node));
+        }
+    }
+    found.into_iter().collect()
+}
+
+/// The rows in groups that have no displacement in common. An empty row is a group of its own.
+fn groups(rows: &[Row]) -> Vec<Vec<&Row>> {
+    let mut sets = UnionFind::new(rows.len());
+    let mut first = BTreeMap::new();
+    for (k, (_, row)) in rows.iter().enumerate() {
+        for (column, _) in row {
+            sets.join(*first.entry(column).or_insert(k), k);
+        }
+    }
+    let mut groups = BTreeMap::<usize, Vec<&Row>>::new();
+    for (k, row) in rows.iter().enumerate() {
+        groups.entry(sets.least(k)).or_default().push(row);
+    }
+    groups.into_values().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::algebra::sparse::Symmetric;
+    use crate::solver::problem::Parts;
+
+    fn driven(problem: &ContactProblem, force: &[f64]) -> Option<Vec<f64>> {
+        let sizes: Vec<f64> = force.iter().map(|f| f.abs()).collect();
+        driven_motion(problem, problem.mu(), &Load { force, sizes: &sizes })
+    }
+
+    type Entries<'a> = &'a [(usize, f64)];
+
+    /// A rigid particle or two: displacements that nothing but contact rows tells apart.
+    fn problem(motions: &[&[f64]], displacements: usize, contacts: &[(Entries, Entries, f64)]) -> ContactProblem {
+        let row = |entries: Entries| entries.to_vec();
+        let c_n = Csr::of_rows(displacements, contacts.iter().map(|(n, ..)| row(n)));
+        let c_t = Csr::of_rows(displacements, contacts.iter().map(|(_, t, _)| row(t)));
+        ContactProblem::new(Parts {
+            stiffness: Symmetric::from_entries(displacements, |_| ()).unwrap(),
+            c_n,
+            c_t,
+            c_o: Csr::empty(contacts.len(), displacements),
+            mu: contacts.iter().map(|(_, _, mu)| *mu).collect(),
+            weight: Some(vec![1.0; contacts.len()]),
+            rigid_modes: Some(motions.iter().map(|motion| motion.to_vec()).collect()),
+        })
+        .unwrap()
+    }
+
+    const FREE: [&[f64]; 2] = [&[1.0, 0.0], &[0.0, 1.0]];
+
+    fn close(a: &[f64], b: &[f64]) -> bool {
+        a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-9)
+    }
+
+    #[test]
+    fn rows_that_share_displacements_are_ranked_together() {
+        let (n, t): (Entries, Entries) = (&[(0, 0.6), (1, 0.8)], &[(0, 0.8), (1, -0.6)]);
+        let dependent = |contacts: &[(Entries, Entries, f64)]| dependent(&problem(&[], 8, contacts));
+        assert_eq!(dependent(&[(n, t, 0.3), (&[(2, -1.0)], &[(3, 1.0)], 0.3)]), [0; 0]);
+        // A slanted normal where a roller leaves x alone: the tangent repeats it, if there is friction.
+        let roller: (Entries, Entries) = (&[(4, 0.6)], &[(4, 0.8)]);
+        assert_eq!(dependent(&[(n, t, 0.3), (roller.0, roller.1, 0.3)]), [1]);
+        assert_eq!(dependent(&[(n, t, 0.3), (roller.0, roller.1, 0.0)]), [0; 0]);
+        assert_eq!(dependent(&[(n, t, 0.3), (roller.0, &[], 0.3)]), [0; 0]);
+        // Two obstacles at one node, the second with friction or without.
+        assert_eq!(dependent(&[(n, &[], 0.3), (&[(0, 1.0)], &[], 0.3)]), [0; 0]);
+        assert_eq!(dependent(&[(n, t, 0.3), (&[(0, 1.0)], &[], 0.3)]), [0, 1]);
+        // A chain of nodes that share displacements, closed by its last row.
+        let (a, b, c): (Entries, Entries, Entries) = (&[(0, 1.0), (1, -1.0)], &[(1, 1e-6), (2, -1e-6)], &[(2, 1e6)]);
+        let ring: Entries = &[(2, 1.0), (0, -1.0)];
+        assert_eq!(dependent(&[(a, &[], 0.0), (b, &[], 0.0), (c, &[], 0.0)]), [0; 0]);
+        assert_eq!(dependent(&[(a, &[], 0.0), (b, &[], 0.0), (c, &[], 0.0), (ring, &[], 0.0)]), [0, 1, 3]);
+        // A row without entries.
+        assert_eq!(dependent(&[(n, t, 0.3), (&[], &[(2, 1.0)], 0.3)]), [1]);
+    }
+
+    #[test]
+    fn motions_that_leave_every_obstacle() {
+        let leaving = |contacts: &[(Entries, Entries, f64)]| leaving(&problem(&FREE, 2, contacts));
+        let (down, up, left, right): (Entries, Entries, Entries, Entries) =
+            (&[(1, -1.0)], &[(1, 1.0)], &[(0, -1.0)], &[(0, 1.0)]);
+        assert!(close(&leaving(&[(down, &[], 0.0)]).unwrap(), &[0.0, 1.0]));
+        let half = 0.5_f64.sqrt();
+        assert!(close(&leaving(&[(down, &[], 0.0), (left, &[], 0.0)]).unwrap(), &[half, half]));
+        // Between two walls only the way along them is left.
+        assert!(close(&leaving(&[(left, &[], 0.0), (right, &[], 0.0)]).unwrap(), &[0.0, 1.0]));
+        assert_eq!(leaving(&[(down, &[], 0.0), (up, &[], 0.0), (left, &[], 0.0), (right, &[], 0.0)]), None);
+        assert_eq!(leaving(&[(down, &[], 0.0), (&[(0, 1.0), (1, 1.0)], &[], 0.0), (left, &[], 0.0)]), None);
+        assert!(leaving(&[]).is_some());
+        // Held by supports, or free but nowhere in contact along the motion.
+        assert_eq!(super::leaving(&problem(&[], 2, &[(down, &[], 0.0)])), None);
+        assert_eq!(super::leaving(&problem(&[&[7.0, 0.0]], 2, &[(down, &[], 0.0)])), Some(vec![1.0 / 7.0]));
+        // A plane that slants: what rounding leaves of the way along it is no contact.
+        let (c, s) = (0.1_f64.cos(), 0.1_f64.sin());
+        let slant: [&[f64]; 2] = [&[c, s], &[1e6 * s, -1e6 * c]];
+        let wall: Entries = &[(0, -s), (1, c)];
+        let back: Entries = &[(0, s), (1, -c)];
+        let along = super::leaving(&problem(&slant, 2, &[(wall, &[], 0.0), (back, &[], 0.0)])).unwrap();
+        assert!(along[0] > 0.0 && along[1].abs() < 1e-16, "{along:?}");
+    }
+
+    #[test]
+    fn friction_balances_up_to_its_limit() {
+        let floor = |mu| problem(&FREE, 2, &[(&[(1, -1.0)], &[(0, 1.0)], mu)]);
+        let balance = |mu, force: [f64; 2]| driven(&floor(mu), &force);
+        assert_eq!(balance(0.4, [4.0, -10.0]), None);
+        assert_eq!(balance(0.4, [-3.9, -10.0]), None);
+        let slide = balance(0.4, [4.1, -10.0]).unwrap();
+        // At right angles to the edge of the friction cone: forward, and lifting by the friction angle.
+        assert!((slide[1] / slide[0] - 0.4).abs() < 1e-12 && slide[0] > 0.0, "{slide:?}");
+        assert!(close(&balance(0.4, [0.0, 1.0]).unwrap(), &[0.0, 1.0]));
+        // No load; a load that is in balance but for rounding; forces and friction of any size.
+        assert_eq!(balance(0.0, [0.0, 0.0]), None);
+        let pair = problem(&[&[1.0, 1.0]], 2, &[]);
+        assert_eq!(driven(&pair, &[0.1 + 0.2, -0.3]), None);
+        assert_eq!(driven(&pair, &[0.3, -0.2]).unwrap().len(), 1);
+        for mu in [1e9, 1e18, 1e300] {
+            assert_eq!(balance(mu, [1e3, -1e-4]), None, "{mu}");
+            assert_eq!(balance(mu, [0.0, -1.0]), None, "{mu}");
+            assert!(balance(mu, [0.0, 1.0]).is_some(), "{mu}");
+        }
+        assert_eq!(driven(&problem(&[], 2, &[]), &[1.0, 1.0]), None);
+    }
+
+    /// A particle in a plane's friction disk, whose limit is the same whichever way the load points.
+    #[test]
+    fn friction_balances_up_to_its_limit_in_every_direction() {
+        let free: [&[f64]; 3] = [&[1.0, 0.0, 0.0], &[0.0, 1.0, 0.0], &[0.0, 0.0, 1.0]];
+        let floor = problem(&free, 3, &[(&[(2, -1.0)], &[(0, 1.0)], 0.4)]);
+        let c_o = Csr::of_rows(3, [[(1, 1.0)]]);
+        let floor = ContactProblem::new(Parts { c_o, ..floor.into_parts() }).unwrap();
+        for angle in [0.0_f64, 0.3, 0.785, 1.0, 2.0, 3.0, 4.4, 5.9] {
+            let load = |side: f64| [side * angle.cos(), side * angle.sin(), -10.0];
+            for inside in [0.0, 3.0, 3.99, 4.0 * (1.0 - 1e-9)] {
+                assert_eq!(driven(&floor, &load(inside)), None, "{angle} {inside}");
+            }
+            for outside in [4.0 * (1.0 + 1e-5), 4.1, 100.0] {
+                let slide = driven(&floor, &load(outside)).unwrap();
+                // Along the load, and lifting by the friction angle; near the limit the rim is found to the square root of
+                // what an edge may be missed by, relative to the residual.
+                let along = slide[0].hypot(slide[1]);
+                let expected = [along * angle.cos(), along * angle.sin(), 0.4 * along];
+                assert!(slide.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-3), "{angle} {outside} {slide:?}");
+            }
+        }
+        assert!(close(&driven(&floor, &[0.0, 0.0, 1.0]).unwrap(), &[0.0, 0.0, 1.0]));
+    }
+}

@@ -1,0 +1,106 @@
+//! Where obstacles and loads carry a body that contact alone holds.
+//!
+//! Obstacles that have come into it push it out, by the least free motion that leaves all of them, if there is one. Then its load
+//! carries it along the free motion that it drives, from node to node that touches, until contact forces on these balance it.
+//!
+//! It is a rigid body that follows its load as slowly as one likes: the load less the normal forces that come nearest to
+//! it is what moves it, and that does not lead into any obstacle which it touches. So the work of the load grows all the way, and
+//! the way has as many pieces as nodes come to touch, at most. Friction ends it where it can; it does not turn it.
+
+use super::cone::{FiniteCone, norm};
+use super::{Free, FrictionCone, Load, unbalanced};
+use crate::algebra::null_space::NEGLIGIBLE;
+use crate::algebra::vector::dot;
+use crate::solver::problem::ContactProblem;
+
+/// Three or six nodes bring a body to rest; on the way others may come and go.
+const ROUNDS: usize = 100;
+
+/// A contact node that is nearer to its obstacle, relative to its gap, touches it.
+pub(crate) const NEARBY: f64 = 1e-10;
+
+/// The share of its terms that `K r` may leave of a free motion `r` along which a body is carried: ten times what rounding
+/// makes of rotations of bodies with a thousand elements a side.
+const UNSTRAINED: f64 = 1e-12;
+
+/// Where a body comes to rest.
+pub(crate) struct Landing {
+    /// The weights of the problem's free motions in the way there.
+    pub weights: Vec<f64>,
+    /// The contact nodes that touch there.
+    pub nodes: Vec<usize>,
+}
+
+/// The way that `load` carries a body whose contact nodes are at `distance` from their obstacles (n_c, m) and
+/// count as touching within `reach` (n_c, m); `None` if nothing stops it.
+pub(crate) fn landing(
+    problem: &ContactProblem,
+    mu: &[f64],
+    load: &Load<'_>,
+    distance: &[f64],
+    reach: &[f64],
+) -> Option<Landing> {
+    let free = Free::new(problem);
+    let (load, size) = free.work(load);
+    let cones: Vec<FrictionCone> = (0..problem.contacts())
+        .map(|i| FrictionCone::of(problem, mu[i], problem.tangential_maps(), &free, i))
+        .collect();
+    let (mut distance, mut way) = (distance.to_vec(), vec![0.0; load.len()]);
+    if distance.iter().zip(reach).any(|(distance, reach)| -distance > *reach)
+        && let Some(out) = pushed_out(&cones, &distance)
+    {
+        for (cone, distance) in cones.iter().zip(&mut distance) {
+            *distance -= dot(&cone.normal, &out);
+        }
+        way = out;
+    }
+    for _ in 0..ROUNDS {
+        let (nodes, apart): (Vec<usize>, Vec<usize>) = (0..cones.len()).partition(|&i| distance[i] <= reach[i]);
+        let touching: Vec<&FrictionCone> = nodes.iter().map(|&i| &cones[i]).collect();
+        let driven = unbalanced(&touching, &load, size).and_then(|_| {
+            FiniteCone::new(load.len(), touching.iter().map(|cone| cone.normal.clone())).outside(&load, size)
+        });
+        let Some(y) = driven else { return Some(Landing { weights: free.weights_of(&way), nodes }) };
+        let y: Vec<f64> = y.iter().map(|x| x / norm(&y)).collect();
+        // What rounding has left of the way past an obstacle does not lead to it.
+        let nearing = |i: usize| Some(dot(&cones[i].normal, &y)).filter(|w| *w > NEGLIGIBLE * norm(&cones[i].normal));
+        let step = apart.iter().filter_map(|&i| Some(distance[i] / nearing(i)?)).min_by(f64::total_cmp)?;
+        for (i, distance) in distance.iter_mut().enumerate() {
+            if let Some(nearing) = nearing(i) {
+                let left = *distance - step * nearing;
+                *distance = if left <= NEGLIGIBLE * *distance { left.min(0.0) } else { left };
+            } else {
+                *distance -= step * dot(&cones[i].normal, &y).min(0.0);
+            }
+        }
+        way.iter_mut().zip(&y).for_each(|(way, y)| *way += step * y);
+    }
+    None
+}
+
+/// The least `a` with `n · a ≤ distance` for all nodes, if there is any: the least distance problem of Lawson and Hanson
+/// (1974, chapter 23), whose answer is the residual of a projection on a cone of one dimension more.
+fn pushed_out(cones: &[FrictionCone], distance: &[f64]) -> Option<Vec<f64>> {
+    let largest = distance.iter().fold(0.0_f64, |m, distance| m.max(-distance));
+    let dimension = cones.first()?.normal.len();
+    let generator = |(cone, distance): (&FrictionCone, &f64)| {
+        let row = cone.normal.iter().map(|n| -n).chain([-distance / largest]);
+        row.collect::<Vec<f64>>()
+    };
+    let one = [vec![0.0; dimension], vec![1.0]].concat();
+    let rest = FiniteCone::new(dimension + 1, cones.iter().zip(distance).map(generator)).outside(&one, 1.0)?;
+    Some(rest[..dimension].iter().map(|x| -x * largest / rest[dimension]).collect())
+}
+
+/// Whether a body has free motions, and they strain it no more than rounding does.
+pub(crate) fn is_carried_without_strain(problem: &ContactProblem) -> bool {
+    let unstrained = |motion: &Vec<f64>| {
+        let (mut force, mut sizes) = (vec![0.0; motion.len()], vec![0.0; motion.len()]);
+        problem.stiffness().mul(motion, &mut force);
+        problem.stiffness().add_sizes(motion, &mut sizes);
+        let largest = |x: &[f64]| x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        largest(&force) <= UNSTRAINED * largest(&sizes)
+    };
+    let motions = problem.rigid_modes();
+    !motions.is_empty() && motions.iter().all(unstrained)
+}
