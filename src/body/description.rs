@@ -5,7 +5,7 @@
 //! use stickslip::body::contact::Obstacle;
 //! use stickslip::body::description::{Axis, Description, Load};
 //! use stickslip::body::fem::Material;
-//! use stickslip::solver::history::{Method, Solver, Status};
+//! use stickslip::solver::history::{Method, SolverChoice, Status};
 //! use stickslip::body::mesh::MeshSource;
 //! use stickslip::body::model::Model;
 //! use stickslip::run::Run;
@@ -18,7 +18,7 @@
 //!     .load(Load::new("top", &[0.0, -10e6]).over(&[[0.0, 0.0], [1.0, 1.0], [2.0, 1.0]]))
 //!     .load(Load::new("right", &[-10e6, 0.0]).over(&[[0.0, 0.0], [1.0, 1.0], [2.0, 0.0]]));
 //! let model = Model::build(&description)?;
-//! let report = Run::of(&model, model.times().to_vec(), Solver::new(Method::BN))?.solve(&mut ())?;
+//! let report = Run::of(&model, model.times().to_vec(), SolverChoice::new(Method::BN))?.solve(&mut ())?;
 //! assert_eq!(report.status, Status::Converged);
 //!
 //! // What is wrong is named by its key.

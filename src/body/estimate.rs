@@ -10,6 +10,7 @@ mod hertz;
 mod locking;
 mod places;
 mod recovery;
+mod slip;
 mod strains;
 mod zone;
 
@@ -23,6 +24,7 @@ pub use discretisation::DiscretisationError;
 pub use graph::ContactGraph;
 pub use hertz::HertzContact;
 pub(crate) use locking::expected_locking;
+pub(crate) use slip::SlipZones;
 pub use zone::{ContactEstimate, PeakOf, StickZone, peak_error};
 
 /// What the strains of a body tell of its elements.
@@ -46,7 +48,7 @@ impl ElementEstimate {
         Ok(Self::new(model, &model.thermal_factors(t), displacements, &[]))
     }
 
-    /// The same of displacements that fit, with the `factors` of [`Model::thermal_factors`], and the nodes that a contact presses alone.
+    /// The same of displacements that fit, with the `factors` of `Model::thermal_factors`, and the nodes that a contact presses alone.
     pub fn new(model: &Model, factors: &[f64], displacements: &[[f64; 3]], pressed: &[usize]) -> Self {
         let strains = Strains::new(model, factors, displacements);
         if strains.are_rounding(displacements) {

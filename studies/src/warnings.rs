@@ -250,8 +250,8 @@ pub fn speaks_of(kind: WarningKind) -> [bool; 3] {
         | WarningKind::UnevenElements
         | WarningKind::BeyondTheEnd
         | WarningKind::RoughStresses => [true, false, false],
-        WarningKind::IncrementsWork => [false, false, true],
-        WarningKind::IncrementsForce | WarningKind::Jump => [false, true, true],
+        WarningKind::IncrementsWork | WarningKind::SlipZoneCoarse => [false, false, true],
+        WarningKind::IncrementsForce | WarningKind::Jump | WarningKind::TangentialCoarse => [false, true, true],
         // Of the width of that zone, which is none of them.
         WarningKind::StickZoneCoarse => [false; 3],
         _ => [true; 3],

@@ -10,6 +10,7 @@ use stickslip::body::mesh::{CellKind, HalfPlane, MeshSource};
 use stickslip::body::model::Model;
 use stickslip::run::Run;
 use stickslip::run::report::{RunReport, WarningKind};
+use stickslip::scene::Scene;
 use stickslip::solver::history::{Method, SolverChoice, Status};
 
 use crate::common::hertz::Hertz;
@@ -240,5 +241,64 @@ fn a_single_node_that_is_pressed_does_not_lock() {
             assert!(by_force < 0.97 * last, "{kind:?} {n}: {by_force} {last}");
             last = by_force;
         }
+    }
+}
+
+/// Two blocks of triangles, or of quadrilaterals and one of them narrow, pressed together by 1 mm and then moved.
+fn moved_blocks(
+    cells: &str,
+    [lower, upper]: [[usize; 2]; 2],
+    [x, width]: [f64; 2],
+    friction: f64,
+    motion: f64,
+) -> RunReport {
+    let body = |name: &str, at: [f64; 2], width: f64, elements: [usize; 2]| {
+        format!(
+            "[[body]]\nname = \"{name}\"\nat = {at:?}\n[body.mesh]\nkind = \"block\"\nsize = [{width:?}, 0.5]\nelements = {elements:?}\n\
+             cells = \"{cells}\"\n[body.material]\nyoung = 1e9\npoisson = 0.2\n"
+        )
+    };
+    let text = [
+        body("lower", [0.0, 0.0], 1.0, lower),
+        body("upper", [x, 0.5], width, upper),
+        format!(
+            "[[support]]\nboundary = \"lower:bottom\"\nfix = [\"x\", \"y\"]\n[[support]]\nboundary = \"upper:top\"\nfix = [\"y\"]\n\
+             displacement = -1e-3\nhistory = [[0, 0], [1, 1], [2, 1]]\n[[support]]\nboundary = \"upper:top\"\nfix = [\"x\"]\n\
+             displacement = {motion}\nhistory = [[0, 0], [1, 0], [2, 1]]\n[[contact]]\nboundary = \"upper:bottom\"\n\
+             against = \"lower:top\"\nfriction = {friction}\n[time]\nend = 2.0\nincrements = 12\n"
+        ),
+    ]
+    .concat();
+    let report = Run::new(&Scene::parse("blocks", &text, &[]).unwrap()).unwrap().solve(&mut ()).unwrap();
+    assert_eq!(report.status, Status::Converged, "{}", report.explanation.reason);
+    report
+}
+
+/// At the edges of a narrow block one node slips where ten stick, and the work of friction changes with every refinement.
+#[test]
+fn the_work_of_zones_that_slip_and_are_narrow_is_warned_of() {
+    let work = |report: &RunReport| report.increments.iter().map(|record| record.friction_work).sum::<f64>();
+    let narrow = |n: usize| moved_blocks("quadrilateral", [[2 * n, n], [n + 1, n]], [0.25, 0.5], 0.3, 1.5e-4);
+    let (coarse, fine) = (narrow(9), narrow(18));
+    println!("work: {:.3e} {:.3e}, nodes across {:?}", work(&coarse), work(&fine), coarse.estimates.slip_across);
+    assert!((work(&coarse) / work(&fine) - 1.0).abs() > 0.1);
+    assert!(kinds_of(&coarse).contains(&WarningKind::SlipZoneCoarse), "{:?}", coarse.warnings);
+}
+
+/// The diagonals of triangles make normal forces pull sideways: by a share of these, and by a large one of a small tangential force. A large one is
+/// told well.
+#[test]
+fn tangential_forces_that_are_small_beside_the_error_of_the_mesh_are_warned_of() {
+    let finer =
+        |k: usize, motion: f64| moved_blocks("triangle", [[6 * k, 3 * k], [8 * k, 4 * k]], [0.0, 1.0], 0.3, motion);
+    let force = |report: &RunReport| report.end.sum_p_t;
+    let (coarse, fine) = (finer(1, 3e-5), finer(2, 3e-5));
+    assert!((force(&coarse) / force(&fine) - 1.0).abs() > 0.1, "{:e} {:e}", force(&coarse), force(&fine));
+    let blocks = |motion: f64| finer(1, motion);
+    for (motion, warned) in [(3e-5, true), (1.5e-3, false)] {
+        let report = blocks(motion);
+        println!("{motion:e}: {:?} {:?}", report.estimates.tangential, report.estimates.discretisation);
+        assert_eq!(kinds_of(&report).contains(&WarningKind::TangentialCoarse), warned, "{:?}", report.warnings);
+        assert!(!kinds_of(&report).contains(&WarningKind::CoarseMesh));
     }
 }

@@ -21,7 +21,7 @@ impl Model {
         Ok(self.stresses(&self.thermal_factors(t), displacements))
     }
 
-    /// [`Model::centre_stresses`] of displacements that fit, with the `factors` of [`Model::thermal_factors`].
+    /// [`Model::centre_stresses`] of displacements that fit, with the `factors` of `Model::thermal_factors`.
     pub fn stresses(&self, factors: &[f64], displacements: &[[f64; 3]]) -> Vec<[f64; 6]> {
         let cells = self.mesh.cells.iter().enumerate();
         cells.map(|(e, cell)| self.stress_in(e, cell.kind.centre(), factors, displacements)).collect()

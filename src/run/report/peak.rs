@@ -54,8 +54,11 @@ impl Peak {
             PeakOf::Nodes => model.contact_pressures(state),
             PeakOf::Patches => graph.patch_pressures(model, &state.p_n),
         };
+        // What is left at open nodes is rounding, and patches around them belong to closed ones.
+        let is_closed = |i: &usize| statuses[*i] != ContactStatus::Open && state.p_n[*i] > 0.0;
         let nodes = model.contact_boundaries.iter().enumerate();
-        let pairs = nodes.flat_map(|(b, boundary)| boundary.nodes.iter().map(move |&i| [b, i]));
+        let pairs =
+            nodes.flat_map(|(b, boundary)| boundary.nodes.iter().map(move |&i| [b, i])).filter(|[_, i]| is_closed(i));
         // The first of those that are as large.
         let largest = pairs.fold((0.0, None), |(most, at), pair| match pressures[pair[1]] {
             pressure if pressure > 0.0 && !is_as_large(most, pressure) => (pressure, Some(pair)),

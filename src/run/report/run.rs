@@ -124,7 +124,7 @@ pub struct RunReport {
     /// What else acts on the body at the end of the last converged increment.
     #[serde(skip)]
     pub last_reactions: Option<BalanceRecord>,
-    /// What [`super::history_charts`] draws.
+    /// The curves of the charts of a history.
     #[serde(skip)]
     pub curves: HistoryCurves,
 }

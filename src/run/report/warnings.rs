@@ -77,6 +77,10 @@ pub enum WarningKind {
     UnevenElements,
     /// A zone that sticks, known to one element.
     StickZoneCoarse,
+    /// A mesh that is too coarse for tangential forces, which are small beside the normal ones.
+    TangentialCoarse,
+    /// Zones of a few nodes that slip beside others that stick.
+    SlipZoneCoarse,
     /// Increments that change the work of friction much.
     IncrementsWork,
     /// Increments that change the tangential forces much, or too few of them to tell.
@@ -127,6 +131,8 @@ impl WarningKind {
             | WarningKind::SingularEdge
             | WarningKind::UnevenElements
             | WarningKind::StickZoneCoarse
+            | WarningKind::TangentialCoarse
+            | WarningKind::SlipZoneCoarse
             | WarningKind::IncrementsWork
             | WarningKind::IncrementsForce
             | WarningKind::CurvedGaps

@@ -27,7 +27,7 @@ pub struct Collection {
 pub struct Row {
     /// The name of the file.
     pub file: String,
-    /// The way it was solved, see [`Way`](super::Way).
+    /// The way it was solved, see [`Way`](stickslip_exchange::Way).
     pub way: String,
     /// `global` or `local`; empty where nothing was read.
     pub form: String,

@@ -79,7 +79,15 @@ fn kinds(report: &Value) -> Vec<&str> {
 
 /// Those that are not of the mesh in the contact, nor of the increments: the scenes here have a few elements, and few increments.
 fn kinds_but_of_the_mesh(report: &Value) -> Vec<&str> {
-    let of_the_mesh = ["contact-unresolved", "contact-coarse", "singular-edge", "locking", "coarse-mesh"];
+    let of_the_mesh = [
+        "contact-unresolved",
+        "contact-coarse",
+        "singular-edge",
+        "locking",
+        "coarse-mesh",
+        "slip-zone-coarse",
+        "tangential-coarse",
+    ];
     let others = kinds(report).into_iter().filter(|kind| !of_the_mesh.contains(kind));
     others.filter(|kind| !kind.starts_with("increments-")).collect()
 }
