@@ -33,6 +33,9 @@ pub fn with_contents<T>(contents: Contents, work: impl FnOnce() -> T) -> T {
 
 /// The bytes of the file at `path`, without the mark that some editors put before UTF-8. A pipe may have nobody who writes, and gives what
 /// it has only once, while a file is read again for its fingerprint; a device may have no end.
+///
+/// # Errors
+/// When the file cannot be read, is no regular file or pipe, or is too large.
 pub fn bytes(path: &Path) -> io::Result<Vec<u8>> {
     if let Some(bytes) = IN_MEMORY.with_borrow(|contents| contents.get(path).cloned()) {
         return Ok(bytes);

@@ -74,7 +74,8 @@ impl Checkpoint {
         Checkpoint { increments, time, parts: Ok(Vec::new()) }.with(part)
     }
 
-    /// The same with a part more.
+    /// The checkpoint with one more part.
+    #[must_use]
     pub fn with<T: Serialize>(mut self, part: &T) -> Self {
         match (&mut self.parts, rmp_serde::to_vec_named(part)) {
             (Ok(parts), Ok(part)) => parts.push(part),
@@ -84,7 +85,10 @@ impl Checkpoint {
         self
     }
 
-    /// Part `k`.
+    /// Reads part `k`.
+    ///
+    /// # Errors
+    /// [`CheckpointError::Damaged`] if there is no such part, or it is not a `T`; the error of a checkpoint that could not be written.
     pub fn part<T: DeserializeOwned>(&self, k: usize) -> Result<T, CheckpointError> {
         let parts = self.parts.as_ref().map_err(Clone::clone)?;
         let part = parts.get(k).ok_or(CheckpointError::Damaged)?;

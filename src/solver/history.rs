@@ -4,15 +4,16 @@
 //! | --- | --- |
 //! | what a history asks of a method ([`IncrementSolver`]), and what it hands over ([`Task`]) | `task.rs` |
 //! | BN; the paper's interior point method; the default one; BN with that for its rescue | `bn.rs`, `ip.rs`, `predictor_corrector.rs`, `rescue.rs` |
-//! | which of them a [`Method`] names | `method.rs` |
-//! | from one time to the next, in parts if need be, and what is told of them | `path.rs`, `progress.rs` |
-//! | the increments of one set-up of the equations, and what it leaves to the next | `driver.rs`, `state.rs` |
+//! | which of them a [`Method`] names, and how a history is solved | `method.rs`, `settings.rs` |
+//! | one increment: its substeps, its verdict, increments that are judged together | `increment.rs` |
+//! | from increment to increment, in one set-up of the equations after the other | `driver.rs`, `state.rs` |
 //! | which contact nodes join condensed equations that do not hold all | `working_set.rs` |
-//! | one increment at a time, under loads that nobody knows beforehand | `stepper.rs` |
-//! | the exact path in time, from event to event | `events.rs` |
-//! | what the increments leave: the work of friction and the tangential forces | `increment_error.rs` |
-//! | how far loads have carried a body that contact alone holds | `rigid_offset.rs` |
-//! | the interior at the start of an increment, and at the end of a condensed one | `clamped.rs`, `recovery.rs` |
+//! | the interior of a condensed body at the start and at the end of an increment | `interior.rs` |
+//! | a body that contact alone holds, carried to where it rests | `rigid_offset.rs` |
+//! | one increment at a time, under loads that are not known beforehand | `stepper.rs` |
+//! | the exact path in time, from event to event; jumps | `events.rs`, `jump.rs` |
+//! | the error of the increments: the work of friction and the tangential forces | `increment_error.rs` |
+//! | observers, records, checkpoints | `observer.rs`, `record.rs`, `saved.rs` |
 //!
 //! ```
 //! use stickslip::solver::history::{self, HistorySettings, Method, Status, SystemSolver};
@@ -37,50 +38,27 @@
 
 mod algorithm;
 mod bn;
-mod clamped;
 mod driver;
 mod error;
 mod events;
+mod increment;
 mod increment_error;
-mod increment_result;
+mod interior;
 mod ip;
 mod jump;
 mod method;
-mod newton_end;
 mod observer;
-mod path;
 mod predictor_corrector;
-mod progress;
 mod record;
-mod recovery;
 mod rescue;
 mod rigid_offset;
 mod saved;
 mod settings;
-mod snapshot;
-mod solver;
 mod state;
 mod stepper;
 mod system;
-mod tangent;
 mod task;
 mod working_set;
-
-use std::time::Instant;
-
-pub use error::Error;
-pub use increment_error::{IncrementError, IncrementErrors};
-pub(crate) use jump::{JumpSolver, RestartPoint};
-pub use method::{Method, Start};
-pub use observer::{IncrementView, Observer};
-pub use record::{ContactCounts, IncrementRecord, Seconds, Status, Tally};
-pub use settings::HistorySettings;
-pub use snapshot::Snapshot;
-pub use solver::SolverChoice;
-pub use stepper::Stepper;
-pub use system::{LinearAlgebra, SystemSolver, UnknownLinearAlgebra};
-pub use task::{Algorithm, IncrementSolver, Observe, Response, Task};
-pub use working_set::WorkingSet;
 
 use crate::algebra::linear::Statistics;
 use crate::solver::events::{Event, Jump, PathEnd};
@@ -91,6 +69,21 @@ use crate::solver::problem::error::{expect_each, expect_finite, expect_increasin
 use crate::solver::problem::{ContactProblem, ProblemError, State};
 use driver::HistoryDriver;
 use events::ExactHistory;
+use std::time::Instant;
+
+pub use error::Error;
+pub use increment_error::{IncrementError, IncrementErrors};
+pub(crate) use jump::{JumpSolver, RestartPoint};
+pub use method::{Method, Start};
+pub use observer::{IncrementView, Observer};
+pub use record::{ContactCounts, IncrementRecord, Seconds, Status, Tally};
+pub use saved::Snapshot;
+pub use settings::HistorySettings;
+pub use settings::SolverChoice;
+pub use stepper::Stepper;
+pub use system::{LinearAlgebra, SystemSolver, UnknownLinearAlgebra};
+pub use task::{Algorithm, IncrementSolver, Observe, Response, Task};
+pub use working_set::WorkingSet;
 
 /// The result of a history.
 #[derive(Debug, Clone)]

@@ -156,6 +156,7 @@ impl GlobalProblem {
     ///
     /// # Errors
     /// [`ProblemError`] of a stiffness that is not positive semidefinite.
+    #[allow(clippy::missing_panics_doc, reason = "the entries of H were checked when the problem was made")]
     pub fn contact_problem(&self) -> Result<Option<(ContactProblem, Loading)>, ProblemError> {
         let Some(stiffness) = self.symmetric() else { return Ok(None) };
         let (n, d, n_c) = (self.unknowns(), self.dimension(), self.contacts());
@@ -165,7 +166,7 @@ impl GlobalProblem {
             let sign = if column % d == 0 { -1.0 } else { 1.0 };
             rows[column % d][column / d].push((row, sign * value));
         }
-        let [c_n, c_t, c_o] = rows.map(|rows| Csr::from_rows(n, rows).expect("H has a row for each unknown"));
+        let [c_n, c_t, c_o] = rows.map(|rows| Csr::from_rows(n, rows).expect("H has n rows and finite entries"));
         let mu = self.mu().to_vec();
         let problem = ContactProblem::new(ContactParts { c_t, c_o, mu, ..ContactParts::new(stiffness, c_n) })?;
         let part = |k: usize| self.w().iter().skip(k).step_by(d).copied();

@@ -50,7 +50,7 @@ impl WithSimd for Products<'_> {
         let add =
             |to: &mut SimdPack, value: f64, x: &SimdPack| to.iter_mut().zip(x).for_each(|(to, x)| *to += value * x);
         let add_size = |to: &mut SimdPack, value: f64, x: &SimdPack| {
-            to.iter_mut().zip(x).for_each(|(to, x)| *to += (value * x).abs())
+            to.iter_mut().zip(x).for_each(|(to, x)| *to += (value * x).abs());
         };
         for column in 0..of.order() {
             let slots = pattern.column(column);

@@ -359,7 +359,10 @@ impl RunReport {
         }
     }
 
-    /// The same as a value.
+    /// The report as a JSON value, in the units of the report.
+    ///
+    /// # Errors
+    /// Never, unless a number has no place in JSON.
     pub fn to_value(&self) -> serde_json::Result<serde_json::Value> {
         let mut report = serde_json::to_value(self)?;
         if self.units.is_si() {

@@ -1,9 +1,8 @@
 //! BN along a history: every increment starts from the last solution, in the default setting on the tangent there.
 
 use super::increment_error::{IncrementErrors, Rate};
+use super::saved::{Snapshot, take_over};
 use super::settings::{FirstGuess, HistorySettings};
-use super::snapshot::{Snapshot, take_over};
-use super::tangent;
 use super::task::{IncrementSolver, Observe, Task};
 use crate::algebra::linear::{LinearError, RefinedSolver};
 use crate::algebra::sparse::SystemMatrix;
@@ -162,7 +161,7 @@ impl IncrementSolver for BnMethod<'_> {
         let turns = (0..layout.contacts()).any(|i| layout.slides_in_a_plane(i));
         let tangent = match last {
             Some([_, after]) if *after == from && task.landed.is_none() && !solved => {
-                tangent::ahead(formulation, bn, linear, &from)?
+                ahead(formulation, bn, linear, &from)?
             }
             _ => None,
         };
@@ -269,4 +268,19 @@ fn start_forces(problem: &ContactProblem, idle: bool, start: FirstGuess) -> Vec<
         (FirstGuess::Pressure(pressure), Some(l)) if !idle => l.iter().map(|l| l * pressure).collect(),
         _ => vec![0.0; problem.contacts()],
     }
+}
+
+/// The start on the tangent at the solution `z` of the increment before, for the data that `formulation` has by now. `None` where
+/// the factors that `linear` has are not those of the last linearisation, or this has no tangent.
+pub(super) fn ahead(
+    formulation: &Bdiff,
+    bn: &mut Bn,
+    linear: &mut RefinedSolver,
+    z: &[f64],
+) -> Result<Option<Vec<f64>>, LinearError> {
+    let Some(h) = formulation.residual_of_cases(z) else { return Ok(None) };
+    let Some(dz) = bn.substitute(formulation, linear, &h)? else { return Ok(None) };
+    let mut ahead: Vec<f64> = z.iter().zip(dz).map(|(z, dz)| z + dz).collect();
+    formulation.slip_where_closing(&mut ahead);
+    Ok(Some(ahead))
 }

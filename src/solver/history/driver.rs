@@ -1,16 +1,12 @@
 //! A stage of a history: the increments that are solved in one set-up of the equations.
 
-use std::time::Instant;
-
-use super::clamped::ClampedBody;
-use super::increment_result::IncrementResult;
-use super::observer::{IncrementView, Observer};
-use super::path::{IncrementDriver, IncrementProgress, JudgedIncrement};
-use super::progress::{Progress, record};
+use super::increment::{IncrementDriver, IncrementProgress, JudgedIncrement};
+use super::interior::ClampedBody;
+use super::observer::{IncrementView, Observer, Progress, record};
 use super::record::{ContactCounts, IncrementRecord, Seconds, Status};
 use super::saved::{Done, RunOf, Saved, SavedStage};
 use super::settings::HistorySettings;
-use super::state::HistoryState;
+use super::state::{HistoryState, IncrementResult};
 use super::system::statistics;
 use super::task::Algorithm;
 use super::working_set::WorkingSet;
@@ -22,6 +18,7 @@ use crate::solver::laws::{Violation, rounding_level, statuses_of};
 use crate::solver::loading::Loading;
 use crate::solver::newton::Termination;
 use crate::solver::problem::ContactProblem;
+use std::time::Instant;
 
 /// A history on its way, from stage to stage.
 pub(super) struct HistoryDriver<'a> {

@@ -1,12 +1,10 @@
 //! A history along its exact path in time: its increments are where the path is looked at, not what makes it.
 
-use std::time::Instant;
-
+use super::interior::{InteriorRecovery, RecoveredState, Responds};
 use super::jump::{JumpSolver, Landed, RestartPoint};
 use super::method::Method;
 use super::observer::{IncrementView, Observer};
 use super::record::{ContactCounts, IncrementRecord, Seconds, Status};
-use super::recovery::{InteriorRecovery, RecoveredState, Responds};
 use super::saved::SavedPath;
 use super::settings::HistorySettings;
 use super::system::{SystemSolver, statistics};
@@ -21,6 +19,7 @@ use crate::solver::newton::IterationRecord;
 use crate::solver::problem::{ContactProblem, Increment, State};
 use crate::solver::solvability::{Load, driven_motion};
 use std::ops::ControlFlow;
+use std::time::Instant;
 
 /// A history of which each step from event to event is judged, and each end of an increment on the whole body.
 pub(super) struct ExactHistory<'a> {

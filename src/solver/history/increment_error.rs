@@ -15,10 +15,6 @@
 //! So an increment costs one solve for the rate, with the factors at its start, and one for `e`, with those at its end. One in which
 //! the first nodes touch and slide costs another factorization.
 
-mod begin;
-
-use serde::{Deserialize, Serialize};
-
 use crate::algebra::linear::{LinearError, RefinedSolver};
 use crate::base::units::Scaling;
 use crate::solver::condensation::Condensed;
@@ -27,7 +23,7 @@ use crate::solver::laws::coulomb::{TangentialCase, length, positive};
 use crate::solver::loading::Loading;
 use crate::solver::newton::Bn;
 use crate::solver::problem::{ContactProblem, Increment};
-use begin::Begin;
+use serde::{Deserialize, Serialize};
 
 /// Loads that change in directions with a smaller cosine between them change in different ones.
 const CORNER: f64 = 0.9;
@@ -431,5 +427,54 @@ fn solved(linear: &mut RefinedSolver, b: &[f64]) -> Result<Option<Vec<f64>>, Lin
         Ok(()) => Ok(x.iter().all(|x| x.is_finite()).then_some(x)),
         Err(LinearError::NotFinite) => Ok(None),
         Err(error) => Err(error),
+    }
+}
+
+/// How a node comes into contact, or to stick, within an increment.
+#[derive(Debug, Clone, Copy, Default)]
+struct Begin {
+    /// Whether it sticks from within the increment on.
+    pub sticks: bool,
+    /// Whether it slipped before that.
+    pub slipped: bool,
+    /// The share of the increment after which it touches.
+    pub touches: Option<f64>,
+    /// How far from where the increment has it the node sticks.
+    pub delta: [f64; 2],
+    /// Of a node that slips in the end, how far it moved before it touched.
+    pub before_touch: [f64; 2],
+}
+
+impl Begin {
+    /// Of a node that ends the increment in this `case`, after a `slip` from where it was `before`, and set out at this `rate`.
+    fn of(before: &Node, case: TangentialCase, slip: [f64; 2], rate: Option<(f64, [f64; 2])>) -> Self {
+        let Some((approach, pace)) = rate else { return Begin::default() };
+        let ahead = |share: f64| pace.map(|w| share * w);
+        match (before.case, case) {
+            _ if before.is_open() && case != TangentialCase::NoPressure => {
+                // What was not seen to close closes at the end.
+                let share = if approach > 0.0 { (before.distance / approach).min(1.0) } else { 1.0 };
+                let share = if share > NEGLIGIBLE { share } else { 0.0 };
+                let moved = ahead(share);
+                let (farther, before_touch, falls_short) = match case {
+                    TangentialCase::Slip { direction, .. } => {
+                        let farther = [moved[0] - slip[0], moved[1] - slip[1]];
+                        // The increment takes its way to where it touched for slip.
+                        let short = direction[0] * farther[0] + direction[1] * farther[1];
+                        (farther, moved, short > NEGLIGIBLE * length(moved))
+                    }
+                    _ => (moved, [0.0; 2], true),
+                };
+                let sticks = falls_short && share > 0.0;
+                let delta = if sticks { farther } else { [0.0; 2] };
+                Begin { sticks, slipped: false, touches: Some(share), delta, before_touch }
+            }
+            (TangentialCase::Slip { direction, .. }, TangentialCase::Stick)
+                if direction[0] * pace[0] + direction[1] * pace[1] > 0.0 =>
+            {
+                Begin { sticks: true, slipped: true, delta: ahead(0.5), ..Begin::default() }
+            }
+            _ => Begin::default(),
+        }
     }
 }

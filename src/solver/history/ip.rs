@@ -1,8 +1,8 @@
 //! IP along a history: the paper's starting points.
 
 use super::method::Start;
+use super::saved::{Snapshot, take_over};
 use super::settings::HistorySettings;
-use super::snapshot::{Snapshot, take_over};
 use super::task::{IncrementSolver, Observe, Task};
 use crate::algebra::linear::{LinearError, RefinedSolver};
 use crate::algebra::sparse::SystemMatrix;

@@ -3,8 +3,6 @@
 //! Which of them a body comes to is a question of dynamics. Newton's method tries from the state that was reached, the interior
 //! point method from its own; and where neither gets to the end of the increment, they try half of the way, a quarter, and so on.
 
-use std::time::Instant;
-
 use super::driver::HistoryDriver;
 use super::record::{IncrementRecord, Status};
 use super::settings::HistorySettings;
@@ -15,6 +13,7 @@ use crate::solver::condensation::Condensation;
 use crate::solver::laws::KktScales;
 use crate::solver::loading::Loading;
 use crate::solver::problem::{ContactProblem, State};
+use std::time::Instant;
 
 /// From where a jump starts, or increments that are solved again.
 pub(crate) struct RestartPoint<'a> {

@@ -1,12 +1,10 @@
 //! What is recorded of an increment.
 
-use std::fmt;
-
-use serde::{Deserialize, Serialize};
-
 use crate::algebra::linear::{LinearError, Statistics};
 use crate::solver::laws::{ContactStatus, KktErrors};
 use crate::solver::newton::{MethodResult, Termination};
+use serde::{Deserialize, Serialize};
+use std::fmt;
 
 /// The verdict on an increment and on a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

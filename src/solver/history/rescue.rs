@@ -4,8 +4,8 @@
 use super::bn::BnMethod;
 use super::increment_error::IncrementErrors;
 use super::predictor_corrector::PredictorCorrectorMethod;
+use super::saved::Snapshot;
 use super::settings::HistorySettings;
-use super::snapshot::Snapshot;
 use super::task::{IncrementSolver, Observe, Task};
 use crate::algebra::linear::{LinearError, RefinedSolver};
 use crate::algebra::sparse::SystemMatrix;

@@ -5,10 +5,9 @@
 //! solution. A free motion strains nothing, so the equations are the same from any place on its way: the unknowns are
 //! displacements from where the body has been carried, and the obstacles come the other way instead.
 
-use serde::{Deserialize, Serialize};
-
 use crate::algebra::sparse::{Csr, sum};
 use crate::solver::problem::{ContactProblem, State};
+use serde::{Deserialize, Serialize};
 
 /// A free motion of the body, in what it does to displacements and contact nodes.
 #[derive(Debug, Clone, Serialize, Deserialize)]

@@ -1,8 +1,5 @@
 //! One increment at a time, under loads that nobody knows beforehand.
 
-use std::borrow::Borrow;
-use std::time::Instant;
-
 use super::driver::HistoryDriver;
 use super::observer::{IncrementView, Observer};
 use super::system::SystemSolver;
@@ -15,7 +12,9 @@ use crate::solver::events::Event;
 use crate::solver::loading::Loading;
 use crate::solver::newton::{IterationRecord, LinearSystem};
 use crate::solver::problem::ContactProblem;
+use std::borrow::Borrow;
 use std::ops::ControlFlow;
+use std::time::Instant;
 
 /// A history of which nobody knows the rest: for time loops of one's own, and for couplings.
 ///

@@ -1,14 +1,13 @@
 //! How the linear system of an iteration is set up: whole, or condensed to the contact displacements.
 
+use crate::algebra::linear::{
+    Cholesky, FactorInfo, LinearSolver, RefinedSolver, SparseCholesky, SparseLu, Statistics, built_in,
+};
+use crate::solver::condensation::Condensation;
+use serde::{Serialize, Serializer};
 use std::fmt;
 use std::str::FromStr;
 use std::sync::Arc;
-
-use serde::{Serialize, Serializer};
-
-use crate::algebra::linear::built_in;
-use crate::algebra::linear::{Cholesky, FactorInfo, LinearSolver, RefinedSolver, SparseCholesky, SparseLu, Statistics};
-use crate::solver::condensation::Condensation;
 
 /// How the linear systems of a run are set up, and what factors them.
 ///

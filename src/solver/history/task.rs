@@ -1,7 +1,7 @@
 //! What a history asks of a method, and what it gives: the seam at which a method of one's own goes in.
 
 use super::increment_error::IncrementErrors;
-use super::snapshot::Snapshot;
+use super::saved::Snapshot;
 use crate::algebra::linear::{LinearError, RefinedSolver};
 use crate::algebra::sparse::SystemMatrix;
 use crate::solver::formulation::Layout;

@@ -4,11 +4,10 @@
 //! penetrate and the laws of the others hold. The verdict is that of all contact nodes, always; where it is that nodes which are left
 //! out penetrate, they join, with the nearest others. None ever leaves.
 
-use serde::{Deserialize, Serialize};
-
-use super::increment_result::SubstepResult;
+use super::state::SubstepResult;
 use crate::solver::newton::Termination;
 use crate::solver::problem::{ContactProblem, Increment};
+use serde::{Deserialize, Serialize};
 
 /// The contact nodes that the condensed equations of a history held.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
