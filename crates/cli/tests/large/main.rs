@@ -11,7 +11,7 @@ mod program;
 #[path = "../common/whole.rs"]
 mod whole;
 
-#[cfg(all(target_os = "linux"))]
+#[cfg(target_os = "linux")]
 mod job;
 #[cfg(feature = "petsc")]
 mod multigrid;
@@ -19,7 +19,7 @@ mod multigrid;
 mod mumps;
 #[cfg(all(feature = "petsc", target_os = "linux"))]
 mod pieces;
-#[cfg(all(target_os = "linux"))]
+#[cfg(target_os = "linux")]
 mod ranks;
 mod scenes;
 #[cfg(all(feature = "petsc", target_os = "linux"))]

@@ -1,6 +1,6 @@
 //! The kernel of OpenBLAS: the program runs the one that it should, whoever chose it, and says which.
 
-#![cfg(all(feature = "blas"))]
+#![cfg(feature = "blas")]
 #![allow(clippy::unwrap_used)]
 
 use std::ffi::{OsStr, OsString};

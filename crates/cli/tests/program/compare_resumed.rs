@@ -77,7 +77,7 @@ fn what_is_kept_is_not_computed_again() {
     assert_eq!(kept.computed(), 2 + 4);
 }
 
-#[cfg(all(target_os = "linux"))]
+#[cfg(target_os = "linux")]
 mod program {
     use std::fs;
     use std::process::{Command, Stdio};

@@ -1,6 +1,6 @@
 //! Whose a folder of results is, and what may stand in it.
 
-#![cfg(all(target_os = "linux"))]
+#![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used)]
 
 use std::fs;

@@ -1,7 +1,7 @@
 //! Too little memory: under every limit, and whichever request for memory is refused, a run ends by itself, soon, with an
 //! honest status.
 
-#![cfg(all(target_os = "linux"))]
+#![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use std::path::{Path, PathBuf};

@@ -1,6 +1,6 @@
 //! Runs that are ended somewhere, and taken up again: the results are those of a run that nothing has ended.
 
-#![cfg(all(target_os = "linux"))]
+#![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use std::fs;

@@ -1,6 +1,6 @@
 //! A SuiteSparse that is not the one of the headers is refused in words, before anything else is asked of it.
 
-#![cfg(all(feature = "umfpack"))]
+#![cfg(feature = "umfpack")]
 #![allow(clippy::unwrap_used)]
 
 use std::fs;
