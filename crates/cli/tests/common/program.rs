@@ -1,4 +1,5 @@
 //! The program, run on scenes in folders that go with the test.
+#![allow(dead_code, clippy::unwrap_used)]
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,5 @@
 //! Folders of results: whether each file in them is whole, and whether two have the same results.
+#![allow(dead_code, clippy::unwrap_used)]
 
 use std::collections::BTreeMap;
 use std::fs;
