@@ -10,7 +10,7 @@
 # make petsc  the program with multigrid, and its tests (installs PETSc and Open MPI)
 # make bench  the benchmarks (minutes)
 # make instructions the instructions of each kernel, counted by callgrind
-# make lines  the lines of code, comments and tests
+# make lines  files, lines and types, by room and crate
 # make tables the paper's Tables I and II, complete (minutes)
 # make extremes the suite of extreme scenes, into doc/stability (minutes)
 # make elements kinds of elements on Cook's membrane and Hertz' contacts, into doc/elements (minutes)
@@ -144,15 +144,8 @@ instructions: deps
 		printf '%-14s %14s\n' "$$kernel" "$$count"; \
 	done
 
-# Unit tests count as tests, and so does all below them to the brace that ends them.
 lines:
-	@for folder in src studies/src fuzz/src; do find $$folder -name '*.rs' | xargs awk ' \
-		FNR == 1 { tests = 0 } \
-		/^#\[cfg\(test\)\]/ { tests = 1 } \
-		tests { test++; if ($$0 == "}") tests = 0; next } \
-		/^ *\/\// { comment++; next } \
-		/[^ ]/ { code++ } \
-		END { printf "%-12s code %6d  comments %6d  tests %6d\n", "'$$folder'", code, comment, test }'; done
+	@.ci/lines
 
 STUDIES = cargo run --release -p stickslip-studies --
 

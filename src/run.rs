@@ -276,7 +276,12 @@ impl<'a> Run<'a> {
         if let Some(checkpoint) = &self.from {
             watch.go_on_from(checkpoint).map_err(history::Error::from)?;
         }
-        let settings = HistorySettings { keeps_records: false, from: self.from.clone(), ..self.settings()? };
+        let settings = HistorySettings {
+            keeps_records: false,
+            estimates_error: true,
+            from: self.from.clone(),
+            ..self.settings()?
+        };
         let outcome = self.history_with(system, &self.times, &settings, &mut watch)?;
         let Watch { validity, estimates, balance, curves, increments, forces, reactions, last_reactions, .. } = watch;
         let (last, states, leaps) = (watch.last, watch.states, watch.leaps);

@@ -83,13 +83,22 @@ fn a_node_that_sticks_where_it_touches_though_its_increment_has_it_slide() {
     let problem = ContactProblem::new(Parts { c_t, mu: vec![3.0], ..Parts::new(stiffness, c_n) }).unwrap();
     let load = LoadCase::new(vec![1.0, -1.0], vec![[0.0, 0.0], [1.0, 1.0]]).unwrap();
     let loading = Loading::new(vec![load], vec![0.4]).unwrap();
-    let settings = HistorySettings::new(&problem, &loading, Method::BN).unwrap();
+    let settings = HistorySettings {
+        estimates_error: true,
+        ..HistorySettings::new(&problem, &loading, Method::BN).unwrap()
+    };
     let outcome = history::run(&problem, &loading, &[1.0], &settings, SystemSolver::default(), &mut ()).unwrap();
     assert!((outcome.state.p_t[0] - 0.6).abs() < 1e-12, "{:?}", outcome.state);
     let found = outcome.increment_error.unwrap();
     let estimate = found.force_error.unwrap() / (0.4 / 0.6);
     assert!((0.4..2.0).contains(&estimate), "{found:?}");
     assert_eq!((found.work_error, found.sticking_begins, found.fewest), (1.0, 1, Some(1)));
+
+    // A history that does not ask for the estimate pays nothing for it, and has the same state.
+    let settings = HistorySettings { estimates_error: false, ..settings };
+    let without = history::run(&problem, &loading, &[1.0], &settings, SystemSolver::default(), &mut ()).unwrap();
+    assert_eq!((&without.state, without.increment_error), (&outcome.state, None));
+    assert!(without.linear.factorizations < outcome.linear.factorizations);
 }
 
 /// The block is pressed in full at t = 0 and let go by three quarters: the first increment presses and lets go at once, so that friction points as

@@ -66,7 +66,11 @@ impl<'a> BnMethod<'a> {
         let p_n = start_forces(problem, idle, start);
         let z = formulation.layout().packed(&State { p_n, ..State::zero(problem) }, &history.scaling);
         BnMethod {
-            errors: IncrementErrors::new(problem, &formulation, &loading.gaps_at(0.0)),
+            errors: if history.estimates_error {
+                IncrementErrors::new(problem, &formulation, &loading.gaps_at(0.0))
+            } else {
+                None
+            },
             bn: Bn::new(armijo, max_iterations, formulation.unknowns()),
             problem,
             formulation,

@@ -34,6 +34,9 @@ pub struct HistorySettings {
     /// Whether the outcome has the records of all increments, and the events on an exact path, and not only of the last two: of
     /// millions they need gigabytes, and an observer sees each as it comes.
     pub keeps_records: bool,
+    /// `true`: the time-step error is estimated beside the increments of BN, see [`super::IncrementError`]. It costs a solve an increment, and
+    /// two factorisations where nodes touch first.
+    pub estimates_error: bool,
     /// From where it goes on, instead of from the unloaded body: what an observer was offered in [`super::Observer::rest`] of a run of the
     /// same problem, loading, times so far, settings and linear system.
     pub from: Option<Checkpoint>,
@@ -91,6 +94,7 @@ impl HistorySettings {
             halvings: if method.is_of_paper() { 0 } else { HALVINGS },
             working_set: None,
             keeps_records: true,
+            estimates_error: false,
             from: None,
         })
     }
