@@ -1,4 +1,4 @@
-//! `∇H_I` as it is, on all unknowns, in one fixed pattern.
+//! `∇H_I` on all unknowns, in one fixed pattern.
 
 use crate::algebra::sparse::{Pattern, SystemMatrix};
 use crate::solver::formulation::SlackLayout;
@@ -6,7 +6,7 @@ use crate::solver::formulation::mixed::{matrix_with, slot, take_equilibrium, wri
 use crate::solver::formulation::scaled::ScaledData;
 use crate::solver::problem::ContactProblem;
 
-/// The matrix, and where the entries of the products stand.
+/// The matrix, and the places of the entries of the products.
 pub(super) struct Extended {
     matrix: SystemMatrix,
     /// For each product row, in the order of the pairs: the slots of `∂/∂force` and `∂/∂length`.
