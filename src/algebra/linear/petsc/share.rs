@@ -1,4 +1,4 @@
-//! What one rank has of a hierarchy: its rows, and PETSc's objects.
+//! The local part of a hierarchy on one rank: its rows, and PETSc's objects.
 
 #![allow(unsafe_code)]
 
@@ -13,14 +13,14 @@ use crate::algebra::linear::ranks::{RankLocal, World};
 
 const NAME: &str = "PETSc";
 
-/// What one rank has of a hierarchy.
+/// The local part of a hierarchy on one rank.
 pub(in crate::algebra::linear) struct Share {
-    // The handles go before what they point to.
+    // Handles are dropped before the data that they point to.
     pc: sys::PC,
     work: [sys::Vec; 2],
-    /// Rows of the ranks are between these.
+    /// The ranges of rows of the ranks.
     bounds: Vec<usize>,
-    /// Residual and correction of this rank, where there are several.
+    /// The residual and correction of this rank, if there are several ranks.
     own: [Vec<f64>; 2],
     _matrix: Option<Box<Rows>>,
     _kernel: Vec<Vec<f64>>,
@@ -29,7 +29,7 @@ pub(in crate::algebra::linear) struct Share {
 // SAFETY: the objects are of one process, without thread affinity, and whoever calls holds the lock of `ranks`.
 unsafe impl Send for Share {}
 
-/// Starts PETSc, once; on all ranks at a time.
+/// Starts PETSc, once. All ranks must call it.
 fn started() -> Result<(), LinearError> {
     static STARTED: OnceLock<Result<(), LinearError>> = OnceLock::new();
     STARTED.get_or_init(start).clone()
@@ -68,7 +68,7 @@ fn start() -> Result<(), LinearError> {
     Ok(())
 }
 
-/// An error of a call that did not go well.
+/// Converts the status of a failed call to an error.
 fn check(step: &'static str, status: sys::PetscErrorCode) -> Result<(), LinearError> {
     const OUT_OF_MEMORY: i64 = 55;
     match i64::from(status) {
@@ -78,14 +78,15 @@ fn check(step: &'static str, status: sys::PetscErrorCode) -> Result<(), LinearEr
     }
 }
 
-/// The length of an array that PETSc counts with 32 bits.
+/// Converts the length of an array to PETSc's 32-bit integers.
 fn count(n: usize) -> Result<sys::PetscInt, LinearError> {
     sys::PetscInt::try_from(n)
         .map_err(|_| LinearError::OutOfMemory { step: "the multigrid hierarchy, whose indices have 32 bits" })
 }
 
 impl Share {
-    /// Rank 0's share of the hierarchy of `matrix`; the others get theirs, the rows between their `bounds`, by [`Share::dealt`].
+    /// Creates rank 0's part of the hierarchy of `matrix` and scatters the rows. The other ranks call
+    /// [`Share::dealt`] for the rows between their `bounds`.
     pub(super) fn deal(
         world: &World,
         matrix: Rows,
@@ -106,14 +107,14 @@ impl Share {
         Self::received(world, &words, &lengths, &matrix.columns, &matrix.values, &kernel)
     }
 
-    /// The share of another rank.
+    /// Creates the part of another rank.
     pub(in crate::algebra::linear) fn dealt(world: &World) -> Result<Self, LinearError> {
         let mut words = vec![0; 3 + 2 * (world.size() + 1)];
         world.tell(&mut words);
         Self::received(world, &words, &[], &[], &[], &vec![Vec::new(); words[2] as usize])
     }
 
-    /// What this rank gets of what rank 0 has.
+    /// Receives this rank's part of the data of rank 0.
     fn received(
         world: &World,
         words: &[i64],
@@ -147,7 +148,7 @@ impl Share {
         Self::new(world, matrix, motions, rows)
     }
 
-    /// The share with these rows; on all ranks at a time.
+    /// Creates a part with these rows. All ranks must call it.
     pub(in crate::algebra::linear) fn new(
         world: &World,
         mut matrix: Rows,
@@ -229,7 +230,7 @@ impl Share {
         Ok(share)
     }
 
-    /// One cycle, `z` with `A z ≈ r`, both on rank 0 and empty on the others; on all ranks at a time.
+    /// Applies one cycle, `z` with `A z ≈ r`, both on rank 0 and empty on the others. All ranks must call it.
     pub(in crate::algebra::linear) fn cycle(
         &mut self,
         world: &World,
@@ -242,7 +243,7 @@ impl Share {
         self.shared_cycle(world, r, z)
     }
 
-    /// A cycle on what rank 0 deals and collects.
+    /// Applies a cycle with vectors that rank 0 scatters and gathers.
     fn shared_cycle(&mut self, world: &World, r: &[f64], z: &mut [f64]) -> Result<(), LinearError> {
         let [mut residual, mut correction] = std::mem::take(&mut self.own);
         world.deal(r, &self.bounds, &mut residual)?;
@@ -252,7 +253,7 @@ impl Share {
         Ok(())
     }
 
-    /// A cycle on the rows of each rank.
+    /// Applies a cycle to the rows of each rank.
     fn apply(&mut self, r: &[f64], z: &mut [f64]) -> Result<(), LinearError> {
         let [from, to] = self.work;
         // SAFETY: both arrays are as long as the vectors, and are taken back before they are lent to anybody else; `r` is only
@@ -288,7 +289,7 @@ impl Drop for Share {
     }
 }
 
-/// What a hierarchy keeps references to; ours end with its making.
+/// The objects to which a hierarchy keeps references; ours end with its construction.
 struct Objects {
     matrix: sys::Mat,
     space: sys::MatNullSpace,

@@ -1,4 +1,4 @@
-//! METIS on the graph of a matrix: an order for elimination, or parts of equal size with few couplings in between.
+//! METIS on the graph of a matrix: an order of elimination, or parts of equal size with few couplings.
 
 #![allow(unsafe_code)]
 
@@ -7,7 +7,7 @@ use std::ptr;
 use super::sys;
 use crate::algebra::linear::{LinearError, ordering};
 
-/// A symmetric graph: the neighbours of each vertex, itself not among them, and what each vertex weighs.
+/// A symmetric graph: the neighbours of each vertex, without itself, and the weight of each vertex.
 pub(in crate::algebra::linear) struct Graph {
     starts: Vec<sys::idx_t>,
     neighbours: Vec<sys::idx_t>,
@@ -15,11 +15,11 @@ pub(in crate::algebra::linear) struct Graph {
 }
 
 impl Graph {
-    /// The graph in which each vertex, with its weight, has these neighbours. Whatever is no vertex is passed over, and so is a vertex
-    /// beside itself; that couplings are there both ways is the caller's.
+    /// Creates the graph in which each vertex, with its weight, has these neighbours. Numbers that are no vertex, and
+    /// a vertex as its own neighbour, are ignored. The caller must pass each coupling in both directions.
     ///
     /// # Errors
-    /// When there are more couplings than 32-bit integers count.
+    /// If there are more couplings than 32-bit integers can count.
     pub(in crate::algebra::linear) fn new<N: IntoIterator<Item = usize>>(
         step: &'static str,
         vertices: impl ExactSizeIterator<Item = (usize, N)>,
@@ -46,10 +46,10 @@ impl Graph {
     }
 }
 
-/// The vertices in an order for elimination with little fill: nested dissection.
+/// Returns the vertices in a fill-reducing order of elimination: nested dissection.
 ///
 /// # Errors
-/// When memory is short.
+/// If memory is short.
 #[cfg(feature = "mumps")]
 pub(in crate::algebra::linear) fn order(step: &'static str, mut graph: Graph) -> Result<Vec<usize>, LinearError> {
     let count = graph.count();
@@ -76,10 +76,10 @@ pub(in crate::algebra::linear) fn order(step: &'static str, mut graph: Graph) ->
     Ok(order.into_iter().map(|vertex| vertex as usize).collect())
 }
 
-/// The part of each vertex, one of so many `parts` of nearly equal weight.
+/// Returns the part of each vertex, one of `parts` parts of nearly equal weight.
 ///
 /// # Errors
-/// When memory is short.
+/// If memory is short.
 #[cfg(feature = "petsc")]
 pub(in crate::algebra::linear) fn partition(
     step: &'static str,
@@ -127,7 +127,7 @@ fn check(step: &'static str, status: i32) -> Result<(), LinearError> {
 mod tests {
     use super::*;
 
-    /// A strip of squares, so long and so wide.
+    /// Creates a strip of squares with this length and width.
     fn strip(length: usize, width: usize) -> Graph {
         let beside = move |v: usize| {
             let (i, j) = (v / width, v % width);
