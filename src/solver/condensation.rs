@@ -57,7 +57,7 @@ impl Condensation {
 pub struct Condensed {
     /// The problem on `u_c`.
     pub problem: ContactProblem,
-    /// Its loads.
+    /// The loads on `u_c`.
     pub loading: Loading,
     factor: Arc<Cholesky>,
     /// The indices of the contact displacements in the whole body, ascending.

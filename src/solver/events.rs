@@ -14,14 +14,18 @@
 //! backward Euler increment from the previous state, and the error measure of increments applies. If no rates obey
 //! the laws, the quasi-static motion ends.
 //!
-//! | what | file |
+//! | content | file |
 //! | --- | --- |
-//! | the walk; what is given on it | `walk.rs`, `stretch.rs` |
-//! | the rate problem and its laws; the search for its statuses; as a linear complementarity problem, and Lemke's method for that, where corrections do not settle it | `rate_problem.rs`, `rate.rs`, `complementarity.rs`, `lemke.rs` |
-//! | the linear equations of given statuses: sparse, one factorisation a set; dense, by changes of rank one | `tangent.rs`, `sparse.rs`, `dictionary.rs` |
+//! | the exact path; the data along it | `walk.rs`, `stretch.rs` |
+//! | the rate problem and its laws | `rate_problem.rs` |
+//! | the search for its statuses | `rate.rs` |
+//! | the linear complementarity problem, if corrections fail, and Lemke's method | `complementarity.rs`, `lemke.rs` |
+//! | the linear equations of given statuses | `tangent.rs` |
+//! | sparse equations: one factorisation for each set of statuses | `sparse.rs` |
+//! | dense equations: changes of rank one | `dictionary.rs` |
 //! | solutions in twice the precision, for slender bodies | `refined.rs` |
-//! | displacements in which each contact row is one | `coordinates.rs` |
-//! | what a walk goes on from another time | `saved.rs` |
+//! | displacements of which each contact row is one | `coordinates.rs` |
+//! | snapshots of a path | `saved.rs` |
 //!
 //! ```
 //! use stickslip::solver::events::{Equations, SegmentEnd, ExactPath};

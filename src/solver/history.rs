@@ -1,6 +1,6 @@
 //! A load history: a sequence of contact problems, each starting from the last solution.
 //!
-//! | what | file |
+//! | content | file |
 //! | --- | --- |
 //! | the interface of a method ([`IncrementSolver`]) and its input ([`Task`]) | `task.rs` |
 //! | BN; the paper's interior point method; the default one; BN with the default one as fallback | `bn.rs`, `ip.rs`,

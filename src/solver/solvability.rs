@@ -141,8 +141,8 @@ const ROUNDS: usize = 100;
 /// A unit edge counts as nearer than the present ones if its product with the residual, relative to the load, is
 /// larger than this: ten times the rounding in the residual of a projection.
 const NEARER: f64 = 1e-13;
-/// With edges of this accuracy, a load is distinguishable from one in balance if the residual, whose square is the
-/// work that the load does on it, is larger than this share of the load.
+/// The smallest residual, relative to the load, that distinguishes a load from one in balance with edges of this
+/// accuracy. The work of the load on the residual is the square of the residual.
 const TELLABLE: f64 = 1e-6;
 
 /// The generalised forces of one contact node on the rigid modes.
@@ -163,7 +163,7 @@ impl FrictionCone {
         }
     }
 
-    /// Returns `n + μ t`, divided by the larger of its parts.
+    /// Returns `n + μ t`, divided by the larger of `μ` and 1.
     fn edge(&self, mu: f64, tangent: &[f64]) -> Vec<f64> {
         self.normal.iter().zip(tangent).map(|(n, t)| (n + mu * t) / mu.abs().max(1.0)).collect()
     }

@@ -11,8 +11,8 @@
 //! That matrix is `J(κ) = J_0 + κ J_1`, and `J_1 x` is `μ_i s_i dp_n,i` in the slip rows and 0 elsewhere. Let `T v`
 //! be the normal forces of the slipping nodes if the tangential forces `μ_i s_i v_i` act there and the other rows of
 //! `J_0` are 0. Eliminating with `J_0` leaves `dp_n = κ T dp_n`: `J(κ)` is singular if and only if `1/κ` is an
-//! eigenvalue of `T`, or `J_0` is singular. `κ_c` is the smallest such `κ ≥ 0`. With all nodes slipping and `W = C
-//! K⁻¹ Cᵀ`, `T = -W_nn⁻¹ W_nt diag(μ s)` (Klarbring, Ing.-Arch. 60, 1990, for one node).
+//! eigenvalue of `T`, or `J_0` is singular. `κ_c` is the smallest such `κ ≥ 0`. With all nodes slipping and
+//! `W = C K⁻¹ Cᵀ`, `T = -W_nn⁻¹ W_nt diag(μ s)` (Klarbring, Ing.-Arch. 60, 1990, for one node).
 
 mod neutral;
 
@@ -170,8 +170,8 @@ fn response(tangent: &Bdiff, sliders: &[Slider], linear: &mut RefinedSolver) -> 
 }
 
 /// An eigenvalue counts as real if its imaginary part is below this share of it. Rounding by `ε` splits a double real
-/// eigenvalue into a pair that is `√ε` = 1.5e-8 apart. If a pair is truly complex but this near, the matrix at `κ =
-/// 1/Re λ` is nevertheless singular to seven digits.
+/// eigenvalue into a pair that is `√ε` = 1.5e-8 apart. If a pair is truly complex but this near, the matrix at
+/// `κ = 1/Re λ` is nevertheless singular to seven digits.
 const REAL: f64 = 1e-7;
 
 /// Returns the largest real positive eigenvalue of `t`, or 0 if there is none.

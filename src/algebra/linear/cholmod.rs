@@ -44,8 +44,8 @@ impl Session {
 
     /// Returns the settings and statistics.
     fn common(&self) -> &sys::cholmod_common {
-        // SAFETY: alive as long as `self`; C writes to it only during calls, while no reference of
-        // ours exists, as none leaves this file.
+        // SAFETY: alive as long as `self`; C writes to it only during calls, when no reference of
+        // ours exists, since none leaves this file.
         unsafe { self.common.as_ref() }
     }
 
@@ -245,11 +245,11 @@ fn sparse(lower: &Pattern, values: Option<&[f64]>) -> sys::cholmod_sparse {
 /// Returns a C array as a slice; null is empty.
 ///
 /// # Safety
-/// `array` is null or holds `length` values of type `T` that nobody writes to during `'a`.
+/// `array` is null or holds `length` values of type `T` that are not written to during `'a`.
 unsafe fn slice<'a, T>(array: *mut c_void, length: usize) -> &'a [T] {
     if array.is_null() {
         return &[];
     }
-    // SAFETY: the caller vouches for it.
+    // SAFETY: the caller guarantees this.
     unsafe { std::slice::from_raw_parts(array.cast(), length) }
 }

@@ -1,5 +1,4 @@
-//! The cost of a history on the whole system, factored or by multigrid, and on a condensed one, estimated from sizes
-//! alone.
+//! Estimates of a history's cost from sizes alone: whole system (factored or by multigrid) and condensed system.
 //!
 //! Let `n` be the number of displacements, `m` of them in contact, `|L|` the entries of the Cholesky factor of `K`
 //! and `φ` its operations:

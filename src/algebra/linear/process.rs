@@ -66,7 +66,8 @@ fn set_openmp(process: &Library, threads: usize) {
     let count = c_int::try_from(threads.max(1)).unwrap_or(c_int::MAX);
     let told = [(&b"omp_set_max_active_levels\0"[..], c_int::from(count > 1)), (b"omp_set_num_threads\0", count)];
     for (symbol, value) in told {
-        // SAFETY: the symbols are OpenMP's documented functions, which take a C int; no level and one thread are valid.
+        // SAFETY: the symbols are OpenMP's documented functions, which take a C int; zero levels and one thread are
+        // valid.
         if let Ok(set) = unsafe { process.get::<unsafe extern "C" fn(c_int)>(symbol) } {
             // SAFETY: see above.
             unsafe { set(value) };

@@ -259,7 +259,7 @@ impl<P: RankLocal> Drop for Shared<P> {
         // If MPI has ended before, the part cannot be dropped.
         if let State::Running(world) = &*state {
             world.command([DROP, self.id, 0]);
-            // SAFETY: nobody sees it afterwards.
+            // SAFETY: the part is not used afterwards.
             unsafe { ManuallyDrop::drop(&mut self.part) };
         }
     }

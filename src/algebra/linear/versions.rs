@@ -77,7 +77,7 @@ fn cholmod_loaded() -> Version {
 /// Returns the version of the loaded UMFPACK, if it has a function for it.
 fn umfpack_loaded() -> Option<Version> {
     let process = Library::this();
-    // SAFETY: a documented function of UMFPACK, which takes an array of three integers and returns nothing.
+    // SAFETY: this is a documented function of UMFPACK, which takes an array of three integers and returns nothing.
     let tell = unsafe { process.get::<unsafe extern "C" fn(*mut c_int)>(b"umfpack_version\0") }.ok()?;
     let mut version = [0; 3];
     // SAFETY: the call writes three integers.

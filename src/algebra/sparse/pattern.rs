@@ -16,8 +16,8 @@ pub struct Pattern {
 impl Pattern {
     /// Collects the entries that `visit` reports, in any order and with repetitions.
     ///
-    /// `visit` is called twice, once for counting and once for filling, and must report the same entries `(row,
-    /// column)` both times.
+    /// `visit` is called twice, once for counting and once for filling, and must report the same entries
+    /// `(row, column)` both times.
     ///
     /// # Errors
     /// If the matrix is too large for the memory, if an entry is outside of it, or if the second call reports other

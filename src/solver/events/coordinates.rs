@@ -1,8 +1,8 @@
 //! Contact coordinates `w = T u`, group by group: displacements of which each contact row is one.
 //!
 //! Contact rows couple only the displacements within their own group, usually those of one node. The remaining
-//! displacements of a group are completed orthogonally. There `S u = f` becomes `Ŝ w = F` with `Ŝ = T⁻ᵀ S T⁻¹`, `F =
-//! T⁻ᵀ f`, and a contact force acts on its own coordinate alone.
+//! displacements of a group are completed orthogonally. There `S u = f` becomes `Ŝ w = F` with `Ŝ = T⁻ᵀ S T⁻¹`,
+//! `F = T⁻ᵀ f`, and a contact force acts on its own coordinate alone.
 
 use faer::Mat;
 use faer::linalg::solvers::DenseSolveCore;
@@ -122,7 +122,7 @@ impl Coordinates {
         stiffness
     }
 
-    /// `F = T⁻ᵀ f`.
+    /// Computes `F = T⁻ᵀ f`.
     pub(super) fn forces(&self, f: &[f64]) -> Vec<f64> {
         let mut forces = vec![0.0; self.order];
         for group in &self.groups {
@@ -136,7 +136,7 @@ impl Coordinates {
         forces
     }
 
-    /// `u = T⁻¹ w`.
+    /// Computes `u = T⁻¹ w`.
     pub(super) fn displacements(&self, w: &[f64]) -> Vec<f64> {
         let mut u = vec![0.0; self.order];
         for group in &self.groups {

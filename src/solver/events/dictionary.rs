@@ -1,10 +1,10 @@
 //! The equations of given statuses, solved for all data at once with a dense stiffness: a dictionary, in the language
 //! of linear programming.
 //!
-//! In contact coordinates `F = Ŝ w`, with `F = f̂ - p`. The contact law prescribes one member of each pair `(w_k,
-//! F_k)`: `w_n` of a closed node, `w_t` of a sticking node, and `F = f̂` of an open node. If a node slips, `p_t = ± μ
-//! p_n` prescribes `F_t ∓ μ F_n`. The dictionary `y = D x` has the prescribed members in `x` and the others in `y`.
-//! If one pair changes sides, `D` changes by a matrix of rank one,
+//! In contact coordinates `F = Ŝ w`, with `F = f̂ - p`. The contact law prescribes one member of each pair
+//! `(w_k, F_k)`: `w_n` of a closed node, `w_t` of a sticking node, and `F = f̂` of an open node. If a node slips,
+//! `p_t = ± μ p_n` prescribes `F_t ∓ μ F_n`. The dictionary `y = D x` has the prescribed members in `x` and the
+//! others in `y`. If one pair changes sides, `D` changes by a matrix of rank one,
 //! ```text
 //! D_ij ← D_ij - D_ik D_kj / D_kk,   D_kj ← -D_kj / D_kk,   D_ik ← D_ik / D_kk,   D_kk ← 1 / D_kk,
 //! ```
@@ -29,7 +29,7 @@ const SINGULAR: f64 = 1e-12;
 /// The largest residual without refinement, in roundings of the largest elastic force of a single coordinate.
 const ROUNDINGS: f64 = 4.0;
 
-/// If rounding of the elastic forces exceeds this share of the forces, the system counts as singular.
+/// The largest rounding of the elastic forces, relative to the forces. Beyond it the system counts as singular.
 const LOST: f64 = 1e-3;
 
 /// The dictionary is rebuilt if the residual exceeds this share of the largest force.
@@ -38,7 +38,7 @@ const RENEWED: f64 = 1e-12;
 /// A solution is rejected if its residual exceeds this share: the system is then singular up to rounding.
 const UNSOLVED: f64 = 1e-9;
 
-/// If more than this share of the statuses change, rebuilding is cheaper than rank-one changes.
+/// The share of changed statuses beyond which rebuilding is cheaper than rank-one changes.
 const MANY: f64 = 0.25;
 
 pub(super) struct Dictionary {

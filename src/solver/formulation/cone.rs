@@ -159,8 +159,8 @@ impl InteriorPoint for ConeSystem {
         self.natural.theta(&self.data, equilibrium, z, z, 0.0)
     }
 
-    /// With the right-hand sides `b_v` (gap row), `b_w` (slip rows), `b_s` (cone row), `b_pv` and `b_sλ`
-    /// (products), the rows of `v_n` and `s` give `dv_n = b_v - dw_n` and
+    /// Writes the reduced rows. With the right-hand sides `b_v` (gap row), `b_w` (slip rows), `b_s` (cone row),
+    /// `b_pv` and `b_sλ` (products), the rows of `v_n` and `s` give `dv_n = b_v - dw_n` and
     /// `ds = b_s + μ (1 + e²) dp_n - 2 e·dp_T`. In the products, and with `dλ` in the slip rows times `s`, they leave
     ///
     /// - `v_n dp_n - p_n dw_n = b_pv - p_n b_v`

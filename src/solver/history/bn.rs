@@ -35,7 +35,7 @@ pub(super) struct BnMethod<'a> {
 }
 
 impl<'a> BnMethod<'a> {
-    /// BN with the constants of the paper.
+    /// Creates BN with the constants of the paper.
     pub(super) fn paper(problem: &'a ContactProblem, loading: &Loading, history: &HistorySettings) -> Self {
         // `p_n = 1 MPa · l` at the start, or 10 MPa · l with 100 or more contact nodes.
         let start = FirstGuess::Pressure(if problem.contacts() < 100 { 1e6 } else { 1e7 });

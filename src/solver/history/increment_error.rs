@@ -1,13 +1,13 @@
 //! The time-step error of backward Euler, estimated while a history is solved.
 //!
 //! Backward Euler errs in two ways. A node that begins to stick within an increment does so at a slightly wrong
-//! position, and remains there. The friction work is computed with the final force for all of the slip. Let `(u',
-//! p')` be the initial rate of the solution along the contact cases at the start of an increment.
+//! position, and remains there. The friction work is computed with the final force for all of the slip. Let
+//! `(u', p')` be the initial rate of the solution along the contact cases at the start of an increment.
 //!
 //! - A node that was open touches after the share `τ = gap / (w_n' - g')` of the increment and has slid `δ = τ w_T'`
 //!   by then. A node that slips and would continue to do so sticks half way through, `δ = ½ w_T'`. A node that
-//!   touches, and slips in the increment by less than `τ w_T'`, did all of that before it touched and sticks `δ = τ
-//!   w_T' - Δw_T` farther on: its friction error is the force that holds it there, at most twice its friction.
+//!   touches, and slips in the increment by less than `τ w_T'`, did all of that before it touched and sticks
+//!   `δ = τ w_T' - Δw_T` farther on: its friction error is the force that holds it there, at most twice its friction.
 //! - This gives an error `e = (e_u, e_p)` of the solution, `K e_u + Cᵀ e_p = 0` along the cases at its end: `w_T(e)`
 //!   grows by `δ` at nodes that begin to stick, is constant at sticking nodes, and vanishes by slip.
 //! - The work is `Σ ½ (μ_0 p_n0 + μ_1 p_n1) |Δw_T|` with both forces and the slip corrected by `e`, and with `|δ|` of

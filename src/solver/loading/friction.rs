@@ -13,8 +13,9 @@ pub struct FrictionHistory {
 }
 
 impl FrictionHistory {
-    /// Creates the sum of `cases`: coefficients of `nodes` contact nodes at factor 1, and points `[time (s),
-    /// factor]`. The factor is linear between the points and constant outside; it is 1 if there are no points.
+    /// Creates the sum of `cases`: coefficients of `nodes` contact nodes at factor 1, and points
+    /// `[time (s), factor]`. The factor is linear between the points and constant outside; it is 1 if there are no
+    /// points.
     ///
     /// # Errors
     /// If there is not one coefficient for each node, if one is negative or not finite, if times do not increase, or

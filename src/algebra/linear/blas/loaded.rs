@@ -45,8 +45,8 @@ const KINDS: [Kind; 3] = [
 /// such function.
 pub(in crate::algebra::linear) fn set_threads(process: &Library, wanted: usize) -> Option<&'static str> {
     let count = c_int::try_from(wanted.max(1)).unwrap_or(c_int::MAX);
-    // SAFETY (all): the symbols are the libraries' documented functions, which take the number of threads as a C int (OpenBLAS,
-    // MKL) or as a 64-bit integer (BLIS) and return nothing; any positive number is valid.
+    // SAFETY (all): the symbols are the libraries' documented functions, which take the number of threads as a C int
+    // (OpenBLAS, MKL) or as a 64-bit integer (BLIS) and return nothing; any positive number is valid.
     KINDS.iter().find_map(|kind| {
         let before = threads(process, kind)?;
         // A thread of OpenBLAS without memory for its buffer would never end.
@@ -78,8 +78,9 @@ fn end_workers(process: &Library, threads: usize) {
     // Linux lists all threads of this process as directories. On other systems they go to sleep on their own.
     let all = std::fs::read_dir("/proc/self/task").map_or(usize::MAX, Iterator::count);
     if all <= threads {
-        // SAFETY: OpenBLAS exports the function that it calls itself before a process forks. It takes nothing, returns a C int
-        // and waits for its threads to end; these are idle, as nobody else is there to be in a product.
+        // SAFETY: OpenBLAS exports this function, which it calls itself before a process forks. It takes nothing,
+        // returns a C int and waits for its threads to end; these are idle, since no other thread could be in a
+        // product.
         if let Ok(end) = unsafe { process.get::<unsafe extern "C" fn() -> c_int>(b"blas_thread_shutdown_\0") } {
             // SAFETY: see above.
             unsafe { end() };
@@ -127,8 +128,8 @@ fn of_openblas(process: &Library, blas: Blas) -> Blas {
 }
 
 fn threads(process: &Library, kind: &Kind) -> Option<usize> {
-    // SAFETY (both): the symbols are the libraries' documented functions, which take nothing and return the number of threads
-    // as a C int (OpenBLAS, MKL) or as a 64-bit integer (BLIS).
+    // SAFETY (both): the symbols are the libraries' documented functions, which take nothing and return the number of
+    // threads as a C int (OpenBLAS, MKL) or as a 64-bit integer (BLIS).
     let count = if kind.counts_in_64_bits {
         // SAFETY: see above.
         let get = unsafe { process.get::<unsafe extern "C" fn() -> i64>(kind.get_threads) }.ok()?;
@@ -146,8 +147,8 @@ fn threads(process: &Library, kind: &Kind) -> Option<usize> {
 
 /// Returns the name of the processor that BLIS has detected.
 fn blis_kernel(process: &Library) -> Option<String> {
-    // SAFETY (all): the symbols are documented functions of BLIS; an architecture is an enumeration, a C int, and its name a
-    // string that is never freed.
+    // SAFETY (all): the symbols are documented functions of BLIS; an architecture is an enumeration, a C int, and its
+    // name a string that is never freed.
     // SAFETY: see above.
     let id = unsafe { process.get::<unsafe extern "C" fn() -> c_int>(b"bli_arch_query_id\0") }.ok()?;
     // SAFETY: see above.
@@ -158,13 +159,13 @@ fn blis_kernel(process: &Library) -> Option<String> {
 
 /// Calls the function `symbol`, which takes nothing and returns a string that is never freed.
 fn text(process: &Library, symbol: &[u8]) -> Option<String> {
-    // SAFETY: the callers name documented functions of that kind.
+    // SAFETY: the callers pass documented functions with this signature.
     let tell = unsafe { process.get::<unsafe extern "C" fn() -> *const c_char>(symbol) }.ok()?;
     // SAFETY: see above.
     owned(unsafe { tell() })
 }
 
 fn owned(text: *const c_char) -> Option<String> {
-    // SAFETY: a pointer that is not null is to a string that ends with a zero and is never freed.
+    // SAFETY: a pointer that is not null points to a zero-terminated string that is never freed.
     (!text.is_null()).then(|| unsafe { CStr::from_ptr(text) }.to_string_lossy().trim().to_string())
 }

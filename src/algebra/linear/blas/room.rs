@@ -95,7 +95,7 @@ fn mapped_buffers() -> usize {
 
 /// Returns `true` if the system would map this many bytes now.
 fn can_map(bytes: usize) -> bool {
-    // SAFETY: a new mapping of memory without a file touches nothing that is there.
+    // SAFETY: a new anonymous mapping does not affect existing memory.
     let block = unsafe {
         let (protection, flags) = (libc::PROT_READ | libc::PROT_WRITE, libc::MAP_PRIVATE | libc::MAP_ANONYMOUS);
         libc::mmap(ptr::null_mut(), bytes, protection, flags, -1, 0)
@@ -103,7 +103,7 @@ fn can_map(bytes: usize) -> bool {
     if block == libc::MAP_FAILED {
         return false;
     }
-    // SAFETY: this mapping was made above, as long as that, and nobody else knows it.
+    // SAFETY: this mapping was made above with this length, and has no other user.
     unsafe { libc::munmap(block, bytes) };
     true
 }
@@ -144,7 +144,7 @@ fn takes_buffer_in_time() -> bool {
 /// Makes OpenBLAS map its buffer for this thread by a triangular solve with the identity.
 fn take_buffer(process: &Library) {
     const N: usize = 4;
-    // SAFETY: the symbol is that of the BLAS, and OpenBLAS, which this is, takes no lengths of its characters.
+    // SAFETY: the symbol is that of OpenBLAS, whose function takes no lengths of its characters.
     let Ok(solve) = (unsafe { process.get::<Dtrsm>(b"dtrsm_\0") }) else { return };
     let mut identity = [0.0; N * N];
     (0..N).for_each(|i| identity[(N + 1) * i] = 1.0);
@@ -153,8 +153,8 @@ fn take_buffer(process: &Library) {
     let n = [N as c_int, 0];
     let [left, lower, no] = [b'L', b'L', b'N'].map(|letter| letter as c_char);
     let scale = 1.0;
-    // SAFETY: both matrices have n columns of n entries; the characters and numbers are those that the function takes, and all outlive
-    // the call.
+    // SAFETY: both matrices have n columns of n entries; the characters and numbers are valid arguments of the
+    // function, and all outlive the call.
     unsafe {
         solve(
             &raw const left,

@@ -7,11 +7,11 @@
 //! u = P_u b + V t        q = P_q b + Y t + Z s
 //! ```
 //!
-//! with c parameters in total: `t` moves displacements, the reactions `s` do not. In the equilibrium rows, `… + E u +
-//! B q`, the reactions are found at the end, by `H B Z = 1`, and until then are excluded by `Wᵀ B Z = 0`. An open
-//! node has two `t`, a slipping node has one `t` and one `s`, with `Z = (μ s, 1)` in `(p_t, p_n)`, and a sticking
-//! node has two reactions. In an interior point method all parameters are `t`. Oblique normals only add entries to
-//! the small matrices.
+//! with c parameters in total: `t` moves displacements, the reactions `s` do not. In the equilibrium rows,
+//! `… + E u + B q`, the reactions are found at the end, by `H B Z = 1`, and until then are excluded by `Wᵀ B Z = 0`.
+//! An open node has two `t`, a slipping node has one `t` and one `s`, with `Z = (μ s, 1)` in `(p_t, p_n)`, and a
+//! sticking node has two reactions. In an interior point method all parameters are `t`. Oblique normals only add
+//! entries to the small matrices.
 
 use crate::algebra::linear::LinearError;
 use crate::algebra::vector::dot;

@@ -362,7 +362,7 @@ mod tests {
         assert!(matches!(solver.factorize(a.values()), Err(LinearError::Singular { .. })));
     }
 
-    /// A matrix that is singular up to rounding, because it can be translated, has a small ratio.
+    /// A matrix that is singular up to rounding, because it can be translated, has a small pivot ratio.
     #[test]
     fn a_zero_hidden_in_rounding_shows_in_the_ratio() {
         let n = 50;

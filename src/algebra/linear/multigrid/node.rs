@@ -1,7 +1,7 @@
 //! Exact elimination of contact at one node, from the rows of the Newton matrix alone.
 //!
-//! With the displacements `w` and the forces `p` of the node, equilibrium contains `B p`, and the contact rows are `R
-//! w + D p = r`. If `D` is singular, a combination of these rows constrains displacements independently of the
+//! With the displacements `w` and the forces `p` of the node, equilibrium contains `B p`, and the contact rows are
+//! `R w + D p = r`. If `D` is singular, a combination of these rows constrains displacements independently of the
 //! forces: the normal and the tangents of a sticking node, the normal of a sliding node, the direction across the
 //! slip on the edge of the cone. The singular values of `D` find these directions, without statuses and in any frame.
 //! Along the other directions the forces follow from the displacements, and act as springs.

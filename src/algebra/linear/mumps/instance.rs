@@ -28,13 +28,14 @@ const HOST_WORKS: c_int = 1;
 /// The structure of MUMPS. The owner of the arrays keeps them alive.
 pub(in crate::algebra::linear) struct Instance(Box<sys::DMUMPS_STRUC_C>);
 
-// SAFETY: heap memory and handles of MPI without affinity to a thread, and the calls are one at a time: see `ranks`.
+// SAFETY: heap memory and MPI handles without thread affinity, and one call at a time: see `ranks`.
 unsafe impl Send for Instance {}
 
 impl Instance {
     /// Creates an instance. Every rank creates its own.
     pub fn new(world: &World) -> Self {
-        // SAFETY: C's structure of numbers and pointers, for which 0 is a value: MUMPS wants it so before its first job.
+        // SAFETY: a C structure of numbers and pointers, for which 0 is valid. MUMPS requires zeros before its first
+        // job.
         let mut id: Box<sys::DMUMPS_STRUC_C> = Box::new(unsafe { mem::zeroed() });
         (id.sym, id.par) = (UNSYMMETRIC, HOST_WORKS);
         id.comm_fortran = world.fortran();
@@ -89,8 +90,8 @@ impl Instance {
 
     fn call(&mut self, job: c_int) {
         self.0.job = job;
-        // SAFETY: the structure is whole, and all arrays that this job reads or writes on this rank are set by the functions above, and
-        // borrowed by them; that they are as long as the matrix analysed says is seen to by `Mumps`, the only one who calls these.
+        // SAFETY: the structure is complete. The functions above set and borrow all arrays that this job reads or
+        // writes on this rank. Their only caller, `Mumps`, ensures that the lengths fit the analysed matrix.
         unsafe { sys::dmumps_c(&raw mut *self.0) }
     }
 

@@ -26,7 +26,7 @@ pub(in crate::algebra::linear) struct Share {
     _kernel: Vec<Vec<f64>>,
 }
 
-// SAFETY: the objects are of one process, without thread affinity, and whoever calls holds the lock of `ranks`.
+// SAFETY: the objects belong to one process, without thread affinity, and callers hold the lock of `ranks`.
 unsafe impl Send for Share {}
 
 /// Starts PETSc, once. All ranks must call it.
@@ -39,7 +39,7 @@ fn start() -> Result<(), LinearError> {
     const LOADED: [i32; 3] =
         [sys::PETSC_VERSION_MAJOR as i32, sys::PETSC_VERSION_MINOR as i32, sys::PETSC_VERSION_SUBMINOR as i32];
     let mut loaded = [0; 4];
-    // SAFETY: the version may be asked for at any time, and goes to four places; nothing else runs inside PETSc.
+    // SAFETY: the version may be queried at any time, and is written to four places; PETSc runs nothing else.
     unsafe {
         let [major, minor, sub, release] = &mut loaded;
         check("asking for its version", sys::PetscGetVersionNumber(major, minor, sub, release))?;
@@ -48,7 +48,8 @@ fn start() -> Result<(), LinearError> {
         let [major, minor, sub, _] = loaded;
         return Err(LinearError::Version { library: NAME, built: LOADED, loaded: [major, minor, sub] });
     }
-    // SAFETY: MPI runs, and PETSc takes it as it is. Options are kept as copies. Signals stay ours, and errors come back as statuses.
+    // SAFETY: MPI runs, and PETSc uses it unchanged. Options are copied. PETSc installs no signal handlers, and
+    // returns errors as statuses.
     unsafe {
         let option =
             |name: &CStr, value: &CStr| sys::PetscOptionsSetValue(ptr::null_mut(), name.as_ptr(), value.as_ptr());
@@ -166,8 +167,9 @@ impl Share {
         };
         let symmetric = matrix.symmetric;
         let mut objects = Objects::default();
-        // SAFETY: as long as `n` and the starts say, and columns below the sum of all `n`. One process uses the arrays as they are, which
-        // its share owns longer than the matrix; PETSc does not write to a matrix that it only reads. Several have copies of them.
+        // SAFETY: the arrays have the lengths given by `n` and the starts, and columns are below the sum of all `n`.
+        // A single process uses the arrays in place; its share owns them longer than the matrix, and PETSc does not
+        // write to this matrix. Several processes copy them.
         unsafe {
             let comm = sys::PETSC_COMM_WORLD;
             let (starts, columns, values) =
@@ -194,8 +196,8 @@ impl Share {
             _kernel: kernel,
         };
         let Share { pc, work, _kernel: kernel, .. } = &mut share;
-        // SAFETY: the motions are as long as `n`, and live as long as the hierarchy, which refers to them. The work vectors get their
-        // arrays in `apply`.
+        // SAFETY: the motions have length `n`, and live as long as the hierarchy, which refers to them. The work
+        // vectors get their arrays in `apply`.
         unsafe {
             let (comm, all) = (sys::PETSC_COMM_WORLD, sys::PETSC_DETERMINE);
             let vector = |array: *const f64, vector: *mut sys::Vec| {
@@ -256,8 +258,8 @@ impl Share {
     /// Applies a cycle to the rows of each rank.
     fn apply(&mut self, r: &[f64], z: &mut [f64]) -> Result<(), LinearError> {
         let [from, to] = self.work;
-        // SAFETY: both arrays are as long as the vectors, and are taken back before they are lent to anybody else; `r` is only
-        // read.
+        // SAFETY: both arrays are as long as the vectors, and are taken back before they are used elsewhere; `r` is
+        // only read.
         unsafe {
             check("a cycle", sys::VecPlaceArray(from, r.as_ptr()))?;
             let placed = sys::VecPlaceArray(to, z.as_ptr());
@@ -279,8 +281,8 @@ impl RankLocal for Share {
 impl Drop for Share {
     fn drop(&mut self) {
         let [from, to] = &mut self.work;
-        // SAFETY: the handles are ours, or null, which PETSc passes over; none is used again. Matrix and kernel go with the hierarchy,
-        // which holds the last references to them, before their arrays.
+        // SAFETY: the handles are ours, or null, which PETSc ignores; none is used again. The hierarchy holds the
+        // last references to matrix and kernel, which are therefore freed with it, before their arrays.
         unsafe {
             sys::PCDestroy(&raw mut self.pc);
             sys::VecDestroy(from);
@@ -304,7 +306,7 @@ impl Default for Objects {
 
 impl Drop for Objects {
     fn drop(&mut self) {
-        // SAFETY: ours alone, or null; whoever refers to them has references of its own.
+        // SAFETY: the handles are ours, or null; other users hold references of their own.
         unsafe {
             sys::MatNullSpaceDestroy(&raw mut self.space);
             sys::MatDestroy(&raw mut self.matrix);

@@ -63,7 +63,7 @@ pub struct OrderlyEnd;
 // SAFETY: every call and its result are passed on unchanged to and from the system allocator.
 unsafe impl GlobalAlloc for OrderlyEnd {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        // SAFETY: the caller keeps the contract of this function, which is the same.
+        // SAFETY: the caller keeps the contract, which is the same for this function.
         noted(unsafe { System.alloc(layout) })
     }
 
@@ -96,9 +96,10 @@ fn noted(block: *mut u8) -> *mut u8 {
 fn arm() {
     let end: extern "C" fn(c_int) = end;
     let mut abort = std::mem::MaybeUninit::<libc::sigset_t>::uninit();
-    // SAFETY: SIGABRT is a signal that can be caught, and the handler does only what a handler may: it reads what is set once, writes
-    // to open files and ends the process. The set is made empty before it is used. METIS, where memory is refused to it, jumps out of a
-    // handler of its own and leaves the signal blocked, and then abort of glibc 2.41 and later calls no handler.
+    // SAFETY: SIGABRT can be caught, and the handler does only what a handler may do: it reads data that are set
+    // once, writes to open files and ends the process. The signal set is emptied before use. The signal is unblocked,
+    // because METIS, after refused memory, jumps out of its own handler and leaves the signal blocked; then abort of
+    // glibc 2.41 and later would call no handler.
     unsafe {
         libc::signal(libc::SIGABRT, end as libc::sighandler_t);
         libc::sigemptyset(abort.as_mut_ptr());
@@ -112,7 +113,7 @@ extern "C" fn end(_: c_int) {
     let last = LAST.get().unwrap_or(&UNTOLD);
     let (note, output) = if memory_was_refused() { (last.out_of_memory, last.output) } else { (last.aborted, "") };
     for (file, text) in [(libc::STDERR_FILENO, note), (libc::STDOUT_FILENO, output)] {
-        // SAFETY: the text is alive and as long as that; a file that cannot be written is left alone.
+        // SAFETY: the text is alive and has this length; a failed write is ignored.
         unsafe { libc::write(file, text.as_ptr().cast(), text.len()) };
     }
     // SAFETY: this function takes any status and does not return.

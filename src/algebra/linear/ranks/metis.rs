@@ -59,8 +59,8 @@ pub(in crate::algebra::linear) fn order(step: &'static str, mut graph: Graph) ->
     let (mut order, mut place) = (vec![0; count], vec![0; count]);
     let mut n = count as sys::idx_t;
     let _alone = ordering::alone();
-    // SAFETY: a graph of `n` vertices: `n + 1` starts, the neighbours that they span, all below `n`; as many weights; both results have `n`
-    // places. No options are null.
+    // SAFETY: a graph of `n` vertices has `n + 1` starts, the neighbours that they span, all below `n`, and `n`
+    // weights. Both results have `n` places. Null options are the defaults.
     let status = unsafe {
         sys::METIS_NodeND(
             &raw mut n,
@@ -92,7 +92,8 @@ pub(in crate::algebra::linear) fn partition(
         let (mut n, mut constraints, mut cut) = (count as sys::idx_t, 1, 0);
         let mut parts = sys::idx_t::try_from(parts).map_err(|_| LinearError::OutOfMemory { step })?;
         let _alone = ordering::alone();
-        // SAFETY: a graph as above, one weight for each vertex, and a place for its part; what is null has its default.
+        // SAFETY: a graph as above, one weight for each vertex, and a place for its part. Null arguments are the
+        // defaults.
         let status = unsafe {
             sys::METIS_PartGraphKway(
                 &raw mut n,

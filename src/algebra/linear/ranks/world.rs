@@ -53,7 +53,7 @@ impl World {
     /// # Errors
     /// The supported thread level, plus 1, if it does not include one call at a time.
     pub(super) fn start() -> Result<Self, c_int> {
-        // SAFETY: called by one thread at a time; rank and size come after.
+        // SAFETY: one thread calls this at a time, and before rank and size.
         let (status, rank, size) =
             unsafe { (sys::mpi_shim_start(), sys::mpi_shim_rank() as usize, sys::mpi_shim_size() as usize) };
         if status == 0 { Ok(World { rank, size, objects: 0 }) } else { Err(status) }
@@ -61,7 +61,7 @@ impl World {
 
     /// Ends MPI.
     pub(super) fn end(self) {
-        // SAFETY: what calls MPI needs a world, and this one is gone.
+        // SAFETY: every MPI call needs a `World`, and this was the only one.
         unsafe { sys::mpi_shim_end() };
     }
 
@@ -90,7 +90,7 @@ impl World {
 
     /// Broadcasts the `words` of rank 0. All ranks must have the same number of them.
     pub(in crate::algebra::linear) fn tell(&self, words: &mut [i64]) {
-        // SAFETY: MPI runs, and there are as many words on every rank.
+        // SAFETY: MPI runs, and every rank has the same number of words.
         unsafe { sys::mpi_shim_hand_out(words.as_mut_ptr(), words.len() as c_int, NAP) };
     }
 
@@ -117,7 +117,7 @@ impl World {
         mine: &mut [f64],
     ) -> Result<(), LinearError> {
         let Shares { counts, starts } = Shares::new(self, bounds, all.len(), mine.len())?;
-        // SAFETY: `all` and `mine` are as long as counts and starts say, and those are the same on every rank.
+        // SAFETY: `all` and `mine` have the lengths of the counts and starts, which are equal on every rank.
         unsafe {
             let (counts, starts) = (counts.as_ptr(), starts.as_ptr());
             sys::mpi_shim_deal_numbers(all.as_ptr(), counts, starts, mine.as_mut_ptr(), mine.len() as c_int);
