@@ -125,7 +125,7 @@ pub struct HistoryOutcome {
     pub increment_error: Option<IncrementError>,
     /// The statistics of the linear solver.
     pub linear: Statistics,
-    /// Seconds for patterns and symbolic analysis, before the first increment.
+    /// The time for patterns and symbolic analysis, before the first increment, s.
     pub setup_seconds: f64,
 }
 

@@ -1,6 +1,6 @@
 //! Checks before solving, to see if a problem can be expected to have a solution.
 //!
-//! Theorem 3 of the paper assumes three things, which [`Conditions`] checks as far as that is possible:
+//! Theorem 3 of the paper has three conditions, which [`Conditions`] checks as far as possible:
 //!
 //! - (a) `K u = 0` and `C_n u ≤ 0` only for `u = 0`: no rigid motion takes the body away from every
 //!   obstacle;

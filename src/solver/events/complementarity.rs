@@ -1,4 +1,4 @@
-//! The rate problem as one linear complementarity problem, for Lemke's method.
+//! The rate problem as a linear complementarity problem, for Lemke's method.
 //!
 //! The base is a set of statuses with linear equations: the nodes concerned are all free, or all clamped. Each way in
 //! which a node may leave the base has one unknown `z ≥ 0` and one row `q + M z ≥ 0`. A free grazing node has the

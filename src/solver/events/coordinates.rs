@@ -32,7 +32,7 @@ struct ContactRow<'a> {
 struct Group {
     displacements: Vec<usize>,
     first: usize,
-    /// `T⁻¹`, row after row.
+    /// `T⁻¹`, row by row.
     inverse: Vec<f64>,
 }
 

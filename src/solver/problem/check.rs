@@ -112,7 +112,7 @@ pub(super) fn rigid_modes(stiffness: &Symmetric, motions: &[Vec<f64>]) -> Result
 
 impl Increment<'_> {
     /// # Errors
-    /// [`ProblemError`] with the array that does not fit `problem`, or holds a number that is not finite.
+    /// [`ProblemError`] with the array that does not fit `problem`, or has a number that is not finite.
     pub fn check(&self, problem: &ContactProblem) -> Result<(), ProblemError> {
         expect_length("force", problem.displacements(), self.force.len(), PER_DISPLACEMENT)?;
         expect_finite("force", self.force)?;

@@ -8,7 +8,7 @@ use crate::algebra::vector::dot;
 /// between a column and the residual is rounding.
 const ROUNDING: f64 = 1e-14;
 
-/// The cone `{Σ x_k a_k, x_k ≥ 0}` in a space of a handful of dimensions.
+/// The cone `{Σ x_k a_k, x_k ≥ 0}` in a space of few dimensions.
 pub(super) struct FiniteCone {
     dimension: usize,
     /// The `a_k`, as unit vectors.

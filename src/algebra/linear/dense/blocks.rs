@@ -8,7 +8,7 @@ use crate::algebra::linear::error::expect_length;
 use crate::algebra::sparse::{DenseSymmetric, Pattern, SystemMatrix};
 use crate::algebra::union_find::UnionFind;
 
-/// The parts of a pattern on `(u, q)`.
+/// The blocks of a pattern on `(u, q)`.
 pub(super) struct Blocks {
     /// The pattern of the entries outside `S`.
     pub pattern: Arc<Pattern>,
