@@ -1,4 +1,4 @@
-//! Independent computations, several at a time, each in a thread of its own with all that it does.
+//! Independent computations in parallel, each entirely in a thread of its own.
 
 use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -9,12 +9,12 @@ use rayon::ThreadPoolBuilder;
 
 use crate::algebra::linear::process::keep_openmp_in_this_thread;
 
-/// `work` on every task, `jobs` at a time in the order of `tasks`; the results stand in that order. What is shared among
-/// threads elsewhere stays in the one that `work` is called in, so that the CPU time of this is that of the work, if the BLAS
-/// has been told to take one thread, too.
+/// Runs `work` on every task, `jobs` at a time in the order of `tasks`, and returns the results in that order. Work
+/// that is otherwise shared among threads stays in the thread that calls `work`. The CPU time of that thread is
+/// therefore that of the work, if the BLAS also uses one thread.
 ///
 /// # Errors
-/// The first in the order of `tasks` of those that `work` ended with; no task begins after one.
+/// The first error of `work` in the order of `tasks`. No task begins after an error.
 pub fn run<T: Sync, R: Send, E: Send>(
     tasks: &[T],
     jobs: usize,
@@ -37,7 +37,7 @@ pub fn run<T: Sync, R: Send, E: Send>(
     thread::scope(|scope| {
         let jobs: Vec<_> = (0..jobs.clamp(1, tasks.len().max(1))).map(|_| scope.spawn(job)).collect();
         for job in jobs {
-            // A panic goes on as what it was.
+            // A panic is passed on unchanged.
             job.join().unwrap_or_else(|panic| resume_unwind(panic));
         }
     });
@@ -45,9 +45,9 @@ pub fn run<T: Sync, R: Send, E: Send>(
     results.into_iter().flatten().collect()
 }
 
-/// Keeps in the calling thread, for as long as this thread lives, the work that is otherwise shared among threads.
+/// Keeps work that is otherwise shared among threads in the calling thread, for the lifetime of that thread.
 pub fn keep_in_this_thread() {
-    // A pool of this thread alone. An error says that the thread is in a pool already.
+    // A pool with this thread alone. An error means that the thread is already in a pool.
     let _pool = ThreadPoolBuilder::new().num_threads(1).use_current_thread().build();
     keep_openmp_in_this_thread();
 }
@@ -71,7 +71,7 @@ mod tests {
         let squares: Vec<u64> = tasks.iter().map(|n| n * n).collect();
         for jobs in [0, 1, 3, 50] {
             let work = |n: &u64| {
-                // The first ones take longest.
+                // The first tasks take longest.
                 thread::sleep(Duration::from_millis((20 - n) / 4));
                 assert_eq!(rayon::current_num_threads(), 1);
                 Ok::<u64, Infallible>(n * n)
@@ -81,7 +81,7 @@ mod tests {
         assert_eq!(run(&[], 4, |n: &u64| Ok::<u64, Infallible>(*n)).unwrap(), [0; 0]);
     }
 
-    /// Shared work of a job stays with it.
+    /// Shared work of a job stays in its thread.
     #[test]
     fn a_job_is_one_thread() {
         let work = |_: &u32| {

@@ -1,10 +1,9 @@
 //! Sparse linear systems `A x = b` with one fixed pattern and many values.
 //!
-//! Three steps, as every direct solver has them: [`LinearSolver::analyze`] once a run,
-//! [`LinearSolver::factorize`] once an iteration, [`LinearSolver::solve`] for each right-hand side.
-//! [`RefinedSolver`] stands in front of a backend: it counts, measures time, refines the solution and
-//! reports its backward error, the same way for every backend. `unsafe` lives in this module and
-//! nowhere else.
+//! The three steps are those of every direct solver: [`LinearSolver::analyze`] once a run,
+//! [`LinearSolver::factorize`] once an iteration, [`LinearSolver::solve`] for each right-hand side. [`RefinedSolver`]
+//! wraps a backend: it counts, measures time, refines the solution and computes its backward error, in the same way
+//! for every backend. `unsafe` is used in this module only.
 
 use std::sync::Arc;
 
@@ -68,44 +67,45 @@ pub use versions::{suitesparse_version, umfpack_version};
 
 use serde::{Deserialize, Serialize};
 
-/// What a factorisation tells about itself.
+/// The properties of a factorisation.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct FactorInfo {
-    /// Entries stored in the factors L and U, or a bound of them.
+    /// The number of entries stored in the factors L and U, or a bound on it.
     pub entries: usize,
-    /// Floating point operations; 0 if the backend does not tell.
+    /// The number of floating point operations; 0 if the backend does not report it.
     pub flops: f64,
-    /// The smallest over the largest pivot, or what stands in for it where pivots cannot be read: a
-    /// coarse sign of trouble and no condition number.
+    /// The ratio of the smallest to the largest pivot, or a substitute if pivots cannot be read. It is a coarse
+    /// indicator of trouble and no condition number.
     pub pivot_ratio: f64,
-    /// Peak memory of the factorisation, bytes; 0 if the backend does not tell.
+    /// The peak memory of the factorisation, bytes; 0 if the backend does not report it.
     pub peak_bytes: f64,
 }
 
-/// A direct solver for square systems.
+/// A solver for square linear systems.
 pub trait LinearSolver: Send {
-    /// The name a report shows.
+    /// Returns the name shown in reports.
     fn name(&self) -> &'static str;
 
     /// Orders the unknowns and predicts the fill for `pattern`; once a run.
     ///
     /// # Errors
-    /// When memory is short or the backend refuses the pattern.
+    /// If memory is short or the backend refuses the pattern.
     fn analyze(&mut self, pattern: &Arc<Pattern>) -> Result<(), LinearError>;
 
     /// Factors the matrix with `values` on the analysed pattern; once an iteration.
     ///
     /// # Errors
-    /// [`LinearError::Singular`] when a pivot vanishes, or when memory is short.
+    /// [`LinearError::Singular`] if a pivot vanishes; an error if memory is short.
     fn factorize(&mut self, values: &[f64]) -> Result<FactorInfo, LinearError>;
 
     /// Solves with the last factors, without refinement.
     ///
     /// # Errors
-    /// When there are no factors, or the backend fails.
+    /// If there are no factors, or the backend fails.
     fn solve(&mut self, b: &[f64], x: &mut [f64]) -> Result<(), LinearError>;
 
-    /// [`LinearSolver::analyze`] for matrices like `a`, of which a dense or shared block may not be among compressed columns.
+    /// Runs [`LinearSolver::analyze`] for matrices like `a`, which may have a dense or shared block besides
+    /// compressed columns.
     ///
     /// # Errors
     /// As [`LinearSolver::analyze`].
@@ -113,7 +113,7 @@ pub trait LinearSolver: Send {
         self.analyze(a.to_csc().pattern())
     }
 
-    /// [`LinearSolver::factorize`] of `a`, likewise.
+    /// Runs [`LinearSolver::factorize`] for such a matrix `a`.
     ///
     /// # Errors
     /// As [`LinearSolver::factorize`].
@@ -121,12 +121,12 @@ pub trait LinearSolver: Send {
         self.factorize(a.to_csc().values())
     }
 
-    /// Whether it solves by iterations, of which each digit takes some.
+    /// Returns `true` if the solver is iterative, so that each digit takes some iterations.
     fn iterates(&self) -> bool {
         false
     }
 
-    /// Solves to a residual of `tolerance` times `b`, or better; who does not iterate solves as ever.
+    /// Solves to a relative residual of `tolerance`. Direct solvers ignore `tolerance`.
     ///
     /// # Errors
     /// As [`LinearSolver::solve`].
@@ -135,26 +135,26 @@ pub trait LinearSolver: Send {
         self.solve(b, x)
     }
 
-    /// What the iterations came to since this was last asked.
+    /// Returns the statistics of the iterations since the last call.
     fn iterated(&mut self) -> Iterated {
         Iterated::default()
     }
 }
 
-/// What the iterations of a solver came to.
+/// The statistics of an iterative solver.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Iterated {
-    /// How many there were.
+    /// The number of iterations.
     pub iterations: usize,
-    /// The direct solver that took over, if they stood still.
+    /// The direct solver that took over, if the iterations stalled.
     pub instead: Option<SparseLu>,
 }
 
-/// What one of several processes of MPI has taken.
+/// The resources used by one MPI process.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RankUse {
-    /// CPU time, s.
+    /// The CPU time, s.
     pub cpu_seconds: f64,
-    /// Peak resident memory, bytes.
+    /// The peak resident memory, bytes.
     pub peak_rss_bytes: u64,
 }

@@ -1,13 +1,14 @@
-//! The null space of a matrix with a handful of columns, such as the six rigid motions at most.
+//! The null space of a matrix with few columns, such as the at most six rigid modes.
 
-/// Relative to unit rows; far above rounding and far below one element against the body's size.
+/// The tolerance relative to unit rows: far above rounding and far below one element relative to the size of the
+/// body.
 pub const NEGLIGIBLE: f64 = 1e-10;
 
-/// The combinations of `motions` unit directions that no row constrains: an orthonormal basis of
-/// the null space of the matrix with the given `rows`, each as long as there are directions.
+/// Returns the combinations of `motions` unit directions that no row constrains: an orthonormal basis of the null
+/// space of the matrix with the given `rows`, each of length `motions`.
 ///
-/// Works row by row: what is left of the basis is turned until a single member feels the row, and
-/// that member is dropped.
+/// Processes one row at a time: rotates the remaining basis until only one member has a nonzero product with the row,
+/// and removes that member.
 pub fn null_space(motions: usize, rows: impl IntoIterator<Item = Vec<f64>>) -> Vec<Vec<f64>> {
     let mut basis: Vec<Vec<f64>> =
         (0..motions).map(|k| (0..motions).map(|j| f64::from(u8::from(j == k))).collect()).collect();

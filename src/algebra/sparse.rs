@@ -1,10 +1,10 @@
-//! Sparse matrices: an immutable [`Pattern`] that many value arrays share, compressed columns ([`Csc`]) for what is
-//! factored, half of them ([`Symmetric`]) for the stiffness, compressed rows ([`Csr`]) for the short rows of the contact
-//! maps. The stiffness of a condensed body is dense ([`DenseSymmetric`]), that of a body whose rows several processes have is shared
-//! ([`SharedSymmetric`]), and both stand as such in the matrices that are solved with ([`SystemMatrix`]).
+//! Sparse matrices: an immutable [`Pattern`] that many value arrays share, compressed columns ([`Csc`]) for
+//! factorisations, half of them ([`Symmetric`]) for the stiffness, compressed rows ([`Csr`]) for the short rows of
+//! the contact maps. The stiffness of a condensed body is dense ([`DenseSymmetric`]). If several processes have the
+//! rows of a stiffness, it is shared ([`SharedSymmetric`]). Both are blocks of the system matrix ([`SystemMatrix`]).
 //!
-//! No field of theirs can be reached from outside, and every constructor refuses what does not fit with a
-//! [`MatrixError`]: the direct solvers, C among them, read these arrays by the lengths they state.
+//! All fields are private, and every constructor returns a [`MatrixError`] for inconsistent input, because the direct
+//! solvers, some of them in C, rely on the lengths in these arrays.
 //!
 //! ```
 //! use stickslip::algebra::sparse::{Csr, MatrixError, Symmetric};

@@ -1,16 +1,16 @@
-//! Sets that grow together (union and find).
+//! Disjoint sets with union and find.
 
 /// The numbers 0 to n - 1 in disjoint sets.
 #[derive(Debug)]
 pub struct UnionFind(Vec<usize>);
 
 impl UnionFind {
-    /// Each of `n` numbers in a set of its own.
+    /// Creates `n` sets of one number each.
     pub fn new(n: usize) -> Self {
         UnionFind((0..n).collect())
     }
 
-    /// The least number of the set that `k` is in, which stands for it.
+    /// Returns the smallest number of the set of `k`, which represents the set.
     pub fn least(&mut self, mut k: usize) -> usize {
         while self.0[k] != k {
             self.0[k] = self.0[self.0[k]];
@@ -19,7 +19,7 @@ impl UnionFind {
         k
     }
 
-    /// Makes one set of those that `i` and `j` are in.
+    /// Joins the sets of `i` and `j`.
     pub fn join(&mut self, i: usize, j: usize) {
         let (i, j) = (self.least(i), self.least(j));
         self.0[i.max(j)] = i.min(j);

@@ -1,10 +1,10 @@
-//! Vectors, most of them in space; those of the plane have z = 0.
+//! Vectors, mostly in space; plane vectors have z = 0.
 
 use std::fmt;
 
 use serde::Deserialize;
 
-/// Two or three coordinates, as an input gives them.
+/// A vector with two or three coordinates, as in an input.
 #[derive(Clone, Copy, PartialEq, Deserialize)]
 #[serde(try_from = "Vec<f64>")]
 pub struct Vector {
@@ -13,17 +13,17 @@ pub struct Vector {
 }
 
 impl Vector {
-    /// All three, z = 0 where it is not given.
+    /// Returns all three coordinates; z = 0 if it is not given.
     pub fn components(self) -> [f64; 3] {
         self.components
     }
 
-    /// How many are given, 2 or 3.
+    /// Returns the number of given coordinates, 2 or 3.
     pub fn dimension(self) -> usize {
         self.dimension
     }
 
-    /// With each of its coordinates changed.
+    /// Applies `change` to each coordinate.
     #[must_use]
     pub fn map(self, change: impl FnMut(f64) -> f64) -> Self {
         Vector { components: self.components.map(change), ..self }
@@ -60,7 +60,7 @@ impl TryFrom<Vec<f64>> for Vector {
     }
 }
 
-/// `a · b`, of vectors of one length: in eight sums, which the processor adds side by side.
+/// Returns `a · b` for vectors of equal length, in eight parallel sums.
 #[inline]
 pub fn dot(a: impl AsRef<[f64]>, b: impl AsRef<[f64]>) -> f64 {
     let ((a, a_rest), (b, b_rest)) = (a.as_ref().as_chunks::<8>(), b.as_ref().as_chunks::<8>());
@@ -74,49 +74,49 @@ pub fn dot(a: impl AsRef<[f64]>, b: impl AsRef<[f64]>) -> f64 {
     sums.into_iter().sum::<f64>() + rest
 }
 
-/// `a × b`.
+/// Returns `a × b`.
 pub fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// `a - b`.
+/// Returns `a - b`.
 pub fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
-/// `a + s b`.
+/// Returns `a + s b`.
 pub fn plus(a: [f64; 3], s: f64, b: [f64; 3]) -> [f64; 3] {
     [a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]]
 }
 
-/// `a` without its part along the unit vector `axis`.
+/// Returns `a` without its component along the unit vector `axis`.
 pub fn across(a: [f64; 3], axis: [f64; 3]) -> [f64; 3] {
     plus(a, -dot(a, axis), axis)
 }
 
-/// `|a|`, without overflow.
+/// Returns `|a|`, without overflow.
 pub fn norm(a: [f64; 3]) -> f64 {
     a[0].hypot(a[1]).hypot(a[2])
 }
 
-/// `a / |a|`.
+/// Returns `a / |a|`.
 pub fn unit(a: [f64; 3]) -> [f64; 3] {
     let length = norm(a);
     a.map(|c| c / length)
 }
 
-/// The unit vector along axis `c`: 0 for x, 1 for y, 2 for z.
+/// Returns the unit vector along axis `c`: 0 for x, 1 for y, 2 for z.
 pub fn axis(c: usize) -> [f64; 3] {
     [0, 1, 2].map(|k| if k == c { 1.0 } else { 0.0 })
 }
 
-/// The direction in the plane at right angles to the unit vector `normal` that is closest to axis `c`.
+/// Returns the unit vector orthogonal to the unit vector `normal` that is closest to axis `c`.
 pub fn axis_across(c: usize, normal: [f64; 3]) -> [f64; 3] {
     // + 0.0 turns -0 into 0.
     unit(minus(axis(c), normal.map(|n| n * normal[c])).map(|c| c + 0.0))
 }
 
-/// The upper median of `values`, which are put in another order; none of nothing.
+/// Returns the upper median of `values`, which are reordered, or `None` if there are none.
 pub fn median(values: &mut [f64]) -> Option<f64> {
     let middle = values.len() / 2;
     (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)

@@ -5,44 +5,44 @@ mod grammar;
 
 use std::ops::Range;
 
-/// A formula of `x`, `y` and `z` (m).
+/// A formula in `x`, `y` and `z` (m).
 #[derive(Debug, Clone)]
 pub struct Formula {
     text: String,
-    /// In postfix order: operands before what is done with them.
+    /// The instructions in postfix order: operands before operators.
     steps: Vec<Instruction>,
     units: FormulaUnits,
 }
 
-/// The units that a formula is written in.
+/// The units in which a formula is written.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FormulaUnits {
-    /// That of `x`, `y` and `z`, m.
+    /// The unit of `x`, `y` and `z`, m.
     pub length: f64,
-    /// That of the value, in SI units.
+    /// The unit of the value, in SI units.
     pub value: f64,
 }
 
-/// A step of the evaluation, on a stack of values.
+/// An instruction of the evaluation, on a stack of values.
 #[derive(Debug, Clone, Copy)]
 enum Instruction {
     Number(f64),
     Coordinate(usize),
-    /// Of the last value.
+    /// A function of the last value.
     One(fn(f64) -> f64),
-    /// Of the last two.
+    /// A function of the last two values.
     Two(fn(f64, f64) -> f64),
 }
 
-/// What is wrong with a formula.
+/// The error of an invalid formula.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{message}, at character {character}")]
 pub struct FormulaError {
-    /// The fault in words.
+    /// The description of the error.
     pub message: String,
-    /// The character it begins at, from 1.
+    /// The position of the first wrong character, from 1.
     pub character: usize,
-    /// The bytes of the formula that are wrong.
+    /// The range of the wrong bytes.
     pub span: Range<usize>,
 }
 
@@ -53,13 +53,14 @@ impl PartialEq for Formula {
 }
 
 impl Formula {
-    /// Reads a formula: numbers, `x`, `y`, `z`, `+ - * / ^`, brackets, functions and constants, as doc/scene.md lists them.
+    /// Parses a formula: numbers, `x`, `y`, `z`, `+ - * / ^`, brackets, functions and constants, as listed in
+    /// doc/scene.md.
     ///
-    /// `^` binds most and from the right, then come signs, then `*` and `/`, then `+` and `-`: `-x^2` is `-(x^2)`, and
-    /// `2^x^2` is `2^(x^2)`.
+    /// `^` has the highest precedence and is right-associative. Signs follow, then `*` and `/`, then `+` and `-`:
+    /// `-x^2` is `-(x^2)`, and `2^x^2` is `2^(x^2)`.
     ///
     /// # Errors
-    /// What is wrong, and where.
+    /// [`FormulaError`], with its position in the text.
     ///
     /// ```
     /// use stickslip::base::formula::Formula;
@@ -74,7 +75,8 @@ impl Formula {
         Ok(Formula { text: text.to_string(), steps: grammar::steps(text)?, units })
     }
 
-    /// The same formula, written in `units`: its value at a place is that at the coordinates of the place in these units.
+    /// Returns the formula with its coordinates and value in `units`: its value at a place is that at the coordinates
+    /// of the place in these units.
     ///
     /// ```
     /// use stickslip::base::formula::{Formula, FormulaUnits};
@@ -88,17 +90,17 @@ impl Formula {
         Formula { units, ..self }
     }
 
-    /// The formula as it was given.
+    /// Returns the text of the formula.
     pub fn text(&self) -> &str {
         &self.text
     }
 
-    /// Whether coordinate `k` stands in it: 0 is x, 1 is y, 2 is z.
+    /// Returns `true` if the formula contains coordinate `k`: 0 is x, 1 is y, 2 is z.
     pub fn has_coordinate(&self, k: usize) -> bool {
         self.steps.iter().any(|step| matches!(step, Instruction::Coordinate(c) if *c == k))
     }
 
-    /// The value of the formula at `x` (m), in SI units; NaN where it has none.
+    /// Evaluates the formula at `x` (m), in SI units; NaN if it has no value there.
     pub fn at(&self, x: [f64; 3]) -> f64 {
         let FormulaUnits { length, value } = self.units;
         self.evaluate(x.map(|c| c / length)).map_or(f64::NAN, |found| found * value)
@@ -207,7 +209,7 @@ mod tests {
         assert_eq!(Formula::parse("π + r").unwrap_err().character, 5);
     }
 
-    /// Neither length nor depth takes up the stack.
+    /// Neither long nor deeply nested formulas overflow the stack.
     #[test]
     fn long_and_deep_formulas() {
         assert_eq!(at(&vec!["x"; 100_000].join("-")), -199_996.0);

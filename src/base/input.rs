@@ -1,4 +1,4 @@
-//! The files that people name: scenes, meshes, tables.
+//! Reading of input files: scenes, meshes, tables.
 
 mod kind;
 
@@ -10,17 +10,18 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-/// The contents of files by their paths, as a scene names them.
+/// The contents of files by their paths, as named in a scene.
 pub type Contents = HashMap<PathBuf, Vec<u8>>;
 
 thread_local! {
-    /// What this thread reads in place of files.
+    /// The contents that this thread reads instead of files.
     static IN_MEMORY: RefCell<Contents> = RefCell::default();
 }
 
-/// Does `work`, which reads the files of `contents` from there, whatever is on the disk by now; for results that are loaded again.
+/// Runs `work`, which reads the files in `contents` from memory, whatever the disk has now. It is used for results
+/// that are loaded again.
 pub fn with_contents<T>(contents: Contents, work: impl FnOnce() -> T) -> T {
-    /// Puts back what was there before, also after a panic.
+    /// Restores the earlier contents, even after a panic.
     struct Before(Contents);
     impl Drop for Before {
         fn drop(&mut self) {
@@ -31,16 +32,17 @@ pub fn with_contents<T>(contents: Contents, work: impl FnOnce() -> T) -> T {
     work()
 }
 
-/// The bytes of the file at `path`, without the mark that some editors put before UTF-8. A pipe may have nobody who writes, and gives what
-/// it has only once, while a file is read again for its fingerprint; a device may have no end.
+/// Reads the bytes of the file at `path`, without a UTF-8 byte order mark. Pipes and devices are refused: a pipe may
+/// have no writer, and can be read only once, while a file is read again for its fingerprint; a device may have no
+/// end.
 ///
 /// # Errors
-/// When the file cannot be read, is no regular file or pipe, or is too large.
+/// If the file cannot be read, is no regular file, or is too large.
 pub fn bytes(path: &Path) -> io::Result<Vec<u8>> {
     if let Some(bytes) = IN_MEMORY.with_borrow(|contents| contents.get(path).cloned()) {
         return Ok(bytes);
     }
-    // Asked before it is opened, because opening what is none may wait, or do something.
+    // The type is checked first, because opening a special file may block or have side effects.
     let kind = std::fs::metadata(path)?.file_type();
     if kind.is_dir() {
         return Err(io::Error::other("it is a folder"));
@@ -60,12 +62,12 @@ fn whole(path: &Path) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The text of the file at `path`, as [`bytes`].
+/// Reads the text of the file at `path`, as [`bytes`] does.
 pub(crate) fn text(path: &Path) -> io::Result<String> {
     of_utf8(bytes(path)?)
 }
 
-/// The same of a file or a pipe, which is what people name on the command line.
+/// Reads the text of a file or a pipe, for paths named on the command line.
 pub(crate) fn text_or_pipe(path: &Path) -> io::Result<String> {
     of_utf8(if is_pipe(path)? { whole(path)? } else { bytes(path)? })
 }

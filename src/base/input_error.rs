@@ -1,43 +1,43 @@
-//! What is wrong with an input, told by the key of it.
+//! The error of an invalid input, with the key of the value.
 
 use std::fmt::Debug;
 
-/// A value that cannot be used.
+/// An invalid value of an input.
 ///
-/// Keys are those of a scene file, such as `contact[0].friction` (lists count from 0), also for what was put together
-/// from Rust.
+/// Keys are those of a scene file, such as `contact[0].friction` (lists count from 0), also for descriptions built in
+/// Rust.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]
 #[error("{key}: {message}")]
 #[diagnostic(help("{help}"))]
 pub struct InputError {
-    /// The path of the value that is wrong.
+    /// The key of the invalid value.
     pub key: String,
-    /// What is wrong with it.
+    /// The description of the error.
     pub message: String,
-    /// What mends the fault.
+    /// The advice for correcting it.
     pub help: String,
 }
 
 impl InputError {
-    /// The fault of the value at `key`.
+    /// Creates the error of the value at `key`.
     pub fn new(key: impl Into<String>, message: impl Into<String>, help: impl Into<String>) -> Self {
         InputError { key: key.into(), message: message.into(), help: help.into() }
     }
 
-    /// The same fault of a number that was converted to SI units.
+    /// Adds to the message that the number was converted to SI units.
     #[must_use]
     pub fn in_si(self) -> Self {
         InputError { message: format!("in SI units {}", self.message), ..self }
     }
 
-    /// The same fault, told by whom holds the value under `parent`.
+    /// Prefixes the key with `parent`, the key of the containing value.
     #[must_use]
     pub fn with_key(self, parent: &str) -> Self {
         InputError { key: format!("{parent}.{}", self.key), ..self }
     }
 }
 
-/// Fails unless `sound`, saying what the `value` of `key` is and what it must be.
+/// Returns an error unless `sound`, with the `value` of `key` and the condition `must`.
 ///
 /// # Errors
 /// [`InputError`] of `key`.
@@ -48,10 +48,11 @@ pub fn ensure(sound: bool, key: &str, value: &impl Debug, must: &str, help: &str
     Err(InputError::new(key, format!("{key} is {value:?}, but must be {must}"), help))
 }
 
-/// Numbers beyond this are refused: up to it the square of a product of three of them is finite.
+/// The largest admissible number. The square of a product of three such numbers is finite.
 const LARGEST: f64 = 1e50;
 
-/// Fails unless the `value` of `key` is finite, and not so large that what is computed from it overflows.
+/// Returns an error unless the `value` of `key` is finite, and small enough that computations with it do not
+/// overflow.
 ///
 /// # Errors
 /// [`InputError`] of `key`.
@@ -60,7 +61,8 @@ pub fn finite(key: &str, value: f64) -> Result<(), InputError> {
     not_huge(key, [value])
 }
 
-/// Fails unless the `value` of `key` is above 0, and neither so large nor so small that what is computed from it is lost.
+/// Returns an error unless the `value` of `key` is positive, and neither too large nor too small for computations
+/// with it.
 ///
 /// # Errors
 /// [`InputError`] of `key`.
@@ -70,7 +72,7 @@ pub fn positive(key: &str, value: f64, help: &str) -> Result<(), InputError> {
     ensure(value >= 1.0 / LARGEST, key, &value, "1e-50 or more, so that products of it are not lost", help)
 }
 
-/// Fails if one of the `numbers` at `key` is so large that what is computed from it overflows.
+/// Returns an error if one of the `numbers` at `key` is so large that computations with it overflow.
 ///
 /// # Errors
 /// [`InputError`] of `key`.

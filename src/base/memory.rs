@@ -1,16 +1,17 @@
-//! How much memory this process may still take, and who says so: the system, a control group, or a limit of the process.
+//! The memory that this process may still use, and its limit: the machine, a control group, or a limit of the
+//! process.
 //!
-//! All of it stands in files: `/proc/meminfo`, `/proc/self/limits` and `/proc/self/status`, and for a control group that
-//! `/proc/self/cgroup` names its limits and those of the groups it is in, below `/sys/fs/cgroup`.
+//! The data are read from `/proc/meminfo`, `/proc/self/limits` and `/proc/self/status`. The limits of the control
+//! group named in `/proc/self/cgroup`, and of the groups above it, are below `/sys/fs/cgroup`.
 
 use std::fmt;
 use std::fs;
 use std::path::Path;
 
-/// Who leaves the least memory.
+/// The limit that leaves the least memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Source {
-    /// What the machine has free, or can free.
+    /// The memory that the machine has free, or can free.
     Machine,
     /// A control group, such as that of a container or of a batch job.
     ControlGroup,
@@ -21,7 +22,7 @@ pub enum Source {
 }
 
 impl Source {
-    /// What raises it.
+    /// Returns advice for raising the limit.
     pub fn remedy(self) -> &'static str {
         match self {
             Source::Machine => "use a coarser mesh or a machine with more memory",
@@ -31,7 +32,7 @@ impl Source {
         }
     }
 
-    /// Whether it counts what is mapped, used or not.
+    /// Returns `true` if the limit counts mapped memory, used or not.
     pub fn counts_what_is_mapped(self) -> bool {
         matches!(self, Source::AddressSpace | Source::Data)
     }
@@ -48,29 +49,29 @@ impl fmt::Display for Source {
     }
 }
 
-/// What may still be taken.
+/// The memory that may still be used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Budget {
-    /// Bytes.
+    /// The amount, bytes.
     pub bytes: u64,
-    /// Who leaves no more.
+    /// The limit that determines it.
     pub source: Source,
 }
 
 impl Budget {
-    /// That of this process; none where the system does not tell.
+    /// Returns the budget of this process, or `None` if the system does not report it.
     pub fn of_process() -> Option<Self> {
         Self::below(Path::new("/"))
     }
 
-    /// The same by the files below `root`.
+    /// Returns the budget from the files below `root`.
     fn below(root: &Path) -> Option<Self> {
         let proc = root.join("proc");
         let own = proc.join("self");
         let limits = fs::read_to_string(own.join("limits")).unwrap_or_default();
         let left = |limit: &str, used: &str| {
             let limit = limits.lines().find_map(|line| line.strip_prefix(limit))?.split_whitespace().next()?;
-            // A limit that is none reads `unlimited`.
+            // A missing limit reads `unlimited`.
             Some(limit.parse::<u64>().ok()?.saturating_sub(kilobytes(&own.join("status"), used)?))
         };
         let all = [
@@ -84,7 +85,7 @@ impl Budget {
     }
 }
 
-/// The value of a line such as `VmHWM:   1234 kB` of a file, in bytes.
+/// Returns the value of a line such as `VmHWM:   1234 kB` of a file, in bytes.
 pub fn kilobytes(file: &Path, key: &str) -> Option<u64> {
     let text = fs::read_to_string(file).ok()?;
     let line = text.lines().find_map(|line| line.strip_prefix(key))?;
@@ -92,14 +93,14 @@ pub fn kilobytes(file: &Path, key: &str) -> Option<u64> {
     kilobytes.checked_mul(1024)
 }
 
-/// An amount of memory: `864 MB`, `1.5 GB`.
+/// Formats an amount of memory: `864 MB`, `1.5 GB`.
 pub fn in_words(bytes: u64) -> String {
     let bytes = bytes as f64;
     if bytes < 1e9 { format!("{:.0} MB", bytes * 1e-6) } else { format!("{:.1} GB", bytes * 1e-9) }
 }
 
-/// One kind of control groups: the files of a limit, of what is used, and the key in `memory.stat` of what of that is given back when
-/// it is asked for.
+/// A version of control groups: the files of a limit and of the memory in use, and the key in `memory.stat` of the
+/// part of it that can be reclaimed.
 struct Kind {
     mounts: [&'static str; 2],
     limits: &'static [&'static str],
@@ -121,7 +122,7 @@ const SECOND: Kind = Kind {
     cached: "inactive_file",
 };
 
-/// The least that a control group of this process, or one that it is in, leaves.
+/// Returns the smallest amount that this process's control groups leave.
 fn left_by_groups(root: &Path) -> Option<u64> {
     let groups = fs::read_to_string(root.join("proc/self/cgroup")).ok()?;
     let lines = groups.lines().filter_map(|line| {
@@ -136,7 +137,8 @@ fn left_by_groups(root: &Path) -> Option<u64> {
     lines.flat_map(|(kind, path)| left_along(root, &kind, path)).min()
 }
 
-/// What is left by the group at `path` and by those above it. In a container the path is one of the machine, and only the top of it is seen.
+/// Returns the amounts left by the group at `path` and by the groups above it. In a container the path is that of the
+/// machine, and only its top is visible.
 fn left_along(root: &Path, kind: &Kind, path: &str) -> Vec<u64> {
     let path = Path::new(path.trim_start_matches('/'));
     let folders = kind.mounts.iter().flat_map(|mount| path.ancestors().map(move |path| root.join(mount).join(path)));
@@ -145,7 +147,7 @@ fn left_along(root: &Path, kind: &Kind, path: &str) -> Vec<u64> {
 
 fn left_by(folder: &Path, kind: &Kind) -> Option<u64> {
     let number = |file: &str| fs::read_to_string(folder.join(file)).ok()?.trim().parse::<u64>().ok();
-    // No limit reads `max` or, in the first version, as many pages as 63 bits hold; that is more than any machine has.
+    // A missing limit reads `max` or, in the first version, a number of pages near 2^63, more than any machine has.
     let limit = kind.limits.iter().filter_map(|file| number(file)).min().filter(|limit| *limit < 1 << 62)?;
     let stat = fs::read_to_string(folder.join("memory.stat")).unwrap_or_default();
     let mut words = stat.lines().filter_map(|line| line.split_once(' '));
@@ -157,7 +159,7 @@ fn left_by(folder: &Path, kind: &Kind) -> Option<u64> {
 mod tests {
     use super::*;
 
-    /// A made-up system of files.
+    /// A temporary directory of made-up system files.
     struct Files(std::path::PathBuf);
 
     impl Files {
@@ -203,7 +205,7 @@ mod tests {
         let data = format!("{space}Max data size     1228800   1228800    bytes\n");
         let files = Files::new("data", &[MACHINE, STATUS, ("proc/self/limits", &data)]);
         assert_eq!(files.budget(), Some((1000 * 1024, Source::Data)));
-        // More is in use than a limit that came later allows.
+        // More memory is in use than a later limit allows.
         let past = "Max address space         1024                 unlimited            bytes\n";
         let files = Files::new("past", &[MACHINE, STATUS, ("proc/self/limits", past)]);
         assert_eq!(files.budget(), Some((0, Source::AddressSpace)));

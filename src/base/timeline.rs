@@ -2,17 +2,18 @@
 
 use crate::base::input_error::{InputError, not_huge};
 
-/// Relative to the steepest rate: far above its rounding, far below what matters.
+/// The tolerance of rates, relative to the steepest one: far above rounding, far below any effect.
 const ROUNDING: f64 = 1e-9;
 
-/// A history that leaves the straight line between two ends of increments by a smaller share of its largest value has no kink there: far
-/// above the last of the digits in which histories are written, far below what changes an answer.
+/// The smallest kink, relative to the largest value of the history. A smaller deviation from the straight line
+/// between two ends of increments is ignored: it is far above the last digits in which histories are written, and far
+/// below any effect on the result.
 const STRAIGHT: f64 = 1e-6;
 
-/// Checks the points of a history at `key`; `value` says what stands behind the time in each.
+/// Checks the points of a history at `key`; `value` describes the values after the time in each point.
 ///
 /// # Errors
-/// [`InputError`] of `key` where there is no point, one is not finite or huge, or times do not increase.
+/// [`InputError`] of `key` if there is no point, if a number is not finite or too large, or if times do not increase.
 pub fn check_points<const N: usize>(key: &str, value: &str, points: &[[f64; N]]) -> Result<(), InputError> {
     let name = key.rsplit('.').next().unwrap_or(key);
     if points.is_empty() {
@@ -32,10 +33,10 @@ pub fn check_points<const N: usize>(key: &str, value: &str, points: &[[f64; N]])
     Ok(())
 }
 
-/// Checks the ends (s) of increments at `key`, the first of which begins at 0.
+/// Checks the ends (s) of increments at `key`; the first increment begins at 0.
 ///
 /// # Errors
-/// [`InputError`] of `key` where there is none, or they do not increase from 0 on.
+/// [`InputError`] of `key` if there is none, or if they do not increase from 0.
 pub fn check_times(key: &str, times: &[f64]) -> Result<(), InputError> {
     if times.is_empty() {
         return Err(InputError::new(key, format!("{key} is empty"), "give the end of each increment, s"));
@@ -51,12 +52,12 @@ pub fn check_times(key: &str, times: &[f64]) -> Result<(), InputError> {
     }
 }
 
-/// The ends of `count` equal increments from 0 to `end`, both in s.
+/// Returns the ends of `count` equal increments from 0 to `end`, both in s.
 pub fn equal_increments(end: f64, count: usize) -> Vec<f64> {
     (1..=count).map(|k| if k == count { end } else { end * k as f64 / count as f64 }).collect()
 }
 
-/// The times at which a rate of `history` changes; before the first point and after the last they are 0.
+/// Returns the times at which a rate of `history` changes. The rates are 0 before the first point and after the last.
 pub fn kinks<const N: usize>(history: &[[f64; N]]) -> Vec<f64> {
     let rates: Vec<Vec<f64>> = (1..N)
         .map(|c| {
@@ -69,8 +70,8 @@ pub fn kinks<const N: usize>(history: &[[f64; N]]) -> Vec<f64> {
     (0..history.len()).filter(|&k| bends(k)).map(|k| history[k][0]).collect()
 }
 
-/// The times inside increments with these `ends` (s) at which `history` bends: with these as further ends, it is straight between any two
-/// of them.
+/// Returns the times inside increments with these `ends` (s) at which `history` has kinks. With these as further
+/// ends, the history is straight in every increment.
 pub fn kinks_between<const N: usize>(ends: &[f64], history: &[[f64; N]]) -> Vec<f64> {
     let points = within(ends.last().copied().unwrap_or(0.0), history);
     let largest = points.iter().flat_map(|point| &point[1..]).fold(0.0_f64, |m, value| m.max(value.abs()));
@@ -93,7 +94,8 @@ pub fn kinks_between<const N: usize>(ends: &[f64], history: &[[f64; N]]) -> Vec<
     found
 }
 
-/// `ends` (s) of increments with further `times` (s) among them, but for those that would make an increment as short as rounding.
+/// Adds further `times` (s) to the `ends` of increments, except those that would make an increment as short as
+/// rounding.
 pub fn with_further_ends(ends: &[f64], times: impl IntoIterator<Item = f64>) -> Vec<f64> {
     let mut further: Vec<f64> = times.into_iter().filter(|&t| increment_at(ends, t).is_some()).collect();
     further.sort_by(f64::total_cmp);
@@ -105,7 +107,7 @@ pub fn with_further_ends(ends: &[f64], times: impl IntoIterator<Item = f64>) -> 
     all
 }
 
-/// The beginning and the end (s) of the increment that has the time `t` inside, if one has.
+/// Returns the start and the end (s) of the increment that contains the time `t`, if there is one.
 fn increment_at(ends: &[f64], t: f64) -> Option<[f64; 2]> {
     let k = ends.partition_point(|end| *end < t);
     let (begin, end) = (k.checked_sub(1).map_or(0.0, |k| ends[k]), *ends.get(k)?);
@@ -113,18 +115,18 @@ fn increment_at(ends: &[f64], t: f64) -> Option<[f64; 2]> {
     (t - begin > rounding && end - t > rounding).then_some([begin, end])
 }
 
-/// What rounding may make of a time within an increment, s.
+/// Returns the rounding of a time within an increment, s.
 fn rounding(begin: f64, end: f64) -> f64 {
     ROUNDING * (end - begin) + 4.0 * f64::EPSILON * end
 }
 
-/// How far the values of `point` are from the straight line between two others, at most.
+/// Returns the largest distance of the values of `point` from the straight line between two other points.
 fn off_the_chord<const N: usize>(from: &[f64; N], to: &[f64; N], point: &[f64; N]) -> f64 {
     let share = (point[0] - from[0]) / (to[0] - from[0]);
     (1..N).map(|c| (point[c] - (from[c] + share * (to[c] - from[c]))).abs()).fold(0.0, f64::max)
 }
 
-/// The point at time `t` (s) of a history.
+/// Returns the point at time `t` (s) of a history.
 fn at<const N: usize>(points: &[[f64; N]], t: f64) -> [f64; N] {
     let after = points.partition_point(|point| point[0] <= t);
     let mut point = points[after.saturating_sub(1)];
@@ -136,7 +138,7 @@ fn at<const N: usize>(points: &[[f64; N]], t: f64) -> [f64; N] {
     point
 }
 
-/// The part of `points` from 0 to `end` (s). What is never reached must not count as the largest of anything.
+/// Returns the part of `points` from 0 to `end` (s), so that later points do not affect the largest values.
 pub fn within<const N: usize>(end: f64, points: &[[f64; N]]) -> Vec<[f64; N]> {
     let mut times: Vec<f64> = points.iter().map(|point| point[0].clamp(0.0, end)).collect();
     times.dedup();
@@ -153,7 +155,7 @@ mod tests {
         assert_eq!(within(2.0, &whole), whole);
         assert_eq!(within(2.0, &[[-1.0, 2.0], [1.0, 4.0], [5.0, 8.0]]), [[0.0, 3.0], [1.0, 4.0], [2.0, 5.0]]);
         assert_eq!(within(2.0, &[[-3.0, 9.0], [-1.0, 2.0], [3.0, 6.0], [4.0, 9.0]]), [[0.0, 3.0], [2.0, 5.0]]);
-        // Constant outside.
+        // Constant outside the points.
         assert_eq!(within(2.0, &[[1.0, 7.0]]), [[1.0, 7.0]]);
         assert_eq!(within(2.0, &[[3.0, 7.0], [4.0, 9.0]]), [[2.0, 7.0]]);
         assert_eq!(within(2.0, &[[-3.0, 9.0], [-2.0, 7.0]]), [[0.0, 7.0]]);
@@ -172,7 +174,7 @@ mod tests {
         let there_and_back = [[0.0, 0.0], [1.0, 1.0], [2.0, 0.0]];
         assert_eq!(kinks_between(&equal_increments(2.0, 7), &there_and_back), [1.0]);
         assert_eq!(kinks_between(&equal_increments(2.0, 8), &there_and_back), [0.0; 0]);
-        // Where nothing changes there is no kink, but there is one where a history begins or ends.
+        // Constant values have no kink, but a history has kinks where it begins and ends.
         let seven = equal_increments(2.0, 7);
         assert_eq!(kinks_between(&seven, &[[0.0, 0.0], [0.3, 0.3], [2.0, 2.0]]), [0.0; 0]);
         assert_eq!(kinks_between(&seven, &[[0.3, 1.0], [0.9, 1.0]]), [0.0; 0]);
@@ -181,9 +183,9 @@ mod tests {
         // Any component counts; times after the end do not.
         let path = [[0.0, 0.0, 0.0], [1.0, 0.0, 1.0], [3.0, 0.0, 0.0]];
         assert_eq!(kinks_between(&equal_increments(2.0, 3), &path), [1.0]);
-        // 0.1 s is 3 increments but for rounding.
+        // 0.1 s is 3 increments up to rounding.
         assert_eq!(kinks_between(&equal_increments(0.3, 9), &[[0.0, 0.0], [0.1, 1.0]]), [0.0; 0]);
-        // A ramp in four digits is one straight line, a push of a thousandth is not.
+        // A ramp in four digits is one straight line; a deviation of a thousandth is not.
         let ramp: Vec<[f64; 2]> =
             (0..=9).map(|k| [f64::from(k) / 9.0, (f64::from(k) / 9.0 * 1e7).round() / 1e7]).collect();
         assert_eq!(kinks_between(&[1.0], &ramp), [0.0; 0]);

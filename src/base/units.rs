@@ -1,5 +1,5 @@
-//! Units: those of the numbers inside ([`Scaling`], numbers of order one), and those in which people give numbers and are
-//! told them ([`Units`]). Between the two everything is SI.
+//! Units: those of the internal numbers ([`Scaling`], numbers of order one), and those of input and output
+//! ([`Units`]). All other numbers are SI.
 
 mod system;
 mod user;
@@ -11,10 +11,10 @@ use serde::{Deserialize, Serialize};
 
 /// A unit of force and a unit of length for the unknowns of one run.
 ///
-/// Contact forces and displacements of order one, with a stiffness of order one, is what makes the
-/// factorisation of the mixed system `(u, p)` sound: with newtons beside metres its pivots span
-/// eleven decades more than they need to. The units that [`Scaling::near`] chooses are powers of two, so that converting
-/// is exact; the setting `paper` of the interior point method has MN and 10⁻⁵ m, as the paper does.
+/// Contact forces, displacements and stiffness of order one make the factorisation of the mixed system `(u, p)`
+/// reliable. With newtons and metres its pivots span eleven more decades than necessary. The units chosen by
+/// [`Scaling::near`] are powers of two, so that conversions are exact. The constants `paper` of the interior point
+/// method have MN and 10⁻⁵ m, as in the paper.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Scaling {
     /// The unit of force, N.
@@ -27,19 +27,19 @@ impl Scaling {
     /// Newtons and metres: no scaling.
     pub const SI: Scaling = Scaling { force: 1.0, length: 1.0 };
 
-    /// The powers of two that are nearest to the given `stiffness` (N/m) and `length` (m).
+    /// Returns the powers of two nearest to the given `stiffness` (N/m) and `length` (m).
     pub fn near(stiffness: f64, length: f64) -> Self {
         let length = power_of_two(length);
         Scaling { force: power_of_two(stiffness) * length, length }
     }
 
-    /// The unit of stiffness, N/m.
+    /// Returns the unit of stiffness, N/m.
     pub fn stiffness(&self) -> f64 {
         self.force / self.length
     }
 }
 
-/// The power of two next to `x`; 1 if `x` is zero or not finite.
+/// Returns the power of two nearest to `x`; 1 if `x` is zero or not finite.
 fn power_of_two(x: f64) -> f64 {
     if x.is_normal() { x.abs().log2().round().exp2() } else { 1.0 }
 }

@@ -1,4 +1,4 @@
-//! Where a history can be taken up again, as bytes that outlive the process.
+//! Checkpoints: snapshots from which a history can be resumed in another process.
 //!
 //! ```
 //! use stickslip::solver::history::Observer;
@@ -34,12 +34,12 @@
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// What the bytes of a checkpoint begin with; another layout has another number.
+/// The first bytes of every checkpoint. The number changes with the layout.
 const MAGIC: &[u8] = b"stickslip checkpoint 2\n";
 
-/// The place between two increments of a history from which it goes on as if it had never stopped.
+/// A snapshot between two increments of a history, from which the history continues to the same bits.
 ///
-/// Each layer that takes part in a run leaves a part of its own: the history first, then what watches it.
+/// Each layer of a run stores a part of its own: first the history, then its observers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Checkpoint {
     increments: usize,
@@ -47,34 +47,34 @@ pub struct Checkpoint {
     parts: Result<Vec<Vec<u8>>, CheckpointError>,
 }
 
-/// Why a checkpoint cannot be taken up.
+/// The reason why a checkpoint cannot be used.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CheckpointError {
-    /// The bytes are none of a checkpoint of this version, or some of them are missing or changed.
+    /// The bytes are incomplete or changed, or another version of this format.
     #[error("the checkpoint is damaged, or another version of stickslip wrote it")]
     Damaged,
-    /// A part of it cannot be written.
+    /// A part of the checkpoint cannot be serialised.
     #[error("the checkpoint cannot be written: {why}")]
     Unwritable {
-        /// What the format says.
+        /// The message of the serialiser.
         why: String,
     },
-    /// It is that of another problem, method or history.
+    /// The checkpoint belongs to another problem, method or history.
     #[error("the checkpoint is that of another run: {what} differs")]
     Other {
-        /// What differs.
+        /// The property that differs.
         what: &'static str,
     },
 }
 
 impl Checkpoint {
-    /// After so many increments, at `time` (s), with the part of the history.
+    /// Creates a checkpoint after `increments` increments, at `time` (s), with the `part` of the history.
     pub fn new<T: Serialize>(increments: usize, time: f64, part: &T) -> Self {
         Checkpoint { increments, time, parts: Ok(Vec::new()) }.with(part)
     }
 
-    /// The checkpoint with one more part.
+    /// Adds one more part to the checkpoint.
     #[must_use]
     pub fn with<T: Serialize>(mut self, part: &T) -> Self {
         match (&mut self.parts, rmp_serde::to_vec_named(part)) {
@@ -88,24 +88,25 @@ impl Checkpoint {
     /// Reads part `k`.
     ///
     /// # Errors
-    /// [`CheckpointError::Damaged`] if there is no such part, or it is not a `T`; the error of a checkpoint that could not be written.
+    /// [`CheckpointError::Damaged`] if there is no such part, or if it is not a `T`; the stored error if serialising
+    /// failed.
     pub fn part<T: DeserializeOwned>(&self, k: usize) -> Result<T, CheckpointError> {
         let parts = self.parts.as_ref().map_err(Clone::clone)?;
         let part = parts.get(k).ok_or(CheckpointError::Damaged)?;
         rmp_serde::from_slice(part).map_err(|_| CheckpointError::Damaged)
     }
 
-    /// How many increments are done.
+    /// Returns the number of completed increments.
     pub fn increments(&self) -> usize {
         self.increments
     }
 
-    /// The end of the last of them, s.
+    /// Returns the end time of the last completed increment, s.
     pub fn time(&self) -> f64 {
         self.time
     }
 
-    /// All of it, with a checksum.
+    /// Serialises the whole checkpoint, with a checksum.
     ///
     /// # Errors
     /// [`CheckpointError::Unwritable`] if a part of it cannot be written.
@@ -122,10 +123,10 @@ impl Checkpoint {
         Ok(bytes)
     }
 
-    /// The checkpoint with these bytes.
+    /// Reads a checkpoint from `bytes`.
     ///
     /// # Errors
-    /// [`CheckpointError::Damaged`] unless they are those of [`Checkpoint::to_bytes`] of this version.
+    /// [`CheckpointError::Damaged`] unless [`Checkpoint::to_bytes`] of this version wrote the bytes.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, CheckpointError> {
         Self::read(bytes).ok_or(CheckpointError::Damaged)
     }
@@ -173,7 +174,7 @@ mod tests {
         assert_eq!(again.part::<Vec<f64>>(2), Err(CheckpointError::Damaged));
     }
 
-    /// What the format does not know.
+    /// A type that the format cannot serialise.
     struct Unknown;
 
     impl Serialize for Unknown {
@@ -182,7 +183,7 @@ mod tests {
         }
     }
 
-    /// A part that cannot be written is an error, and no empty part, wherever it stands among others.
+    /// A part that cannot be serialised gives an error, not an empty part, at any place among the parts.
     #[test]
     fn what_cannot_be_written_is_an_error() {
         for checkpoint in [Checkpoint::new(1, 0.5, &Unknown).with(&1), Checkpoint::new(1, 0.5, &1).with(&Unknown)] {

@@ -1,4 +1,4 @@
-//! Static condensation (33)–(35): a problem on the contact displacements alone, and the way back.
+//! Static condensation (33)–(35): the problem on the contact displacements alone, and the recovery of the interior.
 //!
 //! With the contact displacements `u_c` and the interior `u_r`,
 //!
@@ -7,16 +7,16 @@
 //! [ K_cr K_cc ] [u_c] = [f_c - Cᵀ p]                f̃_c = f_c - Cᵀ p - K_cr K_rr⁻¹ f_r.
 //! ```
 //!
-//! `K` never changes. It is factored once with `u_c` last, so that `S = L_cc L_ccᵀ` stands in the factors,
-//! see [`Cholesky`]. This stiffness form bears slender bodies, where the compliance form `C K⁻¹ Cᵀ` loses
-//! half the digits. What a load case leaves of the interior is worked out once, too, so an
-//! increment touches the interior only at its end, in [`Condensed::state`].
+//! `K` never changes. It is factored once with `u_c` last, so that the factors contain `S = L_cc L_ccᵀ`; see
+//! [`Cholesky`]. This stiffness form is accurate for slender bodies, where the compliance form `C K⁻¹ Cᵀ` loses half
+//! the digits. The interior part of each load case is also computed only once. An increment therefore needs the
+//! interior only at its end, in [`Condensed::state`].
 //!
-//! Where contact rows hold displacements of several nodes the condensed problem has others, by `OwnBasis`, so that each node can be
-//! eliminated by itself.
+//! If contact rows couple displacements of several nodes, `OwnBasis` changes the displacements of the condensed
+//! problem, so that each node can be eliminated separately.
 //!
-//! A body that only contact holds has a singular `K`; then `ρ`, the diagonal of `K` as a rule, is added to the
-//! contact block and taken off again, `S = L_cc L_ccᵀ - ρ`, which changes nothing else.
+//! If only contact holds a body, `K` is singular. Then `ρ`, usually the diagonal of `K`, is added to the contact
+//! block and subtracted again, `S = L_cc L_ccᵀ - ρ`, which changes nothing else.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -26,28 +26,28 @@ use crate::algebra::sparse::{Csr, DenseSymmetric, Symmetric};
 use crate::solver::loading::{LoadCase, Loading};
 use crate::solver::problem::{ContactProblem, OwnBasis, Parts, State};
 
-/// How a body is condensed.
+/// The factorisation with which a body is condensed.
 #[derive(Clone)]
 pub struct Condensation {
     cholesky: SparseCholesky,
-    /// The factors of `K` with the displacements of all contact nodes last, if somebody has them.
+    /// The factors of `K` with the displacements of all contact nodes last, if they exist already.
     factor: Option<Arc<Cholesky>>,
 }
 
 impl From<SparseCholesky> for Condensation {
-    /// By this factorisation of `K`.
+    /// Creates a condensation that factors `K` with `cholesky`.
     fn from(cholesky: SparseCholesky) -> Self {
         Condensation { cholesky, factor: None }
     }
 }
 
 impl Condensation {
-    /// The same, and what it would factor first.
+    /// Creates a condensation that can reuse the `factor` of `K`.
     pub(crate) fn factored(cholesky: SparseCholesky, factor: Option<Arc<Cholesky>>) -> Self {
         Condensation { cholesky, factor }
     }
 
-    /// The factorisation of `K`.
+    /// Returns the factorisation of `K`.
     pub fn cholesky(&self) -> SparseCholesky {
         self.cholesky
     }
@@ -57,24 +57,24 @@ impl Condensation {
 pub struct Condensed {
     /// The problem on `u_c`.
     pub problem: ContactProblem,
-    /// Its loads.
+    /// The loads on `u_c`.
     pub loading: Loading,
     factor: Arc<Cholesky>,
-    /// The contact displacements among all, ascending.
+    /// The indices of the contact displacements in the whole body, ascending.
     border: Vec<usize>,
-    /// What each load case leaves of the interior.
+    /// The reduced forces of each load case.
     cases: Vec<Reduced>,
-    /// How the displacements of the problem are changed, if they are.
+    /// The change of basis of the displacements of the problem, if there is one.
     basis: Option<OwnBasis>,
-    /// If it has some of the contact nodes of the body only.
+    /// The contact nodes of the condensed problem, if they are a subset.
     part: Option<NodeSubset>,
 }
 
-/// Some of the contact nodes of a body.
+/// A subset of the contact nodes of a body.
 struct NodeSubset {
-    /// Which, ascending.
+    /// The contact nodes in the subset, ascending.
     nodes: Vec<usize>,
-    /// How many there are in all.
+    /// The number of contact nodes of the body.
     all: usize,
 }
 
@@ -82,8 +82,8 @@ impl Condensed {
     /// Condenses a body with its loads.
     ///
     /// # Errors
-    /// [`LinearError::Singular`] when a part of the body moves freely while the contact nodes are held;
-    /// when memory is short.
+    /// [`LinearError::Singular`] if a part of the body can move while the contact nodes are clamped; an error if
+    /// memory is short.
     pub fn new(problem: &ContactProblem, loading: &Loading, by: impl Into<Condensation>) -> Result<Self, LinearError> {
         let border = problem.contact_displacements();
         let basis = OwnBasis::of(problem);
@@ -119,10 +119,11 @@ impl Condensed {
         Ok(condensed)
     }
 
-    /// Puts the body under other loads; one with some of the contact nodes only knows those of its nodes.
+    /// Replaces the loading. If the condensed problem has a subset of the contact nodes, the loading is restricted to
+    /// it.
     ///
     /// # Errors
-    /// When memory is short.
+    /// If memory is short.
     pub(crate) fn load(&mut self, loading: &Loading) -> Result<(), LinearError> {
         let cases =
             loading.cases().iter().map(|case| self.factor.reduce(case.force())).collect::<Result<Vec<_>, _>>()?;
@@ -132,7 +133,8 @@ impl Condensed {
         Ok(())
     }
 
-    /// The same with these contact `nodes` alone, ascending; the others are free of forces, and their displacements in the interior.
+    /// Condenses a body on these contact `nodes` alone, ascending. All other contact nodes carry no forces and are
+    /// eliminated with the interior.
     ///
     /// # Errors
     /// As [`Condensed::new`].
@@ -146,12 +148,13 @@ impl Condensed {
         Ok(Condensed { part: Some(NodeSubset { nodes, all: problem.contacts() }), ..condensed })
     }
 
-    /// The contact nodes that the condensed problem has, ascending, if there are others.
+    /// Returns the contact nodes of the condensed problem, ascending, or `None` if they are all contact nodes of the
+    /// body.
     pub(crate) fn nodes(&self) -> Option<&[usize]> {
         self.part.as_ref().map(|part| part.nodes.as_slice())
     }
 
-    /// Of a value for each contact node of the body those of the nodes that the condensed problem has.
+    /// Restricts per-contact-node values of the body to the nodes of the condensed problem.
     pub(crate) fn on_nodes<'v>(&self, values: &'v [f64]) -> Cow<'v, [f64]> {
         match &self.part {
             Some(part) => part.nodes.iter().map(|&i| values[i]).collect(),
@@ -159,7 +162,7 @@ impl Condensed {
         }
     }
 
-    /// A value for each contact node of the body, 0 for those that the condensed problem does not have.
+    /// Extends per-node values of the condensed problem to all contact nodes of the body, with 0 elsewhere.
     pub(crate) fn of_all_nodes(&self, values: Vec<f64>) -> Vec<f64> {
         let Some(NodeSubset { nodes, all }) = &self.part else { return values };
         let mut of_all = vec![0.0; *all];
@@ -167,7 +170,7 @@ impl Condensed {
         of_all
     }
 
-    /// The state of the condensed problem that belongs to one of the whole body, to the rounding of its displacements.
+    /// Converts a state of the whole body into one of the condensed problem, up to rounding of the displacements.
     pub(crate) fn condensed_state(&self, whole: &State) -> State {
         let mut u = whole.u.clone();
         if let Some(basis) = &self.basis {
@@ -182,20 +185,21 @@ impl Condensed {
         }
     }
 
-    /// The factors of the body.
+    /// Returns information about the factors of the body.
     pub fn info(&self) -> FactorInfo {
         self.factor.info()
     }
 
-    /// The state of the whole body at `time` (35), where `contact` is that of the condensed problem.
+    /// Returns the state of the whole body at `time` (35) for a state `contact` of the condensed problem.
     ///
     /// # Errors
-    /// When an array of `contact` has another length than the condensed problem asks for.
+    /// If an array of `contact` has another length than the condensed problem needs.
     pub fn state(&self, time: f64, contact: &State) -> Result<State, LinearError> {
         Ok(self.states(&[(time, contact.clone())])?.pop().unwrap_or_default())
     }
 
-    /// [`Condensed::state`] at several times, in one pass over the factors: each is the same as alone.
+    /// Computes [`Condensed::state`] at several times in one pass over the factors. Each result equals that of a
+    /// single call.
     ///
     /// # Errors
     /// As [`Condensed::state`].
@@ -229,7 +233,8 @@ impl Condensed {
         Ok(states.collect())
     }
 
-    /// Values on the contact displacements as values on all, 0 on the others; none if there are none.
+    /// Extends values on the contact displacements to all displacements, with 0 elsewhere. Empty input gives empty
+    /// output.
     fn spread(&self, values: &[f64]) -> Vec<f64> {
         let mut all = vec![0.0; if values.is_empty() { 0 } else { self.factor.order() }];
         self.border.iter().zip(values).for_each(|(&dof, value)| all[dof] = *value);
@@ -239,20 +244,21 @@ impl Condensed {
     /// Reduces forces on the whole body (N) to the contact displacements: `b_c - K_cr K_rr⁻¹ b_r`.
     ///
     /// # Errors
-    /// When memory is short.
+    /// If memory is short.
     pub fn reduce(&self, forces: &[f64]) -> Result<Reduced, LinearError> {
         self.factor.reduce(forces)
     }
 
-    /// Reduced forces (N) on the displacements of the condensed problem.
+    /// Returns reduced forces (N) on the displacements of the condensed problem.
     pub fn on_contact(&self, forces_on_body: &Reduced) -> Vec<f64> {
         forces(&self.border, self.basis.as_ref(), forces_on_body)
     }
 
-    /// The displacements (m) that reduced forces make while those of the condensed problem are `contact` (m).
+    /// Computes the displacements (m) under reduced forces if the displacements of the condensed problem are
+    /// `contact` (m).
     ///
     /// # Errors
-    /// When memory is short.
+    /// If memory is short.
     pub fn displacements(&self, forces: &Reduced, contact: &[f64]) -> Result<Vec<f64>, LinearError> {
         let mut u = vec![0.0; self.factor.order()];
         match &self.basis {
@@ -268,7 +274,7 @@ impl Condensed {
     }
 }
 
-/// Reduced forces on the displacements `border`, changed by `basis`.
+/// Returns reduced forces on the displacements `border`, transformed by `basis`.
 fn forces(border: &[usize], basis: Option<&OwnBasis>, reduced: &Reduced) -> Vec<f64> {
     let Some(basis) = basis else { return reduced.border.clone() };
     let mut all = vec![0.0; border.last().map_or(0, |last| last + 1)];
@@ -277,7 +283,7 @@ fn forces(border: &[usize], basis: Option<&OwnBasis>, reduced: &Reduced) -> Vec<
     border.iter().map(|&dof| all[dof]).collect()
 }
 
-/// The factors of `K`, and `S`, changed by `basis`.
+/// Computes the factors of `K`, and `S` transformed by `basis`.
 fn schur_complement(
     stiffness: &Symmetric,
     border: &[usize],
@@ -289,7 +295,7 @@ fn schur_complement(
     let factor = match factor.map_or_else(|| factor_of(stiffness), Ok) {
         Err(LinearError::Singular { .. }) if !border.is_empty() => {
             let (mut held, diagonal) = (stiffness.clone(), stiffness.diagonal());
-            // What has no stiffness of its own takes that of others, or any.
+            // Displacements without stiffness get the largest `ρ` of the others, or 1.
             let largest = diagonal.iter().fold(0.0_f64, |m, rho| m.max(*rho));
             let other = if largest > 0.0 { largest } else { 1.0 };
             let rho = |&dof: &usize| match diagonal[dof] {
@@ -303,7 +309,7 @@ fn schur_complement(
         }
         factor => factor?,
     };
-    // What moves freely without contact taking part.
+    // Detects rigid modes of the interior, in which the contact nodes do not move.
     let pivot_ratio = factor.interior_pivot_ratio()?;
     if pivot_ratio <= f64::EPSILON {
         return Err(LinearError::Singular { pivot_ratio });
@@ -317,7 +323,7 @@ fn schur_complement(
     Ok((factor, DenseSymmetric::of_lower(m, values).into()))
 }
 
-/// The rows of `map` that are `wanted`, on the contact displacements, changed by `basis`; the others are empty.
+/// Returns the `wanted` rows of `map` on the contact displacements, transformed by `basis`; all other rows are empty.
 fn restrict(map: &Csr, border: &[usize], basis: Option<&OwnBasis>, wanted: impl Fn(usize) -> bool) -> Csr {
     let place = |dof: &usize| border.binary_search(dof).ok();
     let row = |i: usize| {

@@ -1,24 +1,31 @@
-//! The exact path in time: from event to event, without increments.
+//! The exact solution in time: from event to event, without increments.
 //!
-//! Between two corners of the loads all that is given is linear in time, and as long as no contact node changes its status so are
-//! displacements and forces. The solution of the quasi-static problem is therefore piecewise linear in time where nodes slide
-//! along lines, as in the plane, and the walk here goes from one of its corners, an *event*, to the next:
+//! Between two corners of the loads all data are linear in time. As long as no contact node changes its status,
+//! displacements and forces are linear too. If all nodes slide along lines, as in the plane, the solution of the
+//! quasi-static problem is therefore piecewise linear in time. [`ExactPath`] goes from one of its corners, an
+//! *event*, to the next:
 //!
-//! 1. the statuses that go on, and the rates that follow, are decided by the rate problem, `rate.rs`;
-//! 2. the step goes to the nearest of: a gap that closes, a pressure that ends, friction that comes to the border of its cone;
-//! 3. the state there is solved anew with the statuses that go on, so that rounding does not add up.
+//! 1. The rate problem (`rate.rs`) determines the next statuses and the rates.
+//! 2. The step ends at the first of these events: a gap closes, a pressure vanishes, or friction reaches the border
+//! of its cone.
+//! 3. The state there is solved anew with the next statuses, so that rounding does not accumulate.
 //!
-//! Between two events every node sticks, slips one way or is open, so that each state is that of a backward Euler increment from
-//! the one before, and the error measure of increments judges it. Where no rates obey the laws the quasi-static motion ends.
+//! Between two events every node sticks, slips in one direction or is open. Each state is therefore that of a
+//! backward Euler increment from the previous state, and the error measure of increments applies. If no rates obey
+//! the laws, the quasi-static motion ends.
 //!
-//! | what | file |
+//! | content | file |
 //! | --- | --- |
-//! | the walk; what is given on it | `walk.rs`, `stretch.rs` |
-//! | the rate problem and its laws; the search for its statuses; as a linear complementarity problem, and Lemke's method for that, where corrections do not settle it | `rate_problem.rs`, `rate.rs`, `complementarity.rs`, `lemke.rs` |
-//! | the linear equations of given statuses: sparse, one factorisation a set; dense, by changes of rank one | `tangent.rs`, `sparse.rs`, `dictionary.rs` |
+//! | the exact path; the data along it | `walk.rs`, `stretch.rs` |
+//! | the rate problem and its laws | `rate_problem.rs` |
+//! | the search for its statuses | `rate.rs` |
+//! | the linear complementarity problem, if corrections fail, and Lemke's method | `complementarity.rs`, `lemke.rs` |
+//! | the linear equations of given statuses | `tangent.rs` |
+//! | sparse equations: one factorisation for each set of statuses | `sparse.rs` |
+//! | dense equations: changes of rank one | `dictionary.rs` |
 //! | solutions in twice the precision, for slender bodies | `refined.rs` |
-//! | displacements in which each contact row is one | `coordinates.rs` |
-//! | what a walk goes on from another time | `saved.rs` |
+//! | displacements of which each contact row is one | `coordinates.rs` |
+//! | snapshots of a path | `saved.rs` |
 //!
 //! ```
 //! use stickslip::solver::events::{Equations, SegmentEnd, ExactPath};
@@ -72,46 +79,47 @@ pub use walk::ExactPath;
 use crate::algebra::linear::{LinearError, RefinedSolver};
 use crate::solver::problem::ProblemError;
 
-/// The linear equations of a walk.
+/// The linear equations of an exact path.
 pub enum Equations<'a> {
-    /// Of all displacements and contact forces: one factorisation for each set of statuses, on one pattern.
+    /// Sparse equations in all displacements and contact forces: one factorisation for each set of statuses, on one
+    /// pattern.
     Sparse(&'a mut RefinedSolver),
-    /// Of the contact displacements of a condensed problem: changes of rank one.
+    /// Dense equations in the contact displacements of a condensed problem, updated by rank-one changes.
     Dense,
 }
 
-/// A contact node that changes its status.
+/// A change of status of one contact node.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Event {
-    /// When, s.
+    /// The time of the change, s.
     pub time: f64,
-    /// Which contact node, from 0.
+    /// The index of the contact node, from 0.
     pub node: usize,
-    /// What it did.
+    /// The status before the event.
     pub from: NodeStatus,
-    /// What it does.
+    /// The status after the event.
     pub to: NodeStatus,
 }
 
-/// A step of the walk.
+/// A step of the exact path.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PathSegment {
-    /// The changes of status with which it began.
+    /// The changes of status at the start of the step.
     pub events: Vec<Event>,
-    /// The work that friction dissipated in it, J, exactly; in two dimensions J per m of depth.
+    /// The exact work that friction dissipated in the step, J; in two dimensions J per m of depth.
     pub friction_work: f64,
-    /// Why it ended.
+    /// The reason why the step ended.
     pub stop: SegmentEnd,
 }
 
-/// Why a step ended.
+/// The reason why a step ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SegmentEnd {
-    /// A node has come to the border of a law.
+    /// A node reached the border of a law.
     Event,
     /// The rates of the loads change.
     Corner,
-    /// The time that was asked for is reached.
+    /// The requested time is reached.
     Until,
     /// No rates obey the laws: the quasi-static motion ends here.
     PathEnd(PathEnd),
@@ -121,41 +129,41 @@ pub enum SegmentEnd {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PathEnd {
-    /// When, s.
+    /// The time of the end, s.
     pub time: f64,
-    /// Whether all statuses of the nodes concerned were tried, and none was singular; otherwise Lemke's method ended on a ray, which proves it
-    /// in some problems only.
+    /// `true` if all statuses of the nodes concerned were tried and none was singular. Otherwise Lemke's method ended
+    /// on a ray, which is a proof only in some problems.
     pub certain: bool,
 }
 
-/// A jump over the end of a quasi-static motion, to one of the states that the laws allow beyond it.
+/// A jump across the end of a quasi-static motion, to one of the states that the laws allow beyond it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Jump {
-    /// Where the motion ended, s.
+    /// The time at which the motion ended, s.
     pub from: f64,
-    /// The end of the increment that leads over it, s.
+    /// The end of the increment that contains the jump, s.
     pub to: f64,
-    /// Whether it is certain that there was no quasi-static way, as in [`PathEnd::certain`].
+    /// `true` if it is certain that no quasi-static path exists, as in [`PathEnd::certain`].
     pub certain: bool,
 }
 
-/// Why there is no walk.
+/// The reason why there is no exact path.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PathError {
-    /// The path is not piecewise linear where friction turns.
+    /// The path is not piecewise linear where the slip direction turns.
     #[error("a contact node can slide in more than one direction, so that the path in time is curved")]
     SlidesInAPlane,
     /// The path is not piecewise linear where `μ(t) p_n(t)` is not.
     #[error("friction changes in time, so that the path is curved")]
     FrictionChanges,
-    /// Forces cannot be told apart.
+    /// The contact rows are linearly dependent, so the contact forces are not unique.
     #[error("contact rows depend on each other, so that their forces cannot be told apart")]
     DependentRows,
     /// The loading does not fit the problem.
     #[error(transparent)]
     Problem(#[from] ProblemError),
-    /// The linear algebra cannot go on.
+    /// The linear solver failed.
     #[error(transparent)]
     Linear(#[from] LinearError),
 }

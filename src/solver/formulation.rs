@@ -6,7 +6,7 @@
 //! | `H_I` (25) with its partitions (26)–(31) | `constrained.rs` |
 //! | the exact cone in space, for an interior point method | `cone.rs` |
 //!
-//! All of them stand on the same [`Assembled`] problem: one layout, one pattern, one `K`.
+//! All formulations use the same [`Assembled`] problem: one layout, one pattern, one `K`.
 
 mod assembled;
 mod bdiff;

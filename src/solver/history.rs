@@ -1,18 +1,19 @@
-//! A load history: one contact problem after the other, each starting from the last solution.
+//! A load history: a sequence of contact problems, each starting from the last solution.
 //!
-//! | what | file |
+//! | content | file |
 //! | --- | --- |
-//! | what a history asks of a method ([`IncrementSolver`]), and what it hands over ([`Task`]) | `task.rs` |
-//! | BN; the paper's interior point method; the default one; BN with that for its rescue | `bn.rs`, `ip.rs`, `predictor_corrector.rs`, `rescue.rs` |
-//! | which of them a [`Method`] names, and how a history is solved | `method.rs`, `settings.rs` |
-//! | one increment: its substeps, its verdict, increments that are judged together | `increment.rs` |
-//! | from increment to increment, in one set-up of the equations after the other | `driver.rs`, `state.rs` |
-//! | which contact nodes join condensed equations that do not hold all | `working_set.rs` |
+//! | the interface of a method ([`IncrementSolver`]) and its input ([`Task`]) | `task.rs` |
+//! | BN; the paper's interior point method; the default one; BN with the default one as fallback | `bn.rs`, `ip.rs`,
+//! `predictor_corrector.rs`, `rescue.rs` |
+//! | the choice of a [`Method`], and the settings | `method.rs`, `settings.rs` |
+//! | one increment: its substeps, its verdict, batches of increments | `increment.rs` |
+//! | the sequence of increments, one stage (set-up of the equations) after another | `driver.rs`, `state.rs` |
+//! | the working set: the contact nodes in condensed equations | `working_set.rs` |
 //! | the interior of a condensed body at the start and at the end of an increment | `interior.rs` |
-//! | a body that contact alone holds, carried to where it rests | `rigid_offset.rs` |
-//! | one increment at a time, under loads that are not known beforehand | `stepper.rs` |
+//! | the rigid offset of a body that only contact holds | `rigid_offset.rs` |
+//! | one increment at a time, under loads that are not known in advance | `stepper.rs` |
 //! | the exact path in time, from event to event; jumps | `events.rs`, `jump.rs` |
-//! | the error of the increments: the work of friction and the tangential forces | `increment_error.rs` |
+//! | the time-step error of the friction work and of the tangential forces | `increment_error.rs` |
 //! | observers, records, checkpoints | `observer.rs`, `record.rs`, `saved.rs` |
 //!
 //! ```
@@ -88,47 +89,48 @@ pub use working_set::WorkingSet;
 /// The result of a history.
 #[derive(Debug, Clone)]
 pub struct HistoryOutcome {
-    /// The verdict: that of the first increment that did not converge, if there is one.
+    /// The verdict: that of the first increment that did not converge, or [`Status::Converged`].
     pub status: Status,
-    /// One record per increment, up to the one that failed; the last two where the settings do not ask for all.
+    /// The record of each increment, up to the first that failed. Only the last two are kept unless the settings ask
+    /// for all.
     pub records: Vec<IncrementRecord>,
-    /// What all of them add up to, those before a checkpoint included.
+    /// The totals over all increments, including those before a checkpoint.
     pub tally: Tally,
     /// The state at the end of the last converged increment.
     pub state: State,
-    /// How far the history got, s: within the increment that failed, if that was halved.
+    /// The time reached, s; it may lie within the increment that failed, if that was halved.
     pub reached: f64,
     /// The scales of the error measure, from all converged increments.
     pub scales: KktScales,
-    /// Where the increment that failed violates the law most.
+    /// The largest violation of the law in the increment that failed.
     pub violation: Option<Violation>,
-    /// The changes of status on the way, where the path was followed from one to the next and the settings ask for all.
+    /// The changes of status, if the exact path was followed and the settings ask for all.
     pub events: Vec<Event>,
-    /// How many there were.
+    /// The number of changes of status.
     pub event_count: usize,
-    /// Where it went on by a jump.
+    /// The jumps over ends of the quasi-static motion.
     pub jumps: Vec<Jump>,
-    /// Where and how that path ended before its time.
+    /// The end of the quasi-static motion, if the path ended early.
     pub lost: Option<PathEnd>,
-    /// The equilibrium error that rounding the displacements makes in the last increment.
+    /// The equilibrium error due to rounding of the displacements in the last increment.
     pub rounding: f64,
-    /// If a rigid motion is to blame, one that nothing stops or that the loads drive against all
-    /// contact forces: the weights of the problem's free motions in it.
+    /// The weights of the problem's rigid modes in a motion that caused the failure, if there is one: nothing stops
+    /// it, or the loads drive it against all contact forces.
     pub free_motion: Option<Vec<f64>>,
-    /// Which unknowns there were.
+    /// The layout of the unknowns.
     pub layout: Layout,
-    /// The contact nodes that the equations held, if those were not all at first.
+    /// The working set, if not all contact nodes were in the equations at first.
     pub working_set: Option<WorkingSet>,
-    /// What the increments leave, where there is friction and the method estimates that.
+    /// The estimated time-step error, if there is friction and the method estimates it.
     pub increment_error: Option<IncrementError>,
-    /// What the linear algebra did.
+    /// The statistics of the linear solver.
     pub linear: Statistics,
-    /// Seconds for patterns and symbolic analysis, before the first increment.
+    /// The time for patterns and symbolic analysis, before the first increment, s.
     pub setup_seconds: f64,
 }
 
 impl HistoryOutcome {
-    /// That of a history that has not begun.
+    /// Creates the outcome of a history that has not begun.
     fn begun(problem: &ContactProblem) -> Self {
         HistoryOutcome {
             status: Status::Converged,
@@ -153,12 +155,11 @@ impl HistoryOutcome {
     }
 }
 
-/// Runs a history over increments that end at `times` (s), and stops at the first increment that
-/// does not converge.
+/// Runs a history with increments that end at `times` (s), and stops at the first increment that does not converge.
 ///
 /// # Errors
-/// When an array does not fit the problem or holds what it must not, and when the linear algebra cannot go on. If
-/// memory runs out in an increment, that is its verdict.
+/// If an array does not fit the problem or has an invalid value, or if the linear solver fails. If memory runs out in
+/// an increment, there is no error, but a verdict.
 pub fn run(
     problem: &ContactProblem,
     loading: &Loading,
@@ -170,7 +171,7 @@ pub fn run(
     run_with(problem, loading, times, settings, settings, system, observer)
 }
 
-/// As [`run`], with a method of one's own in place of the one that `settings` name.
+/// Runs a history as [`run`] does, with a caller's method in place of the one in `settings`.
 ///
 /// # Errors
 /// As [`run`].
@@ -206,7 +207,7 @@ pub fn run_with(
     Ok(stages.outcome)
 }
 
-/// The ends of increments: at least one, finite, increasing from 0 or later: there the body is undeformed.
+/// Checks the ends of increments: at least one, finite, increasing, and not before 0, where the body is undeformed.
 pub(crate) fn check_times(times: &[f64]) -> Result<(), ProblemError> {
     if times.is_empty() {
         return Err(ProblemError::Nothing { array: "times".to_string() });

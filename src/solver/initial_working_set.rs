@@ -1,10 +1,11 @@
-//! Which contact nodes loads and obstacles can bring into contact: those that condensed equations begin with.
+//! The initial working set: the contact nodes that loads and obstacles can probably bring into contact.
 //!
-//! `S` of a condensed body is dense on all contact displacements, so that a node which stays far from its obstacle costs as much as
-//! one that is pressed. With the displacements `ū(t)` of the body under its loads where no contact force acts, and
-//! `d_i = min_t g_i(t) - (C_n ū(t))_i` over the ends of increments, the nodes with `d_i ≤ 0` would be in their obstacle. These are within
-//! reach, and as many again, the nearest ones: a round obstacle touches fewer than it would cut off, a lever brings more. So it is an
-//! estimate and no bound. It decides what is solved with at first, and nothing of the answer, see [`HistorySettings::working_set`].
+//! `S` of a condensed body is dense on all contact displacements, so that a node far from its obstacle costs as much
+//! as a closed one. Let `ū(t)` be the displacements of the body under its loads without contact forces, and
+//! `d_i = min_t g_i(t) - (C_n ū(t))_i` over the ends of increments. The nodes with `d_i ≤ 0` would penetrate. They
+//! are in the set, and as many others, the nearest ones: a round obstacle touches fewer nodes than it would
+//! penetrate, a lever brings more. The set is therefore an estimate and no bound. It affects only the start of the
+//! solution, not the result, see [`HistorySettings::working_set`].
 //!
 //! [`HistorySettings::working_set`]: crate::solver::history::HistorySettings::working_set
 
@@ -15,31 +16,35 @@ use crate::algebra::linear::{Cholesky, LinearError, SparseCholesky};
 use crate::solver::loading::Loading;
 use crate::solver::problem::ContactProblem;
 
-/// What contact nodes out of reach may cost, in terms of the work with the body itself: as long as it is no more, they stay.
+/// The largest admissible cost of contact nodes out of reach, relative to the work with the body itself. Nodes within
+/// this cost are kept.
 pub const AFFORDABLE: f64 = 1.0;
 
-/// What is left out must save this share of what all nodes cost, for it may have to join one by one.
+/// The smallest share of the cost of all nodes that omitting nodes must save, since they may have to join one by one.
 const WORTHWHILE: f64 = 0.5;
 
-/// A factor of `K` of a body in space has some tens of times its entries. A border whose square is less costs little more.
+/// The factor of `K` of a three-dimensional body has some tens of times the entries of `K`. A contact block with
+/// fewer entries costs little more.
 const ENTRIES_OF_FACTOR: usize = 32;
 
-/// What condensed equations begin with.
+/// The initial working set of condensed equations.
 #[derive(Debug, Default)]
 pub struct InitialWorkingSet {
-    /// The contact nodes that they hold, ascending, if not all.
+    /// The contact nodes in the set, ascending; `None` means all.
     pub nodes: Option<Vec<usize>>,
-    /// The factors of `K` with the displacements of all contact nodes last, where they were made to find that all stay.
+    /// The factors of `K` with the displacements of all contact nodes last, if they were computed and all nodes are
+    /// kept.
     pub(crate) factor: Option<Arc<Cholesky>>,
 }
 
-/// The contact nodes that condensed equations of `problem` under `loading` begin with, over increments that end at
-/// `times` (s). `None` stands for all: in a body that contact alone holds, where all are cheap, and where too many are within reach.
-/// Nodes out of reach stay, the nearest first, as long as what they cost is at most `affordable` times the work with the body.
-/// `condensing` says by which factorisation the body will be condensed; where that is not sure, the cheapest order answers.
+/// Returns the initial working set of `problem` under `loading`, over increments that end at `times` (s). It has all
+/// nodes (`None`) if only contact holds the body, if all nodes are cheap, or if too many are within reach. Nodes out
+/// of reach are kept, the nearest first, as long as they cost at most `affordable` times the work with the body.
+/// `condensing` is the factorisation by which the body will be condensed; if that is not decided yet, the cheapest
+/// ordering is used.
 ///
 /// # Errors
-/// When memory is short for the factors of `K`, which loads ask for.
+/// If memory is short for the factors of `K`, which are needed if there are loads.
 pub fn working_set(
     problem: &ContactProblem,
     loading: &Loading,
@@ -48,12 +53,12 @@ pub fn working_set(
     condensing: Option<SparseCholesky>,
 ) -> Result<InitialWorkingSet, LinearError> {
     let (nodes, factor) = within(problem, loading, times, affordable, condensing)?;
-    // With fewer nodes other displacements come last.
+    // With fewer nodes, other displacements come last.
     let factor = factor.filter(|_| nodes.is_none()).map(Arc::new);
     Ok(InitialWorkingSet { nodes, factor })
 }
 
-/// The nodes, if not all, and the factors of `K` with all contact displacements last, if they were needed.
+/// Returns the nodes, if not all, and the factors of `K` with all contact displacements last, if they were needed.
 fn within(
     problem: &ContactProblem,
     loading: &Loading,
@@ -66,7 +71,7 @@ fn within(
         return Ok((None, None));
     }
     let (m, increments) = (problem.contact_displacements().len(), times.len());
-    // Most nodes out of reach are open, and so are many within it.
+    // Most nodes out of reach are open, as are many within reach.
     let work = Work { increments: increments as f64, factorizations: increments as f64, all_free: true };
     let of_contact = |nodes: usize| cost::border((m * nodes).div_ceil(all), &work);
     let most = (1.0 - WORTHWHILE) * of_contact(all);
@@ -76,7 +81,7 @@ fn within(
         return Ok((None, None));
     }
     let mut least = least_distances(loading, times, &[]);
-    // Loads are not asked where obstacles alone meet too many.
+    // The loads do not matter if the obstacles alone bring too many nodes within reach.
     if of_contact(within_reach(&least).0) > most {
         return Ok((None, None));
     }
@@ -86,7 +91,7 @@ fn within(
         let few =
             condensing.is_some() && last.len().pow(2) <= ENTRIES_OF_FACTOR * problem.stiffness().lower().values().len();
         let factor = match condensing.unwrap_or_default().factor(problem.stiffness(), if few { &last } else { &[] }) {
-            // Without contact forces it has no bounds.
+            // Without contact forces the displacements have no bounds.
             Err(LinearError::Singular { .. }) => return Ok((None, None)),
             factor => factor?,
         };
@@ -105,7 +110,7 @@ fn within(
     Ok((Some(nodes), made))
 }
 
-/// `C_n K⁻¹ f` of each load, n_c, m: how far it moves the contact nodes where no contact force acts.
+/// Returns `C_n K⁻¹ f` of each load, n_c, m: the normal displacements of the contact nodes without contact forces.
 fn unopposed(problem: &ContactProblem, loading: &Loading, factor: &Cholesky) -> Result<Vec<Vec<f64>>, LinearError> {
     let mut u = vec![0.0; problem.displacements()];
     let mut moved = Vec::with_capacity(loading.cases().len());
@@ -116,7 +121,7 @@ fn unopposed(problem: &ContactProblem, loading: &Loading, factor: &Cholesky) -> 
     Ok(moved)
 }
 
-/// `d`, n_c, m, where each load in proportion to its factor moves the contact nodes by `moved`.
+/// Returns `d`, n_c, m, if each load at factor 1 displaces the contact nodes by `moved`.
 fn least_distances(loading: &Loading, times: &[f64], moved: &[Vec<f64>]) -> Vec<f64> {
     let mut least = vec![f64::INFINITY; loading.gap().len()];
     for &time in times {
@@ -130,7 +135,7 @@ fn least_distances(loading: &Loading, times: &[f64], moved: &[Vec<f64>]) -> Vec<
     least
 }
 
-/// How many contact nodes are within reach, and all of them, the nearest first.
+/// Returns the number of contact nodes within reach, and all contact nodes, the nearest first.
 fn within_reach(least: &[f64]) -> (usize, Vec<usize>) {
     let mut nearest: Vec<usize> = (0..least.len()).collect();
     nearest.sort_by(|&i, &k| least[i].total_cmp(&least[k]));

@@ -1,4 +1,4 @@
-//! The laws of Signorini and Coulomb, and the error measure that judges every solution by them.
+//! The laws of Signorini and Coulomb, and the error measure that judges every solution.
 
 pub mod coulomb;
 mod kkt;

@@ -1,4 +1,4 @@
-//! What is prescribed over time: external forces and gaps.
+//! The prescribed data over time: external forces and gaps.
 
 mod friction;
 mod gap_correction;
@@ -15,7 +15,7 @@ use crate::solver::problem::{ContactProblem, ProblemError};
 
 const PER_NODE: &str = "one for each node in front of the obstacle";
 
-/// Nodal forces of one load at factor 1, and the factor's history.
+/// The nodal forces of one load at factor 1, and the history of the factor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoadCase {
     force: Vec<f64>,
@@ -51,7 +51,7 @@ pub struct Loading {
     friction: Option<FrictionHistory>,
 }
 
-/// The value at time `t` of a history: linear between its points, constant outside.
+/// Returns the value of a history at time `t`: linear between its points, constant outside.
 pub(crate) fn piecewise_linear(history: &[[f64; 2]], t: f64) -> Option<f64> {
     let after = history.partition_point(|[time, _]| *time <= t);
     match (after.checked_sub(1).map(|k| history[k]), history.get(after)) {
@@ -62,45 +62,46 @@ pub(crate) fn piecewise_linear(history: &[[f64; 2]], t: f64) -> Option<f64> {
 }
 
 impl LoadCase {
-    /// A load of `force` (n_u, N) at factor 1, whose factor goes through the points `[time (s), factor]` of `history`, linear
-    /// between them and constant outside; it is 1 throughout where there is none.
+    /// Creates a load of `force` (n_u, N) at factor 1. The factor is linear between the points `[time (s), factor]`
+    /// of `history` and constant outside; it is 1 if there are no points.
     ///
     /// # Errors
-    /// When a number is not finite, or the times do not increase.
+    /// If a number is not finite, or if the times do not increase.
     pub fn new(force: Vec<f64>, history: Vec<[f64; 2]>) -> Result<Self, ProblemError> {
         expect_finite("force", &force)?;
         expect_history("history", &history)?;
         Ok(LoadCase { force, history })
     }
 
-    /// The nodal forces at factor 1, n_u, N.
+    /// Returns the nodal forces at factor 1, n_u, N.
     pub fn force(&self) -> &[f64] {
         &self.force
     }
 
-    /// The points of the factor's history.
+    /// Returns the points of the factor's history.
     pub fn history(&self) -> &[[f64; 2]] {
         &self.history
     }
 
-    /// The same factor on other forces.
+    /// Returns a load with the same factor and another `force`.
     pub(crate) fn on(&self, force: Vec<f64>) -> Self {
         LoadCase { force, history: self.history.clone() }
     }
 
-    /// The factor at time `t`.
+    /// Returns the factor at time `t`.
     pub fn factor(&self, t: f64) -> f64 {
         piecewise_linear(&self.history, t).unwrap_or(1.0)
     }
 }
 
 impl Motion {
-    /// The motion of an obstacle in front of the contact nodes `nodes`: a unit of it adds `gap` (m per unit) to the gap of
-    /// each and moves the surface by `drift` (m per unit) along its tangents; the points `[time (s), distance (m) or angle
-    /// (rad)]` of `history` tell how far it has gone, linear between them and constant outside.
+    /// Creates the motion of an obstacle in front of the contact nodes `nodes`. One unit of motion adds `gap` (m per
+    /// unit) to the gap of each node and moves the surface by `drift` (m per unit) along its tangents. The motion is
+    /// linear between the points `[time (s), distance (m) or angle (rad)]` of `history` and constant outside.
     ///
     /// # Errors
-    /// When there is not one gap and one drift for each node, a number is not finite, or the times do not increase.
+    /// If there is not one gap and one drift for each node, if a number is not finite, or if the times do not
+    /// increase.
     pub fn new(
         nodes: Range<usize>,
         gap: Vec<f64>,
@@ -115,22 +116,22 @@ impl Motion {
         Ok(Motion { nodes, gap, drift, history })
     }
 
-    /// The points of its history.
+    /// Returns the points of the history.
     pub fn history(&self) -> &[[f64; 2]] {
         &self.history
     }
 
-    /// How far it has gone at time `t`.
+    /// Returns the motion at time `t`.
     fn at(&self, t: f64) -> f64 {
         piecewise_linear(&self.history, t).unwrap_or(0.0)
     }
 }
 
 impl Loading {
-    /// Loads, which add up, and `gap`, the gaps before any obstacle moves, n_c, m.
+    /// Creates the sum of `cases`, with `gap`, the gaps before any obstacle moves, n_c, m.
     ///
     /// # Errors
-    /// When the loads have forces of different lengths, or a gap is not finite.
+    /// If the loads have forces of different lengths, or if a gap is not finite.
     pub fn new(cases: Vec<LoadCase>, gap: Vec<f64>) -> Result<Self, ProblemError> {
         let first = cases.first().map_or(0, |case| case.force.len());
         for (k, case) in cases.iter().enumerate() {
@@ -140,10 +141,10 @@ impl Loading {
         Ok(Loading { cases, gap, motions: Vec::new(), bends: Vec::new(), friction: None })
     }
 
-    /// The same with obstacles that move. The motions add up, and so does what goes beyond their rates.
+    /// Adds motions of obstacles, whose effects are summed, and corrections of gaps.
     ///
     /// # Errors
-    /// When one names a contact node that there is not, or they move too far for a number.
+    /// If one of them names a missing contact node, or if the motions overflow.
     pub fn with_motions(self, motions: Vec<Motion>, bends: Vec<GapCorrection>) -> Result<Self, ProblemError> {
         let n_c = self.gap.len();
         let ends = motions
@@ -172,50 +173,50 @@ impl Loading {
         Ok(loading)
     }
 
-    /// The same with friction that changes in time, if it does.
+    /// Sets the history of friction, if it changes in time.
     ///
     /// # Errors
-    /// When there is not one coefficient for each gap.
+    /// If there is not one coefficient for each gap.
     pub fn with_friction(self, friction: Option<FrictionHistory>) -> Result<Self, ProblemError> {
         let nodes = friction.as_ref().map_or(self.gap.len(), FrictionHistory::nodes);
         expect_length("mu", self.gap.len(), nodes, "one for each gap")?;
         Ok(Loading { friction, ..self })
     }
 
-    /// How friction changes in time, if it does.
+    /// Returns the history of friction, if it changes in time.
     pub fn friction(&self) -> Option<&FrictionHistory> {
         self.friction.as_ref()
     }
 
-    /// The loads.
+    /// Returns the loads.
     pub fn cases(&self) -> &[LoadCase] {
         &self.cases
     }
 
-    /// `g`, the gaps before any obstacle moves, n_c, m.
+    /// Returns `g`, the gaps before any obstacle moves, n_c, m.
     pub fn gap(&self) -> &[f64] {
         &self.gap
     }
 
-    /// The motions of obstacles.
+    /// Returns the motions of obstacles.
     pub fn motions(&self) -> &[Motion] {
         &self.motions
     }
 
-    /// What goes beyond their rates.
+    /// Returns the corrections of gaps beyond the rates of the motions.
     pub fn bends(&self) -> &[GapCorrection] {
         &self.bends
     }
 
-    /// Other loads on the same contact nodes.
+    /// Replaces the loads; the contact nodes remain.
     pub(crate) fn with_cases(&self, cases: Vec<LoadCase>) -> Self {
         Loading { cases, ..self.clone() }
     }
 
-    /// Whether it fits `problem`.
+    /// Checks that the loading fits `problem`.
     ///
     /// # Errors
-    /// When its forces or gaps are more or fewer than the displacements or contact nodes of `problem`.
+    /// If the number of forces or gaps differs from that of the displacements or contact nodes of `problem`.
     pub fn check(&self, problem: &ContactProblem) -> Result<(), ProblemError> {
         if let Some(case) = self.cases.first() {
             expect_length("force of a load", problem.displacements(), case.force.len(), "one for each displacement")?;
@@ -223,7 +224,7 @@ impl Loading {
         expect_length("gap", problem.contacts(), self.gap.len(), "one for each contact node")
     }
 
-    /// The external forces (n_u, N) on `problem` at time `t`.
+    /// Returns the external forces (n_u, N) on `problem` at time `t`.
     ///
     /// # Errors
     /// As [`Loading::check`].
@@ -234,7 +235,7 @@ impl Loading {
         Ok(force)
     }
 
-    /// The external forces (n_u, N) at time `t`.
+    /// Computes the external forces (n_u, N) at time `t`.
     pub(crate) fn force(&self, t: f64, force: &mut [f64]) {
         force.fill(0.0);
         for case in &self.cases {
@@ -245,7 +246,7 @@ impl Loading {
         }
     }
 
-    /// The sizes of the terms (n_u, N) that the external forces at time `t` are sums of.
+    /// Returns the sums of the absolute values of the loads (n_u, N) at time `t`.
     pub(crate) fn force_sizes(&self, t: f64, displacements: usize) -> Vec<f64> {
         let mut sizes = vec![0.0; displacements];
         for case in &self.cases {
@@ -255,21 +256,21 @@ impl Loading {
         sizes
     }
 
-    /// How far gaps that are curved in time may be from the chords along which they are followed between the times of their
-    /// [`GapCorrection`]s, m.
+    /// Returns the largest distance of curved gap histories from their linear interpolation between the times of
+    /// their [`GapCorrection`]s, m.
     pub(crate) fn off_the_chords(&self) -> f64 {
         let kinks = self.kinks();
         self.bends.iter().map(|bend| bend.off_the_chords(&kinks)).fold(0.0, f64::max)
     }
 
-    /// The gaps (n_c, m) at time `t`.
+    /// Returns the gaps (n_c, m) at time `t`.
     pub fn gaps_at(&self, t: f64) -> Vec<f64> {
         let mut gap = self.gap.clone();
         self.gap_at(t, &mut gap);
         gap
     }
 
-    /// The gaps (n_c, m) at time `t`.
+    /// Computes the gaps (n_c, m) at time `t`.
     pub(crate) fn gap_at(&self, t: f64, gap: &mut [f64]) {
         gap.copy_from_slice(&self.gap);
         for motion in &self.motions {
@@ -282,8 +283,8 @@ impl Loading {
         }
     }
 
-    /// How far the surfaces of the obstacles have moved past the contact nodes along their first (`k` = 0)
-    /// or second tangents until time `t`, n_c, m. What slips is `w - drift`.
+    /// Returns the tangential motions of the obstacles at the contact nodes along their first (`k` = 0) or second
+    /// tangents until time `t`, n_c, m. Slip is the change of `w - drift`.
     pub fn drift_at(&self, t: f64, k: usize) -> Vec<f64> {
         let mut drift = vec![0.0; self.gap.len()];
         for motion in &self.motions {
@@ -297,7 +298,7 @@ impl Loading {
         drift
     }
 
-    /// The times after 0 between which forces and gaps are linear, ascending.
+    /// Returns the times after 0 between which forces and gaps are linear, ascending.
     pub(crate) fn corners(&self) -> Vec<f64> {
         let mut times = self.corner_times();
         times.extend(self.cases.iter().flat_map(|case| case.history.iter().map(|point| point[0])));
@@ -307,7 +308,7 @@ impl Loading {
         times
     }
 
-    /// The times (s) at which a load, the motion of an obstacle or friction changes its rate, ascending.
+    /// Returns the times (s) at which a load, the motion of an obstacle or friction changes its rate, ascending.
     pub fn kinks(&self) -> Vec<f64> {
         let loads = self.cases.iter().map(|case| &case.history);
         let motions = self.motions.iter().map(|motion| &motion.history);
@@ -318,7 +319,7 @@ impl Loading {
         times
     }
 
-    /// The times between which gaps are linear.
+    /// Returns the times between which gaps are linear.
     fn corner_times(&self) -> Vec<f64> {
         let mut times = vec![0.0];
         times.extend(self.bends.iter().flat_map(|bend| bend.times.iter().copied()));
@@ -328,7 +329,7 @@ impl Loading {
         times
     }
 
-    /// The largest interference over all time, m: how deep an obstacle goes into the undeformed body.
+    /// Returns the largest interference over all time, m: the depth of an obstacle in the undeformed body.
     pub fn largest_interference(&self) -> f64 {
         let mut gap = vec![0.0; self.gap.len()];
         let mut deepest = 0.0_f64;
@@ -339,7 +340,7 @@ impl Loading {
         deepest
     }
 
-    /// A bound on the nodal forces over all time, N: the sum of each case's largest.
+    /// Returns a bound on the nodal forces over all time, N: the sum of each case's largest.
     pub fn largest_force(&self) -> f64 {
         let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0_f64, |m, v| m.max(v.abs()));
         (self.cases.iter())

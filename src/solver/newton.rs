@@ -1,4 +1,4 @@
-//! Solvers for the equations of one increment, each reading like the algorithm it is.
+//! Algorithms for the equations of one increment.
 
 mod armijo;
 mod bn;
@@ -20,26 +20,25 @@ use crate::base::units::Scaling;
 use crate::solver::formulation::Layout;
 use std::ops::ControlFlow;
 
-/// How the iteration of one increment ended, by the solver's own stop test.
+/// The reason why the iteration of one increment ended, by the method's own stopping test.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Termination {
-    /// The stop test was met.
+    /// The stopping test was met.
     Converged,
     /// The limit of iterations was reached.
     MaxIterations,
-    /// The limit of iterations was reached, and half of them went through the same sets of contact
-    /// cases again.
+    /// The limit of iterations was reached, and in half of the iterations the sets of contact cases repeated.
     Cycling,
     /// The merit or the iterate is not finite.
     Diverged,
     /// No step along the direction improves the iterate.
     Stalled,
-    /// The contact statuses leave the free motion with these weights free, and there is no solution along it.
+    /// The contact statuses leave the rigid mode with these weights unconstrained, and there is no solution along it.
     Unconstrained(Vec<f64>),
-    /// No equilibrium exists: the loads drive the free motion with these weights.
+    /// No equilibrium exists: the loads drive the rigid mode with these weights.
     NoEquilibrium(Vec<f64>),
-    /// The loads drive the free motion with these weights; only friction that the equations leave out, across the edge
-    /// between two obstacles, resists it.
+    /// The loads drive the rigid mode with these weights. Only friction across the edge between two obstacles could
+    /// resist it, and the equations neglect that.
     EdgeFriction(Vec<f64>),
     /// The linearisation is singular for another reason.
     Singular(LinearError),
@@ -48,7 +47,7 @@ pub enum Termination {
 }
 
 impl Termination {
-    /// The end that a linear solve makes: a singular matrix is a verdict, anything else an error.
+    /// Converts an error of a linear solve: a singular matrix gives a termination, anything else stays an error.
     fn at(error: LinearError) -> Result<Self, LinearError> {
         match error {
             LinearError::Singular { .. } | LinearError::NotFinite => Ok(Termination::Singular(error)),
@@ -57,27 +56,27 @@ impl Termination {
     }
 }
 
-/// What the solver did in one increment.
+/// The result of a method in one increment.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MethodResult {
-    /// How it ended.
+    /// The reason why it ended.
     pub stop: Termination,
-    /// Linear systems solved, the paper's nle.
+    /// The number of linear systems solved, the paper's nle.
     pub iterations: usize,
-    /// Steps shortened, over all iterations.
+    /// The number of shortened steps over all iterations.
     pub backtracks: usize,
     /// The last merit `Theta`.
     pub theta: f64,
     /// The largest backward error of the linear solves.
     pub backward_error: f64,
-    /// Seconds spent in evaluating residual, merit and Jacobian.
+    /// The time spent on residual, merit and Jacobian, s.
     pub assembly_seconds: f64,
-    /// Whether the method left it to another one, which solved it.
+    /// `true` if a fallback method solved the increment.
     pub rescued: bool,
 }
 
 impl MethodResult {
-    /// Nothing done yet, from a start with the merit `theta`.
+    /// Creates the result before the first iteration, with the initial merit `theta`.
     pub fn new(theta: f64) -> Self {
         MethodResult {
             stop: Termination::MaxIterations,
@@ -98,8 +97,8 @@ impl MethodResult {
         self.backward_error = self.backward_error.max(backward_error);
     }
 
-    /// Whether the iteration ends here, and why: the stop test is `met`, the numbers are not finite, or
-    /// the observer wants no more.
+    /// Returns `true` if the iteration ends here: the stopping test is `met`, the numbers are not finite, or the
+    /// observer asks to stop.
     fn ends(&mut self, met: bool, flow: ControlFlow<()>) -> bool {
         self.stop = if met {
             Termination::Converged
@@ -113,7 +112,7 @@ impl MethodResult {
         true
     }
 
-    /// This and then `next`, as one.
+    /// Combines this result with that of a later attempt, `next`.
     #[must_use]
     pub fn then(self, next: MethodResult) -> MethodResult {
         MethodResult {
@@ -128,20 +127,20 @@ impl MethodResult {
     }
 }
 
-/// One iteration, as it happens.
+/// An iteration, as reported to an observer.
 #[derive(Debug, Clone, Copy)]
 pub struct Iteration<'a> {
-    /// Its record.
+    /// The record of the iteration.
     pub record: IterationRecord,
-    /// The linear system that gave the step; there is none at the start.
+    /// The linear system of the step; `None` at the start.
     pub system: Option<LinearSystem<'a>>,
 }
 
 /// The linearised equations of an iteration, as they were solved: `matrix · solution = rhs`.
 ///
 /// The unknowns begin with `(u, p_t, p_o, p_n)` in the order of `layout`, forces and displacements in the units of
-/// `scaling`. Rows of contact are scaled or combined where that keeps them well conditioned; the solution is that of
-/// (22), or of (14) with what is eliminated left out.
+/// `scaling`. Contact rows are scaled or combined to keep them well conditioned. The solution is that of (22), or of
+/// (14) without the eliminated unknowns.
 #[derive(Debug, Clone, Copy)]
 pub struct LinearSystem<'a> {
     /// The matrix.
@@ -150,41 +149,41 @@ pub struct LinearSystem<'a> {
     pub rhs: &'a [f64],
     /// The direction `dz`, before it is multiplied by the step size.
     pub solution: &'a [f64],
-    /// Which unknowns there are, and where they stand.
+    /// The layout of the unknowns.
     pub layout: &'a Layout,
     /// The units of the unknowns.
     pub scaling: Scaling,
 }
 
 impl Iteration<'_> {
-    /// The start, before any iteration.
+    /// Creates the entry of the start, before any iteration.
     fn start(theta: f64, error: Option<f64>) -> Self {
         Iteration { record: IterationRecord { error, ..IterationRecord::start(theta) }, system: None }
     }
 }
 
-/// What is recorded of an iteration.
+/// The record of an iteration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct IterationRecord {
-    /// Its number in the increment, from 1; 0 stands for the start.
+    /// The number of the iteration in the increment, from 1; 0 means the start.
     pub iteration: usize,
     /// `Theta` after the step.
     pub theta: f64,
     /// The step length taken.
     pub step: f64,
-    /// Steps shortened.
+    /// The number of times that the step was shortened.
     pub backtracks: usize,
-    /// Componentwise backward error of the linear solve.
+    /// The componentwise backward error of the linear solve.
     pub backward_error: f64,
-    /// Whether the matrix was factored; not when it is that of the last iteration.
+    /// `true` if the matrix was factored, `false` if it is that of the last iteration.
     pub factored: bool,
-    /// The error measure after the step, where the method has evaluated it: the settings `default`
-    /// end by it.
+    /// The error measure after the step, if the method has evaluated it. The constants `default` use it as the
+    /// stopping test.
     pub error: Option<f64>,
 }
 
 impl IterationRecord {
-    /// The start, before any iteration.
+    /// Creates the record of the start, before any iteration.
     pub(crate) fn start(theta: f64) -> Self {
         IterationRecord {
             iteration: 0,

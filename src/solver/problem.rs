@@ -5,8 +5,8 @@
 //! `p_n (w_n - g) = 0` (4); friction `|p_T| ≤ μ p_n`, dissipating most against the slip increment
 //! `w_T - w̄_T` with `w_T = (C_t u, C_o u)` (8).
 //!
-//! A contact node has two tangents in three dimensions (any orthonormal pair), one in two, and fewer
-//! where supports leave it less: a row of `C_t` or `C_o` is empty where there is no such freedom.
+//! A contact node has two tangents in three dimensions (any orthonormal pair), one in two, and fewer if supports
+//! leave less freedom: a row of `C_t` or `C_o` without such freedom is empty.
 
 mod check;
 mod contact_stiffness;
@@ -26,7 +26,7 @@ use crate::algebra::sparse::{Csr, DoubleDouble, Symmetric};
 use crate::algebra::vector::median;
 use crate::base::units::Scaling;
 
-/// One body against rigid obstacles, in SI units; sound, because [`ContactProblem::new`] lets nothing else pass.
+/// A body against rigid obstacles, in SI units. [`ContactProblem::new`] has checked its parts.
 ///
 /// ```
 /// use stickslip::solver::problem::{ContactProblem, Parts, ProblemError};
@@ -48,35 +48,35 @@ pub struct ContactProblem {
     parts: Parts,
     rigid_modes: Vec<Vec<f64>>,
     tangents_alone: Option<[Csr; 2]>,
-    /// The largest entry of `K`, N/m: that of a semidefinite matrix is on its diagonal.
+    /// The largest entry of `K`, N/m, which is on the diagonal of a semidefinite matrix.
     stiffest: f64,
 }
 
-/// What a [`ContactProblem`] is made of, in SI units.
+/// The parts of a [`ContactProblem`], in SI units.
 #[derive(Debug, Clone)]
 pub struct Parts {
     /// `K`, symmetric positive semidefinite, n_u × n_u, N/m.
     pub stiffness: Symmetric,
     /// `C_n`, n_c × n_u: contact displacements, positive towards the obstacle.
     pub c_n: Csr,
-    /// `C_t`, n_c × n_u: tangential contact displacements. A row is empty where supports leave no
-    /// tangential freedom.
+    /// `C_t`, n_c × n_u: tangential contact displacements. A row is empty if supports leave no tangential freedom.
     pub c_t: Csr,
-    /// `C_o`, n_c × n_u: displacements along the other tangent, at right angles to the first. Every row
-    /// is empty in two dimensions.
+    /// `C_o`, n_c × n_u: displacements along the other tangent, orthogonal to the first. Every row is empty in two
+    /// dimensions.
     pub c_o: Csr,
-    /// `μ`, friction coefficients, n_c; where they change in time, the largest.
+    /// `μ`, friction coefficients, n_c; the largest values if they change in time.
     pub mu: Vec<f64>,
     /// `l`, integration weights of the contact nodes, n_c, m (m² in space): `σ = p / l` (32). Stresses and the
     /// constants of the paper need them, the equations do not.
     pub weight: Option<Vec<f64>>,
-    /// A basis of the null space of `K`, each of length n_u: the rigid motions that no support
-    /// stops, none for a body that is held. Without it they are found from `K`.
+    /// A basis of the null space of `K`, each vector of length n_u: the rigid modes that no support stops; empty for
+    /// a supported body. If it is not given, it is computed from `K`.
     pub rigid_modes: Option<Vec<Vec<f64>>>,
 }
 
 impl Parts {
-    /// A body without friction: no tangents, no weights, the free motions to be found from `stiffness`.
+    /// Creates the parts of a body without friction: no tangents, no weights, rigid modes to be computed from
+    /// `stiffness`.
     pub fn new(stiffness: Symmetric, c_n: Csr) -> Self {
         let none = Csr::empty(c_n.rows(), c_n.columns());
         let mu = vec![0.0; c_n.rows()];
@@ -84,18 +84,19 @@ impl Parts {
     }
 }
 
-/// What drives one increment, in SI units.
+/// The data of one increment, in SI units.
 #[derive(Debug, Clone, Copy)]
 pub struct Increment<'a> {
     /// `f`, external nodal forces at the end of the increment, n_u, N.
     pub force: &'a [f64],
     /// `g`, gaps at the end of the increment, n_c, m; negative for interference.
     pub gap: &'a [f64],
-    /// `μ`, friction coefficients at the end of the increment, n_c: above 0 where those of the problem are, and 0 elsewhere.
+    /// `μ`, friction coefficients at the end of the increment, n_c: positive where those of the problem are, and 0
+    /// elsewhere.
     pub mu: &'a [f64],
     /// `w̄_t`, tangential displacements at the end of the last increment, n_c, m.
     pub w_t_last: &'a [f64],
-    /// `w̄_o`, the same along the other tangent, n_c, m.
+    /// `w̄_o`, those along the other tangent, n_c, m.
     pub w_o_last: &'a [f64],
 }
 
@@ -104,24 +105,24 @@ pub struct Increment<'a> {
 pub struct State {
     /// `u`, free displacements, n_u, m.
     pub u: Vec<f64>,
-    /// What rounding `u` to double precision leaves off, n_u, m; empty where it does not matter. In
-    /// slender bodies the forces follow from such small differences of displacements that it does.
+    /// The low-order part of `u` in double-double arithmetic, n_u, m; empty where it does not matter. In slender
+    /// bodies the forces follow from such small differences of displacements that it does.
     pub u_rest: Vec<f64>,
     /// `p_t`, tangential contact forces, n_c, N.
     pub p_t: Vec<f64>,
-    /// `p_o`, the same along the other tangent, n_c, N; 0 where there is none.
+    /// `p_o`, those along the other tangent, n_c, N; 0 where there is none.
     pub p_o: Vec<f64>,
     /// `p_n`, normal contact forces, n_c, N; positive in compression.
     pub p_n: Vec<f64>,
 }
 
 impl ContactProblem {
-    /// The problem of these parts.
+    /// Creates the problem of these parts.
     ///
     /// # Errors
-    /// [`ProblemError`] names the array that has another length than the others ask for, holds a number that is not
-    /// finite, or breaks what [`Parts`] says of it: `μ ≥ 0`, weights above 0, no displacement that takes energy out of
-    /// `K`, `K r = 0` for each free motion `r`. [`ProblemError::Linear`] when the free motions cannot be found.
+    /// [`ProblemError`] names the array that has another length than the others require, has a number that is not
+    /// finite, or violates a condition of [`Parts`]: `μ ≥ 0`, positive weights, no displacement with negative energy
+    /// in `K`, `K r = 0` for each rigid mode `r`. [`ProblemError::Linear`] if the rigid modes cannot be computed.
     pub fn new(parts: Parts) -> Result<Self, ProblemError> {
         check::parts(&parts)?;
         let rigid_modes = match &parts.rigid_modes {
@@ -130,7 +131,8 @@ impl ContactProblem {
                 motions.clone()
             }
             None => null_space_of(&parts.stiffness).map_err(|error| match error {
-                // Cholesky's factorisation of a semidefinite matrix, made a little stiffer, ends.
+                // The Cholesky factorisation of a semidefinite matrix succeeds after a small increase of the
+                // stiffness.
                 LinearError::Singular { .. } => ProblemError::NotSemidefinite,
                 error => ProblemError::Linear(error),
             })?,
@@ -138,19 +140,19 @@ impl ContactProblem {
         Ok(Self::of(Parts { rigid_modes: Some(rigid_modes), ..parts }))
     }
 
-    /// The problem of parts that this crate has made of a sound one.
+    /// Creates a problem from parts that this crate derived from a checked one.
     pub(crate) fn of(mut parts: Parts) -> Self {
         let rigid_modes = parts.rigid_modes.take().unwrap_or_default();
         let stiffest = parts.stiffness.diagonal().iter().fold(0.0_f64, |m, k| m.max(*k));
         ContactProblem { parts, rigid_modes, tangents_alone: None, stiffest }
     }
 
-    /// The same with the tangents (n_c × n_u, as `c_t` and `c_o`) that each contact node would have if it lay in front of its
-    /// obstacle alone. A node in front of two has fewer, for the others repeat normal rows. The equations are
-    /// without friction along them, but whether loads can be balanced at all is judged with it.
+    /// Adds the tangents (n_c × n_u, as `c_t` and `c_o`) that each contact node would have if its obstacle were the
+    /// only one. A node in front of two obstacles has fewer, since the others repeat normal rows. The equations
+    /// neglect friction along the missing tangents, but the test of whether loads can be balanced at all includes it.
     ///
     /// # Errors
-    /// When a map does not have one row for each contact node and one column for each displacement.
+    /// If a map does not have one row for each contact node and one column for each displacement.
     pub fn with_tangents_alone(self, c_t: Csr, c_o: Csr) -> Result<Self, ProblemError> {
         for (name, map) in [("c_t of nodes alone", &c_t), ("c_o of nodes alone", &c_o)] {
             error::expect_length(name, self.contacts(), map.rows(), "one row for each contact node")?;
@@ -159,7 +161,8 @@ impl ContactProblem {
         Ok(ContactProblem { tangents_alone: Some([c_t, c_o]), ..self })
     }
 
-    /// The same body with these contact `nodes` alone; not for verdicts on whether loads can be balanced.
+    /// Restricts the problem to these contact `nodes`. The result must not be used to judge whether loads can be
+    /// balanced.
     pub(crate) fn of_nodes(&self, nodes: &[usize]) -> Self {
         let Parts { stiffness, c_n, c_t, c_o, mu, weight, .. } = &self.parts;
         let rows = |map: &Csr| Csr::of_rows(map.columns(), nodes.iter().map(|&i| map.row(i).iter().copied()));
@@ -175,81 +178,83 @@ impl ContactProblem {
         })
     }
 
-    /// What it is made of, to make another one of; the tangents of nodes alone are not part of it.
+    /// Returns the parts, for building another problem. The tangents of [`ContactProblem::with_tangents_alone`] are
+    /// not included.
     pub fn into_parts(self) -> Parts {
         Parts { rigid_modes: Some(self.rigid_modes), ..self.parts }
     }
 
-    /// `K`, n_u × n_u, N/m.
+    /// Returns `K`, n_u × n_u, N/m.
     pub fn stiffness(&self) -> &Symmetric {
         &self.parts.stiffness
     }
 
-    /// The largest entry of `K`, N/m.
+    /// Returns the largest entry of `K`, N/m.
     pub(crate) fn stiffest(&self) -> f64 {
         self.stiffest
     }
 
-    /// `C_n`, n_c × n_u.
+    /// Returns `C_n`, n_c × n_u.
     pub fn c_n(&self) -> &Csr {
         &self.parts.c_n
     }
 
-    /// `C_t`, n_c × n_u.
+    /// Returns `C_t`, n_c × n_u.
     pub fn c_t(&self) -> &Csr {
         &self.parts.c_t
     }
 
-    /// `C_o`, n_c × n_u.
+    /// Returns `C_o`, n_c × n_u.
     pub fn c_o(&self) -> &Csr {
         &self.parts.c_o
     }
 
-    /// `μ`, n_c.
+    /// Returns `μ`, n_c.
     pub fn mu(&self) -> &[f64] {
         &self.parts.mu
     }
 
-    /// `l`, n_c, m (m² in space), if they are known.
+    /// Returns `l`, n_c, m (m² in space), if they are known.
     pub fn weight(&self) -> Option<&[f64]> {
         self.parts.weight.as_deref()
     }
 
-    /// `√(Σ |p_i|² / l_i)` over the contact nodes: a norm of the contact forces `p_i` (N) that does not grow with their number. Where no areas are
-    /// known, `l_i = 1`.
+    /// Returns `√(Σ |p_i|² / l_i)` over the contact nodes: a norm of the contact forces `p_i` (N) that does not grow
+    /// with the number of nodes. If no weights are known, `l_i = 1`.
     pub(crate) fn force_norm<const N: usize>(&self, force: impl Fn(usize) -> [f64; N]) -> f64 {
         let weight = self.weight();
         let square = |i: usize| force(i).map(|p| p * p).iter().sum::<f64>() / weight.map_or(1.0, |l| l[i]);
         (0..self.contacts()).map(square).sum::<f64>().sqrt()
     }
 
-    /// A basis of the null space of `K`, each of length n_u.
+    /// Returns a basis of the null space of `K`, each vector of length n_u.
     pub fn rigid_modes(&self) -> &[Vec<f64>] {
         &self.rigid_modes
     }
 
-    /// n_u, the number of free displacements.
+    /// Returns the number of free displacements, n_u.
     pub fn displacements(&self) -> usize {
         self.stiffness().order()
     }
 
-    /// n_c, the number of contact nodes.
+    /// Returns the number of contact nodes, n_c.
     pub fn contacts(&self) -> usize {
         self.c_n().rows()
     }
 
-    /// `K u + C_nᵀ p_n + C_tᵀ p_t + C_oᵀ p_o - f`, n_u, N, of external forces `force` (n_u, N); in twice the working
-    /// precision if the state has a `u_rest`.
+    /// Returns `K u + C_nᵀ p_n + C_tᵀ p_t + C_oᵀ p_o - f`, n_u, N, for external forces `force` (n_u, N); in twice the
+    /// working precision if the state has a `u_rest`.
     ///
     /// # Errors
-    /// When an array is longer or shorter than the problem asks for.
+    /// If an array has another length than the problem needs.
     pub fn equilibrium(&self, force: &[f64], state: &State) -> Result<Vec<f64>, ProblemError> {
         state.check(self)?;
         error::expect_length("force", self.displacements(), force.len(), "one for each displacement")?;
         Ok(self.imbalance(force, state))
     }
 
-    /// `K u + C_nᵀ p_n + C_tᵀ p_t + C_oᵀ p_o - f`, N; in twice the working precision if the state has a `u_rest`.
+    /// Returns `K u + C_nᵀ p_n + C_tᵀ p_t + C_oᵀ p_o - f`, N; in twice the working precision if the state has a
+    /// `u_rest`.
     pub(crate) fn imbalance(&self, force: &[f64], state: &State) -> Vec<f64> {
         if state.u_rest.is_empty() {
             let mut elastic = vec![0.0; state.u.len()];
@@ -268,7 +273,7 @@ impl ContactProblem {
         balance.into_iter().map(DoubleDouble::value).collect()
     }
 
-    /// The same of a state without `u_rest` whose `elastic` forces `K u` are known.
+    /// Computes the imbalance of a state without `u_rest` whose `elastic` forces `K u` are known.
     pub(crate) fn imbalance_of(&self, elastic: Vec<f64>, force: &[f64], state: &State) -> Vec<f64> {
         let mut balance = elastic;
         self.c_n().add_transposed(&state.p_n, &mut balance);
@@ -278,20 +283,20 @@ impl ContactProblem {
         balance
     }
 
-    /// [`strained`] of the displacements of `state`.
+    /// Computes [`strained`] of the displacements of `state`.
     pub(crate) fn strained(&self, state: &State) -> (Vec<f64>, Vec<f64>) {
         strained(&self.rigid_modes, &state.u, &state.u_rest)
     }
 
-    /// `w_T - w̄_T` of contact node `i`, the slip increment (m), with the `u_rest` of `state`: a slip may be that small
-    /// beside the displacements that its direction is lost in their rounding.
+    /// Returns the slip increment `w_T - w̄_T` of contact node `i` (m), including the `u_rest` of `state`: the
+    /// direction of a small slip may be lost in the rounding of the displacements.
     pub fn slip(&self, increment: &Increment<'_>, state: &State, i: usize) -> [f64; 2] {
         let last = [increment.w_t_last[i], increment.w_o_last[i]];
         [0, 1].map(|d| self.tangential_maps()[d].difference(i, &state.u, &state.u_rest, last[d]))
     }
 
-    /// The work that friction dissipates in one increment, `p_Tᵀ (w_T - w̄_T)`, J, or J per m of depth: by (8) no node
-    /// has a negative share in it.
+    /// Returns the work that friction dissipates in one increment, `p_Tᵀ (w_T - w̄_T)`, J, or J per m of depth. By
+    /// (8) the contribution of every node is nonnegative.
     pub(crate) fn friction_work(&self, increment: &Increment<'_>, state: &State) -> f64 {
         let of_node = |i: usize| {
             let [slip_t, slip_o] = self.slip(increment, state, i);
@@ -300,14 +305,15 @@ impl ContactProblem {
         (0..self.contacts()).map(of_node).sum()
     }
 
-    /// The strain energy `½ uᵀ K u` of a state of this problem, J, or J per m of depth.
+    /// Returns the strain energy `½ uᵀ K u` of a state of this problem, J, or J per m of depth.
     pub fn strain_energy(&self, state: &State) -> f64 {
         let mut force = vec![0.0; state.u.len()];
         self.stiffness().mul(&state.u, &mut force);
         0.5 * state.u.iter().zip(&force).map(|(u, f)| u * f).sum::<f64>()
     }
 
-    /// The same of a state in equilibrium with the external forces `force` (N), half the work of all forces: `½ uᵀ (f - Cᵀ p)`.
+    /// Computes the strain energy of a state in equilibrium with the external forces `force` (N) as half the work of
+    /// all forces: `½ uᵀ (f - Cᵀ p)`.
     pub(crate) fn energy_in_equilibrium(&self, force: &[f64], state: &State) -> f64 {
         let loads: f64 = state.u.iter().zip(force).map(|(u, f)| u * f).sum();
         let maps = [(self.c_n(), &state.p_n), (self.c_t(), &state.p_t), (self.c_o(), &state.p_o)];
@@ -317,13 +323,13 @@ impl ContactProblem {
         0.5 * (loads - maps.into_iter().map(contact).sum::<f64>())
     }
 
-    /// The displacements that contact forces act on, ascending. There are none along an obstacle
-    /// without friction.
+    /// Returns the displacements on which contact forces act, ascending. There are none along an obstacle without
+    /// friction.
     pub fn contact_displacements(&self) -> Vec<usize> {
         self.contact_displacements_of(0..self.contacts())
     }
 
-    /// Those that the forces of some contact `nodes` act on.
+    /// Returns the displacements on which the forces of some contact `nodes` act.
     pub(crate) fn contact_displacements_of(&self, nodes: impl Iterator<Item = usize> + Clone) -> Vec<usize> {
         let normal = nodes.clone().flat_map(|i| self.c_n().row(i));
         let rough = nodes.filter(|&i| self.mu()[i] > 0.0);
@@ -331,24 +337,24 @@ impl ContactProblem {
         normal.chain(tangential).map(|&(dof, _)| dof).collect::<BTreeSet<_>>().into_iter().collect()
     }
 
-    /// `w_n`, `w_t` and `w_o` (n_c, m) of displacements `u`.
+    /// Returns `w_n`, `w_t` and `w_o` (n_c, m) of displacements `u`.
     pub(crate) fn contact_motion(&self, u: &[f64]) -> [Vec<f64>; 3] {
         [self.c_n(), self.c_t(), self.c_o()].map(|map| map.mul(u))
     }
 
-    /// `(C_t, C_o)`.
+    /// Returns `(C_t, C_o)`.
     pub fn tangential_maps(&self) -> [&Csr; 2] {
         [self.c_t(), self.c_o()]
     }
 
-    /// `(C_t, C_o)` if each contact node lay in front of its obstacle alone, where that is not the same.
+    /// Returns the `(C_t, C_o)` that [`ContactProblem::with_tangents_alone`] has set, if it was called.
     pub fn tangents_alone(&self) -> Option<[&Csr; 2]> {
         self.tangents_alone.as_ref().map(|maps| [0, 1].map(|k| &maps[k]))
     }
 
-    /// Units of order one for a run whose external nodal forces reach `largest_force` (N) and whose
-    /// obstacles reach `interference` (m) into the body: the stiffness of a typical node, and the
-    /// displacement that either makes.
+    /// Returns units of order one for a run whose external nodal forces reach `largest_force` (N) and whose obstacles
+    /// penetrate the body by up to `interference` (m): the stiffness of a typical node, and the resulting
+    /// displacement.
     pub fn scaling(&self, largest_force: f64, interference: f64) -> Scaling {
         let stiffness = median(&mut self.stiffness().diagonal()).unwrap_or(1.0);
         Scaling::near(stiffness, interference.max(largest_force / stiffness))
@@ -356,7 +362,7 @@ impl ContactProblem {
 }
 
 impl State {
-    /// The undeformed body without contact forces.
+    /// Returns the undeformed body without contact forces.
     pub fn zero(problem: &ContactProblem) -> Self {
         let none = vec![0.0; problem.contacts()];
         State {

@@ -1,16 +1,16 @@
-//! Whether a problem can be expected to have a solution, told before anything is solved.
+//! Checks before solving, to see if a problem can be expected to have a solution.
 //!
-//! Theorem 3 of the paper assumes three things, which [`Conditions`] checks as far as that is possible:
+//! Theorem 3 of the paper has three conditions, which [`Conditions`] checks as far as possible:
 //!
 //! - (a) `K u = 0` and `C_n u ≤ 0` only for `u = 0`: no rigid motion takes the body away from every
 //!   obstacle;
 //! - (b) the columns of `[C_nᵀ C_tᵀ]`, in three dimensions of `[C_nᵀ C_tᵀ C_oᵀ]`, are linearly independent;
-//! - the Jacobian of `H_I` (25) is regular everywhere in `Ω₊₊` (28). That depends on points which
-//!   only the iteration visits: nobody can check it beforehand.
+//! - the Jacobian of `H_I` (25) is regular everywhere in `Ω₊₊` (28). That depends on points which only the iteration
+//!   visits, and cannot be checked in advance.
 //!
 //! Then Algorithm IP with the partition (F, G) is well defined and drives `H_I` to 0.
 //!
-//! Where (a) fails it depends on the load whether there is a solution: see [`rigid_equilibrium`].
+//! If (a) fails, the existence of a solution depends on the load: see [`rigid_equilibrium`].
 
 mod cone;
 mod free;
@@ -28,54 +28,54 @@ use free::Free;
 pub(crate) use free::Load;
 pub(crate) use landing::{Landing, NEARBY, is_carried_without_strain, landing};
 
-/// What violates the conditions (a) and (b) of Theorem 3.
+/// The violations of the conditions (a) and (b) of Theorem 3.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Conditions {
     /// A motion that violates (a), if there is one: the weights of the problem's `rigid_modes`.
     pub leaving: Option<Vec<f64>>,
-    /// The contact nodes whose rows violate (b), ascending. A row that is empty depends on any other.
+    /// The contact nodes whose rows violate (b), ascending. An empty row counts as linearly dependent.
     pub dependent: Vec<usize>,
 }
 
 impl Conditions {
-    /// Checks `problem`. The rows of `C_t` and `C_o` count where there is a `p_t` or `p_o`: where they are not
+    /// Checks `problem`. The rows of `C_t` and `C_o` count if there is a `p_t` or `p_o`, that is, if they are not
     /// empty and `μ > 0`.
     pub fn of(problem: &ContactProblem) -> Self {
         Conditions { leaving: leaving(problem), dependent: dependent(problem) }
     }
 
-    /// Whether both hold.
+    /// Returns `true` if both conditions hold.
     pub fn hold(&self) -> bool {
         self.leaving.is_none() && self.dependent.is_empty()
     }
 }
 
-/// Whether contact forces can balance `force` (n_u, N) against the free rigid motions `R`: whether
-/// there are `p_n ≥ 0` and `|p_T| ≤ μ p_n` with `Rᵀ (f - C_nᵀ p_n - C_tᵀ p_t - C_oᵀ p_o) = 0`.
+/// Tests if contact forces can balance `force` (n_u, N) against the rigid modes `R`: if there are `p_n ≥ 0` and
+/// `|p_T| ≤ μ p_n` with `Rᵀ (f - C_nᵀ p_n - C_tᵀ p_t - C_oᵀ p_o) = 0`.
 ///
-/// An equilibrium needs that: `Rᵀ K = 0`, so (15) multiplied by `Rᵀ` is this. It is not enough for
-/// one, since it lets every contact node carry a force, whatever its gap and its slip. A node in front of two obstacles
-/// has friction at both, in all tangential directions, though the equations leave some of it out.
+/// This is necessary for an equilibrium, since `Rᵀ K = 0` in (15) multiplied by `Rᵀ`. It is not sufficient, since it
+/// lets every contact node carry a force, whatever its gap and its slip. A node in front of two obstacles has
+/// friction at both, in all tangential directions, although the equations neglect some of it.
 ///
-/// With one tangent a node the cone of these forces has finitely many edges. A disk has a rim: there an inner
-/// cone grows by the edge on which the residual does most work, until the load is inside or no edge of the
-/// whole cone is left to resist the residual. If neither comes about nothing is claimed, as for a load that a
-/// balance can just carry.
+/// If a node has one tangent, the cone of these forces has finitely many edges. If it has two, the cone is circular.
+/// An inner cone then grows by the edge on which the residual does most work, until the load is inside or no edge of
+/// the whole cone resists the residual. If neither happens, no claim is made, as for a load at the limit of balance.
 ///
-/// Gives the weights of the problem's `rigid_modes` in a motion on which the load does work, while no admissible contact
-/// force does negative work. By Farkas' lemma there is either such a motion or a balance; and it excludes a balance, as
-/// the work of all forces would have to vanish.
+/// Returns the weights of the problem's `rigid_modes` in a motion on which the load does work, while no admissible
+/// contact force does negative work. By Farkas' lemma either such a motion or a balance exists. The motion excludes a
+/// balance, because the work of all forces would have to vanish.
 ///
 /// # Errors
-/// When `force` has not one finite entry for each displacement.
+/// If `force` does not have one finite entry for each displacement.
 pub fn rigid_equilibrium(problem: &ContactProblem, force: &[f64]) -> Result<Option<Vec<f64>>, ProblemError> {
     rigid_equilibrium_with(problem, problem.mu(), force)
 }
 
-/// [`rigid_equilibrium`] with other coefficients of friction than those of the problem (n_c), as where these change in time.
+/// Computes [`rigid_equilibrium`] with other friction coefficients than those of the problem (n_c), for example if
+/// they change in time.
 ///
 /// # Errors
-/// When `force` has not one finite entry for each displacement, or `mu` not one for each contact node.
+/// If `force` does not have one finite entry for each displacement, or `mu` not one for each contact node.
 pub fn rigid_equilibrium_with(
     problem: &ContactProblem,
     mu: &[f64],
@@ -88,7 +88,7 @@ pub fn rigid_equilibrium_with(
     Ok(driven_motion(problem, mu, &Load { force, sizes: &sizes }))
 }
 
-/// [`rigid_equilibrium`] of a load that fits, with the friction coefficients `mu`.
+/// Computes [`rigid_equilibrium`] for a load of the right size, with the friction coefficients `mu`.
 pub(crate) fn driven_motion(problem: &ContactProblem, mu: &[f64], load: &Load<'_>) -> Option<Vec<f64>> {
     let within = motion_driven_in_the_equations(problem, mu, load)?;
     match problem.tangents_alone() {
@@ -97,7 +97,7 @@ pub(crate) fn driven_motion(problem: &ContactProblem, mu: &[f64], load: &Load<'_
     }
 }
 
-/// The same with the friction that the equations have: a motion that only friction which they leave out resists.
+/// Computes the driven motion with only the friction in the equations. Friction that they neglect may resist it.
 pub(crate) fn motion_driven_in_the_equations(
     problem: &ContactProblem,
     mu: &[f64],
@@ -106,7 +106,7 @@ pub(crate) fn motion_driven_in_the_equations(
     driven_against(problem, mu, problem.tangential_maps(), load)
 }
 
-/// The motion that `load` drives against all contact forces with friction `mu` along `tangents`.
+/// Returns the motion that `load` drives against all contact forces with friction `mu` along `tangents`.
 fn driven_against(problem: &ContactProblem, mu: &[f64], tangents: [&Csr; 2], load: &Load<'_>) -> Option<Vec<f64>> {
     let free = Free::new(problem);
     let (load, size) = free.work(load);
@@ -115,7 +115,8 @@ fn driven_against(problem: &ContactProblem, mu: &[f64], tangents: [&Csr; 2], loa
     unbalanced(&cones.iter().collect::<Vec<_>>(), &load, size).map(|y| free.weights(&y))
 }
 
-/// What `cones` leave of the `load`, a sum of terms of this `size`, if they do not balance it.
+/// Returns the part of `load`, a sum of terms of this `size`, that the `cones` do not balance, or `None` if they
+/// balance it.
 fn unbalanced(cones: &[&FrictionCone], load: &[f64], size: f64) -> Option<Vec<f64>> {
     let mut generators: Vec<Vec<f64>> = cones.iter().flat_map(|cone| cone.edges()).collect();
     let has_rim = cones.iter().any(|cone| cone.tangents.len() > 1);
@@ -134,21 +135,21 @@ fn unbalanced(cones: &[&FrictionCone], load: &[f64], size: f64) -> Option<Vec<f6
     None
 }
 
-/// A new edge halves the angle between its neighbours on a rim and leaves a quarter of the gap there: far more rounds than a
-/// few nodes have digits to gain.
+/// The largest number of rounds. A new edge halves the angle between its neighbours on a rim and leaves a quarter of
+/// the gap there, so that far fewer rounds exhaust the digits of a few nodes.
 const ROUNDS: usize = 100;
-/// What a unit edge takes off the load, relative to the load, above which it counts as nearer than those there are:
-/// ten times what rounding does to the residual of a projection.
+/// A unit edge counts as nearer than the present ones if its product with the residual, relative to the load, is
+/// larger than this: ten times the rounding in the residual of a projection.
 const NEARER: f64 = 1e-13;
-/// With edges missed by that much, a load is told from one in balance if the residual, whose square is the work
-/// that the load does on it, is larger than this share of the load.
+/// The smallest residual, relative to the load, that distinguishes a load from one in balance with edges of this
+/// accuracy. The work of the load on the residual is the square of the residual.
 const TELLABLE: f64 = 1e-6;
 
-/// What the forces on one contact node do to the free motions.
+/// The generalised forces of one contact node on the rigid modes.
 struct FrictionCone {
     mu: f64,
     normal: Vec<f64>,
-    /// One for each tangent that the node has.
+    /// The vectors of the tangents that the node has.
     tangents: Vec<Vec<f64>>,
 }
 
@@ -162,20 +163,20 @@ impl FrictionCone {
         }
     }
 
-    /// `n + μ t`, divided by what may be large.
+    /// Returns `n + μ t`, divided by the larger of `μ` and 1.
     fn edge(&self, mu: f64, tangent: &[f64]) -> Vec<f64> {
         self.normal.iter().zip(tangent).map(|(n, t)| (n + mu * t) / mu.abs().max(1.0)).collect()
     }
 
-    /// The edges along the tangents, and the normal. It is the mean of two of them, which would lose it beside
-    /// an enormous mu.
+    /// Returns the edges along the tangents, and the normal. The normal is the mean of two edges, which would lose it
+    /// if mu is very large.
     fn edges(&self) -> Vec<Vec<f64>> {
         let pair = |tangent: &Vec<f64>| [self.edge(self.mu, tangent), self.edge(-self.mu, tangent)];
         self.tangents.iter().flat_map(pair).chain([self.normal.clone()]).collect()
     }
 
-    /// The edge on the rim that is nearest to `y`, with the part of `y` along it; `None` where the cone has no other
-    /// than [`FrictionCone::edges`].
+    /// Returns the edge on the rim that is nearest to `y`, with the component of `y` along it, or `None` if the cone
+    /// has only [`FrictionCone::edges`].
     fn edge_towards(&self, y: &[f64]) -> Option<(f64, Vec<f64>)> {
         let [t, o] = self.tangents.as_slice() else { return None };
         let dot = |a: &[f64]| a.iter().zip(y).map(|(a, y)| a * y).sum::<f64>();
@@ -187,13 +188,14 @@ impl FrictionCone {
     }
 }
 
-/// (a): motions that no row of `C_n` feels as positive are the polar of the cone of these rows. There
-/// are none but zero if and only if that cone is the whole space, and so holds every direction.
+/// Returns a violation of (a). Motions with no positive product with a row of `C_n` are the polar of the cone of
+/// these rows. Only zero is in the polar if and only if the cone is the whole space, so that it contains every
+/// direction.
 fn leaving(problem: &ContactProblem) -> Option<Vec<f64>> {
     let free = Free::new(problem);
     let rows: Vec<Vec<f64>> = (0..problem.contacts()).map(|i| free.felt(problem.c_n().row(i))).collect();
     let dimension = problem.rigid_modes().len();
-    // First the way out of all of them at once: where it exists it is the plainest to tell.
+    // First tries the direction away from all rows at once, which is the simplest answer.
     let away: Vec<f64> = (0..dimension).map(|k| -rows.iter().map(|row| row[k]).sum::<f64>()).collect();
     let size: f64 = rows.iter().map(|row| norm(row)).sum();
     let cone = FiniteCone::new(dimension, rows);
@@ -207,10 +209,10 @@ fn leaving(problem: &ContactProblem) -> Option<Vec<f64>> {
 /// A contact node and one of its rows.
 type Row = (usize, Vec<(usize, f64)>);
 
-/// (b): each group of rows that share displacements has relations of its own, the null space of
-/// its transposed.
+/// Returns the violations of (b): each group of rows that share displacements has its own linear relations, the null
+/// space of its transpose.
 fn dependent(problem: &ContactProblem) -> Vec<usize> {
-    // A change of the displacements leaves relations what they are, and groups small.
+    // A change of basis preserves the relations, and keeps the groups small.
     let basis = OwnBasis::of(problem);
     let row = |map: &Csr, i: usize| basis.as_ref().map_or_else(|| map.row(i).to_vec(), |basis| basis.row(map, i));
     let rows: Vec<Row> = (0..problem.contacts())
@@ -237,7 +239,7 @@ fn dependent(problem: &ContactProblem) -> Vec<usize> {
     found.into_iter().collect()
 }
 
-/// The rows in groups that have no displacement in common. An empty row is a group of its own.
+/// Splits the rows into groups without common displacements. An empty row is a group of its own.
 fn groups(rows: &[Row]) -> Vec<Vec<&Row>> {
     let mut sets = UnionFind::new(rows.len());
     let mut first = BTreeMap::new();
@@ -266,7 +268,7 @@ mod tests {
 
     type Entries<'a> = &'a [(usize, f64)];
 
-    /// A rigid particle or two: displacements that nothing but contact rows tells apart.
+    /// Creates one or two rigid particles: displacements that only contact rows connect.
     fn problem(motions: &[&[f64]], displacements: usize, contacts: &[(Entries, Entries, f64)]) -> ContactProblem {
         let row = |entries: Entries| entries.to_vec();
         let c_n = Csr::of_rows(displacements, contacts.iter().map(|(n, ..)| row(n)));
@@ -294,7 +296,7 @@ mod tests {
         let (n, t): (Entries, Entries) = (&[(0, 0.6), (1, 0.8)], &[(0, 0.8), (1, -0.6)]);
         let dependent = |contacts: &[(Entries, Entries, f64)]| dependent(&problem(&[], 8, contacts));
         assert_eq!(dependent(&[(n, t, 0.3), (&[(2, -1.0)], &[(3, 1.0)], 0.3)]), [0; 0]);
-        // A slanted normal where a roller leaves x alone: the tangent repeats it, if there is friction.
+        // A slanted normal where a roller leaves only x free: the tangent repeats it, if there is friction.
         let roller: (Entries, Entries) = (&[(4, 0.6)], &[(4, 0.8)]);
         assert_eq!(dependent(&[(n, t, 0.3), (roller.0, roller.1, 0.3)]), [1]);
         assert_eq!(dependent(&[(n, t, 0.3), (roller.0, roller.1, 0.0)]), [0; 0]);
@@ -319,15 +321,15 @@ mod tests {
         assert!(close(&leaving(&[(down, &[], 0.0)]).unwrap(), &[0.0, 1.0]));
         let half = 0.5_f64.sqrt();
         assert!(close(&leaving(&[(down, &[], 0.0), (left, &[], 0.0)]).unwrap(), &[half, half]));
-        // Between two walls only the way along them is left.
+        // Between two walls only the motion along them remains.
         assert!(close(&leaving(&[(left, &[], 0.0), (right, &[], 0.0)]).unwrap(), &[0.0, 1.0]));
         assert_eq!(leaving(&[(down, &[], 0.0), (up, &[], 0.0), (left, &[], 0.0), (right, &[], 0.0)]), None);
         assert_eq!(leaving(&[(down, &[], 0.0), (&[(0, 1.0), (1, 1.0)], &[], 0.0), (left, &[], 0.0)]), None);
         assert!(leaving(&[]).is_some());
-        // Held by supports, or free but nowhere in contact along the motion.
+        // Supported, or a rigid mode without contact along it.
         assert_eq!(super::leaving(&problem(&[], 2, &[(down, &[], 0.0)])), None);
         assert_eq!(super::leaving(&problem(&[&[7.0, 0.0]], 2, &[(down, &[], 0.0)])), Some(vec![1.0 / 7.0]));
-        // A plane that slants: what rounding leaves of the way along it is no contact.
+        // A slanted plane: rounding of a motion along it is no contact.
         let (c, s) = (0.1_f64.cos(), 0.1_f64.sin());
         let slant: [&[f64]; 2] = [&[c, s], &[1e6 * s, -1e6 * c]];
         let wall: Entries = &[(0, -s), (1, c)];
@@ -343,10 +345,10 @@ mod tests {
         assert_eq!(balance(0.4, [4.0, -10.0]), None);
         assert_eq!(balance(0.4, [-3.9, -10.0]), None);
         let slide = balance(0.4, [4.1, -10.0]).unwrap();
-        // At right angles to the edge of the friction cone: forward, and lifting by the friction angle.
+        // Orthogonal to the edge of the friction cone: forward, and lifting by the friction angle.
         assert!((slide[1] / slide[0] - 0.4).abs() < 1e-12 && slide[0] > 0.0, "{slide:?}");
         assert!(close(&balance(0.4, [0.0, 1.0]).unwrap(), &[0.0, 1.0]));
-        // No load; a load that is in balance but for rounding; forces and friction of any size.
+        // No load; a load in balance up to rounding; forces and friction of any size.
         assert_eq!(balance(0.0, [0.0, 0.0]), None);
         let pair = problem(&[&[1.0, 1.0]], 2, &[]);
         assert_eq!(driven(&pair, &[0.1 + 0.2, -0.3]), None);
@@ -359,7 +361,7 @@ mod tests {
         assert_eq!(driven(&problem(&[], 2, &[]), &[1.0, 1.0]), None);
     }
 
-    /// A particle in a plane's friction disk, whose limit is the same whichever way the load points.
+    /// A particle on a plane with a friction disk has the same limit for every load direction.
     #[test]
     fn friction_balances_up_to_its_limit_in_every_direction() {
         let free: [&[f64]; 3] = [&[1.0, 0.0, 0.0], &[0.0, 1.0, 0.0], &[0.0, 0.0, 1.0]];
@@ -373,8 +375,8 @@ mod tests {
             }
             for outside in [4.0 * (1.0 + 1e-5), 4.1, 100.0] {
                 let slide = driven(&floor, &load(outside)).unwrap();
-                // Along the load, and lifting by the friction angle; near the limit the rim is found to the square root of
-                // what an edge may be missed by, relative to the residual.
+                // Along the load, and lifting by the friction angle. Near the limit the rim is found to the square
+                // root of the accuracy of an edge, relative to the residual.
                 let along = slide[0].hypot(slide[1]);
                 let expected = [along * angle.cos(), along * angle.sin(), 0.4 * along];
                 assert!(slide.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-3), "{angle} {outside} {slide:?}");

@@ -1,5 +1,5 @@
-//! Whether a solution is the only one: motions along which it is one of many ([`NeutralMotion`]), and whether friction
-//! can make it ambiguous, by the critical friction along the present statuses ([`critical_friction`]).
+//! The uniqueness of a solution: rigid motions that lead to other solutions ([`NeutralMotion`]), and the friction
+//! that can make it ambiguous along the present statuses ([`critical_friction`]).
 //!
 //! Multiply the friction at the slipping nodes by `κ` and keep every status. A small change of the
 //! load then changes a solution by `(du, dp_t, dp_n)` with
@@ -8,12 +8,11 @@
 //! - open nodes: `dp_n = dp_t = 0`; closed ones: `C_n du = dg`; sticking ones: `C_t du = 0`;
 //! - slipping ones: `-dp_t + κ μ s dp_n = 0`, with `s` the sign of `p_t`.
 //!
-//! That matrix is `J(κ) = J_0 + κ J_1`, and `J_1 x` holds `μ_i s_i dp_n,i` in the slip rows, nothing else.
-//! Let `T v` be the normal forces of the slipping nodes when the tangential forces `μ_i s_i v_i` act
-//! there and the other rows of `J_0` are 0. Eliminating with `J_0` leaves `dp_n = κ T dp_n`: `J(κ)` is
-//! singular if and only if `1/κ` is an eigenvalue of `T`, or `J_0` is singular.
-//! `κ_c` is the smallest such `κ ≥ 0`. With all nodes slipping and `W = C K⁻¹ Cᵀ`, `T = -W_nn⁻¹ W_nt diag(μ s)`
-//! (Klarbring, Ing.-Arch. 60, 1990, for one node).
+//! That matrix is `J(κ) = J_0 + κ J_1`, and `J_1 x` is `μ_i s_i dp_n,i` in the slip rows and 0 elsewhere. Let `T v`
+//! be the normal forces of the slipping nodes if the tangential forces `μ_i s_i v_i` act there and the other rows of
+//! `J_0` are 0. Eliminating with `J_0` leaves `dp_n = κ T dp_n`: `J(κ)` is singular if and only if `1/κ` is an
+//! eigenvalue of `T`, or `J_0` is singular. `κ_c` is the smallest such `κ ≥ 0`. With all nodes slipping and
+//! `W = C K⁻¹ Cᵀ`, `T = -W_nn⁻¹ W_nt diag(μ s)` (Klarbring, Ing.-Arch. 60, 1990, for one node).
 
 mod neutral;
 
@@ -31,12 +30,12 @@ use crate::solver::laws::coulomb::{NormalCase, TangentialCase};
 use crate::solver::laws::{ContactStatus, KktScales, statuses};
 use crate::solver::problem::{ContactProblem, Increment, State};
 
-/// How far friction is from making the rate problem singular, along given contact statuses.
+/// The multiple of the friction that makes the rate problem singular, along given contact statuses.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CriticalFriction {
-    /// `κ_c`: the smallest multiple of the present friction at which the rate problem is singular.
-    /// Infinite if there is none; 0 if it is singular without friction, as where nothing but
+    /// `κ_c`: the smallest multiple of the present friction at which the rate problem is singular. It is infinite if
+    /// there is none, and 0 if the rate problem is singular without friction, for example because nothing but
     /// friction stops a motion.
     pub factor: f64,
     /// The number of nodes that slip with friction, the order of `T`.
@@ -44,33 +43,33 @@ pub struct CriticalFriction {
 }
 
 impl CriticalFriction {
-    /// Whether the rate problem is regular all the way from no friction to the present one.
+    /// Returns `true` if the rate problem is regular for all friction from zero to the present one.
     pub fn regular(&self) -> bool {
         self.factor > 1.0
     }
 }
 
-/// Friction that is nearer to the border of its cone than this share of the largest force is on it.
+/// Friction counts as on the border of its cone within this share of the largest force.
 const BORDER: f64 = 1e-10;
 
 /// A node that slips with friction.
 struct Slider {
-    /// Places of its forces in `z`, of the tangential one along the tangent it has.
+    /// The places of its forces in `z`; the tangential one along its tangent.
     p_t: usize,
     p_n: usize,
     /// `μ s`.
     drive: f64,
 }
 
-/// The critical friction along the statuses that the nodes have in `state`, a solution of
-/// `increment`; `scales` as for the error measure. It takes one analysis, one factorisation and a
-/// solve for each slipping node, and leaves `linear` with the factors of `J_0`.
+/// Computes the critical friction along the statuses of the nodes in `state`, a solution of `increment`; `scales` are
+/// those of the error measure. It takes one analysis, one factorisation and one solve for each slipping node, and
+/// leaves `linear` with the factors of `J_0`.
 ///
-/// `None` where a node can slide in two directions: there friction turns with the slip, by how much depends on
-/// the rate, and `J(κ)` is another one.
+/// Returns `None` if a node can slide in two directions: there the turning of friction with the slip depends on the
+/// rate, and `J(κ)` is a different matrix.
 ///
 /// # Errors
-/// When an array does not fit the problem, and when the linear algebra cannot go on, as for want of memory. A singular
+/// If an array does not fit the problem, or if the linear solver fails, for example for lack of memory. A singular
 /// matrix is no error.
 pub fn critical_friction(
     problem: &ContactProblem,
@@ -84,7 +83,8 @@ pub fn critical_friction(
     Ok(along(problem, increment, state, &statuses, scaling, linear)?)
 }
 
-/// The same where the motion has just ended: nodes on the border of their cone are about to slip, and count so.
+/// Computes the critical friction at the end of a quasi-static motion. Nodes on the border of their cone are about to
+/// slip, and count as slipping.
 pub(crate) fn critical_friction_where_lost(
     problem: &ContactProblem,
     increment: &Increment<'_>,
@@ -103,7 +103,7 @@ pub(crate) fn critical_friction_where_lost(
     Ok(along(problem, increment, state, &statuses, scaling, linear)?)
 }
 
-/// The critical friction along these `statuses`.
+/// Computes the critical friction along these `statuses`.
 fn along(
     problem: &ContactProblem,
     increment: &Increment<'_>,
@@ -116,12 +116,12 @@ fn along(
     if (0..problem.contacts()).any(|i| layout.slides_in_a_plane(i)) {
         return Ok(None);
     }
-    // Nothing is iterated: of all the conventions only r is used, to scale the rows of held nodes.
+    // There is no iteration: the choices only affect r, which scales the rows of closed nodes.
     let mut tangent = Bdiff::new(problem, scaling, &FormulationScaling::natural(problem));
     tangent.set_cases(statuses.iter().map(|status| match status {
         ContactStatus::Open => (NormalCase::Open, TangentialCase::NoPressure),
         ContactStatus::Stick => (NormalCase::Closed, TangentialCase::Stick),
-        // Without friction the tangential force of a slipping node is given.
+        // Without friction the tangential force of a slipping node is prescribed.
         ContactStatus::Slip => (NormalCase::Closed, TangentialCase::NoPressure),
     }));
 
@@ -144,15 +144,14 @@ fn along(
     Ok(Some(CriticalFriction { factor, slipping: sliders.len() }))
 }
 
-/// `T`, column by column; `None` if `J_0` is singular.
+/// Returns `T`, column by column, or `None` if `J_0` is singular.
 fn response(tangent: &Bdiff, sliders: &[Slider], linear: &mut RefinedSolver) -> Result<Option<Mat<f64>>, LinearError> {
     if tangent.unheld_motion().is_some() {
         return Ok(None);
     }
     let jacobian = tangent.jacobian();
     linear.analyze(jacobian)?;
-    // In units in which stiffness and compliance are of order one, such a pivot is a zero with
-    // rounding in it.
+    // In units in which stiffness and compliance are of order one, such a pivot is zero up to rounding.
     if linear.factorize(jacobian)?.pivot_ratio < f64::EPSILON {
         return Ok(None);
     }
@@ -170,16 +169,16 @@ fn response(tangent: &Bdiff, sliders: &[Slider], linear: &mut RefinedSolver) -> 
     Ok(Some(response))
 }
 
-/// An eigenvalue counts as real if its imaginary part is below this share of it. Rounding by `ε`
-/// splits a double real eigenvalue into a pair that is `√ε` = 1.5e-8 apart; and where a pair is truly
-/// complex but this near, the matrix at `κ = 1/Re λ` is singular to seven digits all the same.
+/// An eigenvalue counts as real if its imaginary part is below this share of it. Rounding by `ε` splits a double real
+/// eigenvalue into a pair that is `√ε` = 1.5e-8 apart. If a pair is truly complex but this near, the matrix at
+/// `κ = 1/Re λ` is nevertheless singular to seven digits.
 const REAL: f64 = 1e-7;
 
-/// The largest eigenvalue of `t` that is real and positive; 0 if there is none.
+/// Returns the largest real positive eigenvalue of `t`, or 0 if there is none.
 fn largest_real(t: &Mat<f64>) -> Result<f64, LinearError> {
     let eigenvalues =
         t.eigenvalues().map_err(|_| LinearError::Backend { backend: "faer", step: "eigenvalues", status: -1 })?;
-    // What is below the rounding of the largest entries is a zero.
+    // An eigenvalue below the rounding of the largest entries counts as zero.
     let negligible = t.nrows() as f64 * f64::EPSILON * t.norm_max();
     let real = eigenvalues.iter().filter(|value| value.im.abs() <= REAL * value.re && value.re > negligible);
     Ok(real.map(|value| value.re).fold(0.0, f64::max))
@@ -199,7 +198,7 @@ mod tests {
         // A double eigenvalue, exact and split by rounding: 1 ± 1e-8 i.
         assert!((largest(&[[1.0, 1.0], [0.0, 1.0]]) - 1.0).abs() < 1e-7);
         assert!((largest(&[[1.0, 1.0], [-1e-16, 1.0]]) - 1.0).abs() < 1e-7);
-        // A zero with rounding in it.
+        // A zero up to rounding.
         assert_eq!(largest(&[[1e-17, 1.0], [0.0, -1.0]]), 0.0);
     }
 }

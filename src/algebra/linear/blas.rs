@@ -1,8 +1,8 @@
-//! Which BLAS is loaded, which of its kernels runs, and which one the processor could run.
+//! The loaded BLAS, its active kernel, and the best kernel for the processor.
 //!
-//! OpenBLAS brings kernels for many processors and chooses among them when it is loaded. One that is older than the
-//! processor may not know it and then takes kernels of the oldest ones, four times slower. [`KERNEL_VARIABLE`] chooses
-//! others; it is read when the library is loaded, so that only a new process can be helped.
+//! OpenBLAS has kernels for many processors and chooses among them when it is loaded. A version older than the
+//! processor may not recognise it and then uses the oldest kernels, which are four times slower. [`KERNEL_VARIABLE`]
+//! selects others. It is read when the library is loaded, so that only a new process benefits.
 
 #[cfg(feature = "blas")]
 pub(super) mod loaded;
@@ -13,40 +13,40 @@ use std::fmt;
 
 use serde::Serialize;
 
-/// The variable of the environment by which OpenBLAS is told which kernel to take.
+/// The environment variable that selects the kernel of OpenBLAS.
 pub const KERNEL_VARIABLE: &str = "OPENBLAS_CORETYPE";
 
-/// A BLAS, as far as it tells.
+/// The properties of a BLAS, as far as it reports them.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Blas {
-    /// `OpenBLAS`, `MKL` or `BLIS`; any other, such as the reference BLAS, is `unknown`.
+    /// The name: `OpenBLAS`, `MKL` or `BLIS`; `unknown` for any other, such as the reference BLAS.
     pub library: &'static str,
-    /// Its version.
+    /// The version of the library.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub version: Option<String>,
-    /// The processor whose kernel runs.
+    /// The processor of the active kernel.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub kernel: Option<String>,
-    /// The threads that it takes for a large product.
+    /// The number of threads for a large product.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub threads: Option<usize>,
-    /// `OPENBLAS_CORETYPE`, if the environment has it.
+    /// The value of `OPENBLAS_CORETYPE`, if it is set.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub kernel_asked: Option<String>,
-    /// The kernel that the library had taken before the program started itself again for this one.
+    /// The kernel that the library had chosen before the program restarted itself for the present one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub kernel_before: Option<String>,
-    /// The name by which a faster kernel for this processor may be asked for.
+    /// The name of a faster kernel for this processor, if there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub better_kernel: Option<&'static str>,
-    /// Whether the library has kernels for several processors and [`KERNEL_VARIABLE`] chooses among them.
+    /// `true` if the library has kernels for several processors and [`KERNEL_VARIABLE`] selects among them.
     #[serde(skip)]
     pub selectable: bool,
 }
 
 impl Blas {
-    /// The BLAS of this process; none in a build without one. Nothing is changed, and nothing started.
+    /// Returns the BLAS of this process, or `None` in a build without one. It has no side effects.
     pub fn loaded() -> Option<Self> {
         #[cfg(feature = "blas")]
         return Some(loaded::describe());
@@ -54,7 +54,7 @@ impl Blas {
         None
     }
 
-    /// What it is, and how many threads it takes.
+    /// Returns the name and the number of threads.
     pub fn with_threads(&self) -> String {
         match self.threads {
             Some(1) => format!("{self}, one thread"),
@@ -63,13 +63,13 @@ impl Blas {
         }
     }
 
-    /// Whether it is known to be slower than another one would be.
+    /// Returns `true` if a faster kernel is known.
     pub fn is_slow(&self) -> bool {
         self.better_kernel.is_some() || self.library == UNKNOWN
     }
 }
 
-/// The name of a library that does not tell which it is.
+/// The name of a library that does not identify itself.
 pub(super) const UNKNOWN: &str = "unknown";
 
 impl fmt::Display for Blas {
@@ -88,26 +88,26 @@ impl fmt::Display for Blas {
     }
 }
 
-/// The widest vectors that a kernel takes, or a processor has. More are faster.
+/// The widest vector instructions of a kernel or a processor. Wider ones are faster.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Vectors {
-    /// Two numbers.
+    /// Two numbers at once.
     Sse,
-    /// Four numbers.
+    /// Four numbers at once.
     Avx,
-    /// Four numbers, with products added in one operation.
+    /// Four numbers at once, with fused multiply-add.
     Avx2,
-    /// Eight numbers.
+    /// Eight numbers at once.
     Avx512,
 }
 
 impl Vectors {
-    /// Those of this processor, as far as the system lets programs have them; none where it is no x86-64.
+    /// Returns those of this processor that the system lets programs use, or `None` if it is no x86-64.
     pub fn of_processor() -> Option<Self> {
         #[cfg(target_arch = "x86_64")]
         {
             use std::arch::is_x86_feature_detected as has;
-            // What the kernels for Skylake are compiled for.
+            // The kernels for Skylake need these instructions.
             let avx512 =
                 has!("avx512f") && has!("avx512dq") && has!("avx512bw") && has!("avx512vl") && has!("avx512cd");
             Some(match () {
@@ -121,7 +121,8 @@ impl Vectors {
         None
     }
 
-    /// Those of OpenBLAS' kernel for the processor called `name`, in capitals or not; none if that is not known.
+    /// Returns those of the OpenBLAS kernel for the processor `name`, in upper or lower case, or `None` if it is not
+    /// known.
     pub fn of_kernel(name: &str) -> Option<Self> {
         let vectors = |(vectors, names): &(Vectors, &[&str])| {
             names.iter().any(|known| known.eq_ignore_ascii_case(name)).then_some(*vectors)
@@ -158,15 +159,15 @@ const KERNELS: [(Vectors, &[&str]); 4] = [
     (Vectors::Avx512, &["SkylakeX", "Cooperlake", "SapphireRapids"]),
 ];
 
-/// The names of OpenBLAS' kernels for x86-64; which of them a library has depends on how it was built.
+/// Returns the names of the OpenBLAS kernels for x86-64. The kernels in a library depend on its build.
 pub fn kernel_names() -> impl Iterator<Item = &'static str> {
     KERNELS.iter().flat_map(|(_, names)| names.iter().copied())
 }
 
-/// Kernels with instructions that AMD's processors had for some years, and no others before or after.
+/// The kernels with instructions that only AMD's processors of some years have.
 const RETIRED: [&str; 6] = ["Opteron", "Opteron_SSE3", "Bulldozer", "Piledriver", "Steamroller", "Excavator"];
 
-/// Whether this processor may run OpenBLAS' kernel of that name, as far as it is known what that takes.
+/// Returns `true` if this processor can run the OpenBLAS kernel `name`, as far as its requirements are known.
 pub fn may_run_here(name: &str) -> bool {
     let Some(processor) = Vectors::of_processor() else { return true };
     let retired = RETIRED.iter().any(|retired| retired.eq_ignore_ascii_case(name));
@@ -183,8 +184,8 @@ fn has_retired_instructions() -> bool {
     false
 }
 
-/// The name by which OpenBLAS has had, for years, a kernel that is faster than `kernel` on a processor with such vectors. None
-/// if `kernel` is as good or not known, or the processor has none worth asking for.
+/// Returns the name of an OpenBLAS kernel, available for years, that is faster than `kernel` on a processor with such
+/// vectors. Returns `None` if `kernel` is as fast or not known, or if the processor has no faster one.
 pub fn better_kernel(kernel: &str, processor: Option<Vectors>) -> Option<&'static str> {
     let (taken, processor) = (Vectors::of_kernel(kernel)?, processor?);
     let best = match processor {
@@ -203,7 +204,7 @@ mod tests {
     fn a_kernel_that_falls_short_of_the_processor_has_a_better_one() {
         use Vectors::{Avx, Avx2, Avx512, Sse};
         let (haswell, skylake) = (Some("HASWELL"), Some("SKYLAKEX"));
-        // On a processor with SSE, AVX, AVX2 and AVX-512.
+        // A processor with SSE, AVX, AVX2 and AVX-512.
         for (kernel, better) in [
             ("Prescott", [None, None, haswell, skylake]),
             ("PRESCOTT", [None, None, haswell, skylake]),
@@ -233,7 +234,7 @@ mod tests {
         }
     }
 
-    /// What is asked for is as good as can be, so that nobody asks again.
+    /// The better kernel is the best one, so that it is requested only once.
     #[test]
     fn the_better_kernel_has_no_better_one() {
         for kernel in kernel_names() {

@@ -1,8 +1,8 @@
-//! The sparse backends by name. One whose cargo feature is off says so when it is to analyse.
+//! The sparse backends by name. A backend whose cargo feature is off returns an error at the analysis.
 
 use super::{LinearSolver, RankUse};
 
-/// UMFPACK, if `in_best_order` for many factorisations in the plane.
+/// Creates UMFPACK, with `in_best_order` for many factorisations in the plane.
 pub fn umfpack(in_best_order: bool) -> Box<dyn LinearSolver> {
     #[cfg(feature = "umfpack")]
     {
@@ -16,7 +16,7 @@ pub fn umfpack(in_best_order: bool) -> Box<dyn LinearSolver> {
     }
 }
 
-/// MUMPS.
+/// Creates MUMPS.
 pub fn mumps() -> Box<dyn LinearSolver> {
     #[cfg(feature = "mumps")]
     {
@@ -28,7 +28,7 @@ pub fn mumps() -> Box<dyn LinearSolver> {
     }
 }
 
-/// What each of several processes of MPI has taken; nothing where there is one.
+/// Returns the resources used by each MPI process; empty if there is only one.
 pub fn ranks_used() -> Vec<RankUse> {
     #[cfg(feature = "mpi")]
     {
@@ -40,7 +40,7 @@ pub fn ranks_used() -> Vec<RankUse> {
     }
 }
 
-/// How many processes of MPI there are to share the work of MUMPS and multigrid.
+/// Returns the number of MPI processes that share the work of MUMPS and multigrid.
 pub fn ranks() -> usize {
     #[cfg(feature = "mpi")]
     {
@@ -52,7 +52,7 @@ pub fn ranks() -> usize {
     }
 }
 
-/// faer's sparse LU.
+/// Creates faer's sparse LU.
 pub fn faer() -> Box<dyn LinearSolver> {
     #[cfg(feature = "faer")]
     {
@@ -64,7 +64,7 @@ pub fn faer() -> Box<dyn LinearSolver> {
     }
 }
 
-/// Stands for multigrid where nobody says where the unknowns are.
+/// Creates a placeholder for multigrid if the positions of the unknowns are not known.
 pub fn without_grid() -> Box<dyn LinearSolver> {
     Box::new(absent::Absent("grid of the unknowns, which multigrid needs"))
 }
@@ -75,7 +75,7 @@ mod absent {
     use crate::algebra::linear::{FactorInfo, LinearError, LinearSolver};
     use crate::algebra::sparse::Pattern;
 
-    /// Stands in for a backend that is not there.
+    /// A placeholder for a backend that is not available.
     pub(super) struct Absent(pub(super) &'static str);
 
     impl LinearSolver for Absent {

@@ -1,4 +1,4 @@
-//! The factorisations of this build by name.
+//! The factorisations of this build.
 
 use std::fmt;
 
@@ -10,11 +10,11 @@ use super::{LinearSolver, built_in};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum SparseLu {
-    /// UMFPACK of SuiteSparse.
+    /// UMFPACK from SuiteSparse.
     Umfpack,
-    /// MUMPS, on all processes that MPI has started.
+    /// MUMPS, on all MPI processes.
     Mumps,
-    /// faer's: no library but Rust's, slower on large meshes.
+    /// faer's LU: pure Rust, slower on large meshes.
     Faer,
 }
 
@@ -22,14 +22,14 @@ pub enum SparseLu {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum SparseCholesky {
-    /// CHOLMOD of SuiteSparse.
+    /// CHOLMOD from SuiteSparse.
     Cholmod,
-    /// faer's: no library but Rust's.
+    /// faer's Cholesky factorisation: pure Rust.
     Faer,
 }
 
 impl Default for SparseLu {
-    /// UMFPACK where it is built in, otherwise MUMPS, otherwise faer.
+    /// Returns UMFPACK if it is built in, otherwise MUMPS, otherwise faer.
     fn default() -> Self {
         let by_speed = [SparseLu::Umfpack, SparseLu::Mumps];
         by_speed.into_iter().find(|lu| lu.is_built_in()).unwrap_or(SparseLu::Faer)
@@ -37,14 +37,14 @@ impl Default for SparseLu {
 }
 
 impl Default for SparseCholesky {
-    /// CHOLMOD where it is built in, otherwise faer.
+    /// Returns CHOLMOD if it is built in, otherwise faer.
     fn default() -> Self {
         if cfg!(feature = "umfpack") { SparseCholesky::Cholmod } else { SparseCholesky::Faer }
     }
 }
 
 impl SparseLu {
-    /// Whether this build has it, which the cargo features decide.
+    /// Returns `true` if this build includes it, which depends on the cargo features.
     pub fn is_built_in(self) -> bool {
         match self {
             SparseLu::Umfpack => cfg!(feature = "umfpack"),
@@ -53,18 +53,19 @@ impl SparseLu {
         }
     }
 
-    /// The default one; where there are several processes MUMPS, if it is built in, which all of them share.
+    /// Returns the default; if there are several MPI processes and MUMPS is built in, MUMPS, which all of them share.
     pub fn for_ranks() -> Self {
         if built_in::ranks() > 1 && SparseLu::Mumps.is_built_in() { SparseLu::Mumps } else { SparseLu::default() }
     }
 
-    /// A solver; one that is not built in says so when it is to analyse.
+    /// Creates the solver. If it is not built in, its analysis returns an error.
     pub fn solver(self) -> Box<dyn LinearSolver> {
         self.solver_for(false)
     }
 
-    /// The same, if `many_in_the_plane` for ten or more factorisations of a body in the plane. UMFPACK then takes the best of
-    /// several orders: at n = 400 its factorisations take 0.7 of the time, and ordering a second more.
+    /// Creates the solver, with `many_in_the_plane` for ten or more factorisations of a plane body. UMFPACK then
+    /// takes the best of several orderings: at n = 400 its factorisations take 0.7 of the time, and the ordering
+    /// takes one second more.
     pub fn solver_for(self, many_in_the_plane: bool) -> Box<dyn LinearSolver> {
         match self {
             SparseLu::Umfpack => built_in::umfpack(many_in_the_plane),
@@ -75,7 +76,7 @@ impl SparseLu {
 }
 
 impl SparseCholesky {
-    /// Whether this build has it, which the cargo features decide.
+    /// Returns `true` if this build includes it, which depends on the cargo features.
     pub fn is_built_in(self) -> bool {
         match self {
             SparseCholesky::Cholmod => cfg!(feature = "umfpack"),

@@ -7,9 +7,9 @@
 //!     [ K_cr K_cc ]              [ L_cr L_cc ]
 //! ```
 //!
-//! the Schur complement stands in the factors and costs no solves. A system whose border is solved
-//! by other means is reduced to `c` by [`Cholesky::reduce`] and completed by [`Cholesky::expand`], as
-//! in (35).
+//! The factors therefore contain the Schur complement, which costs no solves. If the system of the border is solved
+//! by other means, [`Cholesky::reduce`] reduces a right-hand side to `c`, and [`Cholesky::expand`] completes the
+//! solution, as in (35).
 
 // Without a backend nothing is factored.
 #![cfg_attr(not(any(feature = "umfpack", feature = "faer")), allow(dead_code))]
@@ -27,14 +27,14 @@ use crate::algebra::sparse::{LANES, SimdPack, Symmetric, lane, side_by_side};
 /// The Cholesky factors of a symmetric positive definite matrix.
 pub struct Cholesky {
     factor: Box<dyn Supernodal>,
-    /// Row and column `k` of `L` belong to the unknown `order[k]`.
+    /// The permutation: row and column `k` of `L` belong to the unknown `order[k]`.
     order: Vec<usize>,
-    /// How many unknowns come last.
+    /// The number of unknowns that come last.
     border: usize,
     info: FactorInfo,
 }
 
-/// A right-hand side that was reduced to the border, see [`Cholesky::reduce`].
+/// A right-hand side reduced to the border, see [`Cholesky::reduce`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reduced {
     /// `b_c - K_cr K_rr⁻¹ b_r`, in the order of `last`.
@@ -50,7 +50,7 @@ impl std::fmt::Debug for Cholesky {
 }
 
 impl SparseCholesky {
-    /// [`Cholesky::factor`] by this one.
+    /// Computes [`Cholesky::factor`] with this backend.
     ///
     /// # Errors
     /// As [`Cholesky::factor`].
@@ -70,20 +70,20 @@ impl SparseCholesky {
 }
 
 impl Cholesky {
-    /// Factors `K = L Lᵀ` with the unknowns `last` eliminated last, in the given order: by CHOLMOD where
-    /// it is built in, otherwise by faer.
+    /// Factors `K = L Lᵀ` with the unknowns `last` eliminated last, in the given order, by CHOLMOD if it is built in,
+    /// otherwise by faer.
     ///
     /// # Errors
-    /// [`LinearError::Singular`] when `k` is not positive definite, [`LinearError::NotFinite`] when
-    /// it holds NaN or an infinity, [`LinearError::Shape`] when `last` repeats an unknown or names
-    /// one that does not exist, [`LinearError::NotBuiltIn`] when this build has neither backend, and
-    /// when memory is short or the backend fails.
+    /// [`LinearError::Singular`] if `k` is not positive definite; [`LinearError::NotFinite`] if it has NaN or an
+    /// infinity; [`LinearError::Shape`] if `last` repeats an unknown or names one that does not exist;
+    /// [`LinearError::NotBuiltIn`] if this build has neither backend; an error if memory is short or the backend
+    /// fails.
     pub fn factor(k: &Symmetric, last: &[usize]) -> Result<Self, LinearError> {
         SparseCholesky::default().factor(k, last)
     }
 
-    /// As [`Cholesky::factor`], by CHOLMOD: SuiteSparse's supernodal Cholesky, ordered by minimum degree
-    /// or nested dissection.
+    /// Computes [`Cholesky::factor`] by CHOLMOD: SuiteSparse's supernodal Cholesky, ordered by minimum degree or
+    /// nested dissection.
     ///
     /// # Errors
     /// As [`Cholesky::factor`].
@@ -96,7 +96,7 @@ impl Cholesky {
         Self::new(Box::new(factor), order, last.len())
     }
 
-    /// As [`Cholesky::factor`], by faer: a supernodal Cholesky in pure Rust, ordered by minimum degree.
+    /// Computes [`Cholesky::factor`] by faer: a supernodal Cholesky in pure Rust, ordered by minimum degree.
     ///
     /// # Errors
     /// As [`Cholesky::factor`].
@@ -108,11 +108,11 @@ impl Cholesky {
         Self::new(Box::new(factor), order, last.len())
     }
 
-    /// Entries of `L` and operations for a matrix of this pattern, without factoring it: what an order of
-    /// low fill makes, no unknown held back.
+    /// Predicts the entries of `L` and the operations for a matrix of this pattern, without factoring it, with a
+    /// fill-reducing order of all unknowns.
     ///
     /// # Errors
-    /// When memory is short, and [`LinearError::NotBuiltIn`] when this build has no backend.
+    /// If memory is short; [`LinearError::NotBuiltIn`] if this build has no backend.
     pub fn predict(k: &Symmetric) -> Result<FactorInfo, LinearError> {
         #[cfg(feature = "umfpack")]
         {
@@ -138,27 +138,27 @@ impl Cholesky {
         Ok(Cholesky { factor, order, border, info })
     }
 
-    /// What the factorisation tells about itself. The entries are those of `L` without the zeros
-    /// that supernodes store, the peak leaves out what the ordering takes.
+    /// Returns information about the factorisation. The entries are those of `L` without the zeros stored in
+    /// supernodes; the peak memory excludes the ordering.
     pub fn info(&self) -> FactorInfo {
         self.info
     }
 
-    /// The smallest over the largest pivot of the interior.
+    /// Returns the ratio of the smallest to the largest pivot of the interior.
     ///
     /// # Errors
-    /// [`LinearError::NotFinite`] when a pivot is no number.
+    /// [`LinearError::NotFinite`] if a pivot is not finite.
     pub fn interior_pivot_ratio(&self) -> Result<f64, LinearError> {
         pivot_ratio(&*self.factor, self.interior())
     }
 
-    /// The order of the matrix.
+    /// Returns the order of the matrix.
     pub fn order(&self) -> usize {
         self.order.len()
     }
 
-    /// `L_cc`, column after column, m × m for m unknowns last, zero above the diagonal:
-    /// `L_cc L_ccᵀ` is the Schur complement of the interior.
+    /// Returns `L_cc`, column by column, m × m for m unknowns last, zero above the diagonal. `L_cc L_ccᵀ` is the
+    /// Schur complement of the interior.
     pub fn trailing(&self) -> Vec<f64> {
         let (m, interior) = (self.border, self.interior());
         let mut dense = vec![0.0; m * m];
@@ -174,7 +174,7 @@ impl Cholesky {
     /// Solves `K x = b`.
     ///
     /// # Errors
-    /// When a vector has the wrong length.
+    /// If a vector has the wrong length.
     pub fn solve(&self, b: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
         expect_length("solution", self.order(), x.len())?;
         let mut ordered = self.ordered(b)?;
@@ -185,25 +185,25 @@ impl Cholesky {
         Ok(())
     }
 
-    /// The right-hand side of the Schur complement, `b_c - K_cr K_rr⁻¹ b_r`, and what
-    /// [`Cholesky::expand`] will need.
+    /// Returns the right-hand side of the Schur complement, `b_c - K_cr K_rr⁻¹ b_r`, with the data for
+    /// [`Cholesky::expand`].
     ///
     /// # Errors
-    /// When `b` has the wrong length.
+    /// If `b` has the wrong length.
     pub fn reduce(&self, b: &[f64]) -> Result<Reduced, LinearError> {
         let mut interior = self.ordered(b)?;
         sweep::forward(&*self.factor, self.interior(), &mut interior);
-        // b_c - L_cr y_r as it stands. By way of the rest y_c of the solution, as L_cc y_c, it would
-        // carry in the condition of L_cc.
+        // b_c - L_cr y_r directly. Computing it from the rest y_c of the solution as L_cc y_c would involve the
+        // condition of L_cc.
         let border = interior.split_off(self.interior());
         Ok(Reduced { border, interior })
     }
 
-    /// Completes the border `x_c`, in the order of `last`, by the interior `x_r` with
-    /// `K_rr x_r = b_r - K_rc x_c`, where `b` is what was reduced.
+    /// Completes the border `x_c`, in the order of `last`, by the interior `x_r` with `K_rr x_r = b_r - K_rc x_c`,
+    /// where `b` is the reduced right-hand side.
     ///
     /// # Errors
-    /// When a vector has the wrong length.
+    /// If a vector has the wrong length.
     pub fn expand(&self, reduced: &Reduced, x_c: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
         expect_length("reduced right-hand side", self.interior(), reduced.interior.len())?;
         expect_length("solution", self.order(), x.len())?;
@@ -214,11 +214,11 @@ impl Cholesky {
         Ok(())
     }
 
-    /// The solutions with each of the `borders` `x_c`, each under the sum of the `parts` times its own of the `factors`: in one
-    /// pass over `L`, and each the same as alone.
+    /// Computes the solutions for several `borders` `x_c`, each for the sum of the `parts` times its `factors`, in
+    /// one pass over `L`. Each result equals that of a single solution.
     ///
     /// # Errors
-    /// When a border has the wrong length.
+    /// If a border has the wrong length.
     pub(crate) fn expand_each(
         &self,
         parts: &[Reduced],
@@ -262,41 +262,41 @@ impl Cholesky {
         Ok((0..borders.len()).map(solution).collect())
     }
 
-    /// How many unknowns are interior.
+    /// Returns the number of interior unknowns.
     fn interior(&self) -> usize {
         self.order() - self.border
     }
 
-    /// `b` in the order of the factors.
+    /// Returns `b` in the order of the factors.
     fn ordered(&self, b: &[f64]) -> Result<Vec<f64>, LinearError> {
         expect_length("right-hand side", self.order(), b.len())?;
         Ok(self.order.iter().map(|&unknown| b[unknown]).collect())
     }
 
-    /// Writes what is in the order of the factors into `x`.
+    /// Writes a vector in the order of the factors to `x`.
     fn scatter(&self, ordered: &[f64], x: &mut [f64]) {
         self.order.iter().zip(ordered).for_each(|(&unknown, &value)| x[unknown] = value);
     }
 }
 
-/// All supernodes.
+/// Iterates over all supernodes.
 fn nodes(factor: &dyn Supernodal) -> impl DoubleEndedIterator<Item = Supernode<'_>> {
     (0..factor.len()).map(|k| factor.supernode(k))
 }
 
-/// The smallest over the largest of the first `n` pivots, the squares on the diagonal of `L`.
+/// Returns the ratio of the smallest to the largest of the first `n` pivots, the squares on the diagonal of `L`.
 fn pivot_ratio(factor: &dyn Supernodal, n: usize) -> Result<f64, LinearError> {
     let (mut smallest, mut largest) = (f64::INFINITY, 0.0_f64);
     for node in nodes(factor).take_while(|node| node.first < n) {
         for k in 0..node.columns.min(n - node.first) {
             let pivot = node.column(k)[0].powi(2);
-            // The kernels of some BLAS let NaN pass for positive.
+            // The kernels of some BLAS libraries accept NaN as positive.
             if !pivot.is_finite() {
                 return Err(LinearError::NotFinite);
             }
             (smallest, largest) = (smallest.min(pivot), largest.max(pivot));
         }
     }
-    // Without unknowns nothing is small.
+    // The ratio of no pivots is 1.
     Ok(if smallest > largest { 1.0 } else { smallest / largest })
 }

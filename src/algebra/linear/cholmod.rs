@@ -1,5 +1,5 @@
-//! CHOLMOD, SuiteSparse's supernodal Cholesky: its calls and the memory behind them. What the factors
-//! mean stands in [`super::Cholesky`].
+//! CHOLMOD, SuiteSparse's supernodal Cholesky: calls and memory. For the meaning of the factors see
+//! [`super::Cholesky`].
 
 #![allow(unsafe_code)]
 
@@ -14,18 +14,18 @@ use crate::algebra::sparse::{Csc, Pattern};
 // The bindings pass `Pattern`'s indices by pointer: C's 64-bit index must be exactly i64.
 const _: () = assert!(size_of::<std::ffi::c_long>() == size_of::<i64>(), "CHOLMOD's long must have 64 bits");
 
-/// C's truth.
+/// The value of true in C.
 const TRUE: c_int = 1;
 const FALSE: c_int = 0;
 
-/// CHOLMOD's settings, statistics and workspace, which every call takes.
+/// The settings, statistics and workspace of CHOLMOD, which every call needs.
 pub(super) struct Session {
-    /// From a box: CHOLMOD keeps pointers into it, so it must not move.
+    /// A pointer from a box. It must not move, because CHOLMOD keeps pointers into it.
     common: NonNull<sys::cholmod_common>,
 }
 
 impl Session {
-    /// A session that is silent and leaves `L` supernodal.
+    /// Creates a session without output that leaves `L` supernodal.
     pub(super) fn new() -> Result<Self, LinearError> {
         versions::agree()?;
         // SAFETY: integers, floats, pointers and optional functions, all of which may be zero.
@@ -42,20 +42,20 @@ impl Session {
         Ok(Session { common: NonNull::from(Box::leak(common)) })
     }
 
-    /// The settings and statistics.
+    /// Returns the settings and statistics.
     fn common(&self) -> &sys::cholmod_common {
-        // SAFETY: alive as long as `self`; C writes to it only during calls, while no reference of
-        // ours exists, as none leaves this file.
+        // SAFETY: alive as long as `self`; C writes to it only during calls, when no reference of
+        // ours exists, since none leaves this file.
         unsafe { self.common.as_ref() }
     }
 
-    /// The settings, to change them.
+    /// Returns the settings for changing them.
     fn common_mut(&mut self) -> &mut sys::cholmod_common {
         // SAFETY: alive as long as `self`, and borrowed as exclusively as `self` is.
         unsafe { self.common.as_mut() }
     }
 
-    /// The error behind the status of the last call.
+    /// Converts the status of the last call to an error.
     fn check(&self, step: &'static str) -> Result<(), LinearError> {
         const OK: c_int = sys::CHOLMOD_OK as c_int;
         const NOT_POSITIVE_DEFINITE: c_int = sys::CHOLMOD_NOT_POSDEF as c_int;
@@ -69,16 +69,16 @@ impl Session {
         }
     }
 
-    /// A fill-reducing, postordered permutation for a symmetric matrix with this lower triangle:
-    /// minimum degree, and nested dissection, where METIS is there, if the former fills much.
+    /// Returns a fill-reducing, postordered permutation for a symmetric matrix with this lower triangle: minimum
+    /// degree, or, if METIS is available and minimum degree has much fill, nested dissection.
     pub(super) fn order(&mut self, lower: &Pattern) -> Result<Vec<usize>, LinearError> {
         let common = self.common_mut();
-        // CHOLMOD's own strategy: these factors are made once, so the time to order counts. On plane
-        // grids of 200² and 400² nodes METIS took 5 to 16 times as long as AMD and the whole 1.5 to 3
-        // times as long, to save 2 to 6 % of the fill; on solid ones the strategy chose METIS.
+        // CHOLMOD's own strategy: these factors are computed once, so the time for ordering counts. On plane grids of
+        // 200² and 400² nodes METIS took 5 to 16 times as long as AMD and the whole 1.5 to 3 times as long, to save 2
+        // to 6 % of the fill; on solid grids the strategy chose METIS.
         common.nmethods = 0;
         common.postorder = TRUE;
-        // The supernodes of this block alone would be of no use.
+        // Supernodes are not needed for this block alone.
         common.supernodal = sys::CHOLMOD_SIMPLICIAL as c_int;
         let mut matrix = sparse(lower, None);
         let _alone = ordering::alone();
@@ -97,7 +97,7 @@ impl Session {
         }
     }
 
-    /// The entries and operations of the factor that was analysed last.
+    /// Returns the entries and operations of the factor that was analysed last.
     pub(super) fn predicted(&self) -> FactorInfo {
         let common = self.common();
         FactorInfo { entries: common.lnz as usize, flops: common.fl, ..FactorInfo::default() }
@@ -111,7 +111,7 @@ impl Session {
         common.nmethods = 1;
         common.method[0].ordering = sys::CHOLMOD_GIVEN as c_int;
         common.postorder = FALSE;
-        // Even where simplicial factors would be faster: one format to read.
+        // Supernodal even if simplicial factors would be faster, so that there is only one format to read.
         common.supernodal = sys::CHOLMOD_SUPERNODAL as c_int;
         let mut matrix = sparse(lower.pattern(), Some(lower.values()));
         // SAFETY: `matrix` describes the arrays of `lower` and `permutation` has an entry for each
@@ -138,14 +138,14 @@ impl Session {
         }
         // SAFETY: a factor of order n holds a permutation of n long integers.
         let kept: &[i64] = unsafe { slice(raw.Perm, raw.n) };
-        // What is read off the factors hangs on this order, so it is not taken on trust.
+        // The factors are read in this order, so it is verified.
         if kept != permutation {
             return Err(LinearError::Backend { backend: "cholmod", step: "keeping the given order", status: 0 });
         }
         Ok(factor)
     }
 
-    /// The error of a call that returned nothing.
+    /// Returns the error of a call that returned nothing.
     fn failure(&self, step: &'static str) -> LinearError {
         let status = self.common().status.into();
         self.check(step).err().unwrap_or(LinearError::Backend { backend: "cholmod", step, status })
@@ -163,16 +163,16 @@ impl Drop for Session {
     }
 }
 
-/// Numeric supernodal factors, the only owner of everything CHOLMOD allocated for them.
+/// Numeric supernodal factors, the only owner of all their CHOLMOD memory.
 pub(super) struct Factor {
     session: Session,
-    /// `L`, with its order and its supernodes.
+    /// `L`, with its order and supernodes.
     l: NonNull<sys::cholmod_factor>,
 }
 
-// SAFETY: all of it is plain heap memory without thread affinity, and `Factor` is its only owner.
+// SAFETY: plain heap memory without thread affinity, of which `Factor` is the only owner.
 unsafe impl Send for Factor {}
-// SAFETY: through `&Factor` it is read only, by us and by nobody else.
+// SAFETY: through `&Factor` the memory is only read.
 unsafe impl Sync for Factor {}
 
 impl Factor {
@@ -201,7 +201,7 @@ impl Supernodal for Factor {
                 slice::<f64>(raw.x, raw.xsize),
             )
         };
-        // The first rows are those of the columns.
+        // The first rows are those of the columns themselves.
         let rows = &rows[row_starts[k] as usize..row_starts[k + 1] as usize];
         let (first, columns) = (first[k] as usize, (first[k + 1] - first[k]) as usize);
         let start = value_starts[k] as usize;
@@ -221,7 +221,7 @@ impl Drop for Factor {
     }
 }
 
-/// A description of a symmetric matrix by its lower triangle, without values only of its pattern.
+/// Returns a description of a symmetric matrix by its lower triangle, or of its pattern if there are no `values`.
 fn sparse(lower: &Pattern, values: Option<&[f64]>) -> sys::cholmod_sparse {
     let xtype = if values.is_some() { sys::CHOLMOD_REAL } else { sys::CHOLMOD_PATTERN };
     sys::cholmod_sparse {
@@ -242,14 +242,14 @@ fn sparse(lower: &Pattern, values: Option<&[f64]>) -> sys::cholmod_sparse {
     }
 }
 
-/// An array of C as a slice; null is empty.
+/// Returns a C array as a slice; null is empty.
 ///
 /// # Safety
-/// `array` is null or holds `length` values of type `T` that nobody writes to during `'a`.
+/// `array` is null or holds `length` values of type `T` that are not written to during `'a`.
 unsafe fn slice<'a, T>(array: *mut c_void, length: usize) -> &'a [T] {
     if array.is_null() {
         return &[];
     }
-    // SAFETY: the caller vouches for it.
+    // SAFETY: the caller guarantees this.
     unsafe { std::slice::from_raw_parts(array.cast(), length) }
 }

@@ -1,6 +1,7 @@
-//! What a history costs on the whole system, factored or by multigrid, and on a condensed one, estimated from sizes alone.
+//! Estimates of a history's cost from sizes alone: whole system (factored or by multigrid) and condensed system.
 //!
-//! With `n` displacements, `m` of them in contact, `|L|` entries in the Cholesky factor of `K` and `φ` operations to make it:
+//! Let `n` be the number of displacements, `m` of them in contact, `|L|` the entries of the Cholesky factor of `K`
+//! and `φ` its operations:
 //!
 //! | | whole system, sparse LU | condensed | multigrid |
 //! | --- | --- | --- | --- |
@@ -9,97 +10,100 @@
 //! | an increment | – | substitutions with `L`, some passes over `m²` entries | – |
 //! | memory | `2 |L|` | `2 |L|`, `m²` | `n` |
 //!
-//! `k` is the number of displacements that contact leaves free, half of `m` where nothing better is known.
-//! Contact rows add a few per cent to the sparse factors and are left out. So is what all ways share: mesh,
-//! assembly, error measure.
+//! `k` is the number of displacements that contact leaves unconstrained; half of `m` if nothing better is known.
+//! Contact rows add a few per cent to the sparse factors and are neglected, as are mesh, assembly and error measure,
+//! which all variants share.
 
 use super::{FactorInfo, SparseLu};
 
-/// Seconds for each unit of work, from runs of the paper's block (n = 25 … 200), of strips (1000 × 4 …
-/// 2000 × 50) and of plates (16 × 16 × 4 … 32 × 32 × 2) on one core with AVX-512: CPU time of whole runs and of their parts, sizes from the
-/// factorisations. Elsewhere all of them change together, and the choice hangs on their ratios.
+/// The time in seconds for each unit of work, from runs of the paper's block (n = 25 … 200), of strips (1000 × 4 …
+/// 2000 × 50) and of plates (16 × 16 × 4 … 32 × 32 × 2) on one core with AVX-512: CPU time of whole runs and of their
+/// parts, sizes from the factorisations. On other machines all times change together, and the choice depends on their
+/// ratios.
 mod seconds {
-    /// An operation in a dense kernel.
+    /// The time for an operation in a dense kernel.
     pub const OPERATION: f64 = 1.0 / 30e9;
-    /// An unknown of the sparse system: nested dissection.
+    /// The time for ordering an unknown of the sparse system by nested dissection.
     pub const ORDER: f64 = 10e-6;
-    /// An entry of `L` and `U`. Fronts are small: moving their entries takes longer than the operations.
+    /// The time for an entry of `L` and `U`. Fronts are small: moving their entries takes longer than the operations.
     pub const LU_ENTRY: f64 = 26e-9;
-    /// The same with faer.
+    /// The time for an entry of `L` and `U` with faer.
     pub const FAER_LU_ENTRY: f64 = 34e-9;
-    /// What MUMPS takes of the time of UMFPACK: 0.90 and 0.75 on cubes of 16³ and 24³ elements, 0.80 on the block with n = 200.
+    /// The time of MUMPS relative to UMFPACK: 0.90 and 0.75 on cubes of 16³ and 24³ elements, 0.80 on the block with
+    /// n = 200.
     pub const MUMPS_SHARE: f64 = 0.8;
-    /// What MPI takes to start and to end.
+    /// The time for starting and ending MPI.
     pub const MPI: f64 = 0.15;
-    /// A displacement in a Newton system that is solved by multigrid, its share of the hierarchies included: 20e-6 to 27e-6 on cubes of 16³
-    /// to 48³ elements, in 2 and 10 increments.
+    /// The time for a displacement in a Newton system that is solved by multigrid, including its share of the
+    /// hierarchies: 20e-6 to 27e-6 on cubes of 16³ to 48³ elements, in 2 and 10 increments.
     pub const MULTIGRID: f64 = 25e-6;
-    /// An entry of `L` and `U` in a refined solve.
+    /// The time for an entry of `L` and `U` in a refined solve.
     pub const LU_SOLVE_ENTRY: f64 = 4e-9;
-    /// An entry of `L` of `K`, ordering by minimum degree included.
+    /// The time for an entry of `L` of `K`, including ordering by minimum degree.
     pub const L_ENTRY: f64 = 35e-9;
-    /// An entry of `L` in the substitutions of an increment.
+    /// The time for an entry of `L` in the substitutions of an increment.
     pub const L_SOLVE_ENTRY: f64 = 4e-9;
-    /// An entry of `S`: taken from the factors and formed.
+    /// The time for extracting an entry of `S` from the factors and forming it.
     pub const S_ENTRY: f64 = 75e-9;
-    /// An entry of `S` with each factorisation: gathered, multiplied in the solve.
+    /// The time for an entry of `S` in each factorisation: gathered, and multiplied in the solve.
     pub const S_FACTOR_ENTRY: f64 = 8e-9;
-    /// An entry of `S` in an increment: residuals, and the iterations that keep their factors. Runs of strips of 1000 × 4 to
-    /// 2000 × 50 elements with 2 and with 40 increments tell it from the former.
+    /// The time for an entry of `S` in an increment: residuals, and iterations that reuse their factors. Runs of
+    /// strips of 1000 × 4 to 2000 × 50 elements with 2 and with 40 increments separate it from the time above.
     pub const S_INCREMENT_ENTRY: f64 = 9e-9;
 }
 
-/// Bytes an entry of `S` takes at most: `S`, the block of `L` that it comes from, the same as a square while `S` is made, and later the
-/// factors of what is free (measured: 43 at m = 4000).
+/// The largest memory of an entry of `S`, bytes: `S`, the block of `L` that it comes from, a square of the same size
+/// while `S` is formed, and later the factors of the unconstrained part (measured: 43 at m = 4000).
 const S_BYTES: f64 = 44.0;
-/// Bytes an entry of a sparse factor takes at most, while it is made.
+/// The largest memory of an entry of a sparse factor during the factorisation, bytes.
 const LU_BYTES: f64 = 16.0;
-/// The same of MUMPS.
+/// The largest memory of such an entry with MUMPS, bytes.
 const MUMPS_BYTES: f64 = 12.0;
 
-/// What multigrid takes for a displacement: the matrix with contact eliminated and its hierarchy, twice, and the vectors of GMRES (measured, with
-/// all that a run has beside: 5700 to 5900 on cubes of 24³ to 48³ elements).
+/// The memory of multigrid for a displacement, bytes: the matrix with contact eliminated and its hierarchy, twice,
+/// and the vectors of GMRES (measured, including everything else in a run: 5700 to 5900 on cubes of 24³ to 48³
+/// elements).
 const MULTIGRID_BYTES: f64 = 4400.0;
 
-/// The part of the contact displacements that contact leaves free in a Newton matrix of BN.
+/// The share of the contact displacements that contact leaves unconstrained in a Newton matrix of BN.
 const FREE_SHARE: f64 = 0.5;
 
-/// What there is to solve.
+/// The sizes of the systems.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sizes {
-    /// Unknowns of the whole system.
+    /// The number of unknowns of the whole system.
     pub unknowns: usize,
-    /// Contact displacements that the condensed system has, `m`.
+    /// The number of contact displacements in the condensed system, `m`.
     pub contact_displacements: usize,
     /// The Cholesky factor of `K`, see [`super::Cholesky::predict`].
     pub stiffness: FactorInfo,
 }
 
-/// How often.
+/// The amount of work.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Work {
-    /// Increments.
+    /// The number of increments.
     pub increments: f64,
-    /// Factorisations in all of them.
+    /// The number of factorisations in all increments.
     pub factorizations: f64,
-    /// Whether all contact displacements stay free, as in an interior point method.
+    /// `true` if all contact displacements are unconstrained, as in an interior point method.
     pub all_free: bool,
 }
 
-/// An estimate.
+/// An estimate of time and memory.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cost {
-    /// The linear algebra of the whole history, set-up included, s.
+    /// The time for linear algebra in the whole history, including set-up, s.
     pub seconds: f64,
-    /// Peak memory, bytes.
+    /// The peak memory, bytes.
     pub bytes: f64,
 }
 
-/// What ranks keep twice of factors: four of them take 1.24 times the memory of one.
+/// The share of the factors that ranks store twice: four ranks take 1.24 times the memory of one.
 const KEPT_TWICE: f64 = 0.3;
 
 impl Cost {
-    /// That of each of so many ranks that share it, at best.
+    /// Returns the cost for each of `ranks` ranks that share the work, at best.
     #[must_use]
     pub fn shared_by(self, ranks: usize) -> Self {
         let ranks = ranks as f64;
@@ -108,18 +112,19 @@ impl Cost {
     }
 }
 
-/// Ordering so many unknowns, s: about what an estimate takes itself.
+/// Returns the time for ordering this number of unknowns, s: about the time of an estimate.
 pub fn order(unknowns: usize) -> f64 {
     unknowns as f64 * seconds::ORDER
 }
 
-/// The least work with the body in a condensed history: ordering `unknowns`, and in each increment a substitution with a factor of
-/// `K` that has at least the `entries` of its lower triangle, s.
+/// Returns the minimum time of the body in a condensed history, s: ordering `unknowns`, and in each increment a
+/// substitution with a factor of `K` that has at least the `entries` of its lower triangle.
 pub fn body(unknowns: usize, entries: usize, increments: usize) -> f64 {
     order(unknowns) + (increments * entries) as f64 * seconds::L_SOLVE_ENTRY
 }
 
-/// What `m` contact displacements cost in a condensed history: `S`, its factorisations, an increment's passes over it, s.
+/// Returns the time for `m` contact displacements in a condensed history, s: `S`, its factorisations, and an
+/// increment's passes over it.
 pub fn border(m: usize, work: &Work) -> f64 {
     let entries = (m * m) as f64;
     let once = entries * seconds::S_ENTRY + 2.0 / 3.0 * (m as f64).powi(3) * seconds::OPERATION;
@@ -127,13 +132,13 @@ pub fn border(m: usize, work: &Work) -> f64 {
     once + work.factorizations * iteration + work.increments * entries * seconds::S_INCREMENT_ENTRY
 }
 
-/// Operations to factor what contact leaves free of `m` displacements.
+/// Returns the operations for factoring the unconstrained part of `m` displacements.
 fn factorization(m: usize, work: &Work) -> f64 {
     let free = if work.all_free { m as f64 } else { FREE_SHARE * m as f64 };
     2.0 / 3.0 * free.powi(3)
 }
 
-/// The whole system, factored by `lu`.
+/// Estimates the whole system, factored by `lu`.
 pub fn sparse(sizes: &Sizes, work: &Work, lu: SparseLu) -> Cost {
     let (entries, flops) = (2.0 * sizes.stiffness.entries as f64, 2.0 * sizes.stiffness.flops);
     let factor = if lu == SparseLu::Faer { seconds::FAER_LU_ENTRY } else { seconds::LU_ENTRY };
@@ -145,14 +150,15 @@ pub fn sparse(sizes: &Sizes, work: &Work, lu: SparseLu) -> Cost {
     }
 }
 
-/// The whole system by multigrid, a solve for each Newton matrix and for each increment that keeps its own.
+/// Estimates the whole system by multigrid, with a solve for each Newton matrix and for each increment that keeps its
+/// own.
 pub fn multigrid(displacements: usize, work: &Work) -> Cost {
     let n = displacements as f64;
     let systems = work.factorizations.max(work.increments);
     Cost { seconds: seconds::MPI + systems * n * seconds::MULTIGRID, bytes: n * MULTIGRID_BYTES }
 }
 
-/// The condensed system.
+/// Estimates the condensed system.
 pub fn condensed(sizes: &Sizes, work: &Work) -> Cost {
     let (m, entries) = (sizes.contact_displacements, sizes.stiffness.entries as f64);
     let once = entries * seconds::L_ENTRY + sizes.stiffness.flops * seconds::OPERATION;
@@ -188,7 +194,7 @@ mod tests {
         assert!(whole(&twice) > whole(&work));
         assert!(condensed(&sizes, &twice).seconds > condensed(&sizes, &work).seconds);
         assert!(multigrid(20_400, &twice).seconds > multigrid(20_400, &work).seconds);
-        // The whole of S is factored, eight times the operations.
+        // All of S is factored, with eight times the operations.
         assert_eq!(factorization(200, &Work { all_free: true, ..work }), 8.0 * factorization(200, &work));
         assert!(sparse(&sizes, &work, SparseLu::Faer).seconds > whole(&work));
         assert!(sparse(&sizes, &work, SparseLu::Mumps).seconds < whole(&work));

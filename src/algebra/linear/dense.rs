@@ -1,5 +1,5 @@
-//! Systems whose stiffness is dense, as that of a condensed body: an iteration factors what contact
-//! leaves free.
+//! Systems with a dense stiffness, such as that of a condensed body: an iteration factors only the part that contact
+//! leaves unconstrained.
 //!
 //! The matrices of a run, on displacements `u` and other unknowns `q` (contact forces, slacks), are
 //!
@@ -8,20 +8,21 @@
 //! [   A    D ] [q] = [b_q]
 //! ```
 //!
-//! with `S` dense and never changed; `E`, mostly 0, are springs on single displacements. Contact rows couple a node's unknowns
-//! only to each other. Their solutions (see `local`) are `u = P_u b_q + V t`, `q = P_q b_q + Y t + Z s`, where the reactions `s`
-//! stand in the equilibrium rows of their own node alone; `Wᵀ` takes the combinations of those rows that are without them:
+//! with `S` dense and constant; `E`, mostly 0, contains springs on single displacements. Contact rows couple a node's
+//! unknowns only to each other. Their solutions (see `local`) are `u = P_u b_q + V t`, `q = P_q b_q + Y t + Z s`,
+//! where the reactions `s` appear only in the equilibrium rows of their own node. `Wᵀ` takes the combinations of
+//! these rows without reactions:
 //!
 //! ```text
 //! Wᵀ (S V + E V + B Y) t = Wᵀ (b_u - ((S + E) P_u + B P_q) b_q).
 //! ```
 //!
-//! This matrix is all that is factored. Its order is the number of displacements that contact leaves
-//! free: two for an open node, one for a slipping one, none for a sticking one, and two for all nodes
-//! in an interior point method, where the same elimination serves.
+//! Only this matrix is factored. Its order is the number of displacements that contact leaves unconstrained: two for
+//! an open node, one for a slipping node, none for a sticking node, and two for all nodes in an interior point
+//! method, which uses the same elimination.
 //!
-//! `S` is read in place. What is factored is gathered from it anew each time, although most of it is what it was: to keep it beside
-//! its factors would be one more copy, and to copy it is as much work as to gather it.
+//! `S` is read in place. The matrix to factor is gathered from it each time, although most of it is unchanged:
+//! storing it besides its factors would need one more copy, and copying it is as much work as gathering it.
 
 use faer::Mat;
 use rayon::prelude::*;
@@ -46,11 +47,11 @@ pub struct Dense {
     contact: Option<ContactFactors>,
 }
 
-/// The factors.
+/// The factors, with the solutions of the contact rows.
 struct ContactFactors {
     /// `S`, shared with the matrix that was factored.
     stiffness: DenseSymmetric,
-    /// The groups, solved.
+    /// The solved groups.
     groups: Vec<Local>,
     /// The displacements of the groups that have reactions.
     reacting: Vec<usize>,
@@ -59,27 +60,27 @@ struct ContactFactors {
 }
 
 impl Dense {
-    /// Finds the groups of unknowns that the contact rows of `a` tie together; once a run.
+    /// Finds the groups of unknowns that the contact rows of `a` couple; once a run.
     ///
     /// # Errors
-    /// When `a` is not square.
+    /// If `a` is not square.
     pub fn analyze(&mut self, a: &SystemMatrix) -> Result<(), LinearError> {
         (self.blocks, self.contact) = (None, None);
         self.blocks = Some(Blocks::new(a)?);
         Ok(())
     }
 
-    /// Factors `a`, whose pattern and dense block are as large as those that were analysed; once an iteration.
+    /// Factors `a`, whose pattern and dense block have the analysed sizes; once an iteration.
     ///
     /// # Errors
-    /// [`LinearError::Singular`] when a pivot vanishes or may be mere rounding, [`LinearError::NotFinite`] when an entry is no
-    /// number.
+    /// [`LinearError::Singular`] if a pivot vanishes or may be mere rounding, [`LinearError::NotFinite`] if an entry
+    /// is not finite.
     pub fn factorize(&mut self, a: &SystemMatrix) -> Result<FactorInfo, LinearError> {
         let blocks = self.blocks.as_ref().ok_or(LinearError::Order { missing: "analyze" })?;
         let stiffness = a.leading().map_or_else(|| DenseSymmetric::of_lower(0, Vec::new()), DenseSymmetric::clone);
         expect_length("values of the matrix", blocks.pattern.len(), a.pattern().len())?;
         expect_length("displacements in the matrix", blocks.displacements, stiffness.order())?;
-        // What is kept of the last factors: the groups that are the same, and their memory.
+        // Unchanged groups and the memory of the last factors are reused.
         let last = self.contact.take().map(|contact| (contact.groups, contact.lu.into_memory()));
         let (last, mut matrix) = last.unwrap_or_else(|| (Vec::new(), Mat::new()));
         if !stiffness.is_finite() {
@@ -105,7 +106,7 @@ impl Dense {
     /// Solves with the last factors, without refinement.
     ///
     /// # Errors
-    /// When there are no factors, or a vector has the wrong length.
+    /// If there are no factors, or a vector has the wrong length.
     pub fn solve(&self, b: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
         let (Some(blocks), Some(contact)) = (&self.blocks, &self.contact) else {
             return Err(LinearError::Order { missing: "factorize" });
@@ -118,7 +119,7 @@ impl Dense {
 }
 
 impl Blocks {
-    /// One row for each `t`: what `row` says of it in its group, on the displacements there.
+    /// Returns a matrix with one row for each `t`: the vector `row` of its group, on the displacements of the group.
     fn on_displacements(&self, groups: &[Local], row: fn(&Local, usize) -> &[f64]) -> Csr {
         let rows = self.groups.iter().zip(groups).flat_map(|(group, local)| {
             let entries = move |j| group.displacements.iter().copied().zip(row(local, j).iter().copied());
@@ -127,7 +128,8 @@ impl Blocks {
         Csr::of_rows(self.displacements, rows)
     }
 
-    /// Writes `Wᵀ (S V + E V + B Y)` of these solutions of the `groups`; for each column the size of the numbers it came from.
+    /// Writes `Wᵀ (S V + E V + B Y)` of the `groups`. Returns for each column the size of the numbers from which it
+    /// was computed.
     fn form(&self, stiffness: &DenseSymmetric, groups: &[Local], matrix: &mut Mat<f64>) -> Vec<f64> {
         let projections = self.on_displacements(groups, Local::projection);
         let motions = self.on_displacements(groups, Local::motion);
@@ -183,7 +185,7 @@ impl ContactFactors {
             to.clear();
             to.extend(places.iter().map(|&place| from[place]));
         };
-        // The values of a group, and what its equilibrium rows leave.
+        // The values of a group, and the residual of its equilibrium rows.
         let (mut given, mut own) = (Vec::new(), Vec::new());
         let mut rest = b[..m].to_vec();
         for (group, local) in all() {

@@ -1,4 +1,4 @@
-//! A solver together with what it did: counts, times, refinement, backward error.
+//! A linear solver with refinement, backward error and statistics.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -10,48 +10,48 @@ use super::refine::{self, SolveInfo, Workspace};
 use super::{Dense, FactorInfo, Iterated, LinearError, LinearSolver, SparseLu};
 use crate::algebra::sparse::{Pattern, SystemMatrix};
 
-/// What a [`RefinedSolver`] solver has done so far.
+/// The statistics of a [`RefinedSolver`].
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Statistics {
-    /// Symbolic analyses.
+    /// The number of symbolic analyses.
     pub analyses: usize,
-    /// Numerical factorisations.
+    /// The number of numerical factorisations.
     pub factorizations: usize,
-    /// Right-hand sides solved, refinement steps not counted.
+    /// The number of right-hand sides solved, without refinement steps.
     pub solves: usize,
-    /// Refinement steps.
+    /// The number of refinement steps.
     pub refinements: usize,
-    /// Seconds in symbolic analyses.
+    /// The time for symbolic analyses, s.
     pub analysis_seconds: f64,
-    /// Seconds in factorisations.
+    /// The time for factorisations, s.
     pub factor_seconds: f64,
-    /// Seconds in solves, with refinement and the measuring of the backward error.
+    /// The time for solves, with refinement and backward error, s.
     pub solve_seconds: f64,
-    /// The largest backward error of any solve.
+    /// The largest backward error of all solves.
     pub worst_backward_error: f64,
-    /// Iterations within the solves, where they are done so.
+    /// The number of iterations within the solves of an iterative solver.
     pub krylov_iterations: usize,
-    /// The direct solver that took over, if these stood still.
+    /// The direct solver that took over, if the iterations stalled.
     pub instead: Option<SparseLu>,
-    /// The last factorisation.
+    /// The properties of the last factorisation.
     pub factor: FactorInfo,
 }
 
-/// A direct solver in front of what factors.
+/// A linear solver that refines and measures the solutions of a backend.
 pub struct RefinedSolver {
     solver: Backend,
     pattern: Option<Arc<Pattern>>,
     work: Workspace,
     statistics: Statistics,
-    /// Factorisations begun, those that failed included: as long as it is the same, so are the factors.
+    /// The number of factorisations begun, including failed ones. While it is unchanged, so are the factors.
     generation: usize,
 }
 
-/// What factors.
+/// The backend that factors.
 enum Backend {
-    /// A solver of compressed columns; a dense block becomes some.
+    /// A solver for compressed columns; a dense block is converted to them.
     Sparse(Box<dyn LinearSolver>),
-    /// The one for matrices with a dense block.
+    /// The solver for matrices with a dense block.
     Dense(Box<Dense>),
 }
 
@@ -92,7 +92,7 @@ impl From<Dense> for RefinedSolver {
 }
 
 impl Default for RefinedSolver {
-    /// The sparse LU of this build: UMFPACK where it is built in, otherwise faer.
+    /// Creates this build's sparse LU: UMFPACK if it is built in, otherwise faer.
     fn default() -> Self {
         RefinedSolver::new(SparseLu::default().solver())
     }
@@ -114,13 +114,13 @@ impl RefinedSolver {
         }
     }
 
-    /// The same after so much was `done` before: it counts on from there.
+    /// Continues the statistics from earlier work, `done`.
     #[must_use]
     pub fn after(self, done: Statistics) -> Self {
         RefinedSolver { statistics: done, ..self }
     }
 
-    /// The name of the solver in reports.
+    /// Returns the name of the solver in reports.
     pub fn name(&self) -> &'static str {
         match &self.solver {
             Backend::Sparse(solver) => solver.name(),
@@ -128,17 +128,17 @@ impl RefinedSolver {
         }
     }
 
-    /// A number that changes whenever the factors do, be it that a factorisation fails and leaves none.
+    /// Returns a number that changes whenever the factors do, also if a factorisation fails and leaves none.
     pub fn generation(&self) -> usize {
         self.generation
     }
 
-    /// What was done so far.
+    /// Returns the statistics so far.
     pub fn statistics(&self) -> &Statistics {
         &self.statistics
     }
 
-    /// Symbolic analysis of the pattern of `a`, once a run. A sparse one that is the last one's is not analysed again.
+    /// Analyses the pattern of `a`, once a run. A sparse pattern that equals the last one is not analysed again.
     ///
     /// # Errors
     /// As [`LinearSolver::analyze`].
@@ -157,7 +157,7 @@ impl RefinedSolver {
         Ok(())
     }
 
-    /// Factors `a`, which must stand on the analysed pattern.
+    /// Factors `a`, which must have the analysed pattern.
     ///
     /// # Errors
     /// As [`LinearSolver::factorize`], and [`LinearError::PatternChanged`].
@@ -172,14 +172,15 @@ impl RefinedSolver {
         Ok(info)
     }
 
-    /// An error unless `a` stands on the analysed pattern, and both vectors fit it.
+    /// Returns an error unless `a` has the analysed pattern, and both vectors fit it.
     fn fits(&self, a: &SystemMatrix, b: &[f64], x: &[f64]) -> Result<(), LinearError> {
         self.expect_analysed(a)?;
         expect_length("right-hand side", a.pattern().rows(), b.len())?;
         expect_length("solution", a.order(), x.len())
     }
 
-    /// An error unless `a` stands on the analysed pattern. A formulation shares it, so that nothing is compared.
+    /// Returns an error unless `a` has the analysed pattern. A formulation shares it, so that no entries are
+    /// compared.
     fn expect_analysed(&self, a: &SystemMatrix) -> Result<(), LinearError> {
         let pattern = self.pattern.as_ref().ok_or(LinearError::Order { missing: "analyze" })?;
         if Arc::ptr_eq(pattern, a.pattern()) || pattern == a.pattern() {
@@ -189,7 +190,7 @@ impl RefinedSolver {
         }
     }
 
-    /// Solves `a x = b` with the last factors as they are, for an estimate: neither refined nor measured.
+    /// Solves `a x = b` with the last factors, for an estimate, without refinement and backward error.
     ///
     /// # Errors
     /// As [`LinearSolver::solve`].
@@ -200,7 +201,7 @@ impl RefinedSolver {
         Ok(())
     }
 
-    /// Whether it solves by iterations.
+    /// Returns `true` if the solver is iterative.
     pub fn iterates(&self) -> bool {
         match &self.solver {
             Backend::Sparse(solver) => solver.iterates(),
@@ -208,8 +209,9 @@ impl RefinedSolver {
         }
     }
 
-    /// Solves `a x = b` to a residual of `tolerance` times `b` where that is done by iterations; it is not refined then, and its backward
-    /// error is not among the worst of the statistics. Otherwise as [`RefinedSolver::solve`].
+    /// Solves `a x = b` to a relative residual of `tolerance` if the solver is iterative. There is no refinement
+    /// then, and the backward error does not enter the largest one of the statistics. A direct solver works as in
+    /// [`RefinedSolver::solve`].
     ///
     /// # Errors
     /// As [`RefinedSolver::solve`].
@@ -236,7 +238,7 @@ impl RefinedSolver {
         }
     }
 
-    /// Solves `a x = b` with the last factors, refined.
+    /// Solves `a x = b` with the last factors, with refinement.
     ///
     /// # Errors
     /// As [`LinearSolver::solve`], [`LinearError::PatternChanged`], and [`LinearError::NotFinite`].

@@ -1,16 +1,16 @@
-//! Why a linear system could not be solved.
+//! The errors of linear solvers.
 
-/// An error of the linear algebra: the run cannot go on with this matrix.
+/// An error of a linear solver, after which the run cannot continue with this matrix.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LinearError {
     /// A pivot is exactly zero.
     #[error("the matrix is singular (smallest over largest pivot: {pivot_ratio:.1e})")]
     Singular {
-        /// The smallest over the largest pivot.
+        /// The ratio of the smallest to the largest pivot.
         pivot_ratio: f64,
     },
-    /// The solution holds NaN or an infinity although every pivot was accepted.
+    /// The solution has NaN or an infinity although every pivot was accepted.
     #[error("the solution of the linear system is not finite")]
     NotFinite,
     /// The backend could not get the memory it needs.
@@ -25,14 +25,14 @@ pub enum LinearError {
     /// The matrix is not square, or an array has the wrong length.
     #[error("{what}: expected length {expected}, got {found}")]
     Shape {
-        /// Which array or dimension.
+        /// The array or dimension.
         what: &'static str,
-        /// The length it must have.
+        /// The required length.
         expected: usize,
-        /// The length it has.
+        /// The given length.
         found: usize,
     },
-    /// `factorize` before `analyze`, or `solve` before `factorize`.
+    /// `factorize` was called before `analyze`, or `solve` before `factorize`.
     #[error("{missing} must be called first")]
     Order {
         /// The step that is missing.
@@ -41,10 +41,10 @@ pub enum LinearError {
     /// The cargo feature of the backend is off.
     #[error("this build has no {backend}")]
     NotBuiltIn {
-        /// What is missing.
+        /// The missing backend.
         backend: &'static str,
     },
-    /// A C library is loaded that is not the one whose headers were compiled in. Nothing has been asked of it.
+    /// The loaded C library is not the one whose headers were compiled in. None of its functions was called.
     #[error(
         "{library} {} is loaded, but this was built with the headers of {}: rebuild it here, or let LD_LIBRARY_PATH lead to \
          the library that it was built with",
@@ -52,36 +52,36 @@ pub enum LinearError {
         dotted(.built)
     )]
     Version {
-        /// Which library.
+        /// The name of the library.
         library: &'static str,
         /// The version of the headers, `[main, sub, subsub]`.
         built: [i32; 3],
-        /// The version that is loaded.
+        /// The loaded version.
         loaded: [i32; 3],
     },
-    /// Any other status of a backend.
+    /// Another status of a backend.
     #[error("{backend} failed in {step} with status {status}")]
     Backend {
-        /// Which backend.
+        /// The name of the backend.
         backend: &'static str,
-        /// Which step.
+        /// The step that failed.
         step: &'static str,
-        /// Its status code.
+        /// The status code.
         status: i64,
     },
 }
 
-/// A version as people write it.
+/// Formats a version.
 fn dotted([main, sub, subsub]: &[i32; 3]) -> String {
     format!("{main}.{sub}.{subsub}")
 }
 
-/// An error unless both lengths agree.
+/// Returns an error unless both lengths agree.
 pub(super) fn expect_length(what: &'static str, expected: usize, found: usize) -> Result<(), LinearError> {
     if expected == found { Ok(()) } else { Err(LinearError::Shape { what, expected, found }) }
 }
 
-/// An error if one of `values` is NaN or infinite.
+/// Returns an error if one of `values` is NaN or infinite.
 #[cfg(any(feature = "umfpack", feature = "faer"))]
 pub(super) fn expect_finite(values: &[f64]) -> Result<(), LinearError> {
     if values.iter().all(|value| value.is_finite()) { Ok(()) } else { Err(LinearError::NotFinite) }

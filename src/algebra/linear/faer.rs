@@ -14,10 +14,11 @@ mod lu;
 pub(super) use llt::{Llt, minimum_degree};
 pub use lu::FaerLu;
 
-/// Less is done in a few milliseconds, most of it in fronts too small to be shared.
+/// The number of operations below which one thread is used: they take a few milliseconds, mostly in fronts too small
+/// for several threads.
 const PARALLEL_FLOPS: f64 = 3e8;
 
-/// The threads for a factorisation with so many operations.
+/// Returns the number of threads for a factorisation with this number of operations.
 fn parallelism(flops: f64) -> Par {
     if flops < PARALLEL_FLOPS || rayon::current_num_threads() == 1 { Par::Seq } else { Par::rayon(0) }
 }
@@ -30,7 +31,7 @@ fn memory(size: StackReq) -> Result<MemBuffer, FaerError> {
     Ok(MemBuffer::try_new(size)?)
 }
 
-/// The only other error is an index beyond 64 bits, which no memory could hold.
+/// Converts an error of faer. The only other error is an index beyond 64 bits, which no memory could hold.
 fn out_of_memory(_: FaerError, step: &'static str) -> LinearError {
     LinearError::OutOfMemory { step }
 }

@@ -1,34 +1,35 @@
-//! The null space of a large semidefinite matrix: the motions of a body that nothing stops.
+//! The null space of a large semidefinite matrix: the rigid modes of a body.
 
 use faer::{Mat, Side};
 
 use super::{Cholesky, LinearError};
 use crate::algebra::sparse::Symmetric;
 
-/// What is added to the unit diagonal of the scaled matrix so that it can be factored. A step of inverse iteration
-/// takes off motions of the relative stiffness `λ` all but this share of `λ`.
+/// The shift of the unit diagonal of the scaled matrix, so that it can be factored. One step of inverse iteration
+/// multiplies motions of the relative stiffness `λ` by this shift divided by `λ`, relative to rigid modes.
 const SHIFT: f64 = 1e-12;
 
-/// With [`SHIFT`], as many steps leave nothing that can be told from rounding.
+/// The number of steps. With [`SHIFT`], the remainder is below rounding.
 const STEPS: usize = 4;
 
-/// A motion is free if the forces against it are this small, relative to the diagonal: rounding leaves 1e-15.
+/// The largest force on a rigid mode, relative to the diagonal. Rounding leaves 1e-15.
 const FREE: f64 = 1e-13;
 
-/// A bodies' worth of motions and one to spare, which shows that there are no more.
+/// The size of the first block: the rigid modes of one body and one more vector, which shows that there are no
+/// others.
 const FIRST_BLOCK: usize = 7;
 
-/// A basis of the null space of `k`, positive semidefinite, each vector as long as its order and of largest entry 1;
-/// none if it is definite.
+/// Returns a basis of the null space of the positive semidefinite `k`, each vector with the largest entry 1; empty if
+/// `k` is definite.
 ///
-/// Inverse iteration on a block of vectors, `(K + ρ D)⁻¹ D` with `D` the diagonal of `K`, then the smallest Ritz
-/// vectors, of which those are kept that `K` does not feel.
+/// Uses inverse iteration on a block of vectors, `(K + ρ D)⁻¹ D` with `D` the diagonal of `K`, then the smallest Ritz
+/// vectors, of which those with `K x = 0` up to rounding are kept.
 ///
 /// # Errors
-/// As [`Cholesky::factor`]; [`LinearError::Singular`] when `k` is indefinite.
+/// As [`Cholesky::factor`]; [`LinearError::Singular`] if `k` is indefinite.
 pub fn null_space_of(k: &Symmetric) -> Result<Vec<Vec<f64>>, LinearError> {
     let n = k.order();
-    // A displacement without stiffness is free by itself.
+    // A displacement without stiffness is a mode of its own.
     let diagonal: Vec<f64> = k.diagonal().iter().map(|d| if *d > 0.0 { *d } else { 1.0 }).collect();
     let mut shifted = Symmetric::of(n, |take| {
         k.lower_entries().for_each(|(i, j, _)| take(i, j));
@@ -47,7 +48,7 @@ pub fn null_space_of(k: &Symmetric) -> Result<Vec<Vec<f64>>, LinearError> {
     }
 }
 
-/// The vectors of a subspace of this dimension that `k` does not feel.
+/// Returns the null vectors of `k` in a subspace of this dimension.
 fn free_in_block(
     k: &Symmetric,
     diagonal: &[f64],
@@ -90,7 +91,7 @@ fn free_in_block(
     Ok(ritz.filter(|x| is_free(k, diagonal, x)).collect())
 }
 
-/// Whether `K x` is rounding, in units in which the diagonal of `K` is 1.
+/// Returns `true` if `K x` is rounding, in units in which the diagonal of `K` is 1.
 fn is_free(k: &Symmetric, diagonal: &[f64], x: &[f64]) -> bool {
     let mut force = vec![0.0; x.len()];
     k.mul(x, &mut force);
@@ -99,7 +100,7 @@ fn is_free(k: &Symmetric, diagonal: &[f64], x: &[f64]) -> bool {
     force <= FREE * moved
 }
 
-/// A vector without symmetry, the same in every run.
+/// Returns a vector without symmetry, the same in every run.
 fn start(n: usize, seed: usize) -> Vec<f64> {
     let mut state = seed as u64 + 1;
     let mut draw = || {
@@ -110,7 +111,7 @@ fn start(n: usize, seed: usize) -> Vec<f64> {
     (0..n).map(|_| draw()).collect()
 }
 
-/// Gram and Schmidt's process, twice over, in the inner product of the `diagonal`.
+/// Orthonormalises twice by Gram–Schmidt, in the inner product of the `diagonal`.
 fn orthonormalise(vectors: &mut Vec<Vec<f64>>, diagonal: &[f64]) {
     let inner = |x: &[f64], y: &[f64]| x.iter().zip(y).zip(diagonal).map(|((x, y), d)| x * y * d).sum::<f64>();
     let mut basis: Vec<Vec<f64>> = Vec::with_capacity(vectors.len());
@@ -141,7 +142,7 @@ fn product(x: &[f64], y: &[f64]) -> f64 {
 mod tests {
     use super::*;
 
-    /// Chains of springs in a row; the first point of each is held by a further spring where `held` says so.
+    /// Creates chains of springs; a further spring supports the first point of each chain for which `held` is `true`.
     fn chains(points: usize, held: &[bool]) -> Symmetric {
         let mut entries = Vec::new();
         for (chain, held) in held.iter().enumerate() {
@@ -160,7 +161,7 @@ mod tests {
         for held in [vec![false], vec![false, true, false], vec![false; 9]] {
             let found = null_space_of(&chains(20, &held)).unwrap();
             assert_eq!(found.len(), held.iter().filter(|held| !**held).count());
-            // Each is constant along each chain, and 0 where that is held.
+            // Each null vector is constant along each chain, and 0 along supported ones.
             for r in &found {
                 for (chain, held) in r.chunks(20).zip(&held) {
                     assert!(chain.iter().all(|x| (x - chain[0]).abs() < 1e-9 && (!held || x.abs() < 1e-9)), "{r:?}");

@@ -1,9 +1,10 @@
-//! GMRES on the uncondensed system, with contact inside multigrid: for bodies too large to be factored.
+//! GMRES on the uncondensed system, preconditioned by multigrid including contact: for bodies too large for a
+//! factorisation.
 //!
-//! Contact is eliminated exactly, node by node, on a matrix `K̂` with the pattern of `K` (`node`, `stiffness`), and one cycle
-//! of algebraic multigrid on `K̂` preconditions the whole Newton system. Iterations do not grow with the mesh, the contact statuses or the
-//! friction; where they do, on matrices close to incompressible ones and meshes graded in two directions at once, a direct
-//! solver takes over.
+//! Contact is eliminated exactly, node by node, on a matrix `K̂` with the pattern of `K` (`node`, `stiffness`), and
+//! one cycle of algebraic multigrid on `K̂` preconditions the whole Newton system. The number of iterations is
+//! independent of the mesh, the contact statuses and the friction. Exceptions are nearly incompressible materials and
+//! meshes graded in two directions at once, for which a direct solver takes over.
 
 mod block;
 mod form;
@@ -38,25 +39,26 @@ use shared::Stiffness;
 pub use shared::share;
 use stiffness::BlockLayout;
 
-/// Where more are needed a direct solver is faster.
+/// The number of iterations beyond which a direct solver is faster.
 const MOST_ITERATIONS: usize = 60;
-/// The residual where nobody asks for less; refinement makes the rest.
+/// The default relative residual; refinement does the rest.
 const TIGHT: f64 = 1e-10;
 
-/// The iterative solver.
+/// The iterative solver GMRES with algebraic multigrid.
 pub struct Multigrid {
     grid: Grid,
     form: Form,
     matrix: Option<SystemMatrix>,
     layout: Option<BlockLayout>,
-    /// What products work on.
+    /// The workspace of products.
     sums: Vec<Vec<f64>>,
     factored: Option<Factored>,
-    /// One for the matrix in which all contact nodes are held, which comes again in every increment, and one for the others.
+    /// One hierarchy for the matrix with all contact nodes clamped, which recurs in every increment, and one for the
+    /// others.
     hierarchies: Vec<Hierarchy>,
     make_cycle: MakeCycle,
     instead: Option<Box<dyn LinearSolver>>,
-    /// What nobody has asked for yet.
+    /// The iterations since the last query.
     iterated: Iterated,
 }
 
@@ -64,13 +66,13 @@ pub struct Multigrid {
 struct Factored {
     nodes: Vec<Eliminated>,
     border: Vec<Border>,
-    /// Which of the hierarchies serves.
+    /// The index of the hierarchy in use.
     hierarchy: usize,
     work: Work,
 }
 
 impl Multigrid {
-    /// A solver for systems whose unknowns are where `grid` says.
+    /// Creates a solver for systems whose unknowns have the positions in `grid`.
     pub fn new(grid: Grid, form: Form) -> Self {
         Multigrid {
             grid,
@@ -86,7 +88,7 @@ impl Multigrid {
         }
     }
 
-    /// Whether the present matrix has the hierarchy of another.
+    /// Returns `true` if the present matrix uses the hierarchy of another one.
     fn borrows(&self) -> bool {
         self.factored.as_ref().is_some_and(|factored| self.hierarchies[factored.hierarchy].lent)
     }
@@ -117,7 +119,7 @@ impl Multigrid {
 }
 
 impl Multigrid {
-    /// Eliminates contact from the matrix that there is, and sees to a hierarchy.
+    /// Eliminates contact from the present matrix, and selects or builds a hierarchy.
     fn prepare(&mut self) -> Result<FactorInfo, LinearError> {
         let (Some(matrix), Some(layout)) = (&self.matrix, &self.layout) else {
             return Err(LinearError::Order { missing: "analyze" });
@@ -127,13 +129,13 @@ impl Multigrid {
             return instead.factorize_system(matrix);
         }
         let nodes = layout.nodes(matrix, self.form);
-        // In the oblique form what is swept out differs from matrix to matrix.
+        // In the oblique form the swept terms differ from matrix to matrix.
         let serves = |hierarchy: &Hierarchy| self.form == Form::Symmetric && hierarchy.serves(&nodes);
         let (hierarchy, border) = if let Some(serving) = self.hierarchies.iter().position(serves) {
             self.hierarchies[serving].lend();
             (serving, layout.border(matrix, &nodes))
         } else {
-            // The old one goes before there is a new one.
+            // The old hierarchy is dropped before a new one is built.
             let all_held = hierarchy::all_held(&nodes);
             self.hierarchies.retain(|hierarchy| hierarchy.all_held != all_held);
             let kernel = kernel(&self.grid, layout, &nodes);
@@ -202,18 +204,18 @@ impl LinearSolver for Multigrid {
         }
         let mut found = self.iterate(b, x, tolerance)?;
         if found.residual > tolerance && self.borrows() {
-            // The hierarchy of another matrix is worn by that: now it is one of its own.
+            // The reused hierarchy converges too slowly; build a new one for this matrix.
             self.prepare()?;
             found = self.iterate(b, x, tolerance)?;
         }
         if found.residual <= tolerance {
             return Ok(());
         }
-        // It stands still: what is left to do is done directly.
+        // The iterations stall, so a direct solver finishes the solve.
         let Some(matrix) = &self.matrix else { return Err(LinearError::Order { missing: "analyze" }) };
         self.factored = None;
         self.hierarchies.clear();
-        // Rank 0 has to have all of the matrix now; who shares the factors takes the least beside.
+        // Rank 0 now needs the whole matrix; a factorisation shared among ranks adds the least memory.
         let lu = SparseLu::for_ranks();
         let mut direct = lu.solver();
         direct.analyze_system(matrix)?;

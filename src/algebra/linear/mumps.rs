@@ -1,8 +1,9 @@
-//! MUMPS, a multifrontal LU on all processes of MPI, as the uncondensed contact Jacobian wants it.
+//! MUMPS, a multifrontal LU on all MPI processes, with settings for the uncondensed contact Jacobian.
 //!
-//! The values change and the analysis stays. So nothing may be chosen by the values that the analysis sees, and it sees none: no
-//! permutation for large diagonals. Zero diagonals, as of the rows of nodes that stick, are pivots that are delayed to a later front;
-//! where they take more room than foreseen, the factorisation is done once more with more. Refinement is left to [`super::RefinedSolver`].
+//! The values change while the analysis is kept. Therefore the analysis must not depend on values, and receives none:
+//! there is no permutation for large diagonals. Zero diagonals, such as in the rows of sticking nodes, are pivots
+//! that are delayed to a later front. If they need more memory than predicted, the factorisation is repeated with
+//! more. Refinement is left to [`super::RefinedSolver`].
 
 mod instance;
 mod order;
@@ -18,49 +19,50 @@ use crate::algebra::sparse::Pattern;
 pub(super) use instance::Instance;
 use instance::Job;
 
-/// What MUMPS is told, by the numbers of its ICNTL.
+/// The settings of MUMPS, by the numbers of its ICNTL.
 const SETTINGS: [(usize, c_int); 8] = [
-    // No permutation of columns: one found for the first values is of no use to the later ones.
+    // No permutation of columns: one for the first values is useless for later ones.
     (6, 0),
     // The order is given.
     (7, 1),
-    // Scaling is found anew with each factorisation.
+    // Scaling is computed in each factorisation.
     (8, 77),
     // No refinement, no analysis of errors.
     (10, 0),
     (11, 0),
     // The matrix comes from rank 0.
     (18, 0),
-    // A pivot that vanishes is an error, and not a motion to be found: it does not find those of a body without supports.
+    // A vanishing pivot is an error. MUMPS's detection of null pivots does not find the rigid modes of a body without
+    // supports.
     (24, 0),
     // The analysis is done on rank 0.
     (28, 1),
 ];
 
-/// The setting that says by how many per cent the factors may be larger than foreseen.
+/// The index of the setting for the memory of the factors beyond the prediction, in per cent.
 const ROOM: usize = 14;
-/// With this much.
+/// The initial value of this setting.
 const FIRST_ROOM: c_int = 30;
-/// How often a factorisation is tried with more.
+/// The number of attempts with more memory.
 const TRIES: usize = 7;
 
 /// The MUMPS backend, on rank 0.
 #[derive(Default)]
 pub struct Mumps {
     pattern: Option<Arc<Pattern>>,
-    /// Rows and columns of the entries, from 1.
+    /// The rows and columns of the entries, from 1.
     places: [Vec<c_int>; 2],
     shared: Option<Shared<Instance>>,
     is_factored: bool,
-    /// How often more room was needed.
+    /// The number of times that more memory was needed.
     retries: usize,
 }
 
-/// Pattern, places of the entries, and the instance.
+/// The pattern, the places of the entries, and the instance.
 type Analyzed<'a> = (&'a Pattern, &'a mut [Vec<c_int>; 2], &'a mut Shared<Instance>);
 
 impl Mumps {
-    /// The instance and what it takes with it, once there is an analysis.
+    /// Returns the instance and its data, if there is an analysis.
     fn analyzed(&mut self) -> Result<Analyzed<'_>, LinearError> {
         match (&self.pattern, &mut self.shared) {
             (Some(pattern), Some(shared)) => Ok((pattern, &mut self.places, shared)),
@@ -68,7 +70,7 @@ impl Mumps {
         }
     }
 
-    /// Factors with the room that there is.
+    /// Factors with the present memory setting.
     fn try_to_factorize(&mut self, values: &[f64]) -> Result<&mut Instance, LinearError> {
         let (_, [rows, columns], shared) = self.analyzed()?;
         shared.run(Job::Factorize as i64, |_, instance| {
@@ -88,7 +90,7 @@ impl LinearSolver for Mumps {
         const STEP: &str = "the symbolic analysis";
         let n = pattern.columns();
         expect_length("rows of the matrix", n, pattern.rows())?;
-        // Its indices have 32 bits; their number may be larger.
+        // The indices have 32 bits; the number of entries may be larger.
         c_int::try_from(n).map_err(|_| LinearError::OutOfMemory { step: STEP })?;
         *self = Mumps::default();
         let mut order = order::places(pattern)?;
@@ -162,7 +164,7 @@ mod tests {
         Arc::new(Pattern::from_entries(n, n, |take| entries.iter().for_each(|&(i, j)| take(i, j))).unwrap())
     }
 
-    /// -u'' on a square of nodes, where each of the last ones holds a displacement: a zero diagonal.
+    /// Creates -u'' on a square of nodes, in which some rows prescribe a displacement: a zero diagonal.
     fn held_square(side: usize) -> (Arc<Pattern>, Vec<f64>) {
         let (nodes, at) = (side * side, |i: usize, j: usize| side * i + j);
         let mut entries = Vec::new();
@@ -213,7 +215,7 @@ mod tests {
         assert_eq!(solver.solve(&[1.0, 1.0], &mut x), Err(LinearError::Order { missing: "factorize" }));
         assert!(matches!(solver.factorize(&[1.0]), Err(LinearError::Shape { expected: 2, found: 1, .. })));
         assert!(matches!(solver.factorize(&[1.0, 0.0]), Err(LinearError::Singular { .. })));
-        // A failed factorisation leaves no stale factors behind.
+        // A failed factorisation leaves no old factors behind.
         assert_eq!(solver.solve(&[1.0, 1.0], &mut x), Err(LinearError::Order { missing: "factorize" }));
         let wide = Arc::new(Pattern::from_entries(1, 2, |take| take(0, 1)).unwrap());
         assert!(matches!(solver.analyze(&wide), Err(LinearError::Shape { .. })));
@@ -226,13 +228,13 @@ mod tests {
         solver.analyze(&pattern).unwrap();
         let first = solver.factorize(&values).unwrap();
         let instance = solver.shared.as_mut().unwrap().part();
-        // INFOG(7): the order that was taken; INFOG(23): the permutation for large diagonals.
+        // INFOG(7): the order that was used; INFOG(23): the permutation for large diagonals.
         assert_eq!((instance.told(7), instance.told(23)), (1, 0));
         let b: Vec<f64> = (0..pattern.columns()).map(|i| (i as f64).sin()).collect();
         let mut x = vec![0.0; b.len()];
         solver.solve(&b, &mut x).unwrap();
         assert!(residual(&pattern, &values, &x, &b) < 1e-13);
-        // Where nothing is held any more the same analysis serves.
+        // With no prescribed displacements the same analysis is used.
         let nodes = 400;
         let slots = (0..20).map(|j| (pattern.slot(nodes + j, 380 + j), pattern.slot(nodes + j, nodes + j)));
         let mut open = values.clone();
@@ -262,7 +264,7 @@ mod tests {
         let (pattern, values) = held_square(100);
         let mut solver = Mumps::default();
         solver.analyze(&pattern).unwrap();
-        // MB of each rank, in place of what the system has.
+        // The memory limit of each rank, MB, instead of that of the system.
         solver.shared.as_mut().unwrap().part().set(23, 1);
         assert!(matches!(solver.factorize(&values), Err(LinearError::OutOfMemory { .. })));
         let mut x = vec![0.0; pattern.columns()];

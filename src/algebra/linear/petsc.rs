@@ -1,8 +1,8 @@
-//! One cycle of PETSc's algebraic multigrid, GAMG, as an approximate inverse, on all processes of MPI.
+//! One cycle of PETSc's algebraic multigrid, GAMG, as an approximate inverse, on all MPI processes.
 //!
-//! Smoothed aggregation wants to know what has no energy, the rigid motions, and which rows are of one node. Smoothing is by two
-//! Chebyshev steps: over an incomplete Cholesky factorisation where the matrix is symmetric, which bears stretched elements, and over
-//! the diagonal where it is not. With several ranks each factors the couplings within its own rows.
+//! Smoothed aggregation needs the near null space, the rigid modes, and the rows of each node. The smoother is two
+//! Chebyshev steps: with an incomplete Cholesky factorisation if the matrix is symmetric, which works for stretched
+//! elements, and with the diagonal otherwise. With several ranks each factors the couplings within its own rows.
 
 mod share;
 mod sys;
@@ -17,12 +17,12 @@ pub(super) struct Rows {
     pub starts: Vec<i32>,
     pub columns: Vec<i32>,
     pub values: Vec<f64>,
-    /// So many successive rows are of one node.
+    /// The number of successive rows of one node.
     pub block: usize,
     pub symmetric: bool,
 }
 
-/// The only thing that is ever done with a hierarchy.
+/// The only job of a hierarchy.
 const CYCLE: i64 = 1;
 
 /// The hierarchy of one matrix.
@@ -32,8 +32,8 @@ pub(super) struct Amg {
 }
 
 impl Amg {
-    /// The hierarchy of `matrix`, where the orthonormal `kernel` has what its operator without supports leaves alone. Each rank gets the rows
-    /// between its `bounds`.
+    /// Creates the hierarchy of `matrix`. The orthonormal `kernel` is the null space of its operator without
+    /// supports. Each rank gets the rows between its `bounds`.
     pub(super) fn new(matrix: Rows, kernel: Vec<Vec<f64>>, bounds: &[usize]) -> Result<Self, LinearError> {
         let order = matrix.starts.len() - 1;
         expect_finite(&matrix.values)?;
@@ -44,7 +44,7 @@ impl Amg {
         Ok(Amg { shared, order })
     }
 
-    /// One cycle: `z` with `A z ≈ r`.
+    /// Applies one cycle: `z` with `A z ≈ r`.
     pub(super) fn cycle(&mut self, r: &[f64], z: &mut [f64]) -> Result<(), LinearError> {
         expect_length("residual", self.order, r.len())?;
         expect_length("correction", self.order, z.len())?;
@@ -56,7 +56,7 @@ impl Amg {
 mod tests {
     use super::*;
 
-    /// -u'' with u = 0 at both ends: nothing rigid but the constant.
+    /// Creates -u'' with u = 0 at both ends; the only rigid mode is the constant.
     fn bar(n: usize, symmetric: bool) -> Amg {
         let (mut starts, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
         for i in 0..n as i32 {

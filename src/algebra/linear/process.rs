@@ -1,6 +1,5 @@
-//! Settings of the whole process that decide how fast a factorisation runs: BLAS threads and what
-//! becomes of freed memory. A library must not change them behind its caller's back; a program
-//! does.
+//! Settings of the whole process that affect the speed of factorisations: BLAS threads and the handling of freed
+//! memory. A program may set them; a library must not do so without its caller's knowledge.
 
 #![allow(unsafe_code)]
 
@@ -16,7 +15,7 @@ use libloading::os::unix::Library;
 #[cfg(feature = "blas")]
 use super::blas::{loaded, room};
 
-/// What this process has taken so far.
+/// Returns the resources used by this process so far.
 #[cfg(feature = "mpi")]
 pub(super) fn used() -> super::RankUse {
     // SAFETY: C's structure of numbers, which the call fills.
@@ -32,11 +31,12 @@ pub(super) fn used() -> super::RankUse {
     }
 }
 
-/// Sets the number of BLAS threads, and of OpenMP's for this thread, and returns the name of the library that took it.
+/// Sets the number of BLAS threads, and of OpenMP threads for this thread. Returns the name of the library that
+/// accepted it.
 ///
-/// Fronts of two-dimensional problems are small: a second BLAS thread gains nothing there, doubles the CPU
-/// time and, on a busy machine, can cost an order of magnitude. `None` means that the library has no thread control, as
-/// the reference BLAS, which is single-threaded and slower.
+/// Fronts of two-dimensional problems are small: a second BLAS thread gains nothing there, doubles the CPU time and,
+/// on a busy machine, can cost an order of magnitude. `None` means that the library has no thread control, like the
+/// reference BLAS, which is single-threaded and slower.
 #[cfg(feature = "blas")]
 pub fn set_blas_threads(threads: usize) -> Option<&'static str> {
     let process = Library::this();
@@ -44,29 +44,30 @@ pub fn set_blas_threads(threads: usize) -> Option<&'static str> {
     loaded::set_threads(&process, threads)
 }
 
-/// Whether a thread that OpenBLAS started when it was loaded has not got its memory and asks for it for ever. The process can then do
-/// nothing with the BLAS, and not even end in the usual way; one with `OPENBLAS_NUM_THREADS=1` in its environment has no such
-/// thread.
+/// Returns `true` if a thread that OpenBLAS started when it was loaded cannot get its memory and retries forever. The
+/// process can then neither use the BLAS nor end in the usual way. A process with `OPENBLAS_NUM_THREADS=1` in its
+/// environment has no such thread.
 #[cfg(feature = "blas")]
 pub fn blas_is_stuck() -> bool {
     room::is_stuck(&Library::this())
 }
 
-/// Lets the parallel regions of CHOLMOD run in this thread, if it is the one that meets them; elsewhere nothing changes. Does nothing
-/// in a build without it.
+/// Makes the parallel regions of CHOLMOD that this thread reaches run in it; other threads are unaffected. Does
+/// nothing in a build without CHOLMOD.
 pub fn keep_openmp_in_this_thread() {
     #[cfg(feature = "blas")]
     set_openmp(&Library::this(), 1);
 }
 
-/// CHOLMOD has parallel regions of its own, whatever the BLAS is told. Without an active level they
-/// run in the thread that meets them; with an OpenMP that keeps this per thread, in the calling one.
+/// CHOLMOD has its own parallel regions, independent of the BLAS. With zero active levels they run in the thread that
+/// reaches them; in an OpenMP with per-thread settings, this applies to the calling thread.
 #[cfg(feature = "blas")]
 fn set_openmp(process: &Library, threads: usize) {
     let count = c_int::try_from(threads.max(1)).unwrap_or(c_int::MAX);
     let told = [(&b"omp_set_max_active_levels\0"[..], c_int::from(count > 1)), (b"omp_set_num_threads\0", count)];
     for (symbol, value) in told {
-        // SAFETY: the symbols are OpenMP's documented functions, which take a C int; no level and one thread are valid.
+        // SAFETY: the symbols are OpenMP's documented functions, which take a C int; zero levels and one thread are
+        // valid.
         if let Ok(set) = unsafe { process.get::<unsafe extern "C" fn(c_int)>(symbol) } {
             // SAFETY: see above.
             unsafe { set(value) };
@@ -74,12 +75,11 @@ fn set_openmp(process: &Library, threads: usize) {
     }
 }
 
-/// Keeps freed memory in the process instead of giving it back to the system.
+/// Keeps freed memory in the process instead of returning it to the system.
 ///
-/// Every factorisation allocates and frees the same large blocks. By default glibc maps them anew
-/// each time, and the system spends a quarter of the run clearing their pages (block 100 × 100: 3.7
-/// of 15.8 s CPU; with this, 0.1 of 12.6 s). The peak memory grows by a few per cent. Does nothing
-/// where the C library is not glibc.
+/// Every factorisation allocates and frees the same large blocks. By default glibc maps them anew each time, and the
+/// system spends a quarter of the run clearing their pages (block 100 × 100: 3.7 of 15.8 s CPU; with this, 0.1 of
+/// 12.6 s). The peak memory grows by a few per cent. Does nothing if the C library is not glibc.
 pub fn keep_freed_memory() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     // SAFETY: mallopt only sets two thresholds of the allocator; called before other threads exist

@@ -1,5 +1,5 @@
-//! The processes that a launcher of MPI has started side by side. Rank 0 does all that the program does; the others sleep until it
-//! calls them to what all do together, and end when it does.
+//! The parallel processes of an MPI launcher. Rank 0 runs the program; the others sleep until rank 0 calls them for a
+//! collective operation, and end when rank 0 does.
 
 #![allow(unsafe_code)]
 
@@ -20,16 +20,16 @@ pub(super) use metis::order;
 pub(super) use metis::partition;
 pub(super) use world::World;
 
-/// What each rank has of an object that all share. Whatever is called of it, is called on all ranks at a time.
+/// The local part of a shared object on one rank. Its methods are collective: all ranks call them.
 pub(super) trait RankLocal: Send {
-    /// What this rank does in a `job`, by the number that rank 0 has for it.
+    /// Does the work of this rank in a `job`, identified by a number of rank 0.
     ///
     /// # Errors
-    /// Where this rank cannot go on; the others then wait in vain, so that it has to end all of them.
+    /// If this rank cannot continue; the others then wait in vain, so that it has to end all of them.
     fn serve(&mut self, world: &World, job: i64) -> Result<(), LinearError>;
 }
 
-/// What can be shared.
+/// The kind of a shared object.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     #[cfg(feature = "mumps")]
@@ -51,10 +51,10 @@ impl Kind {
     ];
 }
 
-/// Makes a rank's part of something that is shared.
+/// A function that creates a rank's part of a shared object.
 type Make<'a> = &'a mut dyn FnMut(Kind, &World) -> Result<Box<dyn RankLocal>, LinearError>;
 
-/// What rank 0 tells the others: what to do, with which object, and which kind or job that is.
+/// A command that rank 0 broadcasts: the action, the object, and its kind or the job.
 type Command = [i64; 3];
 
 const END: i64 = 0;
@@ -64,20 +64,20 @@ const DROP: i64 = 3;
 const REPORT: i64 = 4;
 const PREPARE: i64 = 5;
 
-/// MPI bears one call at a time, and all ranks must meet in the same one.
+/// Only one MPI call may run at a time, and all ranks must take part in the same one.
 static MPI: Mutex<State> = Mutex::new(State::Before);
 
 enum State {
     Before,
     Running(World),
-    /// Rank 0 has left what all do together with an error or a panic, and others may still be waiting in it.
+    /// Rank 0 has left a collective operation by an error or a panic, and others may still be waiting in it.
     Broken,
     Ended,
 }
 
 fn state() -> MutexGuard<'static, State> {
     MPI.lock().unwrap_or_else(|panicked| {
-        // Who panicked in what all ranks do together has left the others in it.
+        // A panic in a collective operation has left the other ranks in it.
         let mut state = panicked.into_inner();
         state.abandon();
         state
@@ -85,7 +85,7 @@ fn state() -> MutexGuard<'static, State> {
 }
 
 impl State {
-    /// The ranks, MPI being started if it was not.
+    /// Returns the ranks, and starts MPI if needed.
     fn running(&mut self) -> Result<&mut World, LinearError> {
         let failed = |status: c_int| LinearError::Backend { backend: "MPI", step: "its start", status: status.into() };
         if let State::Before = self {
@@ -97,7 +97,7 @@ impl State {
         }
     }
 
-    /// What came out of something that all ranks did together. After an error nothing is done together any more.
+    /// Passes on the result of a collective operation. After an error no further one is possible.
     fn after<T>(&mut self, result: Result<T, LinearError>) -> Result<T, LinearError> {
         if result.is_err() {
             self.abandon();
@@ -105,7 +105,7 @@ impl State {
         result
     }
 
-    /// Leaves the other ranks, if there are any, where they are: this process has to end, and the launcher ends them.
+    /// Abandons the other ranks, if there are any: this process has to end, and the launcher ends them.
     fn abandon(&mut self) {
         if matches!(self, State::Running(world) if world.size() > 1) {
             *self = State::Broken;
@@ -113,16 +113,17 @@ impl State {
     }
 }
 
-/// Starts MPI, unless it runs: this process' rank, and how many there are. Without a launcher that is rank 0 of 1. Who is not rank 0
-/// has to [`help`](super::help).
+/// Starts MPI, unless it runs. Returns the rank of this process and the number of ranks; without a launcher 0 and 1.
+/// Ranks other than 0 must call [`help`](super::help).
 ///
 /// # Errors
-/// Where MPI does not bear calls of several threads, one at a time, or has ended.
+/// If MPI does not allow calls from several threads, one at a time, or has ended.
 pub fn start() -> Result<(usize, usize), LinearError> {
     state().running().map(|world| (world.rank(), world.size()))
 }
 
-/// Whether `number` is that of rank 0; on all ranks at a time, before any of them helps.
+/// Returns `true` if `number` equals that of rank 0. All ranks must call it, before any of them calls
+/// [`help`](super::help).
 ///
 /// # Errors
 /// As [`start`].
@@ -134,18 +135,18 @@ pub fn agree(number: u64) -> Result<bool, LinearError> {
     Ok(told == [number as i64])
 }
 
-/// What a rank other than 0 does from its start on: it helps rank 0 with the parts that it makes, and comes back when that ends MPI.
+/// Runs the worker loop of a rank other than 0 with the parts that it creates, until rank 0 ends MPI.
 ///
 /// # Errors
-/// As [`start`], and where this rank cannot do its part: the process has to end then, without a word to MPI, whose launcher ends the
-/// others. On rank 0 it returns at once.
+/// As [`start`], and if this rank cannot do its work: the process then has to end without a call to MPI, whose
+/// launcher ends the others. On rank 0 the function returns at once.
 pub(super) fn serve(make: Make<'_>) -> Result<(), LinearError> {
     let mut state = state();
     let world = state.running()?;
     if world.rank() == 0 {
         return Ok(());
     }
-    // Those that rank 0 has not dropped at the end stay: both would have to.
+    // Parts that rank 0 has not dropped are leaked, because dropping them would be collective.
     let mut parts: ManuallyDrop<HashMap<i64, Box<dyn RankLocal>>> = ManuallyDrop::default();
     loop {
         let [word, id, what] = world.wait_for([END; 3]);
@@ -171,7 +172,7 @@ pub(super) fn serve(make: Make<'_>) -> Result<(), LinearError> {
     Ok(())
 }
 
-/// Ends MPI, if it runs, and the other ranks with it; the last thing that rank 0 does.
+/// Ends MPI, if it runs, and the other ranks with it. It must be the last call on rank 0.
 pub fn end() {
     let mut state = state();
     if let State::Running(world) = &*state {
@@ -186,7 +187,7 @@ fn finish(state: &mut State) {
     }
 }
 
-/// What each of several ranks has taken so far. For rank 0.
+/// Returns the resources used by each of several ranks. For rank 0.
 pub fn used() -> Vec<RankUse> {
     match &*state() {
         State::Running(world) if world.size() > 1 => {
@@ -197,7 +198,7 @@ pub fn used() -> Vec<RankUse> {
     }
 }
 
-/// How many ranks there are; 1 unless MPI runs.
+/// Returns the number of ranks; 1 unless MPI runs.
 pub fn count() -> usize {
     match &*state() {
         State::Running(world) => world.size(),
@@ -205,17 +206,17 @@ pub fn count() -> usize {
     }
 }
 
-/// An object with its parts on all ranks, for rank 0.
+/// A shared object with parts on all ranks, for rank 0.
 pub(super) struct Shared<P: RankLocal> {
     id: i64,
     part: ManuallyDrop<P>,
 }
 
 impl<P: RankLocal> Shared<P> {
-    /// A new one, of which rank 0 makes its part by `own`.
+    /// Creates a shared object; `own` creates the part of rank 0.
     ///
     /// # Errors
-    /// As [`start`], where memory is short for the BLAS of a rank, and as `own`.
+    /// As [`start`], if memory is short for the BLAS of a rank, and as `own`.
     pub fn new(kind: Kind, own: impl FnOnce(&World) -> Result<P, LinearError>) -> Result<Self, LinearError> {
         let mut state = state();
         let world = state.running()?;
@@ -229,16 +230,16 @@ impl<P: RankLocal> Shared<P> {
         Ok(Shared { id, part: ManuallyDrop::new(state.after(part)?) })
     }
 
-    /// Rank 0's part of it.
+    /// Returns the part of rank 0.
     #[cfg(feature = "mumps")]
     pub fn part(&mut self) -> &mut P {
         &mut self.part
     }
 
-    /// Does a `job` on all ranks, of which rank 0 does its part by `own`.
+    /// Runs a `job` on all ranks; `own` does the work of rank 0.
     ///
     /// # Errors
-    /// Where MPI has ended, and as `own`.
+    /// If MPI has ended, and as `own`.
     pub fn run<T>(
         &mut self,
         job: i64,
@@ -255,10 +256,10 @@ impl<P: RankLocal> Shared<P> {
 impl<P: RankLocal> Drop for Shared<P> {
     fn drop(&mut self) {
         let state = state();
-        // Where MPI has ended before, nothing can be ended that takes it.
+        // If MPI has ended before, the part cannot be dropped.
         if let State::Running(world) = &*state {
             world.command([DROP, self.id, 0]);
-            // SAFETY: nobody sees it afterwards.
+            // SAFETY: the part is not used afterwards.
             unsafe { ManuallyDrop::drop(&mut self.part) };
         }
     }

@@ -1,25 +1,25 @@
-//! Iterative refinement and the backward error, the same for every backend.
+//! Iterative refinement and the backward error, identical for every backend.
 
 use super::LinearError;
 use super::error::expect_length;
 use crate::algebra::sparse::SystemMatrix;
 
-/// How well one linear system was solved.
+/// The accuracy of a solution.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct SolveInfo {
-    /// Componentwise backward error of the returned solution, see [`backward_error`].
+    /// The componentwise backward error of the returned solution, see [`backward_error`].
     pub backward_error: f64,
-    /// Refinement steps taken.
+    /// The number of refinement steps.
     pub refinements: usize,
 }
 
-/// Refinement halts here, within 1e-15: the sum of a row of a dozen or two entries has as much rounding
-/// of its own, and the step costs as much as the solve.
+/// The backward error at which refinement stops, within 1e-15. A sum over a row of a dozen or two entries has as much
+/// rounding of its own, and the step costs as much as the solve.
 const TARGET: f64 = 4.0 * f64::EPSILON;
-/// With sound factors one or two steps reach the target; more would only hide bad ones.
+/// The largest number of steps. With good factors one or two reach the target; more would only hide bad ones.
 const MAX_STEPS: usize = 4;
 
-/// Vectors that refinement needs, kept between calls.
+/// The workspace of refinement, kept between calls.
 #[derive(Default)]
 pub(super) struct Workspace {
     residual: Vec<f64>,
@@ -28,7 +28,7 @@ pub(super) struct Workspace {
     candidate: Vec<f64>,
 }
 
-/// Solves with the factors that there are.
+/// A function that solves with the present factors.
 type Solve<'a> = &'a mut dyn FnMut(&[f64], &mut [f64]) -> Result<(), LinearError>;
 
 /// Solves `A x = b` by `solve_once` and refines until the backward error is at rounding level or stops falling by half.
@@ -71,14 +71,14 @@ fn measure(a: &SystemMatrix, largest: f64, b: &[f64], x: &[f64], work: &mut Work
     if error.is_finite() { Ok(error) } else { Err(LinearError::NotFinite) }
 }
 
-/// The componentwise backward error `max_i |b - A x|_i / (|A| |x| + |b|)_i`: the smallest relative
-/// change of the entries of `A` and `b` that makes `x` exact (Oettli and Prager).
+/// Returns the componentwise backward error `max_i |b - A x|_i / (|A| |x| + |b|)_i`: the smallest relative change of
+/// the entries of `A` and `b` that makes `x` exact (Oettli and Prager).
 ///
-/// A row whose scale is itself at rounding level is judged against `‖A_i‖_∞ ‖x‖_1` instead, as
-/// Arioli, Demmel and Duff (1989) do; otherwise a row such as `du_n = 0` would count noise as 100 %.
+/// A row whose scale is itself at rounding level is judged against `‖A_i‖_∞ ‖x‖_1` instead, as in Arioli, Demmel and
+/// Duff (1989); otherwise a row such as `du_n = 0` would count noise as 100 %.
 ///
 /// # Errors
-/// [`LinearError`] when `b` or `x` does not fit `a`.
+/// [`LinearError`] if `b` or `x` does not fit `a`.
 pub fn backward_error(a: &SystemMatrix, b: &[f64], x: &[f64]) -> Result<f64, LinearError> {
     expect_length("right-hand side", a.pattern().rows(), b.len())?;
     expect_length("solution", a.order(), x.len())?;
@@ -88,13 +88,13 @@ pub fn backward_error(a: &SystemMatrix, b: &[f64], x: &[f64]) -> Result<f64, Lin
     Ok(from_residual(a, a.largest_entry(), x, &r, &s))
 }
 
-/// The error of `x` with residual `r` and scale `s`, where `scale` is the largest entry of `a`.
+/// Returns the error of `x` with residual `r` and scale `s`, where `scale` is the largest entry of `a`.
 fn from_residual(a: &SystemMatrix, scale: f64, x: &[f64], r: &[f64], s: &[f64]) -> f64 {
     componentwise_error(x, r, s, scale, || a.row_norms())
 }
 
-/// [`backward_error`] of `x` by its residual `r`, what that is to be judged against, `s`, the largest entry
-/// of the matrix, and the largest entry of each row, which is asked for only where it is needed.
+/// Computes [`backward_error`] of `x` from its residual `r`, the scale `s` of the residual, the largest entry of the
+/// matrix, and the largest entry of each row, which is computed only if it is needed.
 pub fn componentwise_error(
     x: &[f64],
     r: &[f64],

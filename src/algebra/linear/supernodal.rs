@@ -5,38 +5,38 @@
 
 use crate::algebra::linear::FactorInfo;
 
-/// What a backend hands over: `L` of `P K Pᵀ = L Lᵀ`, from its first column to its last.
+/// The interface of a backend's factors: `L` of `P K Pᵀ = L Lᵀ`, from its first column to its last.
 pub(in crate::algebra::linear) trait Supernodal: Send + Sync {
-    /// How many supernodes there are.
+    /// Returns the number of supernodes.
     fn len(&self) -> usize;
 
-    /// The supernode `k`.
+    /// Returns the supernode `k`.
     fn supernode(&self, k: usize) -> Supernode<'_>;
 
-    /// Entries, operations and peak memory; the pivots are read off `L`.
+    /// Returns entries, operations and peak memory; the pivots are read from `L`.
     fn info(&self) -> FactorInfo;
 }
 
-/// A supernode.
+/// A supernode: a dense block of columns.
 pub(in crate::algebra::linear) struct Supernode<'a> {
-    /// Its first column.
+    /// The first column.
     pub first: usize,
-    /// How many columns it has. They are dense, and so are their rows as far as the diagonal.
+    /// The number of columns. They are dense, and so are their rows down to the diagonal block.
     pub columns: usize,
     /// The rows below the block on the diagonal, ascending.
     pub below: &'a [i64],
-    /// Column after column, the rows of the block first; above the diagonal there may be anything.
+    /// The values, column by column, the rows of the block first; those above the diagonal are unspecified.
     pub values: &'a [f64],
 }
 
 impl<'a> Supernode<'a> {
-    /// The entries of its column `k` from the diagonal downwards.
+    /// Returns the entries of column `k` from the diagonal downwards.
     pub(super) fn column(&self, k: usize) -> &'a [f64] {
         let rows = self.columns + self.below.len();
         &self.values[k * rows + k..(k + 1) * rows]
     }
 
-    /// Their rows in `L`.
+    /// Returns their rows in `L`.
     pub(super) fn rows(&self, k: usize) -> impl Iterator<Item = usize> {
         (self.first + k..self.first + self.columns).chain(self.below.iter().map(|&row| row as usize))
     }

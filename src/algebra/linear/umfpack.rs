@@ -1,9 +1,8 @@
-//! UMFPACK, SuiteSparse's unsymmetric multifrontal LU, as the uncondensed contact Jacobian wants it.
+//! UMFPACK, SuiteSparse's unsymmetric multifrontal LU, with settings for the uncondensed contact Jacobian.
 //!
-//! The pattern of that Jacobian is almost symmetric and its diagonal almost always serves as pivot,
-//! so the symmetric strategy is forced: it must not be left to the automatic choice, which takes the
-//! unsymmetric one when it sees no values, and singletons must not be peeled off first, which
-//! silently does the same. Refinement is left to [`super::RefinedSolver`].
+//! The pattern of that Jacobian is almost symmetric, and its diagonal entries are almost always suitable pivots, so
+//! the symmetric strategy is forced. The automatic choice would take the unsymmetric strategy if it sees no values,
+//! and removing singletons first would silently have the same effect. Refinement is left to [`super::RefinedSolver`].
 
 #![allow(unsafe_code)]
 
@@ -24,20 +23,20 @@ type Info = [f64; INFO];
 // The bindings pass `Pattern`'s indices by pointer: C's 64-bit index must be exactly i64.
 const _: () = assert!(size_of::<std::ffi::c_long>() == size_of::<i64>(), "UMFPACK's long must have 64 bits");
 
-/// How UMFPACK orders and picks pivots.
+/// The strategy of UMFPACK for orderings and pivots.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Strategy {
     /// Orders A + Aᵀ and prefers diagonal pivots: the choice for contact Jacobians.
     #[default]
     Symmetric,
-    /// The same in the best of several orders, which take longer to find: in the plane, for many factorisations.
+    /// The symmetric strategy in the best of several orders, which take longer to find: for many factorisations in
+    /// the plane.
     SymmetricInBestOrder,
-    /// Every default of UMFPACK, its own refinement included: what a caller gets who sets nothing.
-    /// Kept as the thing to compare with.
+    /// All defaults of UMFPACK, including its own refinement, for comparisons.
     Automatic,
 }
 
-/// Releases one kind of UMFPACK object.
+/// A function that releases one kind of UMFPACK object.
 type Free = unsafe extern "C" fn(*mut *mut c_void);
 
 /// The owner of an object that UMFPACK allocated; frees it when dropped.
@@ -61,7 +60,7 @@ unsafe impl Send for Owned {}
 /// The UMFPACK backend.
 pub struct Umfpack {
     strategy: Strategy,
-    /// The settings, from the analysis on.
+    /// The settings, set by the analysis.
     control: Control,
     pattern: Option<Arc<Pattern>>,
     /// The factored values, kept only if UMFPACK's own refinement needs them.
@@ -79,7 +78,7 @@ impl Default for Umfpack {
 }
 
 impl Umfpack {
-    /// A solver with the given strategy.
+    /// Creates a solver with the given strategy.
     pub fn new(strategy: Strategy) -> Self {
         Umfpack {
             strategy,
@@ -93,12 +92,12 @@ impl Umfpack {
         }
     }
 
-    /// Whether UMFPACK refines its solutions itself.
+    /// Returns `true` if UMFPACK refines its solutions itself.
     fn refines(&self) -> bool {
         self.control[sys::UMFPACK_IRSTEP as usize] > 0.0
     }
 
-    /// Like [`LinearSolver::analyze`], and lets the automatic strategy see the values.
+    /// Runs [`LinearSolver::analyze`] with the values for the automatic strategy.
     ///
     /// # Errors
     /// As [`LinearSolver::analyze`].
@@ -140,7 +139,7 @@ impl Umfpack {
     }
 }
 
-/// What UMFPACK is told for a strategy.
+/// Returns the settings of a strategy.
 fn control(strategy: Strategy) -> Control {
     let mut control = [0.0; CONTROL];
     // SAFETY: the array has the UMFPACK_CONTROL entries the call fills.
@@ -175,7 +174,7 @@ impl LinearSolver for Umfpack {
         };
         expect_length("values of the matrix", pattern.len(), values.len())?;
         room::prepare()?;
-        // The old factors go first: two at a time would double the peak memory.
+        // The old factors are dropped first: keeping both would double the peak memory.
         self.numeric = None;
         let mut info: Info = [0.0; INFO];
         let mut numeric = ptr::null_mut();
@@ -241,13 +240,13 @@ impl LinearSolver for Umfpack {
     }
 }
 
-/// Maps every status but 0 to an error: even the warning "singular" leaves Inf and NaN behind. The
-/// status is a long in 5.x and an int in 7.x.
+/// Maps every status but 0 to an error: even the warning "singular" leaves Inf and NaN behind. The status is a long
+/// in 5.x and an int in 7.x.
 fn check(status: impl Into<i64>, step: &'static str, pivot_ratio: f64) -> Result<(), LinearError> {
     const OK: i64 = sys::UMFPACK_OK as i64;
     const SINGULAR: i64 = sys::UMFPACK_WARNING_singular_matrix as i64;
     const OUT_OF_MEMORY: i64 = sys::UMFPACK_ERROR_out_of_memory as i64;
-    // The orderings accept every pattern that is one, so that what they lack is memory; METIS has no other word for it.
+    // The orderings accept every valid pattern, so this failure of METIS means lack of memory.
     const NOT_ORDERED: i64 = sys::UMFPACK_ERROR_ordering_failed as i64;
     const DIFFERENT_PATTERN: i64 = sys::UMFPACK_ERROR_different_pattern as i64;
     match status.into() {
@@ -293,7 +292,7 @@ mod tests {
         assert_eq!(solver.solve(&[1.0, 1.0], &mut x), Err(LinearError::Order { missing: "factorize" }));
         assert!(matches!(solver.factorize(&[1.0]), Err(LinearError::Shape { expected: 2, found: 1, .. })));
         assert!(matches!(solver.factorize(&[1.0, 0.0]), Err(LinearError::Singular { .. })));
-        // A failed factorisation leaves no stale factors behind.
+        // A failed factorisation leaves no old factors behind.
         assert_eq!(solver.solve(&[1.0, 1.0], &mut x), Err(LinearError::Order { missing: "factorize" }));
         let wide = Arc::new(Pattern::from_entries(1, 2, |take| take(0, 1)).unwrap());
         assert!(matches!(solver.analyze(&wide), Err(LinearError::Shape { .. })));

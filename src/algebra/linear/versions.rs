@@ -1,5 +1,6 @@
-//! Whether the SuiteSparse that is loaded is the one whose headers were compiled in. Structures and places in arrays are
-//! those of the headers ([`super::sys`]); another version may have them elsewhere, and would write where it should not.
+//! A check that the loaded SuiteSparse is the one whose headers were compiled in. Structures and array layouts are
+//! those of the headers ([`super::sys`]). Another version may have a different layout and would write to wrong
+//! places.
 
 #![allow(unsafe_code)]
 
@@ -10,15 +11,16 @@ use libloading::os::unix::Library;
 
 use super::{LinearError, sys};
 
-/// `[main, sub, subsub]`.
+/// A version, `[main, sub, subsub]`.
 type Version = [i32; 3];
 
-/// How many numbers of a version must be the same where only statuses, and places in arrays of a fixed length, are shared.
+/// The number of version parts that must agree if only statuses and arrays of fixed length are shared.
 const MAIN: usize = 1;
-/// The same where structures are shared: within one main version of CHOLMOD its `cholmod_common` has grown.
+/// The number that must agree if structures are shared: `cholmod_common` has grown within one main version of
+/// CHOLMOD.
 const MAIN_AND_SUB: usize = 2;
 
-/// Refuses a SuiteSparse that is not the one of the headers; looked up once, before anything else is asked of it.
+/// Returns an error if the loaded SuiteSparse is not that of the headers. Checked once, before any other call.
 ///
 /// # Errors
 /// [`LinearError::Version`].
@@ -28,18 +30,18 @@ pub(super) fn agree() -> Result<(), LinearError> {
         .get_or_init(|| {
             compare("SuiteSparse", MAIN, suitesparse_headers(), suitesparse_version())?;
             compare("CHOLMOD", MAIN_AND_SUB, cholmod_headers(), cholmod_loaded())?;
-            // Before 6 UMFPACK has no such function, and the version of SuiteSparse stands for its own.
+            // Before 6, UMFPACK has no such function; the version of SuiteSparse is used instead.
             umfpack_loaded().map_or(Ok(()), |loaded| compare("UMFPACK", MAIN, umfpack_version(), loaded))
         })
         .clone()
 }
 
-/// An error unless the first `count` numbers of both versions are the same.
+/// Returns an error unless the first `count` parts of both versions agree.
 fn compare(library: &'static str, count: usize, built: Version, loaded: Version) -> Result<(), LinearError> {
     if built[..count] == loaded[..count] { Ok(()) } else { Err(LinearError::Version { library, built, loaded }) }
 }
 
-/// A version of the headers, which bindgen has as unsigned numbers.
+/// Converts a version from the headers, where bindgen has unsigned numbers.
 const fn of_headers([main, sub, subsub]: [u32; 3]) -> Version {
     [main as i32, sub as i32, subsub as i32]
 }
@@ -52,12 +54,12 @@ fn cholmod_headers() -> Version {
     of_headers([sys::CHOLMOD_MAIN_VERSION, sys::CHOLMOD_SUB_VERSION, sys::CHOLMOD_SUBSUB_VERSION])
 }
 
-/// The version of UMFPACK whose headers were compiled in, `[main, sub, subsub]`.
+/// Returns the version of UMFPACK whose headers were compiled in, `[main, sub, subsub]`.
 pub fn umfpack_version() -> [i32; 3] {
     of_headers([sys::UMFPACK_MAIN_VERSION, sys::UMFPACK_SUB_VERSION, sys::UMFPACK_SUBSUB_VERSION])
 }
 
-/// The version of the SuiteSparse library that is loaded, `[main, sub, subsub]`.
+/// Returns the version of the loaded SuiteSparse library, `[main, sub, subsub]`.
 pub fn suitesparse_version() -> [i32; 3] {
     let mut version = [0; 3];
     // SAFETY: the call writes three integers.
@@ -72,10 +74,10 @@ fn cholmod_loaded() -> Version {
     version
 }
 
-/// The version of the UMFPACK that is loaded, if it has a function that tells.
+/// Returns the version of the loaded UMFPACK, if it has a function for it.
 fn umfpack_loaded() -> Option<Version> {
     let process = Library::this();
-    // SAFETY: a documented function of UMFPACK, which takes an array of three integers and returns nothing.
+    // SAFETY: this is a documented function of UMFPACK, which takes an array of three integers and returns nothing.
     let tell = unsafe { process.get::<unsafe extern "C" fn(*mut c_int)>(b"umfpack_version\0") }.ok()?;
     let mut version = [0; 3];
     // SAFETY: the call writes three integers.

@@ -13,25 +13,26 @@ pub struct Csc {
 }
 
 impl Csc {
-    /// The matrix with these `values`, one for each slot of the pattern; explicit zeros are entries.
+    /// Creates the matrix with these `values`, one for each slot of the pattern; explicit zeros are entries.
     ///
     /// # Errors
-    /// When there are more or fewer.
+    /// If the number of values is different.
     pub fn new(pattern: Arc<Pattern>, values: Vec<f64>) -> Result<Self, MatrixError> {
         expect_length("values of the matrix", pattern.len(), values.len())?;
         Ok(Csc { pattern, values })
     }
 
-    /// The zero matrix on `pattern`.
+    /// Creates the zero matrix on `pattern`.
     pub fn zeros(pattern: Arc<Pattern>) -> Self {
         let values = vec![0.0; pattern.len()];
         Csc { pattern, values }
     }
 
-    /// The matrix with the entries `(row, column, value)`, in any order; those that name the same place add up.
+    /// Creates the matrix with the entries `(row, column, value)`, in any order; entries at the same place are
+    /// summed.
     ///
     /// # Errors
-    /// When an entry is outside the matrix, NaN or infinite.
+    /// If an entry is outside the matrix, NaN or infinite.
     pub fn from_triplets(rows: usize, columns: usize, entries: &[(usize, usize, f64)]) -> Result<Self, MatrixError> {
         if let Some(&(row, column, value)) = entries.iter().find(|(_, _, value)| !value.is_finite()) {
             return Err(MatrixError::NotFinite { row, column, value });
@@ -49,11 +50,12 @@ impl Csc {
         Ok(matrix)
     }
 
-    /// The matrix with `rows` rows whose column `j` has `values[starts[j]..starts[j + 1]]` in the rows that stand at the
-    /// same places of `indices`, as SciPy's `csc_array` holds them; in any order, and entries of the same place add up.
+    /// Creates the matrix with `rows` rows whose column `j` has `values[starts[j]..starts[j + 1]]` in the rows at the
+    /// same places of `indices`, as in SciPy's `csc_array`. They may be in any order; entries at the same place are
+    /// summed.
     ///
     /// # Errors
-    /// When the arrays do not fit each other, or a value is NaN or infinite.
+    /// If the arrays do not fit each other, or a value is NaN or infinite.
     pub fn from_parts(rows: usize, starts: &[usize], indices: &[usize], values: &[f64]) -> Result<Self, MatrixError> {
         Pattern::check_parts(rows, starts, indices)?;
         expect_length("values of the matrix", indices.len(), values.len())?;
@@ -62,37 +64,37 @@ impl Csc {
         Self::from_triplets(rows, columns, &(0..columns).flat_map(column).collect::<Vec<_>>())
     }
 
-    /// Where the entries stand.
+    /// Returns the pattern of the entries.
     pub fn pattern(&self) -> &Arc<Pattern> {
         &self.pattern
     }
 
-    /// The entries, one for each slot of the pattern.
+    /// Returns the entries, one for each slot of the pattern.
     pub fn values(&self) -> &[f64] {
         &self.values
     }
 
-    /// The entries, to be changed.
+    /// Returns the entries for changing them.
     pub fn values_mut(&mut self) -> &mut [f64] {
         &mut self.values
     }
 
-    /// The pattern and the entries, to be changed.
+    /// Returns the pattern, and the entries for changing them.
     pub(crate) fn parts_mut(&mut self) -> (&Pattern, &mut [f64]) {
         (&self.pattern, &mut self.values)
     }
 
-    /// All stored entries as `(row, column, value)`, column after column.
+    /// Iterates over all stored entries as `(row, column, value)`, column by column.
     pub fn entries(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
         (0..self.pattern.columns()).flat_map(move |column| {
             self.pattern.column(column).map(move |k| (self.pattern.row_indices()[k] as usize, column, self.values[k]))
         })
     }
 
-    /// `A x`.
+    /// Computes `A x`.
     ///
     /// # Errors
-    /// When `x` has another length than the matrix has columns.
+    /// If the length of `x` differs from the number of columns.
     pub fn times(&self, x: &[f64]) -> Result<Vec<f64>, MatrixError> {
         expect_length("vector", self.pattern.columns(), x.len())?;
         let mut y = vec![0.0; self.pattern.rows()];
@@ -100,7 +102,7 @@ impl Csc {
         Ok(y)
     }
 
-    /// `y += A x`.
+    /// Computes `y += A x`.
     pub(crate) fn add_product(&self, x: &[f64], y: &mut [f64]) {
         for (column, &factor) in x.iter().enumerate() {
             let range = self.pattern.column(column);
@@ -110,7 +112,7 @@ impl Csc {
         }
     }
 
-    /// `r -= A x` and `s += |A| |x|`.
+    /// Computes `r -= A x` and `s += |A| |x|`.
     pub(crate) fn subtract_product(&self, x: &[f64], r: &mut [f64], s: &mut [f64]) {
         for (column, &factor) in x.iter().enumerate() {
             let range = self.pattern.column(column);

@@ -3,7 +3,7 @@
 use super::error::expect_length;
 use super::{Csc, DoubleDouble, MatrixError};
 
-/// A matrix in compressed rows, for maps whose rows hold a handful of entries.
+/// A matrix in compressed rows, for maps with few entries per row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Csr {
     columns: usize,
@@ -12,10 +12,11 @@ pub struct Csr {
 }
 
 impl Csr {
-    /// The matrix with these rows of `(column, value)` pairs. Zeros are left out, and pairs of the same column add up.
+    /// Creates the matrix with these rows of `(column, value)` pairs. Zeros are omitted, and pairs with the same
+    /// column are summed.
     ///
     /// # Errors
-    /// When an entry is outside the matrix, NaN or infinite.
+    /// If an entry is outside the matrix, NaN or infinite.
     pub fn from_rows<R>(columns: usize, rows: impl IntoIterator<Item = R>) -> Result<Self, MatrixError>
     where
         R: IntoIterator<Item = (usize, f64)>,
@@ -46,7 +47,7 @@ impl Csr {
         Ok(matrix)
     }
 
-    /// [`Csr::from_rows`] of rows that come from this crate's own matrices, and so fit.
+    /// Computes [`Csr::from_rows`] for rows from this crate's own matrices, which are valid.
     pub(crate) fn of_rows<R>(columns: usize, rows: impl IntoIterator<Item = R>) -> Self
     where
         R: IntoIterator<Item = (usize, f64)>,
@@ -54,10 +55,11 @@ impl Csr {
         Self::from_rows(columns, rows).expect("rows of the crate's own matrices")
     }
 
-    /// The matrix with these rows, in which no column stands twice: a dense one is made as fast as it is read. Zeros stay.
+    /// Creates the matrix with these rows, each with distinct columns, as fast as they are read, even if they are
+    /// dense. Zeros are kept.
     ///
     /// # Errors
-    /// [`MatrixError::Column`] when a column is not below `columns`.
+    /// [`MatrixError::Column`] if a column is not below `columns`.
     pub fn from_distinct_rows(columns: usize, rows: Vec<Vec<(usize, f64)>>) -> Result<Self, MatrixError> {
         let mut matrix = Csr { columns, starts: vec![0], entries: Vec::with_capacity(rows.iter().map(Vec::len).sum()) };
         for (row, entries) in rows.into_iter().enumerate() {
@@ -70,41 +72,42 @@ impl Csr {
         Ok(matrix)
     }
 
-    /// The matrix with so many rows, all of them empty.
+    /// Creates the matrix with this number of rows, all of them empty.
     pub fn empty(rows: usize, columns: usize) -> Self {
         Csr { columns, starts: vec![0; rows + 1], entries: Vec::new() }
     }
 
-    /// Number of rows.
+    /// Returns the number of rows.
     pub fn rows(&self) -> usize {
         self.starts.len() - 1
     }
 
-    /// Number of columns.
+    /// Returns the number of columns.
     pub fn columns(&self) -> usize {
         self.columns
     }
 
-    /// Row `i` as `(column, value)` pairs; there are none beyond the last row.
+    /// Returns row `i` as `(column, value)` pairs; empty beyond the last row.
     pub fn row(&self, i: usize) -> &[(usize, f64)] {
         self.starts.get(i + 1).map_or(&[], |&end| &self.entries[self.starts[i]..end])
     }
 
-    /// `A x`.
+    /// Computes `A x`.
     ///
     /// # Errors
-    /// When `x` has another length than the matrix has columns.
+    /// If the length of `x` differs from the number of columns.
     pub fn times(&self, x: &[f64]) -> Result<Vec<f64>, MatrixError> {
         expect_length("vector", self.columns, x.len())?;
         Ok(self.mul(x))
     }
 
-    /// The product of row `i` with `x`.
+    /// Returns the product of row `i` with `x`.
     pub fn dot(&self, i: usize, x: &[f64]) -> f64 {
         self.row(i).iter().map(|&(column, value)| value * x[column]).sum()
     }
 
-    /// The product of row `i` with `x + rest`, less `y`, in twice the working precision; `rest` may be empty.
+    /// Returns the product of row `i` with `x + rest`, minus `y`, in twice the working precision; `rest` may be
+    /// empty.
     pub fn difference(&self, i: usize, x: &[f64], rest: &[f64], y: f64) -> f64 {
         let mut sum = DoubleDouble::default();
         for &(column, value) in self.row(i) {
@@ -115,12 +118,12 @@ impl Csr {
         sum.value()
     }
 
-    /// `A x`.
+    /// Computes `A x`.
     pub fn mul(&self, x: &[f64]) -> Vec<f64> {
         (0..self.rows()).map(|i| self.dot(i, x)).collect()
     }
 
-    /// `y += A^T x`.
+    /// Computes `y += A^T x`.
     pub(crate) fn add_transposed(&self, x: &[f64], y: &mut [f64]) {
         for (i, &factor) in x.iter().enumerate() {
             for &(column, value) in self.row(i) {

@@ -1,4 +1,4 @@
-//! Dense symmetric matrices, which clones share.
+//! Dense symmetric matrices whose clones share their entries.
 
 use std::sync::{Arc, OnceLock};
 
@@ -8,16 +8,16 @@ use super::MatrixError;
 use super::error::expect_length;
 use crate::algebra::vector::dot;
 
-/// Products with fewer entries are done before other threads have woken up.
+/// The number of entries below which a product is faster in one thread.
 const PARALLEL_ENTRIES: usize = 1 << 17;
 
-/// Rows that a thread takes at a time, at least.
+/// The smallest number of rows for one thread.
 const ROWS: usize = 32;
 
-/// A dense symmetric matrix, a factor times numbers that all its clones share, whatever their factors.
+/// A dense symmetric matrix: a factor times entries that all its clones share, whatever their factors.
 ///
-/// Both triangles are stored, column after column, so that a row is a column: every sum of a product is one of neighbouring numbers,
-/// is owned by one thread, and has one order, whatever the number of threads.
+/// Both triangles are stored, column by column, so that a row is a column. Every sum of a product therefore has
+/// contiguous terms, belongs to one thread, and has one order for any number of threads.
 #[derive(Debug, Clone)]
 pub struct DenseSymmetric {
     shared: Arc<Shared>,
@@ -28,16 +28,16 @@ pub struct DenseSymmetric {
 struct Shared {
     order: usize,
     values: Vec<f64>,
-    /// The largest size in each row, from when it is first asked for.
+    /// The largest absolute value in each row, computed on demand.
     row_norms: OnceLock<Vec<f64>>,
 }
 
 impl DenseSymmetric {
-    /// The matrix of order `n` with the lower triangle of these `values`, column after column. Those above the diagonal are not looked
-    /// at.
+    /// Creates the matrix of order `n` with the lower triangle of these `values`, column by column. Values above the
+    /// diagonal are ignored.
     ///
     /// # Errors
-    /// When there are not `n²`, or one of the lower triangle is NaN or infinite.
+    /// If there are not `n²` values, or one in the lower triangle is NaN or infinite.
     pub fn from_lower(n: usize, values: Vec<f64>) -> Result<Self, MatrixError> {
         expect_length("values of the matrix", n.saturating_mul(n), values.len())?;
         let lower = (0..n).flat_map(|column| (column..n).map(move |row| (row, column)));
@@ -47,53 +47,53 @@ impl DenseSymmetric {
         }
     }
 
-    /// [`DenseSymmetric::from_lower`] of as many values as the matrix has, whatever they are.
+    /// Computes [`DenseSymmetric::from_lower`] for the right number of values, without checking them.
     pub(crate) fn of_lower(n: usize, mut values: Vec<f64>) -> Self {
         mirror(&mut values, n);
         DenseSymmetric { shared: Arc::new(Shared { order: n, values, row_norms: OnceLock::new() }), factor: 1.0 }
     }
 
-    /// The order.
+    /// Returns the order.
     pub fn order(&self) -> usize {
         self.shared.order
     }
 
-    /// The matrix times `factor`, of the same numbers in memory.
+    /// Returns the matrix times `factor`, with the same entries in memory.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
         DenseSymmetric { factor: self.factor * factor, ..self.clone() }
     }
 
-    /// The entry at `(row, column)`, 0 outside the matrix.
+    /// Returns the entry at `(row, column)`, or 0 outside the matrix.
     pub fn get(&self, row: usize, column: usize) -> f64 {
         let n = self.order();
         if row.max(column) < n { self.factor * self.shared.values[column * n + row] } else { 0.0 }
     }
 
-    /// What all shared numbers are multiplied by.
+    /// Returns the factor of the shared entries.
     pub(crate) fn factor(&self) -> f64 {
         self.factor
     }
 
-    /// A column, and so a row, before it is multiplied by the factor.
+    /// Returns a column, which is also a row, without the factor.
     pub(crate) fn column(&self, j: usize) -> &[f64] {
         let n = self.order();
         &self.shared.values[j * n..(j + 1) * n]
     }
 
-    /// The entries on and below the diagonal as `(row, column, value)`, column after column.
+    /// Iterates over the entries on and below the diagonal as `(row, column, value)`, column by column.
     pub(crate) fn lower_entries(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
         let n = self.order();
         (0..n).flat_map(move |j| self.column(j)[j..].iter().zip(j..).map(move |(value, i)| (i, j, self.factor * value)))
     }
 
-    /// All entries as `(row, column, value)`, column after column.
+    /// Iterates over all entries as `(row, column, value)`, column by column.
     pub fn entries(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
         let n = self.order();
         (0..n).flat_map(move |j| self.column(j).iter().enumerate().map(move |(i, value)| (i, j, self.factor * value)))
     }
 
-    /// Adds `value` at `(row, column)` and its mirror image; the matrix no longer shares its numbers.
+    /// Adds `value` at `(row, column)` and its mirror image; the matrix no longer shares its entries.
     pub(crate) fn raise(&mut self, row: usize, column: usize, value: f64) {
         let shared = self.owned();
         let n = shared.order;
@@ -103,7 +103,7 @@ impl DenseSymmetric {
         }
     }
 
-    /// Its numbers with the factor in them, no longer shared.
+    /// Returns the entries multiplied by the factor, no longer shared.
     fn owned(&mut self) -> &mut Shared {
         let factor = std::mem::replace(&mut self.factor, 1.0);
         let shared = Arc::make_mut(&mut self.shared);
@@ -114,39 +114,39 @@ impl DenseSymmetric {
         shared
     }
 
-    /// The largest size in each row before it is multiplied by the factor; NaN is larger than anything.
+    /// Returns the largest absolute value in each row without the factor; NaN counts as the largest.
     fn unscaled_row_norms(&self) -> &[f64] {
         let larger = |m: f64, value: &f64| if value.abs() > m || value.is_nan() { value.abs() } else { m };
         let norm = |j: usize| self.column(j).iter().fold(0.0, larger);
         self.shared.row_norms.get_or_init(|| (0..self.order()).map(norm).collect())
     }
 
-    /// The largest size in each row.
+    /// Returns the largest absolute value in each row.
     pub(crate) fn row_norms(&self) -> impl Iterator<Item = f64> + '_ {
         self.unscaled_row_norms().iter().map(|norm| self.factor.abs() * norm)
     }
 
-    /// The largest size of an entry.
+    /// Returns the largest absolute value.
     pub(crate) fn largest_entry(&self) -> f64 {
         self.row_norms().fold(0.0, f64::max)
     }
 
-    /// Whether all entries are finite.
+    /// Returns `true` if all entries are finite.
     pub(crate) fn is_finite(&self) -> bool {
         self.row_norms().all(f64::is_finite)
     }
 
-    /// `y = A x`.
+    /// Computes `y = A x`.
     pub(crate) fn mul(&self, x: &[f64], y: &mut [f64]) {
         self.each_row(y, |row, y| *y = self.factor * dot(row, x));
     }
 
-    /// `y += |A| |x|`.
+    /// Computes `y += |A| |x|`.
     pub(crate) fn add_sizes(&self, x: &[f64], y: &mut [f64]) {
         self.each_row(y, |row, y| *y += self.factor.abs() * dot_and_size(row, x).1);
     }
 
-    /// `r -= A x`, `s += |A| |x|`, in one pass over the matrix.
+    /// Computes `r -= A x`, `s += |A| |x|`, in one pass over the matrix.
     pub(crate) fn residual(&self, x: &[f64], r: &mut [f64], s: &mut [f64]) {
         let mut both: Vec<(f64, f64)> = r.iter().copied().zip(s.iter().copied()).collect();
         self.each_row(&mut both, |row, (r, s)| {
@@ -159,7 +159,7 @@ impl DenseSymmetric {
         }
     }
 
-    /// The products of some rows with `x`.
+    /// Returns the products of some rows with `x`.
     pub(crate) fn products(&self, rows: &[usize], x: &[f64]) -> Vec<f64> {
         let product = |&row: &usize| self.factor * dot(self.column(row), x);
         if rows.len() * self.order() < PARALLEL_ENTRIES {
@@ -169,7 +169,7 @@ impl DenseSymmetric {
         }
     }
 
-    /// Does something with each row and what belongs to it.
+    /// Calls `work` with each row and its result.
     fn each_row<T: Send>(&self, results: &mut [T], work: impl Fn(&[f64], &mut T) + Sync) {
         let n = self.order();
         if n * n < PARALLEL_ENTRIES {
@@ -181,7 +181,7 @@ impl DenseSymmetric {
     }
 }
 
-/// `Σ a_k b_k` and `Σ |a_k b_k|`; the first is [`dot`] to the last bit.
+/// Returns `Σ a_k b_k` and `Σ |a_k b_k|`; the first equals [`dot`] to the last bit.
 fn dot_and_size(a: &[f64], b: &[f64]) -> (f64, f64) {
     let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
     let (mut sums, mut sizes) = ([0.0; 8], [0.0; 8]);
@@ -197,9 +197,9 @@ fn dot_and_size(a: &[f64], b: &[f64]) -> (f64, f64) {
     (sums.iter().sum::<f64>() + rest_sum, sizes.iter().sum::<f64>() + rest_size)
 }
 
-/// Copies the lower triangle of an n × n matrix, column after column, onto the upper one.
+/// Copies the lower triangle of an n × n matrix, column by column, to the upper one.
 pub(crate) fn mirror(values: &mut [f64], n: usize) {
-    // Square by square, as what is read and what is written are n apart in one of both.
+    // Block by block, since either the reads or the writes have the stride n.
     const SIDE: usize = 32;
     for first_column in (0..n).step_by(SIDE) {
         for first_row in (first_column..n).step_by(SIDE) {
@@ -221,14 +221,14 @@ mod tests {
         (0..n * n).map(|k| (1.0 + 0.37 * k as f64).sin()).collect()
     }
 
-    /// The same matrix by the entries of its lower triangle.
+    /// Creates a matrix from the entries of the lower triangle.
     fn sparse(dense: &DenseSymmetric) -> Symmetric {
         Symmetric::from_triplets(dense.order(), &dense.lower_entries().collect::<Vec<_>>()).unwrap()
     }
 
     #[test]
     fn products_are_those_of_a_sparse_matrix() {
-        // The last has rows enough for several threads.
+        // The last has enough rows for several threads.
         for n in [1, 7, 40, 65, 400] {
             let dense = DenseSymmetric::from_lower(n, values(n)).unwrap().scaled(0.25);
             let sparse = sparse(&dense);

@@ -24,26 +24,26 @@ impl DoubleDouble {
         self.low += a2 * b2 - (((product - a1 * b1) - a2 * b1) - a1 * b2);
     }
 
-    /// What its two numbers are.
+    /// Returns the high and the low part.
     pub fn parts(self) -> [f64; 2] {
         [self.high, self.low]
     }
 
-    /// The sum, rounded.
+    /// Returns the sum, rounded.
     pub fn value(self) -> f64 {
         self.high + self.low
     }
 }
 
-/// `x` as a sum of two numbers of at most 26 bits, whose products are exact.
+/// Splits `x` into a sum of two numbers of at most 26 bits, whose products are exact.
 fn halves(x: f64) -> (f64, f64) {
-    // 2^27 + 1: half of the 53 bits go to either side.
+    // 2^27 + 1: each part gets half of the 53 bits.
     let c = 134_217_729.0 * x;
     let high = c - (c - x);
     (high, x - high)
 }
 
-/// `x + y` as the rounded sum and what rounding left off.
+/// Returns `x + y` as the rounded sum and its rounding error.
 pub fn sum(x: f64, y: f64) -> (f64, f64) {
     let mut sum = DoubleDouble { high: x, low: 0.0 };
     sum.add(y);

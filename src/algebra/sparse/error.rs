@@ -1,71 +1,72 @@
-//! Why arrays make no matrix.
+//! The errors of arrays that do not make a matrix.
 
-/// Why arrays make no matrix, or do not fit one. Rows, columns and places in arrays are counted from 0.
+/// The reason why arrays do not make a matrix, or do not fit one. Rows, columns and places in arrays are counted from
+/// 0.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MatrixError {
-    /// An entry stands below the last row.
+    /// An entry is below the last row.
     #[error("an entry stands in row {row} of a matrix with {rows} rows: rows are counted from 0")]
     Row {
-        /// Its row.
+        /// The row of the entry.
         row: usize,
-        /// How many there are.
+        /// The number of rows.
         rows: usize,
     },
-    /// An entry stands beyond the last column.
+    /// An entry is beyond the last column.
     #[error(
         "an entry of row {row} stands in column {column} of a matrix with {columns} columns: columns are counted from 0"
     )]
     Column {
-        /// Its row.
+        /// The row of the entry.
         row: usize,
-        /// Its column.
+        /// The column of the entry.
         column: usize,
-        /// How many there are.
+        /// The number of columns.
         columns: usize,
     },
-    /// An array has another length than the others ask for.
+    /// An array has another length than the others require.
     #[error("{what}: expected {expected} entries, got {found}")]
     Length {
-        /// The array.
+        /// The name of the array.
         what: &'static str,
-        /// The length it must have.
+        /// The required length.
         expected: usize,
-        /// The length it has.
+        /// The given length.
         found: usize,
     },
-    /// The starts of compressed columns do not begin at 0, or fall.
+    /// The starts of compressed columns do not begin at 0, or decrease.
     #[error("the starts of the columns must begin with 0 and never fall, but start {place} is {start}")]
     Starts {
-        /// Its place in the array.
+        /// The index in the array.
         place: usize,
-        /// What stands there.
+        /// The value there.
         start: usize,
     },
     /// An entry is NaN or infinite.
     #[error("the entry ({row}, {column}) is {value}, but must be finite")]
     NotFinite {
-        /// Its row.
+        /// The row of the entry.
         row: usize,
-        /// Its column.
+        /// The column of the entry.
         column: usize,
-        /// The entry.
+        /// The value of the entry.
         value: f64,
     },
-    /// There is no memory for so many columns, or no index for so many rows.
+    /// There is not enough memory for the columns, or the row indices are too large.
     #[error("a matrix of {rows} × {columns} has no room in memory")]
     TooLarge {
-        /// The rows asked for.
+        /// The number of rows.
         rows: usize,
-        /// The columns asked for.
+        /// The number of columns.
         columns: usize,
     },
     /// A matrix that must be square is not.
     #[error("the matrix is {rows} × {columns}, but must be square")]
     NotSquare {
-        /// Its rows.
+        /// The number of rows.
         rows: usize,
-        /// Its columns.
+        /// The number of columns.
         columns: usize,
     },
     /// The triangles of a matrix that must be symmetric differ.
@@ -73,46 +74,46 @@ pub enum MatrixError {
     NotSymmetric {
         /// The row of the entry below the diagonal.
         row: usize,
-        /// Its column.
+        /// The column of this entry.
         column: usize,
         /// The entry below the diagonal.
         lower: f64,
-        /// The one above it.
+        /// The entry above the diagonal.
         upper: f64,
     },
     /// A lower triangle has an entry above the diagonal.
     #[error("the entry ({row}, {column}) stands above the diagonal of a lower triangle")]
     AboveDiagonal {
-        /// Its row.
+        /// The row of the entry.
         row: usize,
-        /// Its column.
+        /// The column of the entry.
         column: usize,
     },
-    /// There is no place for an entry.
+    /// The pattern has no place for an entry.
     #[error("the pattern has no entry ({row}, {column})")]
     NotStored {
-        /// Its row.
+        /// The row of the entry.
         row: usize,
-        /// Its column.
+        /// The column of the entry.
         column: usize,
     },
-    /// The entries were other ones when they were named for the second time.
+    /// The two calls of `visit` gave different entries.
     #[error("the entries of column {column} were other ones when they were named for the second time")]
     Unsteady {
-        /// A column where they differed.
+        /// A column with different entries.
         column: usize,
     },
-    /// A text is no matrix in the Matrix Market format.
+    /// A text is not a valid matrix in the Matrix Market format.
     #[error("Matrix Market, line {line}: {message}")]
     Text {
         /// The line, from 1.
         line: usize,
-        /// What is wrong.
+        /// The description of the error.
         message: String,
     },
 }
 
-/// An error unless both lengths agree.
+/// Returns an error unless both lengths agree.
 pub(super) fn expect_length(what: &'static str, expected: usize, found: usize) -> Result<(), MatrixError> {
     if expected == found { Ok(()) } else { Err(MatrixError::Length { what, expected, found }) }
 }

@@ -1,17 +1,17 @@
 //! The exchange format of the National Institute of Standards and Technology for sparse matrices.
 //!
-//! R. F. Boisvert, R. Pozo, K. A. Remington: The Matrix Market exchange formats, NISTIR 5935 (1996). Of its formats the
-//! real coordinate ones are known: `%%MatrixMarket matrix coordinate real general` or `symmetric`.
+//! R. F. Boisvert, R. Pozo, K. A. Remington: The Matrix Market exchange formats, NISTIR 5935 (1996). Supported are
+//! its real coordinate formats: `%%MatrixMarket matrix coordinate real general` or `symmetric`.
 
 use std::fmt::Write;
 
 use super::{Csc, MatrixError};
 
-/// Reads a matrix from a text in the format `matrix coordinate real` (or `integer`), `general` or `symmetric`; of a
-/// symmetric one both triangles are returned. Entries that name the same place add up.
+/// Reads a matrix from a text in the format `matrix coordinate real` (or `integer`), `general` or `symmetric`. For a
+/// symmetric matrix both triangles are returned. Entries at the same place are summed.
 ///
 /// # Errors
-/// [`MatrixError::Text`] with the line that is wrong, and as [`Csc::from_triplets`].
+/// [`MatrixError::Text`] with the invalid line, and as [`Csc::from_triplets`].
 pub fn read_matrix_market(text: &str) -> Result<Csc, MatrixError> {
     let fault = |line: usize, message: String| MatrixError::Text { line: line + 1, message };
     let mut lines = text.lines().enumerate();
@@ -59,7 +59,7 @@ pub fn read_matrix_market(text: &str) -> Result<Csc, MatrixError> {
     Csc::from_triplets(rows, columns, &entries)
 }
 
-/// Writes a matrix in the format `matrix coordinate real general`, every digit of its entries kept.
+/// Writes a matrix in the format `matrix coordinate real general`, without loss of digits.
 pub fn write_matrix_market(matrix: &Csc) -> String {
     let pattern = matrix.pattern();
     let mut text = String::from("%%MatrixMarket matrix coordinate real general\n");

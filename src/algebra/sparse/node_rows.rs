@@ -1,27 +1,27 @@
-//! A matrix of finite elements by its nodes, so that each of several processes can make rows of its own.
+//! A finite element matrix by its nodes, so that each of several processes can assemble rows of its own.
 
 use super::Symmetric;
 
-/// What can make the rows of a symmetric matrix at any nodes of a mesh, and leaves out all others.
+/// A source of the rows of a symmetric matrix at any selection of mesh nodes.
 pub trait NodeRows {
-    /// 2 or 3: as many rows a node has at most.
+    /// Returns the dimension, 2 or 3, which is the largest number of rows of a node.
     fn dimension(&self) -> usize;
 
-    /// How many nodes there are.
+    /// Returns the number of nodes.
     fn nodes(&self) -> usize;
 
-    /// How many rows there are.
+    /// Returns the number of rows.
     fn order(&self) -> usize;
 
-    /// The rows of `node`, by their direction.
+    /// Returns the rows of `node`, by their direction.
     fn places(&self, node: usize) -> [Option<usize>; 3];
 
-    /// Names the nodes of each cell: rows of nodes that are in no cell together have no entries for each other.
+    /// Calls `take` with the nodes of each cell. Rows of nodes without a common cell have no entries for each other.
     fn each_cell(&self, take: &mut dyn FnMut(&[usize]));
 
-    /// A number that two of these have in common only if they stand for the same matrix.
+    /// Returns a number that is equal for two sources only if their matrices are equal.
     fn fingerprint(&self) -> u64;
 
-    /// The matrix without the entries of which neither row nor column is at `nodes`; none where it cannot be made.
+    /// Assembles all entries whose row or column is at `nodes`, or returns `None` if that is not possible.
     fn rows(&self, nodes: &[bool]) -> Option<Symmetric>;
 }

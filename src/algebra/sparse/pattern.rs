@@ -1,11 +1,11 @@
-//! Where the entries of a matrix stand.
+//! The positions of the entries of a matrix.
 
 use super::MatrixError;
 use super::error::expect_length;
 
 /// The positions of the stored entries of a matrix in compressed columns, sorted by row.
 ///
-/// 64-bit signed indices, because that is what the direct solvers take without a copy.
+/// The indices are signed with 64 bits, because the direct solvers take these without a copy.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Pattern {
     rows: usize,
@@ -14,14 +14,14 @@ pub struct Pattern {
 }
 
 impl Pattern {
-    /// Collects the entries that `visit` names, in any order and with repetitions.
+    /// Collects the entries that `visit` reports, in any order and with repetitions.
     ///
-    /// `visit` is called twice, once to count and once to fill, and must name the same entries
+    /// `visit` is called twice, once for counting and once for filling, and must report the same entries
     /// `(row, column)` both times.
     ///
     /// # Errors
-    /// When the matrix is too large for the memory, an entry is outside of it, or the second call names others than the
-    /// first.
+    /// If the matrix is too large for the memory, if an entry is outside of it, or if the second call reports other
+    /// entries than the first.
     pub fn from_entries(
         rows: usize,
         columns: usize,
@@ -29,7 +29,7 @@ impl Pattern {
     ) -> Result<Self, MatrixError> {
         let mut fault = None;
         let mut starts = Vec::new();
-        // Rows are kept as the i64 that SuiteSparse takes; usize::MAX is more than any memory has.
+        // Rows are stored as the i64 of SuiteSparse; usize::MAX exceeds any memory.
         if i64::try_from(rows).is_err() || starts.try_reserve_exact(columns.saturating_add(1)).is_err() {
             return Err(MatrixError::TooLarge { rows, columns });
         }
@@ -47,7 +47,7 @@ impl Pattern {
             starts[column + 1] += starts[column];
         }
         let mut next = starts.clone();
-        // Far more than the columns, and the first of what grows with a mesh to be refused.
+        // This array is far larger than the columns, so that lack of memory shows here first for large meshes.
         let mut found = Vec::new();
         found.try_reserve_exact(starts[columns]).map_err(|_| MatrixError::TooLarge { rows, columns })?;
         found.resize(starts[columns], 0_i64);
@@ -68,7 +68,7 @@ impl Pattern {
         if let Some(fault) = fault {
             return Err(fault);
         }
-        // Sort each column and close the gaps that repetitions leave, in place.
+        // Sort each column and remove repetitions, in place.
         let mut kept = 0;
         let mut column_starts = Vec::with_capacity(columns + 1);
         column_starts.push(0);
@@ -89,13 +89,13 @@ impl Pattern {
         Ok(Pattern { rows, column_starts, row_indices: found })
     }
 
-    /// [`Pattern::from_entries`] of entries that come from this crate's own matrices, and so fit.
+    /// Computes [`Pattern::from_entries`] for entries from this crate's own matrices, which are valid.
     pub(crate) fn of(rows: usize, columns: usize, visit: impl Fn(&mut dyn FnMut(usize, usize))) -> Self {
         Self::from_entries(rows, columns, visit).expect("entries of the crate's own matrices")
     }
 
-    /// Checks the starts of compressed columns and their rows; tells the rows' order, too: `starts` has one entry
-    /// more than there are columns, and column `j` has the rows `indices[starts[j]..starts[j + 1]]`.
+    /// Checks the starts of compressed columns and their rows. `starts` has one entry more than there are columns,
+    /// and column `j` has the rows `indices[starts[j]..starts[j + 1]]`.
     pub(super) fn check_parts(rows: usize, starts: &[usize], indices: &[usize]) -> Result<(), MatrixError> {
         let columns = starts.len().checked_sub(1);
         let Some(columns) = columns.filter(|_| starts[0] == 0) else {
@@ -108,42 +108,42 @@ impl Pattern {
         indices.iter().find(|&&row| row >= rows).map_or(Ok(()), |&row| Err(MatrixError::Row { row, rows }))
     }
 
-    /// Number of rows.
+    /// Returns the number of rows.
     pub fn rows(&self) -> usize {
         self.rows
     }
 
-    /// Number of columns.
+    /// Returns the number of columns.
     pub fn columns(&self) -> usize {
         self.column_starts.len() - 1
     }
 
-    /// Number of stored entries.
+    /// Returns the number of stored entries.
     pub fn len(&self) -> usize {
         self.row_indices.len()
     }
 
-    /// Whether no entry is stored.
+    /// Returns `true` if no entry is stored.
     pub fn is_empty(&self) -> bool {
         self.row_indices.is_empty()
     }
 
-    /// Where each column starts in [`Pattern::row_indices`]; one more than there are columns.
+    /// Returns the start of each column in [`Pattern::row_indices`], one more than there are columns.
     pub fn column_starts(&self) -> &[i64] {
         &self.column_starts
     }
 
-    /// The rows of the stored entries, column after column, ascending within a column.
+    /// Returns the rows of the stored entries, column by column, ascending within a column.
     pub fn row_indices(&self) -> &[i64] {
         &self.row_indices
     }
 
-    /// The range of storage slots of `column`; it must be below [`Pattern::columns`].
+    /// Returns the range of storage slots of `column`, which must be below [`Pattern::columns`].
     pub fn column(&self, column: usize) -> std::ops::Range<usize> {
         self.column_starts[column] as usize..self.column_starts[column + 1] as usize
     }
 
-    /// The storage slot of the entry `(row, column)`, if it is stored.
+    /// Returns the storage slot of the entry `(row, column)`, if it is stored.
     pub fn slot(&self, row: usize, column: usize) -> Option<usize> {
         if column >= self.columns() {
             return None;

@@ -1,5 +1,5 @@
-//! Symmetric matrices of which several processes have the rows, each those at nodes of its own. What the first process has of one is seldom
-//! an entry: it multiplies.
+//! Symmetric matrices whose rows are distributed among several processes, by nodes. The first process has few of the
+//! entries, and uses the matrix mainly in products.
 
 use std::any::Any;
 use std::fmt;
@@ -7,37 +7,37 @@ use std::sync::Arc;
 
 use super::{Csc, DoubleDouble};
 
-/// A symmetric matrix of finite elements whose rows several processes have. What cannot be done as they do not answer is NaN: the
-/// error comes with the next thing that returns one.
+/// A symmetric finite element matrix with rows on several processes. If a process fails, results are NaN; the error
+/// is reported by the next fallible call.
 pub trait SharedMatrix: Any + fmt::Debug + Send + Sync {
-    /// The order.
+    /// Returns the order.
     fn order(&self) -> usize;
 
-    /// The process that has the rows at this node of the mesh, from 0; none where there are no rows.
+    /// Returns the process that has the rows of this mesh node, from 0, or `None` if the node has no rows.
     fn owner(&self, node: usize) -> Option<usize>;
 
-    /// `y = A x`.
+    /// Computes `y = A x`.
     fn mul(&self, x: &[f64], y: &mut [f64]);
 
-    /// `y = A x` and `sizes = |A| |x|`.
+    /// Computes `y = A x` and `sizes = |A| |x|`.
     fn products(&self, x: &[f64], y: &mut [f64], sizes: &mut [f64]);
 
     /// Adds `factor A (x + rest)` to `sums`, in twice the working precision.
     fn add_beyond(&self, factor: f64, x: &[f64], rest: &[f64], sums: &mut [DoubleDouble]);
 
-    /// The diagonal.
+    /// Returns the diagonal.
     fn diagonal(&self) -> &[f64];
 
-    /// The largest size in each row.
+    /// Returns the largest absolute value in each row.
     fn row_norms(&self) -> &[f64];
 
-    /// The columns that this process has, whole; of the others none is stored.
+    /// Returns the columns stored in this process, with both triangles; all others are empty.
     fn near(&self) -> &Csc;
 
-    /// The entry at `(row, column)`.
+    /// Returns the entry at `(row, column)`.
     fn get(&self, row: usize, column: usize) -> f64;
 
-    /// The lower triangle, all in this process, which is to be avoided.
+    /// Returns the lower triangle, gathered in this process, which should be avoided.
     fn lower(&self) -> Csc;
 }
 
@@ -55,33 +55,33 @@ impl From<Arc<dyn SharedMatrix>> for SharedSymmetric {
 }
 
 impl SharedSymmetric {
-    /// What is shared.
+    /// Returns the shared matrix.
     pub fn matrix(&self) -> &dyn SharedMatrix {
         &*self.matrix
     }
 
-    /// What it is multiplied by.
+    /// Returns the factor of the shared matrix.
     pub fn factor(&self) -> f64 {
         self.factor
     }
 
-    /// The order.
+    /// Returns the order.
     pub fn order(&self) -> usize {
         self.matrix.order()
     }
 
-    /// The process that has the rows at this node of the mesh, from 0; none where there are no rows.
+    /// Returns the process that has the rows of this mesh node, from 0, or `None` if the node has no rows.
     pub fn owner(&self, node: usize) -> Option<usize> {
         self.matrix.owner(node)
     }
 
-    /// The same matrix, times `factor`.
+    /// Returns the matrix times `factor`.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
         SharedSymmetric { matrix: Arc::clone(&self.matrix), factor: factor * self.factor }
     }
 
-    /// The entry at `(row, column)`; there is none outside.
+    /// Returns the entry at `(row, column)`, or 0 outside the matrix.
     pub fn get(&self, row: usize, column: usize) -> f64 {
         let matrix = self.matrix();
         let stored = |row: usize, column: usize| matrix.near().pattern().slot(row, column);
@@ -97,12 +97,12 @@ impl SharedSymmetric {
         self.factor * value
     }
 
-    /// The columns that this process has, whole.
+    /// Returns the columns stored in this process, with both triangles.
     pub(crate) fn near(&self) -> Csc {
         self.times_factor(self.matrix.near().clone())
     }
 
-    /// The lower triangle, all in this process.
+    /// Returns the lower triangle, gathered in this process.
     pub(crate) fn lower(&self) -> Csc {
         self.times_factor(self.matrix.lower())
     }
@@ -112,17 +112,17 @@ impl SharedSymmetric {
         matrix
     }
 
-    /// The diagonal.
+    /// Returns the diagonal.
     pub(crate) fn diagonal(&self) -> Vec<f64> {
         self.matrix.diagonal().iter().map(|value| self.factor * value).collect()
     }
 
-    /// The largest size in each row.
+    /// Returns the largest absolute value in each row.
     pub(crate) fn row_norms(&self) -> impl Iterator<Item = f64> + '_ {
         self.matrix.row_norms().iter().map(|norm| self.factor.abs() * norm)
     }
 
-    /// `y = A x`.
+    /// Computes `y = A x`.
     pub(crate) fn mul(&self, x: &[f64], y: &mut [f64]) {
         self.matrix.mul(x, y);
         for y in y {
@@ -130,14 +130,14 @@ impl SharedSymmetric {
         }
     }
 
-    /// `y += |A| |x|`.
+    /// Computes `y += |A| |x|`.
     pub(crate) fn add_sizes(&self, x: &[f64], y: &mut [f64]) {
         let (mut product, mut sizes) = (vec![0.0; x.len()], vec![0.0; x.len()]);
         self.matrix.products(x, &mut product, &mut sizes);
         y.iter_mut().zip(sizes).for_each(|(y, size)| *y += self.factor.abs() * size);
     }
 
-    /// `r -= A x` and `s += |A| |x|`.
+    /// Computes `r -= A x` and `s += |A| |x|`.
     pub(crate) fn residual(&self, x: &[f64], r: &mut [f64], s: &mut [f64]) {
         let (mut product, mut sizes) = (vec![0.0; x.len()], vec![0.0; x.len()]);
         self.matrix.products(x, &mut product, &mut sizes);

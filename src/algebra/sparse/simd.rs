@@ -1,16 +1,16 @@
-//! Vectors four at a time: what a matrix or its factors hold is read once for all of them.
+//! Packs of four vectors, so that a matrix or its factors are read only once for all of them.
 
 use pulp::{Arch, Simd, WithSimd};
 
 use super::Symmetric;
 
-/// How many vectors go together: as many as the registers of every processor can add up side by side.
+/// The number of vectors in a pack, which suits the registers of every processor.
 pub const LANES: usize = 4;
 
-/// The entries that these vectors have in one place.
+/// The entries of the packed vectors at one place.
 pub type SimdPack = [f64; LANES];
 
-/// Up to four vectors of length `n` as one; the entries of those that are missing are 0.
+/// Packs up to four vectors of length `n`; missing vectors are 0.
 pub fn side_by_side<'a>(n: usize, vectors: impl IntoIterator<Item = &'a [f64]>) -> Vec<SimdPack> {
     let mut lanes = vec![[0.0; LANES]; n];
     for (k, vector) in vectors.into_iter().take(LANES).enumerate() {
@@ -19,19 +19,19 @@ pub fn side_by_side<'a>(n: usize, vectors: impl IntoIterator<Item = &'a [f64]>) 
     lanes
 }
 
-/// Vector `k` of them.
+/// Returns vector `k` of a pack.
 pub fn lane(lanes: &[SimdPack], k: usize) -> Vec<f64> {
     lanes.iter().map(|lanes| lanes[k]).collect()
 }
 
 impl Symmetric {
-    /// `A x` and `|A| |x|` of four vectors `x`, each as if it were alone.
+    /// Computes `A x` and `|A| |x|` for four vectors `x`. Each result equals that of a single vector.
     pub(crate) fn products(&self, x: &[SimdPack]) -> (Vec<SimdPack>, Vec<SimdPack>) {
         Arch::new().dispatch(Products { of: self, x })
     }
 }
 
-/// Compiled for each kind of processor, with the same result.
+/// The products, compiled for each kind of processor, with the same result.
 struct Products<'a> {
     of: &'a Symmetric,
     x: &'a [SimdPack],
@@ -40,7 +40,7 @@ struct Products<'a> {
 impl WithSimd for Products<'_> {
     type Output = (Vec<SimdPack>, Vec<SimdPack>);
 
-    #[allow(clippy::inline_always)] // Only what is inlined is compiled for more than the least processor.
+    #[allow(clippy::inline_always)] // Only inlined code is compiled for more than the oldest processor.
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Self::Output {
         let (of, x) = (self.of, self.x);

@@ -1,4 +1,4 @@
-//! Symmetric matrices: sparse ones, of which only the lower triangle is stored, dense ones, and those that processes share.
+//! Symmetric matrices: sparse ones, stored as their lower triangle, dense ones, and shared ones.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -14,7 +14,7 @@ pub struct Symmetric {
 
 #[derive(Debug, Clone)]
 enum Stored {
-    /// By its lower triangle, diagonal included.
+    /// The lower triangle, including the diagonal.
     Lower(Csc),
     Dense(DenseSymmetric),
     Shared(SharedSymmetric),
@@ -32,12 +32,12 @@ impl From<SharedSymmetric> for Symmetric {
     }
 }
 
-/// Entries that mirror each other may differ by this share of the diagonal entries they stand between: by what rounding
-/// makes of a sum in another order, and no more.
+/// The largest difference of mirrored entries, relative to the diagonal entries of their row and column. It allows
+/// only for rounding of sums in a different order.
 const MIRRORED: f64 = 1e-10;
 
 impl Symmetric {
-    /// The zero matrix of order `n` with the entries that `visit` names in either triangle; see
+    /// Creates the zero matrix of order `n` with the entries that `visit` reports in either triangle; see
     /// [`Pattern::from_entries`].
     ///
     /// # Errors
@@ -49,15 +49,15 @@ impl Symmetric {
         Ok(Self::of_lower(Csc::zeros(Arc::new(pattern))))
     }
 
-    /// [`Symmetric::from_entries`] of entries that come from this crate's own matrices, and so fit.
+    /// Computes [`Symmetric::from_entries`] for entries from this crate's own matrices, which are valid.
     pub(crate) fn of(n: usize, visit: impl Fn(&mut dyn FnMut(usize, usize))) -> Self {
         Self::from_entries(n, visit).expect("entries of the crate's own matrices")
     }
 
-    /// The matrix with this lower triangle.
+    /// Creates the matrix with this lower triangle.
     ///
     /// # Errors
-    /// When it is not square, or has an entry above the diagonal.
+    /// If it is not square, or has an entry above the diagonal.
     pub fn from_lower(lower: Csc) -> Result<Self, MatrixError> {
         let (rows, columns) = (lower.pattern().rows(), lower.pattern().columns());
         if rows != columns {
@@ -72,11 +72,10 @@ impl Symmetric {
         Symmetric { stored: Stored::Lower(lower) }
     }
 
-    /// The matrix that `whole` is: both triangles of it, which must agree to rounding, or one of them, which then
-    /// stands for the other.
+    /// Creates the matrix from `whole`, which has both triangles, equal up to rounding, or only one of them.
     ///
     /// # Errors
-    /// When it is not square, not symmetric, or an entry is NaN or infinite.
+    /// If it is not square, not symmetric, or if an entry is NaN or infinite.
     pub fn from_csc(whole: &Csc) -> Result<Self, MatrixError> {
         let pattern = whole.pattern();
         let (rows, columns) = (pattern.rows(), pattern.columns());
@@ -94,7 +93,7 @@ impl Symmetric {
             let (row, column) = (i.max(j), i.min(j));
             if below && above && i != j {
                 let (lower, upper) = (get(row, column), get(column, row));
-                // Whatever is not a number is refused above or when its own turn comes.
+                // NaN is refused above, or at its own place.
                 let size = (get(row, row).abs() * get(column, column).abs()).sqrt().max(lower.abs());
                 if (lower - upper).abs() > MIRRORED * size {
                     return Err(MatrixError::NotSymmetric { row, column, lower, upper });
@@ -108,16 +107,16 @@ impl Symmetric {
         Ok(Self::of_lower(Csc::from_triplets(rows, columns, &entries)?))
     }
 
-    /// The matrix of order `n` with the entries `(row, column, value)`, in any order; those that name the same place add
-    /// up. They name both triangles, which must agree to rounding, or one of them, which then stands for the other.
+    /// Creates the matrix of order `n` with the entries `(row, column, value)`, in any order; entries at the same
+    /// place are summed. They cover both triangles, which must be equal up to rounding, or only one of them.
     ///
     /// # Errors
-    /// When an entry is outside the matrix, NaN or infinite, and when the triangles differ.
+    /// If an entry is outside the matrix, NaN or infinite, or if the triangles differ.
     pub fn from_triplets(n: usize, entries: &[(usize, usize, f64)]) -> Result<Self, MatrixError> {
         Self::from_csc(&Csc::from_triplets(n, n, entries)?)
     }
 
-    /// The order.
+    /// Returns the order.
     pub fn order(&self) -> usize {
         match &self.stored {
             Stored::Lower(lower) => lower.pattern().columns(),
@@ -126,7 +125,7 @@ impl Symmetric {
         }
     }
 
-    /// The lower triangle, diagonal included: what is stored, unless the matrix is dense or shared.
+    /// Returns the lower triangle, including the diagonal: the stored entries, unless the matrix is dense or shared.
     pub fn lower(&self) -> Cow<'_, Csc> {
         match &self.stored {
             Stored::Lower(lower) => Cow::Borrowed(lower),
@@ -141,7 +140,7 @@ impl Symmetric {
         }
     }
 
-    /// The dense matrix that it is, if it is one.
+    /// Returns the dense matrix, if it is one.
     pub fn dense(&self) -> Option<&DenseSymmetric> {
         match &self.stored {
             Stored::Dense(dense) => Some(dense),
@@ -149,7 +148,7 @@ impl Symmetric {
         }
     }
 
-    /// The matrix that processes share, if it is one.
+    /// Returns the shared matrix, if it is one.
     pub fn shared(&self) -> Option<&SharedSymmetric> {
         match &self.stored {
             Stored::Shared(shared) => Some(shared),
@@ -157,7 +156,8 @@ impl Symmetric {
         }
     }
 
-    /// What this process has of it: the lower triangle, or those columns of a shared matrix that are near contact, both triangles of them.
+    /// Returns the entries in this process: the lower triangle, or for a shared matrix the columns near contact, with
+    /// both triangles.
     pub(crate) fn at_hand(&self) -> Cow<'_, Csc> {
         match &self.stored {
             Stored::Shared(shared) => Cow::Owned(shared.near()),
@@ -165,10 +165,10 @@ impl Symmetric {
         }
     }
 
-    /// Adds `value` at `(row, column)`, and so at `(column, row)`.
+    /// Adds `value` at `(row, column)` and at `(column, row)`.
     ///
     /// # Errors
-    /// When the entry was not named when the matrix was made, or would not be finite.
+    /// If the matrix was created without the entry, or if the sum would not be finite.
     pub fn add(&mut self, row: usize, column: usize, value: f64) -> Result<(), MatrixError> {
         if !self.stores(row, column) {
             return Err(MatrixError::NotStored { row, column });
@@ -181,7 +181,7 @@ impl Symmetric {
         Ok(())
     }
 
-    /// [`Symmetric::add`] to an entry that was named when the matrix was made, as this crate's own are.
+    /// Adds to an entry as [`Symmetric::add`] does, for entries that exist, as in this crate's own matrices.
     pub(crate) fn raise(&mut self, row: usize, column: usize, value: f64) {
         match &mut self.stored {
             Stored::Lower(lower) => {
@@ -189,12 +189,12 @@ impl Symmetric {
                 lower.values_mut()[slot] += value;
             }
             Stored::Dense(dense) => dense.raise(row, column, value),
-            // It stores no entry for [`Symmetric::add`], and nothing else of it is named.
+            // A shared matrix has no entries for [`Symmetric::add`], and no others are used here.
             Stored::Shared(_) => {}
         }
     }
 
-    /// Whether the entry at `(row, column)` is stored, be it as a zero.
+    /// Returns `true` if the entry at `(row, column)` is stored, even as a zero.
     pub(crate) fn stores(&self, row: usize, column: usize) -> bool {
         match &self.stored {
             Stored::Lower(lower) => slot(lower, row, column).is_some(),
@@ -203,7 +203,7 @@ impl Symmetric {
         }
     }
 
-    /// All stored entries on and below the diagonal as `(row, column, value)`, column after column.
+    /// Iterates over all stored entries on and below the diagonal as `(row, column, value)`, column by column.
     pub(crate) fn lower_entries(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
         let (sparse, dense, shared) = match &self.stored {
             Stored::Lower(lower) => (Some(lower.entries()), None, None),
@@ -216,7 +216,7 @@ impl Symmetric {
         sparse.into_iter().flatten().chain(dense.into_iter().flatten()).chain(shared.into_iter().flatten())
     }
 
-    /// All entries of both triangles as `(row, column, value)`.
+    /// Iterates over all entries of both triangles as `(row, column, value)`.
     pub fn entries(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
         self.lower_entries().flat_map(|(row, column, value)| {
             let mirror = (row != column).then_some((column, row, value));
@@ -224,7 +224,7 @@ impl Symmetric {
         })
     }
 
-    /// The entry at `(row, column)`; one that is not stored is 0.
+    /// Returns the entry at `(row, column)`, or 0 if it is not stored.
     pub fn get(&self, row: usize, column: usize) -> f64 {
         match &self.stored {
             Stored::Lower(lower) => slot(lower, row, column).map_or(0.0, |slot| lower.values()[slot]),
@@ -233,7 +233,7 @@ impl Symmetric {
         }
     }
 
-    /// The diagonal.
+    /// Returns the diagonal.
     pub fn diagonal(&self) -> Vec<f64> {
         match &self.stored {
             Stored::Shared(shared) => shared.diagonal(),
@@ -241,10 +241,10 @@ impl Symmetric {
         }
     }
 
-    /// `A x`.
+    /// Computes `A x`.
     ///
     /// # Errors
-    /// When `x` has another length than the matrix has columns.
+    /// If the length of `x` differs from the number of columns.
     pub fn times(&self, x: &[f64]) -> Result<Vec<f64>, MatrixError> {
         expect_length("vector", self.order(), x.len())?;
         let mut y = vec![0.0; x.len()];
@@ -252,7 +252,7 @@ impl Symmetric {
         Ok(y)
     }
 
-    /// `y = A x`.
+    /// Computes `y = A x`.
     pub(crate) fn mul(&self, x: &[f64], y: &mut [f64]) {
         match &self.stored {
             Stored::Lower(lower) => {
@@ -264,7 +264,7 @@ impl Symmetric {
         }
     }
 
-    /// `y += |A| |x|`.
+    /// Computes `y += |A| |x|`.
     pub(crate) fn add_sizes(&self, x: &[f64], y: &mut [f64]) {
         match &self.stored {
             Stored::Lower(lower) => accumulate(lower, x, y, |value, x| (value * x).abs()),
@@ -284,7 +284,7 @@ impl Symmetric {
         }
     }
 
-    /// All values times `factor`: the matrix in another unit.
+    /// Multiplies all values by `factor`: the matrix in another unit.
     pub fn scale(&mut self, factor: f64) {
         match &mut self.stored {
             Stored::Lower(lower) => lower.values_mut().iter_mut().for_each(|value| *value *= factor),
@@ -294,12 +294,12 @@ impl Symmetric {
     }
 }
 
-/// Where an entry of either triangle is stored.
+/// Returns the slot of an entry of either triangle.
 fn slot(lower: &Csc, row: usize, column: usize) -> Option<usize> {
     lower.pattern().slot(row.max(column), row.min(column))
 }
 
-/// `y_i += Σ_j term(A_ij, x_j)`, with a column of the lower triangle and its mirror image at a time.
+/// Computes `y_i += Σ_j term(A_ij, x_j)`, one column of the lower triangle and its mirror image at a time.
 fn accumulate(lower: &Csc, x: &[f64], y: &mut [f64], term: impl Fn(f64, f64) -> f64) {
     let (pattern, values) = (lower.pattern(), lower.values());
     for column in 0..pattern.columns() {

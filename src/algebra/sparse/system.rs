@@ -6,22 +6,22 @@ use std::sync::Arc;
 use super::error::expect_length;
 use super::{Csc, DenseSymmetric, DoubleDouble, MatrixError, Pattern, SharedSymmetric, Symmetric};
 
-/// A square matrix that is sparse but for its first rows and columns, which may be a dense symmetric block:
+/// A square sparse matrix whose first rows and columns may contain a dense or shared symmetric block:
 ///
 /// ```text
 /// A = [ S 0 ] + R.
 ///     [ 0 0 ]
 /// ```
 ///
-/// The stiffness of a condensed body is such an `S`. It never changes, and whoever holds the matrix holds the same numbers.
-/// So is that of a body whose rows several processes have. Without `S` the matrix is `R`, compressed columns.
+/// `S` is the stiffness of a condensed body, or of a body with rows on several processes. It never changes, and all
+/// matrices of a run share its entries. Without `S` the matrix is `R`, in compressed columns.
 #[derive(Debug, Clone)]
 pub struct SystemMatrix {
     leading: Option<Leading>,
     rest: Csc,
 }
 
-/// `S`.
+/// The block `S`.
 #[derive(Debug, Clone)]
 enum Leading {
     Dense(DenseSymmetric),
@@ -29,17 +29,17 @@ enum Leading {
 }
 
 impl From<Csc> for SystemMatrix {
-    /// A matrix without a dense block; who factors it asks for a square one.
+    /// Creates a matrix without the block `S`; its factorisation requires a square one.
     fn from(rest: Csc) -> Self {
         SystemMatrix { leading: None, rest }
     }
 }
 
 impl SystemMatrix {
-    /// The matrix with the dense block `leading`, and `rest` added to it.
+    /// Creates the matrix with the dense block `leading`, and `rest` added to it.
     ///
     /// # Errors
-    /// When `rest` is not square, or has fewer rows than the block.
+    /// If `rest` is not square, or has fewer rows than the block.
     pub fn new(leading: DenseSymmetric, rest: Csc) -> Result<Self, MatrixError> {
         let (rows, columns) = (rest.pattern().rows(), rest.pattern().columns());
         if rows != columns {
@@ -49,20 +49,20 @@ impl SystemMatrix {
         Ok(SystemMatrix { leading: Some(Leading::Dense(leading)), rest })
     }
 
-    /// The zero matrix with this pattern beside `factor` times the stiffness, if that is dense or shared, of which this crate's own
-    /// matrices are made.
+    /// Creates the zero matrix with this pattern, plus `factor` times the stiffness if that is dense or shared. It is
+    /// for this crate's own matrices.
     pub(crate) fn of(stiffness: &Symmetric, factor: f64, pattern: Pattern) -> Self {
         let dense = stiffness.dense().map(|dense| Leading::Dense(dense.scaled(factor)));
         let shared = stiffness.shared().map(|shared| Leading::Shared(shared.scaled(factor)));
         SystemMatrix { leading: dense.or(shared), rest: Csc::zeros(Arc::new(pattern)) }
     }
 
-    /// The order.
+    /// Returns the order.
     pub fn order(&self) -> usize {
         self.rest.pattern().columns()
     }
 
-    /// The dense block `S`.
+    /// Returns the dense block `S`.
     pub fn leading(&self) -> Option<&DenseSymmetric> {
         match &self.leading {
             Some(Leading::Dense(dense)) => Some(dense),
@@ -70,7 +70,7 @@ impl SystemMatrix {
         }
     }
 
-    /// The block `S` where processes share it.
+    /// Returns the block `S` if processes share it.
     pub fn shared(&self) -> Option<&SharedSymmetric> {
         match &self.leading {
             Some(Leading::Shared(shared)) => Some(shared),
@@ -78,40 +78,40 @@ impl SystemMatrix {
         }
     }
 
-    /// Whether there is a block `S`.
+    /// Returns `true` if there is a block `S`.
     pub(crate) fn has_leading(&self) -> bool {
         self.leading.is_some()
     }
 
-    /// All that stands beside the block, or is added to it: `R`.
+    /// Returns `R`, all entries outside the block or added to it.
     pub fn rest(&self) -> &Csc {
         &self.rest
     }
 
-    /// The same, to be changed.
+    /// Returns `R` for changing it.
     pub(crate) fn rest_mut(&mut self) -> &mut Csc {
         &mut self.rest
     }
 
-    /// Where the entries of [`SystemMatrix::rest`] stand.
+    /// Returns the pattern of [`SystemMatrix::rest`].
     pub fn pattern(&self) -> &Arc<Pattern> {
         self.rest.pattern()
     }
 
-    /// The entry at `(row, column)`; one that is not stored is 0.
+    /// Returns the entry at `(row, column)`, or 0 if it is not stored.
     pub fn get(&self, row: usize, column: usize) -> f64 {
         let rest = self.pattern().slot(row, column).map_or(0.0, |slot| self.rest.values()[slot]);
         self.leading.as_ref().map_or(0.0, |leading| leading.get(row, column)) + rest
     }
 
-    /// All stored entries as `(row, column, value)`. What is added to the block comes by itself.
+    /// Iterates over all stored entries as `(row, column, value)`. Entries added to the block are separate.
     pub fn entries(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
         let shared = self.shared().map(|shared| Symmetric::of_lower(shared.lower()).entries().collect::<Vec<_>>());
         let dense = self.leading().into_iter().flat_map(DenseSymmetric::entries);
         dense.chain(shared.into_iter().flatten()).chain(self.rest.entries())
     }
 
-    /// The matrix as compressed columns.
+    /// Returns the matrix in compressed columns.
     pub fn to_csc(&self) -> Cow<'_, Csc> {
         let Some(leading) = &self.leading else { return Cow::Borrowed(&self.rest) };
         let (leading, n, rest) = (leading.whole(), self.order(), &self.rest);
@@ -127,10 +127,10 @@ impl SystemMatrix {
         Cow::Owned(whole)
     }
 
-    /// `A x`.
+    /// Computes `A x`.
     ///
     /// # Errors
-    /// When `x` has another length than the matrix has columns.
+    /// If the length of `x` differs from the number of columns.
     pub fn times(&self, x: &[f64]) -> Result<Vec<f64>, MatrixError> {
         expect_length("vector", self.order(), x.len())?;
         let mut y = vec![0.0; self.pattern().rows()];
@@ -138,7 +138,7 @@ impl SystemMatrix {
         Ok(y)
     }
 
-    /// `y = A x`.
+    /// Computes `y = A x`.
     pub(crate) fn mul(&self, x: &[f64], y: &mut [f64]) {
         y.fill(0.0);
         match &self.leading {
@@ -149,7 +149,7 @@ impl SystemMatrix {
         self.rest.add_product(x, y);
     }
 
-    /// `r = b - A x` and `s = |A| |x| + |b|`, what a residual is to be judged against.
+    /// Computes `r = b - A x` and its scale `s = |A| |x| + |b|`.
     pub(crate) fn residual(&self, x: &[f64], b: &[f64], r: &mut [f64], s: &mut [f64]) {
         for (i, &value) in b.iter().enumerate() {
             r[i] = value;
@@ -182,7 +182,7 @@ impl SystemMatrix {
         }
     }
 
-    /// The largest size of an entry.
+    /// Returns the largest absolute value.
     pub(crate) fn largest_entry(&self) -> f64 {
         let leading = match &self.leading {
             Some(Leading::Dense(dense)) => dense.largest_entry(),
@@ -192,7 +192,7 @@ impl SystemMatrix {
         self.rest.values().iter().fold(leading, |m, value| m.max(value.abs()))
     }
 
-    /// The largest size in each row.
+    /// Returns the largest absolute value in each row.
     pub(crate) fn row_norms(&self) -> Vec<f64> {
         let mut norms = vec![0.0_f64; self.pattern().rows()];
         match &self.leading {
@@ -208,7 +208,7 @@ impl SystemMatrix {
 }
 
 impl Leading {
-    /// All of it, in this process.
+    /// Returns the whole matrix, gathered in this process.
     fn whole(&self) -> Symmetric {
         match self {
             Leading::Dense(dense) => Symmetric::from(dense.clone()),
@@ -228,7 +228,7 @@ impl Leading {
 mod tests {
     use super::*;
 
-    /// S of order 3 with a row and a column beside it, and something added to its diagonal.
+    /// Creates S of order 3 with one more row and column, and a term added to its diagonal.
     fn example() -> SystemMatrix {
         let values = (0..9).map(|k| 1.0 + 0.5 * f64::from(k)).collect();
         let entries = [(1, 1, 8.0), (0, 3, -1.0), (3, 2, 0.25), (3, 3, 2.0)];
@@ -254,7 +254,7 @@ mod tests {
         let whole = SystemMatrix::from(whole);
         assert_eq!(residual(&a), residual(&whole));
         assert!(matches!(whole.to_csc(), Cow::Borrowed(_)));
-        // S_11 + 8 counts as two.
+        // S_11 + 8 counts as two separate entries.
         assert_eq!((a.largest_entry(), whole.largest_entry()), (8.0, 9.5));
         assert_eq!(a.row_norms(), [1.0, 8.0, 2.5, 2.0]);
     }

@@ -1,4 +1,4 @@
-//! What formulas can call by name.
+//! The functions and constants of formulas.
 
 use std::f64::consts::{E, PI, TAU};
 
@@ -7,12 +7,12 @@ use std::f64::consts::{E, PI, TAU};
 pub(super) enum Function {
     One(fn(f64) -> f64),
     Two(fn(f64, f64) -> f64),
-    /// Of two arguments or more, from the left.
+    /// A function of two or more arguments, applied from the left.
     Several(fn(f64, f64) -> f64),
 }
 
 impl Function {
-    /// The arguments of the function, in words.
+    /// Returns a description of the number of arguments.
     pub(super) fn arguments(self) -> &'static str {
         match self {
             Function::One(_) => "1 argument",
@@ -55,27 +55,27 @@ const FUNCTIONS: &[(&str, Function)] = &[
     ("max", Function::Several(max)),
 ];
 
-/// The constant called `name`.
+/// Returns the constant called `name`.
 pub(super) fn constant(name: &str) -> Option<f64> {
     CONSTANTS.iter().find(|(known, _)| *known == name).map(|(_, value)| *value)
 }
 
-/// The function called `name`.
+/// Returns the function called `name`.
 pub(super) fn function(name: &str) -> Option<Function> {
     FUNCTIONS.iter().find(|(known, _)| *known == name).map(|(_, function)| *function)
 }
 
-/// -1, 0 or 1; unlike [`f64::signum`] 0 at 0.
+/// Returns -1, 0 or 1; unlike [`f64::signum`] 0 at 0.
 fn sign(a: f64) -> f64 {
     if a == 0.0 { 0.0 } else { a.signum() }
 }
 
-/// Unlike [`f64::min`], NaN if either is.
+/// Returns the smaller number; unlike [`f64::min`], NaN if either is NaN.
 fn min(a: f64, b: f64) -> f64 {
     if a.is_nan() || a < b { a } else { b }
 }
 
-/// Unlike [`f64::max`], NaN if either is.
+/// Returns the larger number; unlike [`f64::max`], NaN if either is NaN.
 fn max(a: f64, b: f64) -> f64 {
     if a.is_nan() || a > b { a } else { b }
 }

@@ -1,4 +1,4 @@
-//! From the text of a formula to its steps, by recursive descent:
+//! A recursive descent parser from the text of a formula to its instructions:
 //!
 //! ```text
 //! sum     = product { ("+" | "-") product }
@@ -14,10 +14,11 @@ use super::{FormulaError, Instruction};
 /// The names of the coordinates, m.
 const COORDINATES: [&str; 3] = ["x", "y", "z"];
 
-/// How deep brackets, signs and powers may be nested: more than anybody writes, and far less than fills the stack.
+/// The largest nesting depth of brackets, signs and powers, far larger than in practice and far smaller than the
+/// stack allows.
 const DEEPEST: usize = 100;
 
-/// The steps of the formula `text`, in postfix order.
+/// Parses the formula `text` into instructions in postfix order.
 pub(super) fn steps(text: &str) -> Result<Vec<Instruction>, FormulaError> {
     let mut parser = Parser { text, at: 0, depth: 0, steps: Vec::new() };
     if parser.peek().is_none() {
@@ -32,9 +33,9 @@ pub(super) fn steps(text: &str) -> Result<Vec<Instruction>, FormulaError> {
 
 struct Parser<'a> {
     text: &'a str,
-    /// The bytes that are read.
+    /// The number of bytes already read.
     at: usize,
-    /// How deep the present part is nested.
+    /// The nesting depth of the present part.
     depth: usize,
     steps: Vec<Instruction>,
 }
@@ -58,7 +59,7 @@ impl Parser<'_> {
         Ok(())
     }
 
-    /// All that is nested passes here.
+    /// Parses a `signed`. All nesting passes here and is counted.
     fn signed(&mut self) -> Result<(), FormulaError> {
         self.depth += 1;
         if self.depth > DEEPEST {
@@ -103,7 +104,7 @@ impl Parser<'_> {
         Ok(())
     }
 
-    /// A number as Rust writes them, `1e-3` among them.
+    /// Parses a number in Rust's notation, which includes `1e-3`.
     fn number(&mut self) -> Result<Instruction, FormulaError> {
         let text = &self.text[self.at..];
         let digits = |text: &str| text.bytes().take_while(u8::is_ascii_digit).count();
@@ -128,7 +129,8 @@ impl Parser<'_> {
         Ok(Instruction::Number(value))
     }
 
-    /// A coordinate, a constant or the call of a function: its step, unless the steps stand between the arguments.
+    /// Parses a coordinate, a constant or a function call. Returns its instruction, or `None` if the instructions are
+    /// among the arguments.
     fn name(&mut self) -> Result<Option<Instruction>, FormulaError> {
         let (start, text) = (self.at, &self.text[self.at..]);
         let name = &text[..text.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(text.len())];
@@ -154,7 +156,7 @@ impl Parser<'_> {
         Err(self.error(start, name.len(), message))
     }
 
-    /// What stands in brackets: a sum, or the arguments of a function, and how many these are.
+    /// Parses the contents of brackets: a sum, or the arguments of a function. Returns their number.
     fn enclosed(&mut self, of: Option<Function>) -> Result<usize, FormulaError> {
         let open = self.at;
         self.at += 1;
@@ -175,21 +177,21 @@ impl Parser<'_> {
         Ok(count)
     }
 
-    /// The next character that is no space, which is then at `self.at`.
+    /// Returns the next character that is not a space, and moves `self.at` to it.
     fn peek(&mut self) -> Option<char> {
         let rest = self.text[self.at..].trim_start();
         self.at = self.text.len() - rest.len();
         rest.chars().next()
     }
 
-    /// The next character, if it is one of `wanted`, and then it is read.
+    /// Reads the next character if it is one of `wanted`.
     fn take(&mut self, wanted: &[char]) -> Option<char> {
         let next = self.peek().filter(|next| wanted.contains(next))?;
         self.at += next.len_utf8();
         Some(next)
     }
 
-    /// The error for a character after a whole sum.
+    /// Returns the error for a character after a complete sum.
     fn unexpected(&self, next: char) -> FormulaError {
         let message = match next {
             ')' => "this bracket closes none".to_string(),

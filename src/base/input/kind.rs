@@ -1,18 +1,18 @@
-//! What a file is, by its first bytes: for files that are named where another kind is expected.
+//! Recognition of a file's kind from its first bytes, for error messages about unexpected files.
 
-/// The kinds of files that people have at hand.
+/// The kinds of files that are recognised.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum FileKind {
-    /// A mesh of Gmsh, of any version.
+    /// A Gmsh mesh of any version.
     Gmsh,
-    /// Keywords of Abaqus, which CalculiX reads, too.
+    /// An Abaqus input file, which CalculiX also reads.
     Abaqus,
     /// The universal format of I-DEAS.
     Unv,
     /// Bulk data of Nastran.
     Nastran,
     Stl,
-    /// VTK's formats, with or without XML.
+    /// A VTK file, with or without XML.
     Vtk,
     Hdf5,
     Json,
@@ -20,11 +20,11 @@ pub(crate) enum FileKind {
     Step,
 }
 
-/// So many bytes tell what a file is.
+/// The number of bytes that are examined.
 const HEAD: usize = 4096;
 
 impl FileKind {
-    /// The kind of a file with these `bytes`; `None` if it is none of these.
+    /// Returns the kind of a file with these `bytes`, or `None` if it is not recognised.
     pub(crate) fn of(bytes: &[u8]) -> Option<Self> {
         if bytes.starts_with(b"\x89HDF\r\n\x1a\n") {
             return Some(FileKind::Hdf5);
@@ -59,7 +59,7 @@ impl FileKind {
         }
     }
 
-    /// What such a file is, in words.
+    /// Returns a description of the kind.
     pub(crate) fn name(self) -> &'static str {
         match self {
             FileKind::Gmsh => "a mesh of Gmsh",
@@ -74,7 +74,7 @@ impl FileKind {
         }
     }
 
-    /// What to do with such a file where a scene is expected.
+    /// Returns advice for such a file where a scene is expected.
     pub(crate) fn as_scene(self) -> &'static str {
         match self {
             FileKind::Gmsh => {
@@ -91,7 +91,7 @@ impl FileKind {
         }
     }
 
-    /// What to do with such a file where a mesh in the format MSH 4.1 is expected.
+    /// Returns advice for such a file where a mesh in the format MSH 4.1 is expected.
     pub(crate) fn as_mesh(self) -> &'static str {
         match self {
             FileKind::Gmsh | FileKind::Unv => "convert it: gmsh OLD -save -format msh41 -o NEW.msh",

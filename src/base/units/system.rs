@@ -1,45 +1,48 @@
-//! What follows from the base units for each kind of quantity.
+//! The derived units of each kind of quantity.
 
 use super::user::{Size, StressUnit, Units};
 
 /// A kind of physical quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
-    /// What has no unit, or the same one in every system: counts, ratios, times (s), temperatures (K), angles (rad).
+    /// A quantity without a unit, or with the same unit in every system: counts, ratios, times (s), temperatures (K),
+    /// angles (rad).
     Number,
-    /// m.
+    /// A length, m.
     Length,
-    /// Pa.
+    /// A stress, Pa.
     Stress,
-    /// N; in two dimensions N per m of depth, as the following are per depth, but for bodies of revolution.
+    /// A force, N. In two dimensions it is per depth, N per m, except for bodies of revolution; so are the following
+    /// quantities.
     Force,
-    /// N m.
+    /// A moment, N m.
     Moment,
-    /// J.
+    /// An energy, J.
     Energy,
-    /// Mass density, kg/m³.
+    /// A mass density, kg/m³.
     Density,
-    /// m/s².
+    /// An acceleration, m/s².
     Acceleration,
-    /// Stiffness of a foundation, N/m³ in two dimensions, too.
+    /// The stiffness of a foundation, N/m³, also in two dimensions.
     Foundation,
-    /// Stiffness of a spring at a point, N/m.
+    /// The stiffness of a spring at a point, N/m.
     Spring,
 }
 
-/// The units of each quantity of a body of two or three dimensions. A result that has such a system is told in these units; the
-/// numbers of its fields are SI all the same.
+/// The units of each quantity of a two- or three-dimensional body. A result with such a system is reported in these
+/// units, but the numbers in its fields are SI.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct UnitSystem {
     /// The base units.
     pub units: Units,
     /// The dimension of the body, 2 or 3.
     pub dimension: usize,
-    /// Whether forces and what is made of them are per depth: in two dimensions, but for bodies of revolution.
+    /// `true` if forces and quantities derived from them are per depth: in two dimensions, except for bodies of
+    /// revolution.
     pub per_depth: bool,
 }
 
-/// Units of force that have a name of their own, N.
+/// The units of force that have a name of their own, N.
 const FORCES: [(f64, &str); 9] = [
     (1e-9, "nN"),
     (1e-6, "uN"),
@@ -52,59 +55,59 @@ const FORCES: [(f64, &str); 9] = [
     (4_448.221_615_260_5, "kip"),
 ];
 
-/// Units of energy, J.
+/// The units of energy that have a name of their own, J.
 const ENERGIES: [(f64, &str); 8] =
     [(1e-12, "pJ"), (1e-9, "nJ"), (1e-6, "uJ"), (1e-3, "mJ"), (1.0, "J"), (1e3, "kJ"), (1e6, "MJ"), (1e9, "GJ")];
 
-/// Units of mass, kg.
+/// The units of mass that have a name of their own, kg.
 const MASSES: [(f64, &str); 4] = [(1e-6, "mg"), (1e-3, "g"), (1.0, "kg"), (1e3, "t")];
 
-/// The name of the unit of this size.
+/// Returns the name of the unit of this size.
 fn named(size: Size, names: &[(f64, &'static str)]) -> Option<&'static str> {
     let size = size.times(1.0);
-    // What rounding leaves of products.
+    // Products are compared up to rounding.
     names.iter().find(|(known, _)| (size - known).abs() <= 1e-12 * known).map(|(_, name)| *name)
 }
 
 impl UnitSystem {
-    /// SI units for a body of so many dimensions, which is not axisymmetric.
+    /// Returns SI units for a body of this dimension that is not axisymmetric.
     pub fn si(dimension: usize) -> Self {
         Self::new(Units::SI, dimension)
     }
 
-    /// These units for a body of so many dimensions, which is not axisymmetric.
+    /// Returns a system of these units for a body of this dimension that is not axisymmetric.
     pub fn new(units: Units, dimension: usize) -> Self {
         UnitSystem { units, dimension, per_depth: dimension == 2 }
     }
 
-    /// Whether all units are SI units.
+    /// Returns `true` if all units are SI units.
     pub fn is_si(&self) -> bool {
         self.units == Units::SI
     }
 
-    /// The units of pictures: MPa where stresses are in Pa otherwise.
+    /// Returns the units for plots: MPa instead of Pa, otherwise unchanged.
     #[must_use]
     pub fn of_pictures(self) -> Self {
         let units = if self.is_si() { Units { stress: StressUnit::Megapascal, ..self.units } } else { self.units };
         UnitSystem { units, ..self }
     }
 
-    /// `x` such units in SI units.
+    /// Converts `x` from these units to SI.
     pub fn to_si(&self, quantity: Quantity, x: f64) -> f64 {
         self.size(quantity).times(x)
     }
 
-    /// `x` SI units in such units.
+    /// Converts `x` from SI to these units.
     pub fn of_si(&self, quantity: Quantity, x: f64) -> f64 {
         self.size(quantity).parts(x)
     }
 
-    /// A number of SI units with the name of the unit it is told in, such as `0.2 mm`.
+    /// Formats an SI number with the name of its unit, such as `0.2 mm`.
     pub fn text(&self, quantity: Quantity, x: f64) -> String {
         format!("{} {}", self.number(quantity, x), self.name(quantity))
     }
 
-    /// A number of SI units as it is told in a text: fifteen digits hide the rounding of the conversion.
+    /// Converts an SI number for a text: fifteen digits hide the rounding of the conversion.
     pub fn number(&self, quantity: Quantity, x: f64) -> f64 {
         if self.is_si() {
             return x;
@@ -113,13 +116,13 @@ impl UnitSystem {
         format!("{told:.14e}").parse().unwrap_or(told)
     }
 
-    /// A point (m) as it is told in a text: `(1, 0.5) mm`.
+    /// Formats a point (m): `(1, 0.5) mm`.
     pub fn place(&self, x: [f64; 3]) -> String {
         let numbers = x[..self.dimension].iter().map(|c| self.number(Quantity::Length, *c).to_string());
         format!("({}) {}", numbers.collect::<Vec<_>>().join(", "), self.name(Quantity::Length))
     }
 
-    /// The name of the unit, such as `N mm`; powers are plain digits, as in `N/mm2`.
+    /// Returns the name of the unit, such as `N mm`; powers are plain digits, as in `N/mm2`.
     pub fn name(&self, quantity: Quantity) -> String {
         let (length, stress) = (self.units.length.name(), self.units.stress.name());
         if self.is_si() {
@@ -163,7 +166,7 @@ impl UnitSystem {
     }
 
     fn size(&self, quantity: Quantity) -> Size {
-        // Per depth there is a length less.
+        // Quantities per depth have one length less.
         let plane = i32::from(self.per_depth);
         let (stress, length) = match quantity {
             Quantity::Number => (0, 0),
@@ -178,7 +181,7 @@ impl UnitSystem {
         self.product(stress, length)
     }
 
-    /// `stress^a · length^b`.
+    /// Returns `stress^a · length^b`.
     fn product(&self, a: i32, b: i32) -> Size {
         self.units.stress.size().product(a, self.units.length.size(), b)
     }

@@ -1,9 +1,9 @@
-//! The base units that an input may choose.
+//! The base units of an input.
 
 use serde::Deserialize;
 
-/// The units of an input and of all that is told of it: one of length and one of stress. Time is in s, temperature in K, angles
-/// are in rad, and every other unit follows from these, as that of force, stress · length².
+/// The units of an input and of its output: one of length and one of stress. Time is in s, temperature in K, angles
+/// are in rad, and all other units follow from these, such as the unit of force, stress · length².
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Units {
@@ -67,7 +67,7 @@ pub enum StressUnit {
     Ksi,
 }
 
-/// So many SI units: `digits · 10^power`. What is a power of ten is converted with one rounding.
+/// A size in SI units: `digits · 10^power`. A power of ten is converted with one rounding.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Size {
     pub digits: f64,
@@ -78,14 +78,14 @@ impl Units {
     /// Metres and pascals.
     pub const SI: Units = Units { length: LengthUnit::Metre, stress: StressUnit::Pascal };
 
-    /// Units of length and stress.
+    /// Creates units of length and stress.
     pub fn new(length: LengthUnit, stress: StressUnit) -> Self {
         Units { length, stress }
     }
 }
 
 impl LengthUnit {
-    /// The name as a scene writes it.
+    /// Returns the name in a scene.
     pub fn name(self) -> &'static str {
         match self {
             LengthUnit::Metre => "m",
@@ -113,7 +113,7 @@ impl LengthUnit {
 }
 
 impl StressUnit {
-    /// The name as a scene writes it.
+    /// Returns the name in a scene.
     pub fn name(self) -> &'static str {
         match self {
             StressUnit::Pascal => "Pa",
@@ -144,25 +144,25 @@ impl StressUnit {
 const PSI: f64 = 4.448_221_615_260_5 / (0.0254 * 0.0254);
 
 impl Size {
-    /// `self^a · other^b`.
+    /// Returns `self^a · other^b`.
     pub(super) fn product(self, a: i32, other: Size, b: i32) -> Size {
         Size { digits: self.digits.powi(a) * other.digits.powi(b), power: a * self.power + b * other.power }
     }
 
-    /// So many of it in SI units.
+    /// Converts `x` of this unit to SI.
     pub(super) fn times(self, x: f64) -> f64 {
         let x = x * self.digits;
         if self.power < 0 { x / ten(-self.power) } else { x * ten(self.power) }
     }
 
-    /// So many SI units in it.
+    /// Converts `x` from SI to this unit.
     pub(super) fn parts(self, x: f64) -> f64 {
         let x = if self.power < 0 { x * ten(-self.power) } else { x / ten(self.power) };
         x / self.digits
     }
 }
 
-/// `10^n`, exact up to n = 22.
+/// Returns `10^n`, exact up to n = 22.
 fn ten(n: i32) -> f64 {
     10.0_f64.powi(n)
 }

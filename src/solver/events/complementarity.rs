@@ -1,17 +1,18 @@
-//! The rate problem as one linear complementarity problem, for Lemke's method.
+//! The rate problem as a linear complementarity problem, for Lemke's method.
 //!
-//! Statuses in which it is linear are the base: the nodes concerned are free, or held. What the base leaves out is unknown, one
-//! number `z ≥ 0` for each way in which a node may leave it, and a row `q + M z ≥ 0` stands against it: for a free node that grazes
-//! its forces `p_n`, `β⁺`, `β⁻` with `p_t = β⁺ - β⁻`, and how fast it slips, `λ` (Stewart and Trinkle, Int. J. Numer. Meth. Engng 39,
-//! 1996),
+//! The base is a set of statuses with linear equations: the nodes concerned are all free, or all clamped. Each way in
+//! which a node may leave the base has one unknown `z ≥ 0` and one row `q + M z ≥ 0`. A free grazing node has the
+//! unknowns `p_n`, `β⁺`, `β⁻` with `p_t = β⁺ - β⁻`, and its slip speed `λ` (Stewart and Trinkle, Int. J. Numer. Meth.
+//! Engng 39, 1996),
 //!
 //! ```text
 //! g' - w_n' ⟂ p_n,    λ ∓ v ⟂ β±,    μ p_n - β⁺ - β⁻ ⟂ λ,    v = w_t' less that of the obstacle,
 //! ```
 //!
-//! a matrix that is copositive, so that Lemke's method finds a solution. For one that slips on the border of its cone it is how far
-//! friction falls behind `μ p_n`, against `± v`. Where nothing but contact holds the body the free base is singular; in the other
-//! one nodes are held, and leave it by motions.
+//! This matrix is copositive, so that Lemke's method finds a solution. For a node that slips on the border of its
+//! cone, the unknown is the amount by which friction falls below `μ p_n`, complementary to `± v`. If nothing but
+//! contact holds the body, the base of free nodes is singular. In the other base the nodes are clamped, and leave it
+//! by motions.
 
 use super::lemke::lemke;
 use super::node::{AdmissibleTransition, Given, NodalContact, NodeStatus};
@@ -19,28 +20,28 @@ use super::rate_problem::{Effort, RateProblem};
 use super::tangent::Tangent;
 use crate::algebra::linear::LinearError;
 
-/// What is unknown.
+/// The kind of the unknowns.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Unknowns {
-    /// The forces of nodes that are free.
+    /// The forces of nodes that are free in the base.
     Forces,
-    /// The motions of nodes that are held.
+    /// The motions of nodes that are clamped in the base.
     Motions,
 }
 
 /// A way in which a node may leave the base.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Way {
-    /// By a pressure, or by a motion off the obstacle.
+    /// A pressure, or a motion away from the obstacle.
     Normal,
-    /// By friction, or by a slip, in the direction of this sign.
+    /// Friction, or a slip, in the direction of this sign.
     Tangential(f64),
-    /// By a slip that its own friction is against: no other node feels it.
+    /// A slip against the friction of the node, which affects no other node.
     Slip,
 }
 
 impl Unknowns {
-    /// The status of a node in the base.
+    /// Returns the status of a node in the base.
     fn base(self, may: AdmissibleTransition, is_rough: bool) -> NodeStatus {
         match (self, may) {
             (Unknowns::Forces, AdmissibleTransition::Turn(sign)) => NodeStatus::slip(sign),
@@ -50,7 +51,7 @@ impl Unknowns {
         }
     }
 
-    /// The ways in which a node may leave it.
+    /// Returns the ways in which a node may leave the base.
     fn ways(self, may: AdmissibleTransition, is_rough: bool) -> &'static [Way] {
         match (self, may) {
             (_, AdmissibleTransition::Turn(sign)) if sign < 0.0 => &[Way::Tangential(-1.0)],
@@ -61,7 +62,7 @@ impl Unknowns {
         }
     }
 
-    /// The status of a node which leaves the base by the ways that are `taken`.
+    /// Returns the status of a node that leaves the base by the `taken` ways.
     fn status(self, may: AdmissibleTransition, is_rough: bool, taken: &[bool]) -> NodeStatus {
         match (self, may, taken) {
             (Unknowns::Forces, AdmissibleTransition::Turn(_), [true])
@@ -83,8 +84,8 @@ impl Unknowns {
 }
 
 impl RateProblem<'_> {
-    /// The statuses that Lemke's method finds for the nodes `concerned`; `None` where the base is singular, or the method ends on a
-    /// ray.
+    /// Returns the statuses that Lemke's method finds for the nodes `concerned`, or `None` if the base is singular or
+    /// the method ends on a ray.
     pub(super) fn by_lemke(
         &self,
         unknowns: Unknowns,
@@ -128,7 +129,7 @@ impl RateProblem<'_> {
             }
             first += ways(i).len();
         }
-        // In lengths of the largest compliance, so that they and forces are of one size.
+        // Scales lengths by the largest compliance, so that lengths and forces have the same order of magnitude.
         if unknowns == Unknowns::Forces {
             let largest = m.iter().fold(f64::MIN_POSITIVE, |m, value| m.max(value.abs()));
             self.measure(concerned, largest, &mut q, &mut m);
@@ -144,7 +145,7 @@ impl RateProblem<'_> {
         Ok(Some(found))
     }
 
-    /// Measures lengths by `unit`.
+    /// Divides lengths by `unit`.
     fn measure(&self, concerned: &[usize], unit: f64, q: &mut [f64], m: &mut [f64]) {
         let n = q.len();
         let ways = || concerned.iter().flat_map(|&i| Unknowns::Forces.ways(self.may[i], self.rough[i]));
@@ -155,7 +156,7 @@ impl RateProblem<'_> {
         }
     }
 
-    /// What stands against node `i` taking a `way`, as far as it follows from rates in the base.
+    /// Returns the row value complementary to a `way` of node `i`, as far as it follows from the rates in the base.
     fn row(&self, unknowns: Unknowns, i: usize, way: Way, given: &Given, rate: &NodalContact) -> f64 {
         let slip = rate.w_t[i] - given.slide[i];
         let reserve = |sign: f64| self.mu[i] * rate.p_n[i] - sign * rate.p_t[i];
@@ -169,7 +170,7 @@ impl RateProblem<'_> {
         }
     }
 
-    /// What is given where node `i` takes a `way` by one unit, and nothing else happens.
+    /// Returns the data for node `i` taking a `way` by one unit and no other change.
     fn unit(&self, unknowns: Unknowns, i: usize, way: Way) -> Given {
         let zeros = |values: &[f64]| vec![0.0; values.len()];
         let Given { force, gap, slide } = self.given;
@@ -182,7 +183,7 @@ impl RateProblem<'_> {
                 self.problem.c_n().row(i).iter().for_each(|&(dof, c)| unit.force[dof] -= c);
             }
             (Unknowns::Forces, Way::Tangential(sign)) => {
-                // Of a node that slips on, friction falls behind; of a free one it comes up.
+                // The friction of a slipping node falls; that of a free node rises.
                 let sign = if let AdmissibleTransition::Turn(_) = self.may[i] { -sign } else { sign };
                 let row = self.tangents[i].map_or(&[][..], |k| maps[k].row(i));
                 for &(dof, c) in row {
@@ -207,7 +208,7 @@ mod tests {
 
     const NODES: usize = 12;
 
-    /// Nodes on springs of any stiffness among each other, in front of a plane that all of them touch.
+    /// Creates nodes on random springs in front of a plane that all nodes touch.
     fn problem(random: &mut impl FnMut() -> f64) -> ContactProblem {
         let n = 2 * NODES;
         let a: Vec<f64> = (0..n * n).map(|_| random()).collect();
@@ -222,7 +223,7 @@ mod tests {
         ContactProblem::new(Parts { c_t: rows(0), mu, ..Parts::new(stiffness, rows(1)) }).unwrap()
     }
 
-    /// Where all nodes graze the matrix is copositive, and there are rates for any load, with any friction.
+    /// If all nodes graze, the matrix is copositive, and rates exist for any load and any friction.
     #[test]
     fn of_nodes_that_graze_forces_find_rates_for_any_load() {
         let mut seed = 1_u64;

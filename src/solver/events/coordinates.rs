@@ -1,8 +1,8 @@
-//! Displacements in which each contact row is one of them: `w = T u`, group by group.
+//! Contact coordinates `w = T u`, group by group: displacements of which each contact row is one.
 //!
-//! Contact rows tie only the displacements of their own group together, of one node as a rule. What they leave of a group's
-//! displacements is completed at right angles. There `S u = f` is `Ŝ w = F` with `Ŝ = T⁻ᵀ S T⁻¹`, `F = T⁻ᵀ f`, and a contact
-//! force acts on its own coordinate alone.
+//! Contact rows couple only the displacements within their own group, usually those of one node. The remaining
+//! displacements of a group are completed orthogonally. There `S u = f` becomes `Ŝ w = F` with `Ŝ = T⁻ᵀ S T⁻¹`,
+//! `F = T⁻ᵀ f`, and a contact force acts on its own coordinate alone.
 
 use faer::Mat;
 use faer::linalg::solvers::DenseSolveCore;
@@ -10,11 +10,11 @@ use faer::linalg::solvers::DenseSolveCore;
 use crate::algebra::union_find::UnionFind;
 use crate::solver::problem::ContactProblem;
 
-/// A row of which those before leave less than this share depends on them.
+/// A row is linearly dependent if less than this share of it is orthogonal to the rows before it.
 const INDEPENDENT: f64 = 1e-10;
 
 pub(super) struct Coordinates {
-    /// The coordinate of each contact node's `w_n`, and of its `w_t` if it has friction.
+    /// The coordinate of `w_n` of each contact node. `tangential` has that of `w_t` if the node has friction.
     pub normal: Vec<usize>,
     pub tangential: Vec<Option<usize>>,
     groups: Vec<Group>,
@@ -28,17 +28,17 @@ struct ContactRow<'a> {
     entries: &'a [(usize, f64)],
 }
 
-/// Displacements that contact rows tie together; coordinates are numbered group after group.
+/// Displacements that contact rows couple. Coordinates are numbered group after group.
 struct Group {
     displacements: Vec<usize>,
     first: usize,
-    /// `T⁻¹`, row after row.
+    /// `T⁻¹`, row by row.
     inverse: Vec<f64>,
 }
 
 impl Coordinates {
-    /// Those of a problem with the tangent `tangents[i]` of node `i` (0 for `C_t`, 1 for `C_o`); `None` where contact rows depend
-    /// on each other, so that their forces cannot be told apart.
+    /// Creates the coordinates of a problem with the tangent `tangents[i]` of node `i` (0 for `C_t`, 1 for `C_o`).
+    /// Returns `None` if contact rows are linearly dependent, so that their forces are not unique.
     pub(super) fn new(problem: &ContactProblem, tangents: &[Option<usize>]) -> Option<Self> {
         let (order, contacts) = (problem.displacements(), problem.contacts());
         let mut sets = UnionFind::new(order);
@@ -91,12 +91,12 @@ impl Coordinates {
         Some(coordinates)
     }
 
-    /// The number of coordinates, as many as displacements.
+    /// Returns the number of coordinates, which equals that of displacements.
     pub(super) fn order(&self) -> usize {
         self.order
     }
 
-    /// `Ŝ`, column after column, of a stiffness with the entries `of(i, j)`.
+    /// Returns `Ŝ`, column by column, for a stiffness with the entries `of(i, j)`.
     pub(super) fn stiffness(&self, of: impl Fn(usize, usize) -> f64) -> Vec<f64> {
         let n = self.order;
         let mut stiffness = vec![0.0; n * n];
@@ -122,7 +122,7 @@ impl Coordinates {
         stiffness
     }
 
-    /// `F = T⁻ᵀ f`.
+    /// Computes `F = T⁻ᵀ f`.
     pub(super) fn forces(&self, f: &[f64]) -> Vec<f64> {
         let mut forces = vec![0.0; self.order];
         for group in &self.groups {
@@ -136,7 +136,7 @@ impl Coordinates {
         forces
     }
 
-    /// `u = T⁻¹ w`.
+    /// Computes `u = T⁻¹ w`.
     pub(super) fn displacements(&self, w: &[f64]) -> Vec<f64> {
         let mut u = vec![0.0; self.order];
         for group in &self.groups {
@@ -149,13 +149,13 @@ impl Coordinates {
     }
 }
 
-/// `rows`, and as many more, orthonormal and at right angles to them, as make a basis of `size` numbers.
+/// Completes `rows` by orthonormal rows, orthogonal to them, to a basis of dimension `size`.
 fn completed(rows: Vec<Vec<f64>>, size: usize) -> Option<Vec<Vec<f64>>> {
     let mut orthonormal: Vec<Vec<f64>> = Vec::with_capacity(size);
     let rest = |row: &[f64], orthonormal: &[Vec<f64>]| {
         let length = |row: &[f64]| row.iter().map(|x| x * x).sum::<f64>().sqrt();
         let (mut left, whole) = (row.to_vec(), length(row));
-        // Twice is enough.
+        // Two passes of orthogonalisation are enough.
         for other in orthonormal.iter().chain(orthonormal) {
             let part: f64 = left.iter().zip(other).map(|(x, y)| x * y).sum();
             left.iter_mut().zip(other).for_each(|(x, y)| *x -= part * y);

@@ -1,16 +1,16 @@
-//! The equations of the statuses solved for all data at once, on a dense stiffness: a dictionary, as linear programming calls it.
+//! The equations of given statuses, solved for all data at once with a dense stiffness: a dictionary, in the language
+//! of linear programming.
 //!
-//! In contact coordinates `F = Ŝ w`, with `F = f̂ - p`. Of each coordinate's pair `(w_k, F_k)` the law gives one and leaves one: a
-//! closed node's `w_n` is given, a sticking one's `w_t`, an open one's `F`, which is `f̂`; where a node slips, `p_t = ± μ p_n` gives
-//! `F_t ∓ μ F_n`. The dictionary `y = D x` has what the law gives in `x` and the rest in `y`. When one pair changes sides it
-//! changes by a matrix of rank one,
-//!
+//! In contact coordinates `F = Ŝ w`, with `F = f̂ - p`. The contact law prescribes one member of each pair
+//! `(w_k, F_k)`: `w_n` of a closed node, `w_t` of a sticking node, and `F = f̂` of an open node. If a node slips,
+//! `p_t = ± μ p_n` prescribes `F_t ∓ μ F_n`. The dictionary `y = D x` has the prescribed members in `x` and the
+//! others in `y`. If one pair changes sides, `D` changes by a matrix of rank one,
 //! ```text
 //! D_ij ← D_ij - D_ik D_kj / D_kk,   D_kj ← -D_kj / D_kk,   D_ik ← D_ik / D_kk,   D_kk ← 1 / D_kk,
 //! ```
 //!
-//! and so does it when a force is measured from another border of the cone. Rounding adds up, so each solution is compared with
-//! `Ŝ`, and the dictionary made anew where that says so.
+//! A force that is measured from another border of the cone also changes `D` by a matrix of rank one. Since rounding
+//! accumulates, each solution is checked against `Ŝ`, and the dictionary is rebuilt if the check fails.
 
 use faer::Mat;
 use faer::linalg::solvers::DenseSolveCore;
@@ -23,41 +23,41 @@ use crate::algebra::vector::dot;
 use crate::base::units::Scaling;
 use crate::solver::problem::ContactProblem;
 
-/// A pivot smaller than this share of what a stiffness or compliance is there is rounding.
+/// A pivot below this share of the stiffness or compliance there counts as rounding.
 const SINGULAR: f64 = 1e-12;
 
-/// Roundings of the largest elastic force of a single coordinate that a solution may leave out of balance before it is refined.
+/// The largest residual without refinement, in roundings of the largest elastic force of a single coordinate.
 const ROUNDINGS: f64 = 4.0;
 
-/// Where the rounding of elastic forces is a larger share of the forces, the system is singular but for rounding.
+/// The largest rounding of the elastic forces, relative to the forces. Beyond it the system counts as singular.
 const LOST: f64 = 1e-3;
 
-/// The share of the largest force with which it may be out of balance before the dictionary is made anew.
+/// The dictionary is rebuilt if the residual exceeds this share of the largest force.
 const RENEWED: f64 = 1e-12;
 
-/// The share with which a solution is no solution: that of a system that is singular but for rounding.
+/// A solution is rejected if its residual exceeds this share: the system is then singular up to rounding.
 const UNSOLVED: f64 = 1e-9;
 
-/// To make it anew is cheaper than to change more than this share of the statuses one by one.
+/// The share of changed statuses beyond which rebuilding is cheaper than rank-one changes.
 const MANY: f64 = 0.25;
 
 pub(super) struct Dictionary {
     mu: Vec<f64>,
     coordinates: Coordinates,
-    /// `Ŝ`, column after column: it is symmetric.
+    /// `Ŝ`, which is symmetric, column by column.
     stiffness: Vec<f64>,
     /// The largest entry of `Ŝ`, which is on its diagonal.
     stiffest: f64,
-    /// `D`, column after column; empty before the first statuses are taken, and where they are singular.
+    /// `D`, column by column; empty before the first statuses are set, and if they are singular.
     table: Vec<f64>,
     statuses: Vec<NodeStatus>,
-    /// To make `D` anew counts as a factorisation.
+    /// The statistics, in which a rebuild of `D` counts as a factorisation.
     statistics: Statistics,
 }
 
 impl Dictionary {
-    /// That of a problem with a dense stiffness, whose nodes slide along these `tangents`; `None` where contact rows depend on each
-    /// other.
+    /// Creates the equations of a problem with a dense stiffness, whose nodes slide along these `tangents`. Returns
+    /// `None` if contact rows are linearly dependent.
     pub(super) fn new(problem: &ContactProblem, tangents: &[Option<usize>], scaling: Scaling) -> Option<Self> {
         let coordinates = Coordinates::new(problem, tangents)?;
         let n = coordinates.order();
@@ -77,7 +77,7 @@ impl Dictionary {
         })
     }
 
-    /// Whether the law gives the displacement of each coordinate, rather than its force.
+    /// Returns for each coordinate `true` if the law prescribes its displacement, `false` if it prescribes its force.
     fn given_displacements(&self, statuses: &[NodeStatus]) -> Vec<bool> {
         let mut given = vec![false; self.coordinates.order()];
         for (i, status) in statuses.iter().enumerate() {
@@ -89,7 +89,7 @@ impl Dictionary {
         given
     }
 
-    /// `± μ` of each slipping node, with its coordinates.
+    /// Iterates over the slipping nodes: the two coordinates and `± μ` of each.
     fn sliders<'s>(&'s self, statuses: &'s [NodeStatus]) -> impl Iterator<Item = (usize, usize, f64)> + 's {
         statuses.iter().enumerate().filter_map(|(i, status)| {
             let t = self.coordinates.tangential[i].filter(|_| status.sign() != 0.0)?;
@@ -97,7 +97,7 @@ impl Dictionary {
         })
     }
 
-    /// Makes the dictionary of these statuses from `Ŝ`; tells whether there is one.
+    /// Builds the dictionary of these statuses from `Ŝ`. Returns `false` if they are singular.
     fn renew(&mut self, statuses: &[NodeStatus]) -> bool {
         self.statistics.factorizations += 1;
         self.table.clear();
@@ -142,14 +142,15 @@ impl Dictionary {
         finite
     }
 
-    /// Whether a pivot of coordinate `k`, a stiffness, is none: rounding of what stands there, or of the whole matrix.
+    /// Returns `true` if the pivot of coordinate `k`, a stiffness, is rounding of its diagonal entry or of the whole
+    /// matrix.
     fn vanishes(&self, pivot: f64, k: usize) -> bool {
         let n = self.coordinates.order();
         let rounding = n as f64 * f64::EPSILON * self.stiffest;
         pivot.is_nan() || pivot.abs() <= (SINGULAR * self.stiffness[k * (n + 1)]).max(rounding)
     }
 
-    /// Lets the pair `k` change sides; tells whether it can.
+    /// Exchanges the members of pair `k`. Returns `false` if the pivot vanishes.
     fn pivot(&mut self, k: usize, frees: bool) -> bool {
         let n = self.coordinates.order();
         let pivot = self.table[k * n + k];
@@ -174,7 +175,7 @@ impl Dictionary {
         true
     }
 
-    /// Brings one node from one status to another; tells whether that can be done pair by pair.
+    /// Changes the status of one node pair by pair. Returns `false` if a pivot vanishes.
     fn change(&mut self, i: usize, to: NodeStatus) -> bool {
         let n = self.coordinates.order();
         let (normal, tangential) = (self.coordinates.normal[i], self.coordinates.tangential[i]);
@@ -182,11 +183,11 @@ impl Dictionary {
         let Some(t) = tangential else {
             return from.is_closed() == to.is_closed() || self.pivot(normal, !to.is_closed());
         };
-        // To a closed node that sticks, or to an open one, whose force is measured from 0; then on from there.
+        // The change goes through an intermediate status, sticking or open, whose force is measured from 0.
         let drive = |status: NodeStatus| status.sign() * self.mu[i];
         let (left, taken) = (drive(from), drive(to));
         if from == NodeStatus::Open && to.is_closed() {
-            // F_t = (F_t - d F_n) + d F_n, both given.
+            // F_t = (F_t - d F_n) + d F_n, both prescribed.
             self.add_column(t, normal, taken);
             return self.pivot(normal, false) && (to.sign() != 0.0 || self.pivot(t, false));
         }
@@ -226,7 +227,7 @@ impl Dictionary {
         }
     }
 
-    /// `D x`.
+    /// Returns `D x`.
     fn product(&self, x: &[f64]) -> Vec<f64> {
         let n = x.len();
         let mut y = vec![0.0; n];
@@ -236,7 +237,8 @@ impl Dictionary {
         y
     }
 
-    /// Forces `F`, those of slipping nodes measured from the border of the cone, or back.
+    /// Measures the forces `F` of slipping nodes from the border of the cone (`way` = 1), or reverses this (`way` =
+    /// -1).
     fn measured(&self, forces: &mut [f64], way: f64) {
         for (normal, tangential, drive) in self.sliders(&self.statuses) {
             forces[tangential] -= way * drive * forces[normal];
@@ -252,7 +254,7 @@ impl Tangent for Dictionary {
             (0..statuses.len()).filter(|&i| statuses[i] != self.statuses[i]).collect()
         };
         let few = changed.len() as f64 <= MANY * statuses.len() as f64;
-        // Statuses on the way may be singular where those at its end are not.
+        // Intermediate statuses may be singular even if the final ones are not.
         if !self.table.is_empty() && few && changed.iter().all(|&i| self.change(i, statuses[i])) {
             return Ok(true);
         }
@@ -277,7 +279,7 @@ impl Tangent for Dictionary {
                 x[t] = given.slide[i];
             }
         }
-        // Displacements that are given bring such forces, unless the body goes along as a whole.
+        // Prescribed displacements cause forces of this size, unless the whole body moves with them.
         let moved = (0..n).filter(|&k| is_given[k]).fold(0.0_f64, |m, k| m.max(x[k].abs()));
         let (mut left, mut scale, mut rounding) = (0.0, 0.0, 0.0);
         let (mut w, mut forces) = (vec![0.0; n], vec![0.0; n]);
@@ -291,14 +293,14 @@ impl Tangent for Dictionary {
                 let mut rest: Vec<f64> = (self.stiffness.chunks_exact(n.max(1)).zip(&forces))
                     .map(|(column, force)| force - dot(column, &w))
                     .collect();
-                // In slender bodies elastic forces are small differences of large ones.
+                // In slender bodies elastic forces are small differences of large numbers.
                 rounding = f64::EPSILON * self.stiffest * largest(&w);
                 scale = largest(&load).max(largest(&forces));
                 left = largest(&rest);
                 if left <= ROUNDINGS * rounding || refinement == 2 {
                     break;
                 }
-                // With δF + rest = Ŝ δw: what is given stays, and the rest follows.
+                // With δF + rest = Ŝ δw: prescribed members stay, and the others follow.
                 self.measured(&mut rest, 1.0);
                 let pushed: Vec<f64> =
                     rest.iter().zip(&is_given).map(|(r, given)| if *given { 0.0 } else { *r }).collect();

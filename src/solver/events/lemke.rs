@@ -1,26 +1,27 @@
 //! Lemke's method for a linear complementarity problem.
 //!
-//! Find `z ≥ 0` with `q + M z ≥ 0` and `zᵀ (q + M z) = 0`. An artificial variable is added to every row, large enough that `z = 0`
-//! will do, and is pivoted out again along complementary bases (Cottle, Pang, Stone, The Linear Complementarity Problem, 1992,
-//! section 4.4).
+//! Finds `z ≥ 0` with `q + M z ≥ 0` and `zᵀ (q + M z) = 0`. An artificial variable is added to every row, large
+//! enough that `z = 0` is feasible. Complementary pivots then remove it again (Cottle, Pang, Stone, The Linear
+//! Complementarity Problem, 1992, section 4.4).
 
-/// A pivot below this share of the largest entry of its column is rounding.
+/// A pivot below this share of the largest entry of its column counts as rounding.
 const PIVOT: f64 = 1e-11;
 
-/// By so much of the largest entry of `q` rows are set apart.
+/// The perturbation of the rows, relative to the largest entry of `q`.
 const APART: f64 = 1e-9;
 
-/// Pivots for each variable, after which the method has gone in circles.
+/// The number of pivots for each variable after which the method is assumed to cycle.
 const PATIENCE: usize = 50;
 
-/// Which of the `n` variables `z` are basic at a solution, so that the slacks of the others are; `None` where the method ends on
-/// a ray. `m` is row after row.
+/// Returns which of the `n` variables `z` are basic at a solution; the slacks of the others are basic. Returns `None`
+/// if the method ends on a ray. `m` is stored row by row.
 pub(super) fn lemke(m: &[f64], q: &[f64]) -> Option<Vec<bool>> {
     let n = q.len();
     if q.iter().all(|q| *q >= 0.0) {
         return Some(vec![false; n]);
     }
-    // No two rows meet 0 at once, so that no basis comes again. A golden section has no two shares alike.
+    // The perturbation prevents two rows from reaching 0 at once, so that no basis repeats. Multiples of the golden
+    // section modulo 1 are all different.
     let size = q.iter().fold(0.0_f64, |m, q| m.max(q.abs()));
     let apart = |i: usize| APART * size * (1.0 + (i as f64 * 0.618_033_988_749_895).fract());
     // w - M z - e z0 = q; variables 0..n are w, n..2n are z, 2n is z0, and the last column is the right-hand side.
@@ -48,7 +49,7 @@ pub(super) fn lemke(m: &[f64], q: &[f64]) -> Option<Vec<bool>> {
     None
 }
 
-/// The row in which `entering` first drives a basic variable to 0; the artificial one goes first among equals.
+/// Returns the row whose basic variable `entering` drives to 0 first. The artificial variable wins ties.
 fn ratio_test(table: &[f64], width: usize, entering: usize, basis: &[usize], artificial: usize) -> Option<usize> {
     let rows = || table.chunks_exact(width);
     let largest = rows().fold(0.0_f64, |m, row| m.max(row[entering].abs()));
@@ -62,7 +63,7 @@ fn ratio_test(table: &[f64], width: usize, entering: usize, basis: &[usize], art
     .map(|(row, _)| row)
 }
 
-/// Makes `column` a unit vector with its 1 in `row`.
+/// Turns `column` into the unit vector with its 1 in `row`.
 fn pivot(table: &mut [f64], width: usize, row: usize, column: usize) {
     let scale = 1.0 / table[row * width + column];
     let pivotal: Vec<f64> = table[row * width..][..width].iter().map(|value| value * scale).collect();
@@ -81,9 +82,9 @@ fn pivot(table: &mut [f64], width: usize, row: usize, column: usize) {
 mod tests {
     use super::*;
 
-    /// `z` for the basis, by the rows of its variables.
+    /// Returns `true` if `z` of this basis, solved from the rows of its variables, is a solution.
     fn holds(m: &[f64], q: &[f64], basic: &[bool]) -> bool {
-        // Gauss and Seidel's sweeps solve the small diagonally dominant systems of these tests.
+        // Gauss–Seidel sweeps solve the small diagonally dominant systems of these tests.
         let n = q.len();
         let mut z = vec![0.0; n];
         for _ in 0..500 {
@@ -103,7 +104,7 @@ mod tests {
             let basic = lemke(&m, &q).unwrap();
             assert!(holds(&m, &q, &basic), "{q:?}: {basic:?}");
         }
-        // Unsymmetric.
+        // An unsymmetric matrix.
         let m = [3.0, -2.0, 2.0, 3.0];
         for q in [[-1.0, -1.0], [1.0, -2.0], [-2.0, 1.0]] {
             assert!(holds(&m, &q, &lemke(&m, &q).unwrap()), "{q:?}");
@@ -115,7 +116,7 @@ mod tests {
         assert_eq!(lemke(&[0.0], &[-1.0]), None);
         assert_eq!(lemke(&[-1.0], &[-1.0]), None);
         assert_eq!(lemke(&[0.0, 0.0, 0.0, 1.0], &[-1.0, -1.0]), None);
-        // Two solutions: one of them.
+        // There are two solutions; either is correct.
         assert!(lemke(&[-1.0], &[1.0]).is_some());
     }
 }

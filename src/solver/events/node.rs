@@ -1,4 +1,4 @@
-//! What a contact node does, and what it may do next.
+//! The status of a contact node, and the statuses that may follow.
 
 use std::fmt;
 
@@ -6,40 +6,42 @@ use serde::{Deserialize, Serialize};
 
 use crate::algebra::sparse::DoubleDouble;
 
-/// What a contact node does while the loads go on at one rate. Its rates then obey one linear row for each of its forces.
+/// The status of a contact node while the load rates are constant. The rates then obey one linear row for each force
+/// of the node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum NodeStatus {
-    /// Apart from the obstacle: `p_n' = p_t' = 0`.
+    /// Separated from the obstacle: `p_n' = p_t' = 0`.
     #[serde(rename = "open")]
     Open,
-    /// In contact without slip: `w_n' = g'`, `w_t'` is that of the obstacle.
+    /// In contact without slip: `w_n' = g'`, and `w_t'` equals that of the obstacle.
     #[serde(rename = "stick")]
     Stick,
-    /// Sliding along its tangent: `w_n' = g'`, `p_t' = μ p_n'`. Without friction every closed node slides.
+    /// Sliding in the direction of its tangent: `w_n' = g'`, `p_t' = μ p_n'`. Without friction every closed node
+    /// slides.
     #[serde(rename = "slip+")]
     Forward,
-    /// Sliding against its tangent: `w_n' = g'`, `p_t' = -μ p_n'`.
+    /// Sliding opposite to its tangent: `w_n' = g'`, `p_t' = -μ p_n'`.
     #[serde(rename = "slip-")]
     Backward,
 }
 
 impl NodeStatus {
-    /// Slip along the tangent, or against it where `way` is below 0.
+    /// Returns slip along the tangent, or opposite to it if `way` is negative.
     pub(super) fn slip(way: f64) -> Self {
         if way < 0.0 { NodeStatus::Backward } else { NodeStatus::Forward }
     }
 
-    /// Whether the node touches its obstacle.
+    /// Returns `true` if the node touches its obstacle.
     pub fn is_closed(self) -> bool {
         self != NodeStatus::Open
     }
 
-    /// Whether its tangential displacement is given.
+    /// Returns `true` if the tangential displacement is prescribed.
     pub(super) fn is_held(self) -> bool {
         self == NodeStatus::Stick
     }
 
-    /// The sign of its friction in `p_t = sign μ p_n`; 0 where that is not so.
+    /// Returns the sign of friction in `p_t = sign μ p_n`, or 0 if this equation does not apply.
     pub fn sign(self) -> f64 {
         match self {
             NodeStatus::Open | NodeStatus::Stick => 0.0,
@@ -60,19 +62,19 @@ impl fmt::Display for NodeStatus {
     }
 }
 
-/// What a node may do when the rates change: a set of complementary rates that its place among the laws leaves open.
+/// The statuses that are admissible for a node when the rates change: a set of complementary rates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum AdmissibleTransition {
-    /// What it does: it is off the borders of all laws.
+    /// The present status: the node is on no border of a law.
     Stay,
-    /// Stick or slip in the direction of this sign: its friction is on the border of the cone.
+    /// Stick, or slip in the direction of this sign: friction is on the border of the cone.
     Turn(f64),
-    /// All: it touches without pressure.
+    /// Every status: the node touches without pressure.
     Anything,
 }
 
-/// Contact displacements and forces of all contact nodes, n_c each, and all displacements, n_u, or their rates, in the units of the
-/// walk.
+/// Contact displacements and forces of all contact nodes, n_c each, and all displacements, n_u, or the rates of these
+/// quantities, in the units of the path.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct NodalContact {
     pub w_n: Vec<f64>,
@@ -80,9 +82,9 @@ pub(super) struct NodalContact {
     pub p_n: Vec<f64>,
     pub p_t: Vec<f64>,
     pub u: Vec<f64>,
-    /// What rounding takes off `u`; empty where it does not matter.
+    /// The low-order part of `u` in double-double arithmetic; empty where it does not matter.
     pub u_rest: Vec<f64>,
-    /// Elastic forces of this size are rounding.
+    /// The size of elastic forces that count as rounding.
     pub rounding: f64,
 }
 
@@ -92,7 +94,7 @@ impl NodalContact {
         NodalContact { w_n: zeros(), w_t: zeros(), p_n: zeros(), p_t: zeros(), ..NodalContact::default() }
     }
 
-    /// `self + share other`; displacements keep what rounding takes off them, if they have kept it so far.
+    /// Returns `self + share other`. The low-order parts of displacements are kept if `self` has them.
     pub(super) fn add(&mut self, share: f64, other: &NodalContact) {
         let plus = |to: &mut [f64], by: &[f64]| to.iter_mut().zip(by).for_each(|(to, by)| *to += share * by);
         plus(&mut self.w_n, &other.w_n);
@@ -115,35 +117,35 @@ impl NodalContact {
         }
     }
 
-    /// The largest force.
+    /// Returns the largest force.
     pub(super) fn largest_force(&self) -> f64 {
         largest(&self.p_n).max(largest(&self.p_t))
     }
 
-    /// What forces are compared with under what is `given`.
+    /// Returns the scale for comparing forces under the `given` data.
     pub(super) fn force_scale(&self, given: &Given) -> f64 {
         self.largest_force().max(largest(&given.force)).max(self.rounding)
     }
 
-    /// The largest displacement.
+    /// Returns the largest displacement.
     pub(super) fn largest_displacement(&self) -> f64 {
         largest(&self.w_n).max(largest(&self.w_t))
     }
 }
 
-/// What is given at a time, or the rates of it, in the units of the walk.
+/// The data at one time, or their rates, in the units of the path.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Given {
     /// External forces, n_u.
     pub force: Vec<f64>,
     /// Gaps, n_c.
     pub gap: Vec<f64>,
-    /// Tangential displacements: of the obstacle in a load, of the sticking nodes in equations; n_c.
+    /// Tangential displacements, n_c: of the obstacle in a load, of the sticking nodes in equations.
     pub slide: Vec<f64>,
 }
 
 impl Given {
-    /// `self + share other`.
+    /// Returns `self + share other`.
     pub(super) fn plus(&self, share: f64, other: &Given) -> Given {
         let plus = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a + share * b).collect();
         Given {

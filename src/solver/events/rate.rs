@@ -1,10 +1,11 @@
-//! The rate problem: which statuses go on, where the laws leave several open.
+//! The rate problem: the next statuses where the laws allow several.
 //!
-//! Where a node is on the border of a law, its rates obey complementarity: a grazing node has `w_n' ≤ g'`, `p_n' ≥ 0` and Coulomb's
-//! law for both rates; a node on the border of its cone has `sign w_t' ≥ 0`, `sign p_t' ≤ μ p_n'`. Statuses that are guessed and put
-//! right where the rates that follow break a law, all at once as Newton's method would, settle it as a rule in one or two solves.
-//! Where they come again, nodes are changed one by one; then Lemke's method takes all of them together; and where that ends on a
-//! ray and the nodes are few, all their statuses are tried, so that what is said of a lost continuation is so.
+//! If a node is on the border of a law, its rates obey complementarity: a grazing node has `w_n' ≤ g'`, `p_n' ≥ 0`
+//! and Coulomb's law for both rates; a node on the border of its cone has `sign w_t' ≥ 0`, `sign p_t' ≤ μ p_n'`.
+//! Statuses are guessed and corrected where their rates break a law, all at once as in Newton's method. This usually
+//! takes one or two solves. If statuses repeat, nodes are changed one by one. If this fails, Lemke's method treats
+//! all of them together. If Lemke's method ends on a ray and the nodes are few, all their statuses are tried, so that
+//! the absence of a continuation is proved.
 
 use super::complementarity::Unknowns;
 use super::node::{AdmissibleTransition, NodalContact, NodeStatus};
@@ -12,38 +13,39 @@ use super::rate_problem::{Breach, Effort, ROUNDING, RateProblem};
 use super::tangent::Tangent;
 use crate::algebra::linear::LinearError;
 
-/// The same where nothing better is found: a solution of a rate problem that is nearly singular.
+/// The largest relative breach that is accepted if no better statuses are found: a rate problem that is nearly
+/// singular.
 const ACCEPTED: f64 = 1e-9;
 
-/// Solves with all nodes changed at once; then so many for each node, one by one.
+/// The number of solves with all nodes changed at once, then the number of solves for each node, one by one.
 const TOGETHER: usize = 12;
 const EACH: usize = 4;
 
-/// Nodes of which all statuses are tried: 4^5 = 1024 solves.
+/// The largest number of nodes whose statuses are all tried: 4^5 = 1024 solves.
 const FEW: usize = 5;
 
-/// What came of trying all statuses.
+/// The result of trying all statuses.
 enum Tried {
-    /// Some obey all laws.
+    /// Some statuses obey all laws.
     Found,
-    /// None does.
+    /// No statuses obey the laws, and all were regular.
     AllRegular,
-    /// None that can be solved with does; the others may have rates, but not unique ones.
+    /// No regular statuses obey the laws. Singular ones may have rates, but not unique ones.
     SomeSingular,
 }
 
-/// What the search for rates came to.
+/// The result of the search for rates.
 pub(super) enum Found {
-    /// Statuses whose rates obey all laws.
+    /// Statuses were found whose rates obey all laws.
     Rates,
-    /// There are none: all statuses of the nodes concerned were tried, and could be solved with.
+    /// It is certain that there are none: all statuses of the nodes concerned were tried, and all were regular.
     None,
-    /// None was found, nor is it certain that there is none.
+    /// None were found, and it is not certain that there are none.
     Nothing,
 }
 
 impl RateProblem<'_> {
-    /// Finds `statuses` and their rates, from a guess.
+    /// Finds `statuses` and their rates, starting from a guess.
     pub(super) fn solve(
         &self,
         tangent: &mut dyn Tangent,
@@ -90,7 +92,7 @@ impl RateProblem<'_> {
         }
     }
 
-    /// Corrects statuses where their rates break a law: all at once, and one by one where that goes in circles.
+    /// Corrects statuses whose rates break a law: all at once, then one by one if this cycles.
     fn by_correction(
         &self,
         tangent: &mut dyn Tangent,
@@ -127,7 +129,7 @@ impl RateProblem<'_> {
             }
             let worst = breaches.iter().max_by(|a, b| a.size.total_cmp(&b.size));
             let Some(Breach { node, to, .. }) = worst else { return Ok(true) };
-            // A grazing node may go in circles past the status that is right, so each has its turn.
+            // A grazing node may skip the correct status in a cycle, so each status is tried in turn.
             let next = if self.may[*node] == AdmissibleTransition::Anything && self.rough[*node] {
                 tried[*node][place(statuses[*node])] += 1;
                 let others = ALL.into_iter().filter(|status| *status != statuses[*node]);
@@ -171,7 +173,7 @@ impl RateProblem<'_> {
         Ok(tried)
     }
 
-    /// The statuses that node `i` may take.
+    /// Returns the admissible statuses of node `i`.
     fn choices(&self, i: usize) -> Vec<NodeStatus> {
         match self.may[i] {
             AdmissibleTransition::Turn(sign) => vec![NodeStatus::Stick, NodeStatus::slip(sign)],
@@ -187,7 +189,7 @@ fn place(status: NodeStatus) -> usize {
     ALL.iter().position(|other| *other == status).unwrap_or(0)
 }
 
-/// Keeps statuses if they are the best so far.
+/// Keeps `statuses` if they are the best so far.
 fn keep(best: &mut Option<(f64, Vec<NodeStatus>)>, size: Option<f64>, statuses: &[NodeStatus]) {
     let Some(size) = size else { return };
     if best.as_ref().is_none_or(|(least, _)| size < *least) {

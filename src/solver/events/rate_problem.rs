@@ -1,4 +1,4 @@
-//! The rate problem at one place of the path, and what rates break in it.
+//! The rate problem at one point of the path, and the laws that given rates break.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,44 +7,44 @@ use super::tangent::Tangent;
 use crate::algebra::linear::LinearError;
 use crate::solver::problem::ContactProblem;
 
-/// A rate that breaks a law by less than this share of the largest is rounding.
+/// A breach of a law below this share of the largest rate counts as rounding.
 pub(super) const ROUNDING: f64 = 1e-12;
 
-/// The rate problem at one place of the path.
+/// The rate problem at one point of the path.
 pub(super) struct RateProblem<'a> {
     pub problem: &'a ContactProblem,
-    /// Along which tangent each node slides, if any.
+    /// The tangent along which each node slides, if any.
     pub tangents: &'a [Option<usize>],
     pub given: &'a Given,
     pub mu: &'a [f64],
-    /// Whether each node has friction.
+    /// `true` for each node with friction.
     pub rough: &'a [bool],
     pub may: &'a [AdmissibleTransition],
 }
 
-/// A law that a node's rates break, and the status that would mend it.
+/// A law that the rates of a node break, and the status that would correct it.
 pub(super) struct Breach {
     pub node: usize,
     pub to: NodeStatus,
-    /// Relative to the largest rate of its kind.
+    /// The size of the breach, relative to the largest rate of its kind.
     pub size: f64,
 }
 
-/// What it took, over a history.
+/// The cost of the rate problems of a history.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Effort {
-    /// Rates solved for.
+    /// The number of solves for rates.
     pub solves: usize,
-    /// Places where nodes were changed one by one.
+    /// The number of points at which nodes were changed one by one.
     pub one_by_one: usize,
-    /// Places that Lemke's method settled.
+    /// The number of points that Lemke's method solved.
     pub lemke: usize,
-    /// Places where all statuses were tried.
+    /// The number of points at which all statuses were tried.
     pub enumerated: usize,
 }
 
 impl RateProblem<'_> {
-    /// The largest breach of the rates of these statuses; `None` if they have none.
+    /// Returns the largest breach of the rates of these statuses, or `None` if they have no rates.
     pub(super) fn try_out(
         &self,
         tangent: &mut dyn Tangent,
@@ -59,7 +59,7 @@ impl RateProblem<'_> {
         Ok(Some(self.breaches(statuses, rate).iter().fold(0.0_f64, |m, breach| m.max(breach.size))))
     }
 
-    /// The laws that rates break by more than rounding.
+    /// Returns the laws that the rates break by more than rounding.
     pub(super) fn breaches(&self, statuses: &[NodeStatus], rate: &NodalContact) -> Vec<Breach> {
         let force = rate.force_scale(self.given);
         let length = rate.largest_displacement().max(largest(&self.given.gap)).max(largest(&self.given.slide));

@@ -1,8 +1,9 @@
-//! Solutions in twice the working precision, where the rounding of elastic forces would decide between statuses.
+//! Solutions in twice the working precision, for cases where rounding of elastic forces would decide between
+//! statuses.
 //!
-//! In slender bodies elastic forces are small differences of large ones, and in a body that slides along as a whole the rates of
-//! all forces are nothing but rounding. What a solution leaves out of balance is then worked out in twice the precision, and
-//! solved for with the same equations.
+//! In slender bodies elastic forces are small differences of large numbers. If a body slides as a whole, the rates of
+//! all forces are nothing but rounding. The residual of a solution is then computed in twice the precision, and the
+//! same equations give the correction.
 
 use super::node::{Given, NodalContact, NodeStatus, largest};
 use super::tangent::{Taken, Tangent};
@@ -10,10 +11,10 @@ use crate::algebra::linear::{LinearError, RefinedSolver, Statistics};
 use crate::base::units::Scaling;
 use crate::solver::problem::{ContactProblem, State};
 
-/// Rounding of elastic forces may be this share of the largest force.
+/// The largest share of rounding of elastic forces in the largest force without refinement.
 const ROUNDING: f64 = 1e-12;
 
-/// Each gains as many digits as the rounding leaves right.
+/// The number of refinements. Each gains as many digits as are correct in a solution.
 const REFINEMENTS: usize = 3;
 
 /// Equations whose solutions are refined.
@@ -36,7 +37,7 @@ impl<'a> Refined<'a> {
         Refined { problem, tangents, scaling, equations, statuses: Vec::new() }
     }
 
-    /// Values along the tangents that the nodes have, as values along both.
+    /// Expands values along each node's tangent to values along both tangents.
     pub(super) fn along_both(&self, values: &[f64]) -> [Vec<f64>; 2] {
         [0, 1].map(|k| {
             let of = |(value, tangent): (&f64, &Option<usize>)| if *tangent == Some(k) { *value } else { 0.0 };
@@ -44,7 +45,7 @@ impl<'a> Refined<'a> {
         })
     }
 
-    /// A solution in SI units.
+    /// Converts a solution to SI units.
     pub(super) fn state(&self, of: &NodalContact) -> State {
         let Scaling { force, length } = self.scaling;
         let [p_t, p_o] = self.along_both(&of.p_t.iter().map(|p| p * force).collect::<Vec<_>>());
@@ -57,7 +58,7 @@ impl<'a> Refined<'a> {
         }
     }
 
-    /// What a solution leaves of what is `given`.
+    /// Returns the residual of a solution for the `given` data.
     fn left(&self, given: &Given, of: &NodalContact) -> Given {
         let Scaling { force, length } = self.scaling;
         let state = self.state(of);

@@ -1,4 +1,4 @@
-//! A walk that is put away between two steps.
+//! A snapshot of an exact path between two steps.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,7 +8,7 @@ use super::tangent::{Taken, Tangent};
 use super::walk::ExactPath;
 use crate::algebra::linear::{LinearError, Statistics};
 
-/// All that a walk goes on from.
+/// The data from which an exact path continues.
 #[derive(Clone, Serialize, Deserialize)]
 pub(crate) struct SavedExactPath {
     corners: Vec<f64>,
@@ -30,19 +30,19 @@ pub(crate) struct SavedExactPath {
 }
 
 impl SavedExactPath {
-    /// What the linear algebra had done.
+    /// Returns the statistics of the linear solver at the snapshot.
     pub(crate) fn statistics(&self) -> Statistics {
         self.statistics
     }
 
-    /// Whether it is one of so many displacements and contact nodes.
+    /// Returns `true` if the snapshot has these numbers of displacements and contact nodes.
     fn fits(&self, displacements: usize, contacts: usize) -> bool {
         let given = |given: &Given| {
             given.force.len() == displacements && given.gap.len() == contacts && given.slide.len() == contacts
         };
         let contact = |contact: &NodalContact| {
             let NodalContact { w_n, w_t, p_n, p_t, u, u_rest, .. } = contact;
-            // Rates that were never asked for have no displacements.
+            // Rates that were never computed have no displacements.
             [w_n, w_t, p_n, p_t].iter().all(|values| values.len() == contacts)
                 && [u, u_rest].iter().all(|values| [0, displacements].contains(&values.len()))
         };
@@ -57,7 +57,7 @@ impl SavedExactPath {
 }
 
 impl ExactPath<'_> {
-    /// Where the walk is, to go on from there another time.
+    /// Takes a snapshot of the path, from which it can continue later.
     pub(crate) fn save(&self) -> SavedExactPath {
         SavedExactPath {
             corners: self.stretch.corners.clone(),
@@ -79,10 +79,10 @@ impl ExactPath<'_> {
         }
     }
 
-    /// Goes on from where another walk of this problem was `saved`; tells whether it was one.
+    /// Restores the path from a snapshot. Returns `false` if the snapshot belongs to another problem.
     ///
     /// # Errors
-    /// When the linear algebra cannot go on.
+    /// If the linear solver fails.
     pub(crate) fn resume(&mut self, saved: SavedExactPath) -> Result<bool, LinearError> {
         if !saved.fits(self.at.u.len(), self.statuses.len()) || !self.equations.take_up(&saved.equations)? {
             return Ok(false);

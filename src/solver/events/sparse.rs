@@ -1,4 +1,4 @@
-//! The equations of the statuses as a sparse system: one factorisation for each set of statuses, on one pattern.
+//! The equations of given statuses as a sparse system: one factorisation for each set of statuses, on one pattern.
 
 use super::node::{Given, NodalContact, NodeStatus, largest};
 use super::tangent::{Taken, Tangent};
@@ -8,21 +8,22 @@ use crate::solver::formulation::{Bdiff, FormulationScaling};
 use crate::solver::laws::coulomb::{NormalCase, TangentialCase};
 use crate::solver::problem::ContactProblem;
 
-/// A solution whose rows are violated by more than this share of their largest term is that of a singular system.
+/// A solution counts as that of a singular system if its rows are violated by more than this share of their largest
+/// term.
 const UNSOLVED: f64 = 1e-9;
 
-/// The linearisation (21) of the whole problem, which for given cases is that of the rates.
+/// The linearisation (21) of the whole problem. For given cases it is also that of the rates.
 pub(super) struct SparseTangent<'a> {
     problem: &'a ContactProblem,
     tangents: Vec<Option<usize>>,
     linear: &'a mut RefinedSolver,
     rows: Bdiff,
-    /// `r` of the rows of closed and of sticking nodes, scaled.
+    /// Scaled `r` of the rows of closed and of sticking nodes.
     r_n: Vec<f64>,
     r_t: Vec<f64>,
-    /// Whether `linear` has factors.
+    /// `true` if `linear` has factors.
     regular: bool,
-    /// Whether `linear` has served other equations since it knew these.
+    /// `true` if `linear` has served other equations since it last factored these.
     lent: bool,
     rhs: Vec<f64>,
     z: Vec<f64>,
@@ -133,7 +134,7 @@ impl Tangent for SparseTangent<'_> {
         Taken::default()
     }
 
-    /// The factors are those of the statuses, whatever there was before; statuses on the way to others may be singular.
+    /// Factors the matrix of the snapshot's statuses alone, since intermediate statuses may be singular.
     fn take_up(&mut self, taken: &Taken) -> Result<bool, LinearError> {
         if !taken.statuses.is_empty() {
             self.take(&taken.statuses)?;

@@ -1,28 +1,29 @@
-//! What is given on the way, stretch by stretch.
+//! The data along the path, one load segment after another.
 
 use super::node::{Given, largest};
 use crate::base::units::Scaling;
 use crate::solver::loading::Loading;
 use crate::solver::problem::ContactProblem;
 
-/// A stretch in which all that is given changes at one rate.
+/// A load segment: all data change at constant rates.
 pub(super) struct Stretch<'a> {
     problem: &'a ContactProblem,
     loading: &'a Loading,
     scaling: Scaling,
     tangents: Vec<Option<usize>>,
-    /// The times at which the rates change, the nearest last.
+    /// The times at which the rates change, in descending order.
     pub corners: Vec<f64>,
-    /// Its start and end, s; the end is infinite where nothing changes any more.
+    /// The start and end of the segment, s; the end is infinite if the data change no more.
     pub times: [f64; 2],
-    /// What is given at its start.
+    /// The data at the start.
     pub at: Given,
-    /// By how much that changes until its end.
+    /// The change of the data until the end.
     pub change: Given,
 }
 
 impl<'a> Stretch<'a> {
-    /// That in which what is there at t = 0 comes, in proportion and in no time; if nothing is, the first after it.
+    /// Creates the segment of no duration in which the loads at t = 0 are applied in proportion. If there are none,
+    /// creates the first segment after it.
     pub(super) fn first(
         problem: &'a ContactProblem,
         loading: &'a Loading,
@@ -43,20 +44,20 @@ impl<'a> Stretch<'a> {
         stretch
     }
 
-    /// Becomes the stretch from its end to the next corner, or for ever where there is none.
+    /// Advances to the segment up to the next corner, or to infinity if there is none.
     pub(super) fn next(&mut self) {
         let start = self.times[1];
         while self.corners.last().is_some_and(|corner| *corner <= start) {
             self.corners.pop();
         }
-        // Beyond the last corner nothing changes.
+        // Beyond the last corner the data are constant.
         let end = self.corners.pop().unwrap_or(f64::INFINITY);
         self.at = self.given(start);
         self.change = self.given(if end.is_finite() { end } else { start }).plus(-1.0, &self.at);
         self.times = [start, end];
     }
 
-    /// Becomes what is left of the way from `time` (s) on.
+    /// Shortens the segment to start at `time` (s).
     pub(super) fn begin_at(&mut self, time: f64) {
         if self.times[1].is_finite() {
             self.corners.push(self.times[1]);
@@ -65,7 +66,7 @@ impl<'a> Stretch<'a> {
         self.next();
     }
 
-    /// The time, s, when this share of it has passed.
+    /// Returns the time after this share of the segment, s.
     pub(super) fn time_at(&self, share: f64) -> f64 {
         let [start, end] = self.times;
         if end.is_infinite() || share == 0.0 {
@@ -77,12 +78,12 @@ impl<'a> Stretch<'a> {
         }
     }
 
-    /// What is given when this share of it has passed.
+    /// Returns the data after this share of the segment.
     pub(super) fn given_at(&self, share: f64) -> Given {
         self.at.plus(share, &self.change)
     }
 
-    /// What is given at a time, in the units of the walk.
+    /// Returns the data at a time, in the units of the path.
     fn given(&self, time: f64) -> Given {
         let Stretch { problem, loading, scaling, .. } = self;
         let (mut force, mut gap) = (vec![0.0; problem.displacements()], vec![0.0; problem.contacts()]);

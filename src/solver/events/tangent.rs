@@ -1,22 +1,23 @@
-//! The linear equations that contact nodes obey while none changes its status.
+//! The linear equations of the contact nodes while no status changes.
 
 use serde::{Deserialize, Serialize};
 
 use super::node::{Given, NodalContact, NodeStatus};
 use crate::algebra::linear::{LinearError, RefinedSolver, Statistics};
 
-/// What equations have taken, from which they can be taken up.
+/// A snapshot of the equations.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct Taken {
-    /// The statuses; none before the first are taken.
+    /// The statuses; empty before the first are set.
     pub statuses: Vec<NodeStatus>,
-    /// What has come of all statuses so far, where the equations depend on the way to the last ones.
+    /// The dictionary, if the equations depend on all earlier statuses.
     pub table: Vec<f64>,
-    /// What that took.
+    /// The statistics up to the snapshot.
     pub statistics: Statistics,
 }
 
-/// With the status of each contact node given, the contact law is linear in displacements and forces, and in their rates:
+/// The equations for given statuses, in which the contact law is linear in displacements and forces, and in their
+/// rates:
 ///
 /// ```text
 /// K u + C_nᵀ p_n + C_tᵀ p_t = f
@@ -24,30 +25,31 @@ pub(super) struct Taken {
 /// closed: w_n = g,    stick: w_t = slide,    slip: p_t = ± μ p_n
 /// ```
 pub(super) trait Tangent {
-    /// Takes these statuses, one for each contact node; tells whether the equations are regular with them.
+    /// Sets the status of each contact node. Returns `true` if the equations are then regular.
     ///
     /// # Errors
-    /// When the linear algebra cannot go on.
+    /// If the linear solver fails.
     fn take(&mut self, statuses: &[NodeStatus]) -> Result<bool, LinearError>;
 
-    /// Solves the equations of the statuses taken last; tells whether the solution fulfils them. `answer` is where it goes.
+    /// Solves the equations for the current statuses and writes the solution to `answer`. Returns `true` if it
+    /// satisfies them.
     ///
     /// # Errors
-    /// When the linear algebra cannot go on.
+    /// If the linear solver fails.
     fn solve(&mut self, given: &Given, answer: &mut NodalContact) -> Result<bool, LinearError>;
 
-    /// What the linear algebra has done.
+    /// Returns the statistics of the linear solver.
     fn statistics(&self) -> Statistics;
 
-    /// What they have taken.
+    /// Returns a snapshot of the equations.
     fn taken(&self) -> Taken;
 
-    /// Goes on from what other equations of the same problem have `taken`; tells whether they were such.
+    /// Restores the equations from a snapshot. Returns `false` if the snapshot belongs to another problem.
     ///
     /// # Errors
-    /// When the linear algebra cannot go on.
+    /// If the linear solver fails.
     fn take_up(&mut self, taken: &Taken) -> Result<bool, LinearError>;
 
-    /// The linear algebra, for other equations in between, if it is of use to them.
+    /// Returns the linear solver for temporary use by other equations, if they can use it.
     fn lend(&mut self) -> Option<&mut RefinedSolver>;
 }

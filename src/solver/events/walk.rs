@@ -1,4 +1,4 @@
-//! The way from event to event.
+//! The exact path from event to event.
 
 use super::dictionary::Dictionary;
 use super::node::{AdmissibleTransition, Given, NodalContact, NodeStatus, largest};
@@ -17,13 +17,13 @@ use crate::solver::loading::Loading;
 use crate::solver::problem::{ContactProblem, State};
 use crate::solver::solvability::{Landing, Load, NEARBY, is_carried_without_strain, landing};
 
-/// A distance, pressure or reserve of friction below this share of the largest is none.
+/// A distance, pressure or friction reserve below this share of the largest counts as zero.
 const NONE: f64 = 1e-13;
 
-/// Steps of no length in a row, after which statuses go in circles.
+/// The number of consecutive steps of zero length after which the statuses are assumed to cycle.
 const STANDSTILL: usize = 50;
 
-/// A history on its way.
+/// The exact solution of a history up to the time reached.
 pub struct ExactPath<'a> {
     problem: &'a ContactProblem,
     scaling: Scaling,
@@ -32,28 +32,28 @@ pub struct ExactPath<'a> {
     tangents: Vec<Option<usize>>,
     pub(super) equations: Refined<'a>,
     pub(super) stretch: Stretch<'a>,
-    /// How much of the stretch has passed.
+    /// The completed share of the load segment.
     pub(super) share: f64,
     pub(super) statuses: Vec<NodeStatus>,
-    /// Where each node last stuck, past its obstacle.
+    /// The tangential position of each node at its last sticking, relative to the obstacle.
     pub(super) stuck: Vec<f64>,
     pub(super) at: NodalContact,
     pub(super) rate: NodalContact,
-    /// Whether `rate` holds on; if not, which nodes have just come to the border of a law.
+    /// `true` if `rate` remains valid; otherwise some nodes have just reached the border of a law.
     pub(super) decided: bool,
     pub(super) hit: Vec<bool>,
-    /// The largest forces and displacements so far.
+    /// The largest force and the largest displacement so far.
     pub(super) largest: [f64; 2],
     pub(super) standstill: usize,
     pub(super) effort: Effort,
 }
 
 impl<'a> ExactPath<'a> {
-    /// The unloaded body at the start of `loading`, with the `equations` to solve; `scaling` are the units inside.
+    /// Creates a path from the unloaded body at the start of `loading`, with the `equations` to solve and the
+    /// internal units `scaling`.
     ///
     /// # Errors
-    /// [`PathError`] tells what it does not know: nodes that slide in a plane, friction that changes, rows that depend on
-    /// each other.
+    /// [`PathError`] if nodes slide in a plane, if friction changes, or if contact rows are linearly dependent.
     pub fn new(
         problem: &'a ContactProblem,
         loading: &'a Loading,
@@ -100,8 +100,9 @@ impl<'a> ExactPath<'a> {
         Ok(walk)
     }
 
-    /// Nodes that touch start closed: where contact alone holds the body, anything else would be singular. Such a body first comes to
-    /// rest under the loads that come first, as a rigid one, however small they are.
+    /// Sets the initial statuses. Nodes that touch start closed: if contact alone holds the body, all other statuses
+    /// would be singular. Such a body first moves as a rigid body under the first loads, however small, until it
+    /// comes to rest.
     fn begin(&mut self) {
         let rest = if is_carried_without_strain(self.problem) { self.rest() } else { None };
         let gap = &self.stretch.at.gap;
@@ -124,7 +125,7 @@ impl<'a> ExactPath<'a> {
         self.stuck = self.at.w_t.iter().zip(&self.stretch.at.slide).map(|(w, slide)| w - slide).collect();
     }
 
-    /// Where the loads that come first carry a rigid body to; `None` where nothing stops it.
+    /// Finds the rest position of a rigid body under the first loads; `None` if nothing stops it.
     fn rest(&self) -> Option<Landing> {
         let Given { force, .. } = &self.stretch.change;
         let sizes: Vec<f64> = force.iter().map(|f| f.abs()).collect();
@@ -133,51 +134,53 @@ impl<'a> ExactPath<'a> {
         landing(self.problem, self.mu, &Load { force, sizes: &sizes }, gap, &reach)
     }
 
-    /// Of values along both tangents those along which nodes slide, in this `unit`.
+    /// Selects from values along both tangents those along each node's sliding tangent, in this `unit`.
     fn along(&self, values: [&Vec<f64>; 2], unit: f64) -> Vec<f64> {
         self.tangents.iter().enumerate().map(|(i, k)| k.map_or(0.0, |k| values[k][i] / unit)).collect()
     }
 
-    /// Goes over to the stretch that begins where the last one ends.
+    /// Advances to the next load segment.
     fn next_stretch(&mut self) {
         self.stretch.next();
         (self.share, self.decided) = (0.0, false);
     }
 
-    /// The time reached, s.
+    /// Returns the time reached, s.
     pub fn time(&self) -> f64 {
         self.stretch.time_at(self.share)
     }
 
-    /// Whether what is there at t = 0 is still coming, so that the state is none of any time.
+    /// Returns `true` while the loads at t = 0 are still being applied, so that the state belongs to no time.
     pub fn is_beginning(&self) -> bool {
         self.stretch.times[1] == 0.0
     }
 
-    /// What each contact node does since the last event.
+    /// Returns the status of each contact node since the last event.
     pub fn statuses(&self) -> &[NodeStatus] {
         &self.statuses
     }
 
-    /// What the rates have taken so far.
+    /// Returns the cost of the rate problems so far.
     pub fn effort(&self) -> Effort {
         self.effort
     }
 
-    /// What the linear algebra has done so far.
+    /// Returns the statistics of the linear solver so far.
     pub fn statistics(&self) -> Statistics {
         self.equations.statistics()
     }
 
-    /// Where the nodes are along both tangents, past their obstacles, n_c each, m; 0 along one that they do not have.
+    /// Returns the positions of the nodes along both tangents relative to their obstacles, n_c each, m; 0 along a
+    /// tangent that a node does not have.
     pub fn places(&self) -> [Vec<f64>; 2] {
         let slide = self.stretch.given_at(self.share).slide;
         let place = |(w, slide): (&f64, &f64)| (w - slide) * self.scaling.length;
         self.equations.along_both(&self.at.w_t.iter().zip(&slide).map(place).collect::<Vec<_>>())
     }
 
-    /// External forces (N, n_u), gaps, and how far obstacles have moved along both tangents (m, n_c) in the state reached. In a stretch
-    /// that is short beside its time these cannot be told by the time.
+    /// Returns the external forces (N, n_u), the gaps and the motions of the obstacles along both tangents (m, n_c)
+    /// in the state reached. In a segment that is short compared with the time, they cannot be computed from the
+    /// time.
     pub(crate) fn given(&self) -> (Vec<f64>, Vec<f64>, [Vec<f64>; 2]) {
         let Given { force, gap, slide } = self.stretch.given_at(self.share);
         let si = |values: Vec<f64>, unit: f64| values.into_iter().map(|value| value * unit).collect::<Vec<_>>();
@@ -185,17 +188,18 @@ impl<'a> ExactPath<'a> {
         (si(force, self.scaling.force), si(gap, self.scaling.length), self.equations.along_both(&slide))
     }
 
-    /// The state reached, SI.
+    /// Returns the state reached, SI.
     pub fn state(&self) -> State {
         self.equations.state(&self.at)
     }
 
-    /// The linear algebra, for other equations in between, if it is of use to them.
+    /// Returns the linear solver for temporary use by other equations, if they can use it.
     pub(crate) fn lend(&mut self) -> Option<&mut RefinedSolver> {
         self.equations.lend()
     }
 
-    /// Goes on from another `state` at `time`, later than the one reached, in which contact nodes have these `statuses`.
+    /// Continues from another `state` at `time`, later than the time reached, with these `statuses` of the contact
+    /// nodes.
     pub(crate) fn go_on_from(&mut self, time: f64, state: &State, statuses: &[ContactStatus]) {
         self.stretch.begin_at(time);
         (self.share, self.decided) = (0.0, false);
@@ -225,10 +229,10 @@ impl<'a> ExactPath<'a> {
         self.measure(&self.stretch.at.clone());
     }
 
-    /// What forces (N, n_u) change while no node changes its status, SI.
+    /// Returns the change of state due to forces (N, n_u) while no node changes its status, SI.
     ///
     /// # Errors
-    /// When the linear algebra cannot go on.
+    /// If the linear solver fails.
     pub(crate) fn response(&mut self, forces: &[f64]) -> Result<State, LinearError> {
         let zeros = || vec![0.0; self.statuses.len()];
         let force = forces.iter().map(|f| f / self.scaling.force).collect();
@@ -239,10 +243,10 @@ impl<'a> ExactPath<'a> {
         Ok(self.equations.state(&change))
     }
 
-    /// Goes on to the next event, corner of the loads, or to `until` (s), whichever comes first.
+    /// Advances to the next event, to the next corner of the loads, or to `until` (s), whichever comes first.
     ///
     /// # Errors
-    /// When the linear algebra cannot go on.
+    /// If the linear solver fails.
     pub fn step(&mut self, until: f64) -> Result<PathSegment, PathError> {
         let mut events = Vec::new();
         let [start, end] = self.stretch.times;
@@ -256,7 +260,7 @@ impl<'a> ExactPath<'a> {
         if !self.decided {
             let before = self.statuses.clone();
             if let Some(lost) = self.decide()? {
-                // What was asked for is reached all the same; whoever wants to go on will hear it.
+                // The requested time is reached nevertheless. A further step will report the end of the path.
                 let stop = if wanted - self.share <= NONE { SegmentEnd::Until } else { SegmentEnd::PathEnd(lost) };
                 return Ok(PathSegment { events, friction_work: 0.0, stop });
             }
@@ -292,7 +296,7 @@ impl<'a> ExactPath<'a> {
         Ok(PathSegment { events, friction_work, stop: if arrived { SegmentEnd::Until } else { SegmentEnd::Corner } })
     }
 
-    /// Finds the statuses with which the path goes on, and their rates.
+    /// Finds the next statuses and their rates.
     fn decide(&mut self) -> Result<Option<PathEnd>, PathError> {
         let may: Vec<AdmissibleTransition> = (0..self.statuses.len()).map(|i| self.may(i)).collect();
         let mut statuses: Vec<NodeStatus> = (0..self.statuses.len()).map(|i| self.guess(i, may[i])).collect();
@@ -307,7 +311,7 @@ impl<'a> ExactPath<'a> {
         match problem.solve(&mut self.equations, &mut statuses, &mut self.rate, &mut self.effort)? {
             Found::Rates => {}
             found => {
-                // Back to the equations of the state that was reached.
+                // Restores the equations of the state reached.
                 self.equations.take(&self.statuses)?;
                 return Ok(Some(PathEnd { time: self.time(), certain: matches!(found, Found::None) }));
             }
@@ -319,7 +323,7 @@ impl<'a> ExactPath<'a> {
             }
         }
         (self.statuses, self.decided) = (statuses, true);
-        // Not by the rates before but anew, so that neither rounding nor the distance at which a node was said to touch adds up.
+        // Solving anew, instead of adding the rates, keeps rounding and the touching tolerance from accumulating.
         given.slide.iter_mut().zip(&self.stuck).for_each(|(slide, stuck)| *slide += stuck);
         let mut anew = NodalContact::zero(self.statuses.len());
         if self.equations.solve(&given, &mut anew)? {
@@ -329,7 +333,7 @@ impl<'a> ExactPath<'a> {
         Ok(None)
     }
 
-    /// Notes the largest forces and displacements of a state under what is `given`.
+    /// Records the largest force and displacement of a state under the `given` data.
     fn measure(&mut self, given: &Given) {
         let interference = given.gap.iter().fold(0.0_f64, |m, gap| m.max(-gap));
         let [force, length] = self.largest;
@@ -337,17 +341,17 @@ impl<'a> ExactPath<'a> {
             [force.max(self.at.force_scale(given)), length.max(self.at.largest_displacement()).max(interference)];
     }
 
-    /// The distance of a node from its obstacle.
+    /// Returns the distance of a node from its obstacle.
     fn distance(&self, i: usize) -> f64 {
         self.stretch.at.gap[i] + self.share * self.stretch.change.gap[i] - self.at.w_n[i]
     }
 
-    /// How far the friction of a node is from the border of its cone in the direction of `sign`.
+    /// Returns how far the friction of a node is from the border of its cone in the direction of `sign`.
     fn reserve(&self, i: usize, sign: f64) -> f64 {
         self.mu[i] * self.at.p_n[i] - sign * self.at.p_t[i]
     }
 
-    /// What the place of node `i` among the laws lets it do.
+    /// Returns the admissible statuses of node `i` at its present position among the laws.
     fn may(&self, i: usize) -> AdmissibleTransition {
         let [force, length] = self.largest;
         match self.statuses[i] {
@@ -367,7 +371,7 @@ impl<'a> ExactPath<'a> {
         }
     }
 
-    /// The status of node `i` with which to begin: that into which its last rates lead.
+    /// Guesses the initial status of node `i` from its last rates.
     fn guess(&self, i: usize, may: AdmissibleTransition) -> NodeStatus {
         let status = self.statuses[i];
         let slip = self.rate.w_t[i] - self.stretch.change.slide[i];
@@ -381,7 +385,7 @@ impl<'a> ExactPath<'a> {
         }
     }
 
-    /// How much of the stretch passes until a node comes to the border of a law, and which nodes do then.
+    /// Returns the share of the segment at which a node first reaches the border of a law, and which nodes do.
     fn reach(&self) -> (f64, Vec<bool>) {
         let ExactPath { rate, stretch, .. } = self;
         let force = rate.force_scale(&stretch.change);
@@ -406,7 +410,7 @@ impl<'a> ExactPath<'a> {
         (least, shares.iter().map(|share| *share <= least + NONE).collect())
     }
 
-    /// Goes on to `share` of the stretch; the work that friction dissipates on the way, J.
+    /// Advances to `share` of the segment. Returns the work that friction dissipates in the step, J.
     fn go(&mut self, share: f64) -> f64 {
         let (before, passed) = (self.at.p_t.clone(), share - self.share);
         self.at.add(passed, &self.rate);

@@ -1,4 +1,4 @@
-//! What all formulations of a problem share.
+//! The data that all formulations of a problem share.
 
 use std::sync::Arc;
 
@@ -9,9 +9,9 @@ use crate::algebra::sparse::Pattern;
 use crate::base::units::Scaling;
 use crate::solver::problem::ContactProblem;
 
-/// A problem in the units of a scaling, with the matrix on `(u, p_t, p_o, p_n)` set up: its pattern, its equilibrium rows
-/// and the places of all others. A formulation takes a clone, which shares all that never changes: with one pattern
-/// for all of them, one symbolic analysis serves BN, its rescue and an interior point method alike.
+/// A problem in the units of a scaling, with the matrix on `(u, p_t, p_o, p_n)`: its pattern, its equilibrium rows
+/// and the places of all others. A formulation takes a clone, which shares all constant data. Since all formulations
+/// have one pattern, one symbolic analysis serves BN, its fallback and an interior point method.
 #[derive(Clone)]
 pub struct Assembled {
     pub(super) data: ScaledData,
@@ -26,12 +26,12 @@ impl Assembled {
         Assembled { data, matrix }
     }
 
-    /// The layout of `(u, p_t, p_o, p_n)`.
+    /// Returns the layout of `(u, p_t, p_o, p_n)`.
     pub fn layout(&self) -> &Layout {
         &self.data.layout
     }
 
-    /// The union of the patterns of all cases of (21).
+    /// Returns the union of the patterns of all cases of (21).
     pub fn pattern(&self) -> &Arc<Pattern> {
         self.matrix.matrix().pattern()
     }

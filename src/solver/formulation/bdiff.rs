@@ -28,7 +28,7 @@ pub struct Bdiff {
     cases: Vec<Option<Case>>,
 }
 
-/// The normal case of a contact node, and the tangential one where it has a tangential unknown.
+/// The normal case of a contact node, and its tangential case if it has a tangential unknown.
 type Case = (NormalCase, Option<TangentialCase>);
 
 impl Bdiff {
@@ -37,36 +37,36 @@ impl Bdiff {
         Self::on(Assembled::new(problem, scaling), conventions)
     }
 
-    /// `H_N` of a problem that is set up already.
+    /// Creates `H_N` on an assembled problem.
     pub fn on(assembled: Assembled, conventions: &FormulationScaling) -> Self {
         let Assembled { data, matrix } = assembled;
         let cases = vec![None; data.layout.contacts()];
         Bdiff { rows: NaturalRows::new(conventions, &data.scaling), matrix, cases, data }
     }
 
-    /// The same problem for another formulation.
+    /// Returns the assembled problem for another formulation.
     pub fn assembled(&self) -> Assembled {
         let mut matrix = self.matrix.clone();
         matrix.release();
         Assembled { data: self.data.clone(), matrix }
     }
 
-    /// The layout of `z`.
+    /// Returns the layout of `z`.
     pub fn layout(&self) -> &Layout {
         &self.data.layout
     }
 
-    /// The units of `z`.
+    /// Returns the units of `z`.
     pub fn scaling(&self) -> &Scaling {
         &self.data.scaling
     }
 
-    /// `r` of the normal row of node `i`, scaled.
+    /// Returns `r` of the normal row of node `i`, scaled.
     pub fn r_n(&self, i: usize) -> f64 {
         self.rows.r_n[i]
     }
 
-    /// The cases of node `i` at `z`.
+    /// Returns the cases of node `i` at `z`.
     fn case(&self, i: usize, z: &[f64]) -> Case {
         let (data, r_n, r_t) = (&self.data, self.rows.r_n[i], self.rows.r_t[i]);
         let (p_n, w_n) = (z[data.layout.p_n(i)], data.w_n(i, z));
@@ -78,7 +78,7 @@ impl Bdiff {
         (normal_case(p_n, w_n, data.gap[i], r_n), tangential)
     }
 
-    /// The cases of node `i` just ahead of `z` along `dz`.
+    /// Returns the cases of node `i` at `z + t dz`, `t → 0+`.
     fn case_ahead(&self, i: usize, z: &[f64], dz: &[f64]) -> Case {
         let (data, r_n, r_t) = (&self.data, self.rows.r_n[i], self.rows.r_t[i]);
         let n = data.layout.p_n(i);
@@ -97,12 +97,13 @@ impl Bdiff {
         (normal_case_ahead(trial), tangential)
     }
 
-    /// A tangential case for the tangents that node `i` has.
+    /// Restricts a tangential case to the tangents of node `i`.
     fn of_tangents(&self, i: usize, case: TangentialCase) -> TangentialCase {
         if self.layout().slides_in_a_plane(i) { case } else { case.straight() }
     }
 
-    /// The contact rows of (19). The direction of a slip may be lost in the rounding of `z`, so a `rest` counts there.
+    /// Computes the contact rows of (19). The low-order part `rest` of `z` is used because a slip direction may be
+    /// lost in the rounding of `z`.
     fn contact_rows(&self, z: &[f64], rest: Option<&[f64]>, h: &mut [f64]) {
         let Bdiff { data, rows, .. } = self;
         for i in 0..data.layout.contacts() {
@@ -124,8 +125,8 @@ impl Bdiff {
         }
     }
 
-    /// Linearises for given cases of (21), one for each contact node, instead of those of a `z`. The
-    /// tangential case counts where there is a tangential unknown.
+    /// Linearises for given cases of (21), one for each contact node, instead of the cases at a `z`. The tangential
+    /// case applies only if there is a tangential unknown.
     pub fn set_cases(&mut self, cases: impl IntoIterator<Item = (NormalCase, TangentialCase)>) {
         self.matrix.release();
         for (i, (normal, tangential)) in (0..self.layout().contacts()).zip(cases) {
@@ -133,7 +134,7 @@ impl Bdiff {
         }
     }
 
-    /// Writes the rows of node `i` for its cases in (21); tells whether they changed.
+    /// Writes the rows of node `i` for its cases in (21). Returns `true` if they changed.
     fn write_rows(&mut self, i: usize, (normal, tangential): Case) -> bool {
         let kept = self.cases[i].is_some_and(|(last_normal, last)| {
             let like = match (&last, &tangential) {
@@ -167,7 +168,7 @@ impl Bdiff {
         true
     }
 
-    /// The length of `z`.
+    /// Returns the length of `z`.
     pub fn unknowns(&self) -> usize {
         self.layout().unknowns()
     }
@@ -175,13 +176,13 @@ impl Bdiff {
     /// Sets the data of a new increment.
     pub fn begin(&mut self, increment: &Increment<'_>) {
         if *self.data.mu != *increment.mu {
-            // The rows of slipping nodes have the old coefficient.
+            // The rows of slipping nodes contain the old coefficient.
             self.cases.fill(None);
         }
         self.data.begin(increment);
     }
 
-    /// `h = H_N(z)` (19).
+    /// Computes `h = H_N(z)` (19).
     pub fn residual(&self, z: &[f64], h: &mut [f64]) {
         let data = &self.data;
         // The equilibrium rows of the Jacobian are constant: K u + C_nᵀ p_n + C_tᵀ p_t + C_oᵀ p_o - f.
@@ -195,7 +196,8 @@ impl Bdiff {
         self.contact_rows(z, None, h);
     }
 
-    /// `h = H_N(z + rest)`, the linear rows in twice the working precision; `rest` is below the rounding of `z`.
+    /// Computes `h = H_N(z + rest)`, the linear rows in twice the working precision. `rest` is below the rounding of
+    /// `z`.
     pub fn residual_beyond(&self, z: &[f64], rest: &[f64], h: &mut [f64]) {
         let mut sums = vec![DoubleDouble::default(); h.len()];
         let n = self.layout().displacements();
@@ -212,32 +214,35 @@ impl Bdiff {
         self.contact_rows(z, Some(rest), h);
     }
 
-    /// `Theta` (10) of a residual, `½ Hᵀ H` with every row in its unit of [`FormulationScaling`], SI.
+    /// Returns `Theta` (10) of a residual, `½ Hᵀ H` with every row in its unit of [`FormulationScaling`], SI.
     pub fn merit(&self, h: &[f64]) -> f64 {
         self.rows.theta_of(&self.data, h)
     }
 
-    /// `t ↦ Theta(z + t dz)` along a Newton direction `dz` from `z` with `h = H(z)`. The equilibrium rows are linear and
-    /// `dz` solves them, so along it they shrink by `1 - t`: a trial step costs O(n_c). What springs carry counts as carried.
+    /// Returns `t ↦ Theta(z + t dz)` along a Newton direction `dz` from `z` with `h = H(z)`. The equilibrium rows are
+    /// linear and `dz` solves them, so they shrink by `1 - t`: a trial step costs O(n_c). Forces in pinning springs
+    /// count as balanced.
     pub fn merit_along<'a>(&'a self, z: &'a [f64], dz: &'a [f64], h: &[f64]) -> impl Fn(f64) -> f64 + 'a {
         let equilibrium = half_square(&h[..self.layout().displacements()]);
         move |t| self.rows.theta(&self.data, (1.0 - t).powi(2) * equilibrium, z, dz, t)
     }
 
-    /// Linearises at `z` (21), and ties what that leaves free: rewrites the values of [`Bdiff::jacobian`] that depend on it, and tells whether any of them
-    /// changed. Where slip can turn, its coefficients are kept while they are the same to eight digits.
+    /// Linearises at `z` (21) and pins unconstrained rigid modes. Rewrites the values of [`Bdiff::jacobian`] that
+    /// depend on `z`, and returns `true` if any of them changed. Where slip can turn, coefficients that agree to
+    /// eight digits are kept.
     pub fn linearize(&mut self, z: &[f64]) -> bool {
         self.write_cases(|this, i| this.case(i, z))
     }
 
-    /// Linearises at `z` as seen from `z + t dz`, `t → 0+`: where several cases meet in `z`, each node
-    /// takes the one that `dz` leads into. A `dz` that solves with it and is met by it again, unchanged,
-    /// is the direction of the B-derivative itself (20). Tells whether any case changed.
+    /// Linearises at `z` as seen from `z + t dz`, `t → 0+`: if several cases meet in `z`, each node takes the case
+    /// that `dz` leads into. If solving with this matrix gives the same `dz` again, `dz` is the direction of the
+    /// B-derivative (20). Returns `true` if any case changed.
     pub fn linearize_towards(&mut self, z: &[f64], dz: &[f64]) -> bool {
         self.write_cases(|this, i| this.case_ahead(i, z, dz))
     }
 
-    /// Writes the rows of every node for its case, and ties what they leave free; tells whether any changed.
+    /// Writes the rows of every node for its case and pins unconstrained rigid modes. Returns `true` if any row
+    /// changed.
     fn write_cases(&mut self, case: impl Fn(&Self, usize) -> Case) -> bool {
         let mut changed = false;
         for i in 0..self.layout().contacts() {
@@ -249,9 +254,9 @@ impl Bdiff {
         changed
     }
 
-    /// Turns a residual into the right-hand side of [`Bdiff::jacobian`], whose rows are those of the derivative up to row
-    /// operations. The slip rows of (21) have no `C_n du`. With the trial pressure the derivative has, `μ n r C_n du`,
-    /// and the normal row of the closed node, taken away `μ n` times, removes it.
+    /// Converts a residual into the right-hand side for [`Bdiff::jacobian`], whose rows are those of the derivative
+    /// up to row operations. The slip rows of (21) have no `C_n du`. The derivative with the trial pressure has the
+    /// term `μ n r C_n du`, and subtracting `μ n` times the normal row of the closed node removes it.
     pub fn right_hand_side(&self, h: &mut [f64]) {
         if self.rows.kind == Pressure::Unknown {
             return;
@@ -266,31 +271,31 @@ impl Bdiff {
         }
     }
 
-    /// The case of every contact node in the last linearisation, to be compared with others.
+    /// Returns a code for the case of every contact node in the last linearisation, for comparisons.
     pub fn cases(&self) -> Vec<u8> {
         let tangential = |case: &Option<TangentialCase>| match case {
             None => 0,
             Some(TangentialCase::NoPressure) => 1,
             Some(TangentialCase::Stick) => 2,
-            // In a plane, the quadrant.
+            // The quadrant, if slip is in a plane.
             Some(TangentialCase::Slip { direction: [t, o], .. }) => 3 + u8::from(*t > 0.0) + 2 * u8::from(*o > 0.0),
         };
         let cases = self.cases.iter().flatten();
         cases.flat_map(|(normal, case)| [u8::from(*normal == NormalCase::Closed), tangential(case)]).collect()
     }
 
-    /// Linearises as if every contact node were held where it is: closed, and sticking where there
-    /// is friction. With that matrix the other displacements follow a change of the load alone.
+    /// Linearises with every contact node clamped: closed, and sticking if there is friction. With this matrix the
+    /// other displacements follow a change of the load.
     pub fn hold_contacts(&mut self) {
         self.set_cases(vec![(NormalCase::Closed, TangentialCase::Stick); self.layout().contacts()]);
     }
 
-    /// The matrix of the last linearisation, with what ties motions that it leaves free. Its pattern never changes.
+    /// Returns the matrix of the last linearisation, including pinning springs. Its pattern never changes.
     pub fn jacobian(&self) -> &SystemMatrix {
         self.matrix.matrix()
     }
 
-    /// Whether `H` is affine, so that a single step solves it.
+    /// Returns `true` if `H` is affine, so that a single step solves it.
     pub fn is_affine(&self) -> bool {
         self.layout().contacts() == 0
     }

@@ -35,13 +35,13 @@ pub struct ConeSystem {
     natural: NaturalRows,
     matrix: MixedMatrix,
     pairs: Vec<Pair>,
-    /// For each contact node its pair `(s, λ)`.
+    /// The pair `(s, λ)` of each contact node with friction.
     friction: Vec<Option<Pair>>,
-    /// What each normal row was divided by, then the tangential ones: the largest coefficient.
+    /// The largest coefficient, by which each normal row and then each tangential row was divided.
     row_scale: Vec<[f64; 2]>,
 }
 
-/// A node with friction at a point.
+/// The values of a node with friction at a point.
 struct Node {
     mu: f64,
     /// `e = p_T / ρ`.
@@ -53,19 +53,19 @@ struct Node {
 }
 
 impl Node {
-    /// `1 + e²`; `μ` times that is by how much `s` grows with `p_n`.
+    /// Returns `1 + e²`; `s` grows with `p_n` at the rate `μ` times this.
     fn widening(&self) -> f64 {
         1.0 + dot(self.e, self.e)
     }
 }
 
 impl ConeSystem {
-    /// Sets up the equations of `problem`. The `conventions` are for [`InteriorPoint::theta`] alone.
+    /// Sets up the equations of `problem`. The `conventions` affect [`InteriorPoint::theta`] alone.
     pub fn new(problem: &ContactProblem, scaling: Scaling, conventions: &FormulationScaling) -> Self {
         Self::on(Assembled::new(problem, scaling), conventions)
     }
 
-    /// The equations of a problem that is set up already.
+    /// Creates the equations on an assembled problem.
     pub fn on(assembled: Assembled, conventions: &FormulationScaling) -> Self {
         let Assembled { data, matrix } = assembled;
         let (first, contacts) = (data.layout.unknowns(), data.layout.contacts());
@@ -92,7 +92,7 @@ impl ConeSystem {
         }
     }
 
-    /// Node `i` at `z`, if it has friction, and its pair `(s, λ)`.
+    /// Returns the values of node `i` at `z` and its pair `(s, λ)`, if it has friction.
     fn node(&self, i: usize, z: &[f64]) -> Option<(Node, Pair)> {
         let pair = self.friction[i]?;
         let (mu, s, lambda) = (self.data.mu[i], z[pair.force], z[pair.length]);
@@ -101,7 +101,7 @@ impl ConeSystem {
         Some((Node { mu, e, s, lambda, stiffness: lambda / radius }, pair))
     }
 
-    /// The entries of `b` at the `p_T` of node `i`; 0 where it has none.
+    /// Returns the entries of `b` at the `p_T` of node `i`, or 0 where it has none.
     fn tangential(&self, i: usize, b: &[f64]) -> [f64; 2] {
         self.data.friction(i, b)
     }
@@ -159,15 +159,15 @@ impl InteriorPoint for ConeSystem {
         self.natural.theta(&self.data, equilibrium, z, z, 0.0)
     }
 
-    /// With the right-hand sides `b_v` (gap row), `b_w` (slip rows), `b_s` (cone row), `b_pv` and `b_sλ`
-    /// (products), the rows of `v_n` and `s` give `dv_n = b_v - dw_n` and
+    /// Writes the reduced rows. With the right-hand sides `b_v` (gap row), `b_w` (slip rows), `b_s` (cone row),
+    /// `b_pv` and `b_sλ` (products), the rows of `v_n` and `s` give `dv_n = b_v - dw_n` and
     /// `ds = b_s + μ (1 + e²) dp_n - 2 e·dp_T`. In the products, and with `dλ` in the slip rows times `s`, they leave
     ///
     /// - `v_n dp_n - p_n dw_n = b_pv - p_n b_v`
     /// - `-s dw_T + (2 λ s / ρ) (dp_T - μ e dp_n) + 4 λ e (e·dp_T) - 2 λ μ (1 + e²) e dp_n
     ///   = s b_w - 2 e (b_sλ - λ b_s)`
     ///
-    /// where nothing is divided by what goes to zero but `p_T` and `λ s` by `ρ`, with which they go to zero.
+    /// Only `p_T` and `λ s` are divided by a quantity that goes to zero, `ρ`, and they go to zero with it.
     fn linearize(&mut self, z: &[f64]) {
         for i in 0..self.data.layout.contacts() {
             let (p_n, v_n) = (z[self.data.layout.p_n(i)], z[self.pairs[i].length]);
@@ -213,8 +213,8 @@ impl InteriorPoint for ConeSystem {
         }
     }
 
-    /// Of a normal pair, the member that is small gets its change from the product row, divided by the
-    /// large one: as a difference of large numbers most of its digits would be lost.
+    /// Recovers the other unknowns. The small member of a normal pair gets its change from the product row, divided
+    /// by the large member: as a difference of large numbers it would lose most of its digits.
     fn recover(&self, z: &[f64], b: &[f64], dz: &mut [f64]) {
         for i in 0..self.data.layout.contacts() {
             let (p_n, v_n) = (self.data.layout.p_n(i), self.pairs[i].length);
@@ -231,8 +231,8 @@ impl InteriorPoint for ConeSystem {
         self.data.unheld_motion()
     }
 
-    /// The same for all nodes, and without friction: what is left of the last solution's forces in the
-    /// scale alone. Too far inside costs an iteration or two, too near the border is a bad start.
+    /// Uses the same values for all nodes, without friction: the last solution's forces affect the scale only. A
+    /// start too far inside costs an iteration or two; one too near the border is a bad start.
     fn move_inside(&self, z: &mut [f64], force: f64, length: f64) {
         let layout = &self.data.layout;
         let last = (0..layout.contacts()).map(|i| z[layout.p_n(i)]).fold(0.0, f64::max);
@@ -243,8 +243,8 @@ impl InteriorPoint for ConeSystem {
             layout.tangential(i).into_iter().flatten().for_each(|k| z[k] = 0.0);
             if let Some(pair) = self.friction[i] {
                 let (mu, slip) = (self.data.mu[i], self.data.slip_beyond_reach(i, z, length));
-                // With |p_T| = e ρ along the slip and e / (1 - e²) = far, both equations of friction hold, and the product of the
-                // pair is what it is without slip.
+                // With |p_T| = e ρ along the slip and e / (1 - e²) = far, both equations of friction hold, and the
+                // product of the pair equals that without slip.
                 let far = 0.5 * mu * size(slip) / length;
                 let inside = 2.0 / (1.0 + 1.0_f64.hypot(2.0 * far));
                 for (k, n) in layout.tangential(i).into_iter().zip(direction(slip)) {
@@ -257,7 +257,7 @@ impl InteriorPoint for ConeSystem {
         }
     }
 
-    /// The slip rows are not linear where the cone row is: friction turns.
+    /// The slip rows are not linear on the faces of the cone, since friction turns.
     fn face_ahead(&self, _before: &[f64], _z: &[f64]) -> Option<Face> {
         None
     }

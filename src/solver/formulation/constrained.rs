@@ -1,9 +1,8 @@
-//! The constrained equation formulation: `H_I` (25) on `z = (u, p_t, p_n, v_n, s, λ)`, whose last
-//! four blocks stay positive, and the Newton systems that its products lead to.
+//! The constrained equation formulation: `H_I` (25) on `z = (u, p_t, p_n, v_n, s, λ)`, whose last four blocks stay
+//! positive, and the Newton systems with its products.
 //!
-//! Rows stand where the unknowns do: equilibrium at `u`, the slip row at `p_t`, the gap row at
-//! `p_n`, the cone rows at `s`, and the products at `v_n` and `λ`. Besides them, `L_n = [I; I]` and
-//! `L_t = [I; -I]`:
+//! Each row is at the place of an unknown: equilibrium at `u`, the slip row at `p_t`, the gap row at `p_n`, the cone
+//! rows at `s`, and the products at `v_n` and `λ`. Here `L_n = [I; I]` and `L_t = [I; -I]`:
 //!
 //! | place | row |
 //! | --- | --- |
@@ -38,7 +37,7 @@ use crate::solver::problem::{ContactProblem, Increment};
 use extended::Extended;
 use reduced::Reduced;
 
-/// Which equations stay positive, besides the unknowns.
+/// The equations that stay positive, besides the unknowns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Partition {
@@ -70,14 +69,14 @@ pub struct Constrained {
     data: ScaledData,
     natural: NaturalRows,
     layout: SlackLayout,
-    /// Complementary pairs of unknowns, and the place of their product.
+    /// The complementary pairs of unknowns, with the place of their product.
     pairs: Vec<Pair>,
     partition: Partition,
     system: NewtonMatrices,
 }
 
 impl Constrained {
-    /// Sets up `H_I` of `problem`. The `conventions` are for [`Constrained::theta`] alone.
+    /// Sets up `H_I` of `problem`. The `conventions` affect [`Constrained::theta`] alone.
     pub fn new(
         problem: &ContactProblem,
         scaling: Scaling,
@@ -95,7 +94,7 @@ impl Constrained {
         }
     }
 
-    /// `H_I`, in the reduced Newton system, of a problem that is set up already.
+    /// Creates `H_I`, in the reduced Newton system, on an assembled problem.
     pub fn on(assembled: Assembled, conventions: &FormulationScaling, partition: Partition) -> Self {
         let Assembled { data, matrix } = assembled;
         let system = NewtonMatrices::Reduced(Reduced::new(matrix, data.layout.contacts()));
@@ -108,27 +107,27 @@ impl Constrained {
         Constrained { natural: NaturalRows::new(conventions, &data.scaling), data, layout, pairs, partition, system }
     }
 
-    /// The layout of `z`.
+    /// Returns the layout of `z`.
     pub fn layout(&self) -> &SlackLayout {
         &self.layout
     }
 
-    /// `μ` of every contact node.
+    /// Returns `μ` of every contact node.
     pub fn mu(&self) -> &[f64] {
         &self.data.mu
     }
 
-    /// n_2, the number of rows of `G`.
+    /// Returns n_2, the number of rows of `G`.
     pub fn n_2(&self) -> usize {
         self.pairs.len() + self.positive_cone_rows().len()
     }
 
-    /// The places of the rows of `G`.
+    /// Returns the places of the rows of `G`.
     pub fn g_rows(&self) -> impl Iterator<Item = usize> + '_ {
         self.pairs.iter().map(|pair| pair.length).chain(self.positive_cone_rows())
     }
 
-    /// The cone rows in `G`: all with (26)–(28), none with (29)–(31).
+    /// Returns the places of the cone rows in `G`: all with (26)–(28), none with (29)–(31).
     fn positive_cone_rows(&self) -> Range<usize> {
         match self.partition {
             Partition::Products => 0..0,
@@ -136,14 +135,13 @@ impl Constrained {
         }
     }
 
-    /// `β = eᵀG / n_2` of a residual.
+    /// Returns `β = eᵀG / n_2` of a residual.
     pub fn beta(&self, h: &[f64]) -> f64 {
         self.g_rows().map(|k| h[k]).sum::<f64>() / self.n_2() as f64
     }
 
-    /// `t ↦ ψ(z + t dz)` (13), with `h = H_I(z)` and a direction `dz` that solves (14) with
-    /// `centring = σ β`. The rows of `F` are linear and `dz` solves them, so along it they shrink by
-    /// `1 - t`.
+    /// Returns `t ↦ ψ(z + t dz)` (13), with `h = H_I(z)` and a direction `dz` that solves (14) with `centring = σ β`.
+    /// The rows of `F` are linear and `dz` solves them, so they shrink by `1 - t`.
     pub fn potential_along<'a>(
         &'a self,
         zeta: f64,
@@ -167,8 +165,8 @@ impl Constrained {
         }
     }
 
-    /// `δ`, the largest step for which `z + δ dz` is in the closure of `Ω₊₊`; infinite if there is
-    /// no largest. `h` is the residual at `z`, and `centring` what the rows of `G` go to.
+    /// Returns `δ`, the largest step for which `z + δ dz` is in the closure of `Ω₊₊`; infinite if there is no
+    /// largest. `h` is the residual at `z`, and `centring` the target of the rows of `G`.
     pub fn largest_step(&self, z: &[f64], dz: &[f64], h: &[f64], centring: f64) -> f64 {
         let cone = self.positive_cone_rows().map(|k| reach(h[k], centring - h[k]));
         least(cone.chain([largest_step(&self.pairs, z, dz)]))
@@ -260,7 +258,7 @@ impl InteriorPoint for Constrained {
         self.data.unheld_motion()
     }
 
-    /// As far from the last solution as the scales say.
+    /// Chooses the distance from the last solution by the scales.
     fn move_inside(&self, z: &mut [f64], force: f64, length: f64) {
         let layout = &self.layout;
         for i in 0..self.data.layout.contacts() {
@@ -284,8 +282,8 @@ impl InteriorPoint for Constrained {
     }
 }
 
-/// The pair with the product `force · length` nearest to a force `x` and a length `y` of which one
-/// is about zero: the positive root of `a - 1/a = x/force - y/length`.
+/// Returns the pair with the product `force · length` nearest to a force `x` and a length `y` of which one is about
+/// zero: the positive root of `a - 1/a = x/force - y/length`.
 fn central_pair(x: f64, force: f64, y: f64, length: f64) -> (f64, f64) {
     let q = x / force - y / length;
     // The larger of a and 1/a, without cancellation.

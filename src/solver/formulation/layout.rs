@@ -1,21 +1,21 @@
-//! Which unknowns a problem has, and where they stand in `z = (u, p_t, p_o, p_n)`.
+//! The unknowns of a problem and their places in `z = (u, p_t, p_o, p_n)`.
 
 use crate::base::units::Scaling;
 use crate::solver::problem::error::expect_length;
 use crate::solver::problem::{ContactProblem, ProblemError, State};
 
-/// The layout of `z = (u, p_t, p_o, p_n)`. A contact node has a `p_t` only where there is friction and
-/// freedom along that tangent, and likewise a `p_o`: two, one or no tangential unknowns.
+/// The layout of `z = (u, p_t, p_o, p_n)`. A contact node has a `p_t` only if there is friction and freedom along
+/// that tangent, and likewise a `p_o`: two, one or no tangential unknowns.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Layout {
     displacements: usize,
-    /// For each contact node the places of its `p_t` and `p_o` in `z`, if it has them.
+    /// The places of `p_t` and `p_o` of each contact node in `z`, if it has them.
     tangential: Vec<[Option<usize>; 2]>,
     first_normal: usize,
 }
 
 impl Layout {
-    /// The layout that `problem` needs.
+    /// Creates the layout of `problem`.
     pub fn new(problem: &ContactProblem) -> Self {
         let displacements = problem.displacements();
         let mut next = displacements;
@@ -31,65 +31,65 @@ impl Layout {
         Layout { displacements, tangential, first_normal: next }
     }
 
-    /// The length of `z`.
+    /// Returns the length of `z`.
     pub fn unknowns(&self) -> usize {
         self.first_normal + self.contacts()
     }
 
-    /// n_u, the number of displacements.
+    /// Returns the number of displacements, n_u.
     pub fn displacements(&self) -> usize {
         self.displacements
     }
 
-    /// n_c, the number of contact nodes and of normal unknowns.
+    /// Returns the number of contact nodes and of normal unknowns, n_c.
     pub fn contacts(&self) -> usize {
         self.tangential.len()
     }
 
-    /// The number of tangential unknowns, `p_t` and `p_o`.
+    /// Returns the number of tangential unknowns, `p_t` and `p_o`.
     pub fn tangentials(&self) -> usize {
         self.first_normal - self.displacements
     }
 
-    /// The place of `p_t` of contact node `i`, if it has one.
+    /// Returns the place of `p_t` of contact node `i`, if it has one.
     pub fn p_t(&self, i: usize) -> Option<usize> {
         self.tangential(i)[0]
     }
 
-    /// The place of `p_o` of contact node `i`, if it has one.
+    /// Returns the place of `p_o` of contact node `i`, if it has one.
     pub fn p_o(&self, i: usize) -> Option<usize> {
         self.tangential(i)[1]
     }
 
-    /// The places of `(p_t, p_o)` of contact node `i`; there are none beyond the last.
+    /// Returns the places of `(p_t, p_o)` of contact node `i`; none for indices beyond the last node.
     pub fn tangential(&self, i: usize) -> [Option<usize>; 2] {
         self.tangential.get(i).copied().unwrap_or_default()
     }
 
-    /// Whether contact node `i` has a tangential unknown.
+    /// Returns `true` if contact node `i` has a tangential unknown.
     pub fn has_friction(&self, i: usize) -> bool {
         self.tangential(i) != [None; 2]
     }
 
-    /// Whether any contact node has a `p_o`, so that friction may turn.
+    /// Returns `true` if any contact node has a `p_o`, so that friction may turn.
     pub fn has_second_tangent(&self) -> bool {
         self.tangential.iter().any(|[_, p_o]| p_o.is_some())
     }
 
-    /// Whether contact node `i` can slide in more than one direction.
+    /// Returns `true` if contact node `i` can slide in more than one direction.
     pub fn slides_in_a_plane(&self, i: usize) -> bool {
         self.tangential(i).iter().all(Option::is_some)
     }
 
-    /// The place of `p_n` of contact node `i`.
+    /// Returns the place of `p_n` of contact node `i`.
     pub fn p_n(&self, i: usize) -> usize {
         self.first_normal + i
     }
 
-    /// `z` of a state, in the units of `scaling`.
+    /// Converts a state to `z`, in the units of `scaling`.
     ///
     /// # Errors
-    /// When an array of `state` has another length than the layout asks for.
+    /// If an array of `state` has another length than the layout needs.
     pub fn pack(&self, state: &State, scaling: &Scaling) -> Result<Vec<f64>, ProblemError> {
         expect_length("u", self.displacements, state.u.len(), "one for each displacement")?;
         for (array, values) in [("p_t", &state.p_t), ("p_o", &state.p_o), ("p_n", &state.p_n)] {
@@ -98,7 +98,7 @@ impl Layout {
         Ok(self.packed(state, scaling))
     }
 
-    /// [`Layout::pack`] of a state that fits.
+    /// Computes [`Layout::pack`] of a state of the right size.
     pub(crate) fn packed(&self, state: &State, scaling: &Scaling) -> Vec<f64> {
         let mut z = vec![0.0; self.unknowns()];
         for (to, from) in z.iter_mut().zip(&state.u) {
@@ -115,7 +115,7 @@ impl Layout {
         z
     }
 
-    /// The state of `z + rest`, where `rest` is below the rounding of `z`, or 0 throughout.
+    /// Returns the state of `z + rest`, where `rest` is below the rounding of `z`, or all 0.
     pub(crate) fn unpacked_with(&self, z: &[f64], rest: &[f64], scaling: &Scaling) -> State {
         let mut state = self.unpacked(z, scaling);
         if rest.iter().any(|rest| *rest != 0.0) {
@@ -124,16 +124,16 @@ impl Layout {
         state
     }
 
-    /// The state of a `z` that begins with this layout; the inverse of [`Layout::pack`].
+    /// Converts a `z` that begins with this layout to a state; the inverse of [`Layout::pack`].
     ///
     /// # Errors
-    /// When `z` has fewer entries than the layout asks for.
+    /// If `z` has fewer entries than the layout needs.
     pub fn unpack(&self, z: &[f64], scaling: &Scaling) -> Result<State, ProblemError> {
         expect_length("z", self.unknowns(), z.len().min(self.unknowns()), "at least, one for each unknown")?;
         Ok(self.unpacked(z, scaling))
     }
 
-    /// [`Layout::unpack`] of a `z` that is long enough.
+    /// Computes [`Layout::unpack`] of a `z` that is long enough.
     pub(crate) fn unpacked(&self, z: &[f64], scaling: &Scaling) -> State {
         let tangential = |direction: usize| {
             let places = self.tangential.iter().map(|places| places[direction]);

@@ -1,5 +1,5 @@
-//! The matrix on `(u, p_t, p_o, p_n)` that both methods factor: equilibrium rows that never change, and
-//! per contact node a normal row and a row for each tangential unknown, whose coefficients do.
+//! The matrix on `(u, p_t, p_o, p_n)` that both methods factor: constant equilibrium rows, and for each contact node
+//! a normal row and a row for each tangential unknown, with variable coefficients.
 
 use std::sync::Arc;
 
@@ -16,34 +16,34 @@ pub(super) struct MixedMatrix {
     springs: Vec<Spring>,
 }
 
-/// What ties a displacement to where it is.
+/// A spring that pins a displacement.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Spring {
-    /// The displacement.
+    /// The index of the displacement.
     pub place: usize,
-    /// As much as there is in `K`, so that nothing is rounded as it comes and goes.
+    /// The stiffness, equal to the entry of `K`, so that adding and removing it causes no rounding.
     pub stiffness: f64,
 }
 
-/// Where the values of one contact node's rows are stored.
+/// The places of the values of one contact node's rows.
 struct Slots {
     /// `∂(normal row)/∂u`: slot and coefficient of `C_n`.
     normal_u: Vec<(usize, f64)>,
     normal_p_n: usize,
-    /// Of the rows at `p_t` and at `p_o`.
+    /// The slots of the rows at `p_t` and at `p_o`.
     tangential: [Option<TangentialSlots>; 2],
 }
 
 struct TangentialSlots {
     /// `∂(tangential row)/∂u`: slot and coefficients of `C_t` and `C_o`.
     u: Vec<(usize, [f64; 2])>,
-    /// Of `p_t` and `p_o`, where the node has them.
+    /// The slots of `p_t` and `p_o`, if the node has them.
     p: [Option<usize>; 2],
     p_n: usize,
 }
 
-/// The coefficients of a tangential row: those of `(C_t du, C_o du)`, of `(dp_t, dp_o)` and of `dp_n`.
-/// Those of an unknown that the node does not have are ignored.
+/// The coefficients of a tangential row: those of `(C_t du, C_o du)`, of `(dp_t, dp_o)` and of `dp_n`. Coefficients
+/// of unknowns that the node does not have are ignored.
 pub(super) struct TangentialRow {
     pub w: [f64; 2],
     pub p: [f64; 2],
@@ -76,7 +76,8 @@ impl MixedMatrix {
         MixedMatrix { matrix, slots, springs: Vec::new() }
     }
 
-    /// Ties the displacements at `places` by springs as stiff as their entries of `K`, or by a unit where that is 0.
+    /// Pins the displacements at `places` by springs as stiff as their entries of `K`, or of unit stiffness if an
+    /// entry is 0.
     pub(super) fn tie(&mut self, places: impl Iterator<Item = usize>) {
         for place in places {
             if let Some(slot) = self.matrix.pattern().slot(place, place) {
@@ -88,7 +89,7 @@ impl MixedMatrix {
         }
     }
 
-    /// Takes all springs away.
+    /// Removes all springs.
     pub(super) fn release(&mut self) {
         for Spring { place, stiffness } in std::mem::take(&mut self.springs) {
             let slot = slot(self.matrix.pattern(), place, place);
@@ -96,7 +97,7 @@ impl MixedMatrix {
         }
     }
 
-    /// The springs in the equilibrium rows.
+    /// Returns the springs in the equilibrium rows.
     pub(super) fn springs(&self) -> &[Spring] {
         &self.springs
     }
@@ -112,7 +113,7 @@ impl MixedMatrix {
         values[slots.normal_p_n] = by_p_n;
     }
 
-    /// Writes the row of node `i` at its `p_t` (0) or `p_o` (1), if it has that.
+    /// Writes the row of node `i` at its `p_t` (0) or `p_o` (1), if it has that unknown.
     pub(super) fn set_tangential(&mut self, i: usize, direction: usize, row: &TangentialRow) {
         let (values, slots) = (self.matrix.rest_mut().values_mut(), &self.slots[i]);
         if let Some(slots) = &slots.tangential[direction] {
@@ -128,13 +129,12 @@ impl MixedMatrix {
     }
 }
 
-/// The slot of an entry that `pattern` was made with.
+/// Returns the slot of an entry of `pattern`.
 pub(super) fn slot(pattern: &Pattern, row: usize, column: usize) -> usize {
     pattern.slot(row, column).expect("the pattern holds every entry it was made with")
 }
 
-/// The displacements that the tangential unknowns of node `i` belong to, with their coefficients in `C_t`
-/// and `C_o`.
+/// Returns the displacements of the tangential unknowns of node `i`, with their coefficients in `C_t` and `C_o`.
 fn sliding(problem: &ContactProblem, layout: &Layout, i: usize) -> Vec<(usize, [f64; 2])> {
     let mut columns = Vec::<(usize, [f64; 2])>::new();
     for (direction, map) in problem.tangential_maps().into_iter().enumerate() {
@@ -149,13 +149,13 @@ fn sliding(problem: &ContactProblem, layout: &Layout, i: usize) -> Vec<(usize, [
     columns
 }
 
-/// The matrix with these entries, all of them 0 so far, and with `K` if that is dense or shared.
+/// Creates the matrix with these entries, all 0, and with `K` if it is dense or shared.
 pub(super) fn matrix_with(entries: Pattern, problem: &ContactProblem, scaling: &Scaling) -> SystemMatrix {
     SystemMatrix::of(problem.stiffness(), 1.0 / scaling.stiffness(), entries)
 }
 
-/// Names the entries of the equilibrium rows, `K`, `C_nᵀ`, `C_tᵀ` and `C_oᵀ`; of a dense or shared `K` the diagonal, to which springs
-/// are added.
+/// Passes the entries of the equilibrium rows, `K`, `C_nᵀ`, `C_tᵀ` and `C_oᵀ`, to `take`. Of a dense or shared `K` it
+/// passes the diagonal, to which springs are added.
 pub(super) fn take_equilibrium(problem: &ContactProblem, layout: &Layout, take: &mut dyn FnMut(usize, usize)) {
     let stiffness = problem.stiffness();
     if stiffness.dense().is_some() || stiffness.shared().is_some() {
@@ -183,7 +183,7 @@ pub(super) fn write_equilibrium(
     let stands_beside = matrix.has_leading();
     let (pattern, values) = matrix.rest_mut().parts_mut();
     if !stands_beside {
-        // The rows of each column come in ascending order, and those of K are the first: no search.
+        // No search is needed: the rows of each column are ascending, and those of K come first.
         let mut next: Vec<usize> = pattern.column_starts().iter().map(|&start| start as usize).collect();
         for (row, column, value) in problem.stiffness().entries() {
             debug_assert_eq!(pattern.row_indices()[next[column]], row as i64);
@@ -203,8 +203,8 @@ pub(super) fn write_equilibrium(
     }
 }
 
-/// The union of the patterns of all cases of (21), which is also that of (25) once its slacks and
-/// multipliers are eliminated: what a case does not use holds an explicit zero.
+/// Returns the union of the patterns of all cases of (21), which is also that of (25) after elimination of its slacks
+/// and multipliers. Entries that a case does not use are explicit zeros.
 fn union_pattern(problem: &ContactProblem, layout: &Layout) -> Pattern {
     let n = layout.unknowns();
     Pattern::of(n, n, |take| {

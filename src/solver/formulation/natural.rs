@@ -1,4 +1,4 @@
-//! The contact rows of `H_N` (19) and the merit `Theta` (10), by which every method is stopped.
+//! The contact rows of `H_N` (19) and the merit `Theta` (10), which is part of every method's stopping test.
 
 use super::Layout;
 use super::scaled::ScaledData;
@@ -6,17 +6,17 @@ use crate::base::units::Scaling;
 use crate::solver::laws::coulomb::{normal_residual, tangential_residual};
 use crate::solver::problem::ContactProblem;
 
-/// The free choices of `H_N` and `Theta`: `r`, the pressure that limits friction, and the units in
-/// which `Theta` adds its rows.
+/// The free choices of `H_N` and `Theta`: `r`, the pressure that limits friction, and the units in which `Theta` adds
+/// its rows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FormulationScaling {
     /// `r` of the normal rows, n_c, N/m.
     pub r_n: Vec<f64>,
     /// `r` of the tangential rows, n_c, N/m; the paper has one `r_i` for both.
     pub r_t: Vec<f64>,
-    /// The pressure that friction is limited by.
+    /// The choice of the pressure that limits friction.
     pub pressure: Pressure,
-    /// What a normal or tangential row, in N, is divided by before it enters `Theta`, n_c.
+    /// The unit by which a normal or tangential row, in N, is divided in `Theta`, n_c.
     pub row_unit: Vec<f64>,
 }
 
@@ -25,36 +25,37 @@ pub struct FormulationScaling {
 pub enum Pressure {
     /// `p_n`, as in (19).
     Unknown,
-    /// `p_n + r_n (w_n - g)`, as Alart and Curnier (1991) have it: a node that closes has friction at
-    /// once, one that opens loses it at once.
+    /// `p_n + r_n (w_n - g)`, as in Alart and Curnier (1991): a closing node has friction at once, an opening node
+    /// loses it at once.
     Trial,
 }
 
-/// `r_n` and `r_t` in terms of [`ContactProblem::contact_stiffness`]. Iterations an increment with both 0.1, 0.15, 0.2 and
-/// 0.3: on the paper's block (5² to 50² elements, 2 to 100 increments) 2.40, 2.35, 2.43 and 2.52, on the punch 4.55 and
-/// then 4.45 each, with Cattaneo and Mindlin 5.17, 5.67, 6.00 and 5.67; 0.7 takes 2.83 on the block. Twice the `r_t` gains
-/// nothing here.
+/// `r_n` and `r_t` as shares of [`ContactProblem::contact_stiffness`]. Iterations per increment with both 0.1, 0.15,
+/// 0.2 and 0.3: on the paper's block (5² to 50² elements, 2 to 100 increments) 2.40, 2.35, 2.43 and 2.52, on the
+/// punch 4.55 and then 4.45 each, for the problem of Cattaneo and Mindlin 5.17, 5.67, 6.00 and 5.67; 0.7 takes 2.83
+/// on the block. Doubling `r_t` gains nothing here.
 const SHARES_ALONG_A_LINE: [f64; 2] = [0.15, 0.15];
 
-/// The same where a node slides in a plane. On cubes of 4³, 6³, 10³ and 16³ elements 3.97, 4.16, 4.66 and 5.16; with 0.7
-/// for both 3.99, 4.23, 4.74 and 5.31, with 0.35 and 1.05 4.02, 4.23 and 4.70 up to 10³, with 0.7 and 1.4 3.99, 4.20 and 4.82.
+/// `r_n` and `r_t` as such shares if a node slides in a plane. On cubes of 4³, 6³, 10³ and 16³ elements 3.97, 4.16,
+/// 4.66 and 5.16; with 0.7 for both 3.99, 4.23, 4.74 and 5.31, with 0.35 and 1.05 4.02, 4.23 and 4.70 up to 10³, with
+/// 0.7 and 1.4 3.99, 4.20 and 4.82.
 const SHARES_IN_A_PLANE: [f64; 2] = [0.5, 1.0];
 
 impl FormulationScaling {
-    /// The paper's: `r_i = 10¹² l_i`, and contact rows as stresses (Pa) beside equilibrium rows as
-    /// forces (N). `weight` are the `l_i`, n_c.
+    /// Returns the choices of the paper: `r_i = 10¹² l_i`, and contact rows as stresses (Pa) beside equilibrium rows
+    /// as forces (N). `weight` are the `l_i`, n_c.
     pub fn paper(weight: &[f64]) -> Self {
         let r: Vec<f64> = weight.iter().map(|l| 1e12 * l).collect();
         FormulationScaling { r_n: r.clone(), r_t: r, pressure: Pressure::Unknown, row_unit: weight.to_vec() }
     }
 
-    /// Those that the problem itself gives, by its [`ContactProblem::contact_stiffness`].
+    /// Returns choices derived from the problem, by its [`ContactProblem::contact_stiffness`].
     pub fn natural(problem: &ContactProblem) -> Self {
         FormulationScaling::of_stiffness(problem, &problem.contact_stiffness())
     }
 
-    /// `r` from the stiffness of the contact nodes (n_c, N/m), friction limited by the trial pressure,
-    /// and every row a force.
+    /// Returns choices with `r` from the stiffness of the contact nodes (n_c, N/m), friction limited by the trial
+    /// pressure, and every row a force.
     pub fn of_stiffness(problem: &ContactProblem, contact_stiffness: &[f64]) -> Self {
         let layout = Layout::new(problem);
         let shares = |i| if layout.slides_in_a_plane(i) { SHARES_IN_A_PLANE } else { SHARES_ALONG_A_LINE };
@@ -67,7 +68,7 @@ impl FormulationScaling {
         }
     }
 
-    /// Multiplies every `r` by `factor`, for studies of `r` alone: no solution depends on it.
+    /// Multiplies every `r` by `factor`, for studies of `r` alone: solutions do not depend on `r`.
     pub fn scale_r(&mut self, factor: f64) {
         self.r_n.iter_mut().chain(&mut self.r_t).for_each(|r| *r *= factor);
     }
@@ -79,7 +80,7 @@ pub(super) struct NaturalRows {
     pub r_n: Vec<f64>,
     /// `r` of the tangential rows, scaled.
     pub r_t: Vec<f64>,
-    /// Per contact node, in the unit of force: what its rows are divided by in `Theta`.
+    /// The divisor of each contact node's rows in `Theta`, in the unit of force.
     row_unit: Vec<f64>,
     pub kind: Pressure,
 }
@@ -95,12 +96,12 @@ impl NaturalRows {
         }
     }
 
-    /// `-min(p_n, r_n (g - w_n))` of node `i`.
+    /// Returns `-min(p_n, r_n (g - w_n))` of node `i`.
     pub(super) fn normal(&self, data: &ScaledData, i: usize, p_n: f64, w_n: f64) -> f64 {
         normal_residual(p_n, w_n, data.gap[i], self.r_n[i])
     }
 
-    /// `-p_T + Π(p_T + r_t (w_T - w̄_T))` of node `i` with the `pressure` that limits friction.
+    /// Returns `-p_T + Π(p_T + r_t (w_T - w̄_T))` of node `i` with the `pressure` that limits friction.
     pub(super) fn tangential(
         &self,
         data: &ScaledData,
@@ -112,7 +113,7 @@ impl NaturalRows {
         tangential_residual(p, pressure, slip, data.mu[i], self.r_t[i])
     }
 
-    /// The pressure that limits friction at node `i`.
+    /// Returns the pressure that limits friction at node `i`.
     pub(super) fn pressure(&self, data: &ScaledData, i: usize, p_n: f64, w_n: f64) -> f64 {
         match self.kind {
             Pressure::Unknown => p_n,
@@ -120,8 +121,8 @@ impl NaturalRows {
         }
     }
 
-    /// `Theta` (N², the rows in their units of [`FormulationScaling`]) at `z + t dz`, where the equilibrium
-    /// rows are `equilibrium`.
+    /// Returns `Theta` (N², the rows in their units of [`FormulationScaling`]) at `z + t dz`, where `equilibrium` is
+    /// the contribution of the equilibrium rows.
     pub(super) fn theta(&self, data: &ScaledData, equilibrium: f64, z: &[f64], dz: &[f64], t: f64) -> f64 {
         let layout = &data.layout;
         let mut contact = 0.0;
@@ -143,7 +144,7 @@ impl NaturalRows {
         (equilibrium + 0.5 * contact) * data.scaling.force.powi(2)
     }
 
-    /// `Theta` of a residual `h` of `H_N`.
+    /// Returns `Theta` of a residual `h` of `H_N`.
     pub(super) fn theta_of(&self, data: &ScaledData, h: &[f64]) -> f64 {
         let layout = &data.layout;
         let mut contact = 0.0;
@@ -155,7 +156,7 @@ impl NaturalRows {
     }
 }
 
-/// `½ |x|²`.
+/// Returns `½ |x|²`.
 pub(super) fn half_square(x: &[f64]) -> f64 {
     0.5 * x.iter().map(|x| x * x).sum::<f64>()
 }

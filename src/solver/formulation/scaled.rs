@@ -1,4 +1,4 @@
-//! A problem and the data of its increment in the units of a scaling: what every formulation reads.
+//! The problem and the data of its increment in the units of a scaling, for all formulations.
 
 use std::sync::Arc;
 
@@ -59,46 +59,46 @@ impl ScaledData {
         }
     }
 
-    /// `w_n` of node `i`; `z` begins with `u`.
+    /// Returns `w_n` of node `i`; `z` begins with `u`.
     pub(super) fn w_n(&self, i: usize, z: &[f64]) -> f64 {
         self.c_n.dot(i, z)
     }
 
-    /// `w_t` of node `i`.
+    /// Returns `w_t` of node `i`.
     pub(super) fn w_t(&self, i: usize, z: &[f64]) -> f64 {
         self.c_t.dot(i, z)
     }
 
-    /// `w_T = (w_t, w_o)` of node `i`.
+    /// Returns `w_T = (w_t, w_o)` of node `i`.
     pub(super) fn tangential(&self, i: usize, z: &[f64]) -> [f64; 2] {
         [self.c_t.dot(i, z), self.c_o.dot(i, z)]
     }
 
-    /// The slip increment `w_T - w̄_T` of node `i` when it has come to `w_T`.
+    /// Returns the slip increment `w_T - w̄_T` of node `i` for a given `w_T`.
     pub(super) fn slip(&self, i: usize, [w_t, w_o]: [f64; 2]) -> [f64; 2] {
         [w_t - self.w_t_last[i], w_o - self.w_o_last[i]]
     }
 
-    /// The slip increment of node `i` at `z + rest`, where `rest` is below the rounding of `z`.
+    /// Returns the slip increment of node `i` at `z + rest`, where `rest` is below the rounding of `z`.
     pub(super) fn slip_beyond(&self, i: usize, z: &[f64], rest: &[f64]) -> [f64; 2] {
         [self.c_t.difference(i, z, rest, self.w_t_last[i]), self.c_o.difference(i, z, rest, self.w_o_last[i])]
     }
 
-    /// The slip increment of node `i` at `z` beyond what the load deforms the body by, its `reach`: what a body has slid that
-    /// was carried along, or an obstacle that moves.
+    /// Returns the part of the slip increment of node `i` at `z` beyond `reach`, the deformation due to the load: the
+    /// slip of a body with a rigid offset, or due to a moving obstacle.
     pub(super) fn slip_beyond_reach(&self, i: usize, z: &[f64], reach: f64) -> [f64; 2] {
         let slip = self.slip(i, self.tangential(i, z));
         let size = length(slip);
         if size > reach { slip.map(|w| w * (1.0 - reach / size)) } else { [0.0; 2] }
     }
 
-    /// `p_T = (p_t, p_o)` of node `i`; a component it does not have is 0.
+    /// Returns `p_T = (p_t, p_o)` of node `i`; missing components are 0.
     pub(super) fn friction(&self, i: usize, z: &[f64]) -> [f64; 2] {
         self.layout.tangential(i).map(|k| k.map_or(0.0, |k| z[k]))
     }
 
-    /// Weights of a combination of the free motions that no contact node stops, were they all closed
-    /// and sticking.
+    /// Returns the weights of a combination of the rigid modes that would be unconstrained even if all contact nodes
+    /// were closed and sticking.
     pub(super) fn unheld_motion(&self) -> Option<Vec<f64>> {
         let ScaledData { layout, c_n, c_t, c_o, rigid_modes, .. } = self;
         let [c_n, c_t, c_o] = [c_n, c_t, c_o].map(|map| &**map);
@@ -111,7 +111,7 @@ impl ScaledData {
         null_space(rigid_modes.len(), normal.chain(tangential).map(row)).into_iter().next()
     }
 
-    /// The displacements that contact forces act on, ascending.
+    /// Returns the displacements on which contact forces act, ascending.
     pub(super) fn contact_displacements(&self) -> Vec<usize> {
         let ScaledData { layout, c_n, c_t, c_o, .. } = self;
         let mut places: Vec<usize> = (0..layout.contacts())
@@ -127,7 +127,7 @@ impl ScaledData {
         places
     }
 
-    /// The sum of the free motions with these `weights`, followed by zeros up to `length`.
+    /// Returns the sum of the rigid modes with these `weights`, followed by zeros up to `length`.
     pub(super) fn motion(&self, weights: &[f64], length: usize) -> Vec<f64> {
         let mut sum = vec![0.0; length];
         for (motion, weight) in self.rigid_modes.iter().zip(weights) {

@@ -1,4 +1,4 @@
-//! The methods by name: the one place that knows them all.
+//! The algorithms by name: the only place that lists all of them.
 
 use super::bn::BnMethod;
 use super::ip::IpMethod;
@@ -11,8 +11,8 @@ use crate::solver::formulation::{FormulationScaling, Layout, NewtonSystem};
 use crate::solver::loading::Loading;
 use crate::solver::problem::ContactProblem;
 
-/// After so many iterations BN leaves an increment to the interior point method: more than any
-/// increment of the tests takes that it solves at all.
+/// The number of iterations after which BN leaves an increment to the interior point method. Every test increment
+/// that BN solves takes fewer.
 const BN_PATIENCE: usize = 40;
 
 impl Algorithm for HistorySettings {
@@ -22,7 +22,7 @@ impl Algorithm for HistorySettings {
                 let bn = BnMethod::measured(problem, loading, self, self.max_iterations.min(BN_PATIENCE));
                 if rescue { Box::new(Rescued::new(problem, bn, self)) } else { Box::new(bn) }
             }
-            // Only where the path jumps.
+            // Increments are solved only where the path jumps.
             Method::Events { .. } => {
                 Box::new(Rescued::new(problem, BnMethod::measured(problem, loading, self, BN_PATIENCE), self))
             }
@@ -49,7 +49,8 @@ impl Algorithm for HistorySettings {
         }))
     }
 
-    /// The paper's interior point method, and the extended Newton system, have one tangent at every node.
+    /// Returns `true` if the method supports this layout. The paper's interior point method and the extended Newton
+    /// system have one tangent at every node.
     fn knows(&self, layout: &Layout) -> bool {
         !layout.has_second_tangent()
             || match self.method {

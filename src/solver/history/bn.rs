@@ -1,4 +1,4 @@
-//! BN along a history: every increment starts from the last solution, in the default setting on the tangent there.
+//! BN along a history. Every increment starts from the last solution; with default constants, on the tangent there.
 
 use super::increment_error::{IncrementErrors, Rate};
 use super::saved::{Snapshot, take_over};
@@ -11,39 +11,39 @@ use crate::solver::loading::Loading;
 use crate::solver::newton::{Armijo, Bn, MethodResult, StopCriterion, Termination};
 use crate::solver::problem::{ContactProblem, State};
 
-/// `Theta ≤ ε`, the paper's test: N² and Pa² added up.
+/// The paper's stopping test `Theta ≤ ε`, a sum of N² and Pa².
 const PAPER_MERIT: f64 = 1e-2;
 
 pub(super) struct BnMethod<'a> {
     problem: &'a ContactProblem,
     formulation: Bdiff,
     bn: Bn,
-    /// Whether it ends by the error measure, and not by the paper's merit.
+    /// `true` if the error measure stops the iteration, `false` if the paper's merit does.
     measured: bool,
-    /// Whether the nodes on which the body comes to rest start closed.
+    /// `true` if the nodes on which the body comes to rest start closed.
     closes: bool,
     start: FirstGuess,
     z: Vec<f64>,
-    /// What rounding leaves off `z`.
+    /// The low-order part of `z`.
     rest: Vec<f64>,
-    /// From where to where the last increment went, if it is measured and has been solved.
+    /// The start and end of the last increment, if it is measured and has been solved.
     last: Option<[Vec<f64>; 2]>,
-    /// What the increments leave, where there is friction.
+    /// The estimate of the time-step error, if there is friction.
     errors: Option<IncrementErrors>,
-    /// The rate at which the last increment set out.
+    /// The initial rate of the last increment.
     rate: Option<Rate>,
 }
 
 impl<'a> BnMethod<'a> {
-    /// BN with the constants of the paper.
+    /// Creates BN with the constants of the paper.
     pub(super) fn paper(problem: &'a ContactProblem, loading: &Loading, history: &HistorySettings) -> Self {
-        // `p_n = 1 MPa · l` to start from, 10 MPa from 100 contact nodes on.
+        // `p_n = 1 MPa · l` at the start, or 10 MPa · l with 100 or more contact nodes.
         let start = FirstGuess::Pressure(if problem.contacts() < 100 { 1e6 } else { 1e7 });
         let method = Self::new(problem, loading, history, start, Armijo::PAPER, history.max_iterations);
         BnMethod { measured: false, ..method }
     }
 
-    /// BN that ends by the error measure, after so many iterations at most.
+    /// Creates BN with the error measure as its stopping test and this limit of iterations.
     pub(super) fn measured(
         problem: &'a ContactProblem,
         loading: &Loading,
@@ -84,17 +84,17 @@ impl<'a> BnMethod<'a> {
         }
     }
 
-    /// The problem with its pattern, for a method that works beside this one.
+    /// Returns the problem with its pattern, for another method that works with this one.
     pub(super) fn assembled(&self) -> Assembled {
         self.formulation.assembled()
     }
 
-    /// The solution that an increment starts from. Before the first there is none, only a guess.
+    /// Returns the solution from which an increment starts. Before the first increment there is only a guess.
     pub(super) fn last_solution(&self, task: &Task<'_>) -> State {
         if task.first { State::zero(self.problem) } else { self.state() }
     }
 
-    /// Estimates what the increment leaves that ends at the present solution.
+    /// Updates the estimated time-step error after the increment that ends at the present solution.
     pub(super) fn follow(&mut self, linear: &mut RefinedSolver) -> Result<(), LinearError> {
         let BnMethod { problem, formulation, bn, z, errors, rate, .. } = self;
         errors
@@ -102,7 +102,7 @@ impl<'a> BnMethod<'a> {
             .map_or(Ok(()), |errors| errors.follow(rate.take().as_ref(), problem.weight(), formulation, bn, linear, z))
     }
 
-    /// Whether the held body does by itself what the increment asks for.
+    /// Returns `true` if the response of the body with clamped contact nodes already solves the increment.
     fn is_solved(&self, task: &Task<'_>) -> bool {
         let mut z = self.z.clone();
         task.response.add_to(&mut z);
@@ -110,8 +110,8 @@ impl<'a> BnMethod<'a> {
         task.error(self.problem, &state) <= task.tolerance
     }
 
-    /// Closes the nodes on which a body comes to rest that contact alone holds, `p_n > r (g - w_n)`: with open ones the matrix
-    /// would be singular.
+    /// Closes the nodes on which a body without supports comes to rest, `p_n > r (g - w_n)`: with open nodes the
+    /// matrix would be singular.
     fn close_landed(&mut self, task: &Task<'_>) {
         let (layout, scaling) = (self.formulation.layout().clone(), *self.formulation.scaling());
         let all: Vec<usize> = if task.first { (0..layout.contacts()).collect() } else { Vec::new() };
@@ -183,7 +183,7 @@ impl IncrementSolver for BnMethod<'_> {
         rest.copy_from_slice(bn.rest());
         *last = None;
         if outcome.stop == Termination::Converged && formulation.is_tied() {
-            // One of many solutions: the one that is nearest, if rounding leaves it one.
+            // One of many solutions: takes the nearest, if it remains a solution after rounding.
             let settled = formulation.settled(z, &start);
             if error(&settled, rest) <= error(z, rest).max(task.tolerance) {
                 *z = settled;
@@ -248,8 +248,8 @@ impl IncrementSolver for BnMethod<'_> {
     }
 }
 
-/// Goes on from `from` as the `last` increment went, `stretch` times as far, if that is nearer to a solution than `z` is: where the
-/// directions of slip turn, they turn on, and Newton's method need not find out again.
+/// Extrapolates the `last` increment from `from` by the factor `stretch`, if the result is nearer to a solution than
+/// `z`. If slip directions turn, they keep turning, and Newton's method need not find them again.
 fn go_on_as_before(formulation: &Bdiff, last: &[Vec<f64>; 2], from: &[f64], stretch: f64, z: &mut [f64]) {
     let [before, after] = last;
     if after != from {
@@ -266,7 +266,7 @@ fn go_on_as_before(formulation: &Bdiff, last: &[Vec<f64>; 2], from: &[f64], stre
     }
 }
 
-/// `p_n` before the first increment. Without load or interference that is 0, the solution.
+/// Returns `p_n` before the first increment. Without load or interference it is 0, the solution.
 fn start_forces(problem: &ContactProblem, idle: bool, start: FirstGuess) -> Vec<f64> {
     match (start, problem.weight()) {
         (FirstGuess::Pressure(pressure), Some(l)) if !idle => l.iter().map(|l| l * pressure).collect(),
@@ -274,8 +274,8 @@ fn start_forces(problem: &ContactProblem, idle: bool, start: FirstGuess) -> Vec<
     }
 }
 
-/// The start on the tangent at the solution `z` of the increment before, for the data that `formulation` has by now. `None` where
-/// the factors that `linear` has are not those of the last linearisation, or this has no tangent.
+/// Returns the start on the tangent at the previous solution `z`, for the new data of `formulation`. Returns `None`
+/// if the factors of `linear` are not those of the last linearisation, or if it has no tangent.
 pub(super) fn ahead(
     formulation: &Bdiff,
     bn: &mut Bn,

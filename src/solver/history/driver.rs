@@ -1,4 +1,4 @@
-//! A stage of a history: the increments that are solved in one set-up of the equations.
+//! The driver of a history, stage by stage: a stage is a sequence of increments with one set-up of the equations.
 
 use super::increment::{IncrementDriver, IncrementProgress, JudgedIncrement};
 use super::interior::ClampedBody;
@@ -20,7 +20,7 @@ use crate::solver::newton::Termination;
 use crate::solver::problem::ContactProblem;
 use std::time::Instant;
 
-/// A history on its way, from stage to stage.
+/// The driver of a history with one or several stages.
 pub(super) struct HistoryDriver<'a> {
     pub problem: &'a ContactProblem,
     pub loading: &'a Loading,
@@ -30,25 +30,26 @@ pub(super) struct HistoryDriver<'a> {
     pub observer: &'a mut dyn Observer,
     pub outcome: HistoryOutcome,
     pub position: HistoryState,
-    /// When the history began.
+    /// The start of the history.
     pub start: Instant,
-    /// When the increment on the way began, and what the linear algebra had done by then.
+    /// The start of the increment in progress, and the statistics of the linear solver at that time.
     pub begun: Option<(Instant, Statistics)>,
-    /// What the linear algebra has done in the stages before.
+    /// The statistics of the linear solver in the earlier stages.
     pub done: Statistics,
-    /// The contact nodes that have joined since the last increment ended.
+    /// The number of contact nodes that joined the working set since the end of the last increment.
     pub joined: usize,
-    /// Whether observers know that the first increment can begin.
+    /// `true` if [`super::Observer::ready`] has been called.
     pub is_ready: bool,
-    /// The stage that was on the way when the history was put away, until it is taken up.
+    /// The saved stage, until it is restored.
     pub saved: Option<SavedStage>,
 }
 
 impl<'a> HistoryDriver<'a> {
-    /// A history with this `outcome` so far, that began at `start`, or goes on from where the settings say.
+    /// Creates a driver with this `outcome` so far, which began at `start`, or resumes from the checkpoint in the
+    /// settings.
     ///
     /// # Errors
-    /// When the checkpoint there is of another history.
+    /// If the checkpoint belongs to another history.
     pub(super) fn new(
         problem: &'a ContactProblem,
         loading: &'a Loading,
@@ -116,7 +117,7 @@ impl<'a> HistoryDriver<'a> {
         }
     }
 
-    /// One stage of it, on all contact nodes or on some with a method for these.
+    /// Solves one stage on all contact nodes, or on a working set with a method for it.
     fn condensed_stage(
         &mut self,
         algorithm: &dyn Algorithm,
@@ -142,8 +143,8 @@ impl<'a> HistoryDriver<'a> {
         self.stage(own.as_deref().unwrap_or(algorithm), Some(&condensed), &mut dense)
     }
 
-    /// Solves increments with `linear`, on the body or on `condensed`, until the history has ended: `None`; or until contact
-    /// nodes are missing from these equations: all that they must hold to go on.
+    /// Solves increments with `linear`, on the body or on `condensed`. Returns `None` at the end of the history, or
+    /// the larger working set needed to continue.
     ///
     /// # Errors
     /// As [`super::run`].
@@ -177,11 +178,11 @@ impl<'a> HistoryDriver<'a> {
         let mut path = IncrementDriver::new(problem, loading, settings, condensed, method, held, &mut self.position);
         let (outcome, observer) = (&mut self.outcome, &mut *self.observer);
 
-        // How many increments go together: more and more, as long as all is well.
+        // The batch size grows while no state needs refinement.
         let mut batch_size = 1;
         if let Some(saved) = self.saved.take() {
             batch_size = path.restore_stage(saved, linear)?;
-            // As it was, should nothing be left to solve.
+            // Keeps the earlier value if there is nothing left to solve.
             outcome.linear.factor = statistics(self.done, body, 0.0).factor;
         }
         while outcome.tally.increments < times.len() {
@@ -259,7 +260,7 @@ impl<'a> HistoryDriver<'a> {
 }
 
 impl IncrementDriver<'_> {
-    /// Takes a stage up that was put away: the method is as it was then. How many increments go together.
+    /// Restores a saved stage and its method. Returns the batch size.
     fn restore_stage(&mut self, saved: SavedStage, linear: &mut RefinedSolver) -> Result<usize, Error> {
         if !self.restore(saved.memory, linear)? {
             return Err(CheckpointError::Other { what: "the method" }.into());
@@ -269,7 +270,7 @@ impl IncrementDriver<'_> {
 }
 
 impl HistoryOutcome {
-    /// Where the history can be taken up after the increments so far, of which the next go so many together.
+    /// Creates a checkpoint after the increments so far; the next increments have this batch size.
     fn checkpoint(
         &self,
         settings: &HistorySettings,
@@ -289,7 +290,7 @@ impl HistoryOutcome {
         Checkpoint::new(self.tally.increments, self.reached, &saved)
     }
 
-    /// The end that an error of the linear algebra makes: want of memory is a verdict.
+    /// Ends the history after an error of the linear solver. Lack of memory is a verdict.
     fn end_by(&mut self, error: LinearError) -> Result<(), Error> {
         match error {
             LinearError::OutOfMemory { .. } => {

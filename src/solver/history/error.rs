@@ -1,4 +1,4 @@
-//! Why a history cannot be run, or not go on.
+//! The errors of a history.
 
 use super::Method;
 use crate::algebra::linear::LinearError;
@@ -6,30 +6,30 @@ use crate::solver::checkpoint::CheckpointError;
 use crate::solver::events::PathError;
 use crate::solver::problem::ProblemError;
 
-/// Why a history cannot be run, or not go on. That an increment does not converge is no error: it is a
+/// The reason why a history cannot be run or continued. An increment that does not converge is no error; it has a
 /// [`super::Status`].
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// An array does not fit the problem, or holds what it must not.
+    /// An array does not fit the problem or has an invalid value.
     #[error(transparent)]
     Problem(#[from] ProblemError),
-    /// The constants of the paper are stresses.
+    /// The constants of the paper are stresses, which need weights.
     #[error("the method {method} has constants per area: give the problem the weight of each contact node")]
     NoWeight {
         /// The method.
         method: Method,
     },
-    /// The method follows a path whose end it knows.
+    /// The method follows a path to a known end time, not single increments.
     #[error("the method {method} takes no single increments: it follows the whole path of the loads")]
     NotInSteps {
         /// The method.
         method: Method,
     },
-    /// The linear algebra cannot go on.
+    /// The linear solver failed.
     #[error(transparent)]
     Linear(#[from] LinearError),
-    /// A checkpoint is damaged, or that of another run.
+    /// A checkpoint is damaged, or belongs to another run.
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
     /// An exact path cannot be followed.

@@ -1,4 +1,4 @@
-//! A history along its exact path in time: its increments are where the path is looked at, not what makes it.
+//! A history along its exact path in time. Its increments are output times and do not affect the path.
 
 use super::interior::{InteriorRecovery, RecoveredState, Responds};
 use super::jump::{JumpSolver, Landed, RestartPoint};
@@ -21,7 +21,7 @@ use crate::solver::solvability::{Load, driven_motion};
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-/// A history of which each step from event to event is judged, and each end of an increment on the whole body.
+/// A history in which each step from event to event is judged, and each end of an increment on the whole body.
 pub(super) struct ExactHistory<'a> {
     pub problem: &'a ContactProblem,
     pub loading: &'a Loading,
@@ -32,17 +32,17 @@ pub(super) struct ExactHistory<'a> {
     pub outcome: HistoryOutcome,
 }
 
-/// Where a step began, for the law of friction.
+/// The start of a step, for the friction law.
 struct Begun {
-    /// Displacements past the obstacles along both tangents, n_c, m.
+    /// The displacements relative to the obstacles along both tangents, n_c, m.
     places: [Vec<f64>; 2],
     time: f64,
 }
 
-/// What is known of an increment so far.
+/// The results of an increment so far.
 struct IncrementInProgress {
     index: usize,
-    /// Its end, s.
+    /// The end of the increment, s.
     end: f64,
     clock: Instant,
     before: Statistics,
@@ -54,7 +54,7 @@ struct IncrementInProgress {
 }
 
 impl ExactHistory<'_> {
-    /// Follows the path to its end, or to where it is lost.
+    /// Follows the exact path to the end of the history, or to the end of the quasi-static motion.
     ///
     /// # Errors
     /// As [`super::run`].
@@ -116,7 +116,7 @@ impl ExactHistory<'_> {
                 return Err(CheckpointError::Damaged.into());
             }
             (self.outcome, scales) = (saved.outcome.resume(self.outcome.clone()), saved.scales);
-            // As it was, should nothing be left to solve.
+            // Keeps the earlier value if there is nothing left to solve.
             self.outcome.linear = statistics(walk.statistics(), body, 0.0);
         }
         for (k, &time) in self.times.iter().enumerate().skip(self.outcome.tally.increments) {
@@ -189,7 +189,7 @@ impl ExactHistory<'_> {
         Ok(())
     }
 
-    /// Judges a step from event to event, on the problem of the `walk`.
+    /// Judges a step from event to event, on the problem of `walk`.
     fn judge_step(
         &self,
         walk: &ExactPath<'_>,
@@ -207,13 +207,13 @@ impl ExactHistory<'_> {
         let (known, tolerance) = (self.above_rounding(*scales, small, &data), self.settings.tolerance);
         let kkt = judge(small, &data.increment(), &state, &imbalance, &known, tolerance);
         in_progress.kkt = in_progress.kkt.max(&kkt);
-        // What is there at t = 0 comes in a part of its own, which takes no time.
+        // Loads at t = 0 are applied in a substep of their own, which takes no time.
         if stop != SegmentEnd::Until && (now > begun.time || now == 0.0) {
             in_progress.ends.push(now);
         }
     }
 
-    /// A rigid motion that the loads at `time` drive against all contact forces, if there is one.
+    /// Returns a rigid motion that the loads at `time` drive against all contact forces, if there is one.
     fn driven_motion(&self, time: f64) -> Option<Vec<f64>> {
         let (problem, loading) = (self.problem, self.loading);
         let mut force = vec![0.0; problem.displacements()];
@@ -226,7 +226,8 @@ impl ExactHistory<'_> {
         self.settings.method == Method::Events { jump: true }
     }
 
-    /// Jumps on from where the `walk` is `lost`, to the end of the increment at most; tells whether it has come anywhere.
+    /// Continues by a jump from the end of the quasi-static motion, at most to the end of the increment. Returns
+    /// `true` if a state was found.
     fn jump(
         &mut self,
         walk: &mut ExactPath<'_>,
@@ -272,7 +273,7 @@ impl ExactHistory<'_> {
         Ok(true)
     }
 
-    /// The state of the whole body where the `walk` has come to.
+    /// Returns the state of the whole body at the time that `walk` has reached.
     fn balanced(
         &self,
         data: &Driven,
@@ -293,8 +294,8 @@ impl ExactHistory<'_> {
         Ok(whole.refined(balanced.unwrap_or_default(), &data.force, scales, walk)?)
     }
 
-    /// Scales with which the rounding of gaps that have closed from where they were at first, of loads that balance each other, and of a
-    /// body that has moved as a whole is no error.
+    /// Raises the scales so that rounding does not count as an error: in gaps that closed from a large initial value,
+    /// in loads that balance each other, and in a body that has moved as a whole.
     fn above_rounding(&self, scales: KktScales, problem: &ContactProblem, data: &Driven) -> KktScales {
         let largest = |values: &[f64]| values.iter().fold(0.0_f64, |m, value| m.max(value.abs()));
         let loads = largest(&self.loading.force_sizes(data.time, self.problem.displacements()));
@@ -303,7 +304,7 @@ impl ExactHistory<'_> {
         scales.above_rounding(self.settings.tolerance, loads.max(elastic), way)
     }
 
-    /// Judges the end of an increment on the whole body, and tells of it.
+    /// Judges the end of an increment on the whole body, and reports it.
     fn end(
         &mut self,
         in_progress: &IncrementInProgress,
@@ -357,7 +358,7 @@ impl ExactHistory<'_> {
     }
 }
 
-/// Between two events a walk responds as its rates do.
+/// Between two events an exact path responds as its rates do.
 impl Responds for ExactPath<'_> {
     fn is_regular(&mut self) -> Result<bool, LinearError> {
         Ok(true)
@@ -367,11 +368,12 @@ impl Responds for ExactPath<'_> {
         self.response(forces)
     }
 
-    /// The walk goes on from the state of its own problem, so that what it decides does not depend on where it is looked at.
+    /// Does nothing: the path continues from the state of its own problem, so that it does not depend on the output
+    /// times.
     fn go_on(&mut self) {}
 }
 
-/// What drove a step, with the arrays that an [`Increment`] borrows.
+/// The data of a step, with the arrays that an [`Increment`] borrows.
 struct Driven {
     time: f64,
     force: Vec<f64>,
@@ -381,7 +383,7 @@ struct Driven {
 }
 
 impl Driven {
-    /// That of a step that has `begun` and ends at `time`.
+    /// Creates the data of a step from `begun` to `time`.
     fn new(problem: &ContactProblem, loading: &Loading, time: f64, begun: &Begun) -> Self {
         let mut force = vec![0.0; problem.displacements()];
         loading.force(time, &mut force);
@@ -392,7 +394,7 @@ impl Driven {
         Driven { time, force, gap: loading.gaps_at(time), mu: problem.mu().to_vec(), w_last }
     }
 
-    /// That of a step of a `walk` of `problem`.
+    /// Creates the data of a step of `walk` on `problem`.
     fn by(walk: &ExactPath<'_>, problem: &ContactProblem, begun: &Begun) -> Self {
         let (force, gap, drift) = walk.given();
         let past = |k: usize| begun.places[k].iter().zip(&drift[k]).map(|(place, drift)| place + drift).collect();

@@ -1,8 +1,9 @@
-//! From one time to the next: an increment, halved where it fails.
+//! One increment, halved if it fails.
 //!
-//! A part is an increment of its own: friction sees the slip of each. Nothing of a part that fails
-//! stays, and after a part that converges the rest of the increment is tried whole, so that the size
-//! grows back. On the contact displacements alone several increments are solved before they are judged, see `batch`.
+//! A substep is an increment of its own, and friction depends on the slip of each. A substep that fails leaves
+//! nothing behind. After a substep that converges, the rest of the increment is tried as a whole, so that the size
+//! grows back. On the contact displacements alone, a batch of increments is solved before it is judged; see
+//! `batch_size`.
 
 use super::increment_error::{IncrementError, IncrementErrors};
 use super::interior::{ClampedBody, InteriorRecovery, Linearized, RecoveredState};
@@ -27,18 +28,18 @@ use std::borrow::Cow;
 use std::collections::VecDeque;
 use std::time::Instant;
 
-/// The way through a history as far as it has converged, and the data of the part tried last.
+/// The progress of a history up to the last converged state, and the data of the substep tried last.
 pub(super) struct IncrementDriver<'a> {
     problem: &'a ContactProblem,
     loading: &'a Loading,
     settings: &'a HistorySettings,
-    /// If the method solves for the contact displacements alone.
+    /// The condensed body, if the method solves for the contact displacements alone.
     condensed: Option<&'a Condensed>,
     method: Box<dyn IncrementSolver + 'a>,
     held: ClampedBody,
-    /// How far the history has come.
+    /// The state that the history has reached.
     pub at: &'a mut HistoryState,
-    /// Whether the body may be carried without strain.
+    /// `true` if the body may move rigidly, without strain.
     may_move_rigidly: bool,
     force: Vec<f64>,
     condensed_force: Vec<f64>,
@@ -48,30 +49,30 @@ pub(super) struct IncrementDriver<'a> {
     w_o_last: Vec<f64>,
 }
 
-/// How far an increment came.
+/// The progress of an increment.
 pub(super) enum IncrementProgress {
-    /// To its end, or to where it failed.
+    /// The increment reached its end, or the place where it failed.
     Ended(Box<IncrementResult>),
-    /// To where the equations lack contact nodes: all that they must hold to go on.
+    /// The equations lack contact nodes; the value is the working set needed to continue.
     NeedsNodes(Vec<usize>),
 }
 
-/// From where a part starts.
+/// The start of a substep.
 struct Start {
     unknowns: Vec<f64>,
     offset: RigidOffset,
     errors: Option<IncrementErrors>,
 }
 
-/// What is known of a part before it is solved, beside its data.
+/// The input of a substep, in addition to its data.
 struct SubstepInput {
-    /// The time of the state from which the method begins, s.
+    /// The time of the state from which the method starts, s.
     begins: Option<f64>,
-    /// The sizes of the loads that `force` is the sum of, N.
+    /// The sizes of the loads whose sum is `force`, N.
     sizes: Vec<f64>,
     /// The nodes on which the body comes to rest.
     landed: Option<Vec<usize>>,
-    /// The scales of the increments before and of the load.
+    /// The scales of the earlier increments and of the load.
     scales: KktScales,
 }
 
@@ -114,13 +115,14 @@ impl<'a> IncrementDriver<'a> {
         }
     }
 
-    /// What drove the part tried last, from where the body has been carried; so is the state of an [`SubstepResult`].
+    /// Returns the data of the substep tried last, relative to the rigid offset, as is the state of a
+    /// [`SubstepResult`].
     pub(super) fn data(&self) -> Increment<'_> {
         let IncrementDriver { force, gap, mu, w_t_last, w_o_last, .. } = self;
         Increment { force, gap, mu, w_t_last, w_o_last }
     }
 
-    /// Shows `see` the data of the part tried last, and its `state`, from where the body was at first.
+    /// Calls `see` with the last substep's data and state, both relative to the initial configuration.
     pub(super) fn show<T>(&self, state: &State, see: impl FnOnce(&Increment<'_>, &State) -> T) -> T {
         let RigidOffset { w_n, w_t: [w_t, w_o], .. } = &self.at.offset;
         if !self.at.offset.is_nonzero() {
@@ -133,28 +135,28 @@ impl<'a> IncrementDriver<'a> {
         see(&data, &self.at.offset.whole(state))
     }
 
-    /// What the increments so far leave.
+    /// Returns the time-step error of the increments so far.
     pub(super) fn increment_error(&mut self) -> Option<IncrementError> {
         self.method.increment_errors().map(|errors| errors.found())
     }
 
-    /// What the method knows between two increments.
+    /// Takes a snapshot of the method between two increments.
     pub(super) fn memory(&self, linear: &RefinedSolver) -> Snapshot {
         self.method.memory(linear)
     }
 
-    /// Gives the method back what it knew; whether it knows that it did.
+    /// Restores the method's snapshot. Returns `false` if it does not fit.
     pub(super) fn restore(&mut self, memory: Snapshot, linear: &mut RefinedSolver) -> Result<bool, LinearError> {
         self.method.restore(memory, linear)
     }
 
-    /// From where the next part starts.
+    /// Returns the start of the next substep.
     fn start(&mut self) -> Start {
         let errors = self.method.increment_errors().cloned();
         Start { unknowns: self.method.unknowns().clone(), offset: self.at.offset.clone(), errors }
     }
 
-    /// Back to where a part started.
+    /// Rolls back to the start of a substep.
     fn go_back(&mut self, start: Start) {
         self.method.unknowns().copy_from_slice(&start.unknowns);
         self.at.offset = start.offset;
@@ -163,7 +165,7 @@ impl<'a> IncrementDriver<'a> {
         }
     }
 
-    /// Goes on to `time`, in parts if need be, after what has been `tried` at it as a whole.
+    /// Advances to `time`, in substeps if needed, after the result `tried` of the whole increment.
     fn increment(
         &mut self,
         time: f64,
@@ -208,7 +210,7 @@ impl<'a> IncrementDriver<'a> {
                 return Ok(IncrementProgress::NeedsNodes(nodes));
             } else {
                 let half = 0.5 * (end - from);
-                // Between neighbouring numbers there is no time.
+                // There is no time between neighbouring numbers.
                 let no_time = from + half <= from || from + half >= end;
                 if half < smallest || no_time || !self.smaller_may_do(&substep) {
                     let (kkt, status) = (substep.kkt, substep.status);
@@ -222,7 +224,7 @@ impl<'a> IncrementDriver<'a> {
         }
     }
 
-    /// Solves and judges the part that ends at `time`.
+    /// Solves and judges the substep that ends at `time`.
     fn substep(
         &mut self,
         time: f64,
@@ -241,7 +243,7 @@ impl<'a> IncrementDriver<'a> {
         self.conclude(input.scales, outcome, balanced, linear)
     }
 
-    /// Sets the data of the part that ends at `time`.
+    /// Sets the data of the substep that ends at `time`.
     fn pose(&mut self, time: f64) -> SubstepInput {
         let IncrementDriver { problem, loading, settings, .. } = *self;
         loading.force(time, &mut self.force);
@@ -257,7 +259,7 @@ impl<'a> IncrementDriver<'a> {
         self.gap.iter_mut().zip(&self.at.offset.w_n).for_each(|(gap, w)| *gap -= w);
         let tangential = [(&mut self.w_t_last, &self.at.w_t), (&mut self.w_o_last, &self.at.w_o)];
         for (k, (last, w)) in tangential.into_iter().enumerate() {
-            // Slip is motion past the obstacle: where that moves along, the body has not.
+            // Slip is motion relative to the obstacle, and excludes the motion of the rigid offset.
             let (drift, drift_now) = (loading.drift_at(from, k), loading.drift_at(time, k));
             let (offset, carried_now) = (&before.w_t[k], &self.at.offset.w_t[k]);
             for (i, last) in last.iter_mut().enumerate() {
@@ -265,13 +267,13 @@ impl<'a> IncrementDriver<'a> {
             }
         }
         let scales = self.at.scales.with_load(problem, &self.data());
-        // Where gaps and forces are rounded differences of larger ones there is nothing less to compare with.
+        // Gaps and forces may be differences of larger numbers, whose rounding the scales must exceed.
         let terms = sizes.iter().fold(0.0_f64, |m, size| m.max(*size));
         let scales = scales.above_rounding(settings.tolerance, terms, self.at.offset.largest());
         SubstepInput { begins, sizes, landed, scales }
     }
 
-    /// Lets the method loose on the part that ends at `time`.
+    /// Solves the substep that ends at `time` with the method.
     fn solve(
         &mut self,
         time: f64,
@@ -305,18 +307,19 @@ impl<'a> IncrementDriver<'a> {
         self.method.solve(&task, linear, observe)
     }
 
-    /// The whole body, where the method has a condensed one.
+    /// Returns the recovery of the whole body, if the method has a condensed one.
     fn whole(&self) -> Option<InteriorRecovery<'a>> {
         let IncrementDriver { problem, settings, .. } = *self;
         self.condensed.map(|condensed| InteriorRecovery { problem, condensed, settings })
     }
 
-    /// A state of the whole body under the data of the part tried last.
+    /// Adds imbalance and backward error to a state of the whole body under the data of the substep tried last.
     fn balanced(&self, state: State) -> RecoveredState {
         RecoveredState { imbalance: self.problem.imbalance(&self.force, &state), backward_error: 0.0, state }
     }
 
-    /// Judges the state that the method has reached, refined first where it needs that; `scales` are those before it.
+    /// Judges the state that the method has reached, after refining it if needed. `scales` are those before the
+    /// substep.
     fn conclude(
         &mut self,
         scales: KktScales,
@@ -335,7 +338,7 @@ impl<'a> IncrementDriver<'a> {
         Ok(self.judged(scales, outcome, balanced))
     }
 
-    /// Judges a state under the data of the part tried last.
+    /// Judges a state under the data of the substep tried last.
     fn judged(&mut self, scales: KktScales, outcome: MethodResult, balanced: RecoveredState) -> SubstepResult {
         let RecoveredState { state, imbalance, backward_error } = balanced;
         let outcome = MethodResult { backward_error: outcome.backward_error.max(backward_error), ..outcome };
@@ -346,13 +349,13 @@ impl<'a> IncrementDriver<'a> {
         SubstepResult { state, scales, outcome, kkt, status }
     }
 
-    /// The contact nodes that the equations lack after an `substep`.
+    /// Returns the contact nodes that the equations lack after a `substep`.
     fn lack(&self, substep: &SubstepResult) -> Option<MissingNodes> {
         let held = self.condensed?.nodes()?;
         working_set::lack(self.problem, &self.data(), substep, held, self.settings.tolerance)
     }
 
-    /// Goes on from the estimate of the state at `time`, if there is one.
+    /// Makes the method start from the estimate of the state at `time`, if there is one.
     fn take_estimate(&mut self, time: f64) -> Option<f64> {
         let (condensed, estimate) = (self.condensed?, self.at.estimate.take()?);
         self.method.go_on_from(&condensed.condensed_state(&estimate));
@@ -367,7 +370,7 @@ impl<'a> IncrementDriver<'a> {
         self.move_on(time, w, substep.scales);
     }
 
-    /// To `time`, where the contact nodes have moved by `w_n`, `w_t` and `w_o`.
+    /// Advances to `time`, with the contact displacements `w_n`, `w_t` and `w_o`.
     fn move_on(&mut self, time: f64, [w_n, w_t, w_o]: [Vec<f64>; 3], scales: KktScales) {
         let at = &mut *self.at;
         at.length = Some(time - at.reached.unwrap_or(0.0));
@@ -375,7 +378,7 @@ impl<'a> IncrementDriver<'a> {
         (at.w_n, at.w_t, at.w_o) = (w_n, w_t, w_o);
     }
 
-    /// Whether a smaller load could make the difference.
+    /// Returns `true` if a smaller substep could converge.
     fn smaller_may_do(&self, substep: &SubstepResult) -> bool {
         match substep.status {
             Status::Converged
@@ -385,77 +388,79 @@ impl<'a> IncrementDriver<'a> {
             | Status::EdgeFriction
             | Status::OutOfMemory
             | Status::Unsupported => false,
-            // Where rounding sets the limit, it does so at any load.
+            // If rounding sets the limit, it does so at any load.
             _ => substep.kkt.worst().1 > 10.0 * rounding_level(self.problem, &substep.state, &substep.scales),
         }
     }
 }
 
-/// Of a value for each contact node those that the equations have.
+/// Restricts per-contact-node values to the working set.
 fn on_nodes<'v>(condensed: Option<&Condensed>, values: &'v [f64]) -> Cow<'v, [f64]> {
     condensed.map_or(Cow::Borrowed(values), |condensed| condensed.on_nodes(values))
 }
 
-/// The most that go together: beyond that the factors are hardly read less often.
+/// The largest batch. In larger ones the factors are hardly read less often.
 const MOST: usize = 16;
 
-/// What is solved and not yet judged is lost if a run is killed: increments of more operations than this, about a second,
-/// go alone.
+/// Increments with more operations than this, about a second, are not batched, since a killed run loses all
+/// increments that are solved but not yet judged.
 const OPERATIONS: f64 = 2e10;
 
-/// Iterations of an increment, to estimate its operations.
+/// The number of iterations per increment for estimating its operations.
 const ITERATIONS: f64 = 5.0;
 
-/// An increment that is solved and not yet judged.
+/// An increment that is solved but not yet judged.
 struct SolvedIncrement {
     time: f64,
     began: Instant,
     start: Start,
     scales: KktScales,
     outcome: MethodResult,
-    /// What the linear algebra had done before and after it.
+    /// The statistics of the linear solver before and after the increment.
     work: [Statistics; 2],
-    /// Its wall time so far.
+    /// The wall time so far, s.
     seconds: f64,
 }
 
-/// Increments in a row that are to be judged.
+/// A batch of consecutive increments that await their verdicts.
 pub(in crate::solver::history) struct Bundle {
     pending: VecDeque<(SolvedIncrement, RecoveredState)>,
-    /// Whether there is only one.
+    /// `true` if the batch has only one increment.
     alone: bool,
-    /// Whether the method is where the last one ends.
+    /// `true` if the method is at the end of the last increment of the batch.
     is_current: bool,
-    /// Whether all were good as they stood.
+    /// `true` if no state of the batch needed refinement.
     pub needs_no_refinement: bool,
 }
 
 /// A judged increment.
 pub(in crate::solver::history) struct JudgedIncrement {
     pub time: f64,
-    /// How far it came; it has not ended where equations lack contact nodes.
+    /// The progress of the increment; it has not ended if the equations lack contact nodes.
     pub walk: IncrementProgress,
     pub began: Instant,
-    /// What the linear algebra had done before and after it.
+    /// The statistics of the linear solver before and after the increment.
     pub work: [Statistics; 2],
-    /// Its wall time, s.
+    /// The wall time, s.
     pub seconds: f64,
 }
 
 impl IncrementDriver<'_> {
-    /// How many increments may go together.
+    /// Returns the largest admissible batch size.
     pub(in crate::solver::history) fn batch_size(&self) -> usize {
         let operations = |whole: InteriorRecovery<'_>| {
             let free = whole.condensed.problem.displacements() as f64;
             4.0 * whole.condensed.info().entries as f64 + ITERATIONS * 2.0 / 3.0 * free.powi(3)
         };
-        // A body that contact alone holds is carried first, to where the state of the whole says.
+        // A body that only contact holds is first moved by the rigid offset, which depends on the state of the whole
+        // body.
         let many =
             self.whole().is_some_and(|whole| operations(whole) < OPERATIONS) && self.problem.rigid_modes().is_empty();
         if many { MOST } else { 1 }
     }
 
-    /// Solves the increments that end at `times`, as far as each ends as the method wants it: at least the first.
+    /// Solves the increments that end at `times`, up to the first that the method does not complete, but at least
+    /// one.
     pub(in crate::solver::history) fn ahead(
         &mut self,
         times: &[f64],
@@ -473,7 +478,7 @@ impl IncrementDriver<'_> {
             let input = self.pose(time);
             let outcome = match self.solve(time, &input, linear, &mut |iteration| progress.iteration(iteration)) {
                 Err(_) if k > 0 => {
-                    // It will come again, when those before it are judged.
+                    // This increment is repeated after those before it are judged.
                     self.go_back(start);
                     is_current = false;
                     break;
@@ -510,7 +515,8 @@ impl IncrementDriver<'_> {
         Ok(Bundle { pending: solved.into_iter().zip(balanced).collect(), alone, is_current, needs_no_refinement: true })
     }
 
-    /// Judges the next increment of a bundle; `None` when there is none left, be it that the rest was taken back.
+    /// Judges the next increment of a batch. Returns `None` when the batch is finished or its remainder was rolled
+    /// back.
     pub(in crate::solver::history) fn judge(
         &mut self,
         batch: &mut Bundle,
@@ -552,13 +558,15 @@ impl IncrementDriver<'_> {
 }
 
 impl IncrementDriver<'_> {
-    /// Carries a body that contact alone holds to where it comes to rest under the load of the part that ends at `time`; the
-    /// nodes that touch there, if it has not been there before. `None` for a body that supports hold, and where nothing can be said.
+    /// Moves a body that only contact holds to its rest position under the load of the substep that ends at `time`.
+    /// Returns the nodes that touch there if the position is new, and `None` if supports hold the body or no rest
+    /// position is found.
     pub(super) fn find_rest_position(&mut self, time: f64, sizes: &[f64]) -> Option<Vec<usize>> {
         if !self.may_move_rigidly {
             return None;
         }
-        // As near as what the load deforms, Newton's method finds what closes better than a rigid body does.
+        // Within the deformation due to the load, Newton's method finds the closing nodes better than a rigid body
+        // does.
         let force = self.held.response(self.loading, None, time).contact_force * self.settings.scaling.force;
         let reach = |(gap, k): (&f64, &f64)| (force / k).max(NEARBY * gap.abs());
         let reach: Vec<f64> = self.gap.iter().zip(&self.settings.contact_stiffness).map(reach).collect();

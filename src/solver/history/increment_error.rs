@@ -1,19 +1,21 @@
-//! The error that increments leave: backward Euler in time, estimated while a history is solved.
+//! The time-step error of backward Euler, estimated while a history is solved.
 //!
-//! Backward Euler errs in two ways. A node that begins to stick within an increment does so at a place that is a little off, and
-//! stays there; and the work of friction takes the force at the end for all of the slip. With the rate `(u', p')` at which the
-//! solution sets out along the contact cases at the start of an increment,
+//! Backward Euler errs in two ways. A node that begins to stick within an increment does so at a slightly wrong
+//! position, and remains there. The friction work is computed with the final force for all of the slip. Let
+//! `(u', p')` be the initial rate of the solution along the contact cases at the start of an increment.
 //!
-//! - a node that was open touches after the share `τ = gap / (w_n' - g')` of it and has slid `δ = τ w_T'` by then; one that slips
-//!   and goes on so does stick half way through, `δ = ½ w_T'`; one that touches, and slips in the increment by less than `τ w_T'`, did all of that
-//!   before it touched and sticks `δ = τ w_T' - Δw_T` farther on: its friction is off by that of holding it there, and by twice itself at most;
-//! - that is an error `e = (e_u, e_p)` of the solution, `K e_u + Cᵀ e_p = 0` along the cases at its end: `w_T(e)` is `δ` more
-//!   than before at nodes that begin to stick and stays at those that stick, and slip loses it;
-//! - the work is `Σ ½ (μ_0 p_n0 + μ_1 p_n1) |Δw_T|` with both forces and the slip corrected by `e`, and with `|δ|` of those that
-//!   stuck. Where nodes slide in a plane, that is all that is done, with `e = 0`; nodes that begin to stick are counted.
+//! - A node that was open touches after the share `τ = gap / (w_n' - g')` of the increment and has slid `δ = τ w_T'`
+//!   by then. A node that slips and would continue to do so sticks half way through, `δ = ½ w_T'`. A node that
+//!   touches, and slips in the increment by less than `τ w_T'`, did all of that before it touched and sticks
+//!   `δ = τ w_T' - Δw_T` farther on: its friction error is the force that holds it there, at most twice its friction.
+//! - This gives an error `e = (e_u, e_p)` of the solution, `K e_u + Cᵀ e_p = 0` along the cases at its end: `w_T(e)`
+//!   grows by `δ` at nodes that begin to stick, is constant at sticking nodes, and vanishes by slip.
+//! - The work is `Σ ½ (μ_0 p_n0 + μ_1 p_n1) |Δw_T|` with both forces and the slip corrected by `e`, and with `|δ|` of
+//!   the nodes that began to stick. If nodes slide in a plane, only this is done, with `e = 0`, and nodes that begin
+//!   to stick are counted.
 //!
-//! So an increment costs one solve for the rate, with the factors at its start, and one for `e`, with those at its end. One in which
-//! the first nodes touch and slide costs another factorization.
+//! An increment therefore costs one solve for the rate, with the factors at its start, and one for `e`, with those at
+//! its end. An increment in which the first nodes touch and slide costs another factorisation.
 
 use crate::algebra::linear::{LinearError, RefinedSolver};
 use crate::base::units::Scaling;
@@ -25,52 +27,53 @@ use crate::solver::newton::Bn;
 use crate::solver::problem::{ContactProblem, Increment};
 use serde::{Deserialize, Serialize};
 
-/// Loads that change in directions with a smaller cosine between them change in different ones.
+/// Load changes count as having different directions if the cosine between them is smaller.
 const CORNER: f64 = 0.9;
 
-/// Slip that is a smaller share of what nodes do is rounding, and so is a smaller share of an increment.
+/// A smaller share of the slip in the motion of the nodes, or of a time in the increment, counts as rounding.
 const NEGLIGIBLE: f64 = 1e-9;
 
-/// A node that slides in an increment, though it sticks, counts where its friction may be off by a larger share of the largest friction of all nodes
-/// so far: a smaller error is no warning.
+/// A node that slides in an increment although it should stick counts if its friction error may exceed this share of
+/// the largest friction of all nodes so far. Smaller errors give no warning.
 const NOTABLE: f64 = 0.05;
 
-/// What the increments of a history do to its work of friction and to its tangential forces, estimated.
+/// The estimated time-step error of a history's friction work and tangential forces.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct IncrementError {
-    /// The work that friction dissipated as the increments have it, J; in two dimensions J per m of depth.
+    /// The computed work that friction dissipated, J; in two dimensions J per m of depth.
     pub friction_work: f64,
-    /// The better value.
+    /// The corrected work, J; in two dimensions J per m of depth.
     pub friction_work_corrected: f64,
-    /// The share of the work that is due to the increments; negative where it is too small.
+    /// The relative time-step error of the work; negative if the computed work is too small.
     pub work_error: f64,
-    /// The largest error of the tangential forces relative to their largest values; none where nodes slide in a plane.
+    /// The largest error of the tangential forces relative to their largest values; `None` if nodes slide in a plane.
     pub force_error: Option<f64>,
-    /// The increments, or parts of them, in which nodes began to stick that were open or slipped when it began.
+    /// The number of increments or substeps in which nodes began to stick that were open or slipping at the start.
     pub sticking_begins: usize,
-    /// The fewest increments of a stretch in which loads change in one direction and nodes begin to stick.
+    /// The smallest number of increments in a load segment (loads change in one direction) in which nodes begin to
+    /// stick.
     pub fewest: Option<usize>,
 }
 
-/// What the increments so far have done, and the end of the last one.
+/// The accumulated time-step error, and the end of the last increment.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct IncrementErrors {
     scaling: Scaling,
-    /// Whether no node slides in a plane.
+    /// `true` if no node slides in a plane.
     is_straight: bool,
     force: Vec<f64>,
     gap: Vec<f64>,
     nodes: Vec<Node>,
-    /// How the loads changed in the last increment.
+    /// The change of the loads in the last increment.
     change: Vec<f64>,
-    /// The increments since loads have changed their direction, and whether nodes began to stick in them.
+    /// The number of increments since the loads changed direction, and `true` if nodes began to stick in them.
     stretch: (usize, bool),
     fewest: Option<usize>,
     sticking_begins: usize,
     work: f64,
     corrected: f64,
-    /// The largest sizes of `e_p` and of `p_T`.
+    /// The largest norms of `e_p` and of `p_T`.
     largest: [f64; 2],
 }
 
@@ -79,41 +82,43 @@ pub struct IncrementErrors {
 struct Node {
     closed: bool,
     case: TangentialCase,
-    /// `g - w_n`, 0 or more.
+    /// `g - w_n`, nonnegative.
     distance: f64,
     p_n: f64,
     mu: f64,
     w: [f64; 2],
-    /// `e`: of `w_T` and of `p_n`.
+    /// The error `e` of `w_T`; `error_p` has that of `p_n`.
     error_w: [f64; 2],
     error_p_n: f64,
 }
 
 impl Node {
-    /// Apart, or in contact before anything is known of it.
+    /// Creates a node that is open, or closed with unknown tangential case.
     fn at(distance: f64, w: [f64; 2]) -> Self {
         let closed = distance <= 0.0;
         let case = if closed { TangentialCase::Stick } else { TangentialCase::NoPressure };
         Node { closed, case, distance: positive(distance), p_n: 0.0, mu: 0.0, w, error_w: [0.0; 2], error_p_n: 0.0 }
     }
 
-    /// Whether it was apart, or slipped while loads went the same way, and sticks now; the farthest node tells what is rounding.
+    /// Returns `true` if the node was open, or slipped while the loads kept their direction, and sticks now. The
+    /// farthest node sets the size of rounding.
     fn begins_to_stick(&self, now: TangentialCase, farthest: f64, turned: bool) -> bool {
         let slipped = matches!(self.case, TangentialCase::Slip { .. }) && !turned;
         now == TangentialCase::Stick && (slipped || self.distance > NEGLIGIBLE * farthest)
     }
 
-    /// Whether it has a way to go before it touches.
+    /// Returns `true` if the node is at a distance from the obstacle.
     fn is_open(&self) -> bool {
         self.distance > 0.0
     }
 }
 
-/// What nodes set out to do in an increment: the approach and the slip of each, if nothing changes its case.
+/// The initial rate of an increment: the approach and the slip of each node if no node changes its case.
 pub(super) type Rate = Vec<(f64, [f64; 2])>;
 
 impl IncrementErrors {
-    /// Before the first increment, with these gaps (m) in front of the unloaded body; none where nothing has friction.
+    /// Creates the estimate before the first increment, with these gaps (m) of the unloaded body. Returns `None` if
+    /// no node has friction.
     pub(super) fn new(problem: &ContactProblem, formulation: &Bdiff, gap: &[f64]) -> Option<Self> {
         let (layout, scaling) = (formulation.layout(), *formulation.scaling());
         let contacts = 0..layout.contacts();
@@ -137,8 +142,8 @@ impl IncrementErrors {
         })
     }
 
-    /// Goes on where the equations of some contact `nodes` have been left at `time` (s), with all displacements (m) as given: with
-    /// others added, which were open.
+    /// Continues with another working set at `time` (s), given all displacements (m). The errors of the `nodes` in
+    /// the old working set are kept; nodes that join were open.
     pub(super) fn go_on_from(
         &mut self,
         before: &IncrementErrors,
@@ -169,14 +174,14 @@ impl IncrementErrors {
         *self = IncrementErrors { force: forces, gap, nodes, change: Vec::new(), ..*before };
     }
 
-    /// Whether those that were put away are of the same problem.
+    /// Returns `true` if the snapshot `kept` has the sizes of this problem.
     pub(super) fn fit(&self, kept: &IncrementErrors) -> bool {
         let sizes = |of: &IncrementErrors| [of.force.len(), of.gap.len(), of.nodes.len()];
         let known = sizes(kept)[0] + 3 * sizes(kept)[1];
         sizes(self) == sizes(kept) && [0, known].contains(&kept.change.len())
     }
 
-    /// What has come out so far.
+    /// Returns the estimate so far.
     pub(super) fn found(&self) -> IncrementError {
         let joule = self.scaling.force * self.scaling.length;
         let [error, force] = self.largest;
@@ -191,14 +196,14 @@ impl IncrementErrors {
         }
     }
 
-    /// With the stretch on the way.
+    /// Returns the smallest number of increments, including the load segment in progress.
     fn fewest_so_far(&self) -> Option<usize> {
         let (increments, sticks) = self.stretch;
         let now = sticks.then_some(increments);
         self.fewest.into_iter().chain(now).min()
     }
 
-    /// The rate at which the solution sets out into an increment that has not begun yet, where that is needed and can be told.
+    /// Returns the initial rate of the next increment, if it is needed and can be computed.
     pub(super) fn rate(
         &self,
         increment: &Increment<'_>,
@@ -214,7 +219,7 @@ impl IncrementErrors {
             return Ok(None);
         }
         let cases: Vec<_> = self.nodes.iter().map(|node| (node.closed, node.case)).collect();
-        // Springs that tie a free body would carry the loads.
+        // Pinning springs of an unconstrained mode would carry the loads.
         if !linearized(&cases, formulation, bn, linear)? || formulation.is_tied() {
             return Ok(None);
         }
@@ -238,7 +243,7 @@ impl IncrementErrors {
         Ok(Some(rate.into_iter().map(|(approach, slip)| (approach, still(slip))).collect()))
     }
 
-    /// Takes the increment in that ends at `z`, which set out at this `rate`.
+    /// Adds the increment that ends at `z`, which had this initial `rate`.
     pub(super) fn follow(
         &mut self,
         rate: Option<&Rate>,
@@ -264,7 +269,7 @@ impl IncrementErrors {
             let node = &self.nodes[i];
             sticks |= if self.is_straight { begin.sticks } else { node.begins_to_stick(cases[i].1, farthest, turned) };
             if turned && !node.is_open() {
-                // The rate goes on along the old cases, where it may run the wrong way.
+                // The rate follows the old cases, along which it may have the wrong direction.
                 begin.delta = [0.0; 2];
             }
         }
@@ -300,10 +305,12 @@ impl IncrementErrors {
         Ok(())
     }
 
-    /// The largest error of the friction of nodes that stick where they touch, though the increment has them slide.
+    /// Returns the largest friction error of nodes that should stick where they touch, although the increment lets
+    /// them slide.
     ///
-    /// These nodes are those of the first touch: the rate is theirs, and others may have been held up by them. Their error is solved for
-    /// with them held at the places where they touch, and is not carried on, since the cases of later increments are not theirs.
+    /// These are the nodes of the first touch: the rate is valid for them, and may not be for later ones. Their error
+    /// is solved for with the nodes clamped where they touch. It is not carried on, since later increments have other
+    /// cases.
     #[allow(clippy::too_many_arguments)]
     fn held_at_first_touch(
         &self,
@@ -317,17 +324,17 @@ impl IncrementErrors {
         z: &[f64],
     ) -> Result<f64, LinearError> {
         let slips = |node: &Node| matches!(node.case, TangentialCase::Slip { .. });
-        // Nodes that slip may stick where loads turn, and then the rate along their cases is that of another way.
+        // Slipping nodes may stick when loads change direction; then the rate along their cases is wrong.
         let is_led = !(turned && self.nodes.iter().any(slips));
         let first = begins.iter().filter_map(|begin| begin.touches).fold(f64::INFINITY, f64::min);
         let notable = NOTABLE * self.largest[1].max(friction_of_all(formulation, weight, z));
-        // Friction is within the cone, so that it may be off by the width of that at most: by twice what it is.
+        // Friction stays within the cone, so its error is at most the width of the cone, twice its size.
         let width = |formulation: &Bdiff, i: usize| 2.0 * friction_at(formulation, weight, i, z);
         let mut held_cases = cases.to_vec();
         let mut held = Vec::new();
         for (i, begin) in begins.iter_mut().enumerate() {
             if begin.sticks && matches!(cases[i].1, TangentialCase::Slip { .. }) {
-                // A touch that was not seen to come counts as one at the end.
+                // A touch that the rate did not predict counts as one at the end.
                 let is_first = begin.touches == Some(first) && first < 1.0;
                 if is_first && is_led && width(formulation, i) > notable {
                     held_cases[i].1 = TangentialCase::Stick;
@@ -349,7 +356,7 @@ impl IncrementErrors {
         Ok(largest)
     }
 
-    /// Whether loads change in another direction than in the increment before.
+    /// Returns `true` if the loads change in another direction than in the increment before.
     fn turn(&mut self, formulation: &Bdiff) -> bool {
         let nodes = self.nodes.iter().enumerate().map(|(i, node)| (node, formulation.at_node(i)));
         let forces = formulation.force().iter().zip(&self.force).map(|(now, before)| now - before);
@@ -371,7 +378,7 @@ impl IncrementErrors {
         turned
     }
 
-    /// `e` at the end of an increment with these cases; none where it is 0, or cannot be told.
+    /// Returns `e` at the end of an increment with these cases, or `None` if it is 0 or cannot be computed.
     fn transport(
         &self,
         cases: &[(bool, TangentialCase)],
@@ -395,18 +402,19 @@ impl IncrementErrors {
     }
 }
 
-/// The tangential force of node `i` at `z`, by the root of its weight.
+/// Returns the tangential force of node `i` at `z`, divided by the square root of its weight.
 fn friction_at(formulation: &Bdiff, weight: Option<&[f64]>, i: usize, z: &[f64]) -> f64 {
     length(formulation.p_t(i, z)) / weight.map_or(1.0, |l| l[i]).sqrt()
 }
 
-/// The root of the sum of the squares of these of all nodes.
+/// Returns the root of the sum of squares of [`friction_at`] over all nodes.
 fn friction_of_all(formulation: &Bdiff, weight: Option<&[f64]>, z: &[f64]) -> f64 {
     let nodes = 0..formulation.layout().contacts();
     nodes.map(|i| friction_at(formulation, weight, i, z).powi(2)).sum::<f64>().sqrt()
 }
 
-/// Linearises for these cases with factors, if they are not those of the last linearisation; whether that can be solved with.
+/// Linearises and factors for these cases, unless the last linearisation has them. Returns `true` if the matrix is
+/// regular.
 fn linearized(
     cases: &[(bool, TangentialCase)],
     formulation: &mut Bdiff,
@@ -420,7 +428,7 @@ fn linearized(
     bn.factor(formulation, linear)
 }
 
-/// The answer of the last linearisation; none where there is none in numbers.
+/// Solves with the last linearisation. Returns `None` if the solution is not finite.
 fn solved(linear: &mut RefinedSolver, b: &[f64]) -> Result<Option<Vec<f64>>, LinearError> {
     let mut x = vec![0.0; b.len()];
     match linear.solve_roughly(b, &mut x) {
@@ -430,36 +438,37 @@ fn solved(linear: &mut RefinedSolver, b: &[f64]) -> Result<Option<Vec<f64>>, Lin
     }
 }
 
-/// How a node comes into contact, or to stick, within an increment.
+/// The way in which a node touches or begins to stick within an increment.
 #[derive(Debug, Clone, Copy, Default)]
 struct Begin {
-    /// Whether it sticks from within the increment on.
+    /// `true` if it begins to stick within the increment.
     pub sticks: bool,
-    /// Whether it slipped before that.
+    /// `true` if it slipped before that.
     pub slipped: bool,
-    /// The share of the increment after which it touches.
+    /// The share of the increment after which the node touches.
     pub touches: Option<f64>,
-    /// How far from where the increment has it the node sticks.
+    /// The distance of the sticking position from that in the increment.
     pub delta: [f64; 2],
-    /// Of a node that slips in the end, how far it moved before it touched.
+    /// The motion before the touch, for a node that slips at the end.
     pub before_touch: [f64; 2],
 }
 
 impl Begin {
-    /// Of a node that ends the increment in this `case`, after a `slip` from where it was `before`, and set out at this `rate`.
+    /// Computes this for a node that was `before` at the start, had this `rate`, moved by `slip` and ends in this
+    /// `case`.
     fn of(before: &Node, case: TangentialCase, slip: [f64; 2], rate: Option<(f64, [f64; 2])>) -> Self {
         let Some((approach, pace)) = rate else { return Begin::default() };
         let ahead = |share: f64| pace.map(|w| share * w);
         match (before.case, case) {
             _ if before.is_open() && case != TangentialCase::NoPressure => {
-                // What was not seen to close closes at the end.
+                // A node that closes without being predicted closes at the end.
                 let share = if approach > 0.0 { (before.distance / approach).min(1.0) } else { 1.0 };
                 let share = if share > NEGLIGIBLE { share } else { 0.0 };
                 let moved = ahead(share);
                 let (farther, before_touch, falls_short) = match case {
                     TangentialCase::Slip { direction, .. } => {
                         let farther = [moved[0] - slip[0], moved[1] - slip[1]];
-                        // The increment takes its way to where it touched for slip.
+                        // The increment counts the motion before the touch as slip.
                         let short = direction[0] * farther[0] + direction[1] * farther[1];
                         (farther, moved, short > NEGLIGIBLE * length(moved))
                     }

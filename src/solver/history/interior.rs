@@ -1,8 +1,9 @@
-//! The states of the whole body at the ends of increments that were solved on the contact displacements.
+//! Recovery of the whole body's states at the ends of increments that were solved on the contact displacements.
 //!
-//! The interior follows from them (35), for several increments at once: the factors and `K` are read once for all. Where that
-//! leaves a law of equilibrium violated by more than rounding, as in slender bodies, the whole system is refined: its imbalance,
-//! reduced, is solved for with the linearisation of that state, and the interior follows the change.
+//! The interior follows from the contact displacements (35). Several increments are recovered at once, so that the
+//! factors and `K` are read only once. If equilibrium is violated by more than rounding, as in slender bodies, the
+//! whole system is refined: its imbalance is reduced and solved for with the linearisation of that state, and the
+//! interior follows from the change.
 
 use super::settings::HistorySettings;
 use super::task::{IncrementSolver, Response};
@@ -17,13 +18,13 @@ use crate::solver::loading::Loading;
 use crate::solver::problem::{ContactProblem, State};
 use rayon::prelude::*;
 
-/// The componentwise backward error of the whole system that needs no refinement.
+/// The largest componentwise backward error of the whole system without refinement.
 const BACKWARD_ERROR: f64 = 1e-14;
 
-/// One serves where rounding alone is to blame; slender bodies gain five or six digits by each.
+/// The number of refinements. One suffices against rounding alone; in slender bodies each gains five or six digits.
 const REFINEMENTS: usize = 4;
 
-/// A condensed body, and the whole one that it stands for.
+/// A condensed body and the whole body that it represents.
 #[derive(Clone, Copy)]
 pub(super) struct InteriorRecovery<'a> {
     pub problem: &'a ContactProblem,
@@ -37,19 +38,19 @@ pub(super) struct RecoveredState {
     pub state: State,
     /// [`ContactProblem::imbalance`], N.
     pub imbalance: Vec<f64>,
-    /// The componentwise backward error of the equations of equilibrium, whose contact forces are given.
+    /// The componentwise backward error of the equations of equilibrium with given contact forces.
     pub backward_error: f64,
 }
 
 impl RecoveredState {
-    /// The largest imbalance, N.
+    /// Returns the largest imbalance, N.
     fn violation(&self) -> f64 {
         self.imbalance.iter().fold(0.0_f64, |m, r| m.max(r.abs()))
     }
 }
 
 impl InteriorRecovery<'_> {
-    /// The states at these times (s), by those of the condensed problem and the external forces there.
+    /// Computes the states at these times (s) from those of the condensed problem and from the external forces.
     pub(super) fn states(
         &self,
         ends: &[(f64, State)],
@@ -66,7 +67,7 @@ impl InteriorRecovery<'_> {
         Ok(states.into_iter().zip(balances).map(balanced).collect())
     }
 
-    /// Imbalance and backward error of as many states as go side by side.
+    /// Returns imbalance and backward error of several states, which are computed side by side.
     fn balances(&self, states: &[State], forces: &[Vec<f64>]) -> Vec<(Vec<f64>, f64)> {
         let problem = self.problem;
         let u = side_by_side(problem.displacements(), states.iter().map(|state| &state.u[..]));
@@ -83,17 +84,17 @@ impl InteriorRecovery<'_> {
         states.iter().zip(forces).enumerate().map(balanced).collect()
     }
 
-    /// Whether a state needs no refinement; `scales` are those that include it.
+    /// Returns `true` if a state needs no refinement. `scales` must include this state.
     pub(super) fn needs_no_refinement(&self, balanced: &RecoveredState, scales: &KktScales) -> bool {
         balanced.backward_error <= BACKWARD_ERROR && balanced.violation() <= self.allowed(scales)
     }
 
-    /// A tenth, as the rounding of the imbalance counts, too.
+    /// Returns the largest admissible imbalance: a tenth of the tolerance, since the imbalance itself is rounded.
     fn allowed(&self, scales: &KktScales) -> f64 {
         0.1 * self.settings.tolerance * scales.force
     }
 
-    /// The state that the method has reached under `force`, refined where it needs that by how its contact nodes respond.
+    /// Returns the method's state under `force`, refined if needed by the response of its contact nodes.
     pub(super) fn refined(
         &self,
         balanced: RecoveredState,
@@ -110,7 +111,7 @@ impl InteriorRecovery<'_> {
             let mut state = reached.state.clone();
             let mut imbalance = reached.imbalance.clone();
             if reached.violation() > self.allowed(&scales) {
-                // Below the rounding of u: its second word is needed.
+                // The correction is below the rounding of u, so the low-order part is needed.
                 state.u_rest.resize(state.u.len(), 0.0);
                 imbalance = self.problem.imbalance(force, &state);
             }
@@ -131,7 +132,7 @@ impl InteriorRecovery<'_> {
         Ok(reached)
     }
 
-    /// Takes an imbalance off a state.
+    /// Corrects a state by the response to its imbalance.
     fn correct(&self, imbalance: &[f64], state: &mut State, contact: &mut dyn Responds) -> Result<(), LinearError> {
         let forces = self.condensed.reduce(&imbalance.iter().map(|r| -r).collect::<Vec<_>>())?;
         let change = contact.respond(&self.condensed.on_contact(&forces))?;
@@ -150,15 +151,15 @@ impl InteriorRecovery<'_> {
     }
 }
 
-/// How a condensed problem responds to forces while no node changes its status.
+/// The response of a condensed problem to forces while no node changes its status.
 pub(super) trait Responds {
-    /// Whether it does: with statuses that hold the body.
+    /// Returns `true` if the statuses hold the body, so that a response exists.
     fn is_regular(&mut self) -> Result<bool, LinearError>;
 
-    /// What forces on its displacements (N) change.
+    /// Returns the change of the state due to forces on its displacements (N).
     fn respond(&mut self, forces: &[f64]) -> Result<State, LinearError>;
 
-    /// Goes on from the state with the last response.
+    /// Adds the last response to the state.
     fn go_on(&mut self);
 }
 
@@ -172,7 +173,7 @@ pub(super) struct Linearized<'m> {
 }
 
 impl<'m> Linearized<'m> {
-    /// That of the state that the `method` has reached, of a condensed `problem`.
+    /// Creates the response at the state that the `method` has reached on a condensed `problem`.
     pub(super) fn new(
         method: &'m mut dyn IncrementSolver,
         linear: &'m mut RefinedSolver,
@@ -207,7 +208,7 @@ impl Responds for Linearized<'_> {
     }
 }
 
-/// The componentwise backward error of the equations of equilibrium; `sizes` are `|K| |u|`.
+/// Returns the componentwise backward error of the equations of equilibrium; `sizes` are `|K| |u|`.
 fn backward_error(
     problem: &ContactProblem,
     state: &State,
@@ -228,7 +229,7 @@ fn backward_error(
     })
 }
 
-/// The body's answer to each load case while the contact nodes are held.
+/// The response of the body to each load case with clamped contact nodes.
 pub(super) struct ClampedBody {
     /// `∂(u, p_t, p_n)/∂factor` per case, scaled.
     answers: Vec<Vec<f64>>,
@@ -237,8 +238,9 @@ pub(super) struct ClampedBody {
 }
 
 impl ClampedBody {
-    /// One factorisation with held contacts and one solve per load case. The inner `Err` tells that
-    /// the body is free even then, and by which weights of its free motions if that is why.
+    /// Computes the responses by one factorisation with clamped contact nodes and one solve per load case. The inner
+    /// `Err` means that the body is unconstrained even then, and has the weights of its rigid modes if they are the
+    /// reason.
     pub(super) fn new(
         method: &mut dyn IncrementSolver,
         problem: &ContactProblem,
@@ -251,7 +253,7 @@ impl ClampedBody {
         }
         let layout = Layout::new(problem);
         let mut answers = Vec::with_capacity(loading.cases().len());
-        // Without contact nodes a Newton step does all there is to do.
+        // Without contact nodes one Newton step solves the increment.
         if problem.contacts() > 0 && !loading.cases().is_empty() {
             match linear.factorize(method.matrix()) {
                 Ok(_) => {}
@@ -275,7 +277,7 @@ impl ClampedBody {
         Ok(Ok(ClampedBody { answers, layout, scaling: *scaling }))
     }
 
-    /// What the change of the load from one time to another does; `None` stands for the unloaded body.
+    /// Returns the response to the change of the load from one time to another; `None` means the unloaded body.
     pub(super) fn response(&self, loading: &Loading, from: Option<f64>, to: f64) -> Response {
         let mut u = vec![0.0; self.answers.first().map_or(0, Vec::len)];
         for (case, answer) in loading.cases().iter().zip(&self.answers) {

@@ -1,4 +1,4 @@
-//! IP along a history: the paper's starting points.
+//! The paper's interior point method along a history, with its starting points.
 
 use super::method::Start;
 use super::saved::{Snapshot, take_over};
@@ -105,7 +105,7 @@ impl IncrementSolver for IpMethod {
         self.formulation.layout().forces().unpacked(&self.z, self.formulation.scaling())
     }
 
-    /// What is positive, and no force, is away from the border.
+    /// Moves the positive unknowns that are not forces away from the border.
     fn go_on_from(&mut self, state: &State) {
         let forces = self.formulation.layout().forces();
         let z = forces.packed(state, self.formulation.scaling());
@@ -126,7 +126,7 @@ impl IncrementSolver for IpMethod {
     }
 }
 
-/// `p_n = l`, everything else that is positive 1, the rest 0; in MN, m and 10⁻⁵ m.
+/// Returns the first point: `p_n = l`, all other positive unknowns 1, the rest 0; in MN, m and 10⁻⁵ m.
 fn first_point(layout: &SlackLayout, weight: &[f64]) -> Vec<f64> {
     let mut z = vec![0.0; layout.unknowns()];
     for pair in layout.pairs() {
@@ -140,8 +140,8 @@ fn first_point(layout: &SlackLayout, weight: &[f64]) -> Vec<f64> {
     z
 }
 
-/// Moves the positive unknowns away from the border, each block to a tenth of its largest value
-/// or, where that is small, to a tenth of 0.1 MN or of 10⁻⁵ m.
+/// Moves the positive unknowns away from the border: each block to a tenth of its largest value, but at least to a
+/// tenth of 0.1 MN or of 10⁻⁵ m.
 fn move_to_safe_point(layout: &SlackLayout, z: &mut [f64]) {
     let n_c = layout.forces().contacts();
     let pairs: Vec<_> = layout.pairs().collect();
@@ -157,8 +157,8 @@ fn move_to_safe_point(layout: &SlackLayout, z: &mut [f64]) {
     }
 }
 
-/// Raises `s` where its cone row `s - μ p_n ± p_t` is not positive, so that the row is what `s` was.
-/// The safe point takes no account of these rows, and the first point does so while `μ l < 1`.
+/// Raises `s` if its cone row `s - μ p_n ± p_t` is not positive, so that the row gets the former value of `s`. The
+/// safe point ignores these rows, and the first point satisfies them only if `μ l < 1`.
 fn enter_cone(layout: &SlackLayout, mu: &[f64], z: &mut [f64]) {
     for (i, mu) in mu.iter().enumerate() {
         let Some(p_t) = layout.forces().p_t(i) else { continue };

@@ -1,7 +1,8 @@
-//! A jump: where the quasi-static motion ends, an increment to one of the states that the laws of an increment allow beyond it.
+//! Jumps: increments beyond the end of the quasi-static motion, to a state that the laws of an increment allow.
 //!
-//! Which of them a body comes to is a question of dynamics. Newton's method tries from the state that was reached, the interior
-//! point method from its own; and where neither gets to the end of the increment, they try half of the way, a quarter, and so on.
+//! Which of these states a body reaches is a question of dynamics. Newton's method starts from the last state, the
+//! interior point method from a point of its own. If neither reaches the end of the increment, both try half of the
+//! increment, a quarter, and so on.
 
 use super::driver::HistoryDriver;
 use super::record::{IncrementRecord, Status};
@@ -15,38 +16,38 @@ use crate::solver::loading::Loading;
 use crate::solver::problem::{ContactProblem, State};
 use std::time::Instant;
 
-/// From where a jump starts, or increments that are solved again.
+/// The start of a jump, or of increments that are solved again.
 pub(crate) struct RestartPoint<'a> {
     pub problem: &'a ContactProblem,
     pub loading: &'a Loading,
     pub settings: &'a HistorySettings,
     /// The time at which the motion ended, s.
     pub time: f64,
-    /// The state then.
+    /// The state at that time.
     pub state: State,
     pub scales: KktScales,
 }
 
-/// Where a jump has come to.
+/// The result of a jump.
 pub(super) struct Landed {
     /// The time, s.
     pub time: f64,
-    /// The state then.
+    /// The state at that time.
     pub state: State,
-    /// What became of the increment.
+    /// The record of the increment.
     pub record: IncrementRecord,
 }
 
-/// The linear algebra of a jump.
+/// The linear solver of a jump.
 pub(crate) enum JumpSolver<'m> {
-    /// That of the whole body.
+    /// The solver of the whole body.
     Whole(&'m mut RefinedSolver),
-    /// That of the condensed one.
+    /// The factorisation of the condensed body.
     Condensed(&'m Condensation),
 }
 
 impl RestartPoint<'_> {
-    /// Jumps to the time `to` (s), or as far on the way as a solution is found; `None` where there is none.
+    /// Jumps to the time `to` (s), or as far towards it as a solution is found. Returns `None` if none is found.
     ///
     /// # Errors
     /// As [`super::run`].
@@ -66,7 +67,8 @@ impl RestartPoint<'_> {
         Ok(None)
     }
 
-    /// Solves the increments that end at `times` (s), as far as they converge; `observer` sees them. The verdict of the last one.
+    /// Solves the increments that end at `times` (s), as far as they converge, and shows them to `observer`. Returns
+    /// the last outcome.
     ///
     /// # Errors
     /// As [`super::run`].

@@ -6,71 +6,73 @@ use serde::{Deserialize, Serialize};
 
 use crate::solver::formulation::{NewtonSystem, Partition};
 
-/// The error of every law that is allowed where nobody says otherwise; rounding leaves far less.
+/// The default tolerance of the error of every law. Rounding leaves far less.
 const TOLERANCE: f64 = 1e-10;
 
-/// The paper's interior point method ends at an absolute `Theta`, which leaves errors of up to
-/// 1e-7 on the paper's problems.
+/// The default tolerance of the paper's interior point method, whose stop at an absolute `Theta` leaves errors of up
+/// to 1e-7 on the paper's problems.
 const PAPER_IP_TOLERANCE: f64 = 1e-6;
 
-/// The algorithm for one increment, with the constants and conventions that go with it: without a number to guess, or
-/// those behind the tables of Christensen, Klarbring, Pang and Strömberg (1998).
+/// The algorithm for one increment, with its constants and conventions: defaults without tuning, or those behind the
+/// tables of Christensen, Klarbring, Pang and Strömberg (1998).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
-    /// The B-differentiable Newton method without a number to guess.
+    /// The B-differentiable Newton method without tuning.
     Bn {
-        /// What `r`, which comes from the problem, is multiplied by: 1 but for studies of it.
+        /// The factor on `r`, which comes from the problem; 1 except for studies of `r`.
         r_factor: f64,
-        /// Whether the increments that it does not solve are left to the interior point method.
+        /// `true` if the interior point method takes over increments that BN does not solve.
         rescue: bool,
     },
     /// The B-differentiable Newton method with the constants of the paper.
     PaperBn,
-    /// No increments but the exact path in time, from event to event; where nodes slide along lines, as in the plane.
+    /// The exact path in time, from event to event, instead of increments. All nodes must slide along lines, as in
+    /// the plane.
     Events {
-        /// Whether a path that is lost goes on with a jump, to one of the states that the laws of an increment allow.
+        /// `true` if the path continues by a jump beyond the end of the quasi-static motion, to a state that the laws
+        /// of an increment allow.
         jump: bool,
     },
-    /// The predictor–corrector interior point method, without a number to guess.
+    /// The predictor–corrector interior point method, without tuning.
     Ip {
         /// The linear system of a direction.
         newton: NewtonSystem,
     },
     /// The potential reduction interior point method with the constants and starting points of the paper.
     PaperIp {
-        /// Where an increment starts.
+        /// The starting point of an increment.
         start: Start,
-        /// Which rows stay positive.
+        /// The rows that stay positive.
         partition: Partition,
         /// The linear system of a direction.
         newton: NewtonSystem,
     },
 }
 
-/// Where the paper's interior point method starts the increments after the first.
+/// The starting point of the paper's interior point method in the increments after the first.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Start {
-    /// Away from the border: `u` and `p_t` of the last solution, the positive unknowns uniform, a
-    /// tenth of their largest values there.
+    /// A point away from the border: `u` and `p_t` of the last solution, and the positive unknowns uniform, a tenth
+    /// of their largest values there.
     Safe,
-    /// At the last solution; from the safe point if that fails.
+    /// The last solution, and the safe point if that fails.
     Prev {
-        /// The search gives up below this step.
+        /// The step below which the search gives up.
         shortest_step: f64,
         /// `σ_{k+1} / σ_k` far from the solution.
         far: f64,
-        /// After so many iterations the increment begins again from the safe point.
+        /// The number of iterations after which the increment restarts from the safe point.
         patience: usize,
     },
 }
 
 impl Start {
-    /// The paper's *prev* for the block: `σ` falls slowly, and 30 iterations must do.
+    /// The paper's *prev* for the block: `σ` falls slowly, and the limit is 30 iterations.
     pub const PREV: Start = Start::Prev { shortest_step: 0.01, far: 0.95, patience: 30 };
 
-    /// The same without giving up.
+    /// Removes the limits after which the method restarts from the safe point.
     #[must_use]
     pub fn patient(self) -> Self {
         match self {
@@ -84,18 +86,18 @@ impl Method {
     /// The exact path in time, without jumps.
     pub const EVENTS: Method = Method::Events { jump: false };
 
-    /// BN without a number to guess.
+    /// BN without tuning.
     pub const BN: Method = Method::Bn { r_factor: 1.0, rescue: true };
 
-    /// The interior point method without a number to guess.
+    /// The interior point method without tuning.
     pub const IP: Method = Method::Ip { newton: NewtonSystem::Reduced };
 
-    /// The paper's interior point method, with its products partition and reduced system.
+    /// Returns the paper's interior point method, with its products partition and reduced system.
     pub fn paper_ip(start: Start) -> Self {
         Method::PaperIp { start, partition: Partition::Products, newton: NewtonSystem::Reduced }
     }
 
-    /// `bn`, `ip` or `events`, as scenes and reports call it.
+    /// Returns the name in scenes and reports: `bn`, `ip` or `events`.
     pub fn name(self) -> &'static str {
         match self {
             Method::Events { .. } => "events",
@@ -104,22 +106,23 @@ impl Method {
         }
     }
 
-    /// `paper` or `default`, as scenes and reports call its constants.
+    /// Returns the name of the constants in scenes and reports: `paper` or `default`.
     pub fn setting(self) -> &'static str {
         if self.is_of_paper() { "paper" } else { "default" }
     }
 
-    /// Whether it is an interior point method.
+    /// Returns `true` if it is an interior point method.
     pub fn is_interior(self) -> bool {
         matches!(self, Method::Ip { .. } | Method::PaperIp { .. })
     }
 
-    /// Whether it has the constants of the paper, which want moduli near 2e11 Pa and the weights of the contact nodes.
+    /// Returns `true` if it has the constants of the paper, which need moduli near 2e11 Pa and the weights of the
+    /// contact nodes.
     pub fn is_of_paper(self) -> bool {
         matches!(self, Method::PaperBn | Method::PaperIp { .. })
     }
 
-    /// The error of every law that is allowed where nobody says otherwise.
+    /// Returns the default tolerance of the error of every law.
     pub fn default_tolerance(self) -> f64 {
         if let Method::PaperIp { .. } = self { PAPER_IP_TOLERANCE } else { TOLERANCE }
     }

@@ -1,4 +1,4 @@
-//! Watching a history.
+//! Observers of a history.
 
 use super::record::{ContactCounts, IncrementRecord, Seconds};
 use super::state::IncrementResult;
@@ -12,54 +12,54 @@ use std::ops::ControlFlow;
 /// An increment with its data and state, for an observer.
 #[derive(Debug, Clone, Copy)]
 pub struct IncrementView<'a> {
-    /// The record.
+    /// The record of the increment.
     pub record: &'a IncrementRecord,
-    /// What drove the increment.
+    /// The data of the increment.
     pub increment: &'a Increment<'a>,
-    /// The state at its end.
+    /// The state at the end of the increment.
     pub state: &'a State,
     /// The status of each contact node.
     pub statuses: &'a [ContactStatus],
 }
 
-/// Watches a history: for progress, files, plots, or to stop it.
+/// An observer of a history: for progress, files and plots, or to stop it.
 pub trait Observer {
-    /// When the patterns are analysed and the first matrix is factored, before the first increment.
+    /// Called before the first increment, when the patterns are analysed and the first matrix is factored.
     fn ready(&mut self) {}
-    /// Whether it wants to see increment `index` before the next one is begun. On a condensed body increments that nobody waits
-    /// for are solved up to sixteen at a time, and shown, each with its verdict, when all of them are judged: that takes less
-    /// time, and iterations of later ones have been told by then.
+    /// Returns `true` if the observer must see increment `index` before the next one begins. Otherwise up to sixteen
+    /// increments on a condensed body are solved as one batch, which takes less time. They are shown, each with its
+    /// verdict, after the whole batch is judged. Iterations of later increments have been reported by then.
     fn waits_for(&mut self, _index: usize) -> bool {
         true
     }
-    /// At the start of the iteration of increment `index`, and after each of its steps.
+    /// Called at the start of the iteration of increment `index`, and after each of its steps.
     fn iteration(&mut self, _index: usize, _record: &IterationRecord) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
-    /// After each step of increment `index`, before [`Observer::iteration`]: the linearised equations that gave it, as
-    /// they were solved. Where the body is condensed, they are those of the contact displacements.
+    /// Called after each step of increment `index`, before [`Observer::iteration`], with the linearised equations of
+    /// the step as they were solved. If the body is condensed, they are those of the contact displacements.
     fn linear_system(&mut self, _index: usize, _system: &LinearSystem<'_>) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
 
-    /// After a contact node has changed its status in increment `index`, where the exact path is followed.
+    /// Called after a contact node has changed its status in increment `index` of an exact path.
     fn event(&mut self, _index: usize, _event: &Event) {}
 
-    /// After each part of an increment that had to be halved, but the one that ends it. The record is that of the increment
-    /// so far: its `time` is the end of the part, its `parts` the number of the part from 1.
+    /// Called after each substep of a halved increment except the last. The record is that of the increment so far:
+    /// its `time` is the end of the substep, its `parts` the number of the substep from 1.
     fn part(&mut self, _part: &IncrementView<'_>) {}
 
-    /// After each increment, the failed one included.
+    /// Called after each increment, including a failed one.
     fn increment(&mut self, _step: &IncrementView<'_>) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
 
-    /// Between two increments, and after the last: where the history can be taken up again. `here` makes the checkpoint, which
-    /// costs a copy of the state. Increments that are solved together have one such place, after all of them.
+    /// Called between two increments and after the last, where the history can be resumed. `here` makes the
+    /// checkpoint, which costs a copy of the state. A batch of increments has one such call, after all of them.
     fn rest(&mut self, _here: &dyn Fn() -> Checkpoint) {}
 }
 
-/// An observer that only lets things happen.
+/// An observer that does nothing.
 impl Observer for () {
     fn waits_for(&mut self, _index: usize) -> bool {
         false
@@ -81,8 +81,8 @@ impl Progress<'_> {
         if flow.is_break() { flow } else { self.observer.iteration(self.index, &iteration.record) }
     }
 
-    /// A part that ends at `time` before the increment does, by its `data` from where the body has been carried; observers are
-    /// shown its `increment` and `state` from where it was at first.
+    /// Reports a converged substep that ends at `time`. `data` is relative to the rigid offset; observers receive
+    /// `increment` and `state` relative to the initial configuration.
     pub(super) fn part(
         &mut self,
         time: f64,
@@ -98,7 +98,7 @@ impl Progress<'_> {
     }
 }
 
-/// What is recorded of an increment, or of it so far.
+/// Creates the record of an increment, or of an increment so far.
 pub(super) fn record(
     problem: &ContactProblem,
     force: &[f64],

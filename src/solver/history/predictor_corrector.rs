@@ -1,4 +1,4 @@
-//! The predictor–corrector method along a history: where an increment starts.
+//! The predictor–corrector interior point method along a history, with its starting points.
 
 use super::saved::{Snapshot, take_over};
 use super::settings::HistorySettings;
@@ -15,16 +15,16 @@ use crate::solver::newton::{
 };
 use crate::solver::problem::{ContactProblem, Increment, State};
 
-/// How far inside the attempts at an increment start, in terms of the estimate. The first is the
-/// fastest and nearly always enough: of 12000 increments with random loads, gaps, friction and
-/// stiffness it stalled in one and crawled in three; the second got through all.
+/// The distances from the border at which the attempts at an increment start, in terms of the estimate. The first is
+/// the fastest and nearly always enough: of 12000 increments with random loads, gaps, friction and stiffness it
+/// stalled in one and was very slow in three; the second solved them all.
 const ATTEMPTS: [f64; 3] = [1.0, 10.0, 100.0];
-/// After so many iterations an attempt is given up for the next one: more than any increment of the
-/// tests takes.
+/// The number of iterations after which an attempt is abandoned for the next one. No increment of the tests takes as
+/// many.
 const PATIENCE: usize = 30;
 
-/// The error at which BN takes over, unless the tolerance is larger: near enough for the contact
-/// statuses, and within what rounding leaves in slender bodies.
+/// The error at which BN takes over, unless the tolerance is larger: near enough for the contact statuses, and
+/// attainable despite rounding in slender bodies.
 const NEAR: f64 = 1e-8;
 
 pub(super) struct PredictorCorrectorMethod<'a> {
@@ -35,7 +35,7 @@ pub(super) struct PredictorCorrectorMethod<'a> {
     /// The median stiffness of a contact node along its normal, scaled. Only its order of magnitude matters.
     stiffness: f64,
     z: Vec<f64>,
-    /// What rounding leaves off `(u, p_t, p_n)`.
+    /// The low-order part of `(u, p_t, p_n)`.
     rest: Vec<f64>,
     end: NewtonEnd,
 }
@@ -54,7 +54,7 @@ impl<'a> PredictorCorrectorMethod<'a> {
         }
     }
 
-    /// On a problem that is set up already.
+    /// Creates the method on an assembled problem.
     pub(super) fn beside(problem: &'a ContactProblem, assembled: Assembled, history: &HistorySettings) -> Self {
         let (conventions, stiffness) = (&history.conventions, &history.contact_stiffness);
         if assembled.layout().has_second_tangent() {
@@ -87,22 +87,21 @@ impl<'a> PredictorCorrectorMethod<'a> {
         }
     }
 
-    /// At most so many iterations in an increment.
+    /// Sets the limit of iterations in an increment.
     pub(super) fn limit(&mut self, max_iterations: usize) {
         self.settings.max_iterations = max_iterations;
     }
 
-    /// Moves the pairs into the interior: as far from the last solution as the change of the load
-    /// calls for. It is estimated from the contact forces that would hold the nodes in place and
-    /// from the gaps that change or are violated, and taken `times` as far; ten times too much or too
-    /// little costs a few iterations.
+    /// Moves the pairs into the interior, to a distance from the last solution that fits the change of the load. It
+    /// is estimated from the contact forces that would clamp the nodes and from the gaps that change or are violated,
+    /// and multiplied by `times`. A factor of ten too large or too small costs a few iterations.
     fn move_inside(&mut self, response: &Response, times: f64) {
         let contacts = self.formulation.forces().contacts();
         let violated =
             (0..contacts).map(|i| -self.formulation.distance(i, &self.z)).fold(response.gap_change, f64::max);
         let mut force = response.contact_force.max(self.stiffness * violated);
         if force == 0.0 {
-            // The load is the same, and still the last state is no solution: any scale will do.
+            // The load is unchanged, but the last state is no solution: any scale will do.
             force = self.stiffness;
         }
         force *= times;
@@ -110,8 +109,8 @@ impl<'a> PredictorCorrectorMethod<'a> {
     }
 }
 
-/// The stiffness with the mean compliance: the cold start of the exact cone has to reach as far as the soft
-/// nodes do. On stiffness over six decades the median loses a quarter of the histories, this a tenth.
+/// Returns the stiffness with the mean compliance: the cold start of the exact cone must cover the soft nodes. On
+/// stiffnesses over six decades the median fails in a quarter of the histories, this in a tenth.
 fn mean_of_compliances(stiffness: &[f64]) -> f64 {
     stiffness.len() as f64 / stiffness.iter().map(|k| 1.0 / k).sum::<f64>()
 }
@@ -121,7 +120,8 @@ impl IncrementSolver for PredictorCorrectorMethod<'_> {
         self.formulation.matrix()
     }
 
-    /// That of BN: at a solution both members of a pair may vanish, and then the matrix of the interior is singular.
+    /// Linearises BN's equations: at a solution both members of a pair may vanish, and then the interior point matrix
+    /// is singular.
     fn linearize(&mut self) {
         self.end.linearize(&self.z);
     }
@@ -149,7 +149,7 @@ impl IncrementSolver for PredictorCorrectorMethod<'_> {
         let mut error = |z: &[f64]| task.error(problem, &forces.unpacked(z, &scaling));
         let tolerance = self.settings.tolerance;
         self.rest.fill(0.0);
-        // An increment in which nothing happens that the held body does not do by itself is solved.
+        // The increment is solved if the response with clamped contact nodes already solves it.
         if error(&self.z) <= tolerance {
             return Ok(MethodResult { stop: Termination::Converged, ..MethodResult::new(0.0) });
         }
@@ -173,7 +173,7 @@ impl IncrementSolver for PredictorCorrectorMethod<'_> {
                     self.z[..z.len()].copy_from_slice(z);
                     self.rest.copy_from_slice(rest);
                 } else if ended.stop != Termination::Interrupted {
-                    // Near the solution perhaps, but not within the tolerance.
+                    // Perhaps near the solution, but not within the tolerance.
                     ended.stop = if outcome.stop == Termination::Converged {
                         Termination::Stalled
                     } else {
@@ -189,7 +189,7 @@ impl IncrementSolver for PredictorCorrectorMethod<'_> {
             }
         }
         if outcome.stop == Termination::Converged && !problem.rigid_modes().is_empty() {
-            // One of many solutions perhaps: the one that is nearest, if rounding leaves it one.
+            // Perhaps one of many solutions: takes the nearest, if it remains a solution after rounding.
             let settled = self.end.settled(&self.z, &last);
             if let Some(settled) = settled.filter(|settled| error(settled) <= error(&self.z).max(tolerance)) {
                 self.z[..settled.len()].copy_from_slice(&settled);
@@ -224,7 +224,7 @@ impl IncrementSolver for PredictorCorrectorMethod<'_> {
     }
 }
 
-/// From near the solution BN takes two or three iterations; more show that it is not near.
+/// The limit of BN's iterations. From near the solution it takes two or three; more show that it is not near.
 const ITERATIONS: usize = 10;
 
 pub(super) struct NewtonEnd {
@@ -245,7 +245,7 @@ impl NewtonEnd {
         self.formulation.begin(increment);
     }
 
-    /// BN from a `z` that begins with `(u, p_t, p_n)`, in at most `left` iterations.
+    /// Solves by BN from a `z` that begins with `(u, p_t, p_n)`, in at most `left` iterations.
     pub(super) fn solve(
         &mut self,
         problem: &ContactProblem,
@@ -269,8 +269,8 @@ impl NewtonEnd {
         )
     }
 
-    /// Of the solutions along the motions that contact leaves free at `z`, which begins with `(u, p_t, p_n)`, the one nearest to
-    /// `to`: its `(u, p_t, p_n)`; `None` if there is one only.
+    /// Returns the solution nearest to `to` along the modes that contact leaves unconstrained at `z`, which begins
+    /// with `(u, p_t, p_n)`. Returns its `(u, p_t, p_n)`, or `None` if the solution is unique.
     pub(super) fn settled(&mut self, z: &[f64], to: &[f64]) -> Option<Vec<f64>> {
         self.linearize(z);
         let n = self.z.len();
@@ -282,22 +282,22 @@ impl NewtonEnd {
         self.formulation.linearize(&z[..self.z.len()]);
     }
 
-    /// The last linearisation, to be put away.
+    /// Returns a snapshot of the last linearisation.
     pub(super) fn linearization(&self) -> Linearization {
         self.formulation.linearization()
     }
 
-    /// Linearises as it was; whether that is one of this problem.
+    /// Restores a linearisation from a snapshot. Returns `false` if the snapshot belongs to another problem.
     pub(super) fn linearize_as(&mut self, kept: &Linearization) -> bool {
         self.formulation.linearize_as(kept)
     }
 
-    /// What the last linearisation wrote.
+    /// Returns the matrix of the last linearisation.
     pub(super) fn matrix(&self) -> &SystemMatrix {
         self.formulation.jacobian()
     }
 
-    /// Where it has come to, in `(u, p_t, p_n)`, and what rounding leaves off there.
+    /// Returns the `(u, p_t, p_n)` reached and its low-order part.
     pub(super) fn reached(&self) -> (&[f64], &[f64]) {
         (&self.z, self.bn.rest())
     }

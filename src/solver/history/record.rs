@@ -1,4 +1,4 @@
-//! What is recorded of an increment.
+//! The records and verdicts of increments.
 
 use crate::algebra::linear::{LinearError, Statistics};
 use crate::solver::laws::{ContactStatus, KktErrors};
@@ -13,32 +13,32 @@ use std::fmt;
 pub enum Status {
     /// Every law holds within the tolerance, by the independent error measure.
     Converged,
-    /// The solver's own stop test was met, but a law is violated by more than the tolerance.
+    /// The method's own stopping test was met, but a law is violated by more than the tolerance.
     Inaccurate,
     /// The limit of iterations was reached.
     MaxIterations,
-    /// The limit of iterations was reached, going through the same sets of contact cases again and again.
+    /// The limit of iterations was reached while the same sets of contact cases repeated.
     Cycling,
     /// The iteration left the range of numbers.
     Diverged,
-    /// The iteration came to a halt away from the solution.
+    /// The iteration stalled away from the solution.
     Stalled,
-    /// The linearised problem is singular, as when nothing holds the body.
+    /// The linearised problem is singular, for example because nothing holds the body.
     Singular,
     /// No equilibrium exists: no admissible contact forces balance the loads on the rigid body.
     NoEquilibrium,
-    /// No rates obey the laws beyond this load: the quasi-static motion ends, and what follows is a jump.
+    /// No rates obey the laws beyond this load: the quasi-static motion ends, and a jump follows.
     NoContinuation,
-    /// Nothing balances the loads but friction across an edge between two obstacles, which the equations leave out.
+    /// Only friction across an edge between two obstacles could balance the loads, and the equations neglect it.
     EdgeFriction,
-    /// The linear algebra gave numbers that are not finite.
+    /// The linear solver gave numbers that are not finite.
     NotFinite,
-    /// There was not enough memory to go on.
+    /// There was not enough memory.
     OutOfMemory,
-    /// Stopped on request.
+    /// The run was stopped on request.
     Interrupted,
-    /// The method does not know such a problem: the paper's interior point method, and the extended Newton
-    /// system, have one tangent at every node.
+    /// The method does not support the problem: the paper's interior point method, and the extended Newton system,
+    /// have one tangent at every node.
     Unsupported,
 }
 
@@ -63,34 +63,35 @@ impl fmt::Display for Status {
     }
 }
 
-/// How many contact nodes are in each status.
+/// The number of contact nodes in each status.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ContactCounts {
-    /// Apart from the obstacle.
+    /// The number of nodes apart from the obstacle.
     pub open: usize,
-    /// In contact without slip.
+    /// The number of nodes in contact without slip.
     pub stick: usize,
-    /// In contact and sliding.
+    /// The number of nodes in contact and sliding.
     pub slip: usize,
 }
 
-/// Where the wall time of an increment went, s.
+/// The wall time of an increment by its parts, s.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Seconds {
-    /// Residuals, merits and Jacobian values.
+    /// The time for residuals, merits and Jacobian values.
     pub assembly: f64,
-    /// Factorisations.
+    /// The time for factorisations.
     pub factorization: f64,
-    /// Solves with refinement and backward error.
+    /// The time for solves with refinement and backward error.
     pub solve: f64,
-    /// Everything else: loads, the error measure, records.
+    /// The time for everything else: loads, the error measure, records.
     pub rest: f64,
 }
 
 impl Seconds {
-    /// Those of an increment that took `all` seconds, by what the linear algebra had done before and after it.
+    /// Computes the times of an increment that took `all` seconds, from the statistics of the linear solver before
+    /// and after it.
     pub(super) fn between(before: &Statistics, after: &Statistics, assembly: f64, all: f64) -> Self {
         let factorization = after.factor_seconds - before.factor_seconds;
         let solve = after.solve_seconds - before.solve_seconds;
@@ -98,52 +99,52 @@ impl Seconds {
     }
 }
 
-/// One increment, as reported.
+/// The record of one increment.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct IncrementRecord {
-    /// Its number, from 1.
+    /// The number of the increment, from 1.
     pub index: usize,
-    /// The time at its end, s.
+    /// The time at the end of the increment, s.
     pub time: f64,
     /// The verdict.
     pub status: Status,
-    /// How many parts of it converged: 1 if it did not have to be halved.
+    /// The number of substeps that converged; 1 if the increment was not halved.
     pub parts: usize,
-    /// The ends of these parts, s; empty if it did not have to be halved.
+    /// The ends of the converged substeps, s; empty if the increment was not halved.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub part_ends: Vec<f64>,
-    /// How many contact nodes joined the condensed equations in it, where these do not hold all.
+    /// The number of contact nodes that joined the working set of the condensed equations in this increment.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub joined: usize,
-    /// How many jumps over the end of a quasi-static motion there are in it.
+    /// The number of jumps over the end of a quasi-static motion in this increment.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub jumps: usize,
-    /// Whether another method solved it, or a part of it, in place of the one asked for.
+    /// `true` if a fallback method solved the increment or a substep.
     pub rescued: bool,
-    /// Linear systems solved (nle), in failed attempts, too.
+    /// The number of linear systems solved (nle), including failed attempts.
     pub iterations: usize,
-    /// Steps shortened.
+    /// The number of shortened steps.
     pub backtracks: usize,
-    /// The last `Theta` of the solver.
+    /// The last `Theta` of the method.
     pub theta: f64,
     /// The error measure.
     pub kkt: KktErrors,
     /// The largest componentwise backward error of the linear solves.
     pub backward_error: f64,
-    /// Statuses of the contact nodes.
+    /// The number of contact nodes in each status.
     pub contact: ContactCounts,
-    /// The work that friction dissipated in it, in all parts that converged, J; in two dimensions J per m of depth.
+    /// The work that friction dissipated in all converged substeps, J; in two dimensions J per m of depth.
     pub friction_work: f64,
-    /// The strain energy `½ uᵀ K u` at its end, J; in two dimensions J per m of depth. A [run](crate::run::Run) tells that of the
-    /// body, which differs where temperature strains it or supports move it.
+    /// The strain energy `½ uᵀ K u` at the end, J; in two dimensions J per m of depth. A [run](crate::run::Run)
+    /// reports that of the body, which differs if there are temperature strains or if supports move.
     pub strain_energy: f64,
-    /// Wall time.
+    /// The wall time.
     pub seconds: Seconds,
 }
 
 impl IncrementRecord {
-    /// The record of increment 0: the body at t = 0 with so many contact nodes, before anything is solved.
+    /// Creates the record of increment 0: the body at t = 0 with `contacts` contact nodes, before anything is solved.
     pub(crate) fn undeformed(contacts: usize) -> Self {
         IncrementRecord {
             index: 0,
@@ -167,21 +168,21 @@ impl IncrementRecord {
     }
 }
 
-/// What the increments of a history add up to.
+/// The totals over the increments of a history.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Tally {
-    /// The increments that were reached, the one included that did not converge.
+    /// The number of increments, including one that did not converge.
     pub increments: usize,
-    /// Those that converged.
+    /// The number of increments that converged.
     pub converged: usize,
-    /// Linear systems solved by the method.
+    /// The number of linear systems solved by the method.
     pub iterations: usize,
-    /// The largest errors of all that were judged: one that was interrupted is not.
+    /// The largest errors of all judged increments; an interrupted one is not judged.
     pub kkt: KktErrors,
 }
 
 impl Tally {
-    /// Takes an increment in.
+    /// Adds an increment to the totals.
     pub(super) fn add(&mut self, record: &IncrementRecord) {
         self.increments += 1;
         self.converged += usize::from(record.status == Status::Converged);
@@ -192,14 +193,14 @@ impl Tally {
     }
 }
 
-/// For serde, which hands over a reference.
+/// Returns `true` for 0; serde passes a reference.
 #[allow(clippy::trivially_copy_pass_by_ref)]
 fn is_zero(count: &usize) -> bool {
     *count == 0
 }
 
-/// Converged is what the error measure says, whatever the solver thinks; how the solver ended only
-/// tells why it did not. An increment that was interrupted is not judged.
+/// Returns the verdict. The error measure alone decides if an increment converged; the method's termination explains
+/// why it did not. An interrupted increment is not judged.
 pub(super) fn verdict(solved: &MethodResult, kkt: &KktErrors, tolerance: f64) -> Status {
     match solved.stop {
         Termination::Interrupted => Status::Interrupted,

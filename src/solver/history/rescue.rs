@@ -1,5 +1,5 @@
-//! A method made of two: BN, and for the increments that it does not solve the predictor–corrector interior point
-//! method, from the last solution.
+//! BN with a fallback: the predictor–corrector interior point method solves the increments that BN does not, from the
+//! last solution.
 
 use super::bn::BnMethod;
 use super::increment_error::IncrementErrors;
@@ -16,7 +16,7 @@ pub(super) struct Rescued<'a> {
     problem: &'a ContactProblem,
     bn: BnMethod<'a>,
     settings: HistorySettings,
-    /// Made when it is first needed.
+    /// The fallback, created when it is first needed.
     rescue: Option<PredictorCorrectorMethod<'a>>,
 }
 
@@ -61,7 +61,7 @@ impl IncrementSolver for Rescued<'_> {
             bn.go_on_from(&rescue.state());
             bn.follow(linear)?;
         } else if rescued.stop != Termination::Interrupted {
-            // How the first attempt ended tells more.
+            // The termination of the first attempt is more informative.
             rescued.stop.clone_from(&substep.stop);
         }
         Ok(substep.then(rescued))

@@ -1,4 +1,4 @@
-//! A history that is put away between two increments.
+//! Snapshots of a history between two increments.
 
 use super::increment_error::IncrementErrors;
 use super::record::{IncrementRecord, Tally};
@@ -14,18 +14,18 @@ use crate::solver::laws::KktScales;
 use crate::solver::problem::{ContactProblem, State};
 use serde::{Deserialize, Serialize};
 
-/// All that a history goes on from.
+/// The data from which a history continues.
 #[derive(Clone, Serialize, Deserialize)]
 pub(super) struct Saved {
     pub run: RunOf,
     pub outcome: Done,
     pub position: HistoryState,
     pub stage: SavedStage,
-    /// What the linear algebra has done.
+    /// The statistics of the linear solver.
     pub statistics: Statistics,
 }
 
-/// What a checkpoint is of: a history goes on from a checkpoint only if both have equal keys.
+/// Identifies the run of a checkpoint: a history can resume from a checkpoint only if both have equal keys.
 #[derive(Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct RunOf {
     version: u32,
@@ -35,10 +35,10 @@ pub(super) struct RunOf {
     contacts: usize,
 }
 
-/// Changes with what a history keeps, and with what methods make of it.
+/// The version of the stored data and of their use by the methods.
 const VERSION: u32 = 1;
 
-/// What has come of it so far.
+/// The results so far.
 #[derive(Clone, Serialize, Deserialize)]
 pub(super) struct Done {
     tally: Tally,
@@ -51,23 +51,23 @@ pub(super) struct Done {
     jumps: Vec<Jump>,
 }
 
-/// An exact path that has been put away.
+/// A snapshot of an exact path.
 #[derive(Clone, Serialize, Deserialize)]
 pub(super) struct SavedPath {
     pub run: RunOf,
     pub outcome: Done,
     pub walk: SavedExactPath,
-    /// Those of the steps from event to event, and of the increments.
+    /// The scales of the steps from event to event, and of the increments.
     pub scales: [KktScales; 2],
 }
 
-/// The stage on the way.
+/// A snapshot of the stage in progress.
 #[derive(Clone, Default, Serialize, Deserialize)]
 pub(super) struct SavedStage {
     pub memory: Snapshot,
-    /// The contact nodes that condensed equations hold, if not all.
+    /// The working set of the condensed equations, if it is not all contact nodes.
     pub nodes: Option<Vec<usize>>,
-    /// How many increments go together.
+    /// The batch size.
     pub batch_size: usize,
 }
 
@@ -83,7 +83,7 @@ impl RunOf {
     }
 
     /// # Errors
-    /// [`CheckpointError::Other`] unless it is that of this problem and method.
+    /// [`CheckpointError::Other`] unless the key is that of this problem and method.
     fn is_that_of(&self, problem: &ContactProblem, settings: &HistorySettings) -> Result<(), CheckpointError> {
         let now = RunOf::new(&Layout::new(problem), settings);
         if *self == now {
@@ -120,7 +120,7 @@ impl Done {
     }
 
     /// # Errors
-    /// [`CheckpointError::Other`] unless increments of these `times` end where the checkpoint is.
+    /// [`CheckpointError::Other`] unless an increment of these `times` ends at the time of the checkpoint.
     fn ends_at(&self, checkpoint: &Checkpoint, times: &[f64]) -> Result<(), CheckpointError> {
         let done = self.tally.increments;
         if done == 0 || done != checkpoint.increments() || times.get(done - 1) != Some(&checkpoint.time()) {
@@ -137,7 +137,7 @@ impl Done {
 }
 
 impl Saved {
-    /// What the `checkpoint` has, if it is one of this history.
+    /// Reads the `checkpoint`, which must belong to this history.
     pub(super) fn read(
         checkpoint: &Checkpoint,
         problem: &ContactProblem,
@@ -166,7 +166,7 @@ impl Saved {
 }
 
 impl SavedPath {
-    /// Where an exact path can be taken up after the increments so far.
+    /// Creates a checkpoint of an exact path after the increments so far.
     pub(super) fn checkpoint(
         settings: &HistorySettings,
         outcome: &HistoryOutcome,
@@ -178,7 +178,7 @@ impl SavedPath {
         Checkpoint::new(outcome.tally.increments, outcome.reached, &saved)
     }
 
-    /// What the `checkpoint` has, if it is one of this history.
+    /// Reads the `checkpoint`, which must belong to this history.
     pub(super) fn read(
         checkpoint: &Checkpoint,
         problem: &ContactProblem,
@@ -196,7 +196,7 @@ impl SavedPath {
 }
 
 impl HistoryOutcome {
-    /// Takes the record of an increment in; of all, or of the last two.
+    /// Adds the record of an increment. Keeps all records, or only the last two.
     pub(super) fn push(&mut self, record: IncrementRecord, keeps: bool) {
         self.tally.add(&record);
         if !keeps && self.records.len() > 1 {
@@ -206,41 +206,41 @@ impl HistoryOutcome {
     }
 }
 
-/// All that the next increment of a method depends on, beside the data: with it, it goes on to the last bit as if it had never
-/// stopped.
+/// The snapshot of a method: all data besides the input on which its next increment depends. A restored method
+/// continues to the same bits.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct Snapshot {
-    /// The state, of a method that has nothing else.
+    /// The state, for a method without other data.
     pub(super) state: Option<State>,
     /// The unknowns, in the method's own units.
     pub(super) unknowns: Vec<f64>,
-    /// What rounding leaves off them.
+    /// The low-order part of the unknowns.
     pub(super) rest: Vec<f64>,
-    /// From where to where the last increment went.
+    /// The start and end of the last increment.
     pub(super) last: Option<[Vec<f64>; 2]>,
-    /// What the increments have left.
+    /// The accumulated time-step error.
     pub(super) errors: Option<IncrementErrors>,
     /// The last linearisation.
     pub(super) linearization: Option<Linearization>,
-    /// Whether there are factors of it.
+    /// `true` if the last linearisation was factored.
     pub(super) is_factored: bool,
-    /// That of the method that rescues this one.
+    /// The snapshot of the fallback method.
     pub(super) rescue: Option<Box<Snapshot>>,
 }
 
 impl Snapshot {
-    /// That of a method which nothing but its state tells from a new one.
+    /// Creates the snapshot of a method whose only internal data is its state.
     pub fn of_state(state: State) -> Self {
         Snapshot { state: Some(state), ..Snapshot::default() }
     }
 
-    /// The state of such a method.
+    /// Returns the state in the snapshot of such a method.
     pub fn into_state(self) -> Option<State> {
         self.state
     }
 }
 
-/// Takes `kept` values over, if there are as many.
+/// Copies `kept` to `values`. Returns `false` if the lengths differ.
 pub(super) fn take_over(values: &mut [f64], kept: &[f64]) -> bool {
     let fits = values.len() == kept.len();
     if fits {

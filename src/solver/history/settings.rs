@@ -1,4 +1,4 @@
-//! How a history is solved.
+//! The settings of a history.
 
 use super::LinearAlgebra;
 use super::error::Error;
@@ -10,61 +10,63 @@ use crate::solver::loading::Loading;
 use crate::solver::problem::ContactProblem;
 use crate::solver::problem::error::{expect_each, expect_increasing, expect_length, expect_value};
 
-/// How a history is solved: what the problem and its loading tell of it, and the choice of a method.
+/// The settings of a history: data derived from the problem and its loading, and the choice of a method.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HistorySettings {
     /// The algorithm of the increments.
     pub method: Method,
     /// `r_i` of `H_N`, and the units in which `Theta` adds its rows.
     pub conventions: FormulationScaling,
-    /// [`ContactProblem::contact_stiffness`] of the body, n_c, N/m, for all that starts or ends by it.
+    /// [`ContactProblem::contact_stiffness`] of the body, n_c, N/m, for starting points and stopping tests.
     pub contact_stiffness: Vec<f64>,
-    /// The units of the numbers inside.
+    /// The units of the internal numbers.
     pub scaling: Scaling,
-    /// An increment has converged when every component of its error measure is at most this, in (0, 1).
+    /// The tolerance, in (0, 1). An increment has converged if every component of its error measure is at most this.
     pub tolerance: f64,
     /// The limit of iterations in an increment, 1 or more.
     pub max_iterations: usize,
-    /// How many times an increment that fails may be halved, at most 52. The parts are increments of their own.
+    /// The number of times that a failing increment may be halved, at most 52. Its substeps are increments of their
+    /// own.
     pub halvings: u32,
-    /// The contact nodes that condensed equations hold at first, ascending; the others join as soon as the error measure, which
-    /// has them all, asks for them. `None` stands for all, and so does any set with the constants of the paper or in a body that
-    /// contact alone holds.
+    /// The initial working set of the condensed equations, ascending. Other nodes join when the error measure, which
+    /// covers all nodes, requires them. `None` means all contact nodes. With the constants of the paper, or if only
+    /// contact holds a body, all nodes are used in any case.
     pub working_set: Option<Vec<usize>>,
-    /// Whether the outcome has the records of all increments, and the events on an exact path, and not only of the last two: of
-    /// millions they need gigabytes, and an observer sees each as it comes.
+    /// `true` if the outcome keeps the records of all increments and the events of an exact path, `false` for only
+    /// the last two records. Millions of records need gigabytes, and an observer sees each of them anyway.
     pub keeps_records: bool,
-    /// `true`: the time-step error is estimated beside the increments of BN, see [`super::IncrementError`]. It costs a solve an increment, and
-    /// two factorisations where nodes touch first.
+    /// `true` if the time-step error of BN's increments is estimated, see [`super::IncrementError`]. The estimate costs one solve an
+    /// increment, and two factorisations where nodes first touch.
     pub estimates_error: bool,
-    /// From where it goes on, instead of from the unloaded body: what an observer was offered in [`super::Observer::rest`] of a run of the
-    /// same problem, loading, times so far, settings and linear system.
+    /// The checkpoint from which the history resumes, instead of the unloaded body. It comes from
+    /// [`super::Observer::rest`] of a run with the same problem, loading, times so far, settings and linear system.
     pub from: Option<Checkpoint>,
 }
 
 /// The contact forces from which BN starts its first increment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum FirstGuess {
-    /// The same normal stress (Pa) in every contact node.
+    /// The given normal stress (Pa) in every contact node.
     Pressure(f64),
-    /// Those that would hold the contact nodes where they are.
+    /// The forces that would clamp the contact nodes.
     Held,
 }
 
-/// An increment may become 64 parts: an order of magnitude and a half, after which a history that
-/// cannot go on is told from one that was too coarse.
+/// The default number of halvings. An increment may become 64 substeps, one and a half orders of magnitude, which
+/// distinguishes a history that cannot continue from one with too coarse increments.
 const HALVINGS: u32 = 6;
 
-/// Twice what the longest increments that were met and solved need.
+/// The default limit of iterations: twice the most that any solved increment has needed.
 pub(super) const MAX_ITERATIONS: usize = 200;
 
 impl HistorySettings {
-    /// What a history of `problem` under `loading` asks for: units near its stiffness and its displacements, `r` from the
-    /// stiffness of its contact nodes, the default tolerance and limit of iterations of `method`.
+    /// Derives the settings of a history of `problem` under `loading`: units near its stiffness and its
+    /// displacements, `r` from the stiffness of its contact nodes, and the default tolerance and limit of iterations
+    /// of `method`.
     ///
     /// # Errors
-    /// [`Error::NoWeight`] when `method` has the constants of the paper and the problem has no weights;
-    /// [`Error::Problem`] when `loading` does not fit `problem`.
+    /// [`Error::NoWeight`] if `method` has the constants of the paper and the problem has no weights;
+    /// [`Error::Problem`] if `loading` does not fit `problem`.
     pub fn new(problem: &ContactProblem, loading: &Loading, method: Method) -> Result<Self, Error> {
         loading.check(problem)?;
         let contact_stiffness = problem.contact_stiffness();
@@ -80,7 +82,7 @@ impl HistorySettings {
             Method::Ip { .. } | Method::Events { .. } => FormulationScaling::of_stiffness(problem, &contact_stiffness),
         };
         let scaling = match method {
-            // The numbers inside are the paper's: its starting points and constants are absolute.
+            // These units are the paper's: its starting points and constants are absolute.
             Method::PaperIp { .. } => Scaling { force: 1e6, length: 1e-5 },
             _ => problem.scaling(loading.largest_force(), loading.largest_interference()),
         };
@@ -99,13 +101,13 @@ impl HistorySettings {
         })
     }
 
-    /// The same with another limit of iterations and another tolerance.
+    /// Sets the limit of iterations and the tolerance.
     #[must_use]
     pub fn until(self, max_iterations: usize, tolerance: f64) -> Self {
         HistorySettings { tolerance, max_iterations, ..self }
     }
 
-    /// Whether they fit `problem`.
+    /// Checks that the settings fit `problem`.
     pub(super) fn check(&self, problem: &ContactProblem) -> Result<(), Error> {
         let n_c = problem.contacts();
         let FormulationScaling { r_n, r_t, row_unit, .. } = &self.conventions;
@@ -137,30 +139,31 @@ impl HistorySettings {
             expect_increasing("working_set", places.iter().copied())?;
             expect_each("working_set", &places, "below the number of contact nodes", |i| i < n_c as f64)?;
         }
-        // Beyond that there is no time left between two numbers.
+        // After more halvings there is no time between two numbers.
         expect_value("halvings", f64::from(self.halvings), "at most 52", |most| most <= 52.0)?;
         Ok(())
     }
 }
 
-/// What solves a history, as far as somebody chooses it; the rest, [`HistorySettings`], follows from the problem.
+/// The choices of a user about the solver. The other [`HistorySettings`] follow from the problem.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SolverChoice {
     /// The algorithm with its named set of constants.
     pub method: Method,
-    /// The linear algebra; `None` leaves it to [`crate::run::auto`].
+    /// The linear solver; `None` lets [`crate::run::auto`] choose.
     pub linear: Option<LinearAlgebra>,
-    /// The most iterations an increment may take.
+    /// The limit of iterations in an increment.
     pub max_iterations: usize,
-    /// An increment has converged when every component of the error measure is at most this.
+    /// The tolerance. An increment has converged if every component of the error measure is at most this.
     pub tolerance: f64,
 }
 
 impl SolverChoice {
-    /// The most iterations of an increment where nobody says otherwise.
+    /// The default limit of iterations in an increment.
     pub const MAX_ITERATIONS: usize = MAX_ITERATIONS;
 
-    /// `method` with its default tolerance and limit, and the linear algebra of this build on the uncondensed system.
+    /// Creates a choice of `method` with its default tolerance and limit, and this build's linear solver on the
+    /// uncondensed system.
     pub fn new(method: Method) -> Self {
         SolverChoice {
             method,
@@ -170,7 +173,7 @@ impl SolverChoice {
         }
     }
 
-    /// The settings of a history of `problem` under `loading`.
+    /// Returns the settings of a history of `problem` under `loading`.
     ///
     /// # Errors
     /// As [`HistorySettings::new`].

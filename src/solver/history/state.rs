@@ -1,4 +1,4 @@
-//! How far a history has come.
+//! The progress of a history.
 
 use super::Status;
 use super::increment_error::IncrementErrors;
@@ -8,32 +8,32 @@ use crate::solver::newton::MethodResult;
 use crate::solver::problem::{ContactProblem, State};
 use serde::{Deserialize, Serialize};
 
-/// How far a history has come: all that one stage of it leaves to the next.
+/// The progress of a history: all data that one stage passes to the next.
 #[derive(Clone, Serialize, Deserialize)]
 pub(super) struct HistoryState {
-    /// The time reached; `None` stands for the unloaded body.
+    /// The time reached; `None` means the unloaded body.
     pub reached: Option<f64>,
-    /// The length of the last part, s.
+    /// The length of the last substep, s.
     pub length: Option<f64>,
-    /// The state then, from where the body has been carried, if another stage may follow.
+    /// The state at that time, relative to the rigid offset, if another stage may follow.
     pub state: Option<State>,
-    /// The largest backward error of the whole system where the body is condensed.
+    /// The largest backward error of the whole system, if the body is condensed.
     pub worst_backward_error: f64,
     pub scales: KktScales,
-    /// Where the body has been carried, from where all displacements and gaps of a part count.
+    /// The rigid offset, to which all displacements and gaps of a substep are relative.
     pub offset: RigidOffset,
-    /// The normal displacements at the end of the last part.
+    /// The normal displacements at the end of the last substep.
     pub w_n: Vec<f64>,
-    /// `w̄_t` and `w̄_o` of the next part.
+    /// `w̄_t` and `w̄_o` of the next substep.
     pub w_t: Vec<f64>,
     pub w_o: Vec<f64>,
-    /// The increment that the last stage could not end.
+    /// The increment that the last stage could not complete.
     #[serde(skip)]
     pub in_progress: Option<IncrementInProgress>,
-    /// What the increments left until the last stage ended, and the contact nodes that it had.
+    /// The time-step error up to the end of the last stage, and its working set.
     #[serde(skip)]
     pub errors: Option<(IncrementErrors, Vec<usize>)>,
-    /// Where the next part begins its iterations, if not at the state reached: near its end.
+    /// The state from which the iteration of the next substep starts, near its end, if not the state reached.
     #[serde(skip)]
     pub estimate: Option<State>,
 }
@@ -41,22 +41,22 @@ pub(super) struct HistoryState {
 /// An increment that has begun.
 #[derive(Clone)]
 pub(super) struct IncrementInProgress {
-    /// Where it began, s.
+    /// The start of the increment, s.
     pub start: f64,
-    /// The ends of the parts to come, s, the nearest last.
+    /// The ends of the pending substeps, s, in descending order.
     pub pending: Vec<f64>,
-    /// What the method has done in it.
+    /// The accumulated method result.
     pub solved: Option<MethodResult>,
-    /// The largest errors of the parts that converged.
+    /// The largest errors of the substeps that converged.
     pub kkt: KktErrors,
-    /// The ends (s) of these.
+    /// The ends (s) of the substeps that converged.
     pub ends: Vec<f64>,
-    /// What friction dissipated in them, J.
+    /// The work that friction dissipated in the substeps that converged, J.
     pub friction_work: f64,
 }
 
 impl HistoryState {
-    /// The unloaded body.
+    /// Creates the state of the unloaded body.
     pub(super) fn start(problem: &ContactProblem) -> Self {
         let zeros = || vec![0.0; problem.contacts()];
         HistoryState {
@@ -77,7 +77,7 @@ impl HistoryState {
 }
 
 impl HistoryState {
-    /// Whether it is one of `problem`, by what a `state` must be.
+    /// Returns `true` if the state has the sizes of `problem`. `state` checks a [`State`].
     pub(super) fn fits(&self, problem: &ContactProblem, state: impl Fn(&State) -> bool) -> bool {
         let contacts = problem.contacts();
         let all = [&self.w_n, &self.w_t, &self.w_o].iter().all(|w| w.len() == contacts);
@@ -86,7 +86,7 @@ impl HistoryState {
 }
 
 impl IncrementInProgress {
-    /// An increment from `start` to `end` (s).
+    /// Creates an increment from `start` to `end` (s).
     pub(super) fn new(start: f64, end: f64) -> Self {
         IncrementInProgress {
             start,
@@ -99,7 +99,7 @@ impl IncrementInProgress {
     }
 }
 
-/// What became of one part.
+/// The result of one substep.
 pub(super) struct SubstepResult {
     pub state: State,
     pub scales: KktScales,
@@ -108,17 +108,17 @@ pub(super) struct SubstepResult {
     pub status: Status,
 }
 
-/// What became of an increment.
+/// The result of an increment.
 pub(super) struct IncrementResult {
-    /// What the method did in all its parts, the failed ones included.
+    /// The method result over all substeps, including failed ones.
     pub solved: MethodResult,
-    /// The last part.
+    /// The last substep.
     pub substep: SubstepResult,
-    /// The largest errors of the parts that count: all that converged, or the one that failed.
+    /// The largest errors of the substeps that count: all that converged, or the one that failed.
     pub kkt: KktErrors,
     pub status: Status,
-    /// The ends (s) of the parts that converged.
+    /// The ends (s) of the substeps that converged.
     pub ends: Vec<f64>,
-    /// What friction dissipated in these, J.
+    /// The work that friction dissipated in these substeps, J.
     pub friction_work: f64,
 }

@@ -1,4 +1,4 @@
-//! One increment at a time, under loads that nobody knows beforehand.
+//! One increment at a time, under loads that are not known in advance.
 
 use super::driver::HistoryDriver;
 use super::observer::{IncrementView, Observer};
@@ -16,10 +16,10 @@ use std::borrow::Borrow;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-/// A history of which nobody knows the rest: for time loops of one's own, and for couplings.
+/// A history whose future is unknown: for a caller's own time loop, and for coupled simulations.
 ///
-/// Each increment begins where the last one that converged has ended, and one that did not may be tried again, to an earlier time or
-/// under another load. What the history would keep is kept: the symbolic analysis, or the condensed body.
+/// Each increment starts at the end of the last converged one. An increment that failed may be tried again, with an
+/// earlier end time or another load. The symbolic analysis or the condensed body is kept between increments.
 ///
 /// ```
 /// use stickslip::solver::history::{HistorySettings, Method, Status, Stepper, SystemSolver};
@@ -39,27 +39,28 @@ use std::time::Instant;
 /// ```
 pub struct Stepper<P> {
     problem: P,
-    /// They say from where the next increment goes on.
+    /// The settings, which include the checkpoint of the next increment.
     settings: HistorySettings,
     body: Body,
     linear: RefinedSolver,
-    /// The ends of the increments that converged, s.
+    /// The ends of the converged increments, s.
     times: Vec<f64>,
 }
 
-/// What the equations are of.
+/// The body to which the equations belong.
 enum Body {
     Whole,
-    /// Condensed with the first increment.
+    /// A body that is condensed with the first increment.
     ToCondense(Condensation),
     Condensed(Box<Condensed>),
 }
 
 impl<P: Borrow<ContactProblem>> Stepper<P> {
-    /// The undeformed body at t = 0.
+    /// Creates a stepper at the undeformed body at t = 0.
     ///
     /// # Errors
-    /// As [`super::run`] for settings that do not fit; [`Error::NotInSteps`] of a method that follows a path of which it knows the end.
+    /// As [`super::run`] for settings that do not fit; [`Error::NotInSteps`] for a method that follows a path to a
+    /// known end.
     pub fn new(problem: P, settings: HistorySettings, system: SystemSolver) -> Result<Self, Error> {
         settings.check(problem.borrow())?;
         if let Method::Events { .. } = settings.method {
@@ -75,13 +76,13 @@ impl<P: Borrow<ContactProblem>> Stepper<P> {
         Ok(Stepper { problem, settings, body, linear, times: Vec::new() })
     }
 
-    /// The end of the last increment that converged, s; 0 before the first.
+    /// Returns the end of the last converged increment, s; 0 before the first.
     pub fn time(&self) -> f64 {
         self.times.last().copied().unwrap_or(0.0)
     }
 
-    /// Goes on to `time` (s), where `loading` says what drives the body between the end of the last increment and then. The outcome
-    /// is that of the history so far, with the record of this increment.
+    /// Advances to `time` (s), where `loading` describes the data between the end of the last increment and `time`.
+    /// Returns the outcome of the history so far, with the record of this increment.
     ///
     /// # Errors
     /// As [`super::run`].
@@ -129,7 +130,7 @@ impl<P: Borrow<ContactProblem>> Stepper<P> {
     }
 }
 
-/// Takes what the history can be taken up from.
+/// An observer that keeps the checkpoint from which the history can resume.
 struct Resting<'o> {
     observer: &'o mut dyn Observer,
     rest: Option<Checkpoint>,

@@ -1,4 +1,4 @@
-//! How the linear system of an iteration is set up: whole, or condensed to the contact displacements.
+//! The linear system of an iteration: whole, or condensed to the contact displacements.
 
 use crate::algebra::linear::{
     Cholesky, FactorInfo, LinearSolver, RefinedSolver, SparseCholesky, SparseLu, Statistics, built_in,
@@ -9,24 +9,25 @@ use std::fmt;
 use std::str::FromStr;
 use std::sync::Arc;
 
-/// How the linear systems of a run are set up, and what factors them.
+/// The form of the linear systems of a run, and the solver for them.
 ///
-/// All give the same answer. Condensed is faster by far where few displacements are in contact and an increment takes
-/// several iterations; it needs memory for the square of their number, and for as many solves with `K` beforehand. The whole
-/// system has no such limit. Where nobody knows, [`crate::run::auto`] counts both and takes the cheaper one.
+/// All forms give the same solution. Condensation is by far the fastest if few displacements are in contact and an
+/// increment takes several iterations. It needs memory for the square of their number, and as many solves with `K` in
+/// advance. The whole system has no such limit. [`crate::run::auto`] estimates the cost of both and takes the cheaper
+/// one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum LinearAlgebra {
     /// The uncondensed system on all displacements and contact forces.
     Whole(SparseLu),
-    /// Static condensation: what no contact touches is eliminated once a run.
+    /// Static condensation: the displacements without contact are eliminated once a run.
     Condensed(SparseCholesky),
-    /// The uncondensed system by GMRES, with contact inside algebraic multigrid, which factors nothing: for bodies that are too large for
-    /// the others.
+    /// The uncondensed system by GMRES, preconditioned by algebraic multigrid including contact, without
+    /// factorisation: for bodies that are too large for the others.
     Multigrid,
 }
 
 impl LinearAlgebra {
-    /// All that need nothing but the matrix, each with the word that scenes and reports have for it.
+    /// The variants that need nothing but the matrix, each with its word in scenes and reports.
     pub const WORDS: [(&'static str, LinearAlgebra); 5] = [
         ("umfpack", LinearAlgebra::Whole(SparseLu::Umfpack)),
         ("mumps", LinearAlgebra::Whole(SparseLu::Mumps)),
@@ -35,17 +36,17 @@ impl LinearAlgebra {
         ("condensed-faer", LinearAlgebra::Condensed(SparseCholesky::Faer)),
     ];
 
-    /// Condensed by the Cholesky factorisation of this build.
+    /// Returns condensation by the Cholesky factorisation of this build.
     pub fn condensed() -> Self {
         LinearAlgebra::Condensed(SparseCholesky::default())
     }
 
-    /// Whether the body is condensed.
+    /// Returns `true` if the body is condensed.
     pub fn condenses(self) -> bool {
         matches!(self, LinearAlgebra::Condensed(_))
     }
 
-    /// Whether this build has it, which the cargo features decide.
+    /// Returns `true` if this build includes the solver, which depends on the cargo features.
     pub fn is_built_in(self) -> bool {
         match self {
             LinearAlgebra::Whole(lu) => lu.is_built_in(),
@@ -56,21 +57,21 @@ impl LinearAlgebra {
 }
 
 impl Default for LinearAlgebra {
-    /// The uncondensed system, by the sparse LU of this build.
+    /// Returns the uncondensed system with the sparse LU of this build.
     fn default() -> Self {
         LinearAlgebra::Whole(SparseLu::default())
     }
 }
 
 impl LinearAlgebra {
-    /// Whether several processes of MPI share its work.
+    /// Returns `true` if several MPI processes share the work.
     pub fn is_shared(self) -> bool {
         matches!(self, LinearAlgebra::Whole(SparseLu::Mumps) | LinearAlgebra::Multigrid)
     }
 }
 
 impl fmt::Display for LinearAlgebra {
-    /// The word of [`LinearAlgebra::WORDS`], and `condensed` for what that is in this build.
+    /// Writes the word of [`LinearAlgebra::WORDS`], or `condensed` for this build's condensation.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             LinearAlgebra::Whole(lu) => lu.fmt(f),
@@ -81,7 +82,7 @@ impl fmt::Display for LinearAlgebra {
     }
 }
 
-/// A word that names no linear algebra.
+/// The error of a word that names no linear solver.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("it is one of umfpack, mumps, faer, condensed, condensed-cholmod, condensed-faer and multigrid")]
 pub struct UnknownLinearAlgebra;
@@ -105,9 +106,9 @@ impl Serialize for LinearAlgebra {
 /// The linear system of a run.
 #[allow(clippy::large_enum_variant)] // There is one of it.
 pub enum SystemSolver {
-    /// The uncondensed one, with this solver.
+    /// The uncondensed system, with this solver.
     Whole(RefinedSolver),
-    /// The one on the contact displacements.
+    /// The system on the contact displacements.
     Condensed(Condensation),
 }
 
@@ -118,8 +119,8 @@ impl Default for SystemSolver {
 }
 
 impl From<LinearAlgebra> for SystemSolver {
-    /// The system of a choice. Multigrid has to know where the unknowns are: of a model, see [`crate::run::Run`]; otherwise from
-    /// `linear::Multigrid`.
+    /// Creates the system of a choice. Multigrid needs the positions of the unknowns: for a model see
+    /// [`crate::run::Run`]; otherwise use `linear::Multigrid`.
     fn from(choice: LinearAlgebra) -> Self {
         match choice {
             LinearAlgebra::Whole(lu) => SystemSolver::from(lu.solver()),
@@ -130,19 +131,20 @@ impl From<LinearAlgebra> for SystemSolver {
 }
 
 impl From<Box<dyn LinearSolver>> for SystemSolver {
-    /// The uncondensed system with a solver of one's own.
+    /// Creates the uncondensed system with a caller's solver.
     fn from(solver: Box<dyn LinearSolver>) -> Self {
         SystemSolver::Whole(RefinedSolver::new(solver))
     }
 }
 
 impl SystemSolver {
-    /// The one on the contact displacements, where the factors of `K` with those of all contact nodes last may be there already.
+    /// Creates the system on the contact displacements. It can reuse the `factor` of `K` with the contact
+    /// displacements last.
     pub(crate) fn condensed(cholesky: SparseCholesky, factor: Option<Arc<Cholesky>>) -> Self {
         SystemSolver::Condensed(Condensation::factored(cholesky, factor))
     }
 
-    /// The name a report shows.
+    /// Returns the name shown in reports.
     pub fn name(&self) -> String {
         match self {
             SystemSolver::Whole(linear) => linear.name().to_string(),
@@ -150,13 +152,14 @@ impl SystemSolver {
         }
     }
 
-    /// Whether the body is condensed.
+    /// Returns `true` if the body is condensed.
     pub fn condenses(&self) -> bool {
         matches!(self, SystemSolver::Condensed(_))
     }
 }
 
-/// What the linear algebra did, the factors of a condensed body and the backward error of the whole system included.
+/// Combines the statistics of the linear solver with the factors of a condensed body and the backward error of the
+/// whole system.
 pub(super) fn statistics(linear: Statistics, body: Option<FactorInfo>, backward_error: f64) -> Statistics {
     let mut statistics = linear;
     if let Some(body) = body {

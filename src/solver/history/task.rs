@@ -1,4 +1,4 @@
-//! What a history asks of a method, and what it gives: the seam at which a method of one's own goes in.
+//! The interface between a history and a method, for the methods here and for a caller's own.
 
 use super::increment_error::IncrementErrors;
 use super::saved::Snapshot;
@@ -13,44 +13,44 @@ use std::ops::ControlFlow;
 
 /// One increment to solve.
 pub struct Task<'a> {
-    /// Whether it is the first of its history.
+    /// `true` for the first increment of its history.
     pub first: bool,
-    /// Its data.
+    /// The data of the increment.
     pub increment: &'a Increment<'a>,
-    /// What the change of the load does while the contact nodes are held.
+    /// The response to the change of the load with clamped contact nodes.
     pub response: &'a Response,
-    /// Of a body that contact alone holds, the contact nodes on which it comes to rest, as far as that is known.
+    /// The contact nodes on which a body comes to rest that only contact holds, if they are known.
     pub landed: Option<&'a [usize]>,
-    /// How long it is relative to the one before, if there is one.
+    /// The length of the increment relative to the previous one, if there is one.
     pub stretch: Option<f64>,
-    /// The scales of the error measure, from the increments before and the load of this one.
+    /// The scales of the error measure, from the earlier increments and the load of this one.
     pub scales: &'a KktScales,
-    /// The error that is allowed.
+    /// The tolerance of the error measure.
     pub tolerance: f64,
 }
 
 impl Task<'_> {
-    /// The error of a state at the end of the increment. For `state`s of `problem` only.
+    /// Returns the error of a state at the end of the increment. `state` must be one of `problem`.
     pub fn error(&self, problem: &ContactProblem, state: &State) -> f64 {
         let imbalance = problem.imbalance(self.increment.force, state);
         judge(problem, self.increment, state, &imbalance, &self.scales.with_state(state), self.tolerance).worst().1
     }
 }
 
-/// What the change of the load from one increment to the next does to the body while its contact nodes are held, in
-/// the units of the history's scaling.
+/// The response of the body to the change of the load in an increment with clamped contact nodes, in the units of the
+/// history's scaling.
 pub struct Response {
     pub(super) u: Vec<f64>,
-    /// The changes of the contact forces that hold the nodes, `(p_t, p_o, p_n)`.
+    /// The changes of the contact forces that clamp the nodes, `(p_t, p_o, p_n)`.
     pub(super) forces: Vec<f64>,
-    /// The largest change of a contact force that holds a node, `p_n` or `|p_T|`.
+    /// The largest change of a contact force that clamps a node, `p_n` or `|p_T|`.
     pub contact_force: f64,
     /// The largest change of a gap.
     pub gap_change: f64,
 }
 
 impl Response {
-    /// Moves the displacements at the beginning of `z`.
+    /// Adds the displacements to the start of `z`.
     pub fn add_to(&self, z: &mut [f64]) {
         z.iter_mut().zip(&self.u).for_each(|(u, du)| *u += du);
     }
@@ -61,32 +61,32 @@ impl Response {
     }
 }
 
-/// What is told of each iteration, and answered with whether to go on.
+/// A callback that receives each iteration and returns if the method may continue.
 pub type Observe<'a> = &'a mut dyn FnMut(&Iteration<'_>) -> ControlFlow<()>;
 
-/// A method with the state it has reached, in its own units.
+/// A method for the increments of a history, with its state in its own units.
 pub trait IncrementSolver {
-    /// The matrix it factors; its pattern never changes.
+    /// Returns the matrix that the method factors. Its pattern never changes.
     fn matrix(&self) -> &SystemMatrix;
 
-    /// Linearises at the state it has reached; see [`IncrementSolver::linearization`].
+    /// Linearises at the present state; see [`IncrementSolver::linearization`].
     fn linearize(&mut self);
 
-    /// The matrix that [`IncrementSolver::linearize`] has written, on the pattern of the other.
+    /// Returns the matrix written by [`IncrementSolver::linearize`], on the pattern of [`IncrementSolver::matrix`].
     fn linearization(&self) -> &SystemMatrix {
         self.matrix()
     }
 
-    /// Writes the matrix of the body with all contact nodes held: closed, and sticking where there is friction.
+    /// Writes the matrix with all contact nodes clamped: closed, and sticking if there is friction.
     ///
     /// # Errors
-    /// The weights of a free motion that is possible all the same.
+    /// The weights of a rigid mode that remains unconstrained.
     fn hold_contacts(&mut self) -> Result<(), Vec<f64>>;
 
     /// Solves the increment from the last state.
     ///
     /// # Errors
-    /// When the linear algebra cannot go on. That a method does not converge is no error, but told by the
+    /// If the linear solver fails. A method that does not converge is no error, but is reported in the
     /// [`MethodResult`].
     fn solve(
         &mut self,
@@ -95,30 +95,33 @@ pub trait IncrementSolver {
         observe: Observe<'_>,
     ) -> Result<MethodResult, LinearError>;
 
-    /// The state it has reached.
+    /// Returns the present state.
     fn state(&self) -> State;
 
-    /// Takes over a state, as of another method or of the same with fewer contact nodes: an increment after the first starts there.
+    /// Sets the state, for example from another method or from a smaller working set. An increment after the first
+    /// starts there.
     fn go_on_from(&mut self, state: &State);
 
-    /// Its unknowns, to be kept and put back if an increment fails.
+    /// Returns the unknowns, which are saved, and restored if an increment fails.
     fn unknowns(&mut self) -> &mut Vec<f64>;
 
-    /// What its increments leave, to be kept and put back with its unknowns; `None` of a method that does not estimate that.
+    /// Returns the accumulated time-step error, saved and restored with the unknowns, or `None` if the method does
+    /// not estimate it.
     fn increment_errors(&mut self) -> Option<&mut IncrementErrors> {
         None
     }
 
-    /// All that its next increment depends on; `linear` is what it solves with.
+    /// Takes a snapshot of all data on which the next increment depends. `linear` is the solver of the method.
     fn memory(&self, linear: &RefinedSolver) -> Snapshot {
         let _ = linear;
         Snapshot::of_state(self.state())
     }
 
-    /// Becomes as it was when it had this `memory`, with factors if it had some; whether that is one of such a method.
+    /// Restores the method from a snapshot and refactors if the snapshot had factors. Returns `false` if the snapshot
+    /// belongs to another method.
     ///
     /// # Errors
-    /// When the linear algebra cannot go on.
+    /// If the linear solver fails.
     fn restore(&mut self, memory: Snapshot, linear: &mut RefinedSolver) -> Result<bool, LinearError> {
         let _ = linear;
         let (length, state) = (self.state().u.len(), memory.into_state());
@@ -127,20 +130,20 @@ pub trait IncrementSolver {
     }
 }
 
-/// What makes an [`IncrementSolver`]: one of the methods that [`super::HistorySettings`] name, or a method of one's own.
+/// The factory of an [`IncrementSolver`]: a method that [`super::HistorySettings`] name, or a caller's own.
 ///
-/// A history may condense the problem first, so the method is made for the `problem` and `loading` that it is handed.
+/// A history may condense the problem first, so the factory receives the `problem` and `loading` for the method.
 pub trait Algorithm {
-    /// Sets up the method in the unloaded body.
+    /// Creates the method in the unloaded body.
     fn start<'a>(&self, problem: &'a ContactProblem, loading: &Loading) -> Box<dyn IncrementSolver + 'a>;
 
-    /// The same for some contact `nodes` of the problem alone, ascending. `None` for a method that wants them all.
+    /// Returns a factory for the contact `nodes` alone, ascending, or `None` if the method needs all contact nodes.
     fn of_nodes(&self, nodes: &[usize]) -> Option<Box<dyn Algorithm>> {
         let _ = nodes;
         None
     }
 
-    /// Whether it solves problems with these unknowns.
+    /// Returns `true` if the method supports these unknowns.
     fn knows(&self, layout: &Layout) -> bool {
         let _ = layout;
         true

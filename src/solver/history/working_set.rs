@@ -1,40 +1,40 @@
-//! The contact nodes that condensed equations hold: a working set, as of an active set method.
+//! The working set of an active set method: the contact nodes in condensed equations.
 //!
-//! Nodes that stay apart have `p = 0`, so that a state in which they are left out is a solution of all laws, if they do not
-//! penetrate and the laws of the others hold. The verdict is that of all contact nodes, always; where it is that nodes which are left
-//! out penetrate, they join, with the nearest others. None ever leaves.
+//! Open nodes have `p = 0`. A state without some nodes therefore satisfies all laws if these nodes do not penetrate
+//! and the other nodes satisfy the laws. The verdict always covers all contact nodes. If nodes outside the working
+//! set penetrate, they join it together with the nearest other nodes. No node leaves it.
 
 use super::state::SubstepResult;
 use crate::solver::newton::Termination;
 use crate::solver::problem::{ContactProblem, Increment};
 use serde::{Deserialize, Serialize};
 
-/// The contact nodes that the condensed equations of a history held.
+/// The size of a history's working set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct WorkingSet {
-    /// How many they held at first.
+    /// The number of contact nodes at first.
     pub first: usize,
-    /// How many at the end.
+    /// The number of contact nodes at the end.
     pub last: usize,
-    /// All that there are.
+    /// The number of all contact nodes.
     pub all: usize,
-    /// How often nodes joined.
+    /// The number of times that nodes joined.
     pub grown: usize,
 }
 
-/// What equations must hold to go on.
+/// The larger working set that is needed to continue.
 pub(super) struct MissingNodes {
-    /// The contact nodes, ascending.
+    /// The contact nodes of the larger set, ascending.
     pub nodes: Vec<usize>,
-    /// Whether the state that the attempt ended in solves the equations without those that are new.
+    /// `true` if the last state solves the equations of the smaller set.
     pub solved: bool,
 }
 
-/// The contact nodes with which to go on after an `substep` with `held`, by what drove it; `None` if those will do.
+/// Returns the larger working set needed after a `substep` with the nodes `held`, or `None` if these suffice.
 ///
-/// A set that grows at least doubles, so that there are few of them. A failure that has another reason than nodes left out is
-/// never told by fewer than all.
+/// The set at least doubles each time, which bounds the number of restarts. A failure not caused by missing nodes is
+/// reported only after all nodes have been included.
 pub(super) fn lack(
     problem: &ContactProblem,
     data: &Increment<'_>,
@@ -57,7 +57,7 @@ pub(super) fn lack(
     let penetrating = others.iter().filter(|(_, distance)| -distance > allowed).count();
     let solved = substep.outcome.stop == Termination::Converged && penetrating > 0;
     let joining = if solved { held.len().max(2 * penetrating) } else { all };
-    // The last quarter saves little.
+    // Leaving out less than a quarter of the nodes saves little.
     if 4 * (held.len() + joining) >= 3 * all {
         return Some(MissingNodes { nodes: (0..all).collect(), solved });
     }

@@ -1,41 +1,40 @@
 //! The laws of Signorini and Coulomb at one contact node as equations, and their linearisation:
 //! the rows of (19) and the cases of (21). Pure functions of numbers, in any consistent units.
 //!
-//! What is tangential has a component along either tangent of the node, `[t, o]`. A component that a
-//! node does not have, as the second in two dimensions, is 0, and everything is as if it were not
-//! there.
+//! Tangential vectors have a component along each of the node's two tangents, `[t, o]`. A component that a node does
+//! not have, such as the second in two dimensions, is 0 and has no effect.
 
 use serde::{Deserialize, Serialize};
 
-/// `x₊ = max(x, 0)`; NaN stays NaN, where `f64::max` would make it 0.
+/// Returns `x₊ = max(x, 0)`; NaN stays NaN, where `f64::max` would give 0.
 pub fn positive(x: f64) -> f64 {
     if x <= 0.0 { 0.0 } else { x }
 }
 
-/// `|v|` of a tangential vector.
+/// Returns `|v|` of a tangential vector.
 pub fn length([t, o]: [f64; 2]) -> f64 {
     t.hypot(o)
 }
 
-/// `v / |v|`; 0 for 0.
+/// Returns `v / |v|`; 0 for 0.
 pub fn direction(v: [f64; 2]) -> [f64; 2] {
     let length = length(v);
     if length == 0.0 { [0.0; 2] } else { v.map(|x| x / length) }
 }
 
-/// `Π(q)`, the projection on the friction disk `|p_T| ≤ radius` (18).
+/// Returns `Π(q)`, the projection on the friction disk `|p_T| ≤ radius` (18).
 pub fn project(q: [f64; 2], radius: f64) -> [f64; 2] {
     if length(q) > radius { direction(q).map(|n| radius * n) } else { q }
 }
 
-/// The normal row of (19): `-min(p_n, r (g - w_n))`.
+/// Returns the normal row of (19): `-min(p_n, r (g - w_n))`.
 pub fn normal_residual(p_n: f64, w_n: f64, gap: f64, r: f64) -> f64 {
     -p_n.min(r * (gap - w_n))
 }
 
-/// The tangential rows of (19): `-p_T + Π(p_T + r Δw_T)` with the radius `μ (pressure)₊`; in (19) the
-/// pressure is `p_n`. They are worked out along and across `p_T`: across it the slip alone counts, which may be below
-/// the rounding of `p_T / r`.
+/// Returns the tangential rows of (19): `-p_T + Π(p_T + r Δw_T)` with the radius `μ (pressure)₊`; in (19) the
+/// pressure is `p_n`. They are computed along and across `p_T`: across `p_T` only the slip contributes, even if it is
+/// below the rounding of `p_T / r`.
 pub fn tangential_residual(p: [f64; 2], pressure: f64, slip: [f64; 2], mu: f64, r: f64) -> [f64; 2] {
     let (q, radius) = (trial(p, slip, r), mu * positive(pressure));
     let (size, reach) = (length(p), length(q));
@@ -52,7 +51,7 @@ pub fn tangential_residual(p: [f64; 2], pressure: f64, slip: [f64; 2], mu: f64, 
     [along * e[0] - across * e[1], along * e[1] + across * e[0]]
 }
 
-/// `q = p_T + r Δw_T`.
+/// Returns `q = p_T + r Δw_T`.
 fn trial(p: [f64; 2], slip: [f64; 2], r: f64) -> [f64; 2] {
     [0, 1].map(|d| p[d] + r * slip[d])
 }
@@ -67,13 +66,13 @@ pub enum NormalCase {
 }
 
 impl From<bool> for NormalCase {
-    /// Closed, or not.
+    /// Returns `Closed` for `true`, `Open` for `false`.
     fn from(closed: bool) -> Self {
         if closed { NormalCase::Closed } else { NormalCase::Open }
     }
 }
 
-/// The tangential cases of (21), where the pressure is `p_n`.
+/// The tangential cases of (21), in which the pressure is `p_n`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum TangentialCase {
     /// `pressure ≤ 0`; rows `-dp_T`.
@@ -84,29 +83,30 @@ pub enum TangentialCase {
     Slip {
         /// `n = q / |q|`.
         direction: [f64; 2],
-        /// `R`, how friction turns with `q`, row by row. It vanishes where a node has one tangent only.
+        /// `R`, the change of friction with the direction of `q`, row by row. It vanishes if a node has only one
+        /// tangent.
         turning: [[f64; 2]; 2],
     },
 }
 
-/// The share of `μ p_n` by which `|q|` must stay below it to count as stick: a node that slipped
-/// starts every new increment exactly on that border, and there the paper's counts are only
-/// reproduced if it goes on slipping in its old direction. Well above rounding, far below any load.
+/// The distance of `|q|` below `μ p_n`, as a share of it, from which a node counts as sticking. A node that slipped
+/// starts every new increment exactly on that border. The paper's counts are only reproduced if it keeps slipping
+/// there in its old direction. The share is well above rounding and far below the effect of any load.
 pub const SLIP_BORDER: f64 = 1e-9;
 
-/// Slip rows whose coefficients, of order one, have changed by less than this are kept. The factors then
-/// serve once more, and Newton's step from there is good to as many digits more.
+/// The largest change of slip row coefficients, which are of order one, for which the rows are kept. The factors are
+/// then reused, and Newton's step gains as many more digits.
 const SAME_SLIP: f64 = 1e-8;
 
 impl TangentialCase {
-    /// Slip along `q` with the term `R = (μ pressure / |q|) (1 - n nᵀ)` of (21).
+    /// Returns slip along `q` with the term `R = (μ pressure / |q|) (1 - n nᵀ)` of (21).
     fn slip(q: [f64; 2], pressure: f64, mu: f64) -> Self {
         let ([t, o], share) = (direction(q), mu * pressure / length(q));
         let turning = [[o * o, -t * o], [-t * o, t * t]].map(|row| row.map(|x| share * x));
         TangentialCase::Slip { direction: [t, o], turning }
     }
 
-    /// The case of a node with one tangent only, where friction cannot turn.
+    /// Returns the case for a node with only one tangent, where friction cannot turn.
     #[must_use]
     pub fn straight(self) -> Self {
         match self {
@@ -115,7 +115,7 @@ impl TangentialCase {
         }
     }
 
-    /// Whether the rows are those of `other`, in slip to eight digits.
+    /// Returns `true` if the rows equal those of `other`, in slip to eight digits.
     pub fn is_like(&self, other: &Self) -> bool {
         let near = |a: &[f64; 2], b: &[f64; 2]| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= SAME_SLIP);
         match (self, other) {
@@ -127,12 +127,12 @@ impl TangentialCase {
     }
 }
 
-/// The normal case of a node.
+/// Returns the normal case of a node.
 pub fn normal_case(p_n: f64, w_n: f64, gap: f64, r: f64) -> NormalCase {
     if p_n + r * (w_n - gap) > 0.0 { NormalCase::Closed } else { NormalCase::Open }
 }
 
-/// The tangential case of a node with the slip increment `slip = w_T - w̄_T`.
+/// Returns the tangential case of a node with the slip increment `slip = w_T - w̄_T`.
 pub fn tangential_case(p: [f64; 2], pressure: f64, slip: [f64; 2], mu: f64, r: f64) -> TangentialCase {
     let q = trial(p, slip, r);
     if pressure <= 0.0 {
@@ -144,36 +144,36 @@ pub fn tangential_case(p: [f64; 2], pressure: f64, slip: [f64; 2], mu: f64, r: f
     }
 }
 
-/// A sum of two terms at the start of a direction, and the rate at which it changes along it.
+/// A sum of two terms at the start of a direction, and its rate along the direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DirectionalDerivative {
-    /// The sum.
+    /// The value of the sum.
     pub value: f64,
-    /// The sum of the terms' absolute values, beside which rounding is judged.
+    /// The sum of the absolute values of the terms, relative to which rounding is judged.
     pub size: f64,
-    /// The rate.
+    /// The rate of the sum.
     pub rate: f64,
 }
 
 impl DirectionalDerivative {
-    /// `a + b` with the rate of the sum.
+    /// Creates `a + b` with the rate of the sum.
     pub fn new(a: f64, b: f64, rate: f64) -> Self {
         DirectionalDerivative { value: a + b, size: a.abs() + b.abs(), rate }
     }
 
-    /// A number with the sign that the sum takes at once along the direction; 0 if it stays 0.
+    /// Returns a number with the sign of the sum immediately along the direction; 0 if it stays 0.
     fn ahead(&self) -> f64 {
         if self.value.abs() > SLIP_BORDER * self.size { self.value } else { self.rate }
     }
 }
 
-/// The normal case that a direction leads into, from `p_n + r (w_n - g)`: the branch of the
-/// directional derivative (20).
+/// Returns the normal case into which a direction leads, from `p_n + r (w_n - g)`: the branch of the directional
+/// derivative (20).
 pub fn normal_case_ahead(trial: DirectionalDerivative) -> NormalCase {
     if trial.ahead() > 0.0 { NormalCase::Closed } else { NormalCase::Open }
 }
 
-/// The tangential case that a direction leads into, from the pressure and both components of `q`.
+/// Returns the tangential case into which a direction leads, from the pressure and both components of `q`.
 pub fn tangential_case_ahead(
     pressure: DirectionalDerivative,
     q: [DirectionalDerivative; 2],
@@ -200,7 +200,7 @@ pub fn tangential_case_ahead(
 mod tests {
     use super::*;
 
-    /// Slip along the only tangent.
+    /// Returns `true` for slip along the only tangent with this sign.
     fn slips(case: TangentialCase, sign: f64) -> bool {
         matches!(case, TangentialCase::Slip { direction, .. } if direction == [sign, 0.0])
     }
@@ -208,14 +208,14 @@ mod tests {
     #[test]
     fn residuals_vanish_exactly_on_the_law() {
         let r = 3.0;
-        // Open, grazing, closed.
+        // The cases open, grazing and closed.
         for (p_n, w_n) in [(0.0, -1.0), (0.0, 0.5), (2.0, 0.5)] {
             assert_eq!(normal_residual(p_n, w_n, 0.5, r), 0.0);
         }
         assert_ne!(normal_residual(2.0, 0.4, 0.5, r), 0.0);
         assert_ne!(normal_residual(-1.0, 0.5, 0.5, r), 0.0);
         assert_ne!(normal_residual(0.0, 0.6, 0.5, r), 0.0);
-        // Stick, slip either way, no pressure; then along the other tangent, and between both.
+        // The cases stick, slip either way and no pressure; then along the other tangent, and between both.
         let residual = |p, p_n, slip| tangential_residual(p, p_n, slip, 0.4, r);
         for (p, p_n, slip) in [(0.3, 1.0, 0.0), (0.4, 1.0, 2.0), (-0.4, 1.0, -2.0), (0.0, 0.0, 7.0)] {
             assert_eq!(residual([p, 0.0], p_n, [slip, 0.0]), [0.0; 2]);
@@ -269,7 +269,7 @@ mod tests {
         assert_eq!(normal_case_ahead(grazing(-1.0)), NormalCase::Open);
         assert_eq!(normal_case_ahead(DirectionalDerivative::new(0.3, -0.1 - 0.2, 1.0)), NormalCase::Closed);
         assert_eq!(normal_case_ahead(DirectionalDerivative::new(0.3, -0.4, 1.0)), NormalCase::Open);
-        // On the border of the cone: q grows slower than the limit, faster, or turns.
+        // On the border of the cone q grows slower than the limit, faster, or turns.
         let border = |dq| {
             tangential_case_ahead(
                 DirectionalDerivative::new(1.0, 0.0, 1.0),
@@ -280,19 +280,19 @@ mod tests {
         assert_eq!(border(0.3), TangentialCase::Stick);
         assert!(slips(border(0.5), 1.0));
         assert_eq!(border(-1.0), TangentialCase::Stick);
-        // At the tip of the cone everything depends on the rates.
+        // At the tip of the cone only the rates decide.
         let tip = |dp, dq| tangential_case_ahead(grazing(dp), flat(grazing(dq)), 0.4);
         assert_eq!(tip(-1.0, 0.0), TangentialCase::NoPressure);
         assert_eq!(tip(1.0, 0.1), TangentialCase::Stick);
         assert!(slips(tip(1.0, -0.5), -1.0));
-        // Off the borders it is the case itself.
+        // Off the borders the case ahead is the case itself.
         let inside = tangential_case_ahead(
             DirectionalDerivative::new(1.0, 0.0, -9.0),
             flat(DirectionalDerivative::new(0.1, 0.0, 9.0)),
             0.4,
         );
         assert_eq!(inside, TangentialCase::Stick);
-        // In two directions: moving along the rim keeps the limit, which grows.
+        // In two directions, motion along the rim keeps |q| at the limit, which grows.
         let rim = |rate| {
             tangential_case_ahead(
                 DirectionalDerivative::new(1.0, 0.0, rate),
@@ -322,7 +322,7 @@ mod tests {
                 "{p:?} {slip:?}: {row:?} {projected:?}"
             );
         }
-        // Across a force of 0.5 a slip of 1e-20 counts.
+        // Across a force of 0.5 a slip of 1e-20 has an effect.
         let [_, across] = tangential_residual([0.5, 0.0], 1.0, [1e-9, 1e-20], 0.5, 1.0);
         assert!((across - 1e-20).abs() < 1e-28, "{across:e}");
     }

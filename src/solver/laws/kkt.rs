@@ -1,9 +1,9 @@
-//! The error measure: how far a state is from the exact law, judged from `(u, p)` alone.
+//! The error measure: the distance of a state from the exact law, judged from `(u, p)` alone.
 //!
-//! It shares nothing with the solvers but the problem itself, in SI units: no `r`, no merit
-//! function, no scaling. Every component is relative and unit-free. Forces are compared with the
-//! largest external or contact force, displacements with the largest displacement or interference,
-//! of the history so far: after full unloading there is nothing else to compare rounding with.
+//! It shares nothing with the solvers but the problem itself, in SI units: no `r`, no merit function, no scaling.
+//! Every component is relative and unit-free. Forces are compared with the largest external or contact force of the
+//! history so far, displacements with the largest displacement or interference: after full unloading there is no
+//! other scale for rounding.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,31 +11,32 @@ use super::coulomb::{direction, length, positive, project};
 use crate::solver::problem::error::{expect_finite, expect_value};
 use crate::solver::problem::{ContactProblem, Increment, ProblemError, State};
 
-/// What forces and displacements are compared with.
+/// The scales for forces and displacements.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct KktScales {
     /// The largest external nodal force or contact force, N.
     pub force: f64,
-    /// The largest displacement or interference, or what the largest external nodal force makes of the largest diagonal
-    /// entry of the stiffness: less than that moves nothing. (In a body that sticks, displacements may be mere rounding.) m.
+    /// The largest displacement or interference, or the largest external nodal force divided by the largest diagonal
+    /// entry of the stiffness if that is larger, since smaller motions have no effect. (In a sticking body,
+    /// displacements may be mere rounding.) m.
     pub length: f64,
 }
 
-/// Roundings of its terms in a gap that is left at the end of a way, or in the sum of loads.
+/// The number of roundings, relative to the terms, in a gap after a long motion or in a sum of loads.
 const ROUNDINGS: f64 = 16.0;
 
 impl KktScales {
-    /// The scales of a state that others came before.
+    /// Returns the scales of a state after those of `earlier` states.
     pub fn after(earlier: &KktScales, problem: &ContactProblem, increment: &Increment<'_>, state: &State) -> Self {
         earlier.with_load(problem, increment).with_state(state)
     }
 
-    /// The scales of a single state.
+    /// Returns the scales of a single state.
     pub fn new(problem: &ContactProblem, increment: &Increment<'_>, state: &State) -> Self {
         KktScales::default().with_load(problem, increment).with_state(state)
     }
 
-    /// Raised to the external forces and interferences of `increment`.
+    /// Raises the scales to the external forces and interferences of `increment`.
     #[must_use]
     pub fn with_load(self, problem: &ContactProblem, increment: &Increment<'_>) -> Self {
         let interference = increment.gap.iter().fold(0.0_f64, |m, g| m.max(-g));
@@ -45,7 +46,7 @@ impl KktScales {
         KktScales { force: self.force.max(force), length: self.length.max(interference).max(least) }
     }
 
-    /// Raised to the contact forces and displacements of `state`.
+    /// Raises the scales to the contact forces and displacements of `state`.
     #[must_use]
     pub fn with_state(self, state: &State) -> Self {
         KktScales {
@@ -58,15 +59,14 @@ impl KktScales {
         }
     }
 
-    /// Not below what is known of forces and lengths that are differences of terms of these sizes (N and m): their rounding meets the
-    /// `tolerance` with them.
+    /// Raises the scales so that rounding in differences of terms of these sizes (N and m) stays below `tolerance`.
     #[must_use]
     pub(crate) fn above_rounding(self, tolerance: f64, force: f64, length: f64) -> Self {
         let known = (ROUNDINGS * f64::EPSILON / tolerance).min(1.0);
         KktScales { force: self.force.max(known * force), length: self.length.max(known * length) }
     }
 
-    /// Whether something can be compared with them.
+    /// Checks that the scales are finite and nonnegative.
     fn check(&self) -> Result<(), ProblemError> {
         for (array, value) in [("scales.force", self.force), ("scales.length", self.length)] {
             expect_value(array, value, "finite, and 0 or more", |scale| scale >= 0.0 && scale.is_finite())?;
@@ -74,7 +74,7 @@ impl KktScales {
         Ok(())
     }
 
-    /// `|value|` relative to the force scale; an error without any force is infinite.
+    /// Returns `|value|` relative to the force scale; infinite if the scale is 0 and the value is not.
     fn force(&self, value: f64) -> f64 {
         relative(value, self.force)
     }
@@ -92,7 +92,7 @@ fn relative(value: f64, scale: f64) -> f64 {
     if value == 0.0 { 0.0 } else { value.abs() / scale }
 }
 
-/// The violation of each law, the largest over all nodes.
+/// The largest violation of each law over all nodes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct KktErrors {
@@ -102,16 +102,16 @@ pub struct KktErrors {
     pub penetration: f64,
     /// `(-p_n)₊`, relative to the force scale.
     pub tension: f64,
-    /// A pressure across a gap: the smaller of the two, each relative to its scale.
+    /// The pressure across a gap: the smaller of pressure and gap, each relative to its scale.
     pub complementarity: f64,
     /// `(|p_T| - μ p_n)₊`, relative to the force scale.
     pub cone: f64,
-    /// A slip increment without full friction against it: the smaller of the slip and of the distance of
-    /// the force from `μ p_n` in the direction of the slip, each relative to its scale.
+    /// A slip increment without full friction against it: the smaller of the slip and the distance of the force from
+    /// `μ p_n` in the direction of the slip, each relative to its scale.
     pub dissipation: f64,
 }
 
-/// A law that a state can violate, a component of [`KktErrors`].
+/// A law that a state may violate, a component of [`KktErrors`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
@@ -130,12 +130,12 @@ pub enum Law {
     Dissipation,
 }
 
-/// The violation of one law in one place.
+/// The violation of one law at one place.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Violation {
-    /// The law.
+    /// The violated law.
     pub law: Law,
-    /// The displacement, for equilibrium; the contact node, for the other laws.
+    /// The index of the displacement for equilibrium, of the contact node for the other laws.
     pub place: usize,
     /// The error, as in [`KktErrors`].
     pub error: f64,
@@ -145,7 +145,7 @@ impl Law {
     const ALL: [Law; 6] =
         [Law::Equilibrium, Law::Penetration, Law::Tension, Law::Complementarity, Law::Cone, Law::Dissipation];
 
-    /// The name of the law in reports.
+    /// Returns the name of the law in reports.
     pub fn name(self) -> &'static str {
         match self {
             Law::Equilibrium => "equilibrium",
@@ -159,7 +159,7 @@ impl Law {
 }
 
 impl Violation {
-    /// The largest violation in `state`.
+    /// Returns the largest violation in `state`.
     pub(crate) fn worst(
         problem: &ContactProblem,
         increment: &Increment<'_>,
@@ -177,7 +177,7 @@ impl Violation {
     }
 }
 
-/// Visits the violation of every law in every place; `imbalance` is [`ContactProblem::imbalance`] of the state.
+/// Visits the violation of every law at every place; `imbalance` is [`ContactProblem::imbalance`] of the state.
 fn violations(
     problem: &ContactProblem,
     increment: &Increment<'_>,
@@ -199,8 +199,8 @@ fn violations(
         visit(Law::Cone, i, scales.force(positive(length(p_t) - radius)));
         if problem.tangential_maps().iter().any(|map| !map.row(i).is_empty()) {
             let slip = problem.slip(increment, state, i);
-            // Judged from the nearest admissible force, so that the cone counts only once. The distance of
-            // the vectors, not of what they dissipate: that has no slope where they are parallel.
+            // Judged from the nearest admissible force, so that the cone counts only once. The distance between the
+            // vectors is used, not that between their dissipations, which has zero slope where they are parallel.
             let (full, there) = (direction(slip).map(|n| radius * n), project(p_t, radius));
             let lacking = length([full[0] - there[0], full[1] - there[1]]);
             visit(Law::Dissipation, i, smaller(scales.force(lacking), scales.length(length(slip))));
@@ -208,13 +208,13 @@ fn violations(
     }
 }
 
-/// `p_T` of node `i`.
+/// Returns `p_T` of node `i`.
 fn friction(state: &State, i: usize) -> [f64; 2] {
     [state.p_t[i], state.p_o[i]]
 }
 
-/// The error measure of a state whose [`ContactProblem::imbalance`] is known. Near the `tolerance` the rounding of the imbalance
-/// itself would count, so there it is worked out in twice the precision.
+/// Returns the error measure of a state whose [`ContactProblem::imbalance`] is known. Near the `tolerance` the
+/// rounding of the imbalance itself would matter, so there it is computed in twice the precision.
 pub(crate) fn judge(
     problem: &ContactProblem,
     increment: &Increment<'_>,
@@ -233,11 +233,10 @@ pub(crate) fn judge(
 }
 
 impl KktErrors {
-    /// Measures `state` against the law of one increment, relative to `scales`: whoever has found it.
+    /// Measures `state`, from whatever source, against the law of one increment, relative to `scales`.
     ///
     /// # Errors
-    /// When an array of `increment` or `state` has another length than `problem` asks for, or nothing can be compared with
-    /// `scales`.
+    /// If an array of `increment` or `state` has another length than `problem` needs, or if the `scales` are invalid.
     pub fn measure(
         problem: &ContactProblem,
         increment: &Increment<'_>,
@@ -266,7 +265,7 @@ impl KktErrors {
         errors
     }
 
-    /// The larger of both in every component.
+    /// Returns the larger of both in every component.
     #[must_use]
     pub fn max(mut self, other: &KktErrors) -> Self {
         for law in Law::ALL {
@@ -275,7 +274,7 @@ impl KktErrors {
         self
     }
 
-    /// The component of a law.
+    /// Returns the component of a law.
     pub fn of(&self, law: Law) -> f64 {
         let mut errors = *self;
         *errors.of_mut(law)
@@ -292,19 +291,19 @@ impl KktErrors {
         }
     }
 
-    /// Every component with its name.
+    /// Returns every component with its name.
     pub fn components(&self) -> [(&'static str, f64); 6] {
         Law::ALL.map(|law| (law.name(), self.of(law)))
     }
 
-    /// The name and value of the largest component; NaN is larger than anything.
+    /// Returns the name and value of the largest component; NaN counts as the largest.
     pub fn worst(&self) -> (&'static str, f64) {
         let [first, rest @ ..] = self.components();
         rest.into_iter().fold(first, |worst, next| if exceeds(next.1, worst.1) { next } else { worst })
     }
 }
 
-/// `max` and `min` that let NaN through: a NaN is a violation, not a missing value.
+/// Raises `worst` to `value`. NaN is kept, since it is a violation and not a missing value.
 fn raise(worst: &mut f64, value: f64) {
     if exceeds(value, *worst) {
         *worst = value;
@@ -319,15 +318,15 @@ fn exceeds(a: f64, b: f64) -> bool {
     !b.is_nan() && (a.is_nan() || a > b)
 }
 
-/// The equilibrium error that rounding the displacements to double precision makes, relative to the
-/// force scale: `ε |K| |u| / F`. In slender bodies it is far above ε, and no solver can do better.
+/// Returns the equilibrium error due to rounding the displacements to double precision, relative to the force scale:
+/// `ε |K| |u| / F`. In slender bodies it is far above ε, and no solver can do better.
 pub(crate) fn rounding_level(problem: &ContactProblem, state: &State, scales: &KktScales) -> f64 {
     let mut sums = vec![0.0; state.u.len()];
     problem.stiffness().add_sizes(&state.u, &mut sums);
     f64::EPSILON * sums.into_iter().fold(0.0, f64::max) / scales.force
 }
 
-/// What a contact node does at the end of an increment.
+/// The status of a contact node at the end of an increment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ContactStatus {
@@ -339,12 +338,12 @@ pub enum ContactStatus {
     Slip,
 }
 
-/// The status of every contact node, from the state alone: of each complementary pair (pressure
-/// and distance; friction reserve and slip) the relatively larger one decides.
+/// Returns the status of every contact node, from the state alone: the relatively larger member of each complementary
+/// pair (pressure and distance; friction reserve and slip) decides.
 ///
 /// # Errors
-/// When an array of `increment` or `state` has another length than `problem` asks for, a number of `state` is not finite,
-/// or nothing can be compared with `scales`.
+/// If an array of `increment` or `state` has another length than `problem` needs, if a number of `state` is not
+/// finite, or if the `scales` are invalid.
 pub fn statuses(
     problem: &ContactProblem,
     increment: &Increment<'_>,
@@ -360,7 +359,7 @@ pub fn statuses(
     Ok(statuses_of(problem, increment, state, scales))
 }
 
-/// [`statuses`] of arrays that fit.
+/// Computes [`statuses`] of arrays of the right lengths.
 pub(crate) fn statuses_of(
     problem: &ContactProblem,
     increment: &Increment<'_>,

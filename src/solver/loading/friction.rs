@@ -8,17 +8,18 @@ use crate::solver::problem::error::{expect_each, expect_finite, expect_history, 
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrictionHistory {
     pub(super) nodes: usize,
-    /// `μ_k` at factor 1, and the points of `f_k`.
+    /// `μ_k` at factor 1, with the points of `f_k`.
     pub(super) cases: Vec<(Vec<f64>, Vec<[f64; 2]>)>,
 }
 
 impl FrictionHistory {
-    /// The sum of `cases`: coefficients of `nodes` contact nodes at factor 1, and points `[time (s), factor]`, between which
-    /// the factor is linear and outside of which it is constant; it is 1 throughout where there are none.
+    /// Creates the sum of `cases`: coefficients of `nodes` contact nodes at factor 1, and points
+    /// `[time (s), factor]`. The factor is linear between the points and constant outside; it is 1 if there are no
+    /// points.
     ///
     /// # Errors
-    /// When there is not one coefficient for each node, one is negative or not finite, times do not increase, or a factor is not
-    /// above 0: a node has friction at all times or never.
+    /// If there is not one coefficient for each node, if one is negative or not finite, if times do not increase, or
+    /// if a factor is not positive: a node has friction at all times or never.
     pub fn new(nodes: usize, cases: Vec<(Vec<f64>, Vec<[f64; 2]>)>) -> Result<Self, ProblemError> {
         for (mu, history) in &cases {
             expect_length("mu", nodes, mu.len(), "one for each contact node")?;
@@ -31,12 +32,12 @@ impl FrictionHistory {
         Ok(FrictionHistory { nodes, cases })
     }
 
-    /// The number of contact nodes.
+    /// Returns the number of contact nodes.
     pub fn nodes(&self) -> usize {
         self.nodes
     }
 
-    /// The coefficients at time `t` (s).
+    /// Returns the coefficients at time `t` (s).
     pub fn at(&self, t: f64) -> Vec<f64> {
         let mut mu = vec![0.0; self.nodes];
         for (case, history) in &self.cases {
@@ -46,7 +47,7 @@ impl FrictionHistory {
         mu
     }
 
-    /// The largest coefficient of each node over all time.
+    /// Returns the largest coefficient of each node over all time.
     pub fn largest(&self) -> Vec<f64> {
         let times = self.cases.iter().flat_map(|(_, history)| history.iter().map(|point| point[0]));
         times.chain([0.0]).map(|t| self.at(t)).fold(vec![0.0; self.nodes], |mut largest, mu| {

@@ -1,4 +1,4 @@
-//! Gaps that do not follow a history in proportion.
+//! Corrections of gaps that are not proportional to a motion.
 
 use std::ops::Range;
 
@@ -6,24 +6,24 @@ use super::PER_NODE;
 use crate::solver::problem::ProblemError;
 use crate::solver::problem::error::{expect_finite, expect_increasing, expect_length};
 
-/// What the rates of a [`super::Motion`] leave out of the gaps, as an obstacle that is round passes, one that is oblique turns, or
-/// another one comes nearer.
+/// The difference between the gaps and those from the rates of a [`super::Motion`], for example if a round obstacle
+/// passes, an oblique one turns, or another one comes nearer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GapCorrection {
     pub(super) nodes: Range<usize>,
     pub(super) times: Vec<f64>,
     pub(super) gap: Vec<Vec<f64>>,
-    /// What they leave out of the motion of the surface along both tangents; nothing where that is all of it.
+    /// The correction of the surface's motion along both tangents; empty if there is none.
     pub(super) drift: Vec<Vec<[f64; 2]>>,
 }
 
 impl GapCorrection {
-    /// What to add to the gaps of the contact nodes `nodes`, m: a row of `gap` for each of the `times` (s), linear between
-    /// them and constant outside.
+    /// Creates a correction of the gaps of the contact nodes `nodes`, m: a row of `gap` for each of the `times` (s),
+    /// linear between them and constant outside.
     ///
     /// # Errors
-    /// When there is not a row for each time and a number for each node, a number is not finite, or the times do not
-    /// increase.
+    /// If there is not a row for each time and a number for each node, if a number is not finite, or if the times do
+    /// not increase.
     pub fn new(nodes: Range<usize>, times: Vec<f64>, gap: Vec<Vec<f64>>) -> Result<Self, ProblemError> {
         expect_length("gap", times.len(), gap.len(), "one row for each time")?;
         expect_finite("times", &times)?;
@@ -36,11 +36,10 @@ impl GapCorrection {
         Ok(GapCorrection { nodes, times, gap, drift: Vec::new() })
     }
 
-    /// The same, which also adds to how far the surface has moved past the nodes along both tangents, m: a row of `drift` for each
-    /// time.
+    /// Adds a correction of the surface's motion along both tangents, m: a row of `drift` for each time.
     ///
     /// # Errors
-    /// When there is not a row for each time and a pair for each node, or a number is not finite.
+    /// If there is not a row for each time and a pair for each node, or if a number is not finite.
     pub fn with_drift(self, drift: Vec<Vec<[f64; 2]>>) -> Result<Self, ProblemError> {
         expect_length("drift", self.times.len(), drift.len(), "one row for each time")?;
         for (k, row) in drift.iter().enumerate() {
@@ -51,13 +50,13 @@ impl GapCorrection {
         Ok(GapCorrection { drift, ..self })
     }
 
-    /// The times, s.
+    /// Returns the times, s.
     pub fn times(&self) -> &[f64] {
         &self.times
     }
 
-    /// How far gaps between its times may be from the chords that it has for them, m, by the chords on either side of each time but the
-    /// `kinks` (s), at which rates change.
+    /// Estimates the largest distance of the true gaps from their linear interpolation, m, from the interpolated
+    /// values at three consecutive times. The `kinks` (s), at which rates change, are excluded.
     pub(crate) fn off_the_chords(&self, kinks: &[f64]) -> f64 {
         let off = |k: usize| {
             let [before, at, after] = [k - 1, k, k + 1].map(|k| self.times[k]);
@@ -65,7 +64,8 @@ impl GapCorrection {
                 return 0.0;
             }
             let share = (at - before) / (after - before);
-            // g'' (at - before) (after - at) / 2 off the chord over both, so g'' h² / 8 off that over one.
+            // The distance from the chord over both intervals is g'' (at - before) (after - at) / 2, that from the
+            // chord over one g'' h² / 8.
             let longest = (at - before).max(after - at);
             let of_one = longest * longest / (4.0 * (at - before) * (after - at));
             let of_node = |i: usize| {
@@ -77,7 +77,7 @@ impl GapCorrection {
         (1..self.times.len().saturating_sub(1)).map(off).fold(0.0, f64::max)
     }
 
-    /// Adds what belongs to time `t` to the `gap` of its nodes.
+    /// Adds the correction at time `t` to the `gap` of its nodes.
     pub(super) fn add(&self, t: f64, gap: &mut [f64]) {
         let Some((k, share)) = self.place(t) else { return };
         for (i, g) in gap.iter_mut().enumerate() {
@@ -85,7 +85,7 @@ impl GapCorrection {
         }
     }
 
-    /// Adds what belongs to time `t` to the `drift` of its nodes along their first (`axis` = 0) or second tangents.
+    /// Adds the correction at time `t` to the `drift` of its nodes along their first (`axis` = 0) or second tangents.
     pub(super) fn add_drift(&self, t: f64, axis: usize, drift: &mut [f64]) {
         let Some((k, share)) = self.place(t).filter(|_| !self.drift.is_empty()) else { return };
         for (i, d) in drift.iter_mut().enumerate() {
@@ -93,7 +93,7 @@ impl GapCorrection {
         }
     }
 
-    /// The row before time `t`, and how far it is to the next one, as a share.
+    /// Returns the index of the row before time `t`, and the share of the interval up to `t`.
     fn place(&self, t: f64) -> Option<(usize, f64)> {
         let last = self.times.len().checked_sub(1)?;
         let after = self.times.partition_point(|time| *time <= t);
@@ -105,7 +105,7 @@ impl GapCorrection {
     }
 }
 
-/// The value that is a `share` of the way from `here` to the next one.
+/// Interpolates between `here` and the next value.
 fn between(share: f64, here: f64, next: impl Fn() -> f64) -> f64 {
     if share > 0.0 { here + share * (next() - here) } else { here }
 }

@@ -1,11 +1,11 @@
-//! The loading of some of the contact nodes.
+//! Restriction of a loading to some of the contact nodes.
 
 use std::ops::Range;
 
 use super::{FrictionHistory, GapCorrection, Loading, Motion};
 
 impl Loading {
-    /// The same for the contact `nodes` alone, ascending.
+    /// Restricts the loading to the contact `nodes`, ascending.
     pub(crate) fn of_nodes(&self, nodes: &[usize]) -> Self {
         let motion = |motion: &Motion| {
             let (places, nodes) = part(&motion.nodes, nodes);
@@ -44,7 +44,7 @@ impl FrictionHistory {
     }
 }
 
-/// Which of `nodes` are in `range`: their places, and themselves.
+/// Returns the `nodes` in `range`, and their positions in `nodes`.
 fn part<'a>(range: &Range<usize>, nodes: &'a [usize]) -> (Range<usize>, &'a [usize]) {
     let place = |end: usize| nodes.partition_point(|node| *node < end);
     let places = place(range.start)..place(range.end);

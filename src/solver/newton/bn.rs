@@ -19,20 +19,20 @@ pub struct Bn {
     h: Vec<f64>,
     dz: Vec<f64>,
     rhs: Vec<f64>,
-    /// What rounding leaves off `z`, where that matters.
+    /// The low-order part of `z`, where it matters.
     rest: Vec<f64>,
-    /// The generation of the factors that `linear` had after this solver's last factorisation: if it is
-    /// still the same, its factors are those of the last linearisation.
+    /// The generation of the factors in `linear` after this method's last factorisation. If it is unchanged, they are
+    /// still the factors of the last linearisation.
     factored: Option<usize>,
-    /// How well directions have to be known, where a measured error sees what they leave.
+    /// The accuracy of the directions, if a measured error reveals their residuals.
     forcing: Option<Forcing>,
 }
 
-/// A direction, or why there is none.
+/// The backward error of a direction, or the reason why there is none.
 type Direction = Result<f64, Termination>;
 
 impl Bn {
-    /// A solver for `unknowns` equations, with this rule for the step size.
+    /// Creates a workspace for `unknowns` equations, with this rule for the step size.
     pub fn new(armijo: Armijo, max_iterations: usize, unknowns: usize) -> Self {
         let zeros = || vec![0.0; unknowns];
         Bn {
@@ -47,12 +47,11 @@ impl Bn {
         }
     }
 
-    /// Solves `H(z) = 0` from the given `z`, which is left at the last iterate, with its [`Bn::rest`]. `linear` must
-    /// have analysed the pattern of the Jacobian, and `z` have [`Bdiff::unknowns`] entries.
+    /// Solves `H(z) = 0` from the given `z`, and leaves the last iterate in `z`, with its [`Bn::rest`]. `linear` must
+    /// have analysed the pattern of the Jacobian, and `z` must have [`Bdiff::unknowns`] entries.
     ///
     /// # Errors
-    /// When the linear algebra cannot go on for want of memory or by misuse. A singular matrix is
-    /// no error: it is a way to [`Termination`].
+    /// If the linear solver fails for lack of memory or misuse. A singular matrix is no error, but a [`Termination`].
     pub fn solve(
         &mut self,
         formulation: &mut Bdiff,
@@ -78,8 +77,8 @@ impl Bn {
         let (mut cycle, mut full_step) = (Cycle::default(), false);
 
         for iteration in 1..=self.max_iterations {
-            // Step 2: the direction, H(z) + H̃'(z; dz) = 0 (22), which stands for (11). The matrix is factored
-            // unless it is that of the last direction.
+            // Step 2: the direction, H(z) + H̃'(z; dz) = 0 (22), instead of (11). The matrix is factored unless it is
+            // that of the last direction.
             let changed = clock.time(|| formulation.linearize(z));
             let factored = changed || self.factored != Some(linear.generation());
             cycle.visit(formulation.cases());
@@ -91,8 +90,8 @@ impl Bn {
                 }
             };
 
-            // Step 3: the step size (12), and the step. A full step repeated with the same matrix
-            // refines a solution: there is nothing to search.
+            // Step 3: the step size (12), and the step. A full step repeated with the same matrix refines a solution
+            // and needs no search.
             let repeated = end.is_measured() && full_step && !changed;
             let (mut step, mut backtracks) =
                 if repeated { (1.0, 0) } else { clock.time(|| self.step_size(formulation, z, theta)) };
@@ -115,7 +114,7 @@ impl Bn {
             let flow = observe(&Iteration { record, system: Some(self.system(formulation)) });
             let mut met = end.met(theta, error);
             if (repeated || formulation.is_affine() && end.is_measured()) && !met {
-                // Nothing is left to gain but by refinement, or by following a motion that is free.
+                // Only refinement, or a motion along an unconstrained mode, can still reduce the error.
                 met = self.refine(formulation, linear, z, &mut end)?;
                 match formulation.unheld_motion() {
                     None => outcome.stop = Termination::Stalled,
@@ -138,13 +137,13 @@ impl Bn {
         Ok(outcome)
     }
 
-    /// `H(z)`; its merit `Theta` (10).
+    /// Evaluates `H(z)`. Returns its merit `Theta` (10).
     fn evaluate(&mut self, formulation: &Bdiff, z: &[f64]) -> f64 {
         formulation.residual(z, &mut self.h);
         formulation.merit(&self.h)
     }
 
-    /// Solves (22) for `dz`, with the matrix factored if it is `fresh`; the backward error, or why
+    /// Solves (22) for `dz`, with the matrix factored if it is `fresh`. Returns the backward error, or the reason why
     /// there is no direction.
     fn direction(
         &mut self,
@@ -177,8 +176,8 @@ impl Bn {
         }
     }
 
-    /// The change of `z` that takes a residual `h` away, by the factors of the last linearisation, if `linear` has them still. It is no
-    /// iteration.
+    /// Solves for the change of `z` that removes a residual `h`, with the factors of the last linearisation, if
+    /// `linear` still has them. This does not count as an iteration.
     ///
     /// # Errors
     /// As [`Bn::solve`].
@@ -198,22 +197,22 @@ impl Bn {
         }
     }
 
-    /// (12) along the present direction: the step and how many times it was shortened.
+    /// Applies (12) along the present direction. Returns the step and the number of times it was shortened.
     fn step_size(&self, formulation: &Bdiff, z: &[f64], theta: f64) -> (f64, usize) {
         self.armijo.step(theta, formulation.merit_along(z, &self.dz, &self.h))
     }
 
-    /// What rounding leaves off the last `z`: the solution is their sum. 0 where that does not matter.
+    /// Returns the low-order part of the last `z`: the solution is their sum. It is 0 where it does not matter.
     pub fn rest(&self) -> &[f64] {
         &self.rest
     }
 
-    /// Whether the factors of `linear` are those of the last linearisation.
+    /// Returns `true` if the factors of `linear` are those of the last linearisation.
     pub fn has_factors(&self, linear: &RefinedSolver) -> bool {
         self.factored == Some(linear.generation())
     }
 
-    /// Factors the last linearisation, for it and for the iteration that comes next; whether that can be solved with.
+    /// Factors the last linearisation, for direct use and for the next iteration. Returns `false` if it is singular.
     ///
     /// # Errors
     /// As [`Bn::solve`].
@@ -229,12 +228,12 @@ impl Bn {
         Ok(self.factored.is_some())
     }
 
-    /// Sets another limit of iterations.
+    /// Sets the limit of iterations.
     pub fn limit(&mut self, max_iterations: usize) {
         self.max_iterations = max_iterations;
     }
 
-    /// The linear system of the last direction.
+    /// Returns the linear system of the last direction.
     fn system<'a>(&'a self, formulation: &'a Bdiff) -> LinearSystem<'a> {
         let (matrix, layout, scaling) = (formulation.jacobian(), formulation.layout(), *formulation.scaling());
         LinearSystem { matrix, rhs: &self.rhs, solution: &self.dz, layout, scaling }

@@ -1,4 +1,4 @@
-//! Adds up the time of what it runs.
+//! A stopwatch that adds up the times of closures.
 
 use std::time::Instant;
 

@@ -1,13 +1,13 @@
-//! Whether an iteration goes round in a circle.
+//! Detection of cycles in an iteration.
 
 use std::collections::HashSet;
 
-/// Which sets of cases an increment has been through.
+/// The sets of cases that an increment has visited.
 #[derive(Default)]
 pub(super) struct Cycle {
     seen: HashSet<Vec<u8>>,
     visits: usize,
-    /// The visit that brought the last new set.
+    /// The number of the visit that brought the last new set.
     last_new: usize,
 }
 
@@ -19,7 +19,7 @@ impl Cycle {
         }
     }
 
-    /// Whether the second half of the visits brought nothing new.
+    /// Returns `true` if the second half of the visits brought no new set.
     pub(super) fn closed(&self) -> bool {
         2 * self.last_new <= self.visits
     }

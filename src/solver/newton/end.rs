@@ -1,19 +1,19 @@
-//! When Algorithm BN ends.
+//! The stopping tests of Algorithm BN.
 
-/// A measure of how far `z + rest` is from the exact law, where `rest` is what rounding leaves off `z`.
+/// A measure of the distance of `z + rest` from the exact law, where `rest` is the low-order part of `z`.
 pub type Measure<'a> = &'a mut dyn FnMut(&[f64], &[f64]) -> f64;
 
-/// When Algorithm BN ends.
+/// The stopping test of Algorithm BN.
 pub enum StopCriterion<'a> {
     /// `Theta ≤ ε` after a step, in the unit of the formulation's `Theta`: the paper's test.
     Merit(f64),
-    /// The caller's error measure is at most the tolerance, be it before the first step.
+    /// The caller's error measure is at most the tolerance, possibly before the first step.
     ///
-    /// Whoever measures wants the last digits: a full step that repeats with the same matrix is followed by refinement,
-    /// and where the step size rule finds no step along (21), the exact derivative (20) is tried. What neither helps
-    /// has stalled.
+    /// This test demands the last digits: a full step that repeats with the same matrix is followed by refinement. If
+    /// the step size rule finds no step along (21), the exact derivative (20) is tried. If neither helps, the
+    /// iteration has stalled.
     Measured {
-        /// The error that is allowed.
+        /// The tolerance of the error measure.
         tolerance: f64,
         /// The error measure.
         error: Measure<'a>,
@@ -21,7 +21,7 @@ pub enum StopCriterion<'a> {
 }
 
 impl StopCriterion<'_> {
-    /// The error at `z + rest`, where it is measured.
+    /// Returns the error at `z + rest`, if it is measured.
     pub(super) fn measure(&mut self, z: &[f64], rest: &[f64]) -> Option<f64> {
         match self {
             StopCriterion::Merit(_) => None,
@@ -29,12 +29,12 @@ impl StopCriterion<'_> {
         }
     }
 
-    /// Whether the start is a solution already; the paper's test runs after a step only.
+    /// Returns `true` if the start is a solution already. The paper's test applies only after a step.
     pub(super) fn met_at_start(&self, measured: Option<f64>) -> bool {
         self.met(f64::INFINITY, measured)
     }
 
-    /// Whether the iterate with the merit `theta` and this error is a solution.
+    /// Returns `true` if the iterate with the merit `theta` and this error is a solution.
     pub(super) fn met(&self, theta: f64, measured: Option<f64>) -> bool {
         match self {
             StopCriterion::Merit(epsilon) => theta <= *epsilon,
@@ -42,7 +42,7 @@ impl StopCriterion<'_> {
         }
     }
 
-    /// Whether the last digits are wanted.
+    /// Returns `true` if the last digits are needed.
     pub(super) fn is_measured(&self) -> bool {
         matches!(self, StopCriterion::Measured { .. })
     }

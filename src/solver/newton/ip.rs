@@ -9,26 +9,26 @@ use std::ops::ControlFlow;
 /// The constants of Algorithm IP.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct IpSettings {
-    /// `ζ / n_2`, above 1.
+    /// `ζ / n_2`, greater than 1.
     pub zeta: f64,
-    /// `σ_0`, the centring parameter an increment starts with, in [0, 1].
+    /// `σ_0`, the initial centring parameter of an increment, in [0, 1].
     pub sigma_0: f64,
     /// The rule for the following `σ_k`.
     pub centring: Centring,
-    /// `α`, the demanded share of the predicted decrease of `ψ`.
+    /// `α`, the required share of the predicted decrease of `ψ`.
     pub alpha: f64,
     /// `ρ`, the factor of each backtrack.
     pub rho: f64,
-    /// `τ̂`, the share of the way to the border that a step may go.
+    /// `τ̂`, the largest step as a share of the distance to the border.
     pub tau_hat: f64,
     /// `ξ`, the longest step.
     pub xi: f64,
-    /// Below this `Theta` there is no line search.
+    /// The `Theta` below which there is no line search.
     pub search_above: f64,
-    /// The line search gives up, and takes the step, below this length. Without it the iteration
-    /// ends as stalled when a step is lost in rounding.
+    /// The step length below which the line search gives up and takes the step. Without it, the iteration stalls when
+    /// a step is lost in rounding.
     pub shortest_step: Option<f64>,
-    /// `ε`: the iteration ends when `Theta ≤ ε`.
+    /// `ε` in the stopping test `Theta ≤ ε`.
     pub epsilon: f64,
     /// The limit of iterations.
     pub max_iterations: usize,
@@ -46,7 +46,7 @@ pub struct Centring {
 }
 
 impl IpSettings {
-    /// The paper's.
+    /// Returns the constants of the paper.
     pub fn paper(max_iterations: usize) -> Self {
         IpSettings {
             zeta: 10.0,
@@ -64,7 +64,7 @@ impl IpSettings {
     }
 }
 
-/// What an interior point method works with.
+/// The workspace of an interior point method.
 #[derive(Default)]
 pub(super) struct Workspace {
     pub h: Vec<f64>,
@@ -95,7 +95,7 @@ impl Workspace {
         Ok(info)
     }
 
-    /// The linear system that was solved last.
+    /// Returns the last linear system.
     pub(super) fn system<'a>(&'a self, formulation: &'a dyn InteriorPoint) -> LinearSystem<'a> {
         let (matrix, layout, scaling) = (formulation.matrix(), formulation.forces(), *formulation.scaling());
         LinearSystem { matrix, rhs: &self.rhs, solution: &self.dz[..self.rhs.len()], layout, scaling }
@@ -109,12 +109,11 @@ pub struct Ip {
 }
 
 impl Ip {
-    /// Solves `H_I(z) = 0` from the given `z`, which is left at the last iterate. `linear` must have
-    /// analysed the pattern of the formulation's matrix.
+    /// Solves `H_I(z) = 0` from the given `z`, and leaves the last iterate in `z`. `linear` must have analysed the
+    /// pattern of the formulation's matrix.
     ///
     /// # Errors
-    /// When the linear algebra cannot go on for want of memory or by misuse. A singular matrix is
-    /// no error: it is a way to [`Termination`].
+    /// If the linear solver fails for lack of memory or misuse. A singular matrix is no error, but a [`Termination`].
     pub fn solve(
         &mut self,
         settings: &IpSettings,
@@ -192,8 +191,8 @@ impl Ip {
 }
 
 impl IpSettings {
-    /// The first of the steps `first ρ^m` along which `psi` falls by `demanded` times the step, and
-    /// `m`; `None` when there is none above rounding.
+    /// Returns the first of the steps `first ρ^m` along which `psi` falls by `demanded` times the step, and `m`, or
+    /// `None` if there is none above rounding.
     fn search(&self, first: f64, demanded: f64, psi: impl Fn(f64) -> f64) -> Option<(f64, usize)> {
         let (start, mut step) = (psi(0.0), first);
         for m in 0.. {

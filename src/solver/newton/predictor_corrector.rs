@@ -1,8 +1,8 @@
-//! The predictor–corrector interior point method of Mehrotra, ended by one step on the face it has
-//! found where the equations are linear on their faces, as (25) of Algorithm IP.
+//! Mehrotra's predictor–corrector interior point method. If the equations are linear on their faces, as in (25) of
+//! Algorithm IP, one step on the right face ends it.
 //!
-//! It has no number that depends on the problem: `σ` comes from how far the predictor gets, the
-//! step from the border, and the iteration ends when the caller's own error measure says so.
+//! No constant depends on the problem: `σ` follows from the step of the predictor, the step from the border, and the
+//! caller's error measure is the stopping test.
 
 use super::clock::Clock;
 use super::ip::Workspace;
@@ -11,26 +11,26 @@ use crate::algebra::linear::{LinearError, RefinedSolver};
 use crate::solver::formulation::{Face, InteriorPoint, Pair, largest_step};
 use std::ops::ControlFlow;
 
-/// The share of the way to the border that a step may go. Closer makes the next steps short;
-/// 0.9 costs 8 % more iterations, and nothing was found between 0.99 and 0.995.
+/// The largest step as a share of the distance to the border. A larger share makes the next steps short; 0.9 costs 8
+/// % more iterations, and no difference was found between 0.99 and 0.995.
 const SHARE: f64 = 0.99;
 
-/// A step that is shorter has jammed, and is taken centred instead if the equations are curved.
-/// Of 160 histories with the exact cone and stiffness over three decades three were lost without
-/// that, none with 0.1; 0.03 and 0.3 take as many iterations. Equations that are linear on their
-/// faces lose none, and the extreme scenes in the plane took 1.3 % more iterations with it.
+/// The length below which a step counts as jammed. If the equations are curved, it is then replaced by a centred
+/// step. Without that, three of 160 histories with the exact cone and stiffness over three decades failed, none with
+/// 0.1; 0.03 and 0.3 take as many iterations. With equations that are linear on their faces none fails, and the
+/// extreme scenes in the plane took 1.3 % more iterations with it.
 const JAMMED: f64 = 0.1;
 
-/// When the iteration ends.
+/// The stopping test of the predictor–corrector method.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PredictorCorrectorSettings {
-    /// The error at which it has converged.
+    /// The tolerance of the error measure.
     pub tolerance: f64,
     /// The limit of iterations.
     pub max_iterations: usize,
 }
 
-/// The method with its workspace.
+/// The predictor–corrector method with its workspace.
 #[derive(Default)]
 pub struct PredictorCorrector {
     work: Workspace,
@@ -38,7 +38,7 @@ pub struct PredictorCorrector {
     before: Vec<f64>,
 }
 
-/// Where a step has led.
+/// The result of a step.
 struct Taken {
     step: f64,
     backward_error: f64,
@@ -46,13 +46,12 @@ struct Taken {
 }
 
 impl PredictorCorrector {
-    /// Solves `H(z) = 0` from a `z` whose pairs are positive, and leaves it at the last iterate.
-    /// `error` measures the state in `z`. An iteration is one matrix factored; for the predictor
-    /// and the corrector it serves two right-hand sides.
+    /// Solves `H(z) = 0` from a `z` whose pairs are positive, and leaves the last iterate in `z`. `error` measures
+    /// the state in `z`. One iteration factors one matrix, which serves the two right-hand sides of predictor and
+    /// corrector.
     ///
     /// # Errors
-    /// When the linear algebra cannot go on for want of memory or by misuse. A singular matrix is
-    /// no error: it is a way to [`Termination`].
+    /// If the linear solver fails for lack of memory or misuse. A singular matrix is no error, but a [`Termination`].
     pub fn solve(
         &mut self,
         settings: &PredictorCorrectorSettings,
@@ -70,22 +69,22 @@ impl PredictorCorrector {
         if observe(&Iteration::start(theta, None)).is_break() {
             return Ok(MethodResult { stop: Termination::Interrupted, ..outcome });
         }
-        // The face ahead, and the last one that a step to it has been tried on.
+        // The face ahead, and the last face to which a step was tried.
         let (mut ahead, mut tried): (Option<Face>, Option<Face>) = (None, None);
         let mut settled = false;
-        // Equations that are not linear on their faces have none ahead, wherever they are asked.
+        // Equations that are not linear on their faces have no face ahead at any point.
         let curved = formulation.face_ahead(z, z).is_none();
 
         for iteration in 1..=settings.max_iterations {
             let taken = match &ahead {
-                // Two steps have gone towards the same face: it may be the solution's.
+                // If two steps have approached the same face, it may be that of the solution.
                 Some(face) if settled && tried != ahead => {
                     tried.clone_from(&ahead);
                     self.step_to(face, formulation, linear, z, settings.tolerance, error)
                 }
                 _ => {
                     let taken = self.step(curved, formulation, linear, z, error);
-                    // A step that fails has gone nowhere.
+                    // A failed step has not moved z.
                     if taken.is_ok() {
                         let face = formulation.face_ahead(&self.before, z);
                         settled = ahead == face;
@@ -114,7 +113,7 @@ impl PredictorCorrector {
                 backtracks: 0,
                 backward_error,
                 factored: true,
-                // A step that is not taken was measured at its end.
+                // The error of a rejected step belongs to its end, not to z.
                 error: (step > 0.0).then_some(error),
             };
             let flow = observe(&Iteration { record, system: Some(self.work.system(formulation)) });
@@ -126,7 +125,7 @@ impl PredictorCorrector {
         Ok(outcome)
     }
 
-    /// A predictor and a corrector with one matrix, and the step.
+    /// Computes a predictor and a corrector with one matrix, and takes the step.
     fn step(
         &mut self,
         curved: bool,
@@ -144,8 +143,8 @@ impl PredictorCorrector {
         let predicted = self.work.solve(formulation, linear, z)?;
         let reach = largest_step(formulation.pairs(), z, &self.work.dz).min(1.0);
 
-        // The corrector aims at products of σ β, with σ after Mehrotra, and takes the second order
-        // of the products from the predictor.
+        // The corrector aims at products of σ β, with Mehrotra's σ, and takes the second order of the products from
+        // the predictor.
         let sigma = (mean_product(formulation.pairs(), z, &self.work.dz, reach) / beta).powi(3).min(1.0);
         let centring = if sigma.is_finite() { sigma * beta } else { 0.0 };
         for pair in formulation.pairs() {
@@ -154,7 +153,7 @@ impl PredictorCorrector {
         let mut corrected = self.work.solve(formulation, linear, z)?;
         let mut step = (SHARE * largest_step(formulation.pairs(), z, &self.work.dz)).min(1.0);
         if curved && step < JAMMED {
-            // A predictor that gets nowhere tells nothing of the second order. Without it, σ = 1.
+            // A very short predictor contains no information on the second order. Without it, σ = 1.
             self.work.b.iter_mut().zip(&self.work.h).for_each(|(b, h)| *b = -h);
             for pair in formulation.pairs() {
                 self.work.b[pair.length] += beta;
@@ -170,8 +169,8 @@ impl PredictorCorrector {
         Ok(Taken { step, backward_error, error: error(z) })
     }
 
-    /// The Newton step to `face`. It is taken if it leads to the solution, within `tolerance`;
-    /// otherwise `z` stays.
+    /// Computes the Newton step to `face`. The step is taken if it leads to the solution, within `tolerance`;
+    /// otherwise `z` is unchanged.
     fn step_to(
         &mut self,
         face: &Face,
@@ -187,7 +186,7 @@ impl PredictorCorrector {
         let solved = linear.factorize(formulation.matrix()).and_then(|_| self.work.solve(formulation, linear, &point));
         let info = match solved {
             Ok(info) => info,
-            // Not every face holds the body: then it is not the solution's.
+            // A face that does not hold the body is not that of the solution.
             Err(LinearError::Singular { .. } | LinearError::NotFinite) => {
                 return Ok(Taken { step: 0.0, backward_error: 0.0, error: f64::INFINITY });
             }
@@ -203,7 +202,7 @@ impl PredictorCorrector {
     }
 }
 
-/// The mean product of the `pairs` at `z + t dz`.
+/// Returns the mean product of the `pairs` at `z + t dz`.
 fn mean_product(pairs: &[Pair], z: &[f64], dz: &[f64], t: f64) -> f64 {
     pairs.iter().map(|pair| pair.product_ahead(z, dz, t)).sum::<f64>() / pairs.len() as f64
 }

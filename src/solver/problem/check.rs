@@ -1,4 +1,4 @@
-//! What the parts of a problem must be.
+//! Checks of the parts of a problem.
 
 use super::error::{expect_each, expect_finite, expect_length};
 use super::{Increment, Parts, ProblemError, State};
@@ -8,14 +8,14 @@ use crate::solver::problem::ContactProblem;
 const PER_CONTACT: &str = "one for each row of c_n";
 const PER_DISPLACEMENT: &str = "one for each displacement";
 
-/// A 2 × 2 block of `K` may be indefinite by this share of its entries, as rounding makes it.
+/// The relative negative eigenvalue of a 2 × 2 block of `K` that counts as rounding.
 const SEMIDEFINITE: f64 = 1e-10;
 
-/// The share of its terms that `K r` may leave of a free motion `r`. Rotations of bodies with a thousand elements a
+/// The largest `K r` of a rigid mode `r`, relative to its terms. Rotations of bodies with a thousand elements per
 /// side leave 1e-13.
 const FREE: f64 = 1e-9;
 
-/// What is left of a unit vector once those before it are taken off must be longer than this.
+/// A unit vector is linearly independent if its component orthogonal to the vectors before it is longer than this.
 const INDEPENDENT: f64 = 1e-8;
 
 pub(super) fn parts(parts: &Parts) -> Result<(), ProblemError> {
@@ -50,8 +50,8 @@ fn size(name: &str, map: &Csr, rows: usize, columns: usize) -> Result<(), Proble
     Ok(())
 }
 
-/// Looks at every 2 × 2 block: `K_ii ≥ 0` and `K_ij² ≤ K_ii K_jj`. What only larger blocks would show, the
-/// factorisations meet. A shared matrix is a sum of stiffnesses of elements, and no process sees all of it.
+/// Checks every 2 × 2 block: `K_ii ≥ 0` and `K_ij² ≤ K_ii K_jj`. The factorisations detect what only larger blocks
+/// would show. A shared matrix is a sum of element stiffnesses, and no process sees all of it.
 fn semidefinite(stiffness: &Symmetric) -> Result<(), ProblemError> {
     if let Some(shared) = stiffness.shared() {
         return expect_finite("stiffness", shared.matrix().row_norms());
@@ -74,7 +74,7 @@ fn semidefinite(stiffness: &Symmetric) -> Result<(), ProblemError> {
     Ok(())
 }
 
-/// `K r = 0` for each motion `r`, and none of them is made of the others.
+/// Checks that `K r = 0` for each motion `r`, and that the motions are linearly independent.
 pub(super) fn rigid_modes(stiffness: &Symmetric, motions: &[Vec<f64>]) -> Result<(), ProblemError> {
     let n_u = stiffness.order();
     let mut basis: Vec<Vec<f64>> = Vec::new();
@@ -112,7 +112,7 @@ pub(super) fn rigid_modes(stiffness: &Symmetric, motions: &[Vec<f64>]) -> Result
 
 impl Increment<'_> {
     /// # Errors
-    /// [`ProblemError`] with the array that does not fit `problem`, or holds a number that is not finite.
+    /// [`ProblemError`] with the array that does not fit `problem`, or has a number that is not finite.
     pub fn check(&self, problem: &ContactProblem) -> Result<(), ProblemError> {
         expect_length("force", problem.displacements(), self.force.len(), PER_DISPLACEMENT)?;
         expect_finite("force", self.force)?;
@@ -134,11 +134,11 @@ impl Increment<'_> {
 }
 
 impl State {
-    /// Whether its arrays are as long as `problem` says. Their numbers may be what they are: a state that is not finite
-    /// is judged, and found wrong.
+    /// Checks that the arrays have the lengths that `problem` needs. Their values are not checked: the error measure
+    /// rejects a state that is not finite.
     ///
     /// # Errors
-    /// [`ProblemError`] with the array that is not.
+    /// [`ProblemError`] with the array of another length.
     pub fn check(&self, problem: &ContactProblem) -> Result<(), ProblemError> {
         expect_length("u", problem.displacements(), self.u.len(), PER_DISPLACEMENT)?;
         if !self.u_rest.is_empty() {

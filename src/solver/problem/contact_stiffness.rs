@@ -1,4 +1,4 @@
-//! What stands against a force on one contact node: the scale of `r`.
+//! The stiffness of a contact node against a force on it: the scale of `r`.
 
 use faer::linalg::solvers::{Llt, Solve};
 use faer::{Mat, Side};
@@ -7,25 +7,25 @@ use super::ContactProblem;
 use crate::algebra::sparse::{Csc, Csr};
 use crate::algebra::vector::median;
 
-/// The displacements that share a stiffness entry with the normal motion of a contact node, ascending: with finite
-/// elements, those of the elements at the node.
+/// The displacements that share a stiffness entry with the normal motion of a contact node, ascending; with finite
+/// elements, those of the adjacent elements.
 type Patch = Vec<usize>;
 
-/// Less than this share of a node's own stiffness may be what rounding leaves of a patch that turns about what is held
-/// beyond it; true contrasts of twelve decades are not told from that.
+/// A patch stiffness below this share of a node's own stiffness may be rounding of a patch that rotates about clamped
+/// displacements. True contrasts of twelve decades cannot be distinguished from that.
 const MERE_ROUNDING: f64 = 1e-12;
 
 impl ContactProblem {
-    /// The stiffness of each contact node along its normal, all others of its patch free and everything beyond held,
-    /// n_c, N/m: `1 / (C_n K_PP⁻¹ C_nᵀ)_ii` with `K_PP` the rows and columns of the displacements that the node's
-    /// own are coupled to.
+    /// Returns the stiffness of each contact node along its normal, with all other displacements of its patch free
+    /// and everything beyond clamped, n_c, N/m: `1 / (C_n K_PP⁻¹ C_nᵀ)_ii` with `K_PP` the rows and columns of the
+    /// displacements that the node's own are coupled to.
     ///
-    /// It stands for `1 / C_nn`, the inverse of the compliance `C_n K⁻¹ C_nᵀ`, where what is far away does not
-    /// count: neither the bending of a slender body, nor a stiffness against change of volume that no surface node
-    /// ever meets. Where the patch could move as a rigid body it is a quarter of the node's own `(C_n K C_nᵀ)_ii`,
-    /// which in a uniform mesh is about the same.
+    /// It approximates `1 / C_nn`, the inverse of the compliance `C_n K⁻¹ C_nᵀ`, without far-field effects such as
+    /// bending of a slender body, or a stiffness against volume change that does not act on surface nodes. If the
+    /// patch could move as a rigid body, it is a quarter of the node's own `(C_n K C_nᵀ)_ii`, which is about the same
+    /// in a uniform mesh.
     pub fn contact_stiffness(&self) -> Vec<f64> {
-        // Of a shared matrix, too, what there is reaches as far as the patches.
+        // The locally stored part of a shared matrix covers the patches.
         let at_hand = self.stiffness().at_hand();
         let patches = patches(&at_hand, self.c_n());
         let mut last: Option<(&Patch, Option<Llt<f64>>)> = None;
@@ -42,7 +42,7 @@ impl ContactProblem {
             stiffness.push(usable.unwrap_or(0.25 * own));
             last = Some((patch, factors));
         }
-        // A particle without any stiffness of its own takes what the body has elsewhere; any scale will do.
+        // A node without stiffness of its own gets a typical value of the body; any scale will do.
         if stiffness.contains(&0.0) {
             let mut present: Vec<f64> = self.stiffness().diagonal().into_iter().filter(|k| *k > 0.0).collect();
             let typical = median(&mut present).unwrap_or(1.0);
@@ -51,14 +51,15 @@ impl ContactProblem {
         stiffness
     }
 
-    /// `(C_n K C_nᵀ)_ii`, N/m: the stiffness of contact node `i` along its normal where all others are held.
+    /// Returns `(C_n K C_nᵀ)_ii`, N/m: the stiffness of contact node `i` along its normal with all other
+    /// displacements clamped.
     pub(crate) fn own_stiffness(&self, i: usize) -> f64 {
         let row = self.c_n().row(i);
         let pairs = row.iter().flat_map(|a| row.iter().map(move |b| (a, b)));
         pairs.map(|(a, b)| a.1 * b.1 * self.stiffness().get(a.0, b.0)).sum()
     }
 
-    /// `K_PP`, factored. None where the patch is all that moves and nothing stops it, or where it is singular.
+    /// Factors `K_PP`. Returns `None` if the patch is the whole body and nothing stops it, or if it is singular.
     fn factors(&self, at_hand: &Csc, patch: &Patch) -> Option<Llt<f64>> {
         if patch.len() == self.displacements() && !self.rigid_modes.is_empty() {
             return None;
@@ -76,7 +77,7 @@ impl ContactProblem {
     }
 }
 
-/// `c K_PP⁻¹ cᵀ` of a row `c` of `C_n`.
+/// Returns `c K_PP⁻¹ cᵀ` of a row `c` of `C_n`.
 fn compliance(factors: &Llt<f64>, patch: &Patch, row: &[(usize, f64)]) -> f64 {
     let mut force = Mat::zeros(patch.len(), 1);
     let place = |dof: usize| patch.binary_search(&dof);
@@ -89,7 +90,7 @@ fn compliance(factors: &Llt<f64>, patch: &Patch, row: &[(usize, f64)]) -> f64 {
     row.iter().map(|&(dof, c)| place(dof).map_or(0.0, |k| c * moved[(k, 0)])).sum()
 }
 
-/// The patch of each contact node.
+/// Returns the patch of each contact node.
 fn patches(at_hand: &Csc, c_n: &Csr) -> Vec<Patch> {
     let mut nodes_of = vec![Vec::new(); c_n.columns()];
     for i in 0..c_n.rows() {
@@ -113,8 +114,8 @@ mod tests {
     use crate::algebra::sparse::Symmetric;
     use crate::solver::problem::Parts;
 
-    /// `n` points in a row with unit springs between them, the last one on a wall by another if it is `held`; every
-    /// point is a contact node.
+    /// Creates `n` points in a row with unit springs between them, the last one on a wall by another if it is `held`;
+    /// every point is a contact node.
     fn chain(n: usize, held: bool) -> ContactProblem {
         let held_end = (n - 1, n - 1, f64::from(u8::from(held)));
         let springs = (1..n).flat_map(|i| [(i - 1, i - 1, 1.0), (i, i, 1.0), (i, i - 1, -1.0)]);
@@ -138,13 +139,13 @@ mod tests {
         assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-14), "{found:?}");
     }
 
-    /// Two springs in a row to either side; those to the free end carry nothing.
+    /// There are two springs in a row on either side; those to the free end carry nothing.
     #[test]
     fn what_is_beyond_the_neighbours_is_held() {
         assert_close(&chain(6, true).contact_stiffness(), &[0.5, 0.5, 1.0, 1.0, 1.0, 1.5]);
     }
 
-    /// The neighbours of the middle are all there is.
+    /// The middle point has no points beyond its neighbours.
     #[test]
     fn a_patch_that_moves_as_a_rigid_body() {
         assert_close(&chain(3, false).contact_stiffness(), &[0.5, 0.25 * 2.0, 0.5]);

@@ -1,47 +1,47 @@
-//! Why arrays make no contact problem, or do not fit one.
+//! The errors of arrays that do not make a contact problem, or do not fit one.
 
 use crate::algebra::linear::LinearError;
 
-/// Why arrays make no contact problem, or do not fit one. Messages call arrays by their names in [`super::Parts`],
-/// [`super::Increment`], [`super::State`] and [`crate::solver::loading::Loading`].
+/// The reason why arrays do not make a contact problem, or do not fit one. Messages name arrays as in
+/// [`super::Parts`], [`super::Increment`], [`super::State`] and [`crate::solver::loading::Loading`].
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ProblemError {
     /// There is no displacement to solve for.
     #[error("stiffness is of order 0: a problem needs a displacement")]
     Empty,
-    /// An array has another length than the others ask for.
+    /// An array has another length than the others require.
     #[error("{array} has {found} {of}, but must have {expected}, {reason}")]
     Length {
-        /// The array.
+        /// The name of the array.
         array: String,
-        /// What is counted: entries, rows or columns.
+        /// The unit of the length: entries, rows or columns.
         of: &'static str,
-        /// How many there must be.
+        /// The required length.
         expected: usize,
-        /// How many there are.
+        /// The given length.
         found: usize,
-        /// Why so many.
+        /// The reason for the required length.
         reason: &'static str,
     },
-    /// A number is out of the range that its array has.
+    /// A number is out of the range of its array.
     #[error("{array} is {value}, but must be {must}")]
     Value {
-        /// The array, with the place in it.
+        /// The name of the array, with the index.
         array: String,
-        /// What stands there.
+        /// The given number.
         value: f64,
-        /// What may stand there.
+        /// The admissible numbers.
         must: &'static str,
     },
-    /// A displacement takes energy out of the stiffness.
+    /// A displacement has negative energy in the stiffness.
     #[error(
         "stiffness is not positive semidefinite: its entries ({row}, {row}) = {first:e}, ({row}, {column}) = {between:e} and ({column}, {column}) = {second:e} give a displacement negative energy"
     )]
     Indefinite {
-        /// A row.
+        /// The row.
         row: usize,
-        /// A column; the row itself where the diagonal entry is negative.
+        /// The column; equal to the row if the diagonal entry is negative.
         column: usize,
         /// `K_ii`.
         first: f64,
@@ -50,51 +50,51 @@ pub enum ProblemError {
         /// `K_jj`.
         second: f64,
     },
-    /// The same, where no two displacements alone show it.
+    /// A displacement has negative energy, although no 2 × 2 block shows it.
     #[error(
         "stiffness is not positive semidefinite: some displacement takes energy out of it; look for a wrong sign in what it was assembled from"
     )]
     NotSemidefinite,
-    /// What is called a free motion meets resistance.
+    /// The stiffness resists a motion that is given as a rigid mode.
     #[error(
         "free_motions[{motion}] is no free motion: the stiffness answers it with a force in row {row}, {share:.1e} of the sizes of its terms"
     )]
     Resisted {
-        /// Which one.
+        /// The index of the mode.
         motion: usize,
         /// The row with the largest force.
         row: usize,
         /// The force relative to the sum of the sizes of the products behind it.
         share: f64,
     },
-    /// A free motion is made of those before it.
+    /// A rigid mode is a linear combination of those before it.
     #[error("free_motions[{motion}] is a combination of those before it, or zero: a basis has each motion once")]
     Dependent {
-        /// Which one.
+        /// The index of the mode.
         motion: usize,
     },
     /// The points or ends of a history do not increase.
     #[error("{array} goes from time {before} to {after}, but times must increase")]
     Order {
-        /// The array, with the place in it.
+        /// The name of the array, with the index.
         array: String,
         /// A time, s.
         before: f64,
-        /// The one that follows, s.
+        /// The next time, s.
         after: f64,
     },
-    /// An array holds nothing.
+    /// An array is empty.
     #[error("{array} is empty")]
     Nothing {
-        /// The array.
+        /// The name of the array.
         array: String,
     },
-    /// The free motions could not be found from the stiffness.
+    /// The rigid modes could not be computed from the stiffness.
     #[error("the free motions cannot be found from the stiffness: {0}")]
     Linear(#[from] LinearError),
 }
 
-/// An error unless an array is as long as it must be.
+/// Returns an error unless an array has the expected length.
 pub(crate) fn expect_length(
     array: impl Into<String>,
     expected: usize,
@@ -107,7 +107,7 @@ pub(crate) fn expect_length(
     Err(ProblemError::Length { array: array.into(), of: "entries", expected, found, reason })
 }
 
-/// An error at the first of `values` that is not `sound`; `array` is their name.
+/// Returns an error for the first of `values` that is not `sound`; `array` is their name.
 pub(crate) fn expect_each(
     array: &str,
     values: &[f64],
@@ -120,7 +120,7 @@ pub(crate) fn expect_each(
     }
 }
 
-/// An error unless the `value` called `name` is `sound`.
+/// Returns an error unless the `value` called `name` is `sound`.
 pub(crate) fn expect_value(
     name: &str,
     value: f64,
@@ -130,18 +130,18 @@ pub(crate) fn expect_value(
     if sound(value) { Ok(()) } else { Err(ProblemError::Value { array: name.to_string(), value, must }) }
 }
 
-/// An error at the first of `values` that is NaN or infinite.
+/// Returns an error for the first of `values` that is NaN or infinite.
 pub(crate) fn expect_finite(array: &str, values: &[f64]) -> Result<(), ProblemError> {
     expect_each(array, values, "finite", f64::is_finite)
 }
 
-/// An error unless the points `[time, value]` of a history are finite, and their times increase.
+/// Returns an error unless the points `[time, value]` of a history are finite, and their times increase.
 pub(crate) fn expect_history(array: &str, points: &[[f64; 2]]) -> Result<(), ProblemError> {
     points.iter().enumerate().try_for_each(|(k, point)| expect_finite(&format!("{array}[{k}]"), point))?;
     expect_increasing(array, points.iter().map(|point| point[0]))
 }
 
-/// An error unless the times increase.
+/// Returns an error unless the times increase.
 pub(crate) fn expect_increasing(array: &str, times: impl Iterator<Item = f64>) -> Result<(), ProblemError> {
     let mut last: Option<f64> = None;
     for (k, time) in times.enumerate() {

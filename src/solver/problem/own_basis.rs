@@ -1,46 +1,48 @@
-//! A change of the displacements after which each contact row is of its own node.
+//! A change of basis after which each contact row has only displacements of its own node.
 //!
-//! On boundaries of second order the rows of a node between corners hold displacements of the corners, too, and so all contact nodes
-//! hang together. With the displacements `e` of node `i` that no other contact node has, its rows are `O u_e + A u_a`, and
+//! On boundaries of second order the rows of a midside node also contain displacements of the corners, which couples
+//! all contact nodes. Let `e` be the displacements of node `i` that no other contact node has. Its rows are
+//! `O u_e + A u_a`. Then
 //!
 //! ```text
 //! u_e = ũ_e - Oᵀ (O Oᵀ)⁻¹ A u_a,   u_a = ũ_a
 //! ```
 //!
-//! leaves `O ũ_e` of them: `u = Q ũ`, `C Q` has rows of the single nodes again, and `Q⁻¹` differs from `Q` by the sign of what is beside
-//! the diagonal.
+//! leaves only `O ũ_e` in them: `u = Q ũ`, the rows of `C Q` belong to single nodes again, and `Q⁻¹` differs from `Q`
+//! in the sign of the off-diagonal entries.
 
 use super::ContactProblem;
 use crate::algebra::sparse::{Csr, DoubleDouble};
 use crate::algebra::union_find::UnionFind;
 
-/// More displacements than one node of a mesh has.
+/// A number of displacements larger than that of one node of a mesh.
 const SEVERAL_NODES: usize = 4;
 
-/// A row of `O Oᵀ` of which elimination leaves less than this share depends on those before.
+/// A row of `O Oᵀ` is linearly dependent if elimination leaves less than this share of it.
 const INDEPENDENT: f64 = 1e-10;
 
-/// A displacement, and what it holds of others.
+/// A displacement, and its coefficients for others.
 type Change = (usize, Vec<(usize, f64)>);
 
-/// `Q`.
+/// The matrix `Q`.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct OwnBasis {
-    /// Displacements that are changed, each with what they hold of others.
+    /// The displacements that change, each with its coefficients for others.
     changed: Vec<Change>,
-    /// For each contact node whether its rows keep only its own displacements.
+    /// `true` for each contact node whose transformed rows have only its own displacements.
     local: Vec<bool>,
-    /// Whether each displacement is the own one of such a node.
+    /// `true` for each displacement that belongs to only one such node.
     own: Vec<bool>,
 }
 
 impl OwnBasis {
-    /// That of `problem`; `None` where contact rows hang together only within a node, as on boundaries of the first order.
+    /// Creates `Q` of `problem`. Returns `None` if contact rows are coupled only within a node, as on boundaries of
+    /// first order.
     pub(crate) fn of(problem: &ContactProblem) -> Option<Self> {
         let (n_u, n_c) = (problem.displacements(), problem.contacts());
         let rows = |i: usize| rows(problem, i);
         let mut sets = UnionFind::new(n_u);
-        // How many contact nodes have each displacement, and the last of them.
+        // The number of contact nodes that have each displacement, and the last of them.
         let mut owners = vec![(0_usize, 0_usize); n_u];
         for i in 0..n_c {
             let mut own: Vec<usize> = rows(i).flatten().map(|(dof, _)| *dof).collect();
@@ -72,20 +74,20 @@ impl OwnBasis {
         Some(basis)
     }
 
-    /// The displacements that are changed, each with what it holds of others: `u_e = ũ_e + Σ c ũ_a`.
+    /// Returns the displacements that change, each with its coefficients for others: `u_e = ũ_e + Σ c ũ_a`.
     #[cfg(feature = "petsc")]
     pub(crate) fn changes(&self) -> &[(usize, Vec<(usize, f64)>)] {
         &self.changed
     }
 
-    /// `u = Q ũ` in the place of `ũ`.
+    /// Replaces `ũ` by `u = Q ũ`.
     pub(crate) fn apply(&self, u: &mut [f64]) {
         for (dof, others) in &self.changed {
             u[*dof] += others.iter().map(|(other, c)| c * u[*other]).sum::<f64>();
         }
     }
 
-    /// The same of `u + rest`, where `rest` is below the rounding of `u`.
+    /// Applies `Q` to `u + rest`, where `rest` is below the rounding of `u`.
     pub(crate) fn apply_beyond(&self, u: &mut [f64], rest: &mut [f64]) {
         for (dof, others) in &self.changed {
             let mut sum = DoubleDouble::default();
@@ -101,14 +103,14 @@ impl OwnBasis {
         }
     }
 
-    /// `ũ = Q⁻¹ u` in the place of `u`.
+    /// Replaces `u` by `ũ = Q⁻¹ u`.
     pub(crate) fn undo(&self, u: &mut [f64]) {
         for (dof, others) in &self.changed {
             u[*dof] -= others.iter().map(|(other, c)| c * u[*other]).sum::<f64>();
         }
     }
 
-    /// `Qᵀ f` in the place of `f`.
+    /// Replaces `f` by `Qᵀ f`.
     pub(crate) fn apply_transposed(&self, f: &mut [f64]) {
         for (dof, others) in &self.changed {
             let force = f[*dof];
@@ -118,8 +120,8 @@ impl OwnBasis {
         }
     }
 
-    /// `Qᵀ S Q` in the place of `S`, which is symmetric, on the displacements `border` (ascending, with all that `Q` names), m × m,
-    /// column after column.
+    /// Replaces the symmetric `S` by `Qᵀ S Q`, on the displacements `border` (ascending, with all that `Q` uses), m ×
+    /// m, column by column.
     pub(crate) fn congruence(&self, border: &[usize], s: &mut [f64]) {
         let m = border.len();
         let place = |dof: &usize| border.binary_search(dof).expect("a contact displacement");
@@ -141,20 +143,20 @@ impl OwnBasis {
         }
     }
 
-    /// Row `i` of `map Q`, one of the contact maps.
+    /// Returns row `i` of `map Q`, where `map` is a contact map.
     pub(crate) fn row(&self, map: &Csr, i: usize) -> Vec<(usize, f64)> {
         map.row(i).iter().copied().filter(|(dof, _)| !self.local[i] || self.own[*dof]).collect()
     }
 }
 
-/// The rows of contact node `i`: the normal one, and with friction the tangential ones.
+/// Returns the rows of contact node `i`: the normal one, and with friction the tangential ones.
 fn rows(problem: &ContactProblem, i: usize) -> impl Iterator<Item = &[(usize, f64)]> {
     let tangential = problem.tangential_maps().map(|map| if problem.mu()[i] > 0.0 { map.row(i) } else { &[] });
     [problem.c_n().row(i)].into_iter().chain(tangential)
 }
 
-/// For each displacement that only this node has, `-Oᵀ (O Oᵀ)⁻¹ A` by the others in its `rows`; `None` where these are not independent
-/// in its own displacements.
+/// Returns `-Oᵀ (O Oᵀ)⁻¹ A` for each displacement that only this node has, by the other displacements in its `rows`,
+/// or `None` if the rows are not independent in its own displacements.
 fn changes(rows: &[&[(usize, f64)]], is_own: impl Fn(usize) -> bool) -> Option<Vec<Change>> {
     let mut all: Vec<usize> = rows.iter().flat_map(|row| row.iter().map(|(dof, _)| *dof)).collect();
     all.sort_unstable();
@@ -197,8 +199,8 @@ mod tests {
     use crate::algebra::sparse::Symmetric;
     use crate::solver::problem::Parts;
 
-    /// A line of three nodes in the plane, its middle between corners, in front of a slanted obstacle with friction; the last node is
-    /// held along x.
+    /// Creates a line of three nodes in the plane, the middle one between corners, in front of a slanted obstacle
+    /// with friction; the last node is clamped along x.
     fn line() -> ContactProblem {
         let (n, t) = ([0.6, -0.8], [0.8, 0.6]);
         let dofs = [[Some(0), Some(1)], [Some(2), Some(3)], [None, Some(4)]];
@@ -251,7 +253,7 @@ mod tests {
         let mut energy = vec![0.0; 5];
         problem.stiffness().mul(&u, &mut energy);
         assert!((work(&u, &energy) - work(&changed, &times)).abs() < 1e-14);
-        // What is below the rounding of a number stays.
+        // Parts below the rounding of a number are kept.
         let (mut high, mut low) = (changed, [1e-20; 5]);
         basis.apply_beyond(&mut high, &mut low);
         assert_eq!(high, u);

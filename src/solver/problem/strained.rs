@@ -1,9 +1,9 @@
-//! Displacements without what strains nothing.
+//! Displacements without their rigid part.
 
 use crate::algebra::sparse::DoubleDouble;
 
-/// Displacements `u + rest` without their part along the `rigid_modes`, in two words: `K` does not feel it, but where it is
-/// large, what rounding has left of that in the entries of `K` would bury the forces.
+/// Removes from `u + rest` its part along the `rigid_modes`, in double-double arithmetic. `K` gives no forces for
+/// this part, but if it is large, rounding of the entries of `K` would exceed the forces.
 pub(crate) fn strained(rigid_modes: &[Vec<f64>], u: &[f64], rest: &[f64]) -> (Vec<f64>, Vec<f64>) {
     let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let (mut u, mut rest) = (u.to_vec(), rest.to_vec());
@@ -17,7 +17,7 @@ pub(crate) fn strained(rigid_modes: &[Vec<f64>], u: &[f64], rest: &[f64]) -> (Ve
         }
         basis.push(motion);
     }
-    // The second time takes off what the rounding of the first shares has left.
+    // The second pass removes the rounding of the first.
     for motion in basis.iter().chain(&basis) {
         let share = product(&u, motion) / product(motion, motion);
         for ((u, rest), r) in u.iter_mut().zip(&mut rest).zip(motion) {
@@ -40,7 +40,7 @@ mod tests {
     #[test]
     fn what_is_small_beside_a_free_motion_is_left() {
         let motions = [vec![1.0, 1.0, 1.0, 1.0], vec![0.0, 1.0, 2.0, 3.0]];
-        // 1e9 along the one and 1e6 along the other, and what no motion feels, below the rounding of these.
+        // 1e9 along one mode and 1e6 along the other, plus a strained part below the rounding of these.
         let part = [1e-8, -1e-8, -1e-8, 1e-8];
         let u: Vec<f64> = (0..4).map(|i| 1e9 + 1e6 * f64::from(i)).collect();
         let (left, rest) = strained(&motions, &u, &part);

@@ -4,11 +4,11 @@
 use crate::algebra::null_space::NEGLIGIBLE;
 use crate::algebra::vector::dot;
 
-/// Residuals of unit vectors are orthogonal to the columns they were fitted with up to some ten
-/// times 2.2e-16. A column makes a smaller angle with the residual than this by rounding only.
+/// Residuals of unit vectors are orthogonal to the columns of the fit up to about ten times 2.2e-16. A smaller angle
+/// between a column and the residual is rounding.
 const ROUNDING: f64 = 1e-14;
 
-/// The cone `{Σ x_k a_k, x_k ≥ 0}` in a space of a handful of dimensions.
+/// The cone `{Σ x_k a_k, x_k ≥ 0}` in a space of few dimensions.
 pub(super) struct FiniteCone {
     dimension: usize,
     /// The `a_k`, as unit vectors.
@@ -16,7 +16,7 @@ pub(super) struct FiniteCone {
 }
 
 impl FiniteCone {
-    /// The cone with the given `generators`; zero vectors add nothing to it.
+    /// Creates the cone with the given `generators`; zero vectors are ignored.
     pub(super) fn new(dimension: usize, generators: impl IntoIterator<Item = Vec<f64>>) -> Self {
         FiniteCone {
             dimension,
@@ -24,23 +24,23 @@ impl FiniteCone {
         }
     }
 
-    /// The residual `y` of `b` (see [`FiniteCone::residual`]), unless it is negligible against `size`,
-    /// the size of the terms that `b` is a sum of: then `b` is in the cone.
+    /// Returns the residual `y` of `b` (see [`FiniteCone::residual`]), or `None` if it is negligible relative to
+    /// `size`, the size of the terms whose sum is `b`: then `b` is in the cone.
     pub(super) fn outside(&self, b: &[f64], size: f64) -> Option<Vec<f64>> {
         let y = self.residual(b);
         (norm(&y) > NEGLIGIBLE * size).then_some(y)
     }
 
-    /// `y`, the difference of `b` and the point of the cone next to it: `a_k · y ≤ 0` for every
-    /// generator, and `b · y = y · y`.
+    /// Returns `y`, the difference of `b` and the nearest point of the cone: `a_k · y ≤ 0` for every generator, and
+    /// `b · y = y · y`.
     pub(super) fn residual(&self, b: &[f64]) -> Vec<f64> {
         let Some((length, b)) = unit(b) else { return vec![0.0; self.dimension] };
         let mut residual = b.clone();
-        // Numbers and coefficients of the generators in use, never more than there are dimensions.
+        // The indices and coefficients of the generators in use, at most as many as dimensions.
         let mut used: Vec<(usize, f64)> = Vec::new();
         let mut refused: Vec<usize> = Vec::new();
-        // The residual shrinks each time the set of used generators has changed, so no set comes
-        // twice and few are ever tried; the limit is there for what rounding may do to that.
+        // The residual shrinks with each change of the set of used generators, so no set repeats and few are tried.
+        // The limit guards against rounding.
         for _ in 0..4 * (self.dimension + self.generators.len()) {
             let candidates = (0..self.generators.len())
                 .filter(|k| !refused.contains(k) && used.iter().all(|(other, _)| other != k))
@@ -54,15 +54,15 @@ impl FiniteCone {
             if used.iter().any(|&(k, _)| k == entering) {
                 refused.clear();
             } else {
-                // It came in by rounding and went out again.
+                // The generator entered by rounding and left again.
                 refused.push(entering);
             }
         }
         residual.iter().map(|y| length * y).collect()
     }
 
-    /// Moves the coefficients of the `used` generators to the least squares fit of `b`. One that
-    /// would become negative on the way stops at zero and is used no more. Returns the residual.
+    /// Moves the coefficients of the `used` generators to the least squares fit of `b`. A coefficient that would
+    /// become negative stops at zero, and its generator is removed. Returns the residual.
     fn descend(&self, used: &mut Vec<(usize, f64)>, b: &[f64]) -> Vec<f64> {
         loop {
             let (fit, residual) = least_squares(used.iter().map(|&(k, _)| &self.generators[k]), b);
@@ -82,8 +82,8 @@ impl FiniteCone {
     }
 }
 
-/// The coefficients and the residual of the least squares fit of `b` by linearly independent
-/// `columns`: Gram and Schmidt's orthogonalisation, done twice, is as good as a reflection.
+/// Returns the coefficients and the residual of the least squares fit of `b` by linearly independent `columns`.
+/// Gram–Schmidt orthogonalisation, done twice, is as accurate as reflections.
 fn least_squares<'a>(columns: impl Iterator<Item = &'a Vec<f64>>, b: &[f64]) -> (Vec<f64>, Vec<f64>) {
     let (mut q, mut r) = (Vec::<Vec<f64>>::new(), Vec::<Vec<f64>>::new());
     for column in columns {
@@ -103,7 +103,7 @@ fn least_squares<'a>(columns: impl Iterator<Item = &'a Vec<f64>>, b: &[f64]) -> 
     (x, residual)
 }
 
-/// The products of `v` with the orthonormal `q`, and what is left of `v` without its parts along them.
+/// Returns the products of `v` with the orthonormal `q`, and the component of `v` orthogonal to them.
 fn without(q: &[Vec<f64>], v: &[f64]) -> (Vec<f64>, Vec<f64>) {
     let (mut products, mut rest) = (vec![0.0; q.len()], v.to_vec());
     for _ in 0..2 {
@@ -116,12 +116,12 @@ fn without(q: &[Vec<f64>], v: &[f64]) -> (Vec<f64>, Vec<f64>) {
     (products, rest)
 }
 
-/// The Euclidean length of `v`, whatever its order of magnitude.
+/// Returns the Euclidean length of `v`, without overflow or underflow.
 pub(super) fn norm(v: &[f64]) -> f64 {
     unit(v).map_or(0.0, |(length, _)| length)
 }
 
-/// The length and the direction of `v`; `None` for zero.
+/// Returns the length and the direction of `v`, or `None` for zero.
 fn unit(v: &[f64]) -> Option<(f64, Vec<f64>)> {
     let largest = v.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
     let scaled: Vec<f64> = v.iter().map(|x| x / largest).collect();
@@ -133,7 +133,7 @@ fn unit(v: &[f64]) -> Option<(f64, Vec<f64>)> {
 mod tests {
     use super::*;
 
-    /// Evenly distributed in -1..1, the same ones every time.
+    /// A generator of reproducible numbers with a uniform distribution in -1..1.
     struct Random(u64);
 
     impl Random {
@@ -147,8 +147,8 @@ mod tests {
         }
     }
 
-    /// The distance of `b` from the cone: the least over all sets of `generators`, at most as many as
-    /// there are dimensions, whose normal equations have a non-negative solution.
+    /// Returns the distance of `b` from the cone: the smallest over all sets of `generators`, at most as many as
+    /// dimensions, whose normal equations have a non-negative solution.
     fn distance(generators: &[Vec<f64>], b: &[f64]) -> f64 {
         let mut least = norm(b);
         for set in 1_u32..1 << generators.len() {
@@ -158,7 +158,7 @@ mod tests {
             if n > b.len() {
                 continue;
             }
-            // Gauss and Jordan on the normal equations, with their right-hand side in the last column.
+            // Gauss–Jordan elimination on the normal equations, with the right-hand side in the last column.
             let mut rows: Vec<Vec<f64>> =
                 chosen.iter().map(|a| chosen.iter().copied().map(|c| dot(a, c)).chain([dot(a, b)]).collect()).collect();
             let mut regular = true;
@@ -189,7 +189,7 @@ mod tests {
             let dimension = 2 + trial % 2;
             let mut generators: Vec<Vec<f64>> = (0..=trial % 7).map(|_| random.vector(dimension)).collect();
             if trial % 3 == 0 {
-                // The same once more, as of many nodes under one plane, and with other lengths.
+                // Repeats the generators with other lengths, as many nodes under one plane would.
                 let more: Vec<Vec<f64>> = generators.iter().map(|a| a.iter().map(|x| 1e3 * x).collect()).collect();
                 generators.extend(more.into_iter().take(2));
             }
@@ -208,7 +208,7 @@ mod tests {
     fn in_six_dimensions_the_residual_is_in_the_polar_cone() {
         let mut random = Random(2);
         for trial in 0..200 {
-            // Rounded to a few values, so that many are parallel or in one plane.
+            // Rounded to a few values, so that many vectors are parallel or coplanar.
             let coarse = |v: Vec<f64>| v.iter().map(|x| (1.5 * x).round()).collect::<Vec<f64>>();
             let generators: Vec<Vec<f64>> = (0..=2 * trial % 60).map(|_| coarse(random.vector(6))).collect();
             let b = coarse(random.vector(6));
@@ -220,7 +220,7 @@ mod tests {
 
     #[test]
     fn thousands_of_generators_and_any_magnitude() {
-        // The rim of a circular cone about the first axis, with a half angle of 45°.
+        // The rim of a circular cone around the first axis, with a half angle of 45°.
         let rim = |angle: f64| vec![1e-200, 1e-200 * angle.cos(), 1e-200 * angle.sin()];
         let angles = (0..5000).map(|k| f64::from(k) / 2500.0 * std::f64::consts::PI);
         let cone = FiniteCone::new(3, angles.map(rim).chain([vec![0.0; 3]]));

@@ -1,18 +1,18 @@
-//! The free motions of a body, and what loads and contact rows say of them.
+//! The rigid modes of a body, and their products with loads and contact rows.
 
 use super::cone::norm;
 use crate::algebra::null_space::NEGLIGIBLE;
 use crate::solver::problem::ContactProblem;
 
-/// External forces (n_u, N), and for each the sizes of the terms that it is a sum of: what these leave of each other by rounding
-/// drives nothing.
+/// External forces (n_u, N) with the sizes of their terms: a resultant that is only rounding of these terms drives
+/// nothing.
 #[derive(Clone, Copy)]
 pub(crate) struct Load<'a> {
     pub force: &'a [f64],
     pub sizes: &'a [f64],
 }
 
-/// The free motions, each measured by its largest displacement, so that units do not matter.
+/// The rigid modes, each scaled by its largest displacement, so that units do not matter.
 pub(super) struct Free<'a> {
     motions: &'a [Vec<f64>],
     largest: Vec<f64>,
@@ -25,8 +25,8 @@ impl<'a> Free<'a> {
         Free { motions, largest }
     }
 
-    /// What a contact row says of each motion. What rounding has left is zero: the cone takes any
-    /// vector for a direction, however short.
+    /// Returns the product of a contact row with each mode. Rounding counts as zero, because the cone uses any
+    /// vector, however short, as a direction.
     pub(super) fn felt(&self, row: &[(usize, f64)]) -> Vec<f64> {
         let size: f64 = row.iter().map(|(_, c)| c.abs()).sum();
         (self.motions.iter().zip(&self.largest))
@@ -35,11 +35,11 @@ impl<'a> Free<'a> {
             .collect()
     }
 
-    /// The work of `load` on each motion, and the size of the terms that it is a sum of.
+    /// Returns the work of `load` on each mode, and the size of the terms in these sums.
     pub(super) fn work(&self, &Load { force, sizes }: &Load<'_>) -> (Vec<f64>, f64) {
         let (mut load, mut size) = (Vec::new(), Vec::new());
         for (motion, largest) in self.motions.iter().zip(&self.largest) {
-            // What rounding has left of a motion in directions that it does not have is zero: beside it stand whole forces.
+            // Rounding in a mode's zero components counts as zero, since it would be multiplied by whole forces.
             let felt = |u: &f64| if u.abs() <= NEGLIGIBLE * largest { 0.0 } else { *u };
             size.push(motion.iter().zip(sizes).map(|(u, size)| (felt(u) * size).abs()).sum::<f64>() / largest);
             load.push(motion.iter().zip(force).map(|(u, f)| felt(u) * f).sum::<f64>() / largest);
@@ -47,13 +47,13 @@ impl<'a> Free<'a> {
         (load, norm(&size))
     }
 
-    /// The weights of the motions themselves in `y`, brought to length one.
+    /// Returns the weights of the unscaled modes in `y`, normalised to length one.
     pub(super) fn weights(&self, y: &[f64]) -> Vec<f64> {
         let length = norm(y);
         y.iter().zip(&self.largest).map(|(y, largest)| y / length / largest).collect()
     }
 
-    /// The weights of the motions themselves in `y`.
+    /// Returns the weights of the unscaled modes in `y`.
     pub(super) fn weights_of(&self, y: &[f64]) -> Vec<f64> {
         y.iter().zip(&self.largest).map(|(y, largest)| y / largest).collect()
     }

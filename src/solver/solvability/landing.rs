@@ -1,11 +1,13 @@
-//! Where obstacles and loads carry a body that contact alone holds.
+//! The rest position of a body that only contact holds.
 //!
-//! Obstacles that have come into it push it out, by the least free motion that leaves all of them, if there is one. Then its load
-//! carries it along the free motion that it drives, from node to node that touches, until contact forces on these balance it.
+//! Obstacles that penetrate the body push it out, by the smallest rigid motion that leaves all of them, if there is
+//! one. Then the load moves the body along the rigid motion that it drives, and nodes touch one after another, until
+//! their contact forces balance the load.
 //!
-//! It is a rigid body that follows its load as slowly as one likes: the load less the normal forces that come nearest to
-//! it is what moves it, and that does not lead into any obstacle which it touches. So the work of the load grows all the way, and
-//! the way has as many pieces as nodes come to touch, at most. Friction ends it where it can; it does not turn it.
+//! The body is rigid and follows its load arbitrarily slowly. It moves along the difference of the load and the
+//! nearest combination of normal forces, which does not lead into any obstacle that it touches. The work of the load
+//! therefore grows all the time, and the motion has at most as many segments as nodes come to touch. Friction can end
+//! the motion, but does not change its direction.
 
 use super::cone::{FiniteCone, norm};
 use super::{Free, FrictionCone, Load, unbalanced};
@@ -13,26 +15,26 @@ use crate::algebra::null_space::NEGLIGIBLE;
 use crate::algebra::vector::dot;
 use crate::solver::problem::ContactProblem;
 
-/// Three or six nodes bring a body to rest; on the way others may come and go.
+/// The largest number of rounds. Three or six nodes bring a body to rest; others may touch in the meantime.
 const ROUNDS: usize = 100;
 
-/// A contact node that is nearer to its obstacle, relative to its gap, touches it.
+/// A contact node touches its obstacle if its distance, relative to its gap, is smaller.
 pub(crate) const NEARBY: f64 = 1e-10;
 
-/// The share of its terms that `K r` may leave of a free motion `r` along which a body is carried: ten times what rounding
-/// makes of rotations of bodies with a thousand elements a side.
+/// The largest `K r` of a rigid mode `r` along which a body may move, relative to its terms: ten times the rounding
+/// in rotations of bodies with a thousand elements per side.
 const UNSTRAINED: f64 = 1e-12;
 
-/// Where a body comes to rest.
+/// The rest position of a body.
 pub(crate) struct Landing {
-    /// The weights of the problem's free motions in the way there.
+    /// The weights of the problem's rigid modes in the motion to that position.
     pub weights: Vec<f64>,
     /// The contact nodes that touch there.
     pub nodes: Vec<usize>,
 }
 
-/// The way that `load` carries a body whose contact nodes are at `distance` from their obstacles (n_c, m) and
-/// count as touching within `reach` (n_c, m); `None` if nothing stops it.
+/// Returns the motion of a body under `load` to its rest position, or `None` if nothing stops it. Its contact nodes
+/// are at `distance` from their obstacles (n_c, m) and count as touching within `reach` (n_c, m).
 pub(crate) fn landing(
     problem: &ContactProblem,
     mu: &[f64],
@@ -62,7 +64,7 @@ pub(crate) fn landing(
         });
         let Some(y) = driven else { return Some(Landing { weights: free.weights_of(&way), nodes }) };
         let y: Vec<f64> = y.iter().map(|x| x / norm(&y)).collect();
-        // What rounding has left of the way past an obstacle does not lead to it.
+        // A rounding component of the motion towards an obstacle does not count.
         let nearing = |i: usize| Some(dot(&cones[i].normal, &y)).filter(|w| *w > NEGLIGIBLE * norm(&cones[i].normal));
         let step = apart.iter().filter_map(|&i| Some(distance[i] / nearing(i)?)).min_by(f64::total_cmp)?;
         for (i, distance) in distance.iter_mut().enumerate() {
@@ -78,8 +80,8 @@ pub(crate) fn landing(
     None
 }
 
-/// The least `a` with `n · a ≤ distance` for all nodes, if there is any: the least distance problem of Lawson and Hanson
-/// (1974, chapter 23), whose answer is the residual of a projection on a cone of one dimension more.
+/// Returns the smallest `a` with `n · a ≤ distance` for all nodes, if there is any. This is the least distance
+/// problem of Lawson and Hanson (1974, chapter 23), which a projection on a cone of one more dimension solves.
 fn pushed_out(cones: &[FrictionCone], distance: &[f64]) -> Option<Vec<f64>> {
     let largest = distance.iter().fold(0.0_f64, |m, distance| m.max(-distance));
     let dimension = cones.first()?.normal.len();
@@ -92,7 +94,7 @@ fn pushed_out(cones: &[FrictionCone], distance: &[f64]) -> Option<Vec<f64>> {
     Some(rest[..dimension].iter().map(|x| -x * largest / rest[dimension]).collect())
 }
 
-/// Whether a body has free motions, and they strain it no more than rounding does.
+/// Returns `true` if a body has rigid modes, and they cause no strain beyond rounding.
 pub(crate) fn is_carried_without_strain(problem: &ContactProblem) -> bool {
     let unstrained = |motion: &Vec<f64>| {
         let (mut force, mut sizes) = (vec![0.0; motion.len()], vec![0.0; motion.len()]);

@@ -1,4 +1,4 @@
-//! Motions along which an equilibrium is one of many.
+//! Rigid motions from an equilibrium to other equilibria.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,20 +6,20 @@ use crate::algebra::null_space::null_space;
 use crate::solver::laws::ContactStatus;
 use crate::solver::problem::{ContactProblem, Increment, State};
 
-/// A free motion that an equilibrium leaves open: closed nodes move along their obstacles, without friction, and sticking
-/// ones not at all. No force changes along it.
+/// A non-unique mode of an equilibrium: a rigid motion in which closed nodes move along their obstacles, without
+/// friction, and sticking nodes do not move. No force changes along it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct NeutralMotion {
-    /// The weights of the problem's free motions in it, so that no displacement in it is larger than 1.
+    /// The weights of the problem's rigid modes in it, scaled so that its largest displacement is at most 1.
     pub weights: Vec<f64>,
-    /// How far the body may go along it, and against it, until an open node touches: the largest displacement, m. Infinite if
-    /// none ever does.
+    /// The distances that the body can move along it, and against it, until an open node touches: the largest
+    /// displacement, m. Infinite if none ever does.
     pub room: [f64; 2],
 }
 
-/// The motions that leave the equilibrium `state` of `increment` one, with contact nodes in the given `statuses`: a basis, empty
-/// for a body that supports hold. A node that slips with friction counts as held, which claims too little where it
-/// may slip on.
+/// Returns a basis of the motions from the equilibrium `state` of `increment` to other equilibria, with contact nodes
+/// in the given `statuses`. It is empty for a supported body. A node that slips with friction counts as constrained,
+/// which misses motions in which it slips on.
 pub(crate) fn neutral_motions(
     problem: &ContactProblem,
     increment: &Increment<'_>,
@@ -38,7 +38,7 @@ pub(crate) fn neutral_motions(
     open.into_iter().map(|weights| neutral_motion(problem, increment, state, statuses, weights)).collect()
 }
 
-/// The motion with these `weights`, of whatever length.
+/// Creates the motion with these `weights`, of any length.
 fn neutral_motion(
     problem: &ContactProblem,
     increment: &Increment<'_>,

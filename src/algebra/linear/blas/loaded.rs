@@ -1,5 +1,5 @@
-//! The BLAS of this process, asked by the functions that only it has. Which one is loaded is only known at run time, so they are
-//! looked up by name.
+//! Queries of the loaded BLAS by functions specific to each library. Since the library is known only at run time, the
+//! functions are looked up by name.
 
 #![allow(unsafe_code)]
 
@@ -9,12 +9,12 @@ use libloading::os::unix::Library;
 
 use super::{Blas, KERNEL_VARIABLE, UNKNOWN, Vectors, better_kernel, room};
 
-/// A BLAS, and by which functions it is told of threads and asked for them.
+/// A BLAS library, with its functions for setting and reading the number of threads.
 struct Kind {
     name: &'static str,
     set_threads: &'static [u8],
     get_threads: &'static [u8],
-    /// Whether it counts in 64 bits, and not in those of a C int.
+    /// `true` if it counts in 64-bit integers, `false` for a C int.
     counts_in_64_bits: bool,
 }
 
@@ -41,14 +41,15 @@ const KINDS: [Kind; 3] = [
     },
 ];
 
-/// Tells the BLAS how many threads to take, if it takes another number; its name, none if it has no such function.
+/// Sets the number of threads of the BLAS, if it differs. Returns the name of the library, or `None` if it has no
+/// such function.
 pub(in crate::algebra::linear) fn set_threads(process: &Library, wanted: usize) -> Option<&'static str> {
     let count = c_int::try_from(wanted.max(1)).unwrap_or(c_int::MAX);
-    // SAFETY (all): the symbols are the libraries' documented functions, which take the number of threads as a C int (OpenBLAS,
-    // MKL) or as a 64-bit integer (BLIS) and return nothing; any positive number is valid.
+    // SAFETY (all): the symbols are the libraries' documented functions, which take the number of threads as a C int
+    // (OpenBLAS, MKL) or as a 64-bit integer (BLIS) and return nothing; any positive number is valid.
     KINDS.iter().find_map(|kind| {
         let before = threads(process, kind)?;
-        // A thread of OpenBLAS that has no room for its buffer would never come to an end.
+        // A thread of OpenBLAS without memory for its buffer would never end.
         if before == wanted || kind.name == OPENBLAS && !room::for_threads(before, wanted) {
             return Some(kind.name);
         }
@@ -70,15 +71,16 @@ pub(in crate::algebra::linear) fn set_threads(process: &Library, wanted: usize) 
     })
 }
 
-/// Ends the threads that OpenBLAS has started for itself when it was loaded, one less than `threads`, as long as there is none but
-/// these and the calling one. Each waits in a loop for some 0.1 s of CPU time before it sleeps, whether it ever gets work or not.
-/// They are started again where more threads than one are asked for.
+/// Ends the threads that OpenBLAS started when it was loaded, one less than `threads`, if there are no others besides
+/// the calling thread. Each of them polls for about 0.1 s of CPU time before it sleeps, even if it never gets work.
+/// OpenBLAS starts them again if more than one thread is requested.
 fn end_workers(process: &Library, threads: usize) {
-    // Linux tells all threads of this process by a folder each. Elsewhere they sleep by themselves.
+    // Linux lists all threads of this process as directories. On other systems they go to sleep on their own.
     let all = std::fs::read_dir("/proc/self/task").map_or(usize::MAX, Iterator::count);
     if all <= threads {
-        // SAFETY: OpenBLAS exports the function that it calls itself before a process forks. It takes nothing, returns a C int
-        // and waits for its threads to end; these are idle, as nobody else is there to be in a product.
+        // SAFETY: OpenBLAS exports this function, which it calls itself before a process forks. It takes nothing,
+        // returns a C int and waits for its threads to end; these are idle, since no other thread could be in a
+        // product.
         if let Ok(end) = unsafe { process.get::<unsafe extern "C" fn() -> c_int>(b"blas_thread_shutdown_\0") } {
             // SAFETY: see above.
             unsafe { end() };
@@ -87,7 +89,7 @@ fn end_workers(process: &Library, threads: usize) {
     }
 }
 
-/// All that the BLAS of this process tells.
+/// Returns all properties that the BLAS of this process reports.
 pub(super) fn describe() -> Blas {
     let process = Library::this();
     let found = KINDS.iter().find_map(|kind| Some((kind.name, threads(&process, kind)?)));
@@ -111,7 +113,7 @@ pub(super) fn describe() -> Blas {
 }
 
 fn of_openblas(process: &Library, blas: Blas) -> Blas {
-    // Such as `OpenBLAS 0.3.21 NO_LAPACKE DYNAMIC_ARCH NO_AFFINITY Haswell MAX_THREADS=64`.
+    // For example `OpenBLAS 0.3.21 NO_LAPACKE DYNAMIC_ARCH NO_AFFINITY Haswell MAX_THREADS=64`.
     let config = text(process, b"openblas_get_config\0").unwrap_or_default();
     let kernel = text(process, b"openblas_get_corename\0");
     let asked = std::env::var_os(KERNEL_VARIABLE).filter(|name| !name.is_empty());
@@ -126,8 +128,8 @@ fn of_openblas(process: &Library, blas: Blas) -> Blas {
 }
 
 fn threads(process: &Library, kind: &Kind) -> Option<usize> {
-    // SAFETY (both): the symbols are the libraries' documented functions, which take nothing and return the number of threads
-    // as a C int (OpenBLAS, MKL) or as a 64-bit integer (BLIS).
+    // SAFETY (both): the symbols are the libraries' documented functions, which take nothing and return the number of
+    // threads as a C int (OpenBLAS, MKL) or as a 64-bit integer (BLIS).
     let count = if kind.counts_in_64_bits {
         // SAFETY: see above.
         let get = unsafe { process.get::<unsafe extern "C" fn() -> i64>(kind.get_threads) }.ok()?;
@@ -139,14 +141,14 @@ fn threads(process: &Library, kind: &Kind) -> Option<usize> {
         // SAFETY: see above.
         i64::from(unsafe { get() })
     };
-    // BLIS says -1 where nobody has told it a number; it takes one then.
+    // BLIS returns -1 if no number was set; it uses one thread then.
     Some(usize::try_from(count).unwrap_or(1).max(1))
 }
 
-/// BLIS' name for the processor that it takes this one for.
+/// Returns the name of the processor that BLIS has detected.
 fn blis_kernel(process: &Library) -> Option<String> {
-    // SAFETY (all): the symbols are documented functions of BLIS; an architecture is an enumeration, a C int, and its name a
-    // string that is never freed.
+    // SAFETY (all): the symbols are documented functions of BLIS; an architecture is an enumeration, a C int, and its
+    // name a string that is never freed.
     // SAFETY: see above.
     let id = unsafe { process.get::<unsafe extern "C" fn() -> c_int>(b"bli_arch_query_id\0") }.ok()?;
     // SAFETY: see above.
@@ -155,15 +157,15 @@ fn blis_kernel(process: &Library) -> Option<String> {
     owned(unsafe { name(id()) })
 }
 
-/// What the function `symbol` says, which takes nothing and returns a string that is never freed.
+/// Calls the function `symbol`, which takes nothing and returns a string that is never freed.
 fn text(process: &Library, symbol: &[u8]) -> Option<String> {
-    // SAFETY: the callers name documented functions of that kind.
+    // SAFETY: the callers pass documented functions with this signature.
     let tell = unsafe { process.get::<unsafe extern "C" fn() -> *const c_char>(symbol) }.ok()?;
     // SAFETY: see above.
     owned(unsafe { tell() })
 }
 
 fn owned(text: *const c_char) -> Option<String> {
-    // SAFETY: a pointer that is not null is to a string that ends with a zero and is never freed.
+    // SAFETY: a pointer that is not null points to a zero-terminated string that is never freed.
     (!text.is_null()).then(|| unsafe { CStr::from_ptr(text) }.to_string_lossy().trim().to_string())
 }

@@ -1,5 +1,5 @@
-//! Room for what OpenBLAS takes for itself. Each of its threads maps a buffer once, and asks for ever where that is refused, so
-//! it is asked for beforehand.
+//! Memory for the buffers of OpenBLAS. Each of its threads maps a buffer once, and retries forever if that is
+//! refused, so the memory is checked in advance.
 
 #![allow(unsafe_code)]
 
@@ -15,27 +15,28 @@ use libloading::os::unix::Library;
 
 use crate::algebra::linear::LinearError;
 
-/// What OpenBLAS maps for a thread on x86-64, bytes; elsewhere it is less.
+/// The size of the buffer that OpenBLAS maps for a thread on x86-64, bytes; it is smaller on other processors.
 pub(in crate::algebra::linear) const BUFFER: usize = 128 << 20;
 
-/// To map a buffer takes a millisecond; who waits so long waits for ever.
+/// Mapping a buffer takes a millisecond; a thread that takes longer than this will never finish.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// The stack of a thread, bytes.
+/// The size of a thread's stack, bytes.
 const STACK: usize = 8 << 20;
 
-/// Buffers that threads of OpenBLAS have left behind, which others take before they map new ones.
+/// The number of buffers that ended OpenBLAS threads have left behind. Other threads use them before they map new
+/// ones.
 static LEFT: AtomicUsize = AtomicUsize::new(0);
 
 thread_local! {
-    /// Whether this thread has what it needs.
+    /// `true` if this thread has its buffer.
     static READY: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Sees to it that the BLAS has its buffer for this thread, before its first use there.
+/// Makes sure that the BLAS has its buffer for this thread before its first use there.
 ///
 /// # Errors
-/// [`LinearError::OutOfMemory`] where the system refuses that memory.
+/// [`LinearError::OutOfMemory`] if the system refuses the memory.
 pub(in crate::algebra::linear) fn prepare() -> Result<(), LinearError> {
     if READY.get() {
         return Ok(());
@@ -54,25 +55,25 @@ pub(in crate::algebra::linear) fn prepare() -> Result<(), LinearError> {
     Ok(())
 }
 
-/// Whether OpenBLAS, which has `before` threads, can have as many as `wanted`.
+/// Returns `true` if there is memory for `wanted` threads of OpenBLAS, which has `before` threads.
 pub(super) fn for_threads(before: usize, wanted: usize) -> bool {
     let more = wanted.saturating_sub(before);
     more == 0 || can_map(more.saturating_mul(BUFFER + STACK))
 }
 
-/// Threads of OpenBLAS have ended and left so many buffers.
+/// Records that threads of OpenBLAS have ended and left this many buffers.
 pub(super) fn left_behind(buffers: usize) {
     LEFT.fetch_add(buffers, Ordering::Relaxed);
 }
 
-/// Whether a thread that OpenBLAS has started when it was loaded asks for its buffer in vain. It does so for ever, and whoever waits for
-/// its end waits for ever, too, such as the end of the process.
+/// Returns `true` if a thread that OpenBLAS started when it was loaded cannot get its buffer. It retries forever, and
+/// the end of the process would wait for it forever.
 pub(in crate::algebra::linear) fn is_stuck(process: &Library) -> bool {
     let workers = openblas_threads(process).map_or(0, |threads| threads - 1);
     workers > mapped_buffers() && !can_map(BUFFER)
 }
 
-/// The threads of OpenBLAS, if that is the BLAS of this process.
+/// Returns the number of OpenBLAS threads, if OpenBLAS is the BLAS of this process.
 fn openblas_threads(process: &Library) -> Option<usize> {
     // SAFETY: OpenBLAS' documented function takes nothing and returns the number of threads as a C int.
     let count = unsafe { process.get::<unsafe extern "C" fn() -> c_int>(b"openblas_get_num_threads\0") }.ok()?;
@@ -80,7 +81,7 @@ fn openblas_threads(process: &Library) -> Option<usize> {
     Some(usize::try_from(unsafe { count() }).unwrap_or(1).max(1))
 }
 
-/// How many buffers of OpenBLAS this process can hold among what it has mapped.
+/// Returns the number of OpenBLAS buffers that fit into the mapped memory of this process.
 fn mapped_buffers() -> usize {
     let maps = std::fs::read_to_string("/proc/self/maps").unwrap_or_default();
     let size = |line: &str| {
@@ -92,9 +93,9 @@ fn mapped_buffers() -> usize {
     maps.lines().filter_map(size).map(|size| size / BUFFER).sum()
 }
 
-/// Whether the system would map so many bytes now.
+/// Returns `true` if the system would map this many bytes now.
 fn can_map(bytes: usize) -> bool {
-    // SAFETY: a new mapping of memory without a file touches nothing that is there.
+    // SAFETY: a new anonymous mapping does not affect existing memory.
     let block = unsafe {
         let (protection, flags) = (libc::PROT_READ | libc::PROT_WRITE, libc::MAP_PRIVATE | libc::MAP_ANONYMOUS);
         libc::mmap(ptr::null_mut(), bytes, protection, flags, -1, 0)
@@ -102,12 +103,12 @@ fn can_map(bytes: usize) -> bool {
     if block == libc::MAP_FAILED {
         return false;
     }
-    // SAFETY: this mapping was made above, as long as that, and nobody else knows it.
+    // SAFETY: this mapping was made above with this length, and has no other user.
     unsafe { libc::munmap(block, bytes) };
     true
 }
 
-/// `dtrsm` of BLAS: solves with a triangular matrix for many right-hand sides. Its integers are C's.
+/// The function `dtrsm` of BLAS: solves with a triangular matrix for many right-hand sides. Its integers are C's.
 type Dtrsm = unsafe extern "C" fn(
     *const c_char,
     *const c_char,
@@ -122,8 +123,9 @@ type Dtrsm = unsafe extern "C" fn(
     *const c_int,
 );
 
-/// Lets OpenBLAS map a buffer, which the next thread that needs one takes; whether it did. Somebody may have taken the memory since it was
-/// asked for, and then OpenBLAS asks for ever: that thread is left behind.
+/// Makes OpenBLAS map a buffer for the next thread that needs one. Returns `false` if it takes too long: another
+/// process may have taken the memory since the check, and OpenBLAS then retries forever in a thread that is
+/// abandoned.
 fn takes_buffer_in_time() -> bool {
     let taken = Arc::new((Mutex::new(false), Condvar::new()));
     let told = Arc::clone(&taken);
@@ -139,20 +141,20 @@ fn takes_buffer_in_time() -> bool {
     is_taken && thread.join().is_ok()
 }
 
-/// Lets OpenBLAS map its buffer for this thread by a triangular solve with the identity.
+/// Makes OpenBLAS map its buffer for this thread by a triangular solve with the identity.
 fn take_buffer(process: &Library) {
     const N: usize = 4;
-    // SAFETY: the symbol is that of the BLAS, and OpenBLAS, which this is, takes no lengths of its characters.
+    // SAFETY: the symbol is that of OpenBLAS, whose function takes no lengths of its characters.
     let Ok(solve) = (unsafe { process.get::<Dtrsm>(b"dtrsm_\0") }) else { return };
     let mut identity = [0.0; N * N];
     (0..N).for_each(|i| identity[(N + 1) * i] = 1.0);
     let mut x = identity;
-    // Read as 64 or as 32 bits, these are the same number.
+    // Reading these as 64 or as 32 bits gives the same number.
     let n = [N as c_int, 0];
     let [left, lower, no] = [b'L', b'L', b'N'].map(|letter| letter as c_char);
     let scale = 1.0;
-    // SAFETY: both matrices have n columns of n entries; the characters and numbers are those that the function takes, and all outlive
-    // the call.
+    // SAFETY: both matrices have n columns of n entries; the characters and numbers are valid arguments of the
+    // function, and all outlive the call.
     unsafe {
         solve(
             &raw const left,

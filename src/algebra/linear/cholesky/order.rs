@@ -1,12 +1,11 @@
-//! The order of elimination: the interior for low fill, then the border as it is given.
+//! The order of elimination: the interior in a fill-reducing order, then the border in the given order.
 
 use crate::algebra::linear::LinearError;
 use crate::algebra::linear::error::expect_length;
 use crate::algebra::sparse::Pattern;
 
-/// An order of low fill with `last` at the end. Only the interior is ordered for fill, by `interior`
-/// from the lower triangle of its pattern: `last` has an order already, and the Schur complement is as
-/// good as dense in any.
+/// Returns a fill-reducing order with `last` at the end. Only the interior is ordered, by `interior` from the lower
+/// triangle of its pattern: `last` has an order already, and the Schur complement is nearly dense in any order.
 pub(super) fn with_border(
     lower: &Pattern,
     last: &[usize],

@@ -1,22 +1,21 @@
-//! Forward and backward substitution with the first columns of `L`, border rows included.
+//! Forward and backward substitution with the first columns of `L`, including border rows.
 //!
-//! Written out rather than left to the backends, whose solves know no border: they would take `L_cc`
-//! along and leave `L_cr` to a second pass over the factors, and the blocks are so small that a call of
-//! a matrix product for each costs more than its work.
+//! The solves of the backends have no border: they would include `L_cc` and leave `L_cr` to a second pass over the
+//! factors. The blocks are so small that calling a matrix product for each would cost more than its work.
 
 use pulp::{Arch, Simd, WithSimd};
 
 use super::{Supernodal, Supernode, nodes};
 use crate::algebra::sparse::{LANES, SimdPack};
 
-/// `[b_r; b_c] → [L_rr⁻¹ b_r; b_c - L_cr L_rr⁻¹ b_r]`, in the order of the factors.
+/// Computes `[b_r; b_c] → [L_rr⁻¹ b_r; b_c - L_cr L_rr⁻¹ b_r]`, in the order of the factors.
 pub(super) fn forward(factor: &dyn Supernodal, interior: usize, x: &mut [f64]) {
     let mut work = Vec::new();
     for node in nodes(factor).take_while(|node| node.first < interior) {
         gather(&node, x, &mut work);
         let columns = node.columns.min(interior - node.first);
         for first in (0..columns).step_by(TILE) {
-            // First the columns among themselves; then all rows below them.
+            // First the columns of the block, then all rows below them.
             let end = columns.min(first + TILE);
             for k in first..end {
                 let column = node.column(k);
@@ -44,13 +43,13 @@ pub(super) fn forward(factor: &dyn Supernodal, interior: usize, x: &mut [f64]) {
     }
 }
 
-/// `[y_r; x_c] → [L_rr⁻ᵀ (y_r - L_crᵀ x_c); x_c]`, in the order of the factors, of all these vectors in one pass over `L`.
-/// What becomes of one does not hang on the others.
+/// Computes `[y_r; x_c] → [L_rr⁻ᵀ (y_r - L_crᵀ x_c); x_c]`, in the order of the factors, for several vectors in one
+/// pass over `L`. The result of each does not depend on the others.
 pub(super) fn backward(factor: &dyn Supernodal, interior: usize, vectors: &mut [Vec<SimdPack>]) {
     Arch::new().dispatch(Backward { factor, interior, vectors });
 }
 
-/// Compiled for each kind of processor, with the same result.
+/// The backward substitution, compiled for each kind of processor, with the same result.
 struct Backward<'a> {
     factor: &'a dyn Supernodal,
     interior: usize,
@@ -60,7 +59,7 @@ struct Backward<'a> {
 impl WithSimd for Backward<'_> {
     type Output = ();
 
-    #[allow(clippy::inline_always)] // Only what is inlined is compiled for more than the least processor.
+    #[allow(clippy::inline_always)] // Only inlined code is compiled for more than the oldest processor.
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         substitute(self.factor, self.interior, self.vectors);
@@ -98,13 +97,14 @@ fn substitute(factor: &dyn Supernodal, interior: usize, vectors: &mut [Vec<SimdP
     }
 }
 
-/// Columns of `L` that are multiplied with the same rows together.
+/// The number of columns of `L` that are multiplied with the same rows at once.
 const TILE: usize = 4;
 
-/// So many products are added up by themselves: the sum of them all is rounded less.
+/// The number of products in a partial sum. Partial sums reduce rounding.
 const BLOCK: usize = 64;
 
-/// Takes `Σ_i l_i x_i` off the first entry of `from` for the first of `columns`, and so on. They are as long as `x`.
+/// Subtracts `Σ_i l_i x_i` from the first entry of `from` for the first of `columns`, and so on. The columns are as
+/// long as `x`.
 #[allow(clippy::inline_always)]
 #[inline(always)]
 fn subtract_products<const N: usize>(columns: [&[f64]; N], x: &[SimdPack], from: &mut [SimdPack]) {
@@ -125,7 +125,7 @@ fn subtract_products<const N: usize>(columns: [&[f64]; N], x: &[SimdPack], from:
     }
 }
 
-/// The values in the rows of a supernode.
+/// Gathers the values in the rows of a supernode.
 fn gather<T: Copy>(node: &Supernode<'_>, x: &[T], work: &mut Vec<T>) {
     work.clear();
     work.extend_from_slice(&x[node.first..node.first + node.columns]);

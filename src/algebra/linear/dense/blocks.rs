@@ -1,4 +1,4 @@
-//! Which unknowns contact ties together, and which entries of a matrix make up their contact rows.
+//! The groups of unknowns that contact couples, and the entries of their contact rows.
 
 use std::sync::Arc;
 
@@ -8,29 +8,29 @@ use crate::algebra::linear::error::expect_length;
 use crate::algebra::sparse::{DenseSymmetric, Pattern, SystemMatrix};
 use crate::algebra::union_find::UnionFind;
 
-/// The parts of a pattern on `(u, q)`.
+/// The blocks of a pattern on `(u, q)`.
 pub(super) struct Blocks {
-    /// Where the entries stand that are not of `S`.
+    /// The pattern of the entries outside `S`.
     pub pattern: Arc<Pattern>,
-    /// How many displacements there are, the unknowns of `S`.
+    /// The number of displacements, the unknowns of `S`.
     pub displacements: usize,
-    /// The groups that share neither a displacement nor a `q`.
+    /// The groups, which share neither a displacement nor a `q`.
     pub groups: Vec<Group>,
 }
 
-/// Displacements and other unknowns that contact rows tie together.
+/// Displacements and other unknowns that contact rows couple.
 pub(super) struct Group {
-    /// Its displacements, ascending.
+    /// The displacements of the group, ascending.
     pub displacements: Vec<usize>,
-    /// Its other unknowns.
+    /// The other unknowns of the group.
     pub others: Vec<usize>,
-    /// `[A D]` and `[E B]` as (place in the small matrix, slot in the pattern).
+    /// The entries of `[A D]` and `[E B]` as (place in the small matrix, slot in the pattern).
     rows: Vec<(usize, usize)>,
     forces: Vec<(usize, usize)>,
 }
 
 impl Blocks {
-    /// The parts of the pattern beside the dense block of `a`.
+    /// Finds the parts of the pattern outside the dense block of `a`.
     pub(super) fn new(a: &SystemMatrix) -> Result<Self, LinearError> {
         let (pattern, n) = (a.pattern(), a.order());
         expect_length("rows of the matrix", n, pattern.rows())?;
@@ -42,7 +42,7 @@ impl Blocks {
         let mut sets = UnionFind::new(n);
         entries().for_each(|(row, column, _)| sets.join(row, column));
         let (mut number, mut groups) = (vec![None; n], Vec::<Group>::new());
-        // For each unknown its group, and its place there among those of its kind.
+        // The group of each unknown, and its place there among unknowns of its kind.
         let mut at = Vec::with_capacity(n);
         for unknown in 0..n {
             let k = *number[sets.least(unknown)].get_or_insert(groups.len());
@@ -66,7 +66,7 @@ impl Blocks {
 }
 
 impl Group {
-    /// Its contact rows in a matrix with `values`, solved; `last` once more if it has come from the same.
+    /// Solves the contact rows of the group in a matrix with `values`. Returns `last` if it came from the same rows.
     pub(super) fn solve(&self, values: &[f64], last: Option<Local>) -> Result<Local, LinearError> {
         let same =
             |places: &[(usize, usize)], of: &[f64]| places.iter().all(|&(place, slot)| of[place] == values[slot]);
@@ -80,7 +80,7 @@ impl Group {
         Local::new(own, others, rows, forces)
     }
 
-    /// Its displacements, then its other unknowns.
+    /// Iterates over the displacements, then over the other unknowns.
     pub(super) fn unknowns(&self) -> impl Iterator<Item = usize> + '_ {
         self.displacements.iter().chain(&self.others).copied()
     }

@@ -1,5 +1,4 @@
-//! The contact rows of one group of nodes that share displacements (as a rule one node), solved
-//! before anything is coupled.
+//! The contact rows of one group of nodes that share displacements (usually one node), solved before any coupling.
 //!
 //! With the displacements `u` (c) and the other unknowns `q` (k) of the group, the k contact rows
 //! `A u + D q = b` have the solutions
@@ -8,41 +7,41 @@
 //! u = P_u b + V t        q = P_q b + Y t + Z s
 //! ```
 //!
-//! with c parameters in all: `t` moves displacements, the reactions `s` do not. In its equilibrium
-//! rows, `… + E u + B q`, the reactions are found at the end, by `H B Z = 1`, and until then are kept out by
-//! `Wᵀ B Z = 0`. An open node has two `t`, a slipping one has one of each, with
-//! `Z = (μ s, 1)` in `(p_t, p_n)`, a sticking one has two reactions; in an interior point method all
-//! are `t`. Oblique normals only fill in the small matrices.
+//! with c parameters in total: `t` moves displacements, the reactions `s` do not. In the equilibrium rows,
+//! `… + E u + B q`, the reactions are found at the end, by `H B Z = 1`, and until then are excluded by `Wᵀ B Z = 0`.
+//! An open node has two `t`, a slipping node has one `t` and one `s`, with `Z = (μ s, 1)` in `(p_t, p_n)`, and a
+//! sticking node has two reactions. In an interior point method all parameters are `t`. Oblique normals only add
+//! entries to the small matrices.
 
 use crate::algebra::linear::LinearError;
 use crate::algebra::vector::dot;
 
 /// The solutions of the contact rows of a group.
 pub(super) struct Local {
-    /// How many displacements, and how many other unknowns.
+    /// The number of displacements; `others` is that of the other unknowns.
     displacements: usize,
     others: usize,
-    /// How many parameters `t`.
+    /// The number of parameters `t`.
     moving: usize,
-    /// `[A D]`, row after row.
+    /// `[A D]`, row by row.
     rows: Vec<f64>,
-    /// `[E B]`, row after row.
+    /// `[E B]`, row by row.
     forces: Vec<f64>,
-    /// `[P_u; P_q]`, row after row.
+    /// `[P_u; P_q]`, row by row.
     particular: Vec<f64>,
-    /// `[V 0; Y Z]`, column after column.
+    /// `[V 0; Y Z]`, column by column.
     null: Vec<f64>,
-    /// `[Wᵀ; H]`, row after row.
+    /// `[Wᵀ; H]`, row by row.
     left: Vec<f64>,
 }
 
 impl Local {
-    /// Solves `[A D]`, given as `rows`, for a group of so many displacements and other unknowns, which
-    /// act on it by `forces`, `[E B]`; both row after row.
+    /// Solves `[A D]`, given as `rows`, for a group with these numbers of displacements and other unknowns. `forces`
+    /// is `[E B]`, their effect on equilibrium. Both are stored row by row.
     ///
     /// # Errors
-    /// [`LinearError::Singular`] when the rows, or the reactions, depend on each other;
-    /// [`LinearError::NotFinite`] when an entry is no number.
+    /// [`LinearError::Singular`] if the rows, or the reactions, are linearly dependent; [`LinearError::NotFinite`] if
+    /// an entry is not finite.
     pub(super) fn new(
         displacements: usize,
         others: usize,
@@ -54,7 +53,7 @@ impl Local {
         }
         let singular = LinearError::Singular { pivot_ratio: 0.0 };
         let (c, n) = (displacements, displacements + others);
-        // [A D | 1], every row divided by its largest entry.
+        // [A D | 1], with every row divided by its largest entry.
         let mut table = Table::new(others, n, others);
         for (i, row) in rows.chunks_exact(n).enumerate() {
             let largest = row.iter().fold(0.0_f64, |m, value| m.max(value.abs()));
@@ -89,7 +88,7 @@ impl Local {
         Ok(local)
     }
 
-    /// `[Wᵀ; H]`, or `None` if the reactions depend on each other.
+    /// Returns `[Wᵀ; H]`, or `None` if the reactions are linearly dependent.
     fn eliminate_reactions(&self) -> Option<Vec<f64>> {
         let (c, reactions) = (self.displacements, self.displacements - self.moving);
         // [B Z | 1]
@@ -115,61 +114,61 @@ impl Local {
         Some(rows.into_iter().flat_map(|row| table.row(row)[reactions..].to_vec()).collect())
     }
 
-    /// `E u + B q` of `x = (u, q)`.
+    /// Returns `E u + B q` for `x = (u, q)`.
     pub(super) fn act<'a>(&'a self, x: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
         let n = self.displacements + self.others;
         (0..self.displacements).map(move |i| dot(&self.forces[i * n..(i + 1) * n], x))
     }
 
-    /// `[A D]`, row after row.
+    /// Returns `[A D]`, row by row.
     pub(super) fn rows(&self) -> &[f64] {
         &self.rows
     }
 
-    /// `[E B]`, row after row.
+    /// Returns `[E B]`, row by row.
     pub(super) fn forces(&self) -> &[f64] {
         &self.forces
     }
 
-    /// Column `j` of `[V 0; Y Z]`.
+    /// Returns column `j` of `[V 0; Y Z]`.
     fn column(&self, j: usize) -> &[f64] {
         let n = self.displacements + self.others;
         &self.null[j * n..(j + 1) * n]
     }
 
-    /// How many parameters `t` there are.
+    /// Returns the number of parameters `t`.
     pub(super) fn moving(&self) -> usize {
         self.moving
     }
 
-    /// Column `j` of `V`.
+    /// Returns column `j` of `V`.
     pub(super) fn motion(&self, j: usize) -> &[f64] {
         &self.column(j)[..self.displacements]
     }
 
-    /// Row `i` of `Wᵀ`.
+    /// Returns row `i` of `Wᵀ`.
     pub(super) fn projection(&self, i: usize) -> &[f64] {
         &self.left[i * self.displacements..(i + 1) * self.displacements]
     }
 
-    /// `Wᵀ r`.
+    /// Returns `Wᵀ r`.
     pub(super) fn project<'a>(&'a self, r: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
         (0..self.moving).map(move |i| dot(self.projection(i), r))
     }
 
-    /// Column `j` of `Wᵀ (E V + B Y)`.
+    /// Returns column `j` of `Wᵀ (E V + B Y)`.
     pub(super) fn own(&self, j: usize) -> Vec<f64> {
         let force: Vec<f64> = self.act(self.column(j)).collect();
         self.project(&force).collect()
     }
 
-    /// `u = P_u b`, `q = P_q b`.
+    /// Returns `u = P_u b`, `q = P_q b`.
     pub(super) fn start<'a>(&'a self, b: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
         let rows = 0..self.displacements + self.others;
         rows.map(move |k| dot(&self.particular[k * self.others..(k + 1) * self.others], b))
     }
 
-    /// `V t`, `Y t`.
+    /// Returns `V t`, `Y t`.
     pub(super) fn moved(&self, t: &[f64]) -> Vec<f64> {
         let mut x = vec![0.0; self.displacements + self.others];
         for (j, factor) in t.iter().enumerate() {
@@ -178,7 +177,7 @@ impl Local {
         x
     }
 
-    /// Whether there are reactions.
+    /// Returns `true` if there are reactions.
     pub(super) fn reacts(&self) -> bool {
         self.moving < self.displacements
     }
@@ -193,7 +192,7 @@ impl Local {
     }
 }
 
-/// A small matrix with another one beside it, row after row, for Gauss and Jordan's elimination.
+/// A small matrix augmented by another one, row by row, for Gauss–Jordan elimination.
 struct Table {
     rows: usize,
     columns: usize,
@@ -211,8 +210,8 @@ impl Table {
         &mut self.entries[i * self.width..(i + 1) * self.width]
     }
 
-    /// Makes unit vectors of as many columns as it can, the largest pivot first, until what is left is
-    /// at most `tiny`; the (row, column) of each 1.
+    /// Turns as many columns as possible into unit vectors, the largest pivot first, until the remaining entries are
+    /// at most `tiny`. Returns the (row, column) of each 1.
     fn solve(&mut self, tiny: f64) -> Vec<(usize, usize)> {
         let mut pivots = Vec::with_capacity(self.rows);
         let mut done = vec![false; self.rows];
@@ -251,13 +250,13 @@ impl Table {
 mod tests {
     use super::*;
 
-    /// The forces of a node whose normal is `(n_x, n_y)`, the tangent at right angles.
+    /// Returns the forces of a node with the normal `(n_x, n_y)` and the tangent orthogonal to it.
     fn coupling([n_x, n_y]: [f64; 2]) -> [f64; 4] {
         // B = C^T with the unknowns (p_t, p_n).
         [-n_y, n_x, n_x, n_y]
     }
 
-    /// `[E B]` of a node with these forces, without springs.
+    /// Returns `[E B]` of a node with these forces, without springs.
     fn with_forces(b: &[f64; 4]) -> Vec<f64> {
         vec![0.0, 0.0, b[0], b[1], 0.0, 0.0, b[2], b[3]]
     }
@@ -300,7 +299,7 @@ mod tests {
             assert_eq!(parameters(normal, no_pressure, open), 2);
             assert_eq!(parameters(normal, slip, moves(outward, r)), 1);
             assert_eq!(parameters(normal, moves(tangent, r), moves(outward, r)), 0);
-            // Closed without pressure, and sticking though open, as between two iterates.
+            // Closed without pressure, and sticking although open, as possible between two iterates.
             assert_eq!(parameters(normal, no_pressure, moves(outward, r)), 1);
             assert_eq!(parameters(normal, moves(tangent, r), open), 1);
             let mut inside = moves(outward, -0.2);
@@ -318,7 +317,7 @@ mod tests {
         let singular = Some(LinearError::Singular { pivot_ratio: 0.0 });
         assert_eq!(error(&[1.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0], &b), singular);
         assert_eq!(error(&[1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], &b), singular);
-        // Two reactions in the same direction.
+        // Two parallel reactions.
         assert_eq!(error(&[1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0], &[1.0, 2.0, 1.0, 2.0]), singular);
         assert_eq!(error(&[f64::NAN, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0], &b), Some(LinearError::NotFinite));
     }

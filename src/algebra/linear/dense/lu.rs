@@ -8,15 +8,16 @@ use faer::{Accum, Mat, MatMut, MatRef, Par};
 use crate::algebra::linear::LinearError;
 use crate::algebra::sparse::mirror;
 
-/// Below, a factorisation takes less than a few milliseconds, and waiting for other threads costs what they save.
+/// The order below which a factorisation takes less than a few milliseconds, so that waiting for other threads costs
+/// more than they save.
 const PARALLEL_ORDER: usize = 400;
 
-/// How many threads work on a matrix of this order.
+/// Returns the number of threads for a matrix of this order.
 pub(super) fn threads(order: usize) -> usize {
     if order < PARALLEL_ORDER { 1 } else { rayon::current_num_threads() }
 }
 
-/// The same, as faer has it.
+/// Returns the number of threads in faer's terms.
 fn parallelism(order: usize) -> Par {
     match threads(order) {
         1 => Par::Seq,
@@ -24,7 +25,7 @@ fn parallelism(order: usize) -> Par {
     }
 }
 
-/// `L Lᵀ` of the lower triangle `l`, m × m, column after column; so is the result, complete.
+/// Returns `L Lᵀ` for the lower triangle `l`, m × m, column by column. The result has both triangles.
 pub fn times_transposed(l: &[f64], m: usize) -> Vec<f64> {
     let l = MatRef::from_column_major_slice(l, m, m);
     let mut product = vec![0.0; m * m];
@@ -35,28 +36,29 @@ pub fn times_transposed(l: &[f64], m: usize) -> Vec<f64> {
     product
 }
 
-/// Pivots at most as large, relative to the diagonal that they came from, say nothing: that of a Schur
-/// complement is about a quarter of what it was made from. (Free bodies have pivots of 2e-14, slender ones of
+/// A pivot below this size, relative to the diagonal entry that it came from, may be mere rounding. The diagonal of a
+/// Schur complement is about a quarter of the original one. (Unsupported bodies have pivots of 2e-14, slender ones of
 /// 1e-12.)
 const MERE_ROUNDING: f64 = 256.0 * f64::EPSILON;
 
 /// The factors of `P A = L U`.
 #[derive(Debug)]
 pub struct Lu {
-    /// `L` below the diagonal, its own being 1, and `U`.
+    /// `L` below its unit diagonal, and `U`.
     factors: Mat<f64>,
-    /// Row `k` of `P A` is row `permutation[k]` of `A`.
+    /// The permutation: row `k` of `P A` is row `permutation[k]` of `A`.
     permutation: Vec<usize>,
     pivot_ratio: f64,
 }
 
 impl Lu {
-    /// Factors `a`, which is square. Its columns came from numbers of these `sizes`, so that rounding
-    /// makes pivots of about `ε size` where there should be none.
+    /// Factors the square matrix `a`. Its columns were computed from numbers of these `sizes`, so that rounding turns
+    /// zero pivots into pivots of about `ε size`.
     ///
     /// # Errors
-    /// [`LinearError::Singular`] when a pivot vanishes or may be mere rounding, which faer does not
-    /// look at; [`LinearError::NotFinite`] when an entry is no number; [`LinearError::Shape`] unless `a` is square and has as many sizes.
+    /// [`LinearError::Singular`] if a pivot vanishes or may be mere rounding, which faer does not check;
+    /// [`LinearError::NotFinite`] if an entry is not finite; [`LinearError::Shape`] unless `a` is square and has as
+    /// many sizes as columns.
     pub fn new(mut a: Mat<f64>, sizes: &[f64]) -> Result<Self, LinearError> {
         let n = a.nrows();
         for (what, found) in [("columns", a.ncols()), ("sizes", sizes.len())] {
@@ -76,7 +78,7 @@ impl Lu {
         }
         let mut pivot_ratio = 1.0_f64;
         for (k, size) in sizes.iter().enumerate() {
-            // After a pivot of 0 faer goes on with NaN, and so does 0 / 0.
+            // After a zero pivot faer continues with NaN, as from 0 / 0.
             let ratio = a[(k, k)].abs() / size;
             pivot_ratio = pivot_ratio.min(if ratio.is_finite() { ratio } else { 0.0 });
         }
@@ -86,17 +88,17 @@ impl Lu {
         Ok(Lu { factors: a, permutation, pivot_ratio })
     }
 
-    /// The room that the factors take.
+    /// Returns the memory of the factors.
     pub(super) fn into_memory(self) -> Mat<f64> {
         self.factors
     }
 
-    /// The order.
+    /// Returns the order.
     pub(super) fn order(&self) -> usize {
         self.permutation.len()
     }
 
-    /// The smallest of all pivots, each relative to the size of its column.
+    /// Returns the smallest pivot relative to the size of its column.
     pub(super) fn pivot_ratio(&self) -> f64 {
         self.pivot_ratio
     }
@@ -134,7 +136,7 @@ mod tests {
     #[test]
     fn rows_are_exchanged() {
         for n in [1, 2, 7, 40, 130] {
-            // Zero on the diagonal where it can be.
+            // Zeros on the diagonal where possible.
             let a =
                 Mat::from_fn(n, n, |i, j| if i == j && n > 1 { 0.0 } else { 1.0 / (1.0 + i as f64 + 2.0 * j as f64) });
             let x: Vec<f64> = (0..n).map(|i| (i as f64).cos()).collect();
@@ -157,7 +159,7 @@ mod tests {
         singular(of([1.0, 2.0, 2.0, 4.0]));
         singular(of([0.0; 4]));
         singular(of([1.0, 0.1, 0.3, 0.03]));
-        // Rounding of numbers that are not there any more.
+        // Rounding of numbers that have cancelled.
         singular(Lu::new(Mat::from_fn(1, 1, |_, _| 1e-17), &[1.0]).err());
         assert_eq!(of([f64::NAN, 2.0, 2.0, 4.0]), Some(LinearError::NotFinite));
         assert_eq!(of([1.0, 2.0, 2.0, 4.5]), None);

@@ -1,4 +1,4 @@
-//! A pattern as faer wants it.
+//! A pattern in faer's format.
 
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 
@@ -20,7 +20,7 @@ impl Indices {
         self.starts.len() - 1
     }
 
-    /// The transposed pattern, and for each of its slots the one here.
+    /// Returns the transposed pattern, and for each of its slots the one here.
     pub(super) fn transposed(&self) -> (Self, Vec<usize>) {
         let n = self.n();
         let mut starts = vec![0; n + 1];

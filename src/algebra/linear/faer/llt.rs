@@ -21,8 +21,8 @@ use crate::algebra::linear::supernodal::{Supernodal, Supernode};
 use crate::algebra::linear::{FactorInfo, LinearError};
 use crate::algebra::sparse::{Csc, Pattern};
 
-/// An order of low fill for a symmetric matrix with this lower triangle. faer has no nested dissection.
-/// On plane grids CHOLMOD chooses minimum degree, too.
+/// Returns a fill-reducing order for a symmetric matrix with this lower triangle. faer has no nested dissection; on
+/// plane grids CHOLMOD also chooses minimum degree.
 pub(in crate::algebra::linear) fn minimum_degree(lower: &Pattern) -> Result<Vec<usize>, LinearError> {
     let failed = |error| out_of_memory(error, "the ordering");
     let lower = Indices::new(lower);
@@ -33,17 +33,17 @@ pub(in crate::algebra::linear) fn minimum_degree(lower: &Pattern) -> Result<Vec<
     Ok(order)
 }
 
-/// The factors.
+/// The factors of faer.
 pub(in crate::algebra::linear) struct Llt {
     symbolic: SymbolicSupernodalCholesky<usize>,
-    /// The rows below the supernodes, those of one after those of the other.
+    /// The rows below the supernodes, supernode by supernode.
     below: Vec<i64>,
     values: Vec<f64>,
     info: FactorInfo,
 }
 
 impl Llt {
-    /// Entries and operations, without factoring.
+    /// Returns entries and operations, without factoring.
     #[cfg(not(feature = "umfpack"))]
     pub(in crate::algebra::linear) fn predict(lower: &Csc, order: &[usize]) -> Result<FactorInfo, LinearError> {
         let indices = Indices::new(lower.pattern());
@@ -75,7 +75,7 @@ impl Llt {
             MemStack::new(&mut work),
             Spec::default(),
         );
-        // NaN, too, is no positive pivot.
+        // NaN is no positive pivot either.
         if let Err(LltError::NonPositivePivot { .. }) = result {
             return Err(LinearError::Singular { pivot_ratio: 0.0 });
         }
@@ -111,7 +111,7 @@ impl Supernodal for Llt {
     }
 }
 
-/// `P K Pᵀ`, its lower triangle.
+/// The lower triangle of `P K Pᵀ`.
 struct Permuted {
     indices: Indices,
     values: Vec<f64>,
@@ -141,7 +141,7 @@ impl Permuted {
         self.indices.with(&self.values)
     }
 
-    /// The supernodes of `L`, its entries and the operations.
+    /// Returns the supernodes of `L`, its entries and the operations.
     fn analyse(&self) -> Result<(SymbolicSupernodalCholesky<usize>, FactorInfo), FaerError> {
         // faer analyses the upper triangle.
         let (upper, _) = self.indices.transposed();

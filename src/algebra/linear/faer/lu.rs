@@ -1,12 +1,12 @@
 //! faer's supernodal LU: a backend in pure Rust for the uncondensed system.
 //!
-//! faer pivots by the largest entry of a column, whatever its row, so what bounds the fill is the
-//! factor of AᵀA, and COLAMD, which orders the columns for that, is right although the pattern is
-//! almost symmetric. On the block, with rows not yet scaled, AMD of A + Aᵀ was 6 to 7 times slower
-//! at n = 50 and 100, and without supernodes COLAMD was 5 times slower at n = 50.
+//! faer pivots by the largest entry of a column in any row. The fill is therefore bounded by the factor of AᵀA.
+//! COLAMD orders the columns for that and is the right choice although the pattern is almost symmetric. On the block,
+//! with rows not yet scaled, AMD of A + Aᵀ was 6 to 7 times slower at n = 50 and 100, and without supernodes COLAMD
+//! was 5 times slower at n = 50.
 //!
-//! faer reports neither zero pivots nor the pivots themselves. So each factorisation ends with one
-//! solve for a fixed right-hand side: a zero pivot leaves Inf or NaN there, a tiny one a huge solution.
+//! faer reports neither zero pivots nor the pivots themselves. Each factorisation therefore ends with one solve for a
+//! fixed right-hand side: a zero pivot leaves Inf or NaN there, a tiny pivot a huge solution.
 
 use std::sync::Arc;
 
@@ -26,34 +26,34 @@ use crate::algebra::linear::error::{expect_finite, expect_length};
 use crate::algebra::linear::{FactorInfo, LinearError, LinearSolver};
 use crate::algebra::sparse::Pattern;
 
-/// The backend of faer.
+/// The LU backend of faer.
 #[derive(Default)]
 pub struct FaerLu {
     analysed: Option<Analysed>,
-    /// The factors; their memory is used again by the next.
+    /// The factors, whose memory the next factorisation reuses.
     factors: SupernodalLu<usize, f64>,
     factored: bool,
 }
 
-/// What depends on the pattern alone, and the memory that every factorisation needs.
+/// The data that depend on the pattern alone, and the memory for every factorisation.
 struct Analysed {
     a: Indices,
-    /// The transposed pattern, and for each of its slots the slot of `a`.
+    /// The transposed pattern, with the slot of `a` for each of its slots.
     transposed: (Indices, Vec<usize>),
-    /// Powers of two that the rows are multiplied by, see [`Analysed::scale`].
+    /// The powers of two that scale the rows, see [`Analysed::scale`].
     scale: Vec<f64>,
     /// The scaled values, by columns and by rows.
     values: Vec<f64>,
     transposed_values: Vec<f64>,
     /// The order of the columns, and its inverse.
     columns: [Vec<usize>; 2],
-    /// The order of the rows that pivoting found, and its inverse.
+    /// The order of the rows from pivoting, and its inverse.
     rows: [Vec<usize>; 2],
     symbolic: SymbolicSupernodalLu<usize>,
-    /// A bound of the entries of L and U.
+    /// A bound on the entries of L and U.
     entries: usize,
     par: Par,
-    /// The right-hand side of the solve that tells whether the factors are sound.
+    /// The right-hand side of the solve that checks the factors.
     probe: Vec<f64>,
     work: MemBuffer,
 }
@@ -98,11 +98,11 @@ impl Analysed {
             values: vec![0.0; nnz],
             transposed_values: vec![0.0; nnz],
             rows: [vec![0; n], vec![0; n]],
-            // Whatever the pivots: row k of U and column k of L fit into column k of the factor of AᵀA.
+            // For any choice of pivots, row k of U and column k of L fit into column k of the factor of AᵀA.
             entries: 2 * counts.iter().sum::<usize>(),
-            // The same bound has so many operations.
+            // The operations that correspond to this bound.
             par: parallelism(counts.iter().map(|&count| 2.0 * (count as f64).powi(2)).sum()),
-            // Signs without order, so that hardly a null vector is at right angles to them.
+            // Irregular signs, so that hardly any null vector is orthogonal to them.
             probe: (0..n).map(|i| if (i.wrapping_mul(0x9E37_79B9) >> 16) & 1 == 0 { 1.0 } else { -1.0 }).collect(),
             columns: [order, inverse],
             a,
@@ -125,10 +125,10 @@ impl LinearSolver for FaerLu {
         Ok(())
     }
 
-    /// `entries` is the bound for any choice of pivots, on the block four times what UMFPACK needs: faer keeps
-    /// the lengths of its factors to itself. Operations and memory are not known. `pivot_ratio` is
-    /// `‖b‖ / (‖A‖ ‖x‖)` for a fixed `b` and scaled rows, a bound of the reciprocal of the condition number
-    /// from above, as the pivots cannot be read.
+    /// Returns `entries` as a bound for any choice of pivots, on the block four times what UMFPACK needs: faer does
+    /// not report the lengths of its factors. Operations and memory are not known. `pivot_ratio` is `‖b‖ / (‖A‖ ‖x‖)`
+    /// for a fixed `b` and scaled rows, an upper bound on the reciprocal condition number, since the pivots cannot be
+    /// read.
     fn factorize(&mut self, values: &[f64]) -> Result<FactorInfo, LinearError> {
         self.factored = false;
         let Some(analysed) = &mut self.analysed else { return Err(LinearError::Order { missing: "analyze" }) };
@@ -176,14 +176,14 @@ impl LinearSolver for FaerLu {
 }
 
 impl Analysed {
-    /// Divides each row by its size. Pivots are chosen by size, and a condition of contact such as
-    /// `du_n = -g` is to be the pivot row of its own unknown, before the rows of the stiffness: then it
-    /// holds exactly, and does not miss by rounding what BN's paper setting compares with zero.
+    /// Divides each row by its size. Pivots are chosen by size, and a contact condition such as `du_n = -g` must be
+    /// the pivot row of its own unknown, before the rows of the stiffness: then it holds exactly. A rounding error
+    /// would affect the comparison with zero in BN with the paper's constants.
     fn scale(&mut self, values: &[f64]) {
         self.scale.fill(0.0);
         self.a.rows.iter().zip(values).for_each(|(&row, value)| self.scale[row] += value.abs());
         for scale in &mut self.scale {
-            // A power of two, which rounds nothing, and within the range of numbers.
+            // A power of two, which causes no rounding, within the range of numbers.
             *scale = (-scale.log2().round()).clamp(-1000.0, 1000.0).exp2();
         }
         let scaled = self.values.iter_mut().zip(values).zip(&self.a.rows);
@@ -205,8 +205,8 @@ impl Analysed {
         );
     }
 
-    /// `‖b‖ / (‖A‖ ‖x‖)` in the maximum norm, 0 if `x` is not finite. A doubtful `x` is itself the next
-    /// right-hand side: one step of inverse iteration finds the direction that matters.
+    /// Returns `‖b‖ / (‖A‖ ‖x‖)` in the maximum norm, or 0 if `x` is not finite. A doubtful `x` is itself the next
+    /// right-hand side: one step of inverse iteration finds the critical direction.
     fn conditioning(&mut self, factors: &SupernodalLu<usize, f64>) -> f64 {
         const DOUBTFUL: f64 = 1e-10;
         let largest =
@@ -243,14 +243,13 @@ mod tests {
         Arc::new(Pattern::from_entries(n, n, |take| entries.iter().for_each(|&(i, j)| take(i, j))).unwrap())
     }
 
-    /// Numbers in (-1, 1) that look random.
+    /// Returns pseudo-random numbers in (-1, 1).
     fn noise(k: usize) -> f64 {
         (12.9898 * (k + 1) as f64).sin() * 43758.5453 % 1.0
     }
 
-    /// A grid of m × m nodes with an unsymmetric stencil, and as a contact Jacobian has them: below
-    /// them pressures that act on the first row of nodes and whose own rows hold now the pressure,
-    /// now the displacement.
+    /// Creates a grid of m × m nodes with an unsymmetric stencil, bordered as in a contact Jacobian: pressures act on
+    /// the first row of nodes, and their own rows prescribe either the pressure or the displacement.
     fn bordered(m: usize, seed: usize) -> Csc {
         let n = m * m + m;
         let near = |k: usize| [Some(k), k.checked_sub(m), k.checked_sub(1), Some(k + 1), Some(k + m)];
@@ -327,7 +326,7 @@ mod tests {
         solver.factorize(&[1.0, 2.0]).unwrap();
         assert!(matches!(solver.solve(&[1.0], &mut x), Err(LinearError::Shape { expected: 2, found: 1, .. })));
         assert!(matches!(solver.factorize(&[1.0, 0.0]), Err(LinearError::Singular { .. })));
-        // A failed factorisation leaves no stale factors behind.
+        // A failed factorisation leaves no old factors behind.
         assert_eq!(solver.solve(&[1.0, 1.0], &mut x), Err(LinearError::Order { missing: "factorize" }));
         let wide = Arc::new(Pattern::from_entries(1, 2, |take| take(0, 1)).unwrap());
         assert!(matches!(solver.analyze(&wide), Err(LinearError::Shape { .. })));
@@ -346,12 +345,12 @@ mod tests {
         singular(2, &full, &[0.0; 4]);
         singular(2, &full, &[1.0, 2.0, 2.0, 4.0]);
         singular(2, &full, &[0.0, 0.0, 1.0, 1.0]);
-        // No entry at all in a row, in a column, in either.
+        // No entry in a row, in a column, or in both.
         singular(2, &[(0, 0), (0, 1)], &[1.0, 1.0]);
         singular(2, &[(0, 0), (1, 0)], &[1.0, 1.0]);
         singular(3, &[(0, 0), (1, 1)], &[1.0, 1.0]);
         singular(1, &[], &[]);
-        // A row of the block's kind that says nothing.
+        // An empty row of the block.
         let mut a = bordered(12, 0);
         for (slot, (i, _, _)) in a.clone().entries().enumerate() {
             if i == 12 * 12 + 5 {
@@ -363,7 +362,7 @@ mod tests {
         assert!(matches!(solver.factorize(a.values()), Err(LinearError::Singular { .. })));
     }
 
-    /// Free in translation, so singular to rounding: the ratio tells.
+    /// A matrix that is singular up to rounding, because it can be translated, has a small pivot ratio.
     #[test]
     fn a_zero_hidden_in_rounding_shows_in_the_ratio() {
         let n = 50;

@@ -1,4 +1,4 @@
-//! The rows of one node of the stiffness, brought into the frames of the contact nodes, and with contact eliminated.
+//! The rows of one node of the stiffness, rotated into the frames of the contact nodes, and with contact eliminated.
 
 use super::form::Form;
 use super::node::Eliminated;
@@ -7,12 +7,12 @@ use super::small::Small;
 /// The rows of a node, one for each direction, on all directions of its columns.
 pub(super) type Border = [Vec<f64>; 3];
 
-/// Where they stand; `C` tells the contact of a column, if it has one.
+/// The places of the rows; `C` is the contact of a column, if it has one.
 pub(super) struct Block<'a, C> {
     pub dimension: usize,
     /// The nodes of the columns.
     pub columns: &'a [usize],
-    /// Which of them is the node itself.
+    /// The index of the node itself among them.
     pub own: usize,
     pub contact: C,
 }
@@ -21,7 +21,7 @@ impl<'a, C> Block<'_, C>
 where
     C: Fn(usize) -> Option<&'a Eliminated>,
 {
-    /// Rows and columns in the directions of the mesh, in the frames.
+    /// Rotates rows and columns from mesh directions into the frames.
     pub(super) fn turn(&self, rows: &mut Border) {
         let d = self.dimension;
         for (k, &column) in self.columns.iter().enumerate() {
@@ -41,7 +41,8 @@ where
         }
     }
 
-    /// Rows in the frames, with contact eliminated. `missing` are the directions that supports have taken from a column.
+    /// Rotates rows into the frames and eliminates contact. `missing` are the directions of a column that supports
+    /// have removed.
     pub(super) fn eliminate(&self, form: Form, rows: &mut Border, missing: impl Fn(usize) -> [bool; 3]) {
         let d = self.dimension;
         if let Some(contact) = (self.contact)(self.columns[self.own]) {
@@ -70,8 +71,8 @@ where
 }
 
 impl Eliminated {
-    /// Adds the springs to the rows of this node, whose own block begins at `own`, and takes from the free ones what the reactions
-    /// in the held ones bring into them.
+    /// Adds the springs to the rows of this node, whose own block begins at `own`. Sweeps the effect of the reactions
+    /// in the constrained rows out of the unconstrained ones.
     fn take_friction(&self, form: Form, rows: &mut Border, own: usize, dimension: usize) {
         let free = self.gone().map(|gone| !gone);
         let springs: Small = match form {

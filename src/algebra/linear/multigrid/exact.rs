@@ -1,4 +1,4 @@
-//! What is exact, is exact: with a direct factorisation in the place of the cycle one iteration solves.
+//! Test of exactness: with a direct factorisation in place of the cycle, one iteration solves the system.
 
 #[cfg(test)]
 pub(super) mod tests {
@@ -6,7 +6,7 @@ pub(super) mod tests {
     use crate::algebra::linear::multigrid::*;
     use crate::algebra::linear::petsc::Rows;
 
-    /// Gaussian elimination on all of it.
+    /// Gaussian elimination on the whole matrix.
     struct Inverse(Vec<Vec<f64>>);
 
     impl Inverse {
@@ -52,7 +52,7 @@ pub(super) mod tests {
         b
     }
 
-    /// Numbers between -1 and 1 that look random.
+    /// A generator of pseudo-random numbers between -1 and 1.
     pub(in crate::algebra::linear::multigrid) struct Numbers(pub u64);
 
     impl Numbers {
@@ -62,25 +62,26 @@ pub(super) mod tests {
         }
     }
 
-    /// What the rows of a contact node are.
+    /// The kind of a contact node's rows.
     #[derive(Clone, Copy)]
     pub(in crate::algebra::linear::multigrid) enum Law {
         Open,
         Stick,
-        /// With this friction, along the first tangent.
+        /// Slip with this friction, along the first tangent.
         Slip(f64),
-        /// On the edge of the cone without slip: held across, free along.
+        /// On the edge of the cone without slip: constrained across, unconstrained along.
         Edge(f64),
-        /// Forces that follow the displacements, as in the middle of an interior point method.
+        /// Forces proportional to the displacements, as during an interior point method.
         Compliant(f64),
     }
 
-    /// A chain of nodes in space, each tied to the next, with a frame of its own at each contact; the last node has no y.
+    /// Creates a chain of nodes in space, each coupled to the next, with a different frame at each contact; the last
+    /// node has no y.
     pub(in crate::algebra::linear::multigrid) fn system(laws: &[Law], changed: bool) -> (Grid, SystemMatrix) {
         let (m, mut numbers) = (laws.len() + 3, Numbers(5));
         let n_u = 3 * m - 1;
         let mut entries: Vec<(usize, usize, f64)> = Vec::new();
-        // Springs between neighbours, along three directions each, and to the ground.
+        // Springs between neighbours, in three directions each, and to the ground.
         for node in 0..m {
             for _ in 0..3 {
                 let direction = [0, 1, 2].map(|_| numbers.next());

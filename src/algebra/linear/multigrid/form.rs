@@ -1,10 +1,10 @@
 //! The two forms of the stiffness with contact eliminated.
 
-/// How friction gets into `K̂`.
+/// The treatment of friction in `K̂`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Form {
-    /// Not at all, so that it is symmetric: friction is what the iterations are for.
+    /// No friction, so that `K̂` is symmetric: the iterations account for friction.
     Symmetric,
-    /// Exactly.
+    /// Exact friction.
     Oblique,
 }

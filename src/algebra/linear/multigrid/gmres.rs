@@ -1,25 +1,25 @@
-//! Flexible GMRES: its preconditioner may be another one in each iteration (Saad, 1993).
+//! Flexible GMRES: the preconditioner may differ in each iteration (Saad, 1993).
 
 use rayon::prelude::*;
 
 use crate::algebra::linear::LinearError;
 
-/// How a solution was found.
+/// The result of a solve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Found {
     pub iterations: usize,
-    /// `‖b - A x‖ / ‖b‖`, as the recursion has it.
+    /// `‖b - A x‖ / ‖b‖`, from the recursion.
     pub residual: f64,
 }
 
-/// The most vectors of a basis; then it starts again.
+/// The largest size of a basis, after which GMRES restarts.
 const RESTART: usize = 60;
 
-/// Vectors are summed up in pieces of this length, whatever the number of threads, so that sums do not depend on it.
+/// The length of partial sums. It does not depend on the number of threads, so that sums do not either.
 const PIECE: usize = 4096;
 
-/// Solves `A x = b` from `x = 0` until the residual is `tolerance` of `b`, in at most `limit` iterations, and not longer than numbers are
-/// finite. `product` is `y = A x`, `precondition` an approximate solution `z` of `A z = r`.
+/// Solves `A x = b` from `x = 0` until the relative residual is `tolerance`, in at most `limit` iterations, as long
+/// as numbers are finite. `product` computes `y = A x`, `precondition` an approximate solution `z` of `A z = r`.
 pub(super) fn solve(
     b: &[f64],
     x: &mut [f64],
@@ -56,7 +56,7 @@ pub(super) fn solve(
             }
             directions.push(z);
             if rest == 0.0 {
-                // Nothing new: the preconditioner has met a null space.
+                // The basis cannot grow: the preconditioned direction adds nothing new.
                 return Ok(Found { iterations, residual: right[k].abs() / norm(b) });
             }
             let (c, s) = (column[k] / rest, size / rest);
@@ -82,11 +82,12 @@ pub(super) fn solve(
     Ok(Found { iterations, residual: if beta == 0.0 { 0.0 } else { beta / norm(b) } })
 }
 
-/// Takes what `w` has of an orthonormal `basis` from it, twice, so that rounding is gone; how much that was, with a place more.
+/// Orthogonalises `w` twice against an orthonormal `basis`, to remove rounding. Returns the coefficients, with one
+/// more place.
 fn orthogonalised(w: &mut [f64], basis: &[Vec<f64>]) -> Vec<f64> {
     let mut taken = vec![0.0; basis.len() + 1];
     for _ in 0..2 {
-        // A piece of w stays at hand while it meets the whole basis.
+        // A part of w stays in the cache for the whole basis.
         let of_piece = |(k, w): (usize, &[f64])| -> Vec<f64> {
             basis.iter().map(|v| dot(&v[k * PIECE..][..w.len()], w)).collect()
         };
@@ -102,7 +103,7 @@ fn orthogonalised(w: &mut [f64], basis: &[Vec<f64>]) -> Vec<f64> {
     taken
 }
 
-/// `aᵀ b`, in eight sums side by side.
+/// Returns `aᵀ b`, in eight parallel sums.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     const SIDE_BY_SIDE: usize = 8;
     let (a, b) = (a.chunks_exact(SIDE_BY_SIDE), b.chunks_exact(SIDE_BY_SIDE));
@@ -136,7 +137,7 @@ fn scaled(v: &[f64], by: f64) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// An unsymmetric tridiagonal matrix.
+    /// Multiplies by an unsymmetric tridiagonal matrix.
     fn product(x: &[f64], y: &mut [f64]) {
         for i in 0..x.len() {
             let before = if i > 0 { x[i - 1] } else { 0.0 };

@@ -1,36 +1,38 @@
-//! What multigrid has to know beside the matrix: where the unknowns are.
+//! The geometric data of multigrid besides the matrix: the positions of the unknowns.
 
 use crate::algebra::linear::LinearError;
 use crate::algebra::linear::error::expect_length;
 
-/// Where the displacements of a body are, and which unknowns are contact forces.
+/// The positions of a body's displacements, and the unknowns that are contact forces.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grid {
-    /// 2 or 3.
+    /// The dimension, 2 or 3.
     pub dimension: usize,
-    /// How many nodes there are.
+    /// The number of nodes.
     pub nodes: usize,
-    /// Node and direction of each displacement; these are the first unknowns.
+    /// The node and the direction of each displacement; the displacements are the first unknowns.
     pub displacements: Vec<(usize, usize)>,
-    /// For each contact node its places of tangential and normal forces among the unknowns, and a displacement of its own.
+    /// The contact nodes: the places of their tangential and normal forces among the unknowns, and their nodes.
     pub contacts: Vec<GridContact>,
-    /// Displacements that hold a share of others, `u_e = ũ_e + Σ c ũ_a`, so that the contact rows of a node hold only its own `ũ`.
+    /// Displacements that contain shares of others, `u_e = ũ_e + Σ c ũ_a`, so that the contact rows of a node have
+    /// only its own `ũ`.
     pub changed: Vec<(usize, Vec<(usize, f64)>)>,
-    /// The displacements of the rigid motions of the whole grid, without supports: 3 in the plane, 6 in space.
+    /// The displacements of the rigid modes of the whole grid, without supports: 3 in the plane, 6 in space.
     pub motions: Vec<Vec<f64>>,
 }
 
 /// One contact node of a [`Grid`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct GridContact {
-    /// The node of the displacements that its rows hold.
+    /// The node whose displacements its rows contain.
     pub node: usize,
     /// The places of its forces.
     pub forces: [Option<usize>; 3],
 }
 
 impl Grid {
-    /// An error unless all places exist, in a matrix with so many `unknowns`, and no node has two contacts.
+    /// Returns an error unless all places exist in a matrix with this number of `unknowns`, and no node has two
+    /// contacts.
     pub(super) fn checked(&self, unknowns: usize) -> Result<(), LinearError> {
         let expect = |what, expected: usize, found: usize| {
             if found < expected { Ok(()) } else { Err(LinearError::Shape { what, expected, found }) }
@@ -61,14 +63,14 @@ impl Grid {
         Ok(())
     }
 
-    /// `u = Q ũ` in the place of `ũ`.
+    /// Replaces `ũ` by `u = Q ũ`.
     pub(super) fn to_mesh(&self, u: &mut [f64]) {
         for (e, others) in &self.changed {
             u[*e] += others.iter().map(|(a, c)| c * u[*a]).sum::<f64>();
         }
     }
 
-    /// `Qᵀ r` in the place of `r`.
+    /// Replaces `r` by `Qᵀ r`.
     pub(super) fn residual_from_mesh(&self, r: &mut [f64]) {
         for (e, others) in &self.changed {
             for (a, c) in others {
@@ -77,14 +79,14 @@ impl Grid {
         }
     }
 
-    /// `Q⁻¹ u` in the place of `u`.
+    /// Replaces `u` by `Q⁻¹ u`.
     fn displacements_from_mesh(&self, u: &mut [f64]) {
         for (e, others) in &self.changed {
             u[*e] -= others.iter().map(|(a, c)| c * u[*a]).sum::<f64>();
         }
     }
 
-    /// The rigid motions, in `ũ`.
+    /// Returns the rigid modes, in `ũ`.
     pub(super) fn motions(&self) -> Vec<Vec<f64>> {
         let mut motions = self.motions.clone();
         for u in &mut motions {
@@ -100,7 +102,7 @@ mod tests {
 
     #[test]
     fn a_grid_that_does_not_fit_is_an_error() {
-        // Two nodes in the plane, of which the second has a contact without friction.
+        // Two nodes in the plane; the second has a contact without friction.
         let grid = Grid {
             dimension: 2,
             nodes: 2,

@@ -1,4 +1,4 @@
-//! A multigrid hierarchy, which serves for other matrices than its own: setting one up takes as long as twenty iterations.
+//! A multigrid hierarchy, which is reused for other matrices: building one takes as long as twenty iterations.
 
 use super::node::Eliminated;
 use super::shared::SharedCycle;
@@ -7,9 +7,9 @@ use super::stiffness::BlockLayout;
 use crate::algebra::linear::LinearError;
 use crate::algebra::linear::petsc::{Amg, Rows};
 
-/// What stands for the inverse of `K̂`.
+/// An approximate inverse of `K̂`.
 pub(super) trait Cycle: Send {
-    /// `z` with `K̂ z ≈ r`.
+    /// Computes `z` with `K̂ z ≈ r`.
     fn cycle(&mut self, r: &[f64], z: &mut [f64]) -> Result<(), LinearError>;
 }
 
@@ -25,27 +25,27 @@ impl Cycle for SharedCycle {
     }
 }
 
-/// What makes it, from `K̂`, its rigid motions, and which rows are of which rank.
+/// A constructor from `K̂`, its rigid modes, and the row bounds of the ranks.
 pub(super) type MakeCycle = fn(Rows, Vec<Vec<f64>>, &[usize]) -> Result<Box<dyn Cycle>, LinearError>;
 
-/// Where the share of contact nodes that are held in more or fewer directions is below this, a hierarchy still serves.
+/// A hierarchy is reused if the share of contact nodes with more or fewer constrained directions is below this.
 const CHANGED: f64 = 0.1;
-/// With so many times the iterations for a digit that it took at first, it does not.
+/// A hierarchy is not reused if it takes this many times its initial iterations per digit.
 const WORN: f64 = 1.6;
 
-/// To set one up takes as long as so many iterations.
+/// The number of iterations that take as long as building a hierarchy.
 const SET_UP: f64 = 20.0;
 
-/// A hierarchy with the frames in which it was set up.
+/// A hierarchy with the frames for which it was built.
 pub(super) struct Hierarchy {
     cycle: Box<dyn Cycle>,
     nodes: Vec<Eliminated>,
-    /// Whether all contact nodes are held, as in what answers a change of the loads while nothing slips or opens.
+    /// `true` if all contact nodes are clamped, as in the response to a change of the loads without slip or opening.
     pub(super) all_held: bool,
-    /// Iterations for a digit of its first matrix.
+    /// The iterations per digit of its first matrix.
     rate: Option<f64>,
     worn: bool,
-    /// Whether the present matrix is another than its own.
+    /// `true` if the present matrix is not its own.
     pub(super) lent: bool,
     rest: Vec<f64>,
 }
@@ -54,7 +54,7 @@ fn directions(node: &Eliminated) -> usize {
     node.held.iter().filter(|held| **held).count()
 }
 
-/// Whether contact holds every node in every direction that supports leave.
+/// Returns `true` if contact constrains every node in every direction that supports leave.
 pub(super) fn all_held(nodes: &[Eliminated]) -> bool {
     nodes.iter().all(|node| node.gone() == [true; 3])
 }
@@ -72,31 +72,31 @@ impl Hierarchy {
         }
     }
 
-    /// Whether it serves for a matrix with the contact `nodes`.
+    /// Returns `true` if the hierarchy can be reused for a matrix with the contact `nodes`.
     pub(super) fn serves(&self, nodes: &[Eliminated]) -> bool {
         let changed = self.nodes.iter().zip(nodes).filter(|(own, other)| directions(own) != directions(other)).count();
         !self.worn && changed as f64 <= CHANGED * nodes.len() as f64
     }
 
-    /// Lends it to another matrix than its own.
+    /// Marks the hierarchy as used for another matrix.
     pub(super) fn lend(&mut self) {
         self.lent = true;
     }
 
-    /// After how many iterations to `tolerance` a matrix that borrows it had better have had one of its own.
+    /// Returns the iteration limit for a reused hierarchy, beyond which rebuilding is cheaper.
     pub(super) fn patience(&self, tolerance: f64) -> usize {
         let digits = (-tolerance.log10()).max(1.0);
         self.rate.filter(|_| self.lent).map_or(usize::MAX, |rate| (rate * digits + SET_UP).ceil() as usize)
     }
 
-    /// Takes notice of how many iterations so many digits took.
+    /// Records the number of iterations and the digits gained.
     pub(super) fn took(&mut self, iterations: usize, residual: f64) {
         let rate = iterations as f64 / (-residual.log10()).max(1.0);
         let first = *self.rate.get_or_insert(rate);
         self.worn |= rate > WORN * first;
     }
 
-    /// One cycle for the present matrix, whose frames are those of `nodes`.
+    /// Applies one cycle for the present matrix, whose frames are those of `nodes`.
     pub(super) fn cycle(
         &mut self,
         layout: &BlockLayout,

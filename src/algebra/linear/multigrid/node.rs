@@ -1,61 +1,63 @@
-//! Contact eliminated at one node, exactly, from the rows of the Newton matrix alone.
+//! Exact elimination of contact at one node, from the rows of the Newton matrix alone.
 //!
-//! With the displacements `w` and the forces `p` of the node, equilibrium has `B p`, and its rows are `R w + D p = r`. Where `D` is
-//! singular a combination of the rows holds displacements, whatever the forces: normal and tangents of a node that sticks, the normal of
-//! one that slides, the direction across the slip on the edge of the cone. The singular values of `D` find them, without statuses and
-//! for any frame. Along the other directions the forces follow from the displacements, and act as springs.
+//! With the displacements `w` and the forces `p` of the node, equilibrium contains `B p`, and the contact rows are
+//! `R w + D p = r`. If `D` is singular, a combination of these rows constrains displacements independently of the
+//! forces: the normal and the tangents of a sticking node, the normal of a sliding node, the direction across the
+//! slip on the edge of the cone. The singular values of `D` find these directions, without statuses and in any frame.
+//! Along the other directions the forces follow from the displacements, and act as springs.
 
 use super::form::Form;
 use super::small::{Decomposition, Small, decompose, on, pseudo_inverse, times, transposed, transposed_on};
 
-/// `D` is singular where a value is at most this, in units of the stiffness. In Newton's method it is so exactly; on the way of an interior
-/// point method what is left are springs, which are the harder to precondition the stiffer they are.
+/// `D` is singular if a value is at most this, in units of the stiffness. In Newton's method it is exactly singular.
+/// During an interior point method there are springs instead, and stiffer springs are harder to precondition.
 const SINGULAR: f64 = 1e-8;
 const NEARLY_SINGULAR: f64 = 1e-4;
-/// Springs stiffer than the body are swept out of the other directions.
+/// The relative stiffness above which springs are swept out of the other directions.
 const STIFF: f64 = 1.0;
-/// A row of displacements of which a decomposition leaves less than this depends on the others.
+/// A row of displacements is linearly dependent if a decomposition leaves less than this.
 const DEPENDENT: f64 = 1e-10;
 
-/// How many words tell a node to another rank.
+/// The number of words that represent a node in messages to another rank.
 pub(super) const WORDS: usize = 33;
 
-/// The rows and columns of one contact node. What it does not have is 0.
+/// The rows and columns of one contact node. Missing entries are 0.
 #[derive(Clone, Copy)]
 pub(super) struct Local {
-    /// What the forces do to equilibrium: a row for each direction.
+    /// The effect of the forces on equilibrium: a row for each direction.
     pub b: Small,
-    /// What the displacements do in the rows of the contact laws.
+    /// The coefficients of the displacements in the rows of the contact laws.
     pub r: Small,
-    /// What the forces do in them.
+    /// The coefficients of the forces in these rows.
     pub d: Small,
-    /// Which directions the node has, and which forces.
+    /// `true` for the directions that the node has; `forces` for the forces.
     pub directions: [bool; 3],
     pub forces: [bool; 3],
-    /// The largest of its entries on the diagonal of `K`.
+    /// The largest of the node's entries on the diagonal of `K`.
     pub stiffness: f64,
 }
 
 /// One node with its contact eliminated.
 #[derive(Clone, Copy)]
 pub(super) struct Eliminated {
-    /// The frame: its columns are directions, those that are held first.
+    /// The frame: its columns are directions, the constrained ones first.
     pub frame: Small,
     pub held: [bool; 3],
-    /// Directions of the frame that the supports have taken.
+    /// `true` for directions of the frame that supports have removed.
     pub missing: [bool; 3],
-    /// What forces do to equilibrium, and displacements to the laws, in the frame.
+    /// The effect of forces on equilibrium; `r` that of displacements on the laws, both in the frame.
     b: Small,
     r: Small,
-    /// Held displacements by the right-hand side of the rows.
+    /// The map from the right-hand side of the rows to the constrained displacements.
     prescribed: Small,
     /// `D⁺`.
     compliance: Small,
-    /// Forces by what equilibrium lacks in the held directions.
+    /// The map from the equilibrium residual in the constrained directions to the forces.
     reactions: Small,
-    /// What is taken from the free rows in the oblique form, by the others: what reactions do there, and what stiff springs do.
+    /// The terms that the oblique form sweeps out of the unconstrained rows: effects of reactions, and of stiff
+    /// springs.
     pub sweep: Small,
-    /// What the forces that follow the displacements add to the stiffness, in the frame: `-B D⁺ R`.
+    /// The stiffness of the forces that follow the displacements, in the frame: `-B D⁺ R`.
     pub springs: Small,
 }
 
@@ -74,7 +76,7 @@ impl Local {
             let d = times(&by_value, &transposed(&left));
             [0, 1, 2].map(|i| [0, 1, 2].map(|j| d[i][j] * law.force / law.rows[j]))
         };
-        // The combinations of rows without forces, and the forces that no row tells.
+        // The combinations of rows without forces, and the forces that the rows leave undetermined.
         let free_rows = masked_columns(&decompose(&transposed(&law.d)).right, singular);
         let untold = masked_columns(&right, singular);
         let constraints = times(&transposed(&law.r), &free_rows);
@@ -99,7 +101,8 @@ impl Local {
         Eliminated { frame, held, missing, b, r, prescribed, compliance, reactions, sweep, springs }
     }
 
-    /// Stiff springs `U S Vᵀ` keep their rows, along `V`; what they do across goes: `(1 - V Vᵀ) U (Vᵀ U)⁻¹ Vᵀ`.
+    /// Returns the sweep for stiff springs `U S Vᵀ`, which keeps their rows along `V` and removes their effect
+    /// across: `(1 - V Vᵀ) U (Vᵀ U)⁻¹ Vᵀ`.
     fn stiff_sweep(&self, springs: &Small) -> Small {
         let Decomposition { left, values, right } = decompose(springs);
         let stiff = values.map(|s| s > STIFF * self.stiffness);
@@ -110,7 +113,7 @@ impl Local {
         [0, 1, 2].map(|i| [0, 1, 2].map(|j| through[i][j] - back[i][j]))
     }
 
-    /// The laws with rows of size one and forces in units of the stiffness.
+    /// Returns the laws with rows of size one and forces in units of the stiffness.
     fn scaled(&self) -> ScaledNode {
         let force = if self.stiffness > 0.0 { self.stiffness } else { 1.0 };
         let rows = [0, 1, 2].map(|i| {
@@ -121,7 +124,8 @@ impl Local {
         ScaledNode { r: by(&self.r, 1.0), d: by(&self.d, force), rows, force }
     }
 
-    /// The held directions of a `basis` first, then what is left of the axes of the mesh, then those that the node does not have.
+    /// Returns the frame: the constrained directions of a `basis`, then the rest of the mesh axes, then the
+    /// directions that the node does not have.
     fn frame(&self, basis: &Small, independent: [bool; 3]) -> (Small, [bool; 3], [bool; 3]) {
         let mut columns: Vec<[f64; 3]> = (0..3).filter(|&k| independent[k]).map(|k| basis.map(|row| row[k])).collect();
         let held = columns.len();
@@ -158,38 +162,38 @@ struct ScaledNode {
 }
 
 impl Eliminated {
-    /// The held displacements, in the frame.
+    /// Returns the constrained displacements, in the frame.
     pub(super) fn prescribed(&self, rows: [f64; 3]) -> [f64; 3] {
         on(&self.prescribed, rows)
     }
 
-    /// The forces that follow the displacements `w` of the frame.
+    /// Returns the forces that follow the displacements `w` in the frame.
     pub(super) fn following(&self, rows: [f64; 3], w: [f64; 3]) -> [f64; 3] {
         let by_w = on(&self.r, w);
         on(&self.compliance, [0, 1, 2].map(|k| rows[k] - by_w[k]))
     }
 
-    /// What forces do to equilibrium, in the frame.
+    /// Returns the effect of forces on equilibrium, in the frame.
     pub(super) fn on_equilibrium(&self, p: [f64; 3]) -> [f64; 3] {
         on(&self.b, p)
     }
 
-    /// The forces that make up for what equilibrium lacks in the held directions.
+    /// Returns the forces that balance the equilibrium residual in the constrained directions.
     pub(super) fn reactions(&self, lacking: [f64; 3]) -> [f64; 3] {
         on(&self.reactions, [0, 1, 2].map(|k| if self.held[k] { lacking[k] } else { 0.0 }))
     }
 
-    /// A vector in the frame.
+    /// Rotates a vector into the frame.
     pub(super) fn in_frame(&self, v: [f64; 3]) -> [f64; 3] {
         transposed_on(&self.frame, v)
     }
 
-    /// A vector of the frame in the directions of the mesh.
+    /// Rotates a vector from the frame into mesh directions.
     pub(super) fn out_of_frame(&self, v: [f64; 3]) -> [f64; 3] {
         on(&self.frame, v)
     }
 
-    /// What a rank has to know of it to make its rows of `K̂`.
+    /// Returns the data that a rank needs for its rows of `K̂`.
     pub(super) fn words(&self) -> [i64; WORDS] {
         let flags = [self.held, self.missing].map(|flags| flags.map(|flag| f64::from(u8::from(flag))));
         let numbers = [self.frame, self.sweep, self.springs].into_iter().flatten().chain(flags).flatten();
@@ -198,7 +202,7 @@ impl Eliminated {
         words
     }
 
-    /// A node of which this is known, and nothing else.
+    /// Creates a node from these data alone.
     pub(super) fn of_words(words: &[i64; WORDS]) -> Self {
         let number = |k: usize| f64::from_bits(words[k] as u64);
         let matrix = |from: usize| [0, 1, 2].map(|i| [0, 1, 2].map(|j| number(from + 3 * i + j)));
@@ -218,7 +222,7 @@ impl Eliminated {
         }
     }
 
-    /// Directions of the frame that are not solved for.
+    /// Returns `true` for the directions of the frame that are not solved for.
     pub(super) fn gone(&self) -> [bool; 3] {
         [0, 1, 2].map(|k| self.held[k] || self.missing[k])
     }
@@ -236,7 +240,7 @@ mod tests {
     const NORMAL: [f64; 3] = [0.0, -1.0, 0.0];
     const TANGENT: [f64; 3] = [1.0, 0.0, 0.0];
 
-    /// A node in the plane above an obstacle, with its rows `(p_t, p_n)` of the laws.
+    /// Creates a node in the plane above an obstacle, with its rows `(p_t, p_n)` of the laws.
     fn node(r: [[f64; 2]; 2], d: [[f64; 2]; 2]) -> Eliminated {
         let mut local = Local {
             b: ZERO,
@@ -292,7 +296,7 @@ mod tests {
         let p = slip.following([0.0, 0.5, 0.0], w);
         let p = [p[0] + q[0], p[1] + q[1]];
         assert!((p[1] - 3.0).abs() < 1e-14 && (p[0] + 0.4 * p[1]).abs() < 1e-14, "{p:?}");
-        // What the reaction does along the slip, by what lacks along the normal.
+        // The effect of the reaction along the slip, from the residual along the normal.
         let down = slip.in_frame([0.0, -1.0, 0.0])[0];
         assert!(((slip.sweep[1][0] * down).abs() - 0.4).abs() < 1e-14);
         assert!(slip.springs.iter().flatten().all(|v| v.abs() < 1e-14));

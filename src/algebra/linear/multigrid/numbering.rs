@@ -1,25 +1,25 @@
-//! Which rank has which nodes of a shared stiffness.
+//! The distribution of the nodes of a shared stiffness among ranks.
 
 use crate::algebra::linear::LinearError;
 use crate::algebra::linear::ranks::{Graph, World, partition};
 use crate::algebra::sparse::NodeRows;
 
-/// What has no number.
+/// The number of a node without displacements.
 const NONE: u32 = u32::MAX;
 
-/// The nodes that have displacements, rank after rank.
+/// The numbers of the nodes that have displacements, rank after rank.
 pub(super) struct Numbering {
     /// The number of each node of the mesh.
     numbers: Vec<u32>,
-    /// The numbers of each rank are between these.
+    /// The ranges of numbers of the ranks.
     pub bounds: Vec<usize>,
 }
 
 impl Numbering {
-    /// Nearly as many nodes for each of so many `ranks`, with few couplings in between.
+    /// Distributes the nodes evenly among this number of `ranks`, with few couplings between them.
     ///
     /// # Errors
-    /// When memory is short.
+    /// If memory is short.
     pub(super) fn new(body: &dyn NodeRows, ranks: usize) -> Result<Self, LinearError> {
         const STEP: &str = "dealing the nodes among ranks";
         let mut numbers = vec![NONE; body.nodes()];
@@ -49,7 +49,8 @@ impl Numbering {
         Ok(Numbering { numbers, bounds })
     }
 
-    /// That of rank 0, which alone has one before, of so many `nodes`; on all ranks at a time.
+    /// Broadcasts the numbering from rank 0, the only rank that has one, with this number of `nodes`. All ranks must
+    /// call it.
     pub(super) fn told(own: Option<&Numbering>, nodes: usize, world: &World) -> Self {
         let mut words = vec![0; nodes + world.size() + 1];
         if let Some(Numbering { numbers, bounds }) = own {
@@ -63,23 +64,23 @@ impl Numbering {
         }
     }
 
-    /// The number of a node, if it has displacements.
+    /// Returns the number of a node, if it has displacements.
     pub(super) fn number(&self, node: usize) -> Option<usize> {
         self.numbers.get(node).filter(|number| **number != NONE).map(|number| *number as usize)
     }
 
-    /// The rank of a node, if it has displacements.
+    /// Returns the rank of a node, if it has displacements.
     pub(super) fn owner(&self, node: usize) -> Option<usize> {
         let number = self.number(node)?;
         Some(self.bounds[1..].partition_point(|end| *end <= number))
     }
 
-    /// How many nodes of the mesh there are.
+    /// Returns the number of nodes of the mesh.
     pub(super) fn nodes(&self) -> usize {
         self.numbers.len()
     }
 
-    /// How many of them have displacements.
+    /// Returns the number of nodes that have displacements.
     pub(super) fn count(&self) -> usize {
         self.bounds.last().copied().unwrap_or(0)
     }

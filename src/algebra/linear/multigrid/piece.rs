@@ -1,7 +1,7 @@
-//! What one rank has of a shared stiffness: the rows of its nodes, and the hierarchies that were made of them.
+//! The local part of a shared stiffness: the rows of one rank's nodes, and the hierarchies built from them.
 //!
-//! Vectors are whole on rank 0, on all directions of the nodes as they are numbered. For a product each rank is dealt the part that the
-//! columns of its rows meet, its own and a layer of its neighbours', and what comes of its rows is collected.
+//! Vectors are whole on rank 0, with all directions of the numbered nodes. For a product, each rank receives the part
+//! in the columns of its rows: its own nodes and one layer of its neighbours'. The results of its rows are gathered.
 
 mod job;
 mod told;
@@ -24,34 +24,35 @@ pub(super) use told::State;
 /// The rows of one rank.
 pub(in crate::algebra::linear) struct Piece {
     dimension: usize,
-    /// The nodes of each rank are between these.
+    /// The ranges of nodes of the ranks.
     bounds: Vec<usize>,
-    /// The nodes that the rows have columns of, ascending, and the directions that supports have taken from each.
+    /// The nodes in the columns of the rows, ascending; `missing` are the directions that supports have removed from
+    /// each.
     nodes: Vec<usize>,
     missing: Vec<[bool; 3]>,
-    /// What each rank needs of a vector is between these.
+    /// The ranges of the vector parts that the ranks need.
     needs: Vec<usize>,
-    /// The columns of each block row, as places among `nodes`, are between these.
+    /// The ranges of the columns of each block row, as places among `nodes`.
     starts: Vec<usize>,
     columns: Vec<u32>,
-    /// Row after row.
+    /// The values, row by row.
     values: Vec<f64>,
     hierarchies: HashMap<i64, Share>,
 }
 
-/// Whether the entries of all ranks stand for the same body.
+/// Returns data that are equal on all ranks if their bodies are the same.
 fn head(body: &dyn NodeRows) -> [i64; 4] {
     [body.nodes() as i64, body.order() as i64, body.dimension() as i64, body.fingerprint() as i64]
 }
 
 impl Piece {
-    /// The rows of a rank other than 0; see [`Piece::assembled`].
+    /// Assembles the rows of a rank other than 0; see [`Piece::assembled`].
     pub(in crate::algebra::linear) fn helping(world: &World, body: Option<&dyn NodeRows>) -> Option<Self> {
         Self::assembled(world, body, None)
     }
 
-    /// The rows of this rank, by its own `body`, as rank 0 has numbered the nodes; on all ranks at a time. `None` where one of them cannot
-    /// make its rows, or has another body than rank 0.
+    /// Assembles the rows of this rank from its own `body`, with the `numbering` of rank 0. All ranks must call it.
+    /// Returns `None` if a rank cannot assemble its rows, or has another body than rank 0.
     pub(super) fn assembled(world: &World, body: Option<&dyn NodeRows>, numbering: Option<&Numbering>) -> Option<Self> {
         let mut told = body.filter(|_| numbering.is_some()).map_or([0; 4], head);
         world.tell(&mut told);
@@ -120,17 +121,17 @@ impl Piece {
         Piece { dimension: d, bounds, nodes, missing, needs, starts, columns, values, hierarchies }
     }
 
-    /// Between which rows of all those of each rank are.
+    /// Returns the ranges of the rows of the ranks.
     fn row_bounds(&self) -> Vec<usize> {
         self.bounds.iter().map(|bound| bound * self.dimension).collect()
     }
 
-    /// The first node of this rank.
+    /// Returns the first node of this rank.
     fn first(&self, world: &World) -> usize {
         self.bounds[world.rank()]
     }
 
-    /// Something of each row, by its blocks: their columns and their values.
+    /// Computes a result for each row from the columns and values of its blocks.
     fn of_rows<T: Send>(&self, of: impl Fn(&[u32], &[f64]) -> T + Sync) -> Vec<T> {
         let Piece { dimension, starts, columns, values, .. } = self;
         let d = *dimension;
@@ -142,7 +143,7 @@ impl Piece {
         (0..(starts.len() - 1) * d).into_par_iter().with_min_len(1024).map(row).collect()
     }
 
-    /// `Σ term(K_ij, x_j)` in each row `i`, of what was dealt of `x`.
+    /// Computes `Σ term(K_ij, x_j)` in each row `i`, for the local part `x` of a vector.
     fn sums(&self, x: &[f64], term: impl Fn(f64, f64) -> f64 + Sync) -> Vec<f64> {
         match self.dimension {
             2 => self.sums_in::<2>(x, term),
@@ -150,7 +151,7 @@ impl Piece {
         }
     }
 
-    /// The same in `D` dimensions, a sum for each.
+    /// Computes these sums in `D` dimensions.
     fn sums_in<const D: usize>(&self, x: &[f64], term: impl Fn(f64, f64) -> f64 + Sync) -> Vec<f64> {
         let x = x.as_chunks::<D>().0;
         self.of_rows(|columns, values| {
@@ -165,7 +166,7 @@ impl Piece {
         })
     }
 
-    /// The largest size in each row, and its entry on the diagonal.
+    /// Returns the largest size in each row, and its diagonal entry.
     fn norms(&self, first: usize) -> [Vec<f64>; 2] {
         let norm = |_: &[u32], values: &[f64]| values.iter().fold(0.0_f64, |m, value| m.max(value.abs()));
         let d = self.dimension;
@@ -178,7 +179,7 @@ impl Piece {
         [self.of_rows(norm), diagonal.collect()]
     }
 
-    /// The entry in `row` at `column`, of those of this rank.
+    /// Returns the entry in `row` at `column`, among those of this rank.
     fn entry(&self, first: usize, row: usize, column: usize) -> f64 {
         let d = self.dimension;
         let own = (row / d).checked_sub(first).filter(|own| own + 1 < self.starts.len());
@@ -188,7 +189,7 @@ impl Piece {
         at.map_or(0.0, |at| self.values[self.starts[own] * d * d + (row % d * columns.len() + at) * d + column % d])
     }
 
-    /// Row, column and value of all entries on and below the diagonal.
+    /// Returns row, column and value of all entries on and below the diagonal.
     fn lower(&self, first: usize) -> Vec<f64> {
         let d = self.dimension;
         let mut entries = Vec::new();
@@ -208,9 +209,9 @@ impl Piece {
         entries
     }
 
-    /// The rows of `K̂` of this rank.
+    /// Returns the rows of `K̂` of this rank.
     fn eliminated(&self, first: usize, state: &State) -> Result<Rows, LinearError> {
-        // Hierarchies are no business of other threads.
+        // Hierarchies are not shared with other threads.
         let Piece { dimension, nodes, missing, starts, columns: beside, values: own_values, .. } = self;
         let d = *dimension;
         let State { factor, form, springs, contacts } = state;

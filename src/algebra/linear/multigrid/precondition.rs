@@ -1,4 +1,4 @@
-//! The preconditioner: contact eliminated, a cycle for the rest, and the forces that follow.
+//! The preconditioner: elimination of contact, a cycle for the remaining unknowns, and the forces that follow.
 
 use super::block::Border;
 use super::form::Form;
@@ -9,7 +9,7 @@ use super::small::{put, vector};
 use super::stiffness::BlockLayout;
 use crate::algebra::linear::LinearError;
 
-/// Vectors on all directions.
+/// The workspace: vectors on all directions.
 #[derive(Default)]
 pub(super) struct Work {
     rest: Vec<f64>,
@@ -17,7 +17,7 @@ pub(super) struct Work {
     displacements: Vec<f64>,
 }
 
-/// The contact nodes of one matrix, eliminated.
+/// The eliminated contact nodes of one matrix.
 pub(super) struct Elimination<'a> {
     pub grid: &'a Grid,
     pub layout: &'a BlockLayout,
@@ -27,7 +27,7 @@ pub(super) struct Elimination<'a> {
 }
 
 impl Elimination<'_> {
-    /// `z` with `A z ≈ r` on the whole system, by one cycle.
+    /// Computes `z` with `A z ≈ r` on the whole system, by one cycle.
     pub(super) fn precondition(
         &self,
         hierarchy: &mut Hierarchy,
@@ -56,7 +56,7 @@ impl Elimination<'_> {
             put(rest, node, d, own);
             held.push(eliminated.prescribed(rows(&forces)));
         }
-        // Held displacements, and the forces that follow them, go to the right-hand side.
+        // Constrained displacements, and the forces that follow from them, go to the right-hand side.
         for (i, (&(node, forces), eliminated)) in layout.contacts.iter().zip(nodes).enumerate() {
             let following = eliminated.on_equilibrium(eliminated.following(rows(&forces), held[i]));
             let mut own = vector(rest, node, d);
@@ -70,7 +70,7 @@ impl Elimination<'_> {
                 }
             }
         }
-        // The free directions, by the cycle.
+        // The cycle gives the unconstrained directions.
         for (&(node, _), eliminated) in layout.contacts.iter().zip(nodes) {
             let mut own = vector(rest, node, d);
             if form == Form::Oblique {
@@ -87,7 +87,7 @@ impl Elimination<'_> {
             let (own, gone) = (vector(correction, node, d), eliminated.gone());
             put(correction, node, d, [0, 1, 2].map(|k| if gone[k] { held[i][k] } else { own[k] }));
         }
-        // The forces, of which the reactions are what equilibrium lacks.
+        // The forces; the reactions balance the equilibrium residual.
         for (i, (&(node, forces), eliminated)) in layout.contacts.iter().zip(nodes).enumerate() {
             let w = vector(correction, node, d);
             let following = eliminated.following(rows(&forces), w);
@@ -122,7 +122,7 @@ impl Elimination<'_> {
     }
 }
 
-/// The rigid motions in the frames, orthonormal.
+/// Returns the orthonormal rigid modes, in the frames.
 pub(super) fn kernel(grid: &Grid, layout: &BlockLayout, nodes: &[Eliminated]) -> Vec<Vec<f64>> {
     let d = layout.dimension;
     let mut kernel: Vec<Vec<f64>> = Vec::new();

@@ -1,23 +1,24 @@
-//! The Newton matrix times a vector, on all threads.
+//! Multithreaded products of the Newton matrix with a vector.
 
 use rayon::prelude::*;
 
 use crate::algebra::sparse::Pattern;
 
-/// Columns are dealt to so many sums, whatever the number of threads, so that the product does not depend on it.
+/// The number of partial sums. It does not depend on the number of threads, so that the product does not either.
 const SUMS: usize = 8;
 
 /// Products with one matrix.
 pub(super) struct Product<'a> {
     pattern: &'a Pattern,
     values: &'a [f64],
-    /// The columns of each sum are between these, with nearly as many entries in each.
+    /// The ranges of columns of the sums, with nearly as many entries in each.
     bounds: Vec<usize>,
     sums: &'a mut Vec<Vec<f64>>,
 }
 
 impl<'a> Product<'a> {
-    /// With the square matrix that has these values; `sums` is what the last one worked on, or empty.
+    /// Creates products with the square matrix that has these values; `sums` is the workspace of an earlier one, or
+    /// empty.
     pub(super) fn new(pattern: &'a Pattern, values: &'a [f64], sums: &'a mut Vec<Vec<f64>>) -> Self {
         let (starts, n) = (pattern.column_starts(), pattern.columns());
         let bounds = (0..=SUMS).map(|k| {
@@ -31,7 +32,7 @@ impl<'a> Product<'a> {
         Product { pattern, values, bounds: bounds.collect(), sums }
     }
 
-    /// `y = A x`.
+    /// Computes `y = A x`.
     pub(super) fn times(&mut self, x: &[f64], y: &mut [f64]) {
         let (starts, rows) = (self.pattern.column_starts(), self.pattern.row_indices());
         let columns = self.bounds.par_windows(2);

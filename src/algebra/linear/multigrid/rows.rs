@@ -1,4 +1,4 @@
-//! Compressed rows, made node by node on all threads.
+//! Compressed rows, assembled node by node on all threads.
 
 use std::ops::Range;
 
@@ -8,14 +8,14 @@ use super::form::Form;
 use crate::algebra::linear::LinearError;
 use crate::algebra::linear::petsc::Rows;
 
-/// Rows of so many nodes are made together by one thread.
+/// The number of nodes whose rows one thread assembles at a time.
 const TOGETHER: usize = 512;
 
-/// The rows of the nodes, of which each has blocks in so many columns as its `widths` say. `make` writes those of a node, the columns of each row and
-/// their values, and what it has to tell of it beside comes back in the order of the nodes.
+/// Assembles the rows of all nodes. Each node has as many block columns as its entry of `widths`. `make` writes the
+/// columns and values of a node's rows. Its other results are returned in the order of the nodes.
 ///
 /// # Errors
-/// When there are more entries than PETSc counts, which has 32 bits.
+/// If there are more entries than PETSc's 32-bit integers can count.
 pub(super) fn rows<S, T: Send>(
     dimension: usize,
     form: Form,
@@ -65,7 +65,7 @@ mod tests {
 
     #[test]
     fn rows_stand_one_after_the_other() {
-        // More nodes than one thread makes together, with one and two blocks in turn.
+        // More nodes than one thread assembles at a time, with one and two blocks in turn.
         let widths = || (0..1500).map(|node| 1 + node % 2);
         let make = |count: &mut usize, node: usize, columns: &mut [i32], values: &mut [f64]| {
             *count += 1;

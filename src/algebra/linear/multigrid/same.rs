@@ -1,4 +1,4 @@
-//! A shared stiffness is what one process has: here of one rank, which makes all of its rows.
+//! Test that a shared stiffness equals that of one process: here with one rank, which assembles all rows.
 
 #[cfg(test)]
 pub(super) mod tests {
@@ -6,7 +6,7 @@ pub(super) mod tests {
     use crate::algebra::linear::multigrid::*;
     use crate::algebra::sparse::{DoubleDouble, NodeRows, SharedMatrix, Symmetric};
 
-    /// A chain of nodes, of which each cell has two.
+    /// A chain of nodes; each cell has two.
     struct Chain {
         grid: Grid,
         stiffness: Symmetric,
@@ -44,7 +44,7 @@ pub(super) mod tests {
         }
     }
 
-    /// `a` with its stiffness in one piece, and the same shared, as `factor` times another.
+    /// Creates `a` with its stiffness in one process, and with the stiffness shared, as `factor` times another.
     fn both(factor: f64) -> (Grid, [SystemMatrix; 2], Symmetric) {
         let (grid, a) = system(&LAWS, false);
         let n_u = grid.displacements.len();
@@ -57,7 +57,7 @@ pub(super) mod tests {
         let near: Vec<bool> = (0..grid.nodes).map(|node| node + 1 < grid.nodes).collect();
         let shared = share(&chain, &near).unwrap().unwrap();
         let mut rest: Vec<_> = a.rest().entries().filter(|(i, j, _)| !is_stiffness(*i, *j)).collect();
-        // A spring holds a displacement.
+        // A spring on one displacement.
         rest.extend((0..n_u).map(|i| (i, i, if i == 4 { 0.7 } else { 0.0 })));
         let n = a.order();
         let rest = Csc::from_triplets(n, n, &rest).unwrap();
@@ -98,7 +98,7 @@ pub(super) mod tests {
         }
         let compressed = SystemMatrix::from(shared.to_csc().into_owned());
         assert_close(&compressed.times(&x).unwrap(), &whole.times(&x).unwrap(), 1e-15);
-        // What is added to the block counts as two.
+        // Terms added to the block count separately.
         assert!(shared.row_norms().iter().zip(whole.row_norms()).all(|(found, expected)| *found <= expected + 1e-15));
         assert!(!stiffness.clone().stores(0, 0) && stiffness.clone().add(0, 0, 1.0).is_err());
         assert_eq!(stiffness.diagonal().len(), stiffness.order());
@@ -129,9 +129,9 @@ pub(super) mod tests {
         assert!(Stiffness::of(&whole).is_none());
         let stiffness = Stiffness::of(&shared).unwrap();
         assert_eq!((stiffness.nodes(), stiffness.bounds()), (11, &[0, 11][..]));
-        // Ten ties and the nodes themselves.
+        // Ten couplings and the nodes themselves.
         assert_eq!(stiffness.entries(), 9 * (2 * 10 + 11));
-        // All but the columns of the last node.
+        // All columns except those of the last node.
         let near = stiffness.near().entries().map(|(_, column, _)| column);
         assert!(near.max() == Some(29) && stiffness.displacements() == 32);
     }

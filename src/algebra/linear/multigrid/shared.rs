@@ -1,4 +1,4 @@
-//! A stiffness whose rows are on all ranks, as rank 0 has it: vectors, and the columns near contact.
+//! A stiffness with rows on all ranks, from the view of rank 0: vectors, and the columns near contact.
 
 use std::any::Any;
 use std::fmt;
@@ -13,17 +13,18 @@ use crate::algebra::sparse::{
     Csc, DoubleDouble, NodeRows, Pattern, SharedMatrix, SharedSymmetric, Symmetric, SystemMatrix,
 };
 
-/// The matrix of `body`, of which each rank of MPI makes the rows of its own nodes; of the columns at the nodes `near` contact this process
-/// keeps a copy. `None` where a rank cannot make its rows, or has another body.
+/// Creates the matrix of `body`, of which each MPI rank assembles the rows of its own nodes. This process keeps a
+/// copy of the columns at the nodes `near` contact. Returns `None` if a rank cannot assemble its rows, or has another
+/// body.
 ///
 /// # Errors
-/// When MPI does not run, or memory is short.
+/// If MPI does not run, or memory is short.
 pub fn share(body: &dyn NodeRows, near: &[bool]) -> Result<Option<Symmetric>, LinearError> {
     let stiffness = Stiffness::new(body, near)?;
     Ok(stiffness.map(|stiffness| Symmetric::from(SharedSymmetric::from(Arc::new(stiffness) as Arc<dyn SharedMatrix>))))
 }
 
-/// The stiffness; a clone is the same one.
+/// The shared stiffness; clones share it.
 #[derive(Clone)]
 pub(super) struct Stiffness(Arc<Inner>);
 
@@ -33,15 +34,15 @@ struct Inner {
     dimension: usize,
     /// The place of each displacement among all directions of all nodes.
     places: Vec<u32>,
-    /// The nodes of which each rank needs a vector, rank after rank.
+    /// The nodes of the vector parts that the ranks need, rank after rank.
     needs: Vec<u32>,
     entries: usize,
     near: Csc,
     diagonal: Vec<f64>,
     row_norms: Vec<f64>,
-    /// Hierarchies that there have been.
+    /// The number of hierarchies built so far.
     hierarchies: AtomicI64,
-    /// The lower triangle, once somebody has asked for it.
+    /// The lower triangle, computed on demand.
     lower: OnceLock<Csc>,
 }
 
@@ -95,40 +96,41 @@ impl Stiffness {
         }))))
     }
 
-    /// That of a matrix, if ranks share it.
+    /// Returns the shared stiffness of a matrix, if ranks share it.
     pub(super) fn of(matrix: &SystemMatrix) -> Option<&Self> {
         (matrix.shared()?.matrix() as &dyn Any).downcast_ref()
     }
 
-    /// How many displacements it is on.
+    /// Returns the number of displacements.
     pub(super) fn displacements(&self) -> usize {
         self.0.places.len()
     }
 
-    /// How many nodes the mesh has.
+    /// Returns the number of nodes of the mesh.
     pub(super) fn nodes(&self) -> usize {
         self.0.numbering.nodes()
     }
 
-    /// The number of a node of the mesh that has displacements.
+    /// Returns the number of a node of the mesh that has displacements.
     pub(super) fn number(&self, node: usize) -> Option<usize> {
         self.0.numbering.number(node)
     }
 
-    /// The nodes of each rank are between these.
+    /// Returns the ranges of nodes of the ranks.
     pub(super) fn bounds(&self) -> &[usize] {
         &self.0.numbering.bounds
     }
 
-    /// Entries of `K̂`.
+    /// Returns the number of entries of `K̂`.
     pub(super) fn entries(&self) -> usize {
         self.0.entries
     }
 
-    /// A hierarchy of `K̂` of `factor` times this, with `springs` on its diagonal and these contact nodes, of which each rank makes its rows.
+    /// Builds a hierarchy of `K̂` for `factor` times this stiffness, with `springs` on its diagonal and these contact
+    /// nodes. Each rank assembles its rows.
     pub(super) fn cycle(&self, state: &State, kernel: &[Vec<f64>]) -> Result<SharedCycle, LinearError> {
         let number = self.0.hierarchies.fetch_add(1, Ordering::Relaxed);
-        // It is dropped on all ranks also where it was not made on this one.
+        // It is dropped on all ranks even if this rank did not build it.
         let cycle = SharedCycle { stiffness: self.clone(), number };
         self.run(Job::Hierarchy(number), |world, piece| piece.hierarchy(world, number, Some(state), kernel))?;
         Ok(cycle)
@@ -146,7 +148,7 @@ impl Stiffness {
         })
     }
 
-    /// What is dealt of a vector.
+    /// Returns the parts of a vector in the order of the scatter.
     fn to_be_dealt(&self, x: &[f64]) -> Vec<f64> {
         let Inner { dimension, places, needs, numbering, .. } = &*self.0;
         let mut all = vec![0.0; numbering.count() * dimension];
@@ -154,12 +156,12 @@ impl Stiffness {
         needs.iter().flat_map(|node| &all[*node as usize * dimension..][..*dimension]).copied().collect()
     }
 
-    /// Room for what is collected.
+    /// Returns zeros for a gathered vector.
     fn room(&self) -> Vec<f64> {
         vec![0.0; self.0.numbering.count() * self.0.dimension]
     }
 
-    /// What was collected for each displacement; NaN where nothing was, as the ranks did not answer.
+    /// Distributes gathered values to the displacements; NaN if the ranks did not answer.
     fn spread(&self, result: &Result<(), LinearError>, all: &[f64], to: &mut [f64]) {
         match result {
             Ok(()) => to.iter_mut().zip(&self.0.places).for_each(|(to, place)| *to = all[*place as usize]),
@@ -185,7 +187,7 @@ fn on(piece: &mut Option<Piece>, job: impl FnOnce(&mut Piece) -> Result<(), Line
     piece.as_mut().map_or(Ok(()), job)
 }
 
-/// The columns of `rows` that are at nodes `near` contact, whole.
+/// Returns the columns of `rows` at the nodes `near` contact, with both triangles.
 fn columns(rows: &Symmetric, body: &dyn NodeRows, near: &[bool]) -> Csc {
     let n = rows.order();
     let mut is_near = vec![false; n];
@@ -267,14 +269,14 @@ impl SharedMatrix for Stiffness {
     }
 }
 
-/// A hierarchy whose parts are on all ranks.
+/// A hierarchy with parts on all ranks.
 pub(super) struct SharedCycle {
     stiffness: Stiffness,
     number: i64,
 }
 
 impl SharedCycle {
-    /// One cycle: `z` with `K̂ z ≈ r`.
+    /// Applies one cycle: `z` with `K̂ z ≈ r`.
     pub(super) fn cycle(&mut self, r: &[f64], z: &mut [f64]) -> Result<(), LinearError> {
         self.stiffness.run(Job::Cycle(self.number), |world, piece| piece.cycle(world, self.number, r, z))
     }
@@ -282,7 +284,7 @@ impl SharedCycle {
 
 impl Drop for SharedCycle {
     fn drop(&mut self) {
-        // Where the ranks do not answer any more there is nothing left to be dropped.
+        // If the ranks no longer answer, there is nothing to drop.
         let _ = self.stiffness.run(Job::Drop(self.number), |_, piece| {
             piece.forget(self.number);
             Ok(())

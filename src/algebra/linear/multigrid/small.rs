@@ -1,16 +1,18 @@
-//! Singular values of the small matrices of one node, by one-sided Jacobi rotations, which keep all digits of small ones.
+//! Singular values of the small matrices of one node, by one-sided Jacobi rotations, which are accurate to all digits
+//! for small ones.
 
-/// At most three by three; what is not there is 0.
+/// A matrix of at most three by three; missing entries are 0.
 pub(super) type Small = [[f64; 3]; 3];
 
 #[cfg(test)]
 pub(super) const ZERO: Small = [[0.0; 3]; 3];
 
-/// A pair of columns is orthogonal when their product is below this share of their sizes.
+/// A pair of columns is orthogonal if their product is below this share of their sizes.
 const ORTHOGONAL: f64 = 1e-15;
 const SWEEPS: usize = 30;
 
-/// `m = left diag(values) rightᵀ`, the largest value first. Columns of `left` are 0 where the value is.
+/// The decomposition `m = left diag(values) rightᵀ`, the largest value first. Columns of `left` are 0 if the value is
+/// 0.
 pub(super) struct Decomposition {
     pub left: Small,
     pub values: [f64; 3],
@@ -49,7 +51,7 @@ pub(super) fn decompose(m: &Small) -> Decomposition {
     Decomposition { left, values, right: v.map(|row| order.map(|k| row[k])) }
 }
 
-/// The matrix that inverts `m` where its singular values are above the share `negligible` of the largest.
+/// Returns the pseudo-inverse of `m`, which ignores singular values below the share `negligible` of the largest.
 pub(super) fn pseudo_inverse(m: &Small, negligible: f64) -> Small {
     let Decomposition { left, values, right } = decompose(m);
     let inverse = values.map(|s| if s > negligible * values[0] { 1.0 / s } else { 0.0 });
@@ -68,19 +70,19 @@ pub(super) fn on(a: &Small, x: [f64; 3]) -> [f64; 3] {
     a.map(|row| (0..3).map(|k| row[k] * x[k]).sum())
 }
 
-/// `aᵀ x`.
+/// Returns `aᵀ x`.
 pub(super) fn transposed_on(a: &Small, x: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|j| (0..3).map(|k| a[k][j] * x[k]).sum())
 }
 
-/// What `all` has at `node`, of `d` directions.
+/// Returns the vector of `node` in `all`, with `d` directions per node.
 pub(super) fn vector(all: &[f64], node: usize, d: usize) -> [f64; 3] {
     let mut v = [0.0; 3];
     v[..d].copy_from_slice(&all[node * d..(node + 1) * d]);
     v
 }
 
-/// Puts it there.
+/// Writes the vector of `node` to `all`.
 pub(super) fn put(all: &mut [f64], node: usize, d: usize, v: [f64; 3]) {
     all[node * d..(node + 1) * d].copy_from_slice(&v[..d]);
 }
@@ -95,7 +97,7 @@ mod tests {
 
     #[test]
     fn small_singular_values_keep_their_digits() {
-        // Rotations with values of fourteen decades between them.
+        // Rotations with values fourteen decades apart.
         let (c, s) = (0.6, 0.8);
         let left = [[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]];
         let right = [[1.0, 0.0, 0.0], [0.0, c, s], [0.0, -s, c]];

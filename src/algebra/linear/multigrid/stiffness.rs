@@ -1,7 +1,7 @@
 //! The stiffness with contact eliminated, `K̂`: on all directions of all nodes, in the frames of the contact nodes.
 //!
-//! It has the pattern of `K`. Held directions are rows of the diagonal, and so are those that supports have taken; springs stand where
-//! forces follow displacements.
+//! It has the pattern of `K`. Constrained directions, and those that supports have removed, have only a diagonal
+//! entry. Forces that follow displacements are springs.
 
 use super::block::{Block, Border};
 use super::form::Form;
@@ -16,33 +16,34 @@ use crate::algebra::linear::petsc::Rows;
 use crate::algebra::linear::ranks::{Graph, partition};
 use crate::algebra::sparse::{Pattern, SharedSymmetric, SystemMatrix};
 
-/// Where everything is, for one pattern.
+/// The places of all unknowns, for one pattern.
 pub(super) struct BlockLayout {
     pub dimension: usize,
-    /// Displacements of the matrix.
+    /// The number of displacements of the matrix.
     pub displacements: usize,
-    /// The node, among those that have displacements, and the direction of each.
+    /// The node, among those with displacements, and the direction of each displacement.
     pub place: Vec<(usize, usize)>,
     /// The displacements of each of these nodes.
     pub own: Vec<[Option<usize>; 3]>,
-    /// The contact of each, if it has one.
+    /// The contact of each of these nodes, if it has one.
     pub contact: Vec<Option<usize>>,
-    /// For each contact its node among these, and the places of its forces.
+    /// The node of each contact among these, and the places of its forces.
     pub contacts: Vec<(usize, [Option<usize>; 3])>,
-    /// What `K̃ = Qᵀ K Q` takes from `K`: for each displacement those of `K`, with their shares.
+    /// The terms of `K̃ = Qᵀ K Q`: for each displacement those of `K`, with their shares.
     shares: Vec<Vec<(usize, f64)>>,
-    /// And the other way.
+    /// The inverse relation of `shares`.
     uses: Vec<Vec<(usize, f64)>>,
-    /// The columns of each node's block row, ascending; of a shared stiffness those of contact nodes alone.
+    /// The columns of each node's block row, ascending; for a shared stiffness only those of contact nodes.
     columns: Vec<Vec<usize>>,
-    /// Entries of `K̂`.
+    /// The number of entries of `K̂`.
     entries: usize,
-    /// The nodes of each rank are between these.
+    /// The ranges of nodes of the ranks.
     ranks: Vec<usize>,
 }
 
 impl BlockLayout {
-    /// That of matrices with the pattern of `matrix`, whose nodes are numbered already if ranks share them.
+    /// Creates the layout for matrices with the pattern of `matrix`. If ranks share it, its nodes are numbered
+    /// already.
     pub(super) fn new(grid: &Grid, matrix: &SystemMatrix) -> Result<Self, LinearError> {
         expect_length("columns of the matrix", matrix.pattern().rows(), matrix.order())?;
         grid.checked(matrix.order())?;
@@ -92,7 +93,7 @@ impl BlockLayout {
         for (k, own) in layout.own.iter().enumerate() {
             let mut columns = vec![k];
             seen[k] = k;
-            // Of a shared stiffness rows of contact nodes are all that is here.
+            // Of a shared stiffness only rows of contact nodes are stored here.
             let here = shared.is_none() || layout.contact[k].is_some();
             for dof in own.iter().flatten().filter(|_| here) {
                 layout.each_neighbour(*dof, matrix, |_, to| {
@@ -111,7 +112,7 @@ impl BlockLayout {
         Ok(layout)
     }
 
-    /// Takes notice of the displacements that hold shares of others.
+    /// Adds the displacements that contain shares of others.
     fn change(&mut self, grid: &Grid) {
         self.shares = (0..self.displacements).map(|dof| vec![(dof, 1.0)]).collect();
         self.uses = self.shares.clone();
@@ -123,10 +124,10 @@ impl BlockLayout {
         }
     }
 
-    /// The same with the nodes of each of so many `ranks` one after the other, nearly as many on each, with few couplings in between.
+    /// Reorders the nodes by rank, with nearly as many nodes on each of the `ranks` and few couplings between them.
     ///
     /// # Errors
-    /// When memory is short.
+    /// If memory is short.
     pub(super) fn shared_among(self, ranks: usize) -> Result<Self, LinearError> {
         const STEP: &str = "dealing the nodes among ranks";
         if ranks == 1 {
@@ -154,12 +155,13 @@ impl BlockLayout {
         })
     }
 
-    /// The rows of `K̂` of each rank are between these.
+    /// Returns the ranges of rows of `K̂` of the ranks.
     pub(super) fn bounds(&self) -> Vec<usize> {
         self.ranks.iter().map(|node| node * self.dimension).collect()
     }
 
-    /// Calls with value and column of all that row `dof` of `K̃` is made of. K is symmetric: its columns are its rows.
+    /// Calls `take` with value and column of all terms of row `dof` of `K̃`. K is symmetric: its columns are its
+    /// rows.
     fn each_neighbour(&self, dof: usize, matrix: &SystemMatrix, mut take: impl FnMut(f64, usize)) {
         let (pattern, values) = (matrix.pattern(), matrix.rest().values());
         let Some(shared) = matrix.shared() else {
@@ -179,13 +181,13 @@ impl BlockLayout {
         for slot in slots(near.pattern()) {
             take(shared.factor() * near.values()[slot], near.pattern().row_indices()[slot] as usize);
         }
-        // Beside it stand the springs of the motions that contact leaves free.
+        // The springs that pin unconstrained modes are stored outside it.
         for slot in slots(pattern).filter(|slot| pattern.row_indices()[*slot] as usize == dof) {
             take(values[slot], dof);
         }
     }
 
-    /// What ranks have to know of `matrix` to make their rows of `K̂`: what stands beside their shared stiffness.
+    /// Returns the data of `matrix` that ranks need for their rows of `K̂`, besides their shared stiffness.
     pub(super) fn state(&self, matrix: &SystemMatrix, nodes: &[Eliminated], form: Form) -> State {
         let (pattern, values) = (matrix.pattern(), matrix.rest().values());
         let spring = |dof: usize| Some((self.at(dof), values[pattern.slot(dof, dof)?])).filter(|(_, k)| *k != 0.0);
@@ -197,28 +199,28 @@ impl BlockLayout {
         }
     }
 
-    /// The place of a displacement among all directions of all nodes.
+    /// Returns the place of a displacement among all directions of all nodes.
     fn at(&self, dof: usize) -> usize {
         let (node, direction) = self.place[dof];
         node * self.dimension + direction
     }
 
-    /// All directions of all nodes, which `K̂` is on.
+    /// Returns the order of `K̂`: the number of all directions of all nodes.
     pub(super) fn order(&self) -> usize {
         self.own.len() * self.dimension
     }
 
-    /// Entries of `K̂`.
+    /// Returns the number of entries of `K̂`.
     pub(super) fn entries(&self) -> usize {
         self.entries
     }
 
-    /// The columns of the block row of `node`.
+    /// Returns the columns of the block row of `node`.
     pub(super) fn columns(&self, node: usize) -> &[usize] {
         &self.columns[node]
     }
 
-    /// The rows and columns of each contact node.
+    /// Returns the rows and columns of each contact node.
     fn locals(&self, matrix: &SystemMatrix) -> Vec<Local> {
         let get = |row: Option<usize>, column: Option<usize>| match (row, column) {
             (Some(row), Some(column)) => matrix.get(row, column),
@@ -242,15 +244,15 @@ impl BlockLayout {
         self.contacts.iter().map(local).collect()
     }
 
-    /// The contact nodes of `matrix`.
+    /// Returns the eliminated contact nodes of `matrix`.
     pub(super) fn nodes(&self, matrix: &SystemMatrix, form: Form) -> Vec<Eliminated> {
         self.locals(matrix).iter().map(|local| local.eliminated(form)).collect()
     }
 
-    /// `K̂` of `matrix` with these contact nodes, and their rows beside.
+    /// Returns `K̂` of `matrix` with these contact nodes, and the rows of the contact nodes.
     ///
     /// # Errors
-    /// When it has more entries than PETSc counts.
+    /// If it has more entries than PETSc can count.
     pub(super) fn stiffness(
         &self,
         matrix: &SystemMatrix,
@@ -282,13 +284,13 @@ impl BlockLayout {
         Ok((rows, border))
     }
 
-    /// The rows of the contact nodes alone, where another matrix stands for `K̂` or ranks make it.
+    /// Returns the rows of the contact nodes alone, if `K̂` is reused or assembled by ranks.
     pub(super) fn border(&self, matrix: &SystemMatrix, nodes: &[Eliminated]) -> Vec<Border> {
         let mut at = vec![0; self.own.len()];
         self.contacts.iter().map(|&(node, _)| self.rows(node, matrix, &mut at, nodes)).collect()
     }
 
-    /// The block row of `node` of `K̃`, in all frames; its columns are left in `at`.
+    /// Returns the block row of `node` of `K̃`, in all frames; its columns are left in `at`.
     fn rows(&self, node: usize, matrix: &SystemMatrix, at: &mut [usize], nodes: &[Eliminated]) -> Border {
         let d = self.dimension;
         self.columns[node].iter().enumerate().for_each(|(k, &column)| at[column] = k);
@@ -304,7 +306,7 @@ impl BlockLayout {
         rows
     }
 
-    /// Where the block row of `node` stands, which is the column `own` itself.
+    /// Returns the places of the block row of `node`, which is the column `own` itself.
     fn block<'a>(
         &'a self,
         node: usize,

@@ -1,4 +1,4 @@
-//! An instance of MUMPS on one rank. Its jobs are collective: every rank has to call the same one.
+//! An instance of MUMPS on one rank. Its jobs are collective: every rank must call the same one.
 
 #![allow(unsafe_code)]
 
@@ -10,7 +10,7 @@ use super::sys;
 use crate::algebra::linear::LinearError;
 use crate::algebra::linear::ranks::{RankLocal, World};
 
-/// What MUMPS does when it is called.
+/// A job of MUMPS.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Job {
     Analyze = 1,
@@ -21,34 +21,35 @@ pub(super) enum Job {
 const BEGIN: c_int = -1;
 const END: c_int = -2;
 
-/// Unsymmetric, and rank 0 works, too.
+/// Unsymmetric; rank 0 also works.
 const UNSYMMETRIC: c_int = 0;
 const HOST_WORKS: c_int = 1;
 
-/// MUMPS' structure; what its pointers point to is kept by whoever sets them.
+/// The structure of MUMPS. The owner of the arrays keeps them alive.
 pub(in crate::algebra::linear) struct Instance(Box<sys::DMUMPS_STRUC_C>);
 
-// SAFETY: heap memory and handles of MPI without affinity to a thread, and the calls are one at a time: see `ranks`.
+// SAFETY: heap memory and MPI handles without thread affinity, and one call at a time: see `ranks`.
 unsafe impl Send for Instance {}
 
 impl Instance {
-    /// A new one, of which every rank makes its own.
+    /// Creates an instance. Every rank creates its own.
     pub fn new(world: &World) -> Self {
-        // SAFETY: C's structure of numbers and pointers, for which 0 is a value: MUMPS wants it so before its first job.
+        // SAFETY: a C structure of numbers and pointers, for which 0 is valid. MUMPS requires zeros before its first
+        // job.
         let mut id: Box<sys::DMUMPS_STRUC_C> = Box::new(unsafe { mem::zeroed() });
         (id.sym, id.par) = (UNSYMMETRIC, HOST_WORKS);
         id.comm_fortran = world.fortran();
         let mut instance = Instance(id);
         instance.call(BEGIN);
-        // It prints by itself otherwise, on every rank.
+        // Otherwise MUMPS prints on every rank.
         for (k, silence) in [(1, -1), (2, -1), (3, -1), (4, 0)] {
             instance.set(k, silence);
         }
         instance
     }
 
-    /// Analyses a matrix of order `order.len()` with its entries at `rows` and `columns`, from 1, for elimination in that order, see
-    /// [`super::order`]. Every other rank has to serve at the same time, here and below.
+    /// Analyses a matrix of order `order.len()` with its entries at `rows` and `columns`, from 1, for elimination in
+    /// that order, see [`super::order`]. Every other rank must take part, here and below.
     pub fn analyze(&mut self, rows: &mut [c_int], columns: &mut [c_int], order: &mut [c_int]) {
         self.matrix(rows, columns);
         self.0.n = order.len() as c_int;
@@ -58,17 +59,17 @@ impl Instance {
         self.forget_the_matrix();
     }
 
-    /// Factors the matrix that was analysed, with these values.
+    /// Factors the analysed matrix with these values.
     pub fn factorize(&mut self, rows: &mut [c_int], columns: &mut [c_int], values: &[f64]) {
         self.matrix(rows, columns);
-        // Read and not written: it is not scaled in place.
+        // The values are only read, since they are not scaled in place.
         self.0.a = values.as_ptr().cast_mut();
         self.call(Job::Factorize as c_int);
         self.0.a = ptr::null_mut();
         self.forget_the_matrix();
     }
 
-    /// Puts the solution in the place of the right-hand side.
+    /// Replaces the right-hand side by the solution.
     pub fn solve(&mut self, x: &mut [f64]) {
         (self.0.nrhs, self.0.lrhs) = (1, x.len() as c_int);
         self.0.rhs = x.as_mut_ptr();
@@ -89,8 +90,8 @@ impl Instance {
 
     fn call(&mut self, job: c_int) {
         self.0.job = job;
-        // SAFETY: the structure is whole, and all arrays that this job reads or writes on this rank are set by the functions above, and
-        // borrowed by them; that they are as long as the matrix analysed says is seen to by `Mumps`, the only one who calls these.
+        // SAFETY: the structure is complete. The functions above set and borrow all arrays that this job reads or
+        // writes on this rank. Their only caller, `Mumps`, ensures that the lengths fit the analysed matrix.
         unsafe { sys::dmumps_c(&raw mut *self.0) }
     }
 
@@ -99,17 +100,17 @@ impl Instance {
         self.0.icntl[k - 1] = value;
     }
 
-    /// `ICNTL(k)`.
+    /// Returns `ICNTL(k)`.
     pub fn setting(&self, k: usize) -> c_int {
         self.0.icntl[k - 1]
     }
 
-    /// `INFOG(k)`, the same on every rank.
+    /// Returns `INFOG(k)`, which is equal on every rank.
     pub fn told(&self, k: usize) -> c_int {
         self.0.infog[k - 1]
     }
 
-    /// A count of `INFOG(k)`, which is in millions where it would not fit.
+    /// Returns a count in `INFOG(k)`, which is in millions if it would not fit.
     pub fn counted(&self, k: usize) -> usize {
         match self.told(k) {
             few @ 0.. => few as usize,
@@ -117,37 +118,38 @@ impl Instance {
         }
     }
 
-    /// `RINFOG(k)`, the same on every rank.
+    /// Returns `RINFOG(k)`, which is equal on every rank.
     pub fn measured(&self, k: usize) -> f64 {
         self.0.rinfog[k - 1]
     }
 
-    /// Whether the last factorisation ended because it had foreseen too little memory, of one kind or another.
+    /// Returns `true` if the last factorisation ended because the predicted memory was too small.
     pub fn lacks_room(&self) -> bool {
         matches!(self.told(1), -8 | -9 | -11 | -14 | -15 | -17 | -20)
     }
 
-    /// The smallest over the largest pivot of the last factorisation.
+    /// Returns the ratio of the smallest to the largest pivot of the last factorisation.
     pub fn pivot_ratio(&self) -> f64 {
         self.measured(19) / self.measured(21)
     }
 
-    /// An error unless the last job went well, and was done by the MUMPS of the headers.
+    /// Returns an error unless the last job succeeded and the loaded MUMPS is that of the headers.
     pub fn check(&self, step: &'static str) -> Result<(), LinearError> {
-        /// What MUMPS says of a pivot that is zero.
+        /// The status of a zero pivot.
         const SINGULAR: c_int = -10;
         match self.told(1) {
-            // Positive ones are warnings.
+            // Positive statuses are warnings.
             0.. => self.check_version(),
             SINGULAR => Err(LinearError::Singular { pivot_ratio: 0.0 }),
-            // Memory refused, a limit of one's own, more than 2³¹ of something; or too little foreseen in spite of more room.
+            // Memory was refused, a caller's limit or the 32-bit range was exceeded, or the prediction was too small
+            // despite more memory.
             -7 | -13 | -19 | -51 | -52 => Err(LinearError::OutOfMemory { step }),
             _ if self.lacks_room() => Err(LinearError::OutOfMemory { step }),
             status => Err(LinearError::Backend { backend: "mumps", step, status: i64::from(status) }),
         }
     }
 
-    /// The length of MUMPS' structure changes with its second number.
+    /// Checks the version: the length of the structure changes with its second number.
     fn check_version(&self) -> Result<(), LinearError> {
         let built = version(sys::MUMPS_VERSION);
         let text: Vec<u8> = self.0.version_number.iter().map(|&c| c as u8).collect();
@@ -156,7 +158,7 @@ impl Instance {
     }
 }
 
-/// The numbers of a version in a text.
+/// Parses the numbers of a version.
 fn version(text: &[u8]) -> [i32; 3] {
     let text = String::from_utf8_lossy(text);
     let mut numbers = text.split(|c: char| !c.is_ascii_digit()).filter_map(|number| number.parse().ok());
@@ -164,7 +166,7 @@ fn version(text: &[u8]) -> [i32; 3] {
 }
 
 impl RankLocal for Instance {
-    /// Rank 0 alone has the arrays, and judges what all ranks are told.
+    /// Runs a job. Only rank 0 has the arrays, and it evaluates the status that all ranks receive.
     fn serve(&mut self, _: &World, job: i64) -> Result<(), LinearError> {
         for known in [Job::Analyze, Job::Factorize, Job::Solve] {
             if known as i64 == job {

@@ -1,9 +1,10 @@
-//! In which order MUMPS eliminates: nested dissection by METIS, handed over, since a build of MUMPS may be without it and then takes
-//! another order, which fills 1.7 times as much, without a word.
+//! The order of elimination for MUMPS: nested dissection by METIS, computed here. A build of MUMPS without METIS
+//! would silently take another order, which has 1.7 times the fill.
 //!
-//! METIS orders groups of unknowns that are coupled with the same others, which are those of a node, so that its graph is a ninth of
-//! the matrix in space. A group that is coupled with one other group alone, as contact forces are with the displacements of their
-//! node, comes with that one. In a group displacements come before forces, whose diagonal is zero where contact is closed.
+//! METIS orders groups of unknowns with the same couplings, usually those of a node, so that in space its graph has a
+//! ninth of the size of the matrix. If a group is coupled with only one other group, as contact forces with the
+//! displacements of their node, it joins that group. In a group displacements come before forces, whose diagonal is
+//! zero at closed nodes.
 
 use std::collections::HashMap;
 use std::ffi::c_int;
@@ -14,10 +15,10 @@ use crate::algebra::sparse::Pattern;
 
 const STEP: &str = "ordering the unknowns";
 
-/// The place of each unknown in the order, from 1: `PERM_IN` of MUMPS.
+/// Returns the place of each unknown in the order, from 1: `PERM_IN` of MUMPS.
 ///
 /// # Errors
-/// When memory is short, or there are more couplings than the 32-bit integers of METIS count.
+/// If memory is short, or if there are more couplings than the 32-bit integers of METIS can count.
 pub(super) fn places(pattern: &Pattern) -> Result<Vec<c_int>, LinearError> {
     let Groups { members, graph } = Groups::new(&symmetric(pattern)?)?;
     let mut place = vec![0; pattern.columns()];
@@ -26,7 +27,7 @@ pub(super) fn places(pattern: &Pattern) -> Result<Vec<c_int>, LinearError> {
     Ok(place)
 }
 
-/// The pattern of `A + Aᵀ` with the whole diagonal.
+/// Returns the pattern of `A + Aᵀ` with the whole diagonal.
 fn symmetric(pattern: &Pattern) -> Result<Pattern, LinearError> {
     let n = pattern.columns();
     Pattern::from_entries(n, n, |take| {
@@ -41,9 +42,9 @@ fn symmetric(pattern: &Pattern) -> Result<Pattern, LinearError> {
     .map_err(|_| LinearError::OutOfMemory { step: STEP })
 }
 
-/// Unknowns that are ordered together, as the vertices of a graph.
+/// Unknowns that are ordered as one, as the vertices of a graph.
 struct Groups {
-    /// The unknowns of each, in their order.
+    /// The unknowns of each group, in their order.
     members: Vec<Vec<usize>>,
     graph: Graph,
 }
@@ -52,7 +53,7 @@ impl Groups {
     fn new(pattern: &Pattern) -> Result<Self, LinearError> {
         let n = pattern.columns();
         let column = |j: usize| &pattern.row_indices()[pattern.column(j)];
-        // Unknowns that are coupled with the same ones are in one column pattern, diagonal included.
+        // Unknowns with the same couplings have the same column pattern, diagonal included.
         let mut first_of = HashMap::new();
         let mut group_of = Vec::with_capacity(n);
         let mut members: Vec<Vec<usize>> = Vec::new();
@@ -72,7 +73,7 @@ impl Groups {
             others.retain(|&other| other != group);
             others
         };
-        // Who has one neighbour goes with it, unless that would go with somebody, too.
+        // A group with one neighbour joins it, unless that would also join another one.
         let only: Vec<Option<usize>> = (0..members.len())
             .map(|group| match others(group, &group_of)[..] {
                 [other] => Some(other),
@@ -107,7 +108,7 @@ mod tests {
 
     #[test]
     fn nodes_are_found_and_forces_come_after_their_displacements() {
-        // Three nodes of two displacements in a row, and two forces at the last one.
+        // Three nodes with two displacements each in a row, and two forces at the last node.
         let mut entries = Vec::new();
         for (a, b) in [(0, 0), (0, 1), (1, 1), (1, 2), (2, 2)] {
             entries.extend([0, 1].into_iter().flat_map(|i| [0, 1].map(|j| (2 * a + i, 2 * b + j))));
@@ -115,7 +116,7 @@ mod tests {
         entries.extend([(6, 4), (4, 6), (7, 5), (5, 7), (6, 5), (7, 4), (6, 7)]);
         let pattern = pattern(&entries, 8);
         let groups = Groups::new(&symmetric(&pattern).unwrap()).unwrap();
-        // The first node, too, has one neighbour.
+        // The first node also has only one neighbour.
         assert_eq!(groups.members, [[0, 1, 2, 3], [4, 5, 6, 7]]);
         assert_eq!(groups.graph.lists(), (&[0, 1, 2][..], &[1, 0][..]));
         let place = places(&pattern).unwrap();
@@ -124,7 +125,8 @@ mod tests {
 
     #[test]
     fn every_unknown_has_a_place() {
-        // A square of nodes, each coupled with those around it; one unknown alone, and two that know nobody else.
+        // A square of nodes, each coupled with those around it; one unknown alone, and two coupled only with each
+        // other.
         let side = 12;
         let mut entries = vec![(side * side + 1, side * side + 2)];
         let at = |i: usize, j: usize| side * i + j;

@@ -1,4 +1,4 @@
-//! What one rank has of a hierarchy: its rows, and PETSc's objects.
+//! The local part of a hierarchy on one rank: its rows, and PETSc's objects.
 
 #![allow(unsafe_code)]
 
@@ -13,23 +13,23 @@ use crate::algebra::linear::ranks::{RankLocal, World};
 
 const NAME: &str = "PETSc";
 
-/// What one rank has of a hierarchy.
+/// The local part of a hierarchy on one rank.
 pub(in crate::algebra::linear) struct Share {
-    // The handles go before what they point to.
+    // Handles are dropped before the data that they point to.
     pc: sys::PC,
     work: [sys::Vec; 2],
-    /// Rows of the ranks are between these.
+    /// The ranges of rows of the ranks.
     bounds: Vec<usize>,
-    /// Residual and correction of this rank, where there are several.
+    /// The residual and correction of this rank, if there are several ranks.
     own: [Vec<f64>; 2],
     _matrix: Option<Box<Rows>>,
     _kernel: Vec<Vec<f64>>,
 }
 
-// SAFETY: the objects are of one process, without thread affinity, and whoever calls holds the lock of `ranks`.
+// SAFETY: the objects belong to one process, without thread affinity, and callers hold the lock of `ranks`.
 unsafe impl Send for Share {}
 
-/// Starts PETSc, once; on all ranks at a time.
+/// Starts PETSc, once. All ranks must call it.
 fn started() -> Result<(), LinearError> {
     static STARTED: OnceLock<Result<(), LinearError>> = OnceLock::new();
     STARTED.get_or_init(start).clone()
@@ -39,7 +39,7 @@ fn start() -> Result<(), LinearError> {
     const LOADED: [i32; 3] =
         [sys::PETSC_VERSION_MAJOR as i32, sys::PETSC_VERSION_MINOR as i32, sys::PETSC_VERSION_SUBMINOR as i32];
     let mut loaded = [0; 4];
-    // SAFETY: the version may be asked for at any time, and goes to four places; nothing else runs inside PETSc.
+    // SAFETY: the version may be queried at any time, and is written to four places; PETSc runs nothing else.
     unsafe {
         let [major, minor, sub, release] = &mut loaded;
         check("asking for its version", sys::PetscGetVersionNumber(major, minor, sub, release))?;
@@ -48,7 +48,8 @@ fn start() -> Result<(), LinearError> {
         let [major, minor, sub, _] = loaded;
         return Err(LinearError::Version { library: NAME, built: LOADED, loaded: [major, minor, sub] });
     }
-    // SAFETY: MPI runs, and PETSc takes it as it is. Options are kept as copies. Signals stay ours, and errors come back as statuses.
+    // SAFETY: MPI runs, and PETSc uses it unchanged. Options are copied. PETSc installs no signal handlers, and
+    // returns errors as statuses.
     unsafe {
         let option =
             |name: &CStr, value: &CStr| sys::PetscOptionsSetValue(ptr::null_mut(), name.as_ptr(), value.as_ptr());
@@ -68,7 +69,7 @@ fn start() -> Result<(), LinearError> {
     Ok(())
 }
 
-/// An error of a call that did not go well.
+/// Converts the status of a failed call to an error.
 fn check(step: &'static str, status: sys::PetscErrorCode) -> Result<(), LinearError> {
     const OUT_OF_MEMORY: i64 = 55;
     match i64::from(status) {
@@ -78,14 +79,15 @@ fn check(step: &'static str, status: sys::PetscErrorCode) -> Result<(), LinearEr
     }
 }
 
-/// The length of an array that PETSc counts with 32 bits.
+/// Converts the length of an array to PETSc's 32-bit integers.
 fn count(n: usize) -> Result<sys::PetscInt, LinearError> {
     sys::PetscInt::try_from(n)
         .map_err(|_| LinearError::OutOfMemory { step: "the multigrid hierarchy, whose indices have 32 bits" })
 }
 
 impl Share {
-    /// Rank 0's share of the hierarchy of `matrix`; the others get theirs, the rows between their `bounds`, by [`Share::dealt`].
+    /// Creates rank 0's part of the hierarchy of `matrix` and scatters the rows. The other ranks call
+    /// [`Share::dealt`] for the rows between their `bounds`.
     pub(super) fn deal(
         world: &World,
         matrix: Rows,
@@ -106,14 +108,14 @@ impl Share {
         Self::received(world, &words, &lengths, &matrix.columns, &matrix.values, &kernel)
     }
 
-    /// The share of another rank.
+    /// Creates the part of another rank.
     pub(in crate::algebra::linear) fn dealt(world: &World) -> Result<Self, LinearError> {
         let mut words = vec![0; 3 + 2 * (world.size() + 1)];
         world.tell(&mut words);
         Self::received(world, &words, &[], &[], &[], &vec![Vec::new(); words[2] as usize])
     }
 
-    /// What this rank gets of what rank 0 has.
+    /// Receives this rank's part of the data of rank 0.
     fn received(
         world: &World,
         words: &[i64],
@@ -147,7 +149,7 @@ impl Share {
         Self::new(world, matrix, motions, rows)
     }
 
-    /// The share with these rows; on all ranks at a time.
+    /// Creates a part with these rows. All ranks must call it.
     pub(in crate::algebra::linear) fn new(
         world: &World,
         mut matrix: Rows,
@@ -165,8 +167,9 @@ impl Share {
         };
         let symmetric = matrix.symmetric;
         let mut objects = Objects::default();
-        // SAFETY: as long as `n` and the starts say, and columns below the sum of all `n`. One process uses the arrays as they are, which
-        // its share owns longer than the matrix; PETSc does not write to a matrix that it only reads. Several have copies of them.
+        // SAFETY: the arrays have the lengths given by `n` and the starts, and columns are below the sum of all `n`.
+        // A single process uses the arrays in place; its share owns them longer than the matrix, and PETSc does not
+        // write to this matrix. Several processes copy them.
         unsafe {
             let comm = sys::PETSC_COMM_WORLD;
             let (starts, columns, values) =
@@ -193,8 +196,8 @@ impl Share {
             _kernel: kernel,
         };
         let Share { pc, work, _kernel: kernel, .. } = &mut share;
-        // SAFETY: the motions are as long as `n`, and live as long as the hierarchy, which refers to them. The work vectors get their
-        // arrays in `apply`.
+        // SAFETY: the motions have length `n`, and live as long as the hierarchy, which refers to them. The work
+        // vectors get their arrays in `apply`.
         unsafe {
             let (comm, all) = (sys::PETSC_COMM_WORLD, sys::PETSC_DETERMINE);
             let vector = |array: *const f64, vector: *mut sys::Vec| {
@@ -229,7 +232,7 @@ impl Share {
         Ok(share)
     }
 
-    /// One cycle, `z` with `A z ≈ r`, both on rank 0 and empty on the others; on all ranks at a time.
+    /// Applies one cycle, `z` with `A z ≈ r`, both on rank 0 and empty on the others. All ranks must call it.
     pub(in crate::algebra::linear) fn cycle(
         &mut self,
         world: &World,
@@ -242,7 +245,7 @@ impl Share {
         self.shared_cycle(world, r, z)
     }
 
-    /// A cycle on what rank 0 deals and collects.
+    /// Applies a cycle with vectors that rank 0 scatters and gathers.
     fn shared_cycle(&mut self, world: &World, r: &[f64], z: &mut [f64]) -> Result<(), LinearError> {
         let [mut residual, mut correction] = std::mem::take(&mut self.own);
         world.deal(r, &self.bounds, &mut residual)?;
@@ -252,11 +255,11 @@ impl Share {
         Ok(())
     }
 
-    /// A cycle on the rows of each rank.
+    /// Applies a cycle to the rows of each rank.
     fn apply(&mut self, r: &[f64], z: &mut [f64]) -> Result<(), LinearError> {
         let [from, to] = self.work;
-        // SAFETY: both arrays are as long as the vectors, and are taken back before they are lent to anybody else; `r` is only
-        // read.
+        // SAFETY: both arrays are as long as the vectors, and are taken back before they are used elsewhere; `r` is
+        // only read.
         unsafe {
             check("a cycle", sys::VecPlaceArray(from, r.as_ptr()))?;
             let placed = sys::VecPlaceArray(to, z.as_ptr());
@@ -278,8 +281,8 @@ impl RankLocal for Share {
 impl Drop for Share {
     fn drop(&mut self) {
         let [from, to] = &mut self.work;
-        // SAFETY: the handles are ours, or null, which PETSc passes over; none is used again. Matrix and kernel go with the hierarchy,
-        // which holds the last references to them, before their arrays.
+        // SAFETY: the handles are ours, or null, which PETSc ignores; none is used again. The hierarchy holds the
+        // last references to matrix and kernel, which are therefore freed with it, before their arrays.
         unsafe {
             sys::PCDestroy(&raw mut self.pc);
             sys::VecDestroy(from);
@@ -288,7 +291,7 @@ impl Drop for Share {
     }
 }
 
-/// What a hierarchy keeps references to; ours end with its making.
+/// The objects to which a hierarchy keeps references; ours end with its construction.
 struct Objects {
     matrix: sys::Mat,
     space: sys::MatNullSpace,
@@ -303,7 +306,7 @@ impl Default for Objects {
 
 impl Drop for Objects {
     fn drop(&mut self) {
-        // SAFETY: ours alone, or null; whoever refers to them has references of its own.
+        // SAFETY: the handles are ours, or null; other users hold references of their own.
         unsafe {
             sys::MatNullSpaceDestroy(&raw mut self.space);
             sys::MatDestroy(&raw mut self.matrix);

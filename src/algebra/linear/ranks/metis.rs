@@ -1,4 +1,4 @@
-//! METIS on the graph of a matrix: an order for elimination, or parts of equal size with few couplings in between.
+//! METIS on the graph of a matrix: an order of elimination, or parts of equal size with few couplings.
 
 #![allow(unsafe_code)]
 
@@ -7,7 +7,7 @@ use std::ptr;
 use super::sys;
 use crate::algebra::linear::{LinearError, ordering};
 
-/// A symmetric graph: the neighbours of each vertex, itself not among them, and what each vertex weighs.
+/// A symmetric graph: the neighbours of each vertex, without itself, and the weight of each vertex.
 pub(in crate::algebra::linear) struct Graph {
     starts: Vec<sys::idx_t>,
     neighbours: Vec<sys::idx_t>,
@@ -15,11 +15,11 @@ pub(in crate::algebra::linear) struct Graph {
 }
 
 impl Graph {
-    /// The graph in which each vertex, with its weight, has these neighbours. Whatever is no vertex is passed over, and so is a vertex
-    /// beside itself; that couplings are there both ways is the caller's.
+    /// Creates the graph in which each vertex, with its weight, has these neighbours. Numbers that are no vertex, and
+    /// a vertex as its own neighbour, are ignored. The caller must pass each coupling in both directions.
     ///
     /// # Errors
-    /// When there are more couplings than 32-bit integers count.
+    /// If there are more couplings than 32-bit integers can count.
     pub(in crate::algebra::linear) fn new<N: IntoIterator<Item = usize>>(
         step: &'static str,
         vertices: impl ExactSizeIterator<Item = (usize, N)>,
@@ -46,10 +46,10 @@ impl Graph {
     }
 }
 
-/// The vertices in an order for elimination with little fill: nested dissection.
+/// Returns the vertices in a fill-reducing order of elimination: nested dissection.
 ///
 /// # Errors
-/// When memory is short.
+/// If memory is short.
 #[cfg(feature = "mumps")]
 pub(in crate::algebra::linear) fn order(step: &'static str, mut graph: Graph) -> Result<Vec<usize>, LinearError> {
     let count = graph.count();
@@ -59,8 +59,8 @@ pub(in crate::algebra::linear) fn order(step: &'static str, mut graph: Graph) ->
     let (mut order, mut place) = (vec![0; count], vec![0; count]);
     let mut n = count as sys::idx_t;
     let _alone = ordering::alone();
-    // SAFETY: a graph of `n` vertices: `n + 1` starts, the neighbours that they span, all below `n`; as many weights; both results have `n`
-    // places. No options are null.
+    // SAFETY: a graph of `n` vertices has `n + 1` starts, the neighbours that they span, all below `n`, and `n`
+    // weights. Both results have `n` places. Null options are the defaults.
     let status = unsafe {
         sys::METIS_NodeND(
             &raw mut n,
@@ -76,10 +76,10 @@ pub(in crate::algebra::linear) fn order(step: &'static str, mut graph: Graph) ->
     Ok(order.into_iter().map(|vertex| vertex as usize).collect())
 }
 
-/// The part of each vertex, one of so many `parts` of nearly equal weight.
+/// Returns the part of each vertex, one of `parts` parts of nearly equal weight.
 ///
 /// # Errors
-/// When memory is short.
+/// If memory is short.
 #[cfg(feature = "petsc")]
 pub(in crate::algebra::linear) fn partition(
     step: &'static str,
@@ -92,7 +92,8 @@ pub(in crate::algebra::linear) fn partition(
         let (mut n, mut constraints, mut cut) = (count as sys::idx_t, 1, 0);
         let mut parts = sys::idx_t::try_from(parts).map_err(|_| LinearError::OutOfMemory { step })?;
         let _alone = ordering::alone();
-        // SAFETY: a graph as above, one weight for each vertex, and a place for its part; what is null has its default.
+        // SAFETY: a graph as above, one weight for each vertex, and a place for its part. Null arguments are the
+        // defaults.
         let status = unsafe {
             sys::METIS_PartGraphKway(
                 &raw mut n,
@@ -127,7 +128,7 @@ fn check(step: &'static str, status: i32) -> Result<(), LinearError> {
 mod tests {
     use super::*;
 
-    /// A strip of squares, so long and so wide.
+    /// Creates a strip of squares with this length and width.
     fn strip(length: usize, width: usize) -> Graph {
         let beside = move |v: usize| {
             let (i, j) = (v / width, v % width);

@@ -1,4 +1,4 @@
-//! All ranks, seen by one: what is handed from rank 0 to the others, and back.
+//! All ranks from the view of one: communication between rank 0 and the others.
 
 #![allow(unsafe_code)]
 
@@ -9,28 +9,28 @@ use crate::algebra::linear::blas::room;
 use crate::algebra::linear::error::expect_length;
 use crate::algebra::linear::{LinearError, RankUse, process};
 
-/// How long a rank that has not been needed for a while sleeps before it looks again, ns.
+/// The time that an idle rank sleeps between polls, ns.
 const NAP: c_long = 5_000_000;
 
-/// All ranks, seen by one, while MPI runs.
+/// All ranks from the view of one, while MPI runs.
 pub(in crate::algebra::linear) struct World {
     rank: usize,
     size: usize,
-    /// The shared objects that there have been.
+    /// The number of shared objects created so far.
     objects: i64,
 }
 
-/// How many of something each rank has, and from where on, as MPI wants it.
+/// The counts and offsets of the ranks' parts in MPI's format.
 struct Shares {
     counts: Vec<c_int>,
     starts: Vec<c_int>,
 }
 
 impl Shares {
-    /// Those between the `bounds`, one more than there are ranks, of something that rank 0 has `all` of, and this rank `mine`.
-    ///
+    /// Creates the parts between the `bounds`, one more than there are ranks. Rank 0 has `all` entries, this rank
+    /// `mine`.
     /// # Errors
-    /// When these lengths do not fit.
+    /// If these lengths do not fit.
     fn new(world: &World, bounds: &[usize], all: usize, mine: usize) -> Result<Self, LinearError> {
         expect_length("bounds of the ranks", world.size + 1, bounds.len())?;
         expect_length("what this rank has", bounds[world.rank + 1].saturating_sub(bounds[world.rank]), mine)?;
@@ -48,12 +48,12 @@ impl Shares {
 
 #[allow(clippy::unused_self, reason = "MPI runs as long as there is a world")]
 impl World {
-    /// Starts MPI; nobody else may do so at the same time.
+    /// Starts MPI; no other thread may do so at the same time.
     ///
     /// # Errors
-    /// The level of threads that it bears, plus 1, where that is not one call at a time.
+    /// The supported thread level, plus 1, if it does not include one call at a time.
     pub(super) fn start() -> Result<Self, c_int> {
-        // SAFETY: called by one thread at a time; rank and size come after.
+        // SAFETY: one thread calls this at a time, and before rank and size.
         let (status, rank, size) =
             unsafe { (sys::mpi_shim_start(), sys::mpi_shim_rank() as usize, sys::mpi_shim_size() as usize) };
         if status == 0 { Ok(World { rank, size, objects: 0 }) } else { Err(status) }
@@ -61,54 +61,54 @@ impl World {
 
     /// Ends MPI.
     pub(super) fn end(self) {
-        // SAFETY: what calls MPI needs a world, and this one is gone.
+        // SAFETY: every MPI call needs a `World`, and this was the only one.
         unsafe { sys::mpi_shim_end() };
     }
 
-    /// This process.
+    /// Returns the rank of this process.
     pub(in crate::algebra::linear) fn rank(&self) -> usize {
         self.rank
     }
 
-    /// How many processes there are.
+    /// Returns the number of processes.
     pub(in crate::algebra::linear) fn size(&self) -> usize {
         self.size
     }
 
-    /// The number of one more shared object.
+    /// Returns the number of the next shared object.
     pub(super) fn next_object(&mut self) -> i64 {
         self.objects += 1;
         self.objects
     }
 
-    /// `MPI_COMM_WORLD`, as Fortran wants it.
+    /// Returns `MPI_COMM_WORLD` in Fortran's format.
     #[cfg(feature = "mumps")]
     pub(in crate::algebra::linear) fn fortran(&self) -> c_int {
         // SAFETY: MPI runs.
         unsafe { sys::mpi_shim_world() }
     }
 
-    /// Hands `words` of rank 0 to all: as many on each.
+    /// Broadcasts the `words` of rank 0. All ranks must have the same number of them.
     pub(in crate::algebra::linear) fn tell(&self, words: &mut [i64]) {
-        // SAFETY: MPI runs, and there are as many words on every rank.
+        // SAFETY: MPI runs, and every rank has the same number of words.
         unsafe { sys::mpi_shim_hand_out(words.as_mut_ptr(), words.len() as c_int, NAP) };
     }
 
-    /// Hands out a command, on rank 0.
+    /// Broadcasts a command, on rank 0.
     pub(super) fn command(&self, command: Command) {
         self.wait_for(command);
     }
 
-    /// What the next command is, on the others.
+    /// Waits for the next command, on the others.
     pub(super) fn wait_for(&self, mut command: Command) -> Command {
         self.tell(&mut command);
         command
     }
 
-    /// Deals the numbers of rank 0, to each rank what is between its `bounds`; `all` is empty on the others.
+    /// Scatters the numbers of rank 0: each rank gets the part between its `bounds`. `all` is empty on the others.
     ///
     /// # Errors
-    /// When lengths do not fit, before anything is dealt.
+    /// If lengths do not fit, before anything is sent.
     #[cfg(feature = "petsc")]
     pub(in crate::algebra::linear) fn deal(
         &self,
@@ -117,7 +117,7 @@ impl World {
         mine: &mut [f64],
     ) -> Result<(), LinearError> {
         let Shares { counts, starts } = Shares::new(self, bounds, all.len(), mine.len())?;
-        // SAFETY: `all` and `mine` are as long as counts and starts say, and those are the same on every rank.
+        // SAFETY: `all` and `mine` have the lengths of the counts and starts, which are equal on every rank.
         unsafe {
             let (counts, starts) = (counts.as_ptr(), starts.as_ptr());
             sys::mpi_shim_deal_numbers(all.as_ptr(), counts, starts, mine.as_mut_ptr(), mine.len() as c_int);
@@ -125,7 +125,7 @@ impl World {
         Ok(())
     }
 
-    /// The same with integers.
+    /// Scatters integers in the same way.
     #[cfg(feature = "petsc")]
     pub(in crate::algebra::linear) fn deal_integers(
         &self,
@@ -142,10 +142,10 @@ impl World {
         Ok(())
     }
 
-    /// Collects on rank 0 what each rank has between its `bounds`; `all` is empty on the others.
+    /// Gathers on rank 0 the parts of all ranks between their `bounds`; `all` is empty on the others.
     ///
     /// # Errors
-    /// When lengths do not fit, before anything is collected.
+    /// If lengths do not fit, before anything is sent.
     pub(in crate::algebra::linear) fn collect(
         &self,
         mine: &[f64],
@@ -161,7 +161,7 @@ impl World {
         Ok(())
     }
 
-    /// `N` numbers of each rank, on rank 0.
+    /// Gathers `N` numbers of each rank on rank 0.
     pub(in crate::algebra::linear) fn of_each<const N: usize>(&self, mine: [f64; N]) -> Vec<[f64; N]> {
         let bounds: Vec<usize> = (0..=self.size).map(|rank| rank * N).collect();
         let mut all = vec![0.0; if self.rank == 0 { self.size * N } else { 0 }];
@@ -170,7 +170,7 @@ impl World {
         all.chunks_exact(N).map(|numbers| std::array::from_fn(|k| numbers[k])).collect()
     }
 
-    /// Whether every rank has a `yes`; all hear of it.
+    /// Returns `true` on all ranks if every rank has a `yes`.
     #[cfg(feature = "petsc")]
     pub(in crate::algebra::linear) fn all(&self, yes: bool) -> bool {
         let answers = self.of_each([f64::from(yes)]);
@@ -179,7 +179,7 @@ impl World {
         all == [1]
     }
 
-    /// Between which bounds the share of each rank is, where all follow each other and this one has so `many`; all hear of it.
+    /// Returns on all ranks the bounds of consecutive parts, of which this rank's has `many` entries.
     #[cfg(feature = "petsc")]
     pub(in crate::algebra::linear) fn bounds(&self, many: usize) -> Vec<usize> {
         let mut bounds = vec![0; self.size + 1];
@@ -190,14 +190,14 @@ impl World {
         bounds.into_iter().map(|bound| bound as usize).collect()
     }
 
-    /// What each rank has taken, on rank 0.
+    /// Gathers the resources used by each rank on rank 0.
     pub(super) fn used(&self) -> Vec<RankUse> {
         let RankUse { cpu_seconds, peak_rss_bytes } = process::used();
         let of = |[cpu_seconds, bytes]: [f64; 2]| RankUse { cpu_seconds, peak_rss_bytes: bytes as u64 };
         self.of_each([cpu_seconds, peak_rss_bytes as f64]).into_iter().map(of).collect()
     }
 
-    /// Whether the BLAS of every rank has the memory that it takes for itself, on rank 0.
+    /// Returns `true` on rank 0 if the BLAS of every rank has memory for its buffers.
     pub(super) fn prepare(&self) -> bool {
         let has_room = f64::from(room::prepare().is_ok());
         self.of_each([has_room]).into_iter().all(|[has_room]| has_room == 1.0)

@@ -1,13 +1,14 @@
-//! The linearisation with given right-hand sides: how a solution goes on along its contact cases, and how errors do.
+//! The linearisation with given right-hand sides: the propagation of solutions and of errors for fixed contact cases.
 
 use super::Bdiff;
 use crate::solver::laws::coulomb::{NormalCase, TangentialCase};
 
-/// Directions of slip with a smaller cosine between them are different ones.
+/// Slip directions count as different if the cosine between them is smaller.
 const ALIKE: f64 = 0.99;
 
 impl Bdiff {
-    /// The tangential case of node `i` at `z`; [`TangentialCase::NoPressure`] where it is open or has no friction.
+    /// Returns the tangential case of node `i` at `z`: [`TangentialCase::NoPressure`] if the node is open or has no
+    /// friction.
     pub fn friction_case(&self, i: usize, z: &[f64]) -> TangentialCase {
         match self.case(i, z) {
             (NormalCase::Closed, Some(case)) => case,
@@ -15,12 +16,13 @@ impl Bdiff {
         }
     }
 
-    /// Whether node `i` is closed at `z`.
+    /// Returns `true` if node `i` is closed at `z`.
     pub fn is_closed(&self, i: usize, z: &[f64]) -> bool {
         self.case(i, z).0 == NormalCase::Closed
     }
 
-    /// Whether the last linearisation is one for these cases, each closed or not with its tangential case, but for how far slip has turned.
+    /// Returns `true` if the last linearisation has these cases (closed or not, tangential case), ignoring small
+    /// changes of slip direction.
     pub fn is_linearized_for(&self, cases: &[(bool, TangentialCase)]) -> bool {
         let alike = |last: &TangentialCase, case: &TangentialCase| match (last, case) {
             (TangentialCase::Slip { direction: n, .. }, TangentialCase::Slip { direction: m, .. }) => {
@@ -45,8 +47,8 @@ impl Bdiff {
         });
     }
 
-    /// The right-hand side of [`Bdiff::jacobian`] with which a solution changes by its solution when the forces change by `force`,
-    /// the gaps by `gap`, and the places from where slip counts by `origin`, along the cases of the last linearisation.
+    /// Returns the right-hand side of [`Bdiff::jacobian`] for the change of a solution when the forces change by
+    /// `force`, the gaps by `gap`, and the origins of slip by `origin`, with the cases of the last linearisation.
     pub fn change(&self, force: impl IntoIterator<Item = f64>, gap: &[f64], origin: &[[f64; 2]]) -> Vec<f64> {
         let mut b = vec![0.0; self.unknowns()];
         b.iter_mut().zip(force).for_each(|(b, force)| *b = force);
@@ -71,32 +73,32 @@ impl Bdiff {
         b
     }
 
-    /// `w_n` of node `i` in a `z`, or in a change of one.
+    /// Returns `w_n` of node `i` in a `z`, or in a change of one.
     pub fn w_n(&self, i: usize, z: &[f64]) -> f64 {
         self.data.w_n(i, z)
     }
 
-    /// `w_T` of node `i`.
+    /// Returns `w_T` of node `i`.
     pub fn w_t(&self, i: usize, z: &[f64]) -> [f64; 2] {
         self.data.tangential(i, z)
     }
 
-    /// `p_T` of node `i`.
+    /// Returns `p_T` of node `i`.
     pub fn p_t(&self, i: usize, z: &[f64]) -> [f64; 2] {
         self.data.friction(i, z)
     }
 
-    /// The slip increment of node `i` at `z`.
+    /// Returns the slip increment of node `i` at `z`.
     pub fn slip(&self, i: usize, z: &[f64]) -> [f64; 2] {
         self.data.slip(i, self.data.tangential(i, z))
     }
 
-    /// The gap, the coefficient of friction and the places from where slip counts of node `i` in this increment.
+    /// Returns the gap, the coefficient of friction and the origins of slip of node `i` in this increment.
     pub fn at_node(&self, i: usize) -> (f64, f64, [f64; 2]) {
         (self.data.gap[i], self.data.mu[i], [self.data.w_t_last[i], self.data.w_o_last[i]])
     }
 
-    /// The forces of this increment.
+    /// Returns the forces of this increment.
     pub fn force(&self) -> &[f64] {
         &self.data.force
     }

@@ -1,29 +1,31 @@
-//! Motions that a linearisation leaves free: held for the time of a step, and followed where the loads drive them.
+//! Rigid modes that a linearisation leaves unconstrained: pinned during a step, and followed where the loads drive
+//! them.
 //!
-//! Where the cases of the contact nodes leave rigid motions `r` free, the Jacobian is singular, `J (r, 0) = 0`. It becomes
-//! regular when as many displacements are tied to where they are, each by a spring as stiff as its own entry of `K`, which is
-//! in the pattern anyway. With a left null vector `y` of `J`, `yᵀ` times `(J + Σ k e eᵀ) dz = -H` leaves
-//! `Σ (yᵀe) k dz = -yᵀ H`. If the equations have a solution, `yᵀ H = 0`: the springs carry nothing, and `dz` solves (22)
-//! itself, whatever their stiffness. If they have none, the springs carry what the loads do on `r` and give way to it.
+//! If the cases of the contact nodes leave rigid modes `r` unconstrained, the Jacobian is singular, `J (r, 0) = 0`.
+//! It becomes regular if one displacement for each mode is pinned by a spring as stiff as its own diagonal entry of
+//! `K`, which is in the pattern anyway. With a left null vector `y` of `J`, `yᵀ` times `(J + Σ k e eᵀ) dz = -H`
+//! leaves `Σ (yᵀe) k dz = -yᵀ H`. If the equations have a solution, `yᵀ H = 0`: the springs carry nothing, and `dz`
+//! solves (22) for any stiffness. If they have no solution, the springs carry the work of the loads on `r` and yield
+//! to it.
 
 use super::{Bdiff, Case};
 use crate::algebra::null_space::{NEGLIGIBLE, null_space};
 use crate::algebra::sparse::Csr;
 use crate::solver::laws::coulomb::{NormalCase, TangentialCase};
 
-/// The bisections that find where a case changes, to nine digits.
+/// The number of bisections for the step at which a case changes: nine digits.
 const BISECTIONS: usize = 30;
 
 impl Bdiff {
-    /// Weights of a combination of the problem's free motions that the last linearisation leaves free; `None` if there is
-    /// none.
+    /// Returns the weights of a combination of the problem's rigid modes that the last linearisation leaves
+    /// unconstrained, or `None` if there is none.
     pub fn unheld_motion(&self) -> Option<Vec<f64>> {
         self.unheld_motions().into_iter().next()
     }
 
-    /// Weights of the problem's free motions in all that the last linearisation leaves free. A rigid motion stays free
-    /// if no closed node stops it along the normal and no sticking node along a tangent; a slipping one resists across its
-    /// slip, as friction would turn.
+    /// Returns the weights of all rigid modes that the last linearisation leaves unconstrained. A rigid mode is
+    /// unconstrained if no closed node stops it along the normal and no sticking node along a tangent. A slipping
+    /// node resists across its slip, since friction would turn.
     fn unheld_motions(&self) -> Vec<Vec<f64>> {
         let motions = &self.data.rigid_modes;
         if motions.is_empty() {
@@ -46,7 +48,7 @@ impl Bdiff {
         null_space(motions.len(), normal.chain(tangential))
     }
 
-    /// Ties the displacements of contact nodes that tell the motions left free by the last linearisation apart.
+    /// Pins one contact displacement per unconstrained rigid mode, chosen so that the modes can be distinguished.
     pub(super) fn tie_unheld_motions(&mut self) {
         self.matrix.release();
         let unheld = self.unheld_motions();
@@ -62,18 +64,18 @@ impl Bdiff {
         self.matrix.tie(places.into_iter().map(|k| candidates[k]));
     }
 
-    /// Whether the last linearisation leaves motions free, which are tied.
+    /// Returns `true` if the last linearisation has unconstrained modes, which are pinned.
     pub fn is_tied(&self) -> bool {
         !self.matrix.springs().is_empty()
     }
 
-    /// The motion of [`Bdiff::unheld_motion`], if nothing ties it either.
+    /// Returns the mode of [`Bdiff::unheld_motion`] if it is not pinned either.
     pub fn loose_motion(&self) -> Option<Vec<f64>> {
         if self.is_tied() { None } else { self.unheld_motion() }
     }
 
-    /// The step from `z` along `dz` with which the first contact node comes into another case than that of the last
-    /// linearisation; a slip in a plane may turn by a right angle. `None` if none ever does.
+    /// Returns the step from `z` along `dz` at which the first contact node leaves its case in the last
+    /// linearisation, or `None` if none ever does. A slip in a plane may turn by a right angle.
     pub fn reach(&self, z: &[f64], dz: &[f64]) -> Option<f64> {
         let (mut near, mut far) = (0.0, 1.0);
         while self.stays(z, dz, far) {
@@ -85,8 +87,8 @@ impl Bdiff {
         Some(self.bisect(z, dz, near, far).1)
     }
 
-    /// A solution as near to `to`, in the displacements of contact nodes, as the motions that the last linearisation leaves
-    /// free bring the solution `z` without a change of cases: of all along them the one that moves least.
+    /// Moves the solution `z` along the unconstrained rigid modes, without a change of cases, as near as possible to
+    /// `to` in the displacements of the contact nodes.
     pub fn settled(&self, z: &[f64], to: &[f64]) -> Vec<f64> {
         let places = self.data.contact_displacements();
         let product = |a: &[f64], b: &[f64]| places.iter().map(|&k| a[k] * b[k]).sum::<f64>();
@@ -108,14 +110,14 @@ impl Bdiff {
         z.iter().zip(&dz).map(|(z, dz)| z + step * dz).collect()
     }
 
-    /// Whether all nodes have the cases of the last linearisation at `z + step dz`.
+    /// Returns `true` if all nodes have the cases of the last linearisation at `z + step dz`.
     fn stays(&self, z: &[f64], dz: &[f64], step: f64) -> bool {
         let ahead: Vec<f64> = z.iter().zip(dz).map(|(z, dz)| z + step * dz).collect();
         let alike = |i: usize| self.cases[i].is_some_and(|case| is_alike(case, self.case(i, &ahead)));
         (0..self.layout().contacts()).all(alike)
     }
 
-    /// Brings the steps `near`, with which all nodes stay in their cases, and `far`, with which one does not, together.
+    /// Bisects between the step `near`, at which all nodes keep their cases, and `far`, at which one does not.
     fn bisect(&self, z: &[f64], dz: &[f64], mut near: f64, mut far: f64) -> (f64, f64) {
         for _ in 0..BISECTIONS {
             let middle = 0.5 * (near + far);
@@ -125,11 +127,11 @@ impl Bdiff {
     }
 }
 
-/// The places by which `motions` are told apart, one for each: where the largest is when those before have been taken
-/// out of the others.
+/// Returns one displacement per mode by which `motions` can be distinguished: the largest entry of each mode after
+/// the modes before it have been eliminated.
 fn anchors(motions: Vec<Vec<f64>>) -> Vec<usize> {
     let mut places = Vec::with_capacity(motions.len());
-    // What is left of a motion that depends on others is rounding.
+    // The remainder of a linearly dependent motion is rounding.
     let least = |motion: &Vec<f64>| NEGLIGIBLE * motion.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
     let mut motions: Vec<(f64, Vec<f64>)> = motions.into_iter().map(|motion| (least(&motion), motion)).collect();
     loop {
@@ -148,7 +150,7 @@ fn anchors(motions: Vec<Vec<f64>>) -> Vec<usize> {
     }
 }
 
-/// Whether two cases of a node are the same, a slip that has turned by less than a right angle included.
+/// Returns `true` if two cases of a node are equal, ignoring turns of the slip direction by less than a right angle.
 fn is_alike((normal, tangential): Case, (other_normal, other): Case) -> bool {
     let alike = match (tangential, other) {
         (Some(TangentialCase::Slip { direction: n, .. }), Some(TangentialCase::Slip { direction: m, .. })) => {
@@ -176,10 +178,10 @@ mod tests {
         places.sort_unstable();
         assert_eq!(places.len(), 3);
         assert!(places.iter().filter(|place| *place % 2 == 1).count() == 2, "{places:?}");
-        // What depends on others has no place of its own.
+        // A linearly dependent motion has no anchor of its own.
         assert_eq!(anchors(vec![vec![1.0, 2.0], vec![2.0, 4.0]]).len(), 1);
         assert_eq!(anchors(vec![vec![0.1, 0.2, 0.3], vec![0.3, 0.6, 0.9]]).len(), 1);
-        // However small it is beside another.
+        // A small motion has an anchor, however large the others are.
         assert_eq!(anchors(vec![vec![1.0, 0.0], vec![0.0, 1e-12]]).len(), 2);
     }
 }

@@ -1,11 +1,11 @@
-//! A linearisation that is put away, and written again to the last bit.
+//! Snapshots of a linearisation, restored to the last bit.
 
 use serde::{Deserialize, Serialize};
 
 use super::{Bdiff, Case};
 
-/// The cases of the last linearisation, and the friction that its slip rows have. Coefficients of slip that hardly turns are
-/// kept from one linearisation to the next, so that no `z` tells them.
+/// The cases of the last linearisation and the friction coefficients of its slip rows. Slip coefficients are reused
+/// while the slip direction changes little, so they cannot be reconstructed from `z`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Linearization {
     cases: Vec<Option<Case>>,
@@ -13,12 +13,12 @@ pub struct Linearization {
 }
 
 impl Bdiff {
-    /// The last linearisation.
+    /// Returns a snapshot of the last linearisation.
     pub fn linearization(&self) -> Linearization {
         Linearization { cases: self.cases.clone(), mu: self.data.mu.to_vec() }
     }
 
-    /// Linearises as it was; whether that is one of this problem.
+    /// Restores a linearisation from a snapshot. Returns `false` if the snapshot belongs to another problem.
     pub fn linearize_as(&mut self, kept: &Linearization) -> bool {
         let contacts = self.layout().contacts();
         let has_friction = |i: usize| self.layout().has_friction(i);

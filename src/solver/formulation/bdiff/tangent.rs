@@ -1,15 +1,16 @@
-//! The way of a solution as the data of the increments change, by the last linearisation.
+//! The change of a solution with the data of the increments, by the last linearisation.
 //!
-//! While no contact node changes its case, the equations of an increment are affine (where slip turns, to first order), and the
-//! matrix of the last linearisation is theirs: one substitution leads from a solution to the next.
+//! While no contact node changes its case, the equations of an increment are affine (if slip turns, to first order)
+//! and have the matrix of the last linearisation: one substitution leads from a solution to the next.
 
 use super::Bdiff;
 use crate::solver::laws::coulomb::{NormalCase, TangentialCase, direction};
 
 impl Bdiff {
-    /// The residual at `z`, with the data of the present increment, of the equations whose matrix is that of the last linearisation:
-    /// `w_n = g` where a node is closed and `p_n = 0` where it is open, `Δw_T = 0` where it sticks, `p_T = 0` without pressure,
-    /// and `p_T = μ p_n n + R r Δw_T` where it slips. `None` if there is no such matrix, or motions are tied in it.
+    /// Returns the residual at `z`, with the data of the present increment, of the equations with the matrix of the
+    /// last linearisation: `w_n = g` if a node is closed, `p_n = 0` if it is open, `Δw_T = 0` if it sticks, `p_T = 0`
+    /// without pressure, and `p_T = μ p_n n + R r Δw_T` if it slips. Returns `None` if there is no such matrix, or if
+    /// it has pinned modes.
     pub fn residual_of_cases(&self, z: &[f64]) -> Option<Vec<f64>> {
         let Bdiff { data, rows, .. } = self;
         if self.is_tied() {
@@ -44,8 +45,9 @@ impl Bdiff {
         Some(h)
     }
 
-    /// Has the nodes slip that were open in the last linearisation and are closed at `z`: puts their `p_T` on the cone, along
-    /// their slip. A node that closes has moved on its way, and would be held for no reason if it stuck at once.
+    /// Makes nodes slip that were open in the last linearisation and are closed at `z`: puts their `p_T` on the cone,
+    /// along their slip. A closing node has moved tangentially, and immediate sticking would hold it without a
+    /// reason.
     pub fn slip_where_closing(&self, z: &mut [f64]) {
         let data = &self.data;
         for (i, case) in self.cases.iter().enumerate() {

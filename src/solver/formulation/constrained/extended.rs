@@ -1,4 +1,4 @@
-//! `∇H_I` as it is, on all unknowns, in one fixed pattern.
+//! `∇H_I` on all unknowns, in one fixed pattern.
 
 use crate::algebra::sparse::{Pattern, SystemMatrix};
 use crate::solver::formulation::SlackLayout;
@@ -6,10 +6,10 @@ use crate::solver::formulation::mixed::{matrix_with, slot, take_equilibrium, wri
 use crate::solver::formulation::scaled::ScaledData;
 use crate::solver::problem::ContactProblem;
 
-/// The matrix, and where the entries of the products stand.
+/// The matrix, and the places of the entries of the products.
 pub(super) struct Extended {
     matrix: SystemMatrix,
-    /// For each product row, in the order of the pairs: the slots of `∂/∂force` and `∂/∂length`.
+    /// The slots of each product row, in the order of the pairs: `∂/∂force` and `∂/∂length`.
     products: Vec<[usize; 2]>,
 }
 
@@ -48,7 +48,7 @@ impl Extended {
     }
 }
 
-/// The entries of the gap, slip and cone rows, which are linear.
+/// Writes the entries of the gap, slip and cone rows, which are linear.
 fn linear_rows(data: &ScaledData, layout: &SlackLayout, write: &mut dyn FnMut(usize, usize, f64)) {
     for i in 0..data.layout.contacts() {
         let p_n = data.layout.p_n(i);

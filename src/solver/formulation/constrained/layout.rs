@@ -1,4 +1,4 @@
-//! Where the slacks and multipliers stand in `z`.
+//! The places of the slacks and multipliers in `z`.
 
 use std::ops::Range;
 
@@ -11,17 +11,17 @@ pub struct SlackLayout {
 }
 
 impl SlackLayout {
-    /// The slacks and multipliers for the unknowns of `forces`.
+    /// Creates the layout of the slacks and multipliers for the unknowns of `forces`.
     pub fn new(forces: &Layout) -> Self {
         SlackLayout { forces: forces.clone() }
     }
 
-    /// The layout of `(u, p_t, p_n)`, with which `z` begins.
+    /// Returns the layout of `(u, p_t, p_n)`, with which `z` begins.
     pub fn forces(&self) -> &Layout {
         &self.forces
     }
 
-    /// The length of `z`.
+    /// Returns the length of `z`.
     pub fn unknowns(&self) -> usize {
         self.s_start() + 4 * self.forces.tangentials()
     }
@@ -30,28 +30,28 @@ impl SlackLayout {
         self.forces.unknowns() + self.forces.contacts()
     }
 
-    /// The place of `v_n` of contact node `i`.
+    /// Returns the place of `v_n` of contact node `i`.
     pub fn v_n(&self, i: usize) -> usize {
         self.forces.unknowns() + i
     }
 
-    /// The places of `s⁺` and `s⁻` of the node whose tangential force stands at `p_t`.
+    /// Returns the places of `s⁺` and `s⁻` of the node whose tangential force is at `p_t`.
     pub fn s(&self, p_t: usize) -> [usize; 2] {
         let k = self.s_start() + p_t - self.forces.displacements();
         [k, k + self.forces.tangentials()]
     }
 
-    /// The places of `λ⁺` and `λ⁻` of the node whose tangential force stands at `p_t`.
+    /// Returns the places of `λ⁺` and `λ⁻` of the node whose tangential force is at `p_t`.
     pub fn lambda(&self, p_t: usize) -> [usize; 2] {
         self.s(p_t).map(|k| k + 2 * self.forces.tangentials())
     }
 
-    /// The places of all `s`, and of the cone rows.
+    /// Returns the places of all `s`, which are also those of the cone rows.
     pub fn cone_rows(&self) -> Range<usize> {
         self.s_start()..self.s_start() + 2 * self.forces.tangentials()
     }
 
-    /// The complementary pairs `(p_n, v_n)`, then `(s, λ)`.
+    /// Returns the complementary pairs `(p_n, v_n)`, then `(s, λ)`.
     pub fn pairs(&self) -> impl Iterator<Item = Pair> + '_ {
         let normal = (0..self.forces.contacts()).map(|i| Pair { force: self.forces.p_n(i), length: self.v_n(i) });
         let cone = self.cone_rows();

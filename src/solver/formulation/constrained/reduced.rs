@@ -8,8 +8,8 @@
 //! - `(λ⁺ s⁻ + λ⁻ s⁺) dp_t - μ (λ⁺ s⁻ - λ⁻ s⁺) dp_n - s⁺ s⁻ dw_t
 //!   = s⁺ s⁻ b_w + s⁻ (λ⁺ b_s⁺ - b_sλ⁺) - s⁺ (λ⁻ b_s⁻ - b_sλ⁻)`
 //!
-//! the second once multiplied by `s⁺ s⁻`, so that nothing is divided by what goes to zero. Both are
-//! rows of the pattern that (21) has.
+//! The second row is multiplied by `s⁺ s⁻`, so that nothing is divided by a quantity that goes to zero. Both rows are
+//! in the pattern of (21).
 
 use crate::algebra::sparse::SystemMatrix;
 use crate::solver::formulation::SlackLayout;
@@ -19,7 +19,7 @@ use crate::solver::formulation::scaled::ScaledData;
 /// The reduced system.
 pub(super) struct Reduced {
     matrix: MixedMatrix,
-    /// What each normal row was divided by, then each tangential one: its largest coefficient.
+    /// The largest coefficient, by which each normal row and then each tangential row was divided.
     row_scale: Vec<[f64; 2]>,
 }
 
@@ -71,9 +71,9 @@ impl Reduced {
     }
 }
 
-/// Works out `dv_n`, `ds` and `dλ` from `(du, dp_t, dp_n)`. Of a pair, the member that is small gets
-/// its change from the product row, divided by the large one: as a difference of large numbers, or
-/// divided by the small one, most of its digits would be lost.
+/// Computes `dv_n`, `ds` and `dλ` from `(du, dp_t, dp_n)`. The small member of a pair gets its change from the
+/// product row, divided by the large member. As a difference of large numbers, or divided by the small member, it
+/// would lose most of its digits.
 pub(super) fn recover(data: &ScaledData, layout: &SlackLayout, z: &[f64], b: &[f64], dz: &mut [f64]) {
     for i in 0..data.layout.contacts() {
         let (p_n, v_n) = (data.layout.p_n(i), layout.v_n(i));
@@ -84,7 +84,7 @@ pub(super) fn recover(data: &ScaledData, layout: &SlackLayout, z: &[f64], b: &[f
             dz[s] = b[s] + data.mu[i] * dz[p_n] - sign * dz[p_t];
             dz[lambda] = (b[lambda] - z[lambda] * dz[s]) / z[s];
         }
-        // A node that slips: λ from the slip row.
+        // If a node slips, λ follows from the slip row.
         let slip = b[p_t] + data.w_t(i, dz);
         let (slips_plus, slips_minus) = (z[s_plus] < z[l_plus], z[s_minus] < z[l_minus]);
         if slips_plus && !slips_minus {

@@ -1,17 +1,17 @@
-//! What Algorithm BN has beyond the paper's loop: the last digits, the places where it stands still, and bodies that the
-//! contact statuses leave free to move.
+//! Extensions of Algorithm BN beyond the paper's loop: the last digits, points where it stalls, and bodies that the
+//! contact statuses leave unconstrained.
 
 use super::{Bn, StopCriterion};
 use crate::algebra::linear::{LinearError, RefinedSolver};
 use crate::algebra::sparse::sum;
 use crate::solver::formulation::Bdiff;
 
-/// In the places where several cases meet, the branch that a direction leads into is looked for this
-/// many times; two nodes that wait for each other would go on for ever.
+/// The number of attempts to find the branch into which a direction leads where several cases meet. Without a limit,
+/// two nodes that depend on each other would never settle.
 const BRANCH_TRIALS: usize = 3;
 
-/// Each gains as many digits as the condition of the matrix leaves: one is the rule, three serve up to
-/// 1e11 or so.
+/// The number of refinements. Each gains as many digits as the condition of the matrix leaves: one is usually enough,
+/// three suffice up to about 1e11.
 const REFINEMENTS: usize = 3;
 
 /// The last direction tried, and the step along it.
@@ -19,13 +19,13 @@ pub(super) struct Branch {
     pub step: f64,
     pub backtracks: usize,
     pub backward_error: f64,
-    /// Linear systems solved on the way.
+    /// The number of linear systems solved.
     pub solves: usize,
 }
 
 impl Bn {
-    /// Directions by the directional Newton equation (11), with the exact derivative (20), branch by branch until one can be
-    /// stepped along.
+    /// Finds a direction of the directional Newton equation (11) with the exact derivative (20), branch by branch,
+    /// until one admits a step.
     pub(super) fn branch_ahead(
         &mut self,
         mut branch: Branch,
@@ -49,8 +49,8 @@ impl Bn {
         Ok(branch)
     }
 
-    /// Newton steps with the last factors from residuals in twice the working precision, as long as they
-    /// gain: `z + rest` then solves the equations where the rounding of `z` alone is too coarse. Tells whether that is
+    /// Takes Newton steps with the last factors from residuals in twice the working precision, as long as they gain.
+    /// `z + rest` then solves the equations where the rounding of `z` alone is too coarse. Returns `true` if that is
     /// enough.
     pub(super) fn refine(
         &mut self,
@@ -81,8 +81,8 @@ impl Bn {
         Ok(end.met(f64::INFINITY, best))
     }
 
-    /// Follows the last direction, which only a free motion is left in, on to where the first contact node comes into
-    /// another case. Tells whether there is such a place.
+    /// Moves along the unconstrained mode in the last direction until the first contact node changes its case.
+    /// Returns `false` if none does.
     pub(super) fn follow(&self, formulation: &Bdiff, z: &mut [f64]) -> bool {
         let reach = formulation.reach(z, &self.dz);
         if let Some(step) = reach {

@@ -1,10 +1,10 @@
-//! How well a direction has to be known, where each digit costs: as well as the last one was worth.
+//! Forcing terms: each direction is solved only as accurately as needed, since each digit costs time.
 
-/// Not better than this far from the solution.
+/// The accuracy far from the solution.
 const LOOSE: f64 = 1e-2;
-/// What rounding and the end of an increment ask for.
+/// The accuracy that rounding and the end of an increment require.
 const TIGHT: f64 = 1e-8;
-/// The share of the reduction that is to be expected.
+/// The share of the expected reduction.
 const SAFETY: f64 = 0.9;
 
 /// The forcing terms of Eisenstat and Walker (1996), choice 2: `0.9 (|b| / |b_last|)²`.
@@ -14,8 +14,8 @@ pub(super) struct Forcing {
 }
 
 impl Forcing {
-    /// The residual that the direction for the right-hand side `b` may leave, as a share of it. Where `b` has grown, as at the beginning of an
-    /// increment, it is the loosest.
+    /// Returns the admissible residual of the direction for the right-hand side `b`, relative to `b`. If `b` has
+    /// grown, as at the start of an increment, the loosest term is used.
     pub(super) fn term(&mut self, b: &[f64]) -> f64 {
         let size = b.iter().map(|b| b * b).sum::<f64>().sqrt();
         let last = std::mem::replace(&mut self.last, size);

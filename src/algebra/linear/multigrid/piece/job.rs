@@ -1,4 +1,5 @@
-//! What all ranks do together with their pieces. Rank 0 has whole vectors and gets whole results; those of the others are empty.
+//! The collective operations of all ranks. Rank 0 has whole vectors and receives whole results; those of the others
+//! are empty.
 
 use super::{Piece, State};
 use crate::algebra::linear::LinearError;
@@ -6,7 +7,7 @@ use crate::algebra::linear::petsc::Share;
 use crate::algebra::linear::ranks::{RankLocal, World};
 use crate::algebra::sparse::DoubleDouble;
 
-/// What there is to do. Hierarchies have numbers.
+/// A collective operation. Hierarchies are identified by numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::algebra::linear::multigrid) enum Job {
     Needs,
@@ -24,7 +25,7 @@ pub(in crate::algebra::linear::multigrid) enum Job {
 impl Job {
     const KINDS: i64 = 10;
 
-    /// The number by which rank 0 calls for it.
+    /// Returns the number by which rank 0 calls the operation.
     pub(in crate::algebra::linear::multigrid) fn number(self) -> i64 {
         match self {
             Job::Needs => 0,
@@ -58,7 +59,8 @@ impl Job {
 }
 
 impl Piece {
-    /// What rank 0 has to deal of a vector, rank after rank: numbers of nodes; and how many entries all ranks have.
+    /// Gathers the node numbers of the vector parts that rank 0 must scatter, rank after rank, and the number of
+    /// entries on all ranks.
     pub(in crate::algebra::linear::multigrid) fn needs(&self, world: &World) -> Result<(Vec<u32>, usize), LinearError> {
         let bounds = world.bounds(self.nodes.len());
         let entries = world.of_each([self.values.len() as f64]);
@@ -68,7 +70,7 @@ impl Piece {
         Ok((all.into_iter().map(|node| node as u32).collect(), entries as usize))
     }
 
-    /// The largest size in each row, and the diagonal.
+    /// Gathers the largest size in each row, and the diagonal.
     pub(in crate::algebra::linear::multigrid) fn all_norms(
         &self,
         world: &World,
@@ -78,7 +80,7 @@ impl Piece {
         self.norms(self.first(world)).iter().zip(all).try_for_each(|(own, all)| world.collect(own, &bounds, all))
     }
 
-    /// `K x`, of an `x` as it is dealt.
+    /// Computes `K x` for an `x` as it is scattered.
     pub(in crate::algebra::linear::multigrid) fn product(
         &self,
         world: &World,
@@ -89,7 +91,7 @@ impl Piece {
         world.collect(&self.sums(&x, |value, x| value * x), &self.row_bounds(), y)
     }
 
-    /// `K x` and `|K| |x|`.
+    /// Computes `K x` and `|K| |x|`.
     pub(in crate::algebra::linear::multigrid) fn products(
         &self,
         world: &World,
@@ -101,7 +103,7 @@ impl Piece {
         world.collect(&self.sums(&x, |value, x| (value * x).abs()), &self.row_bounds(), sizes)
     }
 
-    /// `K (x + rest)` in twice the working precision, as two numbers.
+    /// Computes `K (x + rest)` in twice the working precision, as two numbers.
     pub(in crate::algebra::linear::multigrid) fn beyond(
         &self,
         world: &World,
@@ -126,14 +128,14 @@ impl Piece {
         Ok(())
     }
 
-    /// The entry at a place of rank 0.
+    /// Returns the entry at a place given by rank 0.
     pub(in crate::algebra::linear::multigrid) fn entry_at(&self, world: &World, mut place: [i64; 2]) -> f64 {
         world.tell(&mut place);
         let own = self.entry(self.first(world), place[0] as usize, place[1] as usize);
         world.of_each([own]).into_iter().map(|[value]| value).sum()
     }
 
-    /// Row, column and value of each entry on and below the diagonal.
+    /// Gathers row, column and value of each entry on and below the diagonal.
     pub(in crate::algebra::linear::multigrid) fn all_lower(&self, world: &World) -> Result<Vec<f64>, LinearError> {
         let own = self.lower(self.first(world));
         let bounds = world.bounds(own.len());
@@ -142,7 +144,7 @@ impl Piece {
         Ok(all)
     }
 
-    /// Makes the hierarchy of the Newton matrix of rank 0, which alone has its `state` and rigid motions.
+    /// Builds the hierarchy of the Newton matrix of rank 0, the only rank with its `state` and rigid modes.
     pub(in crate::algebra::linear::multigrid) fn hierarchy(
         &mut self,
         world: &World,
@@ -164,7 +166,7 @@ impl Piece {
         Ok(())
     }
 
-    /// One cycle of a hierarchy.
+    /// Applies one cycle of a hierarchy.
     pub(in crate::algebra::linear::multigrid) fn cycle(
         &mut self,
         world: &World,
@@ -180,7 +182,7 @@ impl Piece {
         self.hierarchies.remove(&number);
     }
 
-    /// What this rank needs of a vector of rank 0, which has it rank after rank.
+    /// Scatters a vector of rank 0, which has it rank after rank. Returns the part that this rank needs.
     fn dealt(&self, world: &World, x: &[f64]) -> Result<Vec<f64>, LinearError> {
         let mut own = vec![0.0; self.nodes.len() * self.dimension];
         world.deal(x, &self.needs, &mut own)?;
@@ -188,7 +190,7 @@ impl Piece {
     }
 }
 
-/// Room for so many numbers where they are collected.
+/// Returns zeros for `many` gathered numbers on rank 0, nothing on other ranks.
 fn on_first(world: &World, many: usize) -> Vec<f64> {
     vec![0.0; if world.rank() == 0 { many } else { 0 }]
 }

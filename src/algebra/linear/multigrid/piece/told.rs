@@ -1,23 +1,23 @@
-//! What rank 0 tells the others of a Newton matrix, so that they can make their rows of `K̂`.
+//! The broadcast of the Newton matrix data with which ranks assemble their rows of `K̂`.
 
 use crate::algebra::linear::multigrid::form::Form;
 use crate::algebra::linear::multigrid::node::{Eliminated, WORDS};
 use crate::algebra::linear::ranks::World;
 
-/// What a Newton matrix has beside the stiffness.
+/// The data of a Newton matrix besides the stiffness.
 #[derive(Clone)]
 pub(in crate::algebra::linear::multigrid) struct State {
-    /// What the stiffness is multiplied by.
+    /// The factor of the stiffness.
     pub factor: f64,
     pub form: Form,
-    /// Springs on its diagonal, by row.
+    /// The springs on the diagonal, by row.
     pub springs: Vec<(usize, f64)>,
     /// The contact nodes, by their numbers.
     pub contacts: Vec<(usize, Eliminated)>,
 }
 
 impl State {
-    /// That of rank 0, which alone has one before; on all ranks at a time.
+    /// Broadcasts the state from rank 0, the only rank that has one. All ranks must call it.
     pub(super) fn told(own: Option<&State>, world: &World) -> Self {
         let mut head = own.map_or([0; 4], |state| {
             let oblique = i64::from(state.form == Form::Oblique);
