@@ -62,8 +62,8 @@ pub enum TableError {
 }
 
 impl GapTable {
-    /// Reads the CSV file at `path`: a header such as `x,gap` or `x,y,gap`, then lines of numbers in a unit of `scale` m, in
-    /// any order.
+    /// Reads the CSV file at `path`: a header such as `x,gap` or `x,y,gap`, then lines of numbers in a unit of `scale`
+    /// m, in any order.
     ///
     /// # Errors
     /// If the file cannot be read, or does not contain every point of a line or grid exactly once.

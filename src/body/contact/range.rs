@@ -32,7 +32,8 @@ pub struct RangeLeft {
     pub time: f64,
     /// The linearised distance of the node from the obstacle, as computed, m.
     pub linearised: f64,
-    /// The distance of the node along the normal without linearisation, m; null if the obstacle is no longer in front of it.
+    /// The distance of the node along the normal without linearisation, m; null if the obstacle is no longer in front
+    /// of it.
     pub exact: f64,
     /// The difference of the two distances divided by the largest indentation.
     pub share: f64,

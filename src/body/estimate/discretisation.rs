@@ -1,4 +1,5 @@
-//! The error of the mesh in the energy norm, by recovered strains (Zienkiewicz and Zhu, Int. J. Numer. Meth. Engng 24 (1987) 337).
+//! The error of the mesh in the energy norm, by recovered strains (Zienkiewicz and Zhu, Int. J. Numer. Meth. Engng 24
+//! (1987) 337).
 //!
 //! The strains of a mesh jump from cell to cell; interpolated values recovered at the nodes are more accurate. Their
 //! difference is the estimate of the error,

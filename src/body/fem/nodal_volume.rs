@@ -1,5 +1,5 @@
-//! Dilatations averaged at the corners of triangles, tetrahedra and prisms (Bonet & Burton, Commun. Numer. Meth. Engng 14 (1998)
-//! 437, for small strains).
+//! Dilatations averaged at the corners of triangles, tetrahedra and prisms (Bonet & Burton, Commun. Numer. Meth. Engng
+//! 14 (1998) 437, for small strains).
 //!
 //! With the shape functions L_a of the corners, a corner has a share of each surrounding cell and the mean dilatation
 //! of these shares, separately for each material:
