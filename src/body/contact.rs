@@ -1,4 +1,4 @@
-//! Contact: obstacles, other bodies, and the maps `C_n`, `C_t` and `C_o`.
+//! Contact with obstacles and between bodies, and the maps `C_n`, `C_t` and `C_o`.
 
 mod cone;
 mod coupled;

@@ -1,5 +1,5 @@
-//! What a model is made of, without text: mesh, materials, supports, contacts, loads and the ends of the increments. A
-//! scene file is one way to come by it, plain Rust another.
+//! The input of a model as Rust values: mesh, materials, supports, contacts, loads and increments. A scene file is read
+//! into the same values.
 //!
 //! ```
 //! use stickslip::body::contact::Obstacle;
@@ -53,28 +53,28 @@ use crate::body::contact::{Friction, Obstacle};
 use crate::body::fem::{Element, Material};
 use crate::body::mesh::MeshSource;
 
-/// One elastic body or several, what holds, meets and loads them, and the ends of the increments of its history. Checked when a
-/// model is made of it, or by [`Description::check`].
+/// One or several elastic bodies with supports, contacts, springs, loads and increments.
+/// [`Model::build`](crate::body::model::Model::build) and [`Description::check`] check the values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Description {
     /// The mesh.
     pub mesh: MeshSource,
-    /// Its elements.
+    /// The element formulation.
     pub element: Element,
     /// The material, with its layers or groups.
     pub material: Material,
-    /// Where the body is held.
+    /// The supports.
     pub supports: Vec<Support>,
-    /// Where it can touch an obstacle.
+    /// The boundaries in contact.
     pub contacts: Vec<Contact>,
-    /// Springs and foundations that it stands on.
+    /// The springs and elastic foundations.
     pub springs: Vec<Bed>,
-    /// What loads it; loads add up.
+    /// The loads; they are superposed.
     pub loads: Vec<Load>,
-    /// The ends of the increments, s, increasing; the history begins at 0. A model has further ends where histories have
-    /// kinks, see [`Description::ends_at_kinks`].
+    /// The ends of the increments in increasing order, s; the history begins at 0. A model adds an end at each kink of
+    /// a history, see [`Description::ends_at_kinks`].
     pub times: Vec<f64>,
-    /// The units in which results are told. All numbers here are SI; see [`Description::given_in`].
+    /// The units of the results. All numbers here are SI; see [`Description::given_in`].
     pub units: Units,
 }
 
@@ -90,28 +90,28 @@ pub enum Axis {
     Z,
 }
 
-/// A boundary that can touch an obstacle.
+/// A boundary that can touch obstacles or another boundary.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Contact {
     /// The boundary.
     pub boundary: String,
-    /// Coulomb's coefficient. A node that two contacts share, in front of the same normal, has the mean of both, weighted by the
-    /// node's area in each.
+    /// Coulomb's friction coefficient. If two contacts share a node and its normal, the coefficient there is the mean
+    /// of both, weighted by the node's area in each contact.
     pub friction: Friction,
-    /// Points `[time (s), factor]` with increasing times, by which the coefficient is multiplied: linear between, constant outside, and
-    /// above 0. Without them the friction stays as it is.
+    /// Points `[time (s), factor]` with increasing times and factors above 0 that multiply the coefficient: linear
+    /// between the points, constant outside. Without them the coefficient is constant.
     pub friction_history: Option<Vec<[f64; 2]>>,
-    /// What is in front of it.
+    /// The opposite side of the contact.
     pub against: Against,
 }
 
-/// What is in front of a boundary.
+/// The opposite side of a contact: rigid obstacles or another boundary.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Against {
-    /// Rigid obstacles, at least one. A node meets the one that is nearest when the history begins, of those that its outside
-    /// faces; of those with the same normal the one that is nearest at the time.
+    /// Rigid obstacles, at least one. A node meets the obstacle that is nearest at the beginning of the history among
+    /// those that its outside faces. Among obstacles with the same normal it meets the nearest at each time.
     Obstacles(Vec<Obstacle>),
-    /// Another boundary, of another body as a rule.
+    /// Another boundary, usually of another body.
     Boundary(Opposite),
 }
 
@@ -122,7 +122,7 @@ impl<T: Into<Vec<Obstacle>>> From<T> for Against {
 }
 
 impl Contact {
-    /// The obstacles in front of it; none in front of another boundary.
+    /// Returns the obstacles; empty if the contact is against another boundary.
     pub fn obstacles(&self) -> &[Obstacle] {
         match &self.against {
             Against::Obstacles(obstacles) => obstacles,
@@ -130,7 +130,7 @@ impl Contact {
         }
     }
 
-    /// The boundary that it is against, if it is.
+    /// Returns the opposite boundary, if the contact has one.
     pub fn opposite(&self) -> Option<&Opposite> {
         match &self.against {
             Against::Obstacles(_) => None,
@@ -138,7 +138,7 @@ impl Contact {
         }
     }
 
-    /// The key of obstacle `j` of this contact, which has the number `k`.
+    /// Returns the key of obstacle `j` of this contact, where `k` is the number of the contact.
     pub(crate) fn obstacle_key(&self, k: usize, j: usize) -> String {
         match self.obstacles().len() {
             1 => format!("contact[{k}].obstacle"),
@@ -148,7 +148,8 @@ impl Contact {
 }
 
 impl Description {
-    /// A body of `mesh` and `material` that nothing holds, meets or loads yet, over increments that end at `times` (s).
+    /// Creates a description of `mesh` and `material` without supports, contacts or loads; increments end at `times`
+    /// (s).
     pub fn new(mesh: impl Into<MeshSource>, material: Material, times: Vec<f64>) -> Self {
         Description {
             mesh: mesh.into(),
@@ -163,33 +164,34 @@ impl Description {
         }
     }
 
-    /// With these elements.
+    /// Sets the element formulation.
     #[must_use]
     pub fn element(self, element: Element) -> Self {
         Description { element, ..self }
     }
 
-    /// With the displacements of `boundary` along `axes` held at zero.
+    /// Adds a support that fixes the displacements of `boundary` along `axes` at zero.
     #[must_use]
     pub fn support(self, boundary: &str, axes: &[Axis]) -> Self {
         self.held(Support::new(boundary, axes))
     }
 
-    /// With one more support.
+    /// Adds a support.
     #[must_use]
     pub fn held(mut self, support: Support) -> Self {
         self.supports.push(support);
         self
     }
 
-    /// With one more spring or foundation.
+    /// Adds a spring or an elastic foundation.
     #[must_use]
     pub fn spring(mut self, spring: Bed) -> Self {
         self.springs.push(spring);
         self
     }
 
-    /// With an obstacle or several in front of `boundary`; `friction` is Coulomb's coefficient, a number or a formula.
+    /// Adds a contact of `boundary` with one or several obstacles; `friction` is Coulomb's coefficient, a number or a
+    /// formula.
     #[must_use]
     pub fn contact(
         mut self,
@@ -203,7 +205,7 @@ impl Description {
         self
     }
 
-    /// With `boundary` in front of another; `friction` is Coulomb's coefficient, a number or a formula.
+    /// Adds a contact of `boundary` with another boundary; `friction` is Coulomb's coefficient, a number or a formula.
     #[must_use]
     pub fn pair(mut self, boundary: &str, friction: impl Into<Friction>, against: impl Into<Opposite>) -> Self {
         let (boundary, friction) = (boundary.to_string(), friction.into());
@@ -212,27 +214,27 @@ impl Description {
         self
     }
 
-    /// With `boundary` glued to another.
+    /// Glues `boundary` to another.
     #[must_use]
     pub fn glued(self, boundary: &str, against: impl Into<Opposite>) -> Self {
         let opposite = Opposite { glued: true, ..against.into() };
         self.pair(boundary, 0.0, opposite)
     }
 
-    /// With one more load.
+    /// Adds a load.
     #[must_use]
     pub fn load(mut self, load: Load) -> Self {
         self.loads.push(load);
         self
     }
 
-    /// The units in which results of a body of so many dimensions are told.
+    /// Returns the units of the results of a body with `dimension` dimensions.
     pub fn system(&self, dimension: usize) -> UnitSystem {
         let per_depth = dimension == 2 && !self.material.is_axisymmetric();
         UnitSystem { units: self.units, dimension, per_depth }
     }
 
-    /// The end of the history, s; 0 without increments.
+    /// Returns the end of the history, s; 0 without increments.
     pub fn end(&self) -> f64 {
         self.times.last().copied().unwrap_or(0.0)
     }

@@ -1,7 +1,8 @@
-//! What the error measure does not see: the laws hold on the mesh that there is, but the mesh may be too coarse to tell.
+//! Estimates of discretisation errors. The error measure checks the laws on the given mesh only; the mesh may be too
+//! coarse.
 //!
-//! The numbers are estimates, free of units and without a reference; doc/estimates.md says where they come from and how far
-//! they were right.
+//! The estimates are dimensionless and need no reference solution; doc/estimates.md derives them and gives their
+//! measured accuracy.
 
 mod corner;
 mod discretisation;
@@ -27,28 +28,29 @@ pub(crate) use locking::expected_locking;
 pub(crate) use slip::SlipZones;
 pub use zone::{ContactEstimate, PeakOf, StickZone, peak_error};
 
-/// What the strains of a body tell of its elements.
+/// Estimates of locking and of the mesh error, from the strains of the body.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ElementEstimate {
-    /// By what share the body is too stiff because elements lock, about: within a factor of two where it is below 1. None where no
-    /// cell can lock.
+    /// The approximate share by which locking makes the body too stiff; accurate to a factor of two where it is below
+    /// 1. `None` if no cell can lock.
     pub locking: Option<f64>,
-    /// The error of the mesh in the energy norm; none where too few cells of second order hang together.
+    /// The error of the mesh in the energy norm; `None` if too few cells of second order are connected.
     pub discretisation: Option<DiscretisationError>,
 }
 
 impl ElementEstimate {
-    /// Of a body with these `displacements` of all nodes (m) at time `t` (s), which count from where nothing is strained but by
-    /// the loads by temperature of that time.
+    /// Estimates both errors from the `displacements` of all nodes (m) at time `t` (s). The reference configuration is
+    /// free of strain except for the thermal loads of that time.
     ///
     /// # Errors
-    /// When there is not one displacement for each node of the mesh.
+    /// If `displacements` does not have one entry for each node of the mesh.
     pub fn of(model: &Model, t: f64, displacements: &[[f64; 3]]) -> Result<Self, ProblemError> {
         expect_length("displacements", model.mesh.nodes.len(), displacements.len(), "one for each node of the mesh")?;
         Ok(Self::new(model, &model.thermal_factors(t), displacements, &[]))
     }
 
-    /// The same of displacements that fit, with the `factors` of `Model::thermal_factors`, and the nodes that a contact presses alone.
+    /// Estimates both errors for displacements of the right length, with the `factors` of `Model::thermal_factors` and
+    /// the nodes of contacts with only one node pressed.
     pub fn new(model: &Model, factors: &[f64], displacements: &[[f64; 3]], pressed: &[usize]) -> Self {
         let strains = Strains::new(model, factors, displacements);
         if strains.are_rounding(displacements) {

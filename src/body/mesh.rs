@@ -38,22 +38,22 @@ pub use source::{Body, HalfPlane, MeshError, MeshSource, Segment};
 
 use crate::algebra::vector::{cross, minus};
 
-/// A mesh of the plane or of space. The dimension is data: points always have three coordinates.
+/// A mesh in two or three dimensions. Points always have three coordinates.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mesh {
-    /// 2 or 3.
+    /// The dimension, 2 or 3.
     pub dimension: usize,
-    /// What the coordinates are.
+    /// The meaning of the coordinates.
     pub geometry: Geometry,
     /// Node coordinates, m; z = 0 in two dimensions.
     pub nodes: Vec<[f64; 3]>,
-    /// The cells, each of the mesh's dimension.
+    /// The cells; each has the dimension of the mesh.
     pub cells: Vec<Cell>,
     /// The names of the material groups.
     pub groups: Vec<String>,
-    /// The parts of the boundary that a scene can name.
+    /// The named boundaries.
     pub boundaries: Vec<Boundary>,
-    /// What its file says beyond it.
+    /// Further information from the mesh file.
     pub notes: Notes,
 }
 
@@ -68,9 +68,9 @@ pub struct Cell {
     pub group: usize,
 }
 
-/// The nodes of a part of the boundary in order: an edge in two dimensions from end to end, a triangle or a quadrilateral
-/// in three all around. An edge has the body on its left; a face is counterclockwise seen from outside. In cells of second order
-/// the nodes between corners stand between these: an edge has three, a triangle six.
+/// The nodes of a boundary facet in order: an edge in two dimensions from end to end, a triangle or a quadrilateral in
+/// three dimensions all around. The body is on the left of an edge; a face is counterclockwise seen from outside. In
+/// cells of second order a node between corners is listed between them: an edge has three nodes, a triangle six.
 pub type Facet = Vec<usize>;
 
 /// A named part of the boundary.
@@ -78,32 +78,32 @@ pub type Facet = Vec<usize>;
 pub struct Boundary {
     /// The name a scene uses.
     pub name: String,
-    /// The facets of the boundary; in two dimensions in a row.
+    /// The facets of the boundary; in two dimensions consecutive edges.
     pub facets: Vec<Facet>,
 }
 
 impl Mesh {
-    /// The boundary called `name`.
+    /// Returns the boundary called `name`.
     pub fn boundary(&self, name: &str) -> Option<&Boundary> {
         self.boundaries.iter().find(|boundary| boundary.name == name)
     }
 
-    /// The names of all boundaries.
+    /// Returns the names of all boundaries.
     pub fn boundary_names(&self) -> Vec<&str> {
         self.boundaries.iter().map(|boundary| boundary.name.as_str()).collect()
     }
 
-    /// The coordinates of `nodes`, m.
+    /// Returns the coordinates of `nodes`, m.
     pub fn points(&self, nodes: &[usize]) -> Vec<[f64; 3]> {
         nodes.iter().map(|&node| self.nodes[node]).collect()
     }
 
-    /// The smallest and the largest coordinate along each axis, m.
+    /// Returns the smallest and the largest coordinate along each axis, m.
     pub fn bounds(&self) -> [(f64, f64); 3] {
         self.bounds_of(0..self.nodes.len())
     }
 
-    /// The same of `nodes`.
+    /// Returns the smallest and the largest coordinate of `nodes` along each axis, m.
     pub fn bounds_of(&self, nodes: impl IntoIterator<Item = usize>) -> [(f64, f64); 3] {
         let wider = |bounds: [(f64, f64); 3], node: usize| {
             let x = self.nodes[node];
@@ -112,25 +112,25 @@ impl Mesh {
         nodes.into_iter().fold([(f64::INFINITY, f64::NEG_INFINITY); 3], wider)
     }
 
-    /// The centre of cell `e`, the mean of its corners, m.
+    /// Returns the centre of cell `e`, the mean of its corners, m.
     pub fn centre(&self, e: usize) -> [f64; 3] {
         let cell = &self.cells[e];
         let corners = self.points(&cell.nodes[..cell.kind.corners()]);
         [0, 1, 2].map(|c| corners.iter().map(|x| x[c]).sum::<f64>() / corners.len() as f64)
     }
 
-    /// The lengths of the box around the body, m.
+    /// Returns the side lengths of the bounding box of the mesh, m.
     pub fn extent(&self) -> [f64; 3] {
         self.bounds().map(|(lowest, highest)| highest - lowest)
     }
 
-    /// The longest of these, m.
+    /// Returns the longest side of the bounding box of the mesh, m.
     pub fn size(&self) -> f64 {
         self.extent().into_iter().fold(0.0, f64::max)
     }
 
-    /// The outward normal of a facet times its length (m) or area (m²): exact for curved faces and edges,
-    /// too, since the integral of the normal depends on the edges or ends alone.
+    /// Returns the outward normal of a facet times its length (m) or area (m²). The result is exact for curved facets,
+    /// too, since the integral of the normal depends only on the ends or edges.
     pub fn area_vector(&self, facet: &[usize]) -> [f64; 3] {
         let points = self.points(facet);
         if self.dimension == 2 {
@@ -157,7 +157,7 @@ impl Mesh {
         [0, 1, 2].map(|c| (4.0 * all[c] - corners[c]) / 3.0)
     }
 
-    /// A point in words: `(x, y)` or `(x, y, z)`.
+    /// Formats a point as `(x, y)` or `(x, y, z)`.
     pub fn place(&self, x: [f64; 3]) -> String {
         let [x, y, z] = x;
         if self.dimension == 2 { format!("({x}, {y})") } else { format!("({x}, {y}, {z})") }
@@ -165,8 +165,8 @@ impl Mesh {
 }
 
 impl Boundary {
-    /// The nodes of the boundary, each once, in the order of its facets. Edges may be listed along
-    /// their direction or against it.
+    /// Returns the nodes of the boundary, each once, in the order of its facets. The list of edges may run along their
+    /// direction or against it.
     pub fn nodes(&self) -> Vec<usize> {
         let mut seen = std::collections::HashSet::new();
         let against = self.facets.windows(2).any(|pair| pair[0].len() == 2 && pair[0][0] == pair[1][1]);

@@ -1,4 +1,4 @@
-//! From a description, or the scene that holds one, to the discrete problem: mesh, `K`, contact maps, loads.
+//! Discretisation of a description: mesh, `K`, contact maps and loads.
 
 mod balance;
 mod bodies;
@@ -59,70 +59,72 @@ use nearest::Nearest;
 use recovery::Recovery;
 use support::Moved;
 
-/// A body, discretised.
+/// A discretised description.
 #[derive(Debug, Clone)]
 pub struct Model {
-    /// What it was made of.
+    /// The description that it was built from.
     description: Description,
     /// The mesh.
     pub mesh: Arc<Mesh>,
-    /// The law of each cell.
+    /// The elastic law of each cell.
     materials: Vec<Elasticity>,
-    /// Where dilatations are averaged, if they are.
+    /// The nodal volumes over which dilatations are averaged; empty for other elements.
     volumes: NodalVolumes,
     /// The numbering of the free displacements.
     pub dofs: Dofs,
     /// The contact nodes, in the order of `problem`'s rows.
     pub contacts: Vec<ContactNode>,
-    /// The boundaries they stand on.
+    /// The boundaries in contact.
     pub contact_boundaries: Vec<ContactBoundary>,
-    /// The obstacles in front of these boundaries, and how they move.
+    /// The obstacles in front of the boundaries, and their motions.
     pub obstacles: Vec<(PlacedObstacle, ObstacleMotion)>,
-    /// Which of several obstacles each contact node meets.
+    /// The obstacle that each contact node meets, where there are several.
     nearest: Nearest,
-    /// The boundaries in front of each other.
+    /// The pairs of boundaries in contact with each other.
     pub pairs: Vec<Pair>,
     /// The algebraic problem.
     pub problem: ContactProblem,
     /// The loads and gaps over time.
     pub loading: Loading,
-    /// The rigid motions behind `problem.rigid_modes()`.
+    /// The rigid motions that `problem.rigid_modes()` represents.
     pub rigid_motions: Vec<RigidMotion>,
-    /// Where supports move the bodies, and which of these together.
+    /// The displacements that moving supports prescribe, and the bodies that they move as rigid bodies.
     moved: Vec<Moved>,
     carrying: Carrying,
-    /// The stress-free strains of loads by temperature at factor 1, and the number of the load.
+    /// The stress-free strain at factor 1 of each thermal load, and the number of the load.
     thermal: Vec<(FreeStrain, usize)>,
     statics: Statics,
-    /// How tractions at contact nodes follow from forces, where that takes more than their weights.
+    /// The recovery of tractions from contact forces, where dividing by the weights is not enough.
     recovery: Option<Recovery>,
-    /// The contact nodes whose forces together are the pressure at a node beyond the end of the other body.
+    /// For each contact node beyond the end of the other body: the contact nodes whose forces add up to the pressure
+    /// there.
     beside_the_end: BTreeMap<usize, Vec<usize>>,
-    /// Where bodies may pass through each other.
+    /// The search for bodies that pass through each other.
     passages: Option<Passages>,
-    /// Whether something moves past each contact node along a direction in which supports hold it, so that it has no friction there.
+    /// For each contact node: `true` if the opposite side moves past it along a direction in which supports hold the
+    /// node, so that friction is missing there.
     passed_by: Vec<bool>,
 }
 
-/// Why there is no model of a description.
+/// An error in the discretisation of a description.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum ModelError {
-    /// A value of the description is not possible, or contradicts the mesh.
+    /// A value of the description is invalid or contradicts the mesh.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Description(#[from] InputError),
-    /// The mesh file is not sound.
+    /// The mesh file is invalid.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Mesh(#[from] MeshFileError),
-    /// What the mesh makes of the description is no sound problem, as where its numbers overflow.
+    /// The discrete problem is invalid, for example because numbers overflow.
     #[error(transparent)]
     #[diagnostic(help("moduli, loads or lengths leave the range of double precision: check their units"))]
     Problem(#[from] ProblemError),
-    /// An element of the mesh is not sound.
+    /// An element of the mesh is inverted.
     #[error(transparent)]
     Element(#[from] InvertedElement),
-    /// Those that share the stiffness cannot go on.
+    /// A rank that shares the stiffness has failed.
     #[error(transparent)]
     Linear(#[from] LinearError),
 }
@@ -136,7 +138,8 @@ impl From<MeshError> for ModelError {
     }
 }
 
-/// The problem of contact nodes: `all`, and as each would be `alone` where they differ at edges.
+/// Assembles the contact problem of the contact nodes `all`; `alone` are the nodes before sharing at edges, where they
+/// differ.
 fn contact_problem(
     stiffness: Symmetric,
     [all, alone]: [&[ContactNode]; 2],
@@ -166,16 +169,16 @@ impl Model {
     /// Discretises `description`.
     ///
     /// # Errors
-    /// When a value is not possible, or contradicts the mesh: a boundary that is not there, an obstacle in front of
-    /// nothing, contact where supports hold the body inside the obstacle, nothing free; the message names the key.
+    /// If a value is invalid or contradicts the mesh: a missing boundary, an obstacle that is in front of no node,
+    /// contact where supports hold the body inside the obstacle, no free displacement. The message names the key.
     pub fn build(description: &Description) -> Result<Self, ModelError> {
         Self::shared(description, None)
     }
 
-    /// The same with a stiffness that is shared as `share` does it, where that can be.
+    /// Discretises `description` with a stiffness distributed by `share`, if the stiffness can be distributed.
     ///
     /// # Errors
-    /// As [`Model::build`], and as `share`.
+    /// As [`Model::build`], and the errors of `share`.
     pub fn shared(description: &Description, share: Option<Share<'_>>) -> Result<Self, ModelError> {
         let discrete = Discrete::new(description)?;
         let times = description.ends_at_kinks(&description.times);
@@ -219,7 +222,7 @@ impl Model {
             thermal.extend(on_mesh.free_strain.map(|strain| (strain, k)));
             forces.push(on_mesh.forces);
         }
-        // What supports move beyond the body comes as forces on the rest of it, and as gaps.
+        // Prescribed displacements beyond the rigid offset act as forces on the free part of the body, and as gaps.
         for moved in &moved {
             cases.push(LoadCase::new(dofs.forces(moved.forces(&carrying, &rows, &springs)), moved.history.clone())?);
             let beyond: Vec<_> =
@@ -272,50 +275,50 @@ impl Model {
         })
     }
 
-    /// What it was made of.
+    /// Returns the description that the model was built from.
     pub fn description(&self) -> &Description {
         &self.description
     }
 
-    /// The units in which its results are told.
+    /// Returns the units of the results.
     pub fn units(&self) -> UnitSystem {
         self.description.system(self.mesh.dimension)
     }
 
-    /// The ends of the increments, s, for which the gaps of moving obstacles are exact.
+    /// Returns the ends of the increments, s; the gaps of moving obstacles are exact at these times.
     pub fn times(&self) -> &[f64] {
         &self.description.times
     }
 
-    /// The law of each cell of the mesh.
+    /// Returns the elastic law of each cell of the mesh.
     pub fn materials(&self) -> &[Elasticity] {
         &self.materials
     }
 
-    /// How strains follow from displacements.
+    /// Returns the element formulation.
     pub fn element(&self) -> Element {
         self.description.element
     }
 
-    /// Whether the body is a thin plate, in plane stress.
+    /// Returns `true` if the body is in plane stress.
     pub fn is_thin(&self) -> bool {
         self.description.material.plane == Some(Plane::Stress)
     }
 
-    /// The key of obstacle `k` of [`Model::obstacles`] in a scene, as `contact[0].obstacle[1]`.
+    /// Returns the key of obstacle `k` of [`Model::obstacles`] in a scene, such as `contact[0].obstacle[1]`.
     pub fn obstacle_key(&self, k: usize) -> String {
         let boundary = self.contact_boundaries.iter().find(|boundary| boundary.obstacles.contains(&k));
         let (contact, first) = boundary.map_or((0, 0), |boundary| (boundary.contact, boundary.obstacles.start));
         self.description.contacts[contact].obstacle_key(contact, k - first)
     }
 
-    /// Units for the numbers inside, see [`ContactProblem::scaling`].
+    /// Returns the units for the internal numbers, see [`ContactProblem::scaling`].
     pub fn scaling(&self) -> Scaling {
         self.problem.scaling(self.loading.largest_force(), self.loading.largest_interference())
     }
 }
 
-/// The boundary that the thing at `key` names.
+/// Returns the boundary named by the table at `key`.
 fn find<'a>(mesh: &'a Mesh, name: &str, key: &str) -> Result<&'a Boundary, InputError> {
     mesh.boundary(name).ok_or_else(|| {
         if let Some((_, fault)) = mesh.notes.unusable.iter().find(|(group, _)| group == name) {

@@ -1,4 +1,4 @@
-//! The scene file as it stands.
+//! The tables of a scene file as they are deserialised.
 
 mod body;
 mod output;
@@ -22,7 +22,7 @@ use crate::base::units::Units;
 use crate::body::contact::GapDirection;
 use crate::solver::formulation::{NewtonSystem, Partition};
 
-/// `N` values, two unless it says otherwise. An array type would do but for that the TOML reader passes over what is too many.
+/// `N` values, by default two. A plain array would not do because the TOML reader ignores surplus values.
 #[derive(Clone, Copy, Deserialize)]
 #[serde(try_from = "Vec<T>")]
 pub(super) struct Tuple<T, const N: usize = 2>(pub [T; N]);
@@ -42,7 +42,7 @@ impl<T, const N: usize> TryFrom<Vec<T>> for Tuple<T, N> {
     }
 }
 
-/// A value of an axis, or a list of one for each of its segments.
+/// One value for an axis, or a list with one value for each segment of the axis.
 #[derive(Clone)]
 pub(super) struct Segments<T>(pub Vec<T>);
 
@@ -154,7 +154,7 @@ pub(super) struct Support {
     pub history: Option<Vec<Tuple<f64>>>,
 }
 
-/// A direction along which a support holds.
+/// A direction along which a support fixes displacements.
 #[derive(Clone, Copy, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum Fix {
@@ -198,7 +198,7 @@ pub(super) enum Names {
     Several(Vec<String>),
 }
 
-/// Whose nodes carry the forces of a pair.
+/// The boundary of a pair whose nodes carry the contact forces.
 #[derive(Clone, Copy, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum Slave {

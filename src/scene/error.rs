@@ -10,7 +10,7 @@ use super::places::Places;
 use crate::base::input::FileKind;
 use crate::base::input_error::InputError;
 
-/// Why a scene was refused.
+/// The error of a scene that cannot be used.
 #[derive(Debug, thiserror::Error, Diagnostic)]
 pub enum SceneError {
     /// The file cannot be read.
@@ -19,21 +19,21 @@ pub enum SceneError {
     Io {
         /// The file.
         path: String,
-        /// What the system said; not a `source`, since the message has it already.
+        /// The error of the operating system; it is not a `source` because the message already contains it.
         error: io::Error,
     },
-    /// The file is of another kind.
+    /// The file is of another kind, for example a mesh.
     #[error("{path}: it is {what}, not a scene")]
     #[diagnostic(help("{help}"))]
     Other {
         /// The file.
         path: String,
-        /// What it is.
+        /// The kind of the file.
         what: &'static str,
-        /// What to do with it.
+        /// The use of such a file.
         help: &'static str,
     },
-    /// Something in it is wrong.
+    /// A value or the syntax of the scene is wrong.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Invalid(Box<Located>),
@@ -45,20 +45,20 @@ pub enum SceneError {
         text: String,
         /// What is wrong.
         message: String,
-        /// What mends the fault.
+        /// The correction that the message proposes.
         help: String,
     },
 }
 
 impl SceneError {
-    /// The error of a file called `name` with these `bytes`, if it is of a known kind that is none of scenes.
+    /// Returns the error of the file `name` if its `bytes` are of a known kind other than a scene.
     pub(super) fn other(name: &str, bytes: &[u8]) -> Option<Self> {
         let kind = FileKind::of(bytes)?;
         Some(SceneError::Other { path: name.to_string(), what: kind.name(), help: kind.as_scene() })
     }
 }
 
-/// An error with its place.
+/// An error with its place in the scene's text.
 #[derive(Debug, thiserror::Error, Diagnostic)]
 #[error("{file}:{line}: {message}")]
 #[diagnostic(help("{help}"))]
@@ -67,12 +67,12 @@ pub struct Located {
     pub file: String,
     /// The line, from 1.
     pub line: usize,
-    /// The path of what is wrong, such as `contact[0].friction`; empty where the text is no TOML or a whole table is
+    /// The path of the wrong key, such as `contact[0].friction`; empty if the text is not TOML or a whole table is
     /// missing.
     pub key: String,
     /// What is wrong.
     pub message: String,
-    /// What mends the fault.
+    /// The correction that the message proposes.
     pub help: String,
     #[source_code]
     source_code: NamedSource<String>,
@@ -85,22 +85,22 @@ pub struct Located {
 pub(super) struct Source {
     pub(super) name: String,
     pub(super) text: String,
-    /// Where the material of each group stands, in a scene of several bodies; otherwise empty.
+    /// The key of the material of each group in a scene of several bodies; otherwise empty.
     pub(super) material_keys: Vec<String>,
 }
 
 impl Source {
-    /// The path of a file that the scene names: relative to the scene's own.
+    /// Returns the path of a file that the scene names, relative to the directory of the scene.
     pub(super) fn beside(&self, file: &str) -> PathBuf {
         Path::new(&self.name).parent().unwrap_or(Path::new("")).join(file)
     }
 
-    /// The text `text` called `name`.
+    /// Creates a source from the text `text` called `name`.
     pub(super) fn new(name: String, text: String) -> Self {
         Source { name, text, material_keys: Vec::new() }
     }
 
-    /// `fault` of the joined mesh and material of several bodies, told of the body that it is of.
+    /// Replaces the key of a `fault` in the joined mesh and material by the key of the body concerned.
     fn of_its_body(&self, fault: InputError) -> InputError {
         if self.material_keys.is_empty() {
             return fault;
@@ -117,23 +117,23 @@ impl Source {
         InputError { key, ..fault }
     }
 
-    /// `fault` at its place.
+    /// Locates `fault` in the text by its key.
     pub(super) fn located(&self, fault: InputError) -> SceneError {
         let fault = self.of_its_body(fault);
         let span = Places::of(&self.text).span(&fault.key);
         self.error(fault.key, span, fault.message, fault.help)
     }
 
-    /// `fault` at the bytes `part` of the string `text`, which is the value of its key.
+    /// Locates `fault` at the bytes `part` of the string `text`, the value of its key.
     pub(super) fn located_within(&self, fault: InputError, text: &str, part: &Range<usize>) -> SceneError {
         let span = Places::of(&self.text).span(&fault.key);
-        // A text with escapes does not stand in the file as it is read.
+        // A string with escapes differs from its text in the file.
         let start = self.text[span.clone()].find(text).map(|quote| span.start + quote);
         let span = start.map_or(span, |start| start + part.start..start + part.end);
         self.error(fault.key, span, fault.message, fault.help)
     }
 
-    /// An error at `span`, whose key is looked up.
+    /// Returns an error at `span` and looks up its key.
     pub(super) fn at(&self, span: Range<usize>, message: impl Into<String>, help: impl Into<String>) -> SceneError {
         self.error(Places::of(&self.text).key(&span), span, message.into(), help.into())
     }

@@ -2,7 +2,7 @@
 
 use toml_edit::{Item, TableLike, Value};
 
-/// The values of every key `file` in `text`, in their order; none if it is not TOML.
+/// Returns the values of all keys `file` in `text`, in order; empty if `text` is not TOML.
 pub(super) fn files(text: &str) -> Vec<String> {
     let mut files = Vec::new();
     if let Ok(document) = toml_edit::Document::parse(text) {

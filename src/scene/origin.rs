@@ -1,4 +1,4 @@
-//! What a result belongs to: the scene to the last letter, the files that it names, and the program.
+//! The origin of a result: the text of the scene, the files that the scene names, and the program.
 
 use std::io;
 use std::path::PathBuf;
@@ -12,21 +12,21 @@ use crate::base::input;
 const OFFSET: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
 const PRIME: u128 = 0x0000_0000_0100_0000_0000_0000_0000_013b;
 
-/// What a result is of.
+/// The scene, files and program that a result was computed from.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Origin {
     program: String,
     /// The scene, overrides included.
     text: String,
-    /// The files that it names, each with a hash of its content.
+    /// The files that the scene names, each with a hash of its content.
     files: Vec<(PathBuf, String)>,
 }
 
 impl Origin {
-    /// That of results of `scene` by `program`.
+    /// Creates the origin of results of `scene` computed by `program`.
     ///
     /// # Errors
-    /// The file that cannot be read, and why.
+    /// The file that cannot be read, and the reason.
     pub fn new(scene: &Scene, program: &str) -> Result<Self, (PathBuf, io::Error)> {
         let hashed = |file: PathBuf| match input::bytes(&file) {
             Ok(bytes) => Ok((file, hash([&bytes[..]]))),
@@ -36,18 +36,18 @@ impl Origin {
         Ok(Origin { program: program.to_string(), text: scene.text().to_string(), files })
     }
 
-    /// 32 hexadecimal digits that change with any of it.
+    /// Returns 32 hexadecimal digits that change with any part of the origin.
     pub fn fingerprint(&self) -> String {
         let files = self.files.iter().map(|(_, hash)| hash.as_bytes());
         hash([self.program.as_bytes(), self.text.as_bytes()].into_iter().chain(files))
     }
 
-    /// Such digits of a `part` of what belongs to it, by name.
+    /// Returns the fingerprint of the named `part` of the results.
     pub fn fingerprint_of(&self, part: &str) -> String {
         hash([self.fingerprint().as_bytes(), part.as_bytes()])
     }
 
-    /// What has changed since `earlier`, in words; nothing, if it is the same.
+    /// Describes the changes since `earlier`, one entry for each; empty without changes.
     pub fn changes_since(&self, earlier: &Origin) -> Vec<String> {
         let mut changes = Vec::new();
         if self.program != earlier.program {
@@ -68,7 +68,8 @@ impl Origin {
     }
 }
 
-/// The hash of a list of bytes. Lengths stand before what they are of, so that no two lists run into the same.
+/// Computes the hash of a list of byte strings. The length of each is hashed before its content, so that different
+/// lists of strings are different inputs.
 fn hash<'a>(of: impl IntoIterator<Item = &'a [u8]>) -> String {
     let mut hash = OFFSET;
     for bytes in of {

@@ -1,5 +1,5 @@
-//! `--set key=value`: changes of a scene before it is read, made in its text, so that every message
-//! points at a line of the text that counts. A key that is added moves the lines below it by one.
+//! Overrides `--set key=value` of a scene. They change the text of the scene before it is read, so that messages point
+//! at lines of the changed text. An added key moves the lines below it by one.
 
 use std::fmt;
 use std::str::FromStr;
@@ -9,17 +9,16 @@ use toml_edit::{DocumentMut, Item, Table, TableLike, Value};
 use super::SceneError;
 use super::error::Source;
 
-/// The tables that a scene may hold several of.
+/// The tables that a scene may contain several times.
 pub(super) const LISTS: [&str; 5] = ["body", "support", "contact", "spring", "load"];
 
-/// What stands behind the name of a scene with overrides, in messages.
+/// The suffix of the name of a scene with overrides, in messages.
 pub(super) const MARK: &str = " (with --set)";
 
 /// One override, parsed from `key=value`.
 ///
-/// The key is a path such as `mesh.elements`; in a list of tables it means all of them
-/// (`contact.friction`) or one, counted from 0 (`contact[1].friction`). The value is TOML; bare
-/// words are strings.
+/// The key is a path such as `mesh.elements`; in a list of tables it refers to all of them (`contact.friction`) or to
+/// one, counted from 0 (`contact[1].friction`). The value is TOML; bare words are strings.
 #[derive(Debug, Clone)]
 pub struct Override {
     text: String,
@@ -46,7 +45,7 @@ impl FromStr for Override {
         let (key, value) = text.split_once('=').ok_or_else(syntax)?;
         let path = key.trim().split('.').map(Segment::parse).collect::<Option<Vec<_>>>().ok_or_else(syntax)?;
         let value = value.trim();
-        // TOML knows no number like .5, and no integer beyond 64 bits.
+        // TOML does not allow numbers such as .5, or integers beyond 64 bits.
         let number =
             || value.parse().ok().filter(|_| !value.contains(char::is_alphabetic) || value.contains(['e', 'E']));
         let word = || number().map_or_else(|| Value::from(value), |number: f64| Value::from(number));
@@ -56,14 +55,15 @@ impl FromStr for Override {
 }
 
 impl fmt::Display for Override {
-    /// `key=value`, as it is parsed.
+    /// Writes `key=value` as it was given.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.text)
     }
 }
 
 impl Override {
-    /// Sets the key at a path, such as `time.increments` or `body[1].mesh.elements`, to `value`.
+    /// Creates an override that sets the key at a path, such as `time.increments` or `body[1].mesh.elements`, to
+    /// `value`.
     pub fn value(key: &str, value: impl Into<Value>) -> Self {
         let plain = |name: &str| Segment { name: name.to_string(), index: None };
         let path = key.split('.').map(|name| Segment::parse(name).unwrap_or_else(|| plain(name))).collect();
@@ -143,7 +143,7 @@ impl Override {
 }
 
 impl Segment {
-    /// `name` or `name[index]`.
+    /// Parses `name` or `name[index]`.
     fn parse(text: &str) -> Option<Self> {
         let (name, index) = match text.strip_suffix(']').map(|text| text.split_once('[')) {
             None => (text, None),
@@ -157,7 +157,7 @@ impl Segment {
     }
 }
 
-/// The scene's text with all overrides in place.
+/// Returns the scene's text with all overrides applied.
 pub(super) fn apply(name: &str, text: &str, overrides: &[Override]) -> Result<Source, SceneError> {
     let source = Source::new(name.to_string(), text.to_string());
     if overrides.is_empty() {

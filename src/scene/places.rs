@@ -1,15 +1,16 @@
-//! Where each key of a scene stands in its text.
+//! The place of each key of a scene in its text.
 
 use std::ops::Range;
 
 use toml_edit::{Document, Item, TableLike, Value};
 
-/// The keys of a text, such as `contact[0].friction`: first the place of the value, then those of what stands under it,
-/// then that of the name itself. The only element of a list stands under the list's own key, too.
+/// The places of the keys of a text, such as `contact[0].friction`. For each key: the place of its value, then the
+/// places of the keys below it, then the place of its name. The only element of a list is also listed under the list's
+/// key.
 pub(super) struct Places(Vec<(String, Range<usize>)>);
 
 impl Places {
-    /// Those of `text`; none if it is not TOML.
+    /// Finds the keys of `text`; none if `text` is not TOML.
     pub(super) fn of(text: &str) -> Self {
         let mut places = Places(Vec::new());
         if let Ok(document) = Document::parse(text) {
@@ -18,7 +19,7 @@ impl Places {
         places
     }
 
-    /// The bytes of the value at `key`, or of the nearest table above it that has a place of its own.
+    /// Returns the bytes of the value at `key`, or of the nearest enclosing table that has a place.
     pub(super) fn span(&self, key: &str) -> Range<usize> {
         let mut key = key;
         loop {
@@ -32,11 +33,11 @@ impl Places {
         }
     }
 
-    /// The key of the smallest value that holds all of `span`; empty outside all of them.
+    /// Returns the key of the smallest value that contains `span`; empty if none does.
     pub(super) fn key(&self, span: &Range<usize>) -> String {
         let holds = |place: &Range<usize>| place.start <= span.start && span.end <= place.end;
         let holding = self.0.iter().filter(|(_, place)| holds(place));
-        // Of two of the same length the latter is further down.
+        // If two places have the same length, the longer key is nested more deeply.
         let smallest = holding.min_by_key(|(key, place)| (place.len(), std::cmp::Reverse(key.len())));
         smallest.map_or(String::new(), |(key, _)| key.clone())
     }
@@ -125,7 +126,7 @@ history = [[0, 1], [1, 2]]
             assert_eq!(&TEXT[span.clone()], value, "{key}");
             assert_eq!(places.key(&span), key);
         }
-        // What is not there stands for what holds it.
+        // A missing key has the place of its enclosing table.
         assert_eq!(&TEXT[places.span("mesh.elements")], "[mesh]");
         assert_eq!(&TEXT[places.span("contact[1].obstacle.axis")], "[contact.obstacle]");
         assert_eq!(&TEXT[places.span("load.history")], "[[0, 1], [1, 2]]");

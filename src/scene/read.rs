@@ -1,5 +1,5 @@
-//! From the file as it stands to a scene: which keys belong to which kind of thing. What their values may be is known,
-//! and checked, where they are used.
+//! Conversion of the deserialised tables to a scene. This module checks which keys belong to which kind of table; the
+//! types that use the values check their ranges.
 
 mod action;
 mod bodies;
@@ -20,7 +20,7 @@ use crate::base::units::Units;
 use crate::body::description::Description;
 use bodies::Bodies;
 
-/// The scene of `document`, which was read from `source`.
+/// Converts `document`, which was read from `source`, to a scene.
 pub(super) fn scene(mut document: Document, mut source: Source) -> Result<Scene, SceneError> {
     let Bodies { mesh, element, material, keys } =
         bodies::bodies(&mut document, &source).map_err(|fault| source.located(fault))?;
@@ -42,7 +42,8 @@ pub(super) fn scene(mut document: Document, mut source: Source) -> Result<Scene,
         times: time.all(),
         units: Units::SI,
     };
-    // Before and after the conversion: messages quote the numbers of the scene, but what is too large for the solver shows in SI.
+    // The values are checked before and after the conversion of units: messages quote the numbers of the scene, but
+    // numbers too large for the solver are found only in SI.
     given.check().map_err(at)?;
     let is_further = |t: &f64| given.times.binary_search_by(|end| end.total_cmp(t)).is_err();
     time.kinks = given.ends_at_kinks(&given.times).into_iter().filter(is_further).collect();
@@ -58,7 +59,7 @@ pub(super) fn scene(mut document: Document, mut source: Source) -> Result<Scene,
     Ok(Scene { title, description, time, solver, one_tangent_key, output, source })
 }
 
-/// The things of a list, each read with its key.
+/// Converts each entry of a list with its key.
 fn keyed<T, U>(
     list: &str,
     given: Vec<T>,
@@ -67,12 +68,12 @@ fn keyed<T, U>(
     given.into_iter().enumerate().map(|(k, given)| read(given, &format!("{list}[{k}]"))).collect()
 }
 
-/// The value at `key`, which `whose` needs; otherwise the fault of `kind`, which asks for it.
+/// Returns the value at `key`, which `whose` requires. If it is missing, the error points at `kind`.
 fn needed<T>(key: &str, value: Option<T>, kind: &str, whose: &str) -> Result<T, InputError> {
     value.ok_or_else(|| InputError::new(kind, format!("{whose} needs {key}"), "add the key"))
 }
 
-/// Fails if the `value` at `key` is given, which belongs to another kind of thing than `whose`.
+/// Fails if `value` is given although `key` does not belong to `whose`.
 fn foreign<T>(key: &str, value: Option<&T>, whose: &str) -> Result<(), InputError> {
     value.map_or(Ok(()), |_| Err(InputError::new(key, format!("{whose} has no {key}"), "remove the key")))
 }
@@ -87,7 +88,7 @@ fn time(time: &document::Time) -> Result<Time, InputError> {
     Ok(Time { end, increments: increments as usize, kinks: Vec::new() })
 }
 
-/// The formula at `key`; what is wrong within it is underlined.
+/// Parses the formula at `key`; the error points at the wrong part of the formula.
 fn formula(text: &str, key: String, help: &str, source: &Source) -> Result<Formula, SceneError> {
     Formula::parse(text).map_err(|why| {
         let fault = InputError::new(key, format!("the formula: {why}"), help);

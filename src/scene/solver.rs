@@ -1,4 +1,4 @@
-//! The words of a scene for what solves it.
+//! The names of methods and linear algebra in a scene.
 
 use serde::Deserialize;
 
@@ -14,7 +14,7 @@ pub(super) enum MethodName {
     Events,
 }
 
-/// The name of a set of constants and conventions.
+/// The name of a set of constants and scalings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum Setting {
@@ -23,7 +23,7 @@ pub(super) enum Setting {
     Default,
 }
 
-/// Where the paper's interior point method starts an increment.
+/// The starting point of the paper's interior point method in an increment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum Start {
@@ -56,7 +56,7 @@ impl Start {
 }
 
 impl LinearName {
-    /// The one it stands for, unless that is to be found out.
+    /// Returns the named linear algebra; `None` for `auto`.
     pub(super) fn algebra(self) -> Option<LinearAlgebra> {
         use crate::algebra::linear::{SparseCholesky, SparseLu};
         Some(match self {

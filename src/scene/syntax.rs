@@ -1,4 +1,4 @@
-//! What the TOML reader finds wrong, in the words of a scene's author.
+//! Errors of the TOML reader in the terms of a scene's author.
 
 use std::ops::Range;
 
@@ -6,7 +6,7 @@ use super::SceneError;
 use super::error::Source;
 use super::overrides::LISTS;
 
-/// What the TOML reader calls its types, and what the author of a scene does.
+/// The TOML reader's names of types, and plain words for them.
 const JARGON: [(&str, &str); 7] = [
     ("wanted string or table", "invalid type: expected a word in quotes"),
     ("type: map", "type: table"),
@@ -17,10 +17,10 @@ const JARGON: [(&str, &str); 7] = [
     ("expected struct ", "expected a table: "),
 ];
 
-/// `error` in plain words, at its place.
+/// Translates `error` to plain words and locates it.
 pub(super) fn error(mut error: toml::de::Error, source: &Source) -> SceneError {
     let span = error.span().unwrap_or(0..0);
-    // Without the text the reader adds the key to its message instead of the line, which is named anyway.
+    // Without the text, the reader adds the key to its message instead of the line. The line is named anyway.
     error.set_input(None);
     let mut message = error.to_string().trim().replace('\n', ", ");
     for (jargon, plain) in JARGON {
@@ -41,7 +41,7 @@ fn help(message: &str, source: &Source, span: &Range<usize>) -> String {
     }
     let given = source.text.get(span.clone()).unwrap_or_default();
     let name = given.strip_prefix("[[").and_then(|rest| rest.strip_suffix("]]"));
-    // A list of lists is a value, and no table.
+    // A list of lists is a value, not a table.
     if let Some(name) = name.filter(|name| !name.contains([',', '['])) {
         return format!("write `[{name}]`: there is one only");
     }
@@ -69,7 +69,7 @@ fn help(message: &str, source: &Source, span: &Range<usize>) -> String {
     }
 }
 
-/// The number that `text` is with a comma in place of its point, if it is one.
+/// Returns `text` with a decimal point if it is a number with a decimal comma.
 fn with_a_point(text: &str) -> Option<String> {
     let (whole, rest) = text.split_once(',')?;
     let number = format!("{whole}.{rest}");
@@ -77,14 +77,15 @@ fn with_a_point(text: &str) -> Option<String> {
     (is_number && number.parse::<f64>().is_ok()).then_some(number)
 }
 
-/// The number with a comma that the reader stumbled over at the byte `place` of `text`, written with a point.
+/// Returns the number with a decimal comma at the byte `place` of `text`, where the reader failed, with a decimal
+/// point.
 fn number_with_a_comma(text: &str, place: usize) -> Option<String> {
     let of_a_number = |c: char| c.is_ascii_digit() || matches!(c, ',' | '.' | '+' | '-' | 'e' | 'E');
-    // The reader stops at the comma, or behind it, in an inline table behind the space that follows.
+    // The reader stops at the comma or after it; in an inline table it stops after the following space.
     let place = text.get(..place)?.trim_end().len();
     let (before, after) = text.split_at(place);
     let key = before.trim_end_matches(of_a_number);
     let end = place + (after.len() - after.trim_start_matches(of_a_number).len());
-    // In a list the comma separates two numbers.
+    // In a list, the comma separates two numbers.
     if key.trim_end().ends_with('=') { with_a_point(&text[key.len()..end]) } else { None }
 }

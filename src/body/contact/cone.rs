@@ -2,7 +2,8 @@
 
 use crate::algebra::vector::{across, cross, dot, minus, norm, plus};
 
-/// The points `x` with `r ≤ z tan α`, where `z` is how far `x` lies behind the tip along the axis and `r` how far from it.
+/// The points `x` with `r ≤ z tan α`, where `z` is the distance of `x` from the tip along the axis and `r` its distance
+/// from the axis.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct SolidCone {
     /// The tip, m.
@@ -14,39 +15,39 @@ pub(super) struct SolidCone {
 }
 
 impl SolidCone {
-    /// `z`, and the vector of length `r` from the axis.
+    /// Returns `z` and the vector of length `r` from the axis.
     fn split(&self, from: [f64; 3]) -> (f64, [f64; 3]) {
         (dot(from, self.axis), across(from, self.axis))
     }
 
-    /// The distance (m) from `x` to where a line along the unit vector `n` enters the cone, negative inside; NaN if it does
-    /// not, or leaves it before `x`.
+    /// Returns the distance (m) from `x` to the point where the line along the unit vector `n` enters the cone,
+    /// negative inside; NaN if the line does not enter the cone or leaves it before `x`.
     pub(super) fn along(&self, x: [f64; 3], n: [f64; 3]) -> f64 {
         let cot = 1.0 / self.half_angle.tan();
         let ((z, q), (n_z, n_q)) = (self.split(minus(x, self.apex)), self.split(n));
-        // (z + g n_z)² = cot² |q + g n_q|², that is a g² + 2 b g + c = 0. It holds on a cone behind the tip and on one
-        // before it, which is no part of the obstacle.
+        // (z + g n_z)² = cot² |q + g n_q|², hence a g² + 2 b g + c = 0. The equation holds on the cone behind the tip
+        // and on its mirror image in front, which is not part of the obstacle.
         let a = n_z * n_z - cot * cot * dot(n_q, n_q);
         let b = z * n_z - cot * cot * dot(q, n_q);
         let c = z * z - cot * cot * dot(q, q);
-        // b² - a c without the difference of large numbers.
+        // b² - a c without cancellation.
         let (lean, twist) = (plus(q.map(|q| n_z * q), -z, n_q), cross(q, n_q));
         let root = cot * (dot(lean, lean) - cot * cot * dot(twist, twist)).sqrt();
         let entry = if b > 0.0 { -c / (b + root) } else { (root - b) / a };
-        // A line that leans no more than the surface meets both cones once, the one behind the tip later; another passes
-        // through one of them, and is behind `x` where both ends are.
+        // A line that leans less than the surface meets each of the two cones once, the one behind the tip later. Any
+        // other line crosses one of them twice; that cone is behind `x` if both intersections are.
         let behind = c < 0.0 && b < 0.0;
         let enters = if a > 0.0 { n_z > 0.0 } else { z + entry * n_z > 0.0 && !behind };
         if enters && entry.is_finite() { entry } else { f64::NAN }
     }
 
-    /// Whether `x` (m) is inside.
+    /// Returns `true` if `x` (m) is inside.
     pub(super) fn contains(&self, x: [f64; 3]) -> bool {
         let (z, q) = self.split(minus(x, self.apex));
         norm(q) < z * self.half_angle.tan()
     }
 
-    /// A vector into the cone, at right angles to its surface at `foot`.
+    /// Returns a vector into the cone, normal to its surface at `foot`.
     pub(super) fn inward(&self, foot: [f64; 3]) -> [f64; 3] {
         let (_, q) = self.split(minus(foot, self.apex));
         let r = norm(q);
@@ -54,7 +55,8 @@ impl SolidCone {
         if r > 0.0 { plus(self.axis.map(|c| sin * c), -cos / r, q) } else { self.axis }
     }
 
-    /// The distance (m) from `x` to the nearest point of the surface, negative inside, and the unit vector in which that is.
+    /// Returns the distance (m) from `x` to the nearest point of the surface, negative inside, and the unit vector of
+    /// its direction.
     pub(super) fn nearest(&self, x: [f64; 3]) -> (f64, [f64; 3]) {
         let from = minus(x, self.apex);
         let (z, q) = self.split(from);
@@ -62,7 +64,7 @@ impl SolidCone {
         if r * sin + z * cos >= 0.0 && r > 0.0 {
             return (r * cos - z * sin, self.inward(x));
         }
-        // The tip is nearer than the surface behind it; on the axis inside all sides are as near.
+        // The tip is the nearest point. On the axis inside the cone, all directions are equally near.
         let distance = norm(from);
         if r > 0.0 || z < 0.0 { (distance, from.map(|c| -c / distance)) } else { (-z, self.axis) }
     }
@@ -72,7 +74,7 @@ impl SolidCone {
 mod tests {
     use super::*;
 
-    /// Whatever the direction, the line ends on the surface, and the point before it is outside.
+    /// For every direction the line ends on the surface, and the point before its end is outside.
     #[test]
     fn lines_end_where_they_enter() {
         let cone = SolidCone { apex: [0.1, -0.2, 0.3], axis: [0.0, 0.6, 0.8], half_angle: 0.7 };

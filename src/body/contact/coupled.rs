@@ -7,18 +7,20 @@ use crate::algebra::vector::{across, cross, norm, plus, unit};
 use crate::body::fem::{Dofs, Relative};
 use crate::body::mesh::Mesh;
 
-/// A tangent that is shorter after its projection is almost the normal there.
+/// The least length of a projected tangent; a shorter one is almost parallel to the normal.
 const LEANS: f64 = 0.1;
 
-/// What makes the node of `row` relative to the others in it, see [`Relative`]; glued, it is tied to them.
+/// Returns the relation that makes the displacement of the node of `row` relative to the other nodes of the row, see
+/// [`Relative`]. If `glued`, the node is tied to them.
 pub fn relative(row: &MortarRow, glued: bool) -> Relative {
     let own = row.slave.iter().find(|(node, _)| *node == row.node).map_or(1.0, |(_, c)| *c);
     let beside = row.slave.iter().filter(|(node, _)| *node != row.node).map(|&(node, c)| (node, -c));
     Relative { node: row.node, own, others: beside.chain(row.master.iter().copied()).collect(), tied: glued }
 }
 
-/// The contact nodes of `rows`, those of the pair with this number; `gap` (m) is that of each, and `relative` says which nodes are so
-/// in this pair. Normals are those of the rows; the first tangent is that of an obstacle with the mean of them, turned with the normal.
+/// Creates the contact nodes of the pair `pair` from its `rows`. `gap` (m) is the gap of each row; `relative` marks the
+/// nodes with relative displacements in this pair. Normals are those of the rows; the first tangent is that of an
+/// obstacle with their mean normal, turned with the normal.
 pub fn coupled_nodes(
     mesh: &Mesh,
     dofs: &Dofs,
@@ -64,7 +66,7 @@ pub fn coupled_nodes(
             frame,
             weight: row.weight,
         };
-        // Along what supports hold of this side alone the other side moves past it.
+        // Along directions in which supports hold only this side, the other side moves past it.
         let moves = |n: &[f64; 3]| !row.still.contains(n) && !contact.row(dofs, |_| *n).is_empty();
         let fixed: Vec<[f64; 3]> = dofs.held(row.node).filter(|n| !moves(n)).collect();
         let tangents = tangents(&fixed, &contact.facing);

@@ -1,19 +1,21 @@
-//! Where a line meets a surface of which only the height above it is known.
+//! Intersection of a line with a surface that is given by its height.
 
-/// Steps of the search. Each at least doubles the last one, or halves what is left.
+/// The largest number of steps of the search. Each step at least doubles the previous step or halves the remaining
+/// interval.
 const MOST: usize = 200;
 
-/// A line that closes in on a surface by less than this share of its length lies along it: where they meet is millions of lengths
-/// away, if they do.
+/// A line that approaches a surface by less than this share of its length counts as parallel to it; an intersection
+/// would be millions of lengths away.
 pub(super) const GRAZING: f64 = 1e-6;
 
-/// What rounding leaves of a place on the line, as a share of it.
+/// The relative rounding error of a position on the line.
 const ROUNDING: f64 = 2.0 * f64::EPSILON;
 
-/// How far along a line it meets a surface: where `height`, how far the surface is from a point of the line along its own
-/// direction, goes from positive, before the surface, to negative. `closing` is the cosine of the angle between both
-/// directions, and of several places the one is found to which the steps lead that would end on a level surface. NaN where the
-/// line leads away from the surface, or off it: where the height is NaN.
+/// Returns the distance along a line at which it meets a surface. `height` is the signed distance of the surface from a
+/// point of the line along the surface's own direction: positive before the surface, negative behind it. `closing` is
+/// the cosine of the angle between both directions. Of several intersections the result is the one that the iteration
+/// reaches, whose steps would end on a level surface. NaN if the line leads away from the surface or off it, where the
+/// height is NaN.
 pub(super) fn crossing(height: impl Fn(f64) -> f64, closing: f64) -> f64 {
     let (mut here, mut above) = (0.0, height(0.0));
     if closing <= GRAZING || above.is_nan() {
@@ -31,7 +33,7 @@ pub(super) fn crossing(height: impl Fn(f64) -> f64, closing: f64) -> f64 {
         }
         let there = height(next);
         if there.is_nan() {
-            // Off the surface, which may be met before.
+            // The step left the surface; the line may meet it before.
             (reach, ends) = (0.5 * reach, true);
         } else if there * above <= 0.0 {
             return between(height, (here, above), (next, there));
@@ -43,8 +45,8 @@ pub(super) fn crossing(height: impl Fn(f64) -> f64, closing: f64) -> f64 {
     f64::NAN
 }
 
-/// The zero of `height` between two places with the heights there, of which one is positive and one is not, by the Illinois
-/// method: secants, of which an end that stays counts half.
+/// Finds the zero of `height` between two points with their heights, one positive and one not, by the Illinois method:
+/// secants in which the height of a retained end is halved.
 fn between(height: impl Fn(f64) -> f64, mut one: (f64, f64), mut other: (f64, f64)) -> f64 {
     for _ in 0..MOST {
         if other.1 == 0.0 || (other.0 - one.0).abs() <= ROUNDING * other.0.abs() {

@@ -1,18 +1,18 @@
-//! Tangents that depend on each other.
+//! Linearly dependent tangents.
 //!
-//! Where a support holds a contact node, its row along what is held is made of displacements of the other body alone. Several such nodes in front
-//! of few nodes of the other body have more rows than these have displacements: then sticking at some of them follows from sticking at the
-//! others, and the equations could not tell their forces apart.
+//! If a support holds a contact node, its row along the held direction contains only displacements of the other body.
+//! Several such nodes in front of few nodes of the other body have more rows than these nodes have displacements. Then
+//! sticking at some nodes follows from sticking at others, and the equations do not determine their forces.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::kinematics::{ContactNode, Counterpart, Row};
 use crate::body::fem::Dofs;
 
-/// A row of which elimination leaves less than this share depends on those before.
+/// A row counts as dependent on earlier rows if elimination leaves less than this share of it.
 const INDEPENDENT: f64 = 1e-3;
 
-/// Leaves out the tangents of `contacts` whose rows depend on others; `mu` are the friction coefficients.
+/// Removes the tangents of `contacts` whose rows depend on other rows; `mu` are the friction coefficients.
 pub fn leave_out_dependent(contacts: &mut [ContactNode], mu: &[f64], dofs: &Dofs) {
     let has_too_few = |i: &usize| {
         let contact = &contacts[*i];
@@ -39,7 +39,7 @@ pub fn leave_out_dependent(contacts: &mut [ContactNode], mu: &[f64], dofs: &Dofs
     }
 }
 
-/// Rows in echelon form: none holds the pivots of those before it.
+/// Rows in echelon form: no row contains the pivots of earlier rows.
 #[derive(Default)]
 struct Echelon {
     rows: Vec<(usize, Row)>,
@@ -47,7 +47,7 @@ struct Echelon {
 }
 
 impl Echelon {
-    /// Adds a row; whether it is independent of those before.
+    /// Adds a row; returns `true` if it is independent of the earlier rows.
     fn add(&mut self, row: &Row) -> bool {
         let mut rest: BTreeMap<usize, f64> = row.iter().copied().collect();
         let mut to_do: BTreeSet<usize> = rest.keys().filter_map(|dof| self.of_pivot.get(dof).copied()).collect();

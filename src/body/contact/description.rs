@@ -1,4 +1,4 @@
-//! Rigid obstacles as an input describes them, before they stand in front of a boundary.
+//! Rigid obstacles as input, before they are placed in front of a boundary.
 
 use std::path::PathBuf;
 
@@ -9,31 +9,31 @@ use crate::base::formula::Formula;
 use crate::base::input_error::{InputError, ensure, finite, not_huge, positive};
 use crate::base::timeline::check_points;
 
-/// A rigid obstacle. Vectors have two components for a plane body and three for one in space; directions may have any
+/// A rigid obstacle. Vectors have as many components as the body has dimensions, two or three; directions may have any
 /// length.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Obstacle {
-    /// The shape and the place of the obstacle.
+    /// The shape and the position of the obstacle.
     pub shape: Shape,
-    /// Direction out of the body towards the obstacle; without it, the boundary's mean outward normal.
+    /// Direction out of the body towards the obstacle; default: the boundary's mean outward normal.
     pub normal: Option<Vector>,
-    /// Direction of positive slip, at right angles to a given normal; without it, one that follows from the normal.
+    /// Direction of positive slip, at right angles to a given normal; default: a direction derived from the normal.
     pub tangent: Option<Vector>,
-    /// Along which normals gaps are measured.
+    /// The normals along which gaps are measured.
     pub direction: GapDirection,
-    /// How far it has moved towards the body, against the normal: points `[time (s), distance (m)]` with increasing
-    /// times; linear between, constant outside.
+    /// The motion towards the body, against the normal: points `[time (s), distance (m)]` with increasing times; linear
+    /// between them, constant outside.
     pub approach: Option<Vec<[f64; 2]>>,
-    /// How far it has moved: points of time (s) and displacement (m), as above.
+    /// The translation: points of time (s) and displacement (m), interpolated like `approach`.
     pub translation: Option<Vec<(f64, Vector)>>,
-    /// The rotation of the obstacle, if it turns.
+    /// The rotation, if any.
     pub rotation: Option<Rotation>,
 }
 
-/// A rotation about an axis that stands still.
+/// A rotation about a fixed axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rotation {
-    /// Direction of the axis; without it, along z.
+    /// Direction of the axis; default: z.
     pub axis: Option<Vector>,
     /// A point of the axis, m.
     pub through: Vector,
@@ -41,29 +41,29 @@ pub struct Rotation {
     pub history: Vec<[f64; 2]>,
 }
 
-/// Along which normals the gaps of an obstacle are measured.
+/// The normals along which the gaps of an obstacle are measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum GapDirection {
     /// Along one normal for the whole boundary.
     #[default]
     Normal,
-    /// Along a normal of each node, to the nearest point of the obstacle.
+    /// Along an individual normal of each node, to the nearest point of the obstacle.
     Nearest,
 }
 
-/// Where a round obstacle is.
+/// The position of a round obstacle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Place {
-    /// A point of its surface, m: of a cylinder or a sphere the one nearest to the body, of a bore or a socket the one that the
-    /// normal points to from the axis or centre.
+    /// A point of its surface, m. For a cylinder or a sphere, the point nearest to the body; for a bore or a socket,
+    /// the point in the direction of the normal from the axis or centre.
     Apex(Vector),
     /// Its centre, or a point of its axis, m.
     Center(Vector),
 }
 
 impl Place {
-    /// The point, and the key that it stands at.
+    /// Returns the point and its key.
     fn point(self) -> (&'static str, Vector) {
         match self {
             Place::Apex(point) => ("apex", point),
@@ -71,7 +71,7 @@ impl Place {
         }
     }
 
-    /// The same with another point.
+    /// Returns the position with its point changed by `change`.
     pub(crate) fn map(self, change: impl FnOnce(Vector) -> Vector) -> Self {
         match self {
             Place::Apex(point) => Place::Apex(change(point)),
@@ -79,7 +79,8 @@ impl Place {
         }
     }
 
-    /// The apex (m) of a round obstacle of this radius (m), negative with the body in it, that is seen along the unit vector `normal`.
+    /// Returns the apex (m) of a round obstacle that is seen along the unit vector `normal`. `radius` (m) is negative
+    /// if the body is inside.
     pub(super) fn apex(self, radius: f64, normal: [f64; 3]) -> [f64; 3] {
         match self {
             Place::Apex(apex) => apex.components(),
@@ -96,7 +97,7 @@ pub enum Shape {
         /// Distance to the nearest point of the boundary, m; negative for interference.
         gap: f64,
     },
-    /// A plane at right angles to the normal, by a point of it.
+    /// A plane at right angles to the normal, given by one of its points.
     PlaneThrough {
         /// The point, m.
         through: Vector,
@@ -105,32 +106,32 @@ pub enum Shape {
     Cylinder {
         /// Radius, m.
         radius: f64,
-        /// Where it is.
+        /// The position.
         place: Place,
-        /// Direction of its axis; in two dimensions that is z.
+        /// Direction of its axis; z in two dimensions.
         axis: Option<Vector>,
     },
     /// A sphere.
     Sphere {
         /// Radius, m.
         radius: f64,
-        /// Where it is.
+        /// The position.
         place: Place,
     },
-    /// A cylinder with the body in it, as a shaft in its bore.
+    /// A cylinder that surrounds the body, such as the bore around a shaft.
     Bore {
         /// Radius, m.
         radius: f64,
-        /// Where it is.
+        /// The position.
         place: Place,
-        /// Direction of its axis; in two dimensions that is z.
+        /// Direction of its axis; z in two dimensions.
         axis: Option<Vector>,
     },
-    /// A sphere with the body in it, as a ball in its socket.
+    /// A sphere that surrounds the body, such as the socket around a ball.
     Socket {
         /// Radius, m.
         radius: f64,
-        /// Where it is.
+        /// The position.
         place: Place,
     },
     /// A circular cone with its tip towards the body.
@@ -139,19 +140,19 @@ pub enum Shape {
         apex: Vector,
         /// The angle between its axis and its surface, rad, between 0 and π/2.
         half_angle: f64,
-        /// Direction of its axis, from the tip into the cone; without it, the normal.
+        /// Direction of its axis, from the tip into the cone; default: the normal.
         axis: Option<Vector>,
     },
     /// Two planes that meet in a ridge.
     Wedge {
         /// A point of the ridge, m.
         apex: Vector,
-        /// How far each plane leans away from the body, rad, between 0 and π/2.
+        /// The angle by which each plane leans away from the body, rad, between 0 and π/2.
         angle: f64,
-        /// Direction of the ridge; in two dimensions that is z.
+        /// Direction of the ridge; z in two dimensions.
         axis: Option<Vector>,
     },
-    /// Gaps (m) by a formula of the position of the node.
+    /// Gaps (m) given by a formula of the position of the node.
     Formula(Formula),
     /// Gaps from a CSV file.
     Table {
@@ -160,7 +161,7 @@ pub enum Shape {
         /// The length of the file's unit, m.
         scale: f64,
     },
-    /// A surface of triangles, seen counterclockwise by the body: an STL file, or the faces of a Gmsh file.
+    /// A surface of triangles, counterclockwise as seen from the body: an STL file, or the faces of a Gmsh file.
     Surface {
         /// The file.
         file: PathBuf,
@@ -176,7 +177,7 @@ impl From<Obstacle> for Vec<Obstacle> {
 }
 
 impl Obstacle {
-    /// An obstacle that faces the boundary and stands still.
+    /// Creates an obstacle that faces the boundary and does not move.
     pub fn at_rest(shape: Shape) -> Self {
         Obstacle {
             shape,
@@ -189,21 +190,21 @@ impl Obstacle {
         }
     }
 
-    /// A plane at the distance `gap` (m) from the nearest point of the boundary.
+    /// Creates a plane at the distance `gap` (m) from the nearest point of the boundary.
     pub fn plane(gap: f64) -> Self {
         Self::at_rest(Shape::Plane { gap })
     }
 
-    /// The same obstacle moving towards the body: points `[time (s), distance (m)]`.
+    /// Sets the motion towards the body: points `[time (s), distance (m)]`.
     #[must_use]
     pub fn approaching(self, history: &[[f64; 2]]) -> Self {
         Obstacle { approach: Some(history.to_vec()), ..self }
     }
 
-    /// Whether all values are possible and none contradicts another.
+    /// Checks that all values are valid and consistent.
     ///
     /// # Errors
-    /// [`InputError`] of the key that is wrong, as it stands under `obstacle`.
+    /// [`InputError`] with the key of the wrong value, relative to `obstacle`.
     pub fn check(&self) -> Result<(), InputError> {
         self.shape.check()?;
         let normal = self.normal.map(|normal| direction("normal", normal)).transpose()?;
@@ -235,7 +236,7 @@ impl Obstacle {
             .map_or(Ok(()), |rotation| rotation.check().map_err(|fault| fault.with_key("motion.rotation")))
     }
 
-    /// The points `[time (s), x, y, z (m)]` of the translation; none if there is none.
+    /// Returns the points `[time (s), x, y, z (m)]` of the translation; empty without one.
     pub fn path(&self) -> Vec<[f64; 4]> {
         let point = |(t, to): &(f64, Vector)| {
             let [x, y, z] = to.components();
@@ -244,7 +245,7 @@ impl Obstacle {
         self.translation.iter().flatten().map(point).collect()
     }
 
-    /// The first of its vectors that is given with two components, as only suits a plane body.
+    /// Returns the name of the first vector with two components, which is valid only for a plane body.
     pub(super) fn plane_vector(&self) -> Option<&'static str> {
         let (point, axis) = self.shape.stands();
         let (name, point) = point.map_or(("", None), |(name, point)| (name, Some(point)));
@@ -263,11 +264,11 @@ impl Obstacle {
     }
 }
 
-/// How far an angle may be from a right one: what rounding leaves of vectors given with a few digits.
+/// The tolerance of right angles, for the rounding of vectors given with a few digits.
 pub(super) const SKEW: f64 = 1e-9;
 
 impl Shape {
-    /// The point by which it is given where it stands, with its key, and the direction of its axis.
+    /// Returns the point that gives the position, with its key, and the direction of the axis.
     pub(super) fn stands(&self) -> (Option<(&'static str, Vector)>, Option<Vector>) {
         match *self {
             Shape::PlaneThrough { through } => (Some(("through", through)), None),
@@ -325,7 +326,7 @@ fn point(key: &str, value: Vector) -> Result<(), InputError> {
     not_huge(key, value.components())
 }
 
-/// The unit vector along `value`.
+/// Returns the unit vector along `value`.
 fn direction(key: &str, value: Vector) -> Result<[f64; 3], InputError> {
     point(key, value)?;
     let length = norm(value.components());

@@ -1,14 +1,14 @@
-//! Coulomb's coefficient, as an input describes it.
+//! Coulomb's friction coefficient as input.
 
 use crate::base::formula::Formula;
 use crate::base::input_error::{InputError, ensure, finite};
 
-/// Coulomb's coefficient `μ ≥ 0` on a boundary.
+/// Coulomb's friction coefficient `μ ≥ 0` on a boundary.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Friction {
-    /// The same everywhere.
+    /// A uniform coefficient.
     Uniform(f64),
-    /// By a formula of the position of the node before the deformation.
+    /// A formula of the position of the node in the undeformed body.
     Formula(Formula),
 }
 
@@ -25,10 +25,10 @@ impl From<Formula> for Friction {
 }
 
 impl Friction {
-    /// Whether its value is possible, as far as that is known without the positions of nodes.
+    /// Checks the value as far as possible without the positions of nodes.
     ///
     /// # Errors
-    /// [`InputError`] of `friction`.
+    /// [`InputError`] with the key `friction`.
     pub fn check(&self) -> Result<(), InputError> {
         match *self {
             Friction::Uniform(coefficient) => {
@@ -40,7 +40,7 @@ impl Friction {
         }
     }
 
-    /// The coefficient at `x` (m).
+    /// Returns the coefficient at `x` (m).
     pub fn at(&self, x: [f64; 3]) -> f64 {
         match self {
             Friction::Uniform(coefficient) => *coefficient,

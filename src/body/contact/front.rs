@@ -1,4 +1,4 @@
-//! Which obstacle each node of a boundary meets, and which nodes no obstacle ever reaches.
+//! Assignment of the nodes of a boundary to obstacles; nodes that no obstacle ever reaches are left out.
 
 use std::collections::HashMap;
 
@@ -14,40 +14,43 @@ pub struct Meeting {
     pub node: usize,
     /// The number of the obstacle among those in front of the boundary.
     pub obstacle: usize,
-    /// What the node sees of it.
+    /// The obstacle as seen from the node.
     pub facing: Facing,
-    /// The obstacles that press the node along the same normal. The node meets whichever is nearest at the time.
+    /// The other obstacles that press the node along the same normal. The node meets the nearest one at each time.
     pub others: Vec<usize>,
 }
 
-/// A node whose distance from an obstacle nobody can tell, at the beginning or later.
+/// A node with an undefined distance from an obstacle, at the beginning or later.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unclear {
     /// The number of the node in the mesh.
     pub node: usize,
     /// The number of the obstacle.
     pub obstacle: usize,
-    /// When, s, where the obstacle moves.
+    /// The time, s, if the obstacle moves.
     pub time: Option<f64>,
-    /// Why, in words, and what helps.
+    /// The reason and the correction, in words.
     pub why: (&'static str, &'static str),
 }
 
-/// A normal counts as pointing out of the body if it leans to the node's by less than a right angle, but for rounding.
+/// A normal counts as pointing out of the body if its cosine with the node's normal exceeds this tolerance for
+/// rounding.
 const ALONG: f64 = 1e-9;
 
-/// A distance that is shorter by less, as a share of the size of the boundary, is shorter by rounding.
+/// A distance counts as shorter only if the difference exceeds this share of the size of the boundary; smaller
+/// differences are rounding.
 const ROUNDING: f64 = 1e-12;
 
 impl Meeting {
-    /// The obstacle that is nearest to the node at `x` (m) at time `t` (s), and the gap, m.
+    /// Returns the obstacle that is nearest to the node at `x` (m) at time `t` (s), and the gap, m.
     pub fn nearest(&self, obstacles: &[(PlacedObstacle, ObstacleMotion)], x: [f64; 3], t: f64) -> (usize, f64) {
         nearest(obstacles, (self.obstacle, &self.facing), &self.others, x, t)
     }
 }
 
-/// The obstacle that is nearest to a node at `x` (m) at time `t` (s), and the gap, m: the one that it `met` first, unless one of
-/// the `others` is nearer. An obstacle that is not in front of the node is as far as the boundary is long.
+/// Returns the obstacle that is nearest to a node at `x` (m) at time `t` (s), and the gap, m. The result is the
+/// obstacle `met` first, unless one of the `others` is nearer. If an obstacle is not in front of the node, its gap is
+/// the size of the boundary.
 pub fn nearest(
     obstacles: &[(PlacedObstacle, ObstacleMotion)],
     (met, facing): (usize, &Facing),
@@ -66,21 +69,22 @@ pub fn nearest(
     })
 }
 
-/// The nodes of `boundary` that some obstacle of `obstacles` reaches between 0 and the end, each with the one that it meets: of
-/// those to which it shows its outside the one that is nearest when the history begins. A node that none reaches then meets the
-/// one that comes nearest at `times` (s) or where a motion has a kink. Of obstacles with one normal a node meets the nearest at
-/// each time. Nodes that no obstacle ever reaches are left out: they stay open.
+/// Returns the nodes of `boundary` that an obstacle of `obstacles` reaches between 0 and the end, each with the
+/// obstacle that it meets. Among the obstacles that the node's outside faces, this is the nearest at the beginning of
+/// the history. If none reaches the node then, it is the one that comes nearest at `times` (s) or at a kink of a
+/// motion. Among obstacles with the same normal, a node meets the nearest at each time. Nodes that no obstacle ever
+/// reaches are left out; they stay open.
 ///
 /// # Errors
-/// A node that no obstacle reaches, but of which one cannot tell that it never does, and one inside an obstacle that has turned
-/// its back to it.
+/// A node that no obstacle reaches and whose distance from one is undefined, or a node inside an obstacle that has
+/// turned its back to it or moved over it.
 pub fn meetings(
     mesh: &Mesh,
     boundary: &Boundary,
     obstacles: &[(PlacedObstacle, ObstacleMotion)],
     times: &[f64],
 ) -> Result<Vec<Meeting>, Unclear> {
-    // One obstacle has to be in front of all of the boundary, which is checked facet by facet.
+    // A single obstacle must be in front of the whole boundary, which is checked facet by facet.
     let outsides = if obstacles.len() > 1 { outsides(mesh, boundary) } else { HashMap::new() };
     let mut met = Vec::new();
     for node in boundary.nodes() {
@@ -134,7 +138,7 @@ pub fn meetings(
     Ok(met)
 }
 
-/// For each node of `boundary` the sum of the area vectors of its facets.
+/// Returns the sum of the area vectors of the facets at each node of `boundary`.
 pub(crate) fn outsides(mesh: &Mesh, boundary: &Boundary) -> HashMap<usize, [f64; 3]> {
     let mut sums: HashMap<usize, [f64; 3]> = HashMap::new();
     for facet in &boundary.facets {

@@ -1,11 +1,11 @@
-//! Gaps from a table: a CSV file with one or two coordinates and the gap.
+//! Gaps from a CSV table with one or two coordinates and the gap.
 
 use std::io;
 use std::path::Path;
 
 use crate::base::input_error::not_huge;
 
-/// Gaps (m) at the points of a line or of a rectangular grid.
+/// A table of gaps (m) at the points of a line or of a rectangular grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GapTable {
     /// The file, for messages.
@@ -14,11 +14,11 @@ pub struct GapTable {
     coordinates: Vec<usize>,
     /// Increasing values of each coordinate, m.
     knots: Vec<Vec<f64>>,
-    /// Gaps, m; the last coordinate runs fastest.
+    /// Gaps, m; the last coordinate varies fastest.
     gaps: Vec<f64>,
 }
 
-/// Why a table was refused.
+/// The error of a table that cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum TableError {
     /// The file cannot be read.
@@ -26,10 +26,10 @@ pub enum TableError {
     Io {
         /// The file.
         file: String,
-        /// What the system said.
+        /// The error of the operating system.
         error: io::Error,
     },
-    /// The header of the file is not that of such a table.
+    /// The header of the file is invalid.
     #[error("{file}:1: the header is `{header}`, but one or two of x, y, z and then gap are needed, as in `x,gap`")]
     Header {
         /// The file.
@@ -37,7 +37,7 @@ pub enum TableError {
         /// The header it has.
         header: String,
     },
-    /// A line is not as many numbers as the header has names.
+    /// The count of numbers in a line differs from that of the names in the header.
     #[error("{file}:{line}: {columns} finite numbers expected, separated by commas, none beyond 1e50")]
     Line {
         /// The file.
@@ -47,26 +47,26 @@ pub enum TableError {
         /// The number of columns.
         columns: usize,
     },
-    /// Points are missing, or there twice.
+    /// Points of the grid are missing or repeated.
     #[error(
         "{file}: {points} points are not every point of a grid of {grid}, each once, with two values of each coordinate at least"
     )]
     Grid {
         /// The file.
         file: String,
-        /// The number of lines of numbers.
+        /// The number of points.
         points: usize,
-        /// The numbers of values of each coordinate.
+        /// The number of different values of each coordinate.
         grid: String,
     },
 }
 
 impl GapTable {
-    /// Reads the CSV file at `path`: a header such as `x,gap` or `x,y,gap`, then lines of numbers in a unit of `scale` m, in
-    /// any order.
+    /// Reads the CSV file at `path`: a header such as `x,gap` or `x,y,gap`, then lines of numbers in a unit of `scale`
+    /// m, in any order.
     ///
     /// # Errors
-    /// When it cannot be read, or is not every point of a line or grid once.
+    /// If the file cannot be read, or does not contain every point of a line or grid exactly once.
     pub fn read(path: &Path, scale: f64) -> Result<Self, TableError> {
         let file = path.display().to_string();
         let text = crate::base::input::text(path).map_err(|error| TableError::Io { file: file.clone(), error })?;
@@ -75,7 +75,7 @@ impl GapTable {
         Ok(GapTable { file, coordinates, knots, gaps })
     }
 
-    /// Reads a table in m from `text`; `file` stands for the file in messages.
+    /// Reads a table in m from `text`; messages name it `file`.
     ///
     /// # Errors
     /// As [`GapTable::read`].
@@ -93,7 +93,7 @@ impl GapTable {
         let mut rows: Vec<Vec<f64>> = Vec::new();
         for (k, line) in lines {
             let row: Option<Vec<f64>> = line.split(',').map(|word| word.trim().parse().ok()).collect();
-            // + 0.0 turns -0 into 0, which is the same place.
+            // + 0.0 turns -0 into 0, which is the same position.
             let row = row.map(|row| row.into_iter().map(|x| x + 0.0).collect::<Vec<_>>());
             match row.filter(|row| {
                 row.len() == names.len()
@@ -129,22 +129,22 @@ impl GapTable {
         Ok(GapTable { file, coordinates, knots, gaps })
     }
 
-    /// The gap (m) at `x`: linear between the points of a line, bilinear between those of a grid; NaN
+    /// Returns the gap (m) at `x`: linear between the points of a line, bilinear between the points of a grid, NaN
     /// outside.
     pub fn at(&self, x: [f64; 3]) -> f64 {
         let place = |c: usize| -> Option<(usize, f64)> {
             let (knots, x) = (&self.knots[c], x[self.coordinates[c]]);
-            // A node on the rim may miss it by a rounding error of its coordinates.
+            // A node on the rim may lie outside by a rounding error of its coordinates.
             let slack = 1e-9 * (knots[knots.len() - 1] - knots[0]);
             if !(knots[0] - slack..=knots[knots.len() - 1] + slack).contains(&x) {
                 return None;
             }
-            // The slack may be longer than the first stretch: a line drawn on from there would lead anywhere.
+            // The slack may be longer than the first interval, so that extrapolation could give any value.
             let x = x.clamp(knots[0], knots[knots.len() - 1]);
             let k = knots.partition_point(|knot| *knot <= x).clamp(1, knots.len() - 1) - 1;
             Some((k, (x - knots[k]) / (knots[k + 1] - knots[k])))
         };
-        // Exact at both ends.
+        // The interpolation is exact at both ends.
         let between = |a: f64, b: f64, s: f64| if s < 1.0 { a + s * (b - a) } else { b };
         let places: Option<Vec<(usize, f64)>> = (0..self.knots.len()).map(place).collect();
         match places.as_deref() {
@@ -174,7 +174,7 @@ mod tests {
         assert_eq!(grid.at([1.0, 7.0, 0.5]), 2.5);
     }
 
-    /// However short the first stretch is beside the whole.
+    /// The first interval is much shorter than the table.
     #[test]
     fn the_rim_has_the_gap_of_its_end() {
         let table = GapTable::parse("line", "x,gap\n0,0.5\n1e-9,0.25\n1,0.125\n").unwrap();

@@ -1,4 +1,4 @@
-//! Holes of a surface of triangles that are in front of a boundary.
+//! Holes of a surface of triangles in front of a boundary.
 
 use super::motion::ObstacleMotion;
 use super::obstacle::PlacedObstacle;
@@ -7,8 +7,9 @@ use super::triangles::Hole;
 use crate::algebra::vector::{dot, minus, plus};
 use crate::body::mesh::{Boundary, Mesh};
 
-/// The holes of `obstacle`, where that is a surface of triangles, that come in front of `boundary` at 0 or at `times` (s), when the
-/// obstacle moves by `motion`. Holes that another part of the surface hides from the boundary are left out.
+/// Returns the holes of `obstacle`, if that is a surface of triangles, that are in front of `boundary` at 0 or at
+/// `times` (s) as the obstacle moves by `motion`. Holes that another part of the surface hides from the boundary are
+/// left out.
 pub fn holes_in_front_of(
     mesh: &Mesh,
     boundary: &Boundary,

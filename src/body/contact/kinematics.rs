@@ -1,17 +1,19 @@
 //! The contact nodes of a boundary: gaps, weights, and rows of `C_n`, `C_t` and `C_o` (2).
 //!
-//! On a facet of second order the shape function of a corner is negative over most of the facet, so that its force says nothing about
-//! the sign of the pressure: under a flat punch all inner corners would open. There the law is asked of Bernstein's polynomials
-//! ([`bernstein`]), which are nowhere negative: `p̃_i = ∫ Ñ_i σ dA`. The displacements that these forces work on are
+//! On a facet of second order the shape function of a corner is negative over most of the facet, so that the sign of
+//! its force does not give the sign of the pressure: under a flat punch all inner corners would open. On such facets
+//! the law applies to forces weighted by Bernstein polynomials ([`bernstein`]), which are nowhere negative:
+//! `p̃_i = ∫ Ñ_i σ dA`. The displacements conjugate to these forces are
 //!
 //! ```text
 //! w̃_a = w_a                     at corners,
 //! w̃_m = 2 w_m - ½ (w_a + w_b)   at the node m between the corners a and b,
 //! ```
 //!
-//! each along the normal, or the tangent, of its own node, and so are gaps `g̃` and what the obstacle slips past. `w̃ ≤ g̃` keeps every node
-//! out of the obstacle, and in front of a plane the whole of a straight facet. Where normals turn along the edge, those of m for all three
-//! would take the height of the arc between them, as a share of a displacement, for a gap.
+//! each along the normal or the tangent of its own node; gaps `g̃` and tangential motions of the obstacle are formed in
+//! the same way. `w̃ ≤ g̃` keeps every node out of the obstacle; in front of a plane it keeps a whole straight facet
+//! out. If normals turn along the edge, the normal of m for all three nodes would count a share of a displacement, the
+//! height of the arc between them, as a gap.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -23,77 +25,83 @@ use crate::algebra::vector::{cross, dot, plus, unit};
 use crate::body::fem::{Dofs, bernstein, facet_weights, merged};
 use crate::body::mesh::{Boundary, Mesh};
 
-/// A normal that is turned round but for as much, by its cosine plus 1.
+/// Two normals count as opposite if their cosine plus 1 is at most this.
 const TURNED_BACK: f64 = 1e-9;
 
 /// A row of a contact map, `w = Σ coefficient · u[dof]`, as pairs `(dof, coefficient)`.
 pub type Row = Vec<(usize, f64)>;
 
-/// A node that can touch an obstacle.
+/// A node that can touch an obstacle or another body.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactNode {
     /// The number of the node in the mesh.
     pub node: usize,
     /// The position of the node, m.
     pub position: [f64; 3],
-    /// The ends of the edge in the middle of which the node is, on a boundary of second order.
+    /// The ends of the edge, if the node is between corners of a boundary of second order.
     pub ends: Option<[End; 2]>,
     /// The row of `C_n`.
     pub normal: Row,
-    /// The rows of `C_t` and `C_o`, along orthonormal tangents. A row is empty where there is no such
-    /// direction to slide in: the first before the second never.
+    /// The rows of `C_t` and `C_o`, along orthonormal tangents. A row is empty if the node cannot slide in its
+    /// direction; the first row is empty only if the second is.
     pub tangents: [Row; 2],
-    /// What it is in front of.
+    /// The opposite side.
     pub counterpart: Counterpart,
-    /// The obstacles that press the node along the same normal, by their numbers: it meets whichever is nearest at the time.
+    /// The numbers of the other obstacles that press the node along the same normal; the node meets the nearest at each
+    /// time.
     pub others: Vec<usize>,
-    /// What the node sees of the obstacle, or of the other body; the tangents are those of `C_t` and `C_o`, 0 where there is none.
+    /// The obstacle or the other body as seen from the node; the tangents are those of `C_t` and `C_o`, 0 for a missing
+    /// one.
     pub facing: Facing,
-    /// The obstacle's own tangents, along which results are told: they are the same for all nodes in front of a plane.
+    /// The tangents of the obstacle, which are the axes of the results; they are equal for all nodes in front of a
+    /// plane.
     pub frame: [[f64; 3]; 2],
-    /// The share of the node in the contact boundaries, `∫ N dA`: m in two dimensions (the trapezoidal rule), m² in three, and of a
-    /// body of revolution all around; on boundaries of second order `∫ Ñ dA`.
+    /// The share of the node in the contact boundaries, `∫ N dA`: m in two dimensions (trapezoidal rule), m² in three
+    /// dimensions and for a body of revolution (full circumference); on boundaries of second order `∫ Ñ dA`.
     pub weight: f64,
 }
 
-/// What a contact node is in front of.
+/// The opposite side of a contact node.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Counterpart {
-    /// An obstacle, by its number.
+    /// The number of an obstacle.
     Obstacle(usize),
     /// The boundary of a body.
     Boundary(Coupled),
 }
 
-/// How the nodes of two boundaries make up the rows of a contact node.
+/// The rows of a contact node of a pair of boundaries, in terms of the nodes of both.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Coupled {
     /// The number of the pair of boundaries.
     pub pair: usize,
-    /// Whether its displacement is an unknown of its own, see [`crate::body::fem::Relative`].
+    /// `true` if its relative displacement is an unknown, see [`crate::body::fem::Relative`].
     pub relative: bool,
-    /// Whether it does without a tangent that depends on those of other nodes, see [`super::leave_out_dependent`].
+    /// `true` if a tangent was removed because it depends on tangents of other nodes, see
+    /// [`super::leave_out_dependent`].
     pub tangent_left_out: bool,
-    /// Whether it is beyond the end of the other side, see [`super::MortarRow::is_beyond_the_end`].
+    /// `true` if the node is beyond the end of the other side, see [`super::MortarRow::is_beyond_the_end`].
     pub beyond_the_end: bool,
-    /// By how much the gap is smaller between the curved surfaces that facets stand for, m; see [`super::MortarRow::bulge`].
+    /// The reduction of the gap between the curved surfaces that the facets approximate, m; see
+    /// [`super::MortarRow::bulge`].
     pub bulge: f64,
-    /// Orthonormal directions along which supports let neither side move.
+    /// Orthonormal directions in which supports fix both sides.
     pub still: Vec<[f64; 3]>,
-    /// The nodes of its own side in its rows, with their positions (m) and coefficients, which add up to 1.
+    /// The nodes of its own side in its rows, with positions (m) and coefficients; the coefficients add up to 1.
     pub slave: Vec<(usize, [f64; 3], f64)>,
-    /// Those of the other side; their coefficients add up to -1.
+    /// The nodes of the other side in its rows; their coefficients add up to -1.
     pub master: Vec<(usize, [f64; 3], f64)>,
 }
 
-/// A corner at the end of the edge of a contact node.
+/// A corner at an end of the edge of a contact node.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct End {
     /// The number of the corner in the mesh.
     pub node: usize,
     /// Its position, m.
     pub position: [f64; 3],
-    /// What it sees of the obstacle of the contact node; its tangents are those of the contact node, turned with the normal.
+    /// The obstacle of the contact node as seen from the corner; the tangents are those of the contact node, turned
+    /// with the normal.
     pub facing: Facing,
 }
 
@@ -106,9 +114,9 @@ pub struct Term {
     pub node: usize,
     /// Its position, m.
     pub position: [f64; 3],
-    /// What it sees of the obstacle, with tangents as [`End`] has them.
+    /// The obstacle as seen from the node, with tangents as in [`End`].
     pub facing: Facing,
-    /// Whether it is of the body that the contact node is in front of.
+    /// `true` if the node belongs to the opposite side.
     pub opposite: bool,
 }
 
@@ -119,28 +127,30 @@ pub struct ContactBoundary {
     pub name: String,
     /// The number of its contact in the description.
     pub contact: usize,
-    /// The nodes of the boundary among all contact nodes, in its order. A node may be of several boundaries.
+    /// The numbers of its contact nodes among all contact nodes, in the order of the boundary. A node may belong to
+    /// several boundaries.
     pub nodes: Vec<usize>,
-    /// The share of each node in this boundary, as [`ContactNode::weight`], m or m².
+    /// The share of each node in this boundary, like [`ContactNode::weight`], m or m².
     pub weights: Vec<f64>,
-    /// How many of its nodes no obstacle ever reaches.
+    /// The number of its nodes that no obstacle ever reaches.
     pub beyond: usize,
-    /// The obstacles in front of it among all; none in front of another boundary.
+    /// The numbers of its obstacles among all obstacles; empty in front of another boundary.
     pub obstacles: Range<usize>,
-    /// The pair of which it is the slave, if it is in front of another boundary.
+    /// The number of the pair of which it is the slave, if it is in front of another boundary.
     pub pair: Option<usize>,
 }
 
 impl ContactBoundary {
-    /// The nodes of the boundary among all contact nodes, and what part of the forces on each of `contacts` is that of this
-    /// boundary: 1, or by its share in a node that is of several.
+    /// Returns the contact nodes of the boundary and the part of each node's force that acts on this boundary: 1, or
+    /// the share of the boundary in a node of several boundaries.
     pub fn parts<'a>(&'a self, contacts: &'a [ContactNode]) -> impl Iterator<Item = (usize, f64)> + Clone + 'a {
         self.nodes.iter().zip(&self.weights).map(|(&i, weight)| (i, weight / contacts[i].weight))
     }
 }
 
-/// The contact nodes of `met`, nodes of `boundary` in front of obstacles. A node that supports hold along the normal carries no
-/// contact force and is left out; what supports hold of the ends of its edge is left out of its rows.
+/// Creates the contact nodes of `met`, nodes of `boundary` in front of obstacles. A node that supports hold along the
+/// normal carries no contact force and is left out. Held displacements of the ends of its edge are left out of its
+/// rows.
 pub fn contact_nodes(
     mesh: &Mesh,
     dofs: &Dofs,
@@ -186,31 +196,31 @@ pub fn contact_nodes(
         .collect()
 }
 
-/// The tangents of `facing` after the least turn that takes its normal to that of `seen`.
+/// Returns the tangents of `facing` after the smallest rotation that takes its normal to the normal of `seen`.
 fn turned(facing: &Facing, seen: &Facing) -> [[f64; 3]; 2] {
     let between = plus(facing.normal, 1.0, seen.normal);
     let size = dot(between, seen.normal);
-    // Of normals against each other, at the edge of a sheet, no turn is the least.
+    // Between opposite normals, at the edge of a sheet, there is no smallest rotation.
     if facing.normal == seen.normal || size <= TURNED_BACK {
         return facing.tangents;
     }
     facing.tangents.map(|tangent| plus(tangent, -dot(tangent, seen.normal) / size, between))
 }
 
-/// The row of a displacement of `node` along `direction`.
+/// Returns the row of the displacement of `node` along `direction`.
 fn row(dofs: &Dofs, node: usize, direction: [f64; 3]) -> Row {
     dofs.along(node, direction).filter(|&(_, c)| c != 0.0).collect()
 }
 
 impl ContactNode {
-    /// The same with the rows of `C_n`, `C_t` and `C_o` that follow from the rest.
+    /// Computes the rows of `C_n`, `C_t` and `C_o` from the other fields.
     pub(super) fn with_rows(self, dofs: &Dofs) -> Self {
         let normal = self.row(dofs, |facing| facing.normal);
         let tangents = [0, 1].map(|k| self.row(dofs, |facing| facing.tangents[k]));
         ContactNode { normal, tangents, ..self }
     }
 
-    /// The number of the obstacle that it meets at first, if it is in front of one.
+    /// Returns the number of the obstacle that it meets first, if it is in front of one.
     pub fn obstacle(&self) -> Option<usize> {
         match self.counterpart {
             Counterpart::Obstacle(k) => Some(k),
@@ -218,7 +228,7 @@ impl ContactNode {
         }
     }
 
-    /// How it is coupled to the nodes of another boundary, if it is in front of one.
+    /// Returns the coupling to another boundary, if it is in front of one.
     pub fn coupled(&self) -> Option<&Coupled> {
         match &self.counterpart {
             Counterpart::Obstacle(_) => None,
@@ -226,7 +236,8 @@ impl ContactNode {
         }
     }
 
-    /// The nodes in its rows: in front of an obstacle itself, and the ends of its edge if it is between corners.
+    /// Returns the nodes in its rows. In front of an obstacle, these are the node itself and, if it is between corners,
+    /// the ends of its edge.
     pub fn terms(&self) -> impl Iterator<Item = Term> + '_ {
         let own = if self.ends.is_some() { 2.0 } else { 1.0 };
         let term = |coefficient, node, position, facing| Term { coefficient, node, position, facing, opposite: false };
@@ -244,13 +255,13 @@ impl ContactNode {
         alone.chain(coupled.into_iter().flat_map(both))
     }
 
-    /// `Σ coefficient · value` over the nodes in its rows.
+    /// Computes `Σ coefficient · value` over the nodes in its rows.
     pub fn sum(&self, value: impl Fn(&Term) -> f64) -> f64 {
         self.terms().map(|term| term.coefficient * value(&term)).sum()
     }
 
-    /// The gap of its rows (m) where its nodes are at these distances (m) from `obstacle`. Where that is not in front of all of them
-    /// the gap counts as linear along the edge, so that it is that of the node itself.
+    /// Computes the gap of its rows (m) from the distances (m) of its nodes from `obstacle`. If the obstacle is not in
+    /// front of all of them, the gap is taken to be linear along the edge, and the result is that of the node itself.
     pub fn gap(&self, obstacle: &PlacedObstacle, distances: &[f64]) -> f64 {
         match self.ends {
             Some(_) if obstacle.is_in_front_of_all(distances) => {
@@ -260,12 +271,12 @@ impl ContactNode {
         }
     }
 
-    /// The gap of its rows in front of `obstacle` at rest, m.
+    /// Computes the gap of its rows in front of `obstacle` at rest, m.
     pub fn gap_at_rest(&self, obstacle: &PlacedObstacle) -> f64 {
         self.gap(obstacle, &self.terms().map(|term| term.facing.gap).collect::<Vec<_>>())
     }
 
-    /// The row of its displacement along a direction of each node.
+    /// Returns the row of its displacement along a direction given for each node.
     pub(super) fn row(&self, dofs: &Dofs, direction: impl Fn(&Facing) -> [f64; 3]) -> Row {
         if self.coupled().is_some_and(|coupled| coupled.relative) {
             let row = dofs.relative_along(self.node, direction(&self.facing)).into_iter();
@@ -278,7 +289,7 @@ impl ContactNode {
         if self.terms().any(|term| dofs.is_relative(term.node)) { merged(row) } else { row }
     }
 
-    /// A tangential vector with the components `along` on the node's tangents, in components on its [`frame`].
+    /// Converts components `along` the node's tangents to components on its [`frame`].
     ///
     /// [`frame`]: ContactNode::frame
     pub fn in_frame(&self, along: [f64; 2]) -> [f64; 2] {
@@ -289,7 +300,7 @@ impl ContactNode {
         self.frame.map(|axis| along[0] * dot(t, axis) + along[1] * dot(o, axis))
     }
 
-    /// Takes `tangents` for its own, 0 for one that it does not have.
+    /// Sets its `tangents`, 0 for a missing one.
     pub(super) fn slide_along(&mut self, dofs: &Dofs, tangents: [[f64; 3]; 2]) {
         self.facing.tangents = tangents;
         for end in self.ends.iter_mut().flatten() {
@@ -299,13 +310,13 @@ impl ContactNode {
     }
 }
 
-/// The tangents along which a node can slide that is `held` along these unit vectors at right angles: orthonormal
-/// directions at right angles to the normal in the space of what is free.
+/// Returns the tangents along which a node can slide that supports hold along the orthogonal unit vectors `held`:
+/// orthonormal directions at right angles to the normal in the space of its free displacements.
 ///
-/// - All of space: those of the obstacle.
-/// - A plane, in two dimensions or where a support holds one component: the first tangent of the obstacle that lies
-///   in the plane, otherwise the one direction of the plane that is tangential.
-/// - A line: none. Tangential motion is normal motion, nothing is left to slide.
+/// - All of space: the tangents of the obstacle.
+/// - A plane, in two dimensions or if a support holds one component: the first tangent of the obstacle that lies in the
+///   plane, otherwise the tangential direction in the plane.
+/// - A line: none, since every motion along it has a normal part.
 pub(super) fn tangents(held: &[[f64; 3]], facing: &Facing) -> Vec<[f64; 3]> {
     match *held {
         [] => facing.tangents.to_vec(),
@@ -317,11 +328,11 @@ pub(super) fn tangents(held: &[[f64; 3]], facing: &Facing) -> Vec<[f64; 3]> {
     }
 }
 
-/// What rounding makes of a gap that is none, as a share of the body's size.
+/// The rounding error of a zero gap, as a share of the body's size.
 const TOUCHING: f64 = 1e-12;
 
-/// The first node of `met` that its obstacle of `obstacles` reaches somewhere in its motion, as seen at `times` (s), while
-/// supports hold it there, or move it there by `moved` (m) along its normal: no displacement can bring it out.
+/// Finds the first node of `met` that its obstacle reaches, as seen at `times` (s), while supports hold it or move it
+/// by `moved` (m) along its normal. No displacement can bring such a node out of the obstacle.
 pub fn unreachable(
     mesh: &Mesh,
     dofs: &Dofs,
@@ -379,7 +390,7 @@ mod tests {
         assert_eq!([-1e-9, -1e-11, -1e-14].map(inside), [Some(0), Some(0), None]);
     }
 
-    /// Supports on the symmetry plane x = 0 and the roller y = 0 leave one tangent, both together none.
+    /// A support on the symmetry plane x = 0 or the roller y = 0 leaves one tangent; both together leave none.
     #[test]
     fn symmetry_planes_leave_one_tangent() {
         let mesh = block(&[1.0, 1.0, 1.0], &[2, 2, 2]);

@@ -1,15 +1,16 @@
-//! Pairs of boundaries: the rows of a dual mortar method, from the integrals over what two boundaries have in common.
+//! Pairs of boundaries: the rows of a dual mortar method, from integrals over the common part of two boundaries.
 //!
-//! One of the two, the slave, has the law: one row a node j,
+//! The contact law applies at the nodes of one of the two boundaries, the slave, with one row for each node j,
 //!
 //! ```text
 //! w_j = Σ D_ji u_i - Σ P_jk u_k,   n_j · w_j ≤ g_j,
 //! D_ji = ∫ ψ_j N_i dA / l_j,  P_jk = ∫ ψ_j N_k dA / l_j,  g_j = ∫ ψ_j (x_m - x_s) · ν dA / l_j,  l_j = ∫ ψ_j dA,
 //! ```
 //!
-//! i over nodes of the slave, k over those of the master, all over the part of the slave that the master is in front of, seen along the
-//! normal ν of each slave facet. With the biorthogonal ψ (`basis`) D is the identity on facets of the first order, so that each node has
-//! a law of its own, and `2 u_m - ½ (u_a + u_b)` on those of the second; between meshes that match the rows are those from node to node.
+//! where i are nodes of the slave and k nodes of the master. The integrals are over the part of the slave that the
+//! master covers, seen along the normal ν of each slave facet. Since ψ is biorthogonal (`basis`), D is the identity on
+//! facets of first order, so that the law at each node is independent, and `2 u_m - ½ (u_a + u_b)` on facets of second
+//! order. Between matching meshes the rows connect node to node.
 
 mod basis;
 mod bulge;
@@ -34,41 +35,41 @@ use crate::body::mesh::{Boundary, Facet, Mesh};
 use cover::{Cover, Covers};
 use error::place;
 
-/// A node of which less than this share is covered has no row.
+/// A node has no row if less than this share of it is covered.
 const THIN: f64 = 1e-6;
 
-/// A node of whose share in each facet less than this is covered is beyond the end of the other body. Where that ends at a node of the
-/// slave, the whole share of one facet is covered.
+/// A node is beyond the end of the other body if less than this share of its part in each facet is covered. If the
+/// other body ends at a slave node, the whole part in one facet is covered.
 const BEYOND: f64 = 0.5;
 
-/// How two boundaries are paired.
+/// Options of the pairing of two boundaries.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct MortarOptions {
-    /// No gap may be larger, nor an overlap, m; without it a tenth of the size of the smaller boundary, the longest side of the box
-    /// around it.
+    /// The largest gap and overlap, m; default: a tenth of the size of the smaller boundary, the longest side of its
+    /// bounding box.
     pub search: Option<f64>,
-    /// The normal of all rows, out of the slave; without it each node has the mean of the slave's normal and the opposite of the
-    /// master's.
+    /// The normal of all rows, out of the slave; default: at each node the mean of the slave's normal and the reversed
+    /// normal of the master.
     pub direction: Option<[f64; 3]>,
 }
 
 /// The rows of a pair of boundaries.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mortar {
-    /// By ascending slave node.
+    /// The rows, by ascending slave node.
     pub rows: Vec<MortarRow>,
-    /// The share of each slave facet that master facets are in front of.
+    /// The share of each slave facet that master facets cover.
     pub covered: Vec<f64>,
     /// The least and the largest gap at the integration points.
     pub gaps: [GapAt; 2],
-    /// How far was looked for the master, m.
+    /// The search distance for the master, m.
     pub search: f64,
-    /// `∫ Ñ_k dA` over the covered part for the nodes of the master, m or m², all
-    /// around in a body of revolution; by ascending node, without nodes of which next to nothing is covered.
+    /// `∫ Ñ_k dA` over the covered part for each master node, m or m² (in a body of revolution over the full
+    /// circumference), by ascending node. Nodes with almost no covered part are left out.
     pub master_weights: Vec<(usize, f64)>,
-    /// Whether nodes of the master are beyond the end of the slave.
+    /// `true` if nodes of the master are beyond the end of the slave.
     master_beyond: bool,
-    /// The facets of each segment: of the slave, of the master.
+    /// The slave facet and the master facet of each segment.
     segments: Vec<[usize; 2]>,
     /// The facets of the slave and of the master.
     facets: [Vec<Facet>; 2],
@@ -79,48 +80,49 @@ pub struct Mortar {
 pub struct MortarRow {
     /// The slave node.
     pub node: usize,
-    /// `l_j = ∫ ψ_j dA`: m in two dimensions, m² in three and, all around, in a body of revolution.
+    /// `l_j = ∫ ψ_j dA`: m in two dimensions, m² in three dimensions and for a body of revolution (full circumference).
     pub weight: f64,
     /// The mean gap `g_j` at the node, weighted by ψ_j, m: negative where bodies overlap.
     pub gap: f64,
     /// The common unit normal, out of the slave.
     pub normal: [f64; 3],
-    /// The largest share of what the node has in one of its facets that is covered.
+    /// The covered share of the node's part in a facet, the largest of all its facets.
     pub covered: f64,
-    /// By how much the gap is smaller, in the same mean, between the curved surfaces that the facets of both sides stand for, m; 0 on flat
-    /// boundaries and those of the second order.
+    /// The reduction of the gap, in the same mean, between the curved surfaces that the facets of both sides
+    /// approximate, m; 0 on flat boundaries and boundaries of second order.
     pub bulge: f64,
-    /// Orthonormal directions along which supports let neither side move.
+    /// Orthonormal directions in which supports fix both sides.
     pub still: Vec<[f64; 3]>,
     /// `D_ji`, by ascending node: 1 at the node itself; 2 and twice -½ at a node between corners.
     pub slave: Vec<(usize, f64)>,
-    /// `P_jk`, by ascending node; they add up to 1.
+    /// `P_jk`, by ascending node; the coefficients add up to 1.
     pub master: Vec<(usize, f64)>,
 }
 
 impl MortarRow {
-    /// Whether less than half of what the node has in a facet is covered, so that its force acts beyond the end of the other body.
+    /// Returns `true` if less than half of the node's part in each facet is covered, so that its force acts beyond the
+    /// end of the other body.
     pub fn is_beyond_the_end(&self) -> bool {
         self.covered < BEYOND
     }
 }
 
-/// A gap and its place on the slave.
+/// A gap and its position on the slave.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GapAt {
-    /// From the slave to the master along the normal of the slave facet, m; negative where they overlap.
+    /// The distance from the slave to the master along the normal of the slave facet, m; negative if they overlap.
     pub gap: f64,
     /// The point of the slave, m.
     pub at: [f64; 3],
 }
 
 impl Mortar {
-    /// The rows of `slave` in front of `master`, both boundaries of `mesh`, whose nodes `supports` hold.
+    /// Computes the rows of `slave` in front of `master`, both boundaries of `mesh`, with the given `supports`.
     ///
     /// # Errors
     ///
-    /// Fails if nothing is in front of the slave, or twice; if supports hold the slave; if quadrilaterals are not convex, or normals
-    /// cancel.
+    /// Fails if no master facet or two layers of them are in front of the slave; if supports hold the slave; if a
+    /// quadrilateral is not convex or normals cancel.
     pub fn new(
         mesh: &Mesh,
         slave: &Boundary,
@@ -144,7 +146,7 @@ impl Mortar {
                 *normal = direction;
             }
         }
-        // As its facets are: on a plane of symmetry the row of the slave's node there has no part across it.
+        // Without supports: on a plane of symmetry, the row of the slave node has no component across the plane.
         let opposite = normals::nodal(mesh, master, &BTreeMap::new())?;
         let shares = covered_shares(mesh, slave, covers.facets.iter().map(|cover| &cover.functions));
         let lost = lost(mesh, slave, master, &covers.facets, &normals, supports);
@@ -200,29 +202,30 @@ impl Mortar {
         })
     }
 
-    /// The facets of the slave and of the master.
+    /// Returns the facets of the slave and of the master.
     pub(super) fn sides(&self) -> [&[Facet]; 2] {
         [&self.facets[0], &self.facets[1]]
     }
 
-    /// Whether the slave has nodes beyond the end of the master, and the master such beyond that of the slave.
+    /// Returns `true` for the slave if it has nodes beyond the end of the master, and the converse for the master.
     pub fn overhangs(&self) -> [bool; 2] {
         [self.rows.iter().any(MortarRow::is_beyond_the_end), self.master_beyond]
     }
 
-    /// How many pairs of facets have a part in common.
+    /// Returns the number of pairs of facets with a common part.
     pub fn segments(&self) -> usize {
         self.segments.len()
     }
 
-    /// The least gap at the integration points when the nodes of `mesh` have moved by `u` (m): where it is negative, facets overlap by as
-    /// much, although the law, which is asked in the mean, holds. `None` without integration points.
+    /// Returns the least gap at the integration points after the nodes of `mesh` have moved by `u` (m). If it is
+    /// negative, facets overlap by this amount although the law, which is imposed in a weighted mean, holds. `None`
+    /// without integration points.
     pub fn least_gap(&self, mesh: &Mesh, u: &[[f64; 3]]) -> Option<GapAt> {
         cover::least_gap(mesh, [&self.facets[0], &self.facets[1]], &self.segments, u)
     }
 
-    /// The traction (N/m²) on the nodes of [`Mortar::master_weights`] of `forces` (N) on the slave, row by row: the opposite of
-    /// `Σ_j P_jk f_j`, put on Bernstein's polynomials on facets of second order, over their weights.
+    /// Computes the traction (N/m²) at the nodes of [`Mortar::master_weights`] from the `forces` (N) on the slave, row
+    /// by row: `-Σ_j P_jk f_j`, transformed to Bernstein polynomials on facets of second order, divided by the weights.
     pub fn on_master(&self, mesh: &Mesh, forces: &[[f64; 3]]) -> Vec<(usize, [f64; 3])> {
         let mut nodal = BTreeMap::<usize, [f64; 3]>::new();
         for (row, force) in self.rows.iter().zip(forces) {
@@ -252,7 +255,8 @@ fn edges_of(mesh: &Mesh, facets: &[Facet]) -> Edges {
     facets.iter().flat_map(|facet| mesh.bent_edges(facet)).map(|[a, middle, b]| (middle, [a, b])).collect()
 }
 
-/// Integrals with the shape functions from `terms`, those with Ñ: `N_m = 2 Ñ_m` between the corners a and b, `N_a = Ñ_a - ½ Σ Ñ_m`.
+/// Converts integrals with Ñ, `terms`, to integrals with the shape functions: `N_m = 2 Ñ_m` between the corners a and
+/// b, `N_a = Ñ_a - ½ Σ Ñ_m`.
 fn nodal(terms: Vec<(usize, f64)>, edges: &Edges) -> BTreeMap<usize, f64> {
     let mut nodal = BTreeMap::new();
     for (node, value) in terms {
@@ -270,17 +274,17 @@ fn nodal(terms: Vec<(usize, f64)>, edges: &Edges) -> BTreeMap<usize, f64> {
     nodal
 }
 
-/// What the facets at a node add up to.
+/// The sums over the facets at a node.
 #[derive(Default)]
 struct Sum {
     weight: f64,
     bulge: f64,
     slave: BTreeMap<usize, f64>,
     master: BTreeMap<usize, f64>,
-    /// The sum of the normals of the master in front of the node, by their weights.
+    /// The weighted sum of the normals of the master in front of the node.
     opposite: [f64; 3],
-    /// Of each facet its weight, the mean of `x_m - x_s`, m, and the normal along which that is the gap: its own, or on facets of the
-    /// second order, along which it turns, that of the node.
+    /// For each facet its weight, the mean of `x_m - x_s` (m), and the normal along which the gap is measured: the
+    /// normal of the facet or, on facets of second order, along which it turns, the normal of the node.
     gaps: Vec<(f64, [f64; 3], Option<[f64; 3]>)>,
 }
 
@@ -288,7 +292,7 @@ impl Sum {
     fn add(&mut self, mesh: &Mesh, edges: &Edges, along: Option<[f64; 3]>, part: basis::FacetShare) {
         let basis::FacetShare { node, weight, slave, master, bulge } = part;
         let [slave, master] = [slave, master].map(|terms| nodal(terms, edges));
-        // Seen from the node itself, what is one with it adds nothing.
+        // Distances are taken from the node itself, so that coincident points contribute exactly 0.
         let mean = |terms: &BTreeMap<usize, f64>| {
             let to = |other: usize| minus(mesh.nodes[other], mesh.nodes[node]);
             terms.iter().fold([0.0; 3], |sum, (&other, value)| plus(sum, value / weight, to(other)))
@@ -303,11 +307,11 @@ impl Sum {
         }
     }
 
-    /// The row, without what its facets and supports say of it.
+    /// Creates the row; coverage and supports are added later.
     fn row(self, node: usize, normal: [f64; 3]) -> MortarRow {
         let Sum { weight, slave, master, gaps, bulge, .. } = self;
         let gap = |(_, apart, along): &(f64, [f64; 3], Option<[f64; 3]>)| dot(*apart, along.unwrap_or(normal));
-        // As far as they differ: the mean of gaps that are one is that one.
+        // Only differences are averaged, so that the mean of equal gaps is exactly their value.
         let first = gaps.first().map_or(0.0, gap);
         let rest: f64 = gaps.iter().map(|part| part.0 * (gap(part) - first)).sum();
         let shares =
@@ -318,8 +322,8 @@ impl Sum {
     }
 }
 
-/// The nodes of the slave that have no row: those that supports hold along their normals, those that are the master's, too, and
-/// those of which next to nothing is covered.
+/// Returns the slave nodes without a row: nodes that supports hold along their normals, nodes that also belong to the
+/// master, and nodes with almost no covered part.
 fn lost(
     mesh: &Mesh,
     slave: &Boundary,
@@ -345,8 +349,8 @@ fn lost(
     lost
 }
 
-/// For each node of `boundary` the largest share of what it has in one of its facets that is covered, where `covered` are the integrals of
-/// its functions over the covered part, facet by facet.
+/// Computes for each node of `boundary` the covered share of its part in a facet, the largest of all its facets.
+/// `covered` are the integrals of the functions over the covered part, facet by facet.
 fn covered_shares<'a>(
     mesh: &Mesh,
     boundary: &Boundary,

@@ -1,4 +1,4 @@
-//! The rigid motion of an obstacle: what it does to gaps and slip, and where it takes the obstacle.
+//! The rigid motion of an obstacle and its effect on gaps and slip.
 
 use super::description::Obstacle;
 use super::obstacle::{Facing, PlacedObstacle};
@@ -6,20 +6,20 @@ use crate::algebra::vector::{across, axis, cross, dot, minus, plus, unit};
 use crate::base::timeline::within;
 use crate::solver::loading::piecewise_linear;
 
-/// How an obstacle moves: a sum of motions in one direction each, times a factor that changes in time.
+/// The motion of an obstacle: translations in fixed directions and a rotation, each times a factor that varies in time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObstacleMotion {
-    /// Directions, and points `[time (s), distance (m)]`.
+    /// The directions, each with points `[time (s), distance (m)]`.
     translations: Vec<([f64; 3], Vec<[f64; 2]>)>,
     rotation: Option<Turning>,
-    /// Whether the rotation leaves the obstacle where it is.
+    /// `true` if the rotation maps the surface of the obstacle to itself.
     in_itself: bool,
 }
 
-/// A rotation about an axis that stands still.
+/// A rotation about a fixed axis.
 #[derive(Debug, Clone, PartialEq)]
 struct Turning {
-    /// Unit vector.
+    /// The direction of the axis, a unit vector.
     axis: [f64; 3],
     /// A point of the axis, m.
     through: [f64; 3],
@@ -27,21 +27,21 @@ struct Turning {
     history: Vec<[f64; 2]>,
 }
 
-/// The slope of a surface, against the normal of the node, above which gaps do not follow it: what a motion adds by so steep a rate
-/// would cost the digits of the gap, of which a bend takes it off again.
+/// The slope of a surface relative to the normal of the node above which the rate of the gap ignores the slope. The
+/// contribution of so steep a rate, which the gap correction cancels again, would cost digits of the gap.
 const STEEP: f64 = 1.0;
 
-/// What one motion does to a node in front of the obstacle, for each unit of its factor.
+/// The effect of one motion on a node in front of the obstacle, for a unit of its factor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rates {
-    /// The gap.
+    /// The rate of the gap.
     pub gap: f64,
-    /// The displacement of the surface along both tangents.
+    /// The tangential motion of the surface, along both tangents.
     pub drift: [f64; 2],
 }
 
 impl ObstacleMotion {
-    /// The motion that `obstacle`, which is sound, prescribes from 0 to `end` (s): its approach is against `normal`.
+    /// Creates the motion of a valid `obstacle` from 0 to `end` (s); its approach is against `normal`.
     pub fn new(obstacle: &Obstacle, normal: [f64; 3], end: f64) -> Self {
         let path: Vec<[f64; 4]> = within(end, &obstacle.path());
         let component = |c: usize| {
@@ -59,30 +59,31 @@ impl ObstacleMotion {
         ObstacleMotion { translations, rotation, in_itself: false }
     }
 
-    /// The same of this `obstacle`: a round one that turns about its own axis stays where it is, however steeply a node sees it.
+    /// Adapts the motion to `obstacle`: if a round obstacle turns about its own axis, its rotation does not change
+    /// gaps, at any slope.
     #[must_use]
     pub fn of(self, obstacle: &PlacedObstacle) -> Self {
         ObstacleMotion { in_itself: !self.turns(obstacle), ..self }
     }
 
-    /// Adds what a body that is carried along by `carried` (m) times the factor of `history` sees: the obstacle comes the other way.
+    /// Adds the opposite motion for a body that supports move rigidly by `carried` (m) times the factor of `history`.
     pub fn pass(&mut self, carried: [f64; 3], history: &[[f64; 2]]) {
         if carried != [0.0; 3] {
             self.translations.push((carried.map(|c| -c), history.to_vec()));
         }
     }
 
-    /// The motions, each with its history and what it does to the nodes at `positions` (m), which see the
-    /// obstacle as `facings` says.
+    /// Returns for each motion its rates at the nodes at `positions` (m), which see the obstacle according to
+    /// `facings`, and its history.
     ///
-    /// A turning surface passes a node that stands still with `ω × (x - c)`, so its displacement there
-    /// is the angle times `a × (x - c)`: not the chord, however far it turns. A gap follows the motion of
-    /// the surface in front of the node, as that leans.
+    /// A rotating surface passes a fixed node with the velocity `ω × (x - c)`, so that its displacement there is the
+    /// angle times `a × (x - c)`, not the chord, for any angle. The rate of the gap follows from the motion of the
+    /// surface in front of the node and from its slope.
     pub fn rates(&self, positions: &[[f64; 3]], facings: &[Facing]) -> Vec<(Vec<Rates>, Vec<[f64; 2]>)> {
         let of = |surface: &dyn Fn([f64; 3]) -> [f64; 3]| {
             let rates = |(x, facing): (&[f64; 3], &Facing)| {
                 let d = surface(*x);
-                // A normal against its own direction is -1 to the last bit.
+                // The product of a normal and its opposite is exactly -1.
                 if d.iter().zip(facing.normal).all(|(d, n)| *d == -n) {
                     return Rates { gap: -1.0, drift: [0.0; 2] };
                 }
@@ -107,24 +108,25 @@ impl ObstacleMotion {
         motions
     }
 
-    /// The gap (m) at time `t` of a node at `x` (m) that sees the obstacle at rest as `facing` says.
+    /// Returns the linearised gap (m) at time `t` of a node at `x` (m), where `facing` is the obstacle at rest as seen
+    /// from the node.
     pub fn gap(&self, t: f64, x: [f64; 3], facing: &Facing) -> f64 {
         facing.gap + self.added(t, x, facing)
     }
 
-    /// What the motions until time `t` add to that gap (m) by their rates.
+    /// Returns the contribution (m) of the motions until time `t` to the gap by their rates.
     fn added(&self, t: f64, x: [f64; 3], facing: &Facing) -> f64 {
         let motions = self.rates(&[x], std::slice::from_ref(facing));
         motions.iter().map(|(rates, history)| rates[0].gap * piecewise_linear(history, t).unwrap_or(0.0)).sum()
     }
 
-    /// The same without what it leaves out: the distance from where the obstacle then is.
+    /// Returns the gap (m) without linearisation: the distance from the moved obstacle.
     pub fn exact_gap(&self, obstacle: &PlacedObstacle, t: f64, x: [f64; 3], facing: &Facing) -> f64 {
         self.gap(t, x, facing) + self.bend(obstacle, t, x, facing)
     }
 
-    /// The smallest gap (m) of a node at the points of all histories and at `times` (s), when the node is `moved` (m) along its
-    /// normal.
+    /// Returns the smallest gap (m) of a node at the points of all histories and at `times` (s), after the node has
+    /// `moved` (m) along its normal.
     pub fn smallest_gap(
         &self,
         obstacle: &PlacedObstacle,
@@ -137,8 +139,8 @@ impl ObstacleMotion {
         self.moments(times).map(gap).fold(f64::INFINITY, f64::min)
     }
 
-    /// The smallest distance (m) of a node at `x` (m) from the moved obstacle, at the same times; infinite if the obstacle is
-    /// never in front of the node.
+    /// Returns the smallest distance (m) of a node at `x` (m) from the moved obstacle, at the points of all histories
+    /// and at `times`; infinite if the obstacle is never in front of the node.
     pub(super) fn nearest_approach(
         &self,
         obstacle: &PlacedObstacle,
@@ -149,8 +151,9 @@ impl ObstacleMotion {
         self.moments(times).map(|t| self.distance(obstacle, t, x, facing)).fold(f64::INFINITY, f64::min)
     }
 
-    /// The first of the same times at which a node at `x` (m) is inside the moved obstacle, but nothing tells how deep: where the
-    /// obstacle has turned its back to it, or the wall of a bore passes it sideways.
+    /// Returns the first time, among the points of all histories and `times`, at which a node at `x` (m) is inside the
+    /// moved obstacle with undefined depth: the obstacle has turned its back to it, or the wall of a bore has passed it
+    /// sideways.
     pub(super) fn swallows(
         &self,
         obstacle: &PlacedObstacle,
@@ -158,7 +161,7 @@ impl ObstacleMotion {
         facing: &Facing,
         times: &[f64],
     ) -> Option<f64> {
-        // What does not turn a line along the normal can leave only by its rim, but for a bore.
+        // Without rotation, a line along the normal can leave the obstacle only at its rim. Bores are the exception.
         if !(self.turns(obstacle) || self.moves() && obstacle.surrounds()) {
             return None;
         }
@@ -169,10 +172,10 @@ impl ObstacleMotion {
         self.moments(times).filter(swallowed).min_by(f64::total_cmp)
     }
 
-    /// The slope of the obstacle in front of a node at `x` (m) at time `t` (s), against the node's normal: the tangent of the angle;
-    /// NaN if it is not in front of the node.
+    /// Returns the slope of the obstacle in front of a node at `x` (m) at time `t` (s), relative to the node's normal:
+    /// the tangent of the angle; NaN if the obstacle is not in front of the node.
     pub fn slope(&self, obstacle: &PlacedObstacle, t: f64, x: [f64; 3], facing: &Facing) -> f64 {
-        // A normal of its own each node has from the surface itself.
+        // If each node has an individual normal, it is the normal of the surface.
         if self.keeps_shape(obstacle, facing.normal) || !obstacle.has_one_normal() {
             return facing.slope();
         }
@@ -180,19 +183,20 @@ impl ObstacleMotion {
         obstacle.slope(back, n, x)
     }
 
-    /// 0, the points of all histories, and `times` (s).
+    /// Returns 0, the times of all histories, and `times` (s).
     fn moments(&self, times: &[f64]) -> impl Iterator<Item = f64> {
         let histories = self.translations.iter().map(|(_, history)| history);
         let histories = histories.chain(self.rotation.iter().map(|rotation| &rotation.history));
         histories.flatten().map(|point| point[0]).chain([0.0]).chain(times.iter().copied())
     }
 
-    /// Whether the obstacle is in front of a node at `x` (m) at time `t` (s).
+    /// Returns `true` if the obstacle is in front of a node at `x` (m) at time `t` (s).
     pub(super) fn is_in_front(&self, obstacle: &PlacedObstacle, t: f64, x: [f64; 3], facing: &Facing) -> bool {
         !self.distance(obstacle, t, x, facing).is_nan()
     }
 
-    /// How far (m) the surface has moved past a node at `x` (m) until time `t` (s), along the tangents of `facing`.
+    /// Returns the tangential motion (m) of the surface past a node at `x` (m) until time `t` (s), along the tangents
+    /// of `facing`.
     pub(crate) fn drift(&self, t: f64, x: [f64; 3], facing: &Facing) -> [f64; 2] {
         let motions = self.rates(&[x], std::slice::from_ref(facing));
         let sum = |k: usize| {
@@ -201,24 +205,24 @@ impl ObstacleMotion {
         [0, 1].map(sum)
     }
 
-    /// Whether it is ever elsewhere than at first.
+    /// Returns `true` if the obstacle ever moves.
     pub(crate) fn moves(&self) -> bool {
         self.rotation.is_some() || !self.translations.is_empty()
     }
 
-    /// The exact distance (m) at time `t` (s) of a node at `x` (m) from the moved obstacle along the node's normal; NaN if it is
-    /// not in front of the node.
+    /// Returns the exact distance (m) at time `t` (s) of a node at `x` (m) from the moved obstacle along the node's
+    /// normal; NaN if the obstacle is not in front of the node.
     fn distance(&self, obstacle: &PlacedObstacle, t: f64, x: [f64; 3], facing: &Facing) -> f64 {
         let (back, n) = self.back(t, x, facing.normal);
         obstacle.distance(back, n, x)
     }
 
-    /// What [`ObstacleMotion::gap`] leaves out (m) at time `t`: the exact distance of a node at `x` (m) from the moved obstacle, along
-    /// the node's normal, less that. An obstacle that is no longer in front of the node is taken to be as far as its
-    /// boundary is long.
+    /// Returns the correction (m) of [`ObstacleMotion::gap`] at time `t`: the exact distance of a node at `x` (m) from
+    /// the moved obstacle along the node's normal, minus that gap. If the obstacle is no longer in front of the node,
+    /// its distance is taken to be the size of the boundary.
     ///
-    /// A translation along the normal adds to the distance from whatever surface, and is left out of both: an approach of a
-    /// nanometre would lose its digits beside the coordinates of the node.
+    /// A translation along the normal changes both distances equally and is left out of both: an approach of a
+    /// nanometre would lose its digits when added to the coordinates of the node.
     fn bend(&self, obstacle: &PlacedObstacle, t: f64, x: [f64; 3], facing: &Facing) -> f64 {
         if self.keeps_shape(obstacle, facing.normal) {
             return 0.0;
@@ -238,20 +242,21 @@ impl ObstacleMotion {
         (exact - facing.gap) - (self.added(t, x, facing) - along)
     }
 
-    /// Whether the gap along `normal` is linear in all motions: a plane that does not turn, or motion along the normal.
+    /// Returns `true` if the gap along `normal` is linear in all motions: a plane without rotation, or motion along the
+    /// normal.
     fn keeps_shape(&self, obstacle: &PlacedObstacle, normal: [f64; 3]) -> bool {
         let along = |direction: &[f64; 3]| cross(*direction, normal) == [0.0; 3];
         !self.turns(obstacle)
             && (obstacle.is_plane() || self.translations.iter().all(|(direction, _)| along(direction)))
     }
 
-    /// Whether the obstacle turns, but not in itself.
+    /// Returns `true` if a rotation changes the position of the obstacle.
     pub(crate) fn turns(&self, obstacle: &PlacedObstacle) -> bool {
         self.rotation.as_ref().is_some_and(|turning| !obstacle.is_the_same_about(turning.axis, turning.through))
     }
 
-    /// The bends (m) of nodes at `positions` (m), which see the obstacle at rest as `facings` says, at each of `times`
-    /// (s); nothing if there are none.
+    /// Returns the gap corrections (m) of nodes at `positions` (m), which see the obstacle at rest according to
+    /// `facings`, at each of `times` (s); `None` if there are none.
     pub fn bends(
         &self,
         obstacle: &PlacedObstacle,
@@ -266,13 +271,13 @@ impl ObstacleMotion {
         Some(times.iter().map(|t| at(*t)).collect())
     }
 
-    /// Where the direction `n` in the obstacle at rest has turned to at time `t` (s).
+    /// Returns the direction at time `t` (s) of the direction `n` in the obstacle at rest.
     pub(crate) fn forth(&self, t: f64, n: [f64; 3]) -> [f64; 3] {
         let Some(Turning { axis, history, .. }) = &self.rotation else { return n };
         turned(n, *axis, piecewise_linear(history, t).unwrap_or(0.0))
     }
 
-    /// Where `x` (m) was in the obstacle before it moved until time `t`, and what the direction `n` was.
+    /// Transforms the point `x` (m) and the direction `n` at time `t` to the obstacle at rest.
     pub fn back(&self, t: f64, x: [f64; 3], n: [f64; 3]) -> ([f64; 3], [f64; 3]) {
         let at = |history: &[[f64; 2]]| piecewise_linear(history, t).unwrap_or(0.0);
         let mut x = x;
@@ -285,7 +290,7 @@ impl ObstacleMotion {
     }
 }
 
-/// `a` turned about the unit vector `axis` by `angle` (rad).
+/// Rotates `a` about the unit vector `axis` by `angle` (rad).
 fn turned(a: [f64; 3], axis: [f64; 3], angle: f64) -> [f64; 3] {
     let radial = across(a, axis);
     let along = minus(a, radial);

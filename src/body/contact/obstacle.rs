@@ -1,4 +1,4 @@
-//! Rigid obstacles: what each node of a boundary sees of them.
+//! Rigid obstacles as seen from the nodes of a boundary.
 
 use std::sync::Arc;
 
@@ -12,45 +12,44 @@ use super::triangles::Triangles;
 use crate::algebra::vector::{Vector, across, axis_across, cross, dot, minus, norm, plus, unit};
 use crate::body::mesh::{Boundary, Geometry, Mesh};
 
-/// An obstacle in front of a part of the boundary. Small displacements: gaps are measured once, in
-/// the undeformed state.
+/// An obstacle in front of a boundary. Since displacements are small, gaps are measured once, in the undeformed state.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlacedObstacle {
     surface: Surface,
     direction: GapDirection,
     /// The size of the boundary, m.
     extent: f64,
-    /// Unit vector out of the body, towards the obstacle.
+    /// Unit vector out of the body towards the obstacle.
     pub normal: [f64; 3],
-    /// Orthonormal vectors along the obstacle: the positive directions of `w_t` and `w_o`. In two dimensions
-    /// the second is across the plane.
+    /// Orthonormal vectors along the obstacle: the positive directions of `w_t` and `w_o`. In two dimensions the second
+    /// is normal to the plane.
     pub tangents: [[f64; 3]; 2],
 }
 
-/// What one node sees of an obstacle.
+/// An obstacle as seen from one node.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Facing {
-    /// The distance along the normal, m; NaN if the obstacle does not reach there.
+    /// The distance along the normal, m; NaN if the obstacle is not in front of the node.
     pub gap: f64,
     /// Unit vector towards the obstacle.
     pub normal: [f64; 3],
-    /// Orthonormal vectors at right angles to it.
+    /// Orthonormal vectors at right angles to the normal.
     pub tangents: [[f64; 3]; 2],
-    /// At right angles to the surface in front of the node, into the obstacle, with a component 1 along the
-    /// normal: a surface that moves by `d` adds `d · inward` to the gap.
+    /// The direction into the obstacle, normal to the surface in front of the node, with a component 1 along the node's
+    /// normal: if the surface moves by `d`, the gap changes by `d · inward`.
     pub inward: [f64; 3],
 }
 
 impl Facing {
-    /// The slope of the surface in front of the node, against its normal: the tangent of the angle.
+    /// Returns the slope of the surface in front of the node relative to the node's normal: the tangent of the angle.
     pub fn slope(&self) -> f64 {
         norm(minus(self.inward, self.normal))
     }
 }
 
-/// A round obstacle that the body is outside of.
+/// A cylinder or sphere with the body outside.
 pub(crate) struct Round {
-    /// m.
+    /// The radius, m.
     pub radius: f64,
     /// The centre, or a point of the axis, m.
     pub centre: [f64; 3],
@@ -59,7 +58,7 @@ pub(crate) struct Round {
 }
 
 impl PlacedObstacle {
-    /// A cylinder or a sphere.
+    /// Returns the geometry of a cylinder or a sphere; `None` for other shapes.
     pub(crate) fn roundness(&self) -> Option<Round> {
         match self.surface {
             Surface::Round { radius, apex, axis } if radius > 0.0 => {
@@ -69,13 +68,13 @@ impl PlacedObstacle {
         }
     }
 
-    /// The obstacle that `given`, which is sound, puts in front of `boundary`. Without a normal it faces the mean outward
-    /// normal of the boundary. Without a first tangent, that is in two dimensions the normal turned by
-    /// +90°, which is +x above a foundation; in three it is the projection of x on the tangent plane, or of
-    /// the axis that is closest to that plane where this is another. The second tangent is normal × first.
+    /// Places the obstacle `given`, which is valid, in front of `boundary`. The default normal is the mean outward
+    /// normal of the boundary. The default first tangent is, in two dimensions, the normal turned by +90°, which is +x
+    /// above a foundation; in three dimensions, the projection on the tangent plane of x, or of another axis that is
+    /// closer to that plane. The second tangent is normal × first tangent.
     ///
     /// # Errors
-    /// When there is no mean normal, the shape does not suit the dimension, or a file cannot be used.
+    /// If there is no mean normal, the shape does not suit the dimension, or a file cannot be used.
     pub fn new(mesh: &Mesh, boundary: &Boundary, given: &Obstacle) -> Result<Self, ObstacleError> {
         if mesh.dimension == 2 {
             lies_in_plane(given)?;
@@ -152,7 +151,7 @@ impl PlacedObstacle {
         })
     }
 
-    /// What a node at `x` (m) sees.
+    /// Returns the obstacle as seen from a node at `x` (m).
     pub fn at(&self, x: [f64; 3]) -> Facing {
         match self.direction {
             GapDirection::Normal => {
@@ -164,12 +163,13 @@ impl PlacedObstacle {
             GapDirection::Nearest => {
                 let (gap, normal) = self.surface.nearest(self.normal, x);
                 let first = across(self.tangents[0], normal);
-                // About an axis it goes round with the normal, where its projection points back after a quarter of a turn.
+                // Around an axis the tangent turns with the normal; after a quarter of a turn its projection points
+                // backwards.
                 let back = dot(self.normal, normal) < 0.0 && self.surface.goes_round_along(self.tangents[0]);
                 let first = match (norm(first) > SKEW, back) {
                     (true, false) => unit(first),
                     (true, true) => unit(first).map(|c| -c),
-                    // A tangent that has become the normal gives way to the other one.
+                    // If the first tangent has become the normal, the second one determines it.
                     (false, _) => cross(self.tangents[1], normal),
                 };
                 Facing { gap, normal, tangents: [first, cross(normal, first)], inward: normal }
@@ -177,31 +177,33 @@ impl PlacedObstacle {
         }
     }
 
-    /// What a node at `x` (m) sees that is of the edge of one in front of the obstacle, see [`PlacedObstacle::in_front`].
+    /// Returns the obstacle as seen from a node at `x` (m) on the edge of a node in front of the obstacle, see
+    /// [`PlacedObstacle::in_front`].
     pub(crate) fn seen_from(&self, x: [f64; 3]) -> Facing {
         self.in_front(self.at(x))
     }
 
-    /// Whether nodes at these distances (m) have the obstacle in front of them: others are taken to be as far as the boundary is long,
-    /// or are as far. A plane is in front of every node.
+    /// Returns `true` if the obstacle is in front of all nodes at these `distances` (m). A node without the obstacle in
+    /// front of it has at least the size of the boundary as its distance. A plane is in front of every node.
     pub fn is_in_front_of_all(&self, distances: &[f64]) -> bool {
         self.is_plane() || distances.iter().all(|distance| *distance < self.extent)
     }
 
-    /// What a node with `facing` sees of an obstacle that reaches it once: as long as it does not it is taken to be as far as its
-    /// boundary is long.
+    /// Completes the `facing` of a node that the obstacle reaches later: until then its distance is taken to be the
+    /// size of the boundary.
     pub(super) fn in_front(&self, facing: Facing) -> Facing {
         if facing.gap.is_finite() { facing } else { Facing { gap: self.extent, inward: facing.normal, ..facing } }
     }
 
-    /// The distance (m) along `n` of a point at `x` in the obstacle at rest that came from `reference`; the
-    /// gap that is not linearised.
+    /// Returns the distance (m) along `n` from `x`, a point transformed to the obstacle at rest whose reference
+    /// position is `reference`; this is the gap without linearisation.
     pub fn distance(&self, x: [f64; 3], n: [f64; 3], reference: [f64; 3]) -> f64 {
         self.surface.along(self.normal, x, n, reference)
     }
 
-    /// The distance (m) from a point at `x` (m) in the obstacle at rest that came from `reference` to the nearest point, negative
-    /// inside, and the unit vector in which that is; of a field of gaps along its normal. NaN beyond the rim of a surface that ends.
+    /// Returns the distance (m) from `x` (m), transformed to the obstacle at rest with the reference position
+    /// `reference`, to the nearest point, negative inside, and the unit vector of its direction; for a field of gaps,
+    /// along its normal. NaN beyond the rim of a bounded surface.
     pub fn nearest(&self, x: [f64; 3], reference: [f64; 3]) -> (f64, [f64; 3]) {
         match self.surface {
             Surface::Formula(_) | Surface::Table(_) => (self.distance(x, self.normal, reference), self.normal),
@@ -209,7 +211,7 @@ impl PlacedObstacle {
         }
     }
 
-    /// Whether it ends somewhere aside: a body beside it is not in front of it.
+    /// Returns `true` if the surface is bounded, so that a body can be beside it.
     pub fn is_bounded(&self) -> bool {
         match self.surface {
             Surface::Round { radius, .. } => radius > 0.0,
@@ -218,32 +220,33 @@ impl PlacedObstacle {
         }
     }
 
-    /// The size of its boundary, m.
+    /// Returns the size of the boundary, m.
     pub fn extent(&self) -> f64 {
         self.extent
     }
 
-    /// Whether gaps are measured along one normal.
+    /// Returns `true` if gaps are measured along one normal.
     pub fn has_one_normal(&self) -> bool {
         self.direction == GapDirection::Normal
     }
 
-    /// Whether it presses every node along the same normal as the `other` obstacle does.
+    /// Returns `true` if it presses every node along the same normal as the `other` obstacle.
     pub(crate) fn presses_as(&self, other: &PlacedObstacle) -> bool {
         self.has_one_normal() && other.has_one_normal() && norm(minus(self.normal, other.normal)) <= SKEW
     }
 
-    /// Whether its surface is a plane.
+    /// Returns `true` if the surface is a plane.
     pub fn is_plane(&self) -> bool {
         matches!(self.surface, Surface::Plane { .. })
     }
 
-    /// Whether it is the same when it has turned about the unit vector `axis` `through` a point (m), but for rounding.
+    /// Returns `true` if a rotation about the unit vector `axis` through the point `through` (m) maps the obstacle to
+    /// itself, within rounding.
     pub fn is_the_same_about(&self, axis: [f64; 3], through: [f64; 3]) -> bool {
         self.surface.is_the_same_about(self.normal, axis, through)
     }
 
-    /// The first node of `boundary` at which the normal does not point out of the body, on each facet there.
+    /// Finds the first node of `boundary` at which the normal does not point out of the body on every facet there.
     pub fn faces_away(&self, mesh: &Mesh, boundary: &Boundary) -> Option<usize> {
         boundary.facets.iter().find_map(|facet| {
             let outwards = mesh.area_vector(facet);
@@ -251,8 +254,8 @@ impl PlacedObstacle {
         })
     }
 
-    /// Why a node that has no distance from the obstacle may not stand there, and what helps, in words; nothing where such a
-    /// node is simply not in front of it.
+    /// Returns the reason why a node without a distance from the obstacle is an error, and the correction; `None` if
+    /// such a node is simply not in front of the obstacle.
     pub fn out_of_reach(&self) -> Option<(&'static str, &'static str)> {
         match &self.surface {
             Surface::Table(_) => {
@@ -268,19 +271,19 @@ impl PlacedObstacle {
         }
     }
 
-    /// Whether a line can miss it only inside it: a bore or a socket.
+    /// Returns `true` for a bore or a socket, which a line can miss only inside the obstacle.
     pub(super) fn surrounds(&self) -> bool {
         self.surface.surrounds()
     }
 
-    /// Whether a point at `x` (m) in the obstacle at rest that came from `reference` is inside it, but has no distance along `n`
-    /// that tells how deep.
+    /// Returns `true` if `x` (m), transformed to the obstacle at rest with the reference position `reference`, is
+    /// inside the obstacle but its depth along `n` is undefined.
     pub(super) fn swallows(&self, x: [f64; 3], n: [f64; 3], reference: [f64; 3]) -> bool {
         self.distance(x, n, reference).is_nan() && self.surface.swallows(self.normal, x, n, reference)
     }
 
-    /// The slope of the surface in front of a point at `x` (m) in the obstacle at rest, against the unit vector `n`: the tangent
-    /// of the angle; NaN if the obstacle is not in front of it.
+    /// Returns the slope of the surface in front of a point at `x` (m) in the obstacle at rest, relative to the unit
+    /// vector `n`: the tangent of the angle; NaN if the obstacle is not in front of the point.
     pub(super) fn slope(&self, x: [f64; 3], n: [f64; 3], reference: [f64; 3]) -> f64 {
         let gap = self.distance(x, n, reference);
         let inward = self.inward(x, (gap, n));
@@ -288,14 +291,14 @@ impl PlacedObstacle {
         norm(minus(inward.map(|c| c / closing), n))
     }
 
-    /// A vector into the obstacle where the line from `x` along `n` meets it after `gap`.
+    /// Returns a vector into the obstacle at the point where the line from `x` along `n` meets it after `gap`.
     fn inward(&self, x: [f64; 3], (gap, n): (f64, [f64; 3])) -> [f64; 3] {
         let [t, o] = self.tangents;
-        // Steps of 1e-6 leave half the digits of a slope in double precision.
+        // Difference steps of 1e-6 give a slope with half the digits of double precision.
         self.surface.inward([self.normal, t, o], x, (gap, n), 1e-6 * self.extent)
     }
 
-    /// Its surface, if that is of triangles.
+    /// Returns the surface if it consists of triangles.
     pub(super) fn surface_of_triangles(&self) -> Option<&Triangles> {
         match &self.surface {
             Surface::Triangles(triangles) => Some(triangles),
@@ -303,13 +306,13 @@ impl PlacedObstacle {
         }
     }
 
-    /// The number of triangles of a surface.
+    /// Returns the number of triangles of the surface, if it consists of triangles.
     pub fn triangles(&self) -> Option<usize> {
         self.surface_of_triangles().map(Triangles::count)
     }
 }
 
-/// Refuses vectors of an obstacle of a plane body that leave its plane.
+/// Fails if vectors of an obstacle of a plane body leave its plane.
 fn lies_in_plane(given: &Obstacle) -> Result<(), ObstacleError> {
     let leaves = |vector: Vector| vector.components()[2] != 0.0;
     let upright = |axis: Vector| norm(cross(unit(axis.components()), [0.0, 0.0, 1.0])) <= SKEW;
@@ -320,7 +323,7 @@ fn lies_in_plane(given: &Obstacle) -> Result<(), ObstacleError> {
         ("the normal", given.normal.is_some_and(leaves)),
         ("the tangent", given.tangent.is_some_and(leaves)),
         ("the place", point.is_some_and(|(_, point)| leaves(point))),
-        // A cone in front of a body of revolution has its axis in the plane.
+        // The axis of a cone in front of a body of revolution lies in the plane.
         ("the axis", axis.is_some_and(|axis| if in_plane { leaves(axis) } else { !upright(axis) })),
         ("the translation", given.translation.iter().flatten().any(|(_, to)| leaves(*to))),
         ("the rotation", turning),
@@ -332,7 +335,7 @@ fn lies_in_plane(given: &Obstacle) -> Result<(), ObstacleError> {
     Ok(())
 }
 
-/// The longest side of the box around a boundary, m.
+/// Returns the longest side of the bounding box of a boundary, m.
 fn extent(mesh: &Mesh, boundary: &Boundary) -> f64 {
     let points = mesh.points(&boundary.nodes());
     let side = |c: usize| {
@@ -353,8 +356,8 @@ fn mean_normal(mesh: &Mesh, boundary: &Boundary) -> Option<[f64; 3]> {
     (norm(sum) > 1e-9 * total).then(|| unit(sum).map(|c| c + 0.0))
 }
 
-/// The projection on the plane at right angles to `normal` of the axis that is closest to it, x before y
-/// before z.
+/// Returns the projection, on the plane at right angles to `normal`, of the coordinate axis closest to that plane; x is
+/// preferred to y and y to z.
 pub(super) fn first_tangent(normal: [f64; 3]) -> [f64; 3] {
     let closest = [1, 2].into_iter().fold(0, |best, c| if normal[c].abs() < normal[best].abs() { c } else { best });
     axis_across(closest, normal)

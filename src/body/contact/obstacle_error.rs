@@ -1,51 +1,51 @@
-//! Why there is no such obstacle.
+//! Errors of the placement of an obstacle.
 
 use super::gap_table::TableError;
 use super::triangles::SurfaceError;
 
-/// Why an obstacle does not fit its boundary.
+/// The error of an obstacle that does not fit its boundary.
 #[derive(Debug, thiserror::Error)]
 pub enum ObstacleError {
-    /// The boundary is closed or symmetric.
+    /// The boundary has no mean normal, because it is closed or symmetric.
     #[error("the boundary has no mean normal to face an obstacle with")]
     NoNormal,
-    /// In two dimensions everything lies in the plane.
+    /// A vector leaves the plane of a two-dimensional body.
     #[error("{0} of the obstacle leaves the plane of the body, which has two dimensions")]
     OutOfPlane(&'static str),
-    /// In three dimensions vectors have three components.
+    /// A vector has two components in three dimensions.
     #[error("{0} of the obstacle has two components, but the body has three dimensions")]
     PlaneVector(&'static str),
-    /// A sphere, say, in two dimensions.
+    /// The shape, for example a sphere, needs three dimensions.
     #[error("the obstacle is a {0}, but the body has two dimensions")]
     OnlyInSpace(&'static str),
-    /// A cylinder, bore or wedge in space needs an axis.
+    /// A cylinder, bore or wedge in three dimensions has no axis.
     #[error("a cylinder, bore or wedge in three dimensions needs an axis")]
     NoAxis,
-    /// An axis that is not at right angles to the normal.
+    /// The axis is not at right angles to the normal.
     #[error("the axis of the obstacle is not at right angles to its normal")]
     SkewAxis,
-    /// A cone that opens towards the body.
+    /// The cone opens towards the body.
     #[error("the axis of the cone points into the body, or along its surface")]
     ConeTowardsBody,
-    /// A sphere, socket or cone in front of a body of revolution that is none about the same axis.
+    /// A sphere, socket or cone in front of a body of revolution does not have the same axis.
     #[error("the obstacle is a {0} that is not about the axis x = 0 of the body")]
     OffAxis(&'static str),
-    /// An obstacle in front of a body of revolution that would not stay one, or rub across the section.
+    /// An obstacle in front of a body of revolution turns; it would lose the symmetry or rub across the section.
     #[error("the obstacle turns, but the body is axisymmetric")]
     TurnsRound,
-    /// An obstacle of revolution whose radius would change.
+    /// The radius of an obstacle of revolution changes.
     #[error("the obstacle moves away from the axis of the body, or towards it, by its {0}")]
     MovesAside(&'static str),
-    /// A table that cannot be used.
+    /// The table of gaps cannot be used.
     #[error(transparent)]
     Table(#[from] TableError),
-    /// A file of triangles that cannot be used.
+    /// The file of triangles cannot be used.
     #[error(transparent)]
     Surface(#[from] SurfaceError),
 }
 
 impl ObstacleError {
-    /// What mends the fault, in words.
+    /// Returns the correction, in words.
     pub fn help(&self) -> &'static str {
         match self {
             ObstacleError::NoNormal => "give the obstacle a `normal`",

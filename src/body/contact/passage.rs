@@ -1,8 +1,9 @@
-//! Where bodies pass through each other because no row of contact is between them.
+//! Search for bodies that pass through each other because there are no contact rows between them.
 //!
-//! Contact is where a scene asks for it, and a node has a row only where something is in front of it within the search. What moves together
-//! elsewhere overlaps, and every law still holds. So nodes on the outside of a body are looked for inside the cells of the others, as both are
-//! displaced. Nodes that have rows between two bodies, or are in such rows, are left out for these two: there facets may overlap a little.
+//! Contact acts only where a scene defines it, and a node has a row only if something is in front of it within the
+//! search distance. Elsewhere bodies may overlap while every law holds. Therefore the nodes on the outside of each
+//! displaced body are searched for inside the cells of the others. Nodes that have rows between two bodies, or are in
+//! such rows, are left out for these two bodies, since facets may overlap slightly there.
 
 use std::collections::BTreeSet;
 
@@ -15,26 +16,26 @@ use crate::algebra::vector::{dot, minus, norm};
 use crate::body::fem::is_inside_cell;
 use crate::body::mesh::{Facet, Mesh};
 
-/// A node that has come into a body by less than this share of what the two deform counts as rounding and as what small displacements
-/// leave out.
+/// A node counts only if it has entered a body by more than this share of the deformation of both; less is due to
+/// rounding and to the assumption of small displacements.
 const COUNTS: f64 = 0.02;
 
-/// The same, as a share of the size of the mesh, for bodies that do not deform.
+/// The least depth that counts for bodies that do not deform, as a share of the size of the mesh.
 const ROUNDING: f64 = 1e-9;
 
-/// A slave facet of which more is covered has rows at its nodes.
+/// The nodes of a slave facet have rows if more than this share of it is covered.
 const COVERED: f64 = 0.5;
 
-/// A node inside a body that it was not in.
+/// A node that has entered a body.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Passed {
     /// The number of the node in the mesh.
     pub node: usize,
-    /// The body of the node, and the one that it is in.
+    /// The body of the node, and the body that it has entered.
     pub bodies: [usize; 2],
-    /// How much deeper it is in there than at rest, m.
+    /// The depth inside that body beyond the depth at rest, m.
     pub depth: f64,
-    /// Its distance from that body at rest, m; 0 where it was inside.
+    /// The distance of the node from that body at rest, m; 0 if it was inside.
     pub apart: f64,
 }
 
@@ -46,18 +47,20 @@ struct Outside {
     cells: Vec<usize>,
 }
 
-/// What may pass through what.
+/// The bodies and boundaries that may pass through each other.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Passages {
     bodies: Vec<Outside>,
-    /// The nodes that are in rows of contact with a body, with this.
+    /// The nodes in contact rows with a body, each with the number of that body.
     guarded: BTreeSet<(usize, usize)>,
-    /// Boundaries of one body in front of each other: the nodes of the one without rows, and the other.
+    /// Pairs of boundaries of one body: the number of the body, the nodes of one boundary without rows, and the other
+    /// boundary.
     slots: Vec<(usize, Vec<usize>, Outside)>,
 }
 
 impl Passages {
-    /// Those of `mesh`, whose bodies meet as `mortars` say. `None` where there is one body and nothing in front of itself.
+    /// Creates the search for `mesh`, whose bodies are in contact by `mortars`. `None` for a single body without a
+    /// boundary in front of itself.
     pub fn new<'a>(mesh: &Mesh, mortars: impl Iterator<Item = &'a Mortar>) -> Option<Self> {
         let bodies = mesh.bodies();
         let of = bodies.of_nodes();
@@ -105,7 +108,8 @@ impl Passages {
         Some(Passages { bodies: outside, guarded, slots })
     }
 
-    /// The node that has come furthest into a body when the nodes of `mesh` have moved by `u` (m), if that counts.
+    /// Returns the node that has entered a body furthest after the nodes of `mesh` have moved by `u` (m), if the depth
+    /// counts.
     pub fn deepest(&self, mesh: &Mesh, u: &[[f64; 3]]) -> Option<Passed> {
         let moved = |node: usize| [0, 1, 2].map(|c| mesh.nodes[node][c] + u[node][c]);
         let bounds: Vec<Bounds> = self.bodies.iter().map(|body| bounds(&body.nodes, &moved)).collect();
@@ -145,13 +149,13 @@ fn bounds(nodes: &[usize], at: &dyn Fn(usize) -> [f64; 3]) -> Bounds {
     Bounds::of(&nodes.iter().map(|&node| at(node)).collect::<Vec<_>>())
 }
 
-/// How much the displacements `u` (m) of `nodes` differ from their mean at most, m.
+/// Returns the largest deviation of the displacements `u` (m) of `nodes` from their mean, m.
 fn spread(nodes: &[usize], u: &[[f64; 3]]) -> f64 {
     let mean = [0, 1, 2].map(|c| nodes.iter().map(|&node| u[node][c]).sum::<f64>() / nodes.len() as f64);
     nodes.iter().map(|&node| norm(minus(u[node], mean))).fold(0.0, f64::max)
 }
 
-/// Which of `nodes` are inside the cells of `other`, and how far from its facets, m.
+/// Returns the `nodes` inside the cells of `other`, with their distances from its facets, m.
 fn inside(mesh: &Mesh, at: &dyn Fn(usize) -> [f64; 3], nodes: &[usize], other: &Outside) -> Vec<(usize, f64)> {
     if nodes.is_empty() {
         return Vec::new();
@@ -176,7 +180,7 @@ fn inside(mesh: &Mesh, at: &dyn Fn(usize) -> [f64; 3], nodes: &[usize], other: &
     found.into_iter().zip(depths).collect()
 }
 
-/// The distance of each of `nodes` from `facets`, m.
+/// Returns the distance of each of `nodes` from `facets`, m.
 fn distances(mesh: &Mesh, at: &dyn Fn(usize) -> [f64; 3], facets: &[Facet], nodes: &[usize]) -> Vec<f64> {
     if nodes.is_empty() {
         return Vec::new();

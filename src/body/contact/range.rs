@@ -1,7 +1,7 @@
-//! Does the contact stay where its linearisation holds?
+//! Check that the contact stays within the range of its linearisation.
 //!
-//! Gaps and normals are those of the undeformed body. What that neglects is seen afterwards: the deformed
-//! node has an exact distance from the moved obstacle, along its normal, beside the linearised one.
+//! Gaps and normals are those of the undeformed body. The error is checked afterwards: the exact distance of the
+//! deformed node from the moved obstacle, along the node's normal, is compared with the linearised distance.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,15 +9,15 @@ use super::motion::ObstacleMotion;
 use super::obstacle::PlacedObstacle;
 use crate::algebra::vector::{dot, norm};
 
-/// How much of the indentation the linearisation may miss before it counts as left. Pressures follow from
-/// the indentation, so about this share of a pressure is then wrong: more than meshes usually are.
+/// The largest tolerated error of the linearisation, as a share of the indentation. Since pressures follow from the
+/// indentation, about this share of a pressure is then wrong, which is more than the usual error of a mesh.
 pub const TOLERATED_SHARE: f64 = 0.1;
 
-/// What a solution leaves of a distance that is 0, as a share of the largest displacement: the usual bound of the error
+/// The error of a distance of 0 in a solution, as a share of the largest displacement: the usual bound of the error
 /// measure.
 const SOLVED: f64 = 1e-10;
 
-/// What rounding leaves of a distance, as a share of the coordinates it is the difference of: a few units in the last place.
+/// The rounding error of a distance, as a share of the coordinates that are subtracted: a few units in the last place.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// A contact node whose linearised distance from the obstacle is wrong.
@@ -32,9 +32,10 @@ pub struct RangeLeft {
     pub time: f64,
     /// The linearised distance of the node from the obstacle, as computed, m.
     pub linearised: f64,
-    /// The distance of the node along the normal without linearisation, m; null if the obstacle is no longer in front of it.
+    /// The distance of the node along the normal without linearisation, m; null if the obstacle is no longer in front
+    /// of it.
     pub exact: f64,
-    /// The difference of the two distances over the largest indentation.
+    /// The difference of the two distances divided by the largest indentation.
     pub share: f64,
 }
 
@@ -47,19 +48,19 @@ pub struct DeformedNode {
     pub position: [f64; 3],
     /// The displacement of the node, m.
     pub displacement: [f64; 3],
-    /// The normal along which its gap is measured.
+    /// The normal along which the gap is measured.
     pub normal: [f64; 3],
     /// The gap of the node at this time, m.
     pub gap: f64,
-    /// Whether the node is in contact.
+    /// `true` if the node is in contact.
     pub closed: bool,
 }
 
-/// The node of `nodes`, in front of `obstacle` at time `t` (s), where the linearised distance is most wrong, if
-/// that is more than [`TOLERATED_SHARE`] of the indentation: of `indentation` (m), what is known of it beforehand, or of the
-/// largest normal displacement of a closed node; where none is closed, of the largest displacement. An open node counts only if
-/// it is inside the obstacle in truth.
-/// What is no more than rounding and the tolerance of a solution is no difference: on a plane that touches from the start
+/// Returns the node of `nodes`, in front of `obstacle` at time `t` (s), with the largest error of the linearised
+/// distance, if the error exceeds [`TOLERATED_SHARE`] of the indentation. The indentation is the larger of
+/// `indentation` (m), a lower bound known beforehand, and the largest normal displacement of a closed node; if no node
+/// is closed, the largest displacement. An open node counts only if it is inside the obstacle by its exact distance.
+/// Differences within rounding and the tolerance of a solution are ignored: on a plane that touches from the start,
 /// nothing is indented.
 pub fn range_left(
     obstacle: &PlacedObstacle,
@@ -82,7 +83,7 @@ pub fn range_left(
         let missed = if node.closed { (exact - linearised).abs() } else { (-exact).max(0.0) };
         let share = missed / indentation;
         let noise = SOLVED * largest + ROUNDING * (norm(position) + norm(x));
-        // An obstacle that is no longer in front of a closed node is as far out of range as can be.
+        // A closed node that no longer has the obstacle in front of it is the worst case.
         let left = missed > noise && share > TOLERATED_SHARE || node.closed && exact.is_nan();
         if left && worst.is_none_or(|worst| share.is_nan() || share > worst.share) {
             worst = Some(RangeLeft { node: node.node, position, time: t, linearised, exact, share });

@@ -1,10 +1,11 @@
-//! Obstacles in front of bodies of revolution: bodies of revolution about the same axis, x = 0, that stay such as they move.
+//! Obstacles in front of bodies of revolution. They are bodies of revolution about the same axis, x = 0, and keep this
+//! symmetry as they move.
 
 use super::description::{Obstacle, SKEW};
 use super::obstacle_error::ObstacleError;
 use crate::algebra::vector::{Vector, plus};
 
-/// Whether an obstacle of revolution stays one as it moves, and keeps its radius; `normal` is its own.
+/// Checks that an obstacle of revolution with the normal `normal` keeps its symmetry and its radius as it moves.
 pub(super) fn moves_along_axis(given: &Obstacle, normal: [f64; 3]) -> Result<(), ObstacleError> {
     if given.rotation.is_some() {
         return Err(ObstacleError::TurnsRound);
@@ -16,12 +17,12 @@ pub(super) fn moves_along_axis(given: &Obstacle, normal: [f64; 3]) -> Result<(),
     if moves && normal[0].abs() > SKEW { Err(ObstacleError::MovesAside("approach")) } else { Ok(()) }
 }
 
-/// Whether a sphere or socket is about the axis x = 0.
+/// Returns `true` if the centre of a sphere or socket is on the axis x = 0.
 pub(super) fn centred(apex: [f64; 3], radius: f64, normal: [f64; 3]) -> bool {
     plus(apex, radius, normal)[0].abs() <= SKEW * radius.abs()
 }
 
-/// Whether a cone is.
+/// Returns `true` if the axis of a cone is x = 0.
 pub(super) fn is_about_axis(apex: Vector, axis: [f64; 3]) -> bool {
     apex.components()[0] == 0.0 && axis[0].abs() <= SKEW
 }

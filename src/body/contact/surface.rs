@@ -1,4 +1,4 @@
-//! The surfaces of rigid obstacles: how far they are from a point.
+//! The surfaces of rigid obstacles and their distances from points.
 
 use std::sync::Arc;
 
@@ -14,17 +14,17 @@ use crate::base::formula::Formula;
 /// `N` below.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Surface {
-    /// All points with `N·x = level + gap`; two numbers, so that a small gap keeps its digits.
+    /// All points with `N·x = level + gap`. The two numbers are kept apart so that a small gap keeps its digits.
     Plane { level: f64, gap: f64 },
-    /// A cylinder about `axis` (unit), or a sphere without; its point nearest along `N` is `apex`. The body is in one whose
-    /// radius is negative: its centre is on the other side of the apex.
+    /// A cylinder about `axis` (unit vector), or a sphere if there is none; its nearest point along `N` is `apex`. If
+    /// the radius is negative, the body is inside and the centre is on the other side of the apex.
     Round { radius: f64, apex: [f64; 3], axis: Option<[f64; 3]> },
     /// A cone.
     Cone(SolidCone),
-    /// Two half-planes from a ridge through `apex`, each leaning away from the body by the angle whose
-    /// tangent is `slope`, to both sides along `aside` (unit).
+    /// Two half-planes from a ridge through `apex`, to both sides along `aside` (unit vector). Each leans away from the
+    /// body by the angle with the tangent `slope`.
     Wedge { apex: [f64; 3], aside: [f64; 3], slope: f64 },
-    /// Gaps along `N` by a formula of the position.
+    /// Gaps along `N` from a formula of the position.
     Formula(Formula),
     /// Gaps along `N` from a table.
     Table(GapTable),
@@ -32,15 +32,15 @@ pub(super) enum Surface {
     Triangles(Arc<Triangles>),
 }
 
-/// What rounding leaves of a direction, or of a length as a share of the coordinates it is the difference of: a few units in
+/// The rounding error of a direction, or of a length as a share of the coordinates that are subtracted: a few units in
 /// the last place.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 impl Surface {
-    /// The distance (m) from `x` to where a line along the unit vector `n` enters the obstacle, negative if `x` is inside; NaN
-    /// if the line misses or only grazes it, only leaves it, as where it has turned its back, or has left it before `x`. Only
-    /// fields of gaps need `reference`, where the point at `x` came from: they are given by reference positions, along
-    /// `facing`.
+    /// Returns the distance (m) from `x` to the point where a line along the unit vector `n` enters the obstacle,
+    /// negative if `x` is inside. NaN if the line misses or only grazes the obstacle, only leaves it (for example
+    /// because the obstacle has turned its back), or has left it before `x`. Only fields of gaps need `reference`, the
+    /// reference position of the point at `x`, since they are functions of reference positions, along `facing`.
     pub(super) fn along(&self, facing: [f64; 3], x: [f64; 3], n: [f64; 3], reference: [f64; 3]) -> f64 {
         match self {
             Surface::Plane { level, gap } => {
@@ -48,7 +48,7 @@ impl Surface {
                 if closing > GRAZING { (gap + (level - dot(facing, x))) / closing } else { f64::NAN }
             }
             Surface::Round { radius, apex, axis } => {
-                // A line that leans along the axis of a cylinder is longer than its shadow.
+                // A line that leans along the axis of a cylinder is longer than its projection.
                 let leaning = axis.filter(|axis| dot(*axis, n) != 0.0);
                 let shadow = leaning.map_or(n, |axis| across(n, axis));
                 let length = leaning.map_or(1.0, |_| norm(shadow));
@@ -61,11 +61,11 @@ impl Surface {
                 let from = plus(to_apex, -radius, lean);
                 let aside = across(from, n);
                 let aside = dot(aside, aside);
-                // Under its very side the surface is as steep as the line: where it is then no gap can tell.
+                // At its side the surface is parallel to the line, and the gap is undefined.
                 if aside >= radius * radius {
                     return f64::NAN;
                 }
-                // R - √(R² - s²), without the loss of digits where s is small.
+                // R - √(R² - s²), without cancellation for small s.
                 let half_chord = (radius * radius - aside).sqrt();
                 let sagitta = aside / (radius.abs() + half_chord);
                 let entry = radius.signum() * sagitta - along;
@@ -77,7 +77,7 @@ impl Surface {
                 let from = minus(x, *apex);
                 let (mut entry, mut exit) = (f64::NEG_INFINITY, f64::INFINITY);
                 for side in [1.0, -1.0] {
-                    // Into the obstacle, at right angles to the face; its length does not matter.
+                    // A vector into the obstacle, normal to the face; its length does not matter.
                     let inward = plus(facing, -side * slope, *aside);
                     let (closing, outside) = (dot(inward, n), -dot(inward, from));
                     match closing {
@@ -97,8 +97,8 @@ impl Surface {
         }
     }
 
-    /// How far (m) the surface of a field of gaps is from `x` along `facing`, as [`Surface::along`]; NaN where the field has no
-    /// value.
+    /// Returns the distance (m) of the surface of a field of gaps from `x` along `facing`, like [`Surface::along`]; NaN
+    /// where the field has no value.
     fn above(&self, facing: [f64; 3], x: [f64; 3], reference: [f64; 3]) -> f64 {
         let moved = minus(x, reference);
         let base = plus(reference, 1.0, across(moved, facing));
@@ -110,15 +110,17 @@ impl Surface {
         gap - dot(moved, facing)
     }
 
-    /// Whether a point at `x`, from which [`Surface::along`] the unit vector `n` is NaN, is inside the obstacle: no distance
-    /// along the line tells how deep. Of triangles only those of a closed surface have an inside, and there is always a way in.
+    /// Returns `true` if a point at `x`, for which [`Surface::along`] the unit vector `n` is NaN, is inside the
+    /// obstacle, so that its depth is undefined. Only closed surfaces of triangles have an inside, and a line from
+    /// inside always has an entry.
     pub(super) fn swallows(&self, facing: [f64; 3], x: [f64; 3], n: [f64; 3], reference: [f64; 3]) -> bool {
         match self {
             Surface::Plane { level, gap } => gap + (level - dot(facing, x)) < 0.0,
             Surface::Round { radius, apex, axis } => {
                 let flat = |a: [f64; 3]| axis.map_or(a, |axis| across(a, axis));
                 let from_centre = norm(flat(minus(x, plus(*apex, *radius, facing))));
-                // A line that misses a bore runs outside of it, whatever rounding leaves of a place on its wall.
+                // A line that misses a bore runs outside its cavity, unless it is parallel to the axis and on the wall
+                // within rounding.
                 let along_axis = norm(flat(n)) <= ROUNDING;
                 if *radius > 0.0 { from_centre < *radius } else { !along_axis || from_centre > -radius }
             }
@@ -132,18 +134,18 @@ impl Surface {
         }
     }
 
-    /// Whether a line can miss it that does not leave the obstacle at all: a bore or a socket.
+    /// Returns `true` for a bore or a socket: a line that misses it never leaves the obstacle.
     pub(super) fn surrounds(&self) -> bool {
         matches!(self, Surface::Round { radius, .. } if *radius < 0.0)
     }
 
-    /// Whether it is round about an axis at right angles to the unit vector `tangent`.
+    /// Returns `true` if it is round about an axis at right angles to the unit vector `tangent`.
     pub(super) fn goes_round_along(&self, tangent: [f64; 3]) -> bool {
         matches!(self, Surface::Round { axis: Some(axis), .. } if dot(*axis, tangent).abs() <= SKEW)
     }
 
-    /// Whether a turn about the unit vector `axis` `through` a point (m) maps the surface on itself, but for the rounding of
-    /// both.
+    /// Returns `true` if a rotation about the unit vector `axis` through the point `through` (m) maps the surface to
+    /// itself, within the rounding of both.
     pub(super) fn is_the_same_about(&self, facing: [f64; 3], axis: [f64; 3], through: [f64; 3]) -> bool {
         let parallel = |a: [f64; 3]| norm(cross(a, axis)) <= ROUNDING;
         match self {
@@ -161,8 +163,9 @@ impl Surface {
         }
     }
 
-    /// A vector into the obstacle, at right angles to the surface where the line from `x` along the unit vector
-    /// `n` meets it after `gap` (m). The slopes of fields are differences over `step` (m) along `tangents`.
+    /// Returns a vector into the obstacle, normal to the surface at the point where the line from `x` along the unit
+    /// vector `n` meets it after `gap` (m). The slopes of fields are finite differences over `step` (m) along
+    /// `tangents`.
     pub(super) fn inward(
         &self,
         [facing, tangents @ ..]: [[f64; 3]; 3],
@@ -191,7 +194,8 @@ impl Surface {
                     self.along(facing, x, facing, x)
                 };
                 let (before, here, after) = (at(-step), at(0.0), at(step));
-                // At the rim of a table one side has no gap; across it there is no slope to speak of.
+                // At the rim of a table, one side has no gap, and a one-sided difference is used. Without any finite
+                // difference the slope is 0.
                 let slopes = [(after - before) / (2.0 * step), (after - here) / step, (here - before) / step];
                 let slope = slopes.into_iter().find(|slope| slope.is_finite()).unwrap_or(0.0);
                 plus(inward, -slope, tangent)
@@ -199,8 +203,8 @@ impl Surface {
         }
     }
 
-    /// The distance (m) from `x` to the nearest point of the surface, negative inside, and the unit
-    /// vector in which that is; NaN and `facing` beyond the rim of a surface that ends.
+    /// Returns the distance (m) from `x` to the nearest point of the surface, negative inside, and the unit vector of
+    /// its direction; NaN and `facing` beyond the rim of a bounded surface.
     pub(super) fn nearest(&self, facing: [f64; 3], x: [f64; 3]) -> (f64, [f64; 3]) {
         match self {
             Surface::Round { radius, apex, axis } => {
@@ -208,9 +212,9 @@ impl Surface {
                 let from = flat(minus(x, *apex));
                 let to_centre = plus([0.0; 3], -1.0, plus(from, -radius, facing));
                 let distance = norm(to_centre);
-                // |q| - R = (|q|² - R²) / (|q| + R), without the loss of digits near the surface.
+                // |q| - R = (|q|² - R²) / (|q| + R), without cancellation near the surface.
                 let gap = (dot(from, from) - 2.0 * radius * dot(from, facing)) / (distance + radius.abs());
-                // In the centre all points are as near.
+                // At the centre, all points are equally near.
                 let normal =
                     if distance > 0.0 { to_centre.map(|c| radius.signum() * c / distance + 0.0) } else { facing };
                 (radius.signum() * gap, normal)
@@ -226,7 +230,7 @@ impl Surface {
                 if side * dot(foot, *aside) >= 0.0 {
                     return (gap, inward);
                 }
-                // In front of the ridge, which is nearer than either face.
+                // In front of the ridge, the ridge is nearer than either face.
                 let to_ridge = across(plus([0.0; 3], -1.0, from), unit(cross(facing, *aside)));
                 let distance = norm(to_ridge);
                 (distance, to_ridge.map(|c| c / distance))

@@ -1,4 +1,4 @@
-//! Boxes around things, in a tree: what is near a line or a point is found without looking at all of them.
+//! A tree of bounding boxes, to find the items near a line or a point without examining all of them.
 
 /// The smallest and the largest coordinate along each axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -7,30 +7,30 @@ pub(super) struct Bounds {
     pub high: [f64; 3],
 }
 
-/// A tree of boxes, each around the two that follow from it.
+/// A binary tree of boxes, each around its two children.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Tree {
-    /// Each before its children, of which the first follows at once.
+    /// The boxes in depth-first order: each is followed by its first child.
     boxes: Vec<Node>,
-    /// The things, in the order of the leaves.
+    /// The items, in the order of the leaves.
     things: Vec<usize>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Node {
     bounds: Bounds,
-    /// The box after all that is in this one.
+    /// The index of the box after all descendants of this one.
     next: usize,
-    /// Where the things of a leaf begin, and how many they are; none in other boxes.
+    /// The index of the first item of a leaf, and the number of its items; 0 items in other boxes.
     first: usize,
     count: usize,
 }
 
-/// So many things are looked at one by one.
+/// The largest number of items of a leaf.
 const LEAF: usize = 4;
 
 impl Bounds {
-    /// Those of `points`.
+    /// Returns the bounds of `points`.
     pub(super) fn of(points: &[[f64; 3]]) -> Self {
         let nothing = Bounds { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
         points.iter().fold(nothing, |bounds, x| bounds.with(&Bounds { low: *x, high: *x }))
@@ -47,27 +47,27 @@ impl Bounds {
         0.5 * (self.low[c] + self.high[c])
     }
 
-    /// The longest side.
+    /// Returns the longest side.
     pub(super) fn extent(&self) -> f64 {
         (0..3).map(|c| self.high[c] - self.low[c]).fold(0.0, f64::max)
     }
 
-    /// With as much more (m) on all sides.
+    /// Returns the bounds extended by `by` (m) on all sides.
     pub(super) fn grown(self, by: f64) -> Self {
         Bounds { low: self.low.map(|c| c - by), high: self.high.map(|c| c + by) }
     }
 
-    /// Whether `x` is within them.
+    /// Returns `true` if the bounds contain `x`.
     pub(super) fn holds(&self, x: [f64; 3]) -> bool {
         (0..3).all(|c| self.low[c] <= x[c] && x[c] <= self.high[c])
     }
 
-    /// Whether the two have a point in common.
+    /// Returns `true` if the two have a common point.
     pub(super) fn overlaps(&self, other: &Bounds) -> bool {
         (0..3).all(|c| self.low[c] <= other.high[c] && other.low[c] <= self.high[c])
     }
 
-    /// Whether the line through `x` along `n` comes as near as `slack`.
+    /// Returns `true` if the line through `x` along `n` comes within `slack`.
     fn meets(&self, x: [f64; 3], n: [f64; 3], slack: f64) -> bool {
         let (mut from, mut to) = (f64::NEG_INFINITY, f64::INFINITY);
         for c in 0..3 {
@@ -84,21 +84,22 @@ impl Bounds {
         from <= to
     }
 
-    /// The square of the distance of `x`.
+    /// Returns the square of the distance from `x`.
     fn square_distance(&self, x: [f64; 3]) -> f64 {
         (0..3).map(|c| (self.low[c] - x[c]).max(x[c] - self.high[c]).max(0.0).powi(2)).sum()
     }
 }
 
 impl Tree {
-    /// The tree of things in these bounds.
+    /// Creates the tree of items with these bounds.
     pub(super) fn new(bounds: &[Bounds]) -> Self {
         let mut tree = Tree { boxes: Vec::new(), things: (0..bounds.len()).collect() };
         tree.build(bounds, 0, bounds.len());
         tree
     }
 
-    /// The boxes of the things that stand from `first` to `end`; halved by their number, so that no tree is deep.
+    /// Builds the boxes of the items from `first` to `end`. Each box splits its items into halves of equal number,
+    /// which limits the depth of the tree.
     fn build(&mut self, all: &[Bounds], first: usize, end: usize) {
         let things = &mut self.things[first..end];
         let bounds = things.iter().fold(Bounds::of(&[]), |bounds, &k| bounds.with(&all[k]));
@@ -120,17 +121,17 @@ impl Tree {
         self.things[node.first..node.first + node.count].iter().copied()
     }
 
-    /// The things whose bounds the line through `x` along `n` may come as near as `slack`, and a few around them.
+    /// Visits the items whose bounds are within `slack` of the line through `x` along `n`, and a few others nearby.
     pub(super) fn along(&self, x: [f64; 3], n: [f64; 3], slack: f64, each: impl FnMut(usize)) {
         self.within(|bounds| bounds.meets(x, n, slack), each);
     }
 
-    /// The things whose bounds overlap `others`, and a few around them.
+    /// Visits the items whose bounds overlap `others`, and a few others nearby.
     pub(super) fn around(&self, others: &Bounds, each: impl FnMut(usize)) {
         self.within(|bounds| bounds.overlaps(others), each);
     }
 
-    /// The things of the leaves whose bounds, and those of all boxes around them, are `wanted`.
+    /// Visits the items of the leaves for which `wanted` holds, as well as for all enclosing boxes.
     fn within(&self, wanted: impl Fn(&Bounds) -> bool, mut each: impl FnMut(usize)) {
         let mut at = 0;
         while let Some(node) = self.boxes.get(at) {
@@ -143,7 +144,7 @@ impl Tree {
         }
     }
 
-    /// Looks at the things around `x`, each of which tells the square of its distance, until no other can be nearer.
+    /// Visits the items around `x` until no other can be nearer. `each` returns the square of the distance of an item.
     pub(super) fn near(&self, x: [f64; 3], mut each: impl FnMut(usize) -> f64) {
         let mut nearest = f64::INFINITY;
         let mut open = vec![(0.0, 0)];
@@ -155,7 +156,7 @@ impl Tree {
             if node.count == 0 {
                 let [one, other] = [at + 1, self.boxes.get(at + 1).map_or(at, |child| child.next)]
                     .map(|child| (self.boxes[child].bounds.square_distance(x), child));
-                // The nearer one comes first.
+                // The nearer box is visited first.
                 open.extend(if one.0 < other.0 { [other, one] } else { [one, other] });
             }
         }

@@ -1,7 +1,7 @@
-//! A rigid surface of triangles: where a line enters it, and its nearest point.
+//! A rigid surface of triangles: intersection with lines, and nearest points.
 //!
-//! Triangles are counterclockwise seen from outside of the obstacle, as in an STL file. The surface may be closed or end
-//! in a rim; beyond the rim there is nothing.
+//! Triangles are counterclockwise as seen from outside the obstacle, as in an STL file. The surface may be closed or
+//! have a rim; beyond the rim it has no distance.
 
 mod read;
 mod rim;
@@ -19,39 +19,39 @@ use crate::algebra::vector::{cross, dot, minus, norm, plus, unit};
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Triangles {
     corners: Vec<[[f64; 3]; 3]>,
-    /// Unit vectors out of the obstacle.
+    /// Unit normals out of the obstacle.
     normals: Vec<[f64; 3]>,
-    /// For each triangle the numbers of its corners among `vertices`.
+    /// The indices in `vertices` of the corners of each triangle.
     points: Vec<[usize; 3]>,
-    /// For each triangle the numbers of its sides among `edges`; side k begins at corner k.
+    /// The indices in `edges` of the sides of each triangle; side k begins at corner k.
     sides: Vec<[usize; 3]>,
     vertices: Vec<Feature>,
     edges: Vec<Feature>,
     tree: Tree,
-    /// The longest side of the box around all, m.
+    /// The longest side of the bounding box, m.
     extent: f64,
 }
 
 /// An edge or a corner of the surface.
 #[derive(Debug, Clone, PartialEq, Default)]
 struct Feature {
-    /// The sum of the normals of the triangles that meet there, at a corner weighted by their angles: its side tells inside
-    /// from outside (Bærentzen and Aanæs, 2005).
+    /// The sum of the normals of the triangles that meet there, weighted by their angles at a corner; its sign
+    /// distinguishes inside from outside (Bærentzen and Aanæs, 2005).
     normal: [f64; 3],
-    /// On a rim, the unit vectors that lead off the surface.
+    /// On a rim, the unit vectors pointing off the surface.
     off: Vec<[f64; 3]>,
 }
 
-/// Where a line enters the obstacle.
+/// The point where a line enters the obstacle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Entry {
-    /// How far along the line, m.
+    /// The distance along the line, m.
     pub distance: f64,
-    /// Through which triangle.
+    /// The triangle that the line crosses.
     pub triangle: usize,
 }
 
-/// A part of a triangle.
+/// A face, side or corner of a triangle.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum TriangleFeature {
     Face,
@@ -59,19 +59,20 @@ pub(super) enum TriangleFeature {
     Corner(usize),
 }
 
-/// What rounding makes of a place, as a share of the size of the surface: a line through an edge meets both triangles.
+/// The rounding error of a position, as a share of the size of the surface. With this tolerance a line through an edge
+/// meets both triangles.
 const ROUNDING: f64 = 1e-12;
 
-/// The same in single precision, which is that of most STL files. By so much a place may be over the rim, and a triangle may
-/// lean to a line before it counts as met.
+/// The rounding error in single precision, which most STL files have. A point may lie beyond the rim by this share, and
+/// a line meets a triangle only if the cosine between line and normal exceeds it.
 const SINGLE: f64 = 1e-6;
 
-/// What tells a point from others that are not exactly in its place: + 0.0 turns -0 into 0.
+/// Returns the bits of a point, for exact comparison; + 0.0 turns -0 into 0.
 fn place(x: [f64; 3]) -> [u64; 3] {
     x.map(|c| (c + 0.0).to_bits())
 }
 
-/// The corners of a triangle from its least one on, with the same outside.
+/// Returns the corners of a triangle rotated to begin with the least one; the orientation is kept.
 fn from_least(corners: &[[f64; 3]; 3]) -> [[u64; 3]; 3] {
     let mut places = corners.map(place);
     let least = (0..3).min_by_key(|k| places[*k]).unwrap_or(0);
@@ -87,7 +88,8 @@ impl Triangles {
         Self::new(corners).map_err(|message| SurfaceError::Unsound { file: path.display().to_string(), message })
     }
 
-    /// The surface of these triangles; those without an area, and those that are there already, are left out. Otherwise why it is none, in words.
+    /// Creates the surface of these triangles, without those of zero area and repeated ones. The error is the reason,
+    /// in words.
     fn new(mut corners: Vec<[[f64; 3]; 3]>) -> Result<Self, String> {
         let area = |[a, b, c]: &[[f64; 3]; 3]| cross(minus(*b, *a), minus(*c, *a));
         corners.retain(|corners| norm(area(corners)) > 0.0);
@@ -125,10 +127,10 @@ impl Triangles {
         Ok(surface)
     }
 
-    /// Finds which triangles share a side, and the rims where there is only one.
+    /// Finds the sides that triangles share, and the sides on rims.
     fn find_edges(&mut self) -> Result<(), String> {
         let mut numbers = HashMap::new();
-        // Of each edge its first triangle with the side, and how many there are.
+        // For each edge its first triangle with the side, and the number of its triangles.
         let mut first: Vec<(usize, usize, usize)> = Vec::new();
         for (t, points) in self.points.iter().enumerate() {
             self.sides.push([(); 3].map(|()| 0));
@@ -161,28 +163,28 @@ impl Triangles {
         Ok(())
     }
 
-    /// The number of triangles.
+    /// Returns the number of triangles.
     pub(super) fn count(&self) -> usize {
         self.corners.len()
     }
 
-    /// The longest side of the box around all, m.
+    /// Returns the longest side of the bounding box, m.
     pub(super) fn extent(&self) -> f64 {
         self.extent
     }
 
-    /// The unit vector out of the obstacle at a triangle.
+    /// Returns the unit normal of a triangle, out of the obstacle.
     pub(super) fn normal(&self, triangle: usize) -> [f64; 3] {
         self.normals[triangle]
     }
 
-    /// Where the line through `x` along the unit vector `n` enters the obstacle: behind `x` if that is inside, otherwise
-    /// the first time ahead.
+    /// Returns the point where the line through `x` along the unit vector `n` enters the obstacle: behind `x` if `x` is
+    /// inside, otherwise the first one ahead.
     pub(super) fn entry(&self, x: [f64; 3], n: [f64; 3]) -> Option<Entry> {
         [ROUNDING, SINGLE].into_iter().find_map(|slack| self.entry_within(x, n, slack * self.extent))
     }
 
-    /// [`Triangles::entry`], with triangles that are larger by `slack` (m) all around.
+    /// Computes [`Triangles::entry`] with triangles enlarged by `slack` (m) all around.
     fn entry_within(&self, x: [f64; 3], n: [f64; 3], slack: f64) -> Option<Entry> {
         let (mut behind, mut ahead): (Option<Entry>, Option<Entry>) = (None, None);
         let mut left = f64::NEG_INFINITY;
@@ -212,8 +214,8 @@ impl Triangles {
         behind.filter(|entry| entry.distance >= left).or(ahead)
     }
 
-    /// The distance (m) from `x` to the nearest point, negative inside, and the unit vector into the obstacle in which that
-    /// is; nothing if `x` is beyond the rim.
+    /// Returns the distance (m) from `x` to the nearest point, negative inside, and the unit vector of its direction,
+    /// into the obstacle; `None` if `x` is beyond the rim.
     pub(super) fn nearest(&self, x: [f64; 3]) -> Option<(f64, [f64; 3])> {
         let mut best = (f64::INFINITY, 0, x, TriangleFeature::Face);
         self.tree.near(x, |triangle| {
@@ -240,7 +242,7 @@ impl Triangles {
             return None;
         }
         let inward = unit(feature.normal.map(|c| -c));
-        // On the surface itself there is no way to it.
+        // On the surface itself, the direction to the nearest point is undefined.
         if distance <= SINGLE * self.extent {
             return Some((dot(to, inward), inward));
         }
@@ -249,8 +251,8 @@ impl Triangles {
     }
 }
 
-/// The point of a triangle, or of a side if two of its corners are one, that is nearest to `x`, and the part of it that it lies on
-/// (Ericson, Real-Time Collision Detection, 5.1.5).
+/// Returns the point of a triangle that is nearest to `x`, and the face, side or corner that contains it (Ericson,
+/// Real-Time Collision Detection, 5.1.5). If two corners coincide, the triangle is a side.
 pub(super) fn nearest_of(&[a, b, c]: &[[f64; 3]; 3], x: [f64; 3]) -> ([f64; 3], TriangleFeature) {
     let (ab, ac) = (minus(b, a), minus(c, a));
     let [from_a, from_b, from_c] = [a, b, c].map(|corner| minus(x, corner));
@@ -292,7 +294,7 @@ mod tests {
         Triangles::new(halves.map(|corners| corners.map(at)).collect()).unwrap()
     }
 
-    /// A triangle that is there several times, from whichever corner on, is one.
+    /// A repeated triangle, beginning at any of its corners, counts once.
     #[test]
     fn repeated_triangles_are_left_out() {
         let cube = cube();
@@ -339,7 +341,7 @@ mod tests {
             assert!((d - distance).abs() < 1e-14 && norm(minus(n, normal)) < 1e-14, "{x:?}: {d} {n:?}");
         }
         assert_eq!(ceiling.nearest([0.5, 0.5, 1.5]), Some((-0.5, [0.0, 0.0, 1.0])));
-        // Beyond the rim is nothing; straight below it the surface is.
+        // Beyond the rim there is no nearest point; directly below the rim there is.
         assert_eq!(ceiling.nearest([1.2, 0.5, 0.5]), None);
         assert_eq!(ceiling.nearest([1.2, 1.2, 1.0]), None);
         assert_eq!(ceiling.nearest([1.0, 1.0, 0.5]), Some((0.5, [0.0, 0.0, 1.0])));

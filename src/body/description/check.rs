@@ -1,4 +1,4 @@
-//! Are the values of a description possible, each by itself and beside each other?
+//! Checks of the values of a description, individually and in combination.
 
 use super::{Against, Contact, Description, Opposite};
 use crate::base::input_error::{InputError, ensure};
@@ -7,10 +7,10 @@ use crate::body::contact::{Friction, Obstacle};
 use crate::body::fem::{Element, Plane};
 
 impl Description {
-    /// Whether a model can be made of it, as far as that is known without its mesh.
+    /// Checks the description as far as possible without its mesh.
     ///
     /// # Errors
-    /// [`InputError`] of the key that is wrong, such as `contact[0].friction`.
+    /// [`InputError`] with the key of the wrong value, such as `contact[0].friction`.
     pub fn check(&self) -> Result<(), InputError> {
         check_times("times", &self.times)?;
         self.mesh.check()?;
@@ -38,7 +38,7 @@ impl Description {
 }
 
 impl Contact {
-    /// Checks it beside those before it.
+    /// Checks a contact, also against the `earlier` ones.
     fn check(&self, earlier: &[Contact]) -> Result<(), InputError> {
         if earlier.iter().any(|other| other.boundary == self.boundary) {
             let message = format!("the boundary `{}` has a [[contact]] already", self.boundary);

@@ -1,4 +1,4 @@
-//! Numbers that may change from place to place.
+//! Numbers that may vary with the position.
 
 use std::fmt;
 
@@ -8,14 +8,14 @@ use crate::base::input_error::{InputError, finite};
 /// A number, or a formula of the position.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Field {
-    /// The same everywhere.
+    /// A uniform value.
     Uniform(f64),
-    /// By a formula of x, y and z (m).
+    /// A formula of x, y and z (m).
     Formula(Formula),
 }
 
 impl Field {
-    /// The value at `x` (m); NaN where a formula has none.
+    /// Returns the value at `x` (m); NaN where a formula is undefined.
     pub fn at(&self, x: [f64; 3]) -> f64 {
         match self {
             Field::Uniform(value) => *value,
@@ -23,7 +23,7 @@ impl Field {
         }
     }
 
-    /// The value, if it is the same everywhere.
+    /// Returns the value if it is uniform.
     pub fn uniform(&self) -> Option<f64> {
         match self {
             Field::Uniform(value) => Some(*value),
@@ -31,7 +31,7 @@ impl Field {
         }
     }
 
-    /// Whether it is possible, as the value of `key`.
+    /// Checks the value of `key`.
     pub(super) fn check(&self, key: &str) -> Result<(), InputError> {
         self.uniform().map_or(Ok(()), |value| finite(key, value))
     }

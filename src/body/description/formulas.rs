@@ -1,4 +1,4 @@
-//! All formulas of a description, and whether they suit the body.
+//! Check of the formulas of a description.
 
 use super::{Action, Description, Field, FirstGap, Opposite};
 use crate::base::formula::Formula;
@@ -6,7 +6,7 @@ use crate::base::input_error::InputError;
 use crate::body::contact::{Friction, Shape};
 
 impl Description {
-    /// Refuses formulas of z for a body of two dimensions.
+    /// Fails if a body of two dimensions has formulas of z.
     pub(crate) fn formulas_suit(&self, dimension: usize) -> Result<(), InputError> {
         match self.formulas().into_iter().find(|(_, formula)| formula.has_coordinate(2)) {
             Some((key, formula)) if dimension == 2 => {
@@ -17,7 +17,7 @@ impl Description {
         }
     }
 
-    /// Each formula with the key at which it stands.
+    /// Returns each formula with its key.
     fn formulas(&self) -> Vec<(String, &Formula)> {
         let mut formulas = Vec::new();
         for (k, contact) in self.contacts.iter().enumerate() {

@@ -1,10 +1,10 @@
-//! Histories that bend within increments, and increments that end there.
+//! Kinks of histories within increments, and increments that end at kinks.
 
 use super::{Description, Load, Support};
 use crate::base::timeline::{kinks_between, with_further_ends};
 use crate::base::units::UnitSystem;
 
-/// The times at which a history bends although no increment ends there.
+/// The kinks of a history at which no increment ends.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Kinks<'a> {
     of: History<'a>,
@@ -21,7 +21,7 @@ enum History<'a> {
 }
 
 impl Kinks<'_> {
-    /// The history that has them, in words, such as `the load on top`, with coordinates in `units`.
+    /// Describes the history, for example as `the load on top`, with coordinates in `units`.
     pub fn history(&self, units: &UnitSystem) -> String {
         match &self.of {
             History::Load(load) => format!("the load on {}", load.action.place(units)),
@@ -33,7 +33,7 @@ impl Kinks<'_> {
 }
 
 impl Description {
-    /// The histories that bend between `times` (s), the ends of increments.
+    /// Returns the histories with kinks between `times` (s), the ends of increments.
     pub fn kinks_between(&self, times: &[f64]) -> Vec<Kinks<'_>> {
         let end = times.last().copied().unwrap_or(0.0);
         let loads = self.loads.iter().map(|load| (History::Load(load), kinks_between(times, &load.factors(end))));
@@ -59,8 +59,8 @@ impl Description {
         all.map(|(of, times)| Kinks { of, times }).collect()
     }
 
-    /// `times` (s), the ends of increments, with the kinks of all histories among them. Within an increment forces, motions and
-    /// friction then change in proportion, and nothing that comes and goes is stepped over.
+    /// Inserts the kinks of all histories in `times` (s), the ends of increments. Then forces, motions and friction
+    /// change linearly within an increment, and no peak of a history is missed.
     pub fn ends_at_kinks(&self, times: &[f64]) -> Vec<f64> {
         with_further_ends(times, self.kinks_between(times).into_iter().flat_map(|kinks| kinks.times))
     }
@@ -76,7 +76,7 @@ mod tests {
     use crate::body::fem::Material;
     use crate::body::mesh::MeshSource;
 
-    /// Every history has a kink of its own; a support that holds and moves nothing has none.
+    /// Every history has a different kink; a support without displacement has none.
     #[test]
     fn increments_end_at_the_kinks_of_all_histories() {
         let there_and_back = |t: f64| vec![[0.0, 1.0], [t, 2.0], [1.0, 1.0]];

@@ -1,4 +1,4 @@
-//! What loads a body.
+//! Loads of a body.
 
 use super::Field;
 use crate::algebra::vector::{Vector, norm};
@@ -6,17 +6,17 @@ use crate::base::input_error::{InputError, ensure, finite, not_huge};
 use crate::base::timeline::check_points;
 use crate::base::units::{Quantity, UnitSystem};
 
-/// A load: an action times a factor that changes in time.
+/// A load: an action times a factor that varies in time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Load {
     /// The action at factor 1.
     pub action: Action,
-    /// Points `[time (s), factor]` with increasing times; linear between, constant outside. Without them the factor
+    /// Points `[time (s), factor]` with increasing times: linear between them, constant outside. Default: the factor
     /// grows from 0 at the beginning to 1 at the end.
     pub history: Option<Vec<[f64; 2]>>,
 }
 
-/// What a load does at factor 1. Lists of components have two in the plane and three in space.
+/// The action of a load at factor 1. Lists of components have as many entries as the body has dimensions.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Action {
     /// A traction on a boundary, N/m².
@@ -30,10 +30,11 @@ pub enum Action {
     Pressure {
         /// The boundary.
         boundary: String,
-        /// The pressure; negative where it pulls.
+        /// The pressure; negative for tension.
         pressure: Field,
     },
-    /// A force, spread evenly over a boundary or at the node at a point, N; in two dimensions N per m of depth.
+    /// A force, distributed uniformly over a boundary or acting at the node at a point, N; in two dimensions N per m of
+    /// depth.
     Force {
         /// The boundary or the point.
         at: Where,
@@ -42,20 +43,20 @@ pub enum Action {
     },
     /// An acceleration of the ground, or gravity: the force `density · acceleration`, m/s².
     Acceleration(Vec<f64>),
-    /// A body that turns steadily about an axis: the centrifugal force `density · ω² · r`.
+    /// A steady rotation of the body about an axis: the centrifugal force `density · ω² · r`.
     Spin {
-        /// Direction of the axis; without it, along z.
+        /// Direction of the axis; default: z.
         axis: Option<Vector>,
         /// A point of the axis, m.
         through: Vector,
-        /// Angular speed `ω`, rad/s. A history multiplies the force, so `ω²`.
+        /// Angular speed `ω`, rad/s. A history multiplies the force, that is `ω²`.
         speed: f64,
     },
-    /// A temperature above that at which the body is free of stress, K: the strain `expansion · temperature`.
+    /// The temperature above the stress-free temperature, K: the strain `expansion · temperature`.
     Temperature(Field),
 }
 
-/// A part of the boundary, or a single node.
+/// A boundary or a single node.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Where {
     /// The boundary of this name.
@@ -65,27 +66,27 @@ pub enum Where {
 }
 
 impl From<Action> for Load {
-    /// The action, growing from nothing at the beginning to the whole of it at the end.
+    /// Creates a load that grows from 0 at the beginning to `action` at the end.
     fn from(action: Action) -> Self {
         Load { action, history: None }
     }
 }
 
 impl Load {
-    /// A uniform `traction` (N/m², two components or three) on `boundary` that grows from 0 at the beginning to the whole
-    /// of it at the end.
+    /// Creates a uniform `traction` (N/m², two or three components) on `boundary` that grows from 0 at the beginning to
+    /// its full value at the end.
     pub fn new(boundary: &str, traction: &[f64]) -> Self {
         let traction = traction.iter().map(|t| Field::from(*t)).collect();
         Action::Traction { boundary: boundary.to_string(), traction }.into()
     }
 
-    /// The same action times the factor of `history`: points `[time (s), factor]`.
+    /// Sets the history: points `[time (s), factor]`.
     #[must_use]
     pub fn over(self, history: &[[f64; 2]]) -> Self {
         Load { history: Some(history.to_vec()), ..self }
     }
 
-    /// The points `[time (s), factor]` of its history, which ends at `end` (s) if it does not say when.
+    /// Returns the points `[time (s), factor]` of the history; the default history ends at `end` (s).
     pub fn factors(&self, end: f64) -> Vec<[f64; 2]> {
         self.history.clone().unwrap_or_else(|| vec![[0.0, 0.0], [end, 1.0]])
     }
@@ -97,7 +98,7 @@ impl Load {
 }
 
 impl Action {
-    /// What it acts on, in words, with coordinates in `units`.
+    /// Describes what the load acts on, with coordinates in `units`.
     pub fn place(&self, units: &UnitSystem) -> String {
         match self {
             Action::Traction { boundary, .. } | Action::Pressure { boundary, .. } => boundary.clone(),
@@ -137,7 +138,7 @@ impl Action {
 }
 
 impl Where {
-    /// The name of the boundary, or the coordinates in `units`.
+    /// Returns the name of the boundary, or the coordinates in `units`.
     pub fn place(&self, units: &UnitSystem) -> String {
         match self {
             Where::Boundary(name) => name.clone(),
@@ -153,14 +154,14 @@ impl Where {
     }
 }
 
-/// Two or three finite numbers.
+/// Checks that there are two or three finite numbers.
 pub(super) fn components(key: &str, values: &[f64]) -> Result<(), InputError> {
     let sound = (2..=3).contains(&values.len()) && values.iter().all(|x| x.is_finite());
     ensure(sound, key, &values, "two or three finite numbers", "give one for each axis, not nan or inf")?;
     not_huge(key, values.iter().copied())
 }
 
-/// A vector with a direction.
+/// Checks that a vector has a direction.
 pub(super) fn direction(key: &str, given: Vector) -> Result<(), InputError> {
     components(key, &given.components())?;
     let length = norm(given.components());

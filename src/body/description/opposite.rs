@@ -1,59 +1,61 @@
-//! A boundary in front of another, as an input describes it.
+//! The opposite boundary of a contact, as input.
 
 use crate::algebra::vector::{Vector, norm};
 use crate::base::formula::Formula;
 use crate::base::input_error::{InputError, ensure, finite, not_huge, positive};
 
-/// The boundary of a deformable body in front of another.
+/// The opposite boundary of a contact, on a deformable body.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Opposite {
-    /// The boundary, or several, of one body or more, that count as one.
+    /// The boundary, or several boundaries of one or more bodies that count as one.
     pub boundaries: Vec<String>,
-    /// Whether the two are glued: they neither part nor slide, whatever the load.
+    /// `true` if the two are glued: they neither separate nor slide under any load.
     pub glued: bool,
-    /// How far apart parts of the two may be that belong to each other, m; without it, a tenth of the size of the smaller one.
+    /// The largest distance at which the two surfaces are paired, m; default: a tenth of the size of the smaller one.
     pub search: Option<f64>,
     /// The gap between the two when the history begins.
     pub gap: FirstGap,
-    /// Measured gaps and overlaps that are as small as this (m) count as 0.
+    /// Measured gaps and overlaps up to this size (m) count as 0.
     pub adjust: f64,
-    /// The normal for the whole of it, out of the first boundary; without it, each node has its own, between those of both sides.
+    /// The normal for the whole boundary, out of the first boundary; default: at each node the mean of the normals of
+    /// both sides.
     pub direction: Option<Vector>,
-    /// Whose nodes carry the contact forces.
+    /// The boundary whose nodes carry the contact forces.
     pub slave: Slave,
 }
 
 /// The gap between two boundaries when the history begins.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum FirstGap {
-    /// That of the mesh; overlaps are interference.
+    /// The gap of the mesh; overlaps are interference.
     #[default]
     Measured,
-    /// A number, m, for the whole of it; negative for interference.
+    /// A uniform gap, m; negative for interference.
     Uniform(f64),
-    /// By a formula of the position of the slave's node, m.
+    /// A formula of the position of the slave node, m.
     Formula(Formula),
 }
 
-/// Whose nodes carry the contact forces.
+/// The boundary whose nodes carry the contact forces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Slave {
-    /// Those of the boundary that is named first, unless supports hold all of it.
+    /// The boundary that is named first, unless supports hold all of it.
     #[default]
     First,
-    /// Those of the side with more free nodes in front of the other; if these are alike, of the softer body.
+    /// The boundary with more free nodes in front of the other; if the numbers are about equal, that of the softer
+    /// body.
     Automatic,
 }
 
 impl From<&str> for Opposite {
-    /// With measured gaps and everything else by default.
+    /// Uses measured gaps and defaults otherwise.
     fn from(boundary: &str) -> Self {
         Opposite::from([boundary])
     }
 }
 
 impl<const N: usize> From<[&str; N]> for Opposite {
-    /// Several boundaries that count as one, with measured gaps and everything else by default.
+    /// Combines several boundaries; uses measured gaps and defaults otherwise.
     fn from(boundaries: [&str; N]) -> Self {
         Opposite {
             boundaries: boundaries.map(str::to_string).to_vec(),
@@ -68,22 +70,22 @@ impl<const N: usize> From<[&str; N]> for Opposite {
 }
 
 impl Opposite {
-    /// With this gap (m) in place of that of the mesh; negative for interference.
+    /// Sets a uniform gap (m) instead of that of the mesh; negative for interference.
     #[must_use]
     pub fn apart(self, gap: f64) -> Self {
         Opposite { gap: FirstGap::Uniform(gap), ..self }
     }
 
-    /// With this distance (m) within which parts of the two boundaries belong to each other.
+    /// Sets the largest distance (m) at which the two boundaries are paired.
     #[must_use]
     pub fn within(self, search: f64) -> Self {
         Opposite { search: Some(search), ..self }
     }
 
-    /// Whether all values are possible.
+    /// Checks that all values are valid.
     ///
     /// # Errors
-    /// [`InputError`] of the key that is wrong, as it stands under `contact`.
+    /// [`InputError`] with the key of the wrong value, relative to `contact`.
     pub fn check(&self) -> Result<(), InputError> {
         if let Some(search) = self.search {
             positive("search", search, "give the distance in m or as [units] says")?;

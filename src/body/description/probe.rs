@@ -1,23 +1,23 @@
-//! Points of the body at which displacement and stress are told over time.
+//! Points of the body at which displacement and stress are recorded over time.
 
 use std::collections::HashSet;
 
 use crate::algebra::vector::Vector;
 use crate::base::input_error::{InputError, ensure, finite};
 
-/// More points than these belong into a file of fields.
+/// The largest number of points of a probe; output of more points belongs in a field file.
 const MOST_POINTS: usize = 10_000;
 
-/// Points under one name: one, or a row of them on a line.
+/// A named point, or a named row of points on a line.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Probe {
-    /// What it is called.
+    /// The name of the probe.
     pub name: String,
-    /// Where it is.
+    /// The position of the probe.
     pub place: ProbePlace,
 }
 
-/// Where a probe is; vectors have as many components as the body has dimensions.
+/// The position of a probe; vectors have as many components as the body has dimensions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ProbePlace {
     /// At a point, m.
@@ -28,41 +28,41 @@ pub enum ProbePlace {
         from: Vector,
         /// The last point, m.
         to: Vector,
-        /// How many points there are, equally spaced, the ends included.
+        /// The number of equally spaced points, including the ends.
         count: usize,
     },
 }
 
 impl Probe {
-    /// A probe at `point`, m.
+    /// Creates a probe at `point`, m.
     pub fn at(name: &str, point: impl Into<Vector>) -> Self {
         Probe { name: name.to_string(), place: ProbePlace::Point(point.into()) }
     }
 
-    /// A probe at `count` points between two ends (m), which are two of them.
+    /// Creates a probe at `count` points between two ends (m), including the ends.
     pub fn along(name: &str, from: impl Into<Vector>, to: impl Into<Vector>, count: usize) -> Self {
         let (from, to) = (from.into(), to.into());
         Probe { name: name.to_string(), place: ProbePlace::Line { from, to, count } }
     }
 
-    /// Its points, m; 0 for a component that is not there.
+    /// Returns its points, m; missing components are 0.
     pub fn points(&self) -> Vec<[f64; 3]> {
         match self.place {
             ProbePlace::Point(point) => vec![point.components()],
             ProbePlace::Line { from, to, count } => {
                 let (from, to) = (from.components(), to.components());
                 let share = |k: usize| k as f64 / (count.max(2) - 1) as f64;
-                // Each end is met exactly.
+                // The ends are exact.
                 let at = |k: usize| [0, 1, 2].map(|c| (1.0 - share(k)) * from[c] + share(k) * to[c]);
                 (0..count).map(at).collect()
             }
         }
     }
 
-    /// Whether `probes` are possible, as far as that is known without a mesh.
+    /// Checks `probes` as far as possible without a mesh.
     ///
     /// # Errors
-    /// [`InputError`] of the key that is wrong, such as `output.probe[0].point`.
+    /// [`InputError`] with the key of the wrong value, such as `output.probe[0].point`.
     pub fn check(probes: &[Probe]) -> Result<(), InputError> {
         let mut names = HashSet::new();
         for (k, probe) in probes.iter().enumerate() {

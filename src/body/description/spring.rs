@@ -1,38 +1,38 @@
-//! What a body stands on elastically.
+//! Springs and elastic foundations.
 
 use super::load::{Where, components};
 use crate::base::input_error::{InputError, ensure, finite};
 use crate::base::units::UnitSystem;
 
-/// An elastic foundation of a boundary, or a spring at the node at a point; it is without force in the undeformed body.
+/// An elastic foundation of a boundary, or a spring at the node at a point. Its force in the undeformed body is 0.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Bed {
     /// Stiffness along the axes.
     Axes {
         /// The boundary or the point.
         at: Where,
-        /// Two components or three: N/m³ of a boundary, N/m at a point (in two dimensions per m of depth).
+        /// Two or three components: N/m³ for a boundary, N/m at a point (in two dimensions per m of depth).
         stiffness: Vec<f64>,
     },
-    /// Stiffness along the normal of a boundary and across it.
+    /// Stiffness along the normal of a boundary and tangentially.
     Surface {
         /// The boundary.
         boundary: String,
-        /// Along the normal, N/m³.
+        /// The stiffness along the normal, N/m³.
         normal: f64,
-        /// Across it, N/m³.
+        /// The tangential stiffness, N/m³.
         tangential: f64,
     },
 }
 
 impl Bed {
-    /// A foundation that stands against motion along the normal of `boundary` with the stiffness `normal` (N/m³), and across
-    /// it with `tangential` (N/m³).
+    /// Creates a foundation of `boundary` with the stiffness `normal` (N/m³) along the normal and `tangential` (N/m³)
+    /// across it.
     pub fn surface(boundary: &str, normal: f64, tangential: f64) -> Self {
         Bed::Surface { boundary: boundary.to_string(), normal, tangential }
     }
 
-    /// What stands on it, in words, with coordinates in `units`.
+    /// Describes what the spring acts on, with coordinates in `units`.
     pub fn place(&self, units: &UnitSystem) -> String {
         match self {
             Bed::Axes { at, .. } => at.place(units),

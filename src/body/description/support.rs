@@ -1,4 +1,4 @@
-//! What holds a body.
+//! Supports of a body.
 
 use super::Axis;
 use super::load::{Where, direction};
@@ -6,19 +6,19 @@ use crate::algebra::vector::Vector;
 use crate::base::input_error::{InputError, ensure, finite};
 use crate::base::timeline::check_points;
 
-/// Displacements of a boundary, or of the node at a point, that are held at zero or moved as told.
+/// Prescribed displacements, zero or not, of a boundary or of the node at a point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Support {
-    /// What is held.
+    /// The boundary or the point.
     pub at: Where,
-    /// Along which directions, and where to.
+    /// The directions and their displacements.
     pub held: Vec<Held>,
-    /// Points `[time (s), factor]` of the factor of all displacements, with increasing times; linear between, constant outside.
-    /// Without them the factor grows from 0 at the beginning to 1 at the end.
+    /// Points `[time (s), factor]` of the factor of all displacements, with increasing times: linear between them,
+    /// constant outside. Default: the factor grows from 0 at the beginning to 1 at the end.
     pub history: Option<Vec<[f64; 2]>>,
 }
 
-/// A displacement along one direction, as a support has it.
+/// A prescribed displacement along one direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Held {
     /// The direction.
@@ -27,60 +27,60 @@ pub struct Held {
     pub displacement: f64,
 }
 
-/// A direction along which a support holds.
+/// A direction along which a support prescribes the displacement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Direction {
     /// An axis of coordinates.
     Axis(Axis),
-    /// The outward normal of the boundary, in each node the mean of its facets.
+    /// The outward normal of the boundary; at each node the mean over its facets.
     Normal,
     /// A vector of any length.
     Along(Vector),
 }
 
 impl Support {
-    /// The displacements of `boundary` along `axes`, held at zero.
+    /// Creates a support that fixes the displacements of `boundary` along `axes` at zero.
     pub fn new(boundary: &str, axes: &[Axis]) -> Self {
         let held = axes.iter().map(|axis| Held { direction: Direction::Axis(*axis), displacement: 0.0 });
         Support { at: Where::Boundary(boundary.to_string()), held: held.collect(), history: None }
     }
 
-    /// A boundary that slides along itself: its displacements along its normal, held at zero.
+    /// Creates a support that fixes the normal displacement of `boundary` at zero; the boundary can slide tangentially.
     pub fn normal(boundary: &str) -> Self {
         Support { held: vec![Held { direction: Direction::Normal, displacement: 0.0 }], ..Support::new(boundary, &[]) }
     }
 
-    /// The displacements of `boundary` along `direction`, moved by `displacement` (m) from the beginning to the end.
+    /// Creates a support that moves `boundary` along `direction` by `displacement` (m) from the beginning to the end.
     pub fn along(boundary: &str, direction: impl Into<Vector>, displacement: f64) -> Self {
         let held = vec![Held { direction: Direction::Along(direction.into()), displacement }];
         Support { held, ..Support::new(boundary, &[]) }
     }
 
-    /// The same at the node at `point` (m) alone.
+    /// Applies the support to the node at `point` (m) only.
     #[must_use]
     pub fn at(self, point: impl Into<Vector>) -> Self {
         Support { at: Where::Point(point.into()), ..self }
     }
 
-    /// The same moved by `displacements` (m), one for each of its directions, from the beginning to the end.
+    /// Sets the displacements (m), one for each direction, from the beginning to the end.
     #[must_use]
     pub fn moved(mut self, displacements: &[f64]) -> Self {
         self.held.iter_mut().zip(displacements).for_each(|(held, to)| held.displacement = *to);
         self
     }
 
-    /// The same displacements times the factor of `history`: points `[time (s), factor]`.
+    /// Sets the history of the factor of the displacements: points `[time (s), factor]`.
     #[must_use]
     pub fn over(self, history: &[[f64; 2]]) -> Self {
         Support { history: Some(history.to_vec()), ..self }
     }
 
-    /// The points `[time (s), factor]` of its history, which ends at `end` (s) if it does not say when.
+    /// Returns the points `[time (s), factor]` of the history; the default history ends at `end` (s).
     pub fn factors(&self, end: f64) -> Vec<[f64; 2]> {
         self.history.clone().unwrap_or_else(|| vec![[0.0, 0.0], [end, 1.0]])
     }
 
-    /// Whether it moves anything.
+    /// Returns `true` if a prescribed displacement is not zero.
     pub fn moves(&self) -> bool {
         self.held.iter().any(|held| held.displacement != 0.0)
     }

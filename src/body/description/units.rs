@@ -1,4 +1,5 @@
-//! Numbers in the units of an input, made SI: every number of a description has its kind of quantity here.
+//! Conversion of the numbers of a description from the units of an input to SI; this module assigns a kind of quantity
+//! to each number.
 
 use std::sync::Arc;
 
@@ -14,8 +15,8 @@ use crate::body::fem::{Layer, Material, MaterialGroup};
 use crate::body::mesh::{Body, HalfPlane, Mesh, MeshSource, Segment};
 
 impl Description {
-    /// What is described if all numbers, with those of its mesh and of its files, are in `units`: the same in SI units, of which
-    /// the results are told in `units`.
+    /// Converts a description whose numbers, including those of its mesh and files, are in `units` to SI. Results are
+    /// reported in `units`.
     ///
     /// ```
     /// use stickslip::body::description::Description;
@@ -52,7 +53,7 @@ impl Description {
 }
 
 impl Probe {
-    /// The probe whose coordinates are in `units`, in SI units.
+    /// Converts a probe with coordinates in `units` to SI.
     #[must_use]
     pub fn given_in(self, units: Units) -> Self {
         let si = Si { units, axisymmetric: false };
@@ -65,7 +66,8 @@ impl Probe {
     }
 }
 
-/// Converts to SI from these units. Whatever is taken apart here is so without `..`: a new part has to say what it is.
+/// Converts to SI from these units. Patterns here do not use `..`, so that the compiler demands a quantity for each new
+/// field.
 #[derive(Clone, Copy)]
 struct Si {
     units: Units,
@@ -73,7 +75,7 @@ struct Si {
 }
 
 impl Si {
-    /// Of a quantity whose unit is the same in two dimensions and in three.
+    /// Converts a quantity with the same unit in two and three dimensions.
     fn of(self, quantity: Quantity, x: f64) -> f64 {
         self.in_dimension(3, quantity, x)
     }
@@ -91,7 +93,7 @@ impl Si {
         x.map(|c| self.length(c))
     }
 
-    /// Components along as many axes as the body has dimensions; otherwise there will be no model.
+    /// Converts components, one for each dimension of the body; other numbers of components are errors of the model.
     fn components(self, quantity: Quantity, x: Vec<f64>) -> Vec<f64> {
         let dimension = x.len();
         x.into_iter().map(|c| self.in_dimension(dimension, quantity, c)).collect()

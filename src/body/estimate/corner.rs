@@ -1,4 +1,4 @@
-//! Whether a contact ends at a corner, where the pressure is singular, or on a smooth surface, where it is finite.
+//! Detection of contacts that end at a corner, where the pressure is singular; on a smooth surface it is finite.
 
 use std::collections::BTreeMap;
 
@@ -7,13 +7,13 @@ use crate::algebra::vector::{dot, minus, norm, unit};
 use crate::body::mesh::Facet;
 use crate::body::model::Model;
 
-/// The angle by which a surface turns at a corner, rad. A rounded edge of 90 degrees with three elements turns by less at each node.
+/// The least angle of a corner, rad. A rounded edge of 90 degrees with three elements turns by less at each node.
 const CORNER: f64 = 40.0 / 180.0 * std::f64::consts::PI;
 
-/// A side lies in a symmetry plane if its normal is along what holds its node, by the cosine.
+/// A side lies in a symmetry plane if the cosine between its normal and a held direction of its node exceeds this.
 const IN_PLANE: f64 = 0.9;
 
-/// The corners of the bodies, and those of the obstacles at a time.
+/// The corners of the bodies, and the corners of the obstacles at a given time.
 pub(super) struct Corners<'a> {
     model: &'a Model,
     graph: &'a ContactGraph,
@@ -24,7 +24,7 @@ pub(super) struct Corners<'a> {
 }
 
 impl<'a> Corners<'a> {
-    /// The corners at `time` (s).
+    /// Creates the corners at `time` (s).
     pub fn new(model: &'a Model, graph: &'a ContactGraph, time: f64) -> Self {
         let rows = model.loading.gaps_at(time);
         let gaps = (0..model.contacts.len()).map(|i| model.nodal_gap(i, time, &rows)).collect();
@@ -40,13 +40,13 @@ impl<'a> Corners<'a> {
         Corners { model, graph, gaps, sides }
     }
 
-    /// Whether the contact of the nodes that are `closed` ends at a corner at contact node `i`: where the contact surface ends, at a
-    /// corner of the body, or at one of the obstacle.
+    /// Returns `true` if the contact of the `closed` nodes ends at contact node `i` at a corner: at the end of the
+    /// contact surface, at a corner of the body, or at a corner of the obstacle.
     pub fn is_at(&self, i: usize, closed: impl Fn(usize) -> bool) -> bool {
         self.graph.is_at_the_rim(i) || self.of_body(i) || self.of_obstacle(i, closed)
     }
 
-    /// Whether two sides of the body make up a corner at contact node `i`.
+    /// Returns `true` if two sides of the body form a corner at contact node `i`.
     fn of_body(&self, i: usize) -> bool {
         let Corners { model, graph, .. } = self;
         let node = model.contacts[i].node;
@@ -59,7 +59,7 @@ impl<'a> Corners<'a> {
         normals.iter().any(|one| normals.iter().any(|other| dot(*one, *other) < CORNER.cos()))
     }
 
-    /// Whether the obstacle falls away beyond contact node `i` by such an angle against how it runs before.
+    /// Returns `true` if the obstacle turns away beyond contact node `i` by at least the angle of a corner.
     fn of_obstacle(&self, i: usize, closed: impl Fn(usize) -> bool) -> bool {
         let slope = |j: usize| {
             let length = norm(minus(self.model.contacts[j].position, self.model.contacts[i].position));

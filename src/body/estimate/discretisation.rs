@@ -1,7 +1,8 @@
-//! The error of the mesh in the energy norm, by recovered strains (Zienkiewicz and Zhu, Int. J. Numer. Meth. Engng 24 (1987) 337).
+//! The error of the mesh in the energy norm, by recovered strains (Zienkiewicz and Zhu, Int. J. Numer. Meth. Engng 24
+//! (1987) 337).
 //!
-//! Strains of a mesh jump from cell to cell; values recovered in the nodes, interpolated, are nearer to the truth. What is between
-//! the two is taken for the error,
+//! The strains of a mesh jump from cell to cell; interpolated values recovered at the nodes are more accurate. Their
+//! difference is the estimate of the error,
 //!
 //! ```text
 //! η² = ∫ (ε* - ε) D (ε* - ε) dV,
@@ -18,25 +19,27 @@ use crate::body::model::Model;
 /// The error of a mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DiscretisationError {
-    /// The whole, as a share of the energy norm of the solution.
+    /// The total error, as a share of the energy norm of the solution.
     pub whole: f64,
-    /// Of each cell, in the same measure: their squares add up to that of the whole.
+    /// The error of each cell in the same measure; the squares add up to the square of the total.
     pub of_cells: Vec<f64>,
-    /// The error of the stresses, as a share of these, both in the root of the mean square; only of laws with a Poisson's ratio of 0.45 or
-    /// more, where pressures may be far off and hardly count in the energy.
+    /// The relative error of the stresses in the root mean square; only for laws with a Poisson's ratio of 0.45 or
+    /// more, where pressures may be very inaccurate but contribute little to the energy.
     pub stresses: Option<f64>,
 }
 
-/// The bulk modulus over the shear modulus from which on pressures are looked at: that of ν = 0.45, less what rounding leaves.
+/// The least ratio of bulk to shear modulus for which the stresses are examined: that of ν = 0.45 minus a margin for
+/// rounding.
 const STIFF: f64 = 9.66;
 
-/// `σ : σ`.
+/// Computes `σ : σ`.
 fn sum_of_squares([xx, yy, zz, xy, yz, zx]: [f64; 6]) -> f64 {
     xx * xx + yy * yy + zz * zz + 2.0 * (xy * xy + yz * yz + zx * zx)
 }
 
 impl DiscretisationError {
-    /// That of a state with these strains; none where nothing is strained, or too few cells of second order hang together.
+    /// Estimates the error of a state with these strains; `None` if the body is not strained or too few cells of second
+    /// order are connected.
     pub(super) fn new(model: &Model, places: &Places, strains: &Strains) -> Option<Self> {
         let in_nodes = recovered(model, places, strains)?;
         let (mut squares, mut samples) = (Vec::with_capacity(model.mesh.cells.len()), Vec::new());
@@ -46,7 +49,7 @@ impl DiscretisationError {
             let places = places.of_cell(e);
             at_nodes.iter_mut().zip(places).for_each(|(own, &place)| *own = in_nodes[place]);
             let mut square = 0.0;
-            // The difference is of the degree of the shape functions, and its square of twice that.
+            // The difference has the degree of the shape functions, and its square twice that degree.
             let points = strains.at_fine_points(e, &mut samples);
             for (point, (volume, strain)) in points.iter().zip(&samples) {
                 let mut off = strain.map(|strain| -strain);

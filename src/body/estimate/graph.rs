@@ -1,4 +1,4 @@
-//! The contact nodes as a graph: neighbours are joined by an edge of the contact surface.
+//! The graph of the contact nodes; neighbours share an edge of the contact surface.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -6,18 +6,20 @@ use crate::algebra::union_find::UnionFind;
 use crate::algebra::vector::dot;
 use crate::body::model::Model;
 
-/// A direction whose component along a normal is smaller than this lies along the surface, as symmetry planes have it that cut
-/// a curved one not quite at right angles.
+/// A direction counts as tangential if its component along the normal is smaller than this; symmetry planes may cut a
+/// curved surface not quite at right angles.
 pub(super) const ALONG: f64 = 0.1;
 
-/// The contact nodes of a model as a graph.
+/// The graph of the contact nodes of a model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactGraph {
     /// The neighbours of each contact node.
     neighbours: Vec<Vec<usize>>,
-    /// Whether a contact node is at the rim of the contact surface, and not because a symmetry plane cuts it there.
+    /// For each contact node: `true` if it is at the rim of the contact surface and no symmetry plane cuts the surface
+    /// there.
     rim: Vec<bool>,
-    /// Whether a symmetry plane or an axis cuts the surface there: a support or the axis holds the node along it.
+    /// For each contact node: `true` if a symmetry plane or an axis cuts the surface there, so that a support or the
+    /// axis holds the node tangentially.
     mirrored: Vec<bool>,
     surfaces: Vec<ContactPatch>,
 }
@@ -25,14 +27,14 @@ pub struct ContactGraph {
 /// Boundaries with contact that share nodes.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ContactPatch {
-    /// Their names, with commas.
+    /// The names of the boundaries, separated by commas.
     pub name: String,
-    /// Their contact nodes, ascending.
+    /// The contact nodes, ascending.
     pub nodes: Vec<usize>,
 }
 
 impl ContactGraph {
-    /// The graph of the contact nodes of `model`.
+    /// Creates the graph of the contact nodes of `model`.
     pub fn new(model: &Model) -> Self {
         let n = model.contacts.len();
         let mut neighbours = vec![BTreeSet::new(); n];
@@ -64,7 +66,7 @@ impl ContactGraph {
             .map(|contact| {
                 let normal = contact.facing.normal;
                 let in_the_way = |held: [f64; 3]| dot(held, normal).abs() < ALONG;
-                // In two dimensions z is held, too.
+                // In two dimensions, z is held, too.
                 let held = match contact.coupled() {
                     Some(coupled) => coupled.still.clone(),
                     None => model.dofs.held(contact.node).collect(),
@@ -101,49 +103,49 @@ impl ContactGraph {
         }
     }
 
-    /// The sum of the normal forces `p_n` (n_c, N) on each surface: boundaries that share nodes.
+    /// Returns the sum of the normal forces `p_n` (n_c, N) on each surface, the boundaries that share nodes.
     pub(crate) fn forces(&self, p_n: &[f64]) -> impl Iterator<Item = f64> {
         self.surfaces.iter().map(|surface| surface.nodes.iter().map(|&i| p_n[i]).sum())
     }
 
-    /// Boundaries that share nodes, together.
+    /// Returns the surfaces; boundaries that share nodes form one surface.
     pub(crate) fn surfaces(&self) -> &[ContactPatch] {
         &self.surfaces
     }
 
-    /// The contact nodes beside contact node `i`.
+    /// Returns the neighbours of contact node `i`.
     pub(super) fn neighbours(&self, i: usize) -> &[usize] {
         &self.neighbours[i]
     }
 
-    /// Whether the contact surface ends at contact node `i`; at a symmetry plane it goes on.
+    /// Returns `true` if the contact surface ends at contact node `i`; it does not end at a symmetry plane.
     pub fn is_at_the_rim(&self, i: usize) -> bool {
         self.rim[i]
     }
 
-    /// Whether a symmetry plane cuts the contact surface at contact node `i`.
+    /// Returns `true` if a symmetry plane cuts the contact surface at contact node `i`.
     pub(super) fn is_mirrored(&self, i: usize) -> bool {
         self.mirrored[i]
     }
 
-    /// The pressure (Pa) of the forces `p_n` (N) on contact node `i` and its neighbours together: `Σ p_n / Σ l`.
+    /// Returns the mean pressure (Pa) of the forces `p_n` (N) on contact node `i` and its neighbours: `Σ p_n / Σ l`.
     pub(super) fn patch_pressure(&self, model: &Model, p_n: &[f64], i: usize) -> f64 {
         let around = || self.neighbours(i).iter().chain([&i]);
         around().map(|&j| p_n[j]).sum::<f64>() / around().map(|&j| model.contacts[j].weight).sum::<f64>()
     }
 
-    /// The same of all contact nodes.
+    /// Returns the patch pressures of all contact nodes.
     pub(crate) fn patch_pressures(&self, model: &Model, p_n: &[f64]) -> Vec<f64> {
         (0..self.neighbours.len()).map(|i| self.patch_pressure(model, p_n, i)).collect()
     }
 
-    /// The contact nodes that are closed, by the forces `p_n` (N), and have no closed neighbour.
+    /// Returns the contact nodes that are closed by the forces `p_n` (N) and have no closed neighbour.
     pub(crate) fn isolated(&self, p_n: &[f64]) -> impl Iterator<Item = usize> {
         let alone = |i: &usize| p_n[*i] > 0.0 && self.neighbours[*i].iter().all(|&j| p_n[j] <= 0.0);
         (0..self.neighbours.len()).filter(alone)
     }
 
-    /// The parts of `nodes` that hang together, each ascending.
+    /// Returns the connected components of `nodes`, each in ascending order.
     pub(super) fn parts(&self, nodes: &[usize]) -> Vec<Vec<usize>> {
         let mut left: BTreeSet<usize> = nodes.iter().copied().collect();
         let mut parts = Vec::new();
@@ -162,8 +164,8 @@ impl ContactGraph {
         parts
     }
 
-    /// How many edges each of `nodes` is away from the nearest of the rest of the surface, the rim of which does not count;
-    /// none where there is no way.
+    /// Returns the number of edges from each of `nodes` to the nearest other node of the surface; the rim does not
+    /// count. Nodes without a path are left out.
     pub(super) fn depths(&self, surface: &[usize], nodes: &[usize]) -> BTreeMap<usize, usize> {
         let inside: BTreeSet<usize> = nodes.iter().copied().collect();
         let mut depths: BTreeMap<usize, usize> = BTreeMap::new();

@@ -1,4 +1,5 @@
-//! What Hertz has for a round obstacle and the force that was found: it tells how far off a mesh is that cannot.
+//! Hertz's solution for a round obstacle and the computed force, for comparison if the mesh is too coarse to be judged
+//! otherwise.
 
 use std::f64::consts::PI;
 
@@ -10,34 +11,36 @@ use crate::body::fem::Elasticity;
 use crate::body::mesh::Geometry;
 use crate::body::model::Model;
 
-/// Hertz' contact of a rigid cylinder or sphere with a half-space.
+/// The Hertz contact of a rigid cylinder or sphere with a half-space.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct HertzContact {
-    /// The half-width of the contact, or its radius, m.
+    /// The half-width of the contact or its radius, m.
     pub half_width: f64,
     /// The largest pressure, Pa.
     pub peak_pressure: f64,
 }
 
-/// Two held directions whose sine is smaller are one symmetry plane, and a centre that is as near to an axis, by the radius, is on it.
+/// Two held directions are normal to the same symmetry plane if the sine between them is smaller than this. A centre is
+/// on the axis if its distance divided by the radius is at most this.
 const SAME: f64 = 1e-3;
 
 impl HertzContact {
-    /// A line of force `line` (N/m) along a cylinder of `radius` (m) on a body of `modulus` E/(1 - ν²) (Pa).
+    /// Computes the contact of a cylinder of `radius` (m) with the line force `line` (N/m) on a body of `modulus` E/(1
+    /// - ν²) (Pa).
     fn of_line(line: f64, radius: f64, modulus: f64) -> Self {
         let half_width = (4.0 * line * radius / (PI * modulus)).sqrt();
         HertzContact { half_width, peak_pressure: 2.0 * line / (PI * half_width) }
     }
 
-    /// A `force` (N) on a sphere.
+    /// Computes the contact of a sphere with the `force` (N).
     fn of_point(force: f64, radius: f64, modulus: f64) -> Self {
         let half_width = (0.75 * force * radius / modulus).cbrt();
         HertzContact { half_width, peak_pressure: 1.5 * force / (PI * half_width * half_width) }
     }
 
-    /// What the forces `p_n` (N) at `time` (s) on the `closed` contact nodes of a surface make under the obstacle before its node `peak`, where
-    /// that is a cylinder or a sphere and the body is flat.
+    /// Computes the Hertz contact for the forces `p_n` (N) at `time` (s) on the `closed` contact nodes of a flat
+    /// surface, if the obstacle in front of its node `peak` is a cylinder or a sphere.
     pub(super) fn under(model: &Model, time: f64, p_n: &[f64], closed: &[usize], peak: usize) -> Option<Self> {
         let met = |i: usize| model.met(i, time).map(|(k, _)| k);
         let obstacle = met(peak)?;
@@ -46,7 +49,7 @@ impl HertzContact {
         let force: f64 = nodes.iter().map(|&i| p_n[i]).sum();
         let modulus = modulus(model, model.contacts[peak].node)?;
         if model.mesh.geometry == Geometry::Axisymmetric {
-            // The force is that all around; a ring of contact is none of Hertz'.
+            // The force is that of the full circumference. Hertz's solution does not apply to a ring of contact.
             let on_axis =
                 centre[0].abs() <= SAME * radius && nodes.iter().any(|&i| model.contacts[i].position[0] == 0.0);
             return on_axis.then(|| Self::of_point(force, radius, modulus));
@@ -65,8 +68,8 @@ impl HertzContact {
     }
 }
 
-/// How many copies of the contact there are beside those that symmetry planes leave out: 1, 2 or 4. Planes across the `axis` of a
-/// cylinder make it longer, but no heavier.
+/// Returns the factor from the computed to the full contact by symmetry planes: 1, 2 or 4. Planes across the `axis` of
+/// a cylinder change its length but not the line force.
 fn mirrors(model: &Model, nodes: &[usize], axis: Option<[f64; 3]>) -> u8 {
     let mut planes: Vec<[f64; 3]> = Vec::new();
     for &i in nodes {
@@ -82,7 +85,7 @@ fn mirrors(model: &Model, nodes: &[usize], axis: Option<[f64; 3]>) -> u8 {
     1 << planes.len()
 }
 
-/// `E/(1 - ν²)` (Pa) of the body at `node`; in plane stress `E`.
+/// Returns `E/(1 - ν²)` (Pa) of the body at `node`; in plane stress `E`.
 fn modulus(model: &Model, node: usize) -> Option<f64> {
     let cell = model.mesh.cells.iter().position(|cell| cell.nodes.contains(&node))?;
     let Elasticity { lambda, mu, .. } = model.materials()[cell];

@@ -1,20 +1,21 @@
-//! How much too stiff elements are that cannot keep their volume: from what they do, and before a run from what they are.
+//! Estimates of volumetric locking: from a solution and, before a run, from the mesh and the material.
 //!
-//! Elements lock where the dilatation varies within them although the material hardly allows any. The share of the strain energy
-//! that is in dilatation about its mean,
+//! Elements lock if the dilatation varies within them although the material is almost incompressible. The measure is
+//! the share of the strain energy in the variation of the dilatation about its mean,
 //!
 //! ```text
 //! s = Σ_e ½ κ ∫_e (θ - θ_m)² / U,
 //! ```
 //!
-//! tells how much: with θ_m the mean over a quadrilateral or hexahedron, and over the corners of a triangle or tetrahedron, where
-//! θ is the mean of the cells around. A body is too stiff by about `c s / (1 - s)`.
+//! where θ_m is the mean over a quadrilateral or hexahedron; in a triangle or tetrahedron it is the mean over the
+//! corners, at which θ is the mean of the surrounding cells. A body is too stiff by about `c s / (1 - s)`.
 //!
-//! Elements that cannot deform at all without their volume hardly show it: θ is 0 in each, and s with it. But then their pressures κ θ vary
-//! more than anything shears them. Where these are so, and far more is expected before a run, the body is twice as stiff as it should be, or more.
+//! This measure fails for elements that cannot deform without a change of volume: θ and s are then almost 0 in each.
+//! But their pressures κ θ vary more than the shear stresses. If this is so, and the estimate before a run is much
+//! larger, the body is at least twice as stiff as it should be.
 //!
-//! Where a force or a contact presses a single node strains are singular, so that θ varies however fine the mesh is. Cells that are next
-//! to such a node, and those next to these, are left out.
+//! If a force or a contact presses a single node, strains are singular, so that θ varies on any mesh. The two layers of
+//! cells around such a node are left out.
 
 use super::places::Places;
 use super::strains::{Strains, dilatation, volume};
@@ -24,22 +25,24 @@ use crate::body::fem::{Elasticity, Element};
 use crate::body::mesh::{Bodies, CellKind};
 use crate::body::model::Model;
 
-/// So many layers of cells around a singular strain say nothing of the others.
+/// The number of layers of cells left out around a singularity.
 const LAYERS: usize = 2;
 
-/// A share of the strain energy that is smaller says nothing of the body.
+/// A law is ignored if its share of the strain energy is smaller than this.
 const COUNTS: f64 = 0.1;
 
-/// What is locked altogether is expected to be too stiff by so many times what s tells.
+/// Elements count as fully locked if the stiffness error expected before a run is this many times the error estimated
+/// from s.
 const ALTOGETHER: f64 = 10.0;
 
-/// A body twice as stiff as it should be.
+/// The estimate of a body that is twice as stiff as it should be.
 const TWICE: f64 = 1.0;
 
-/// Poisson's ratios between which the estimate before a run was measured.
+/// The range of Poisson's ratios for which the estimate before a run was measured.
 const MEASURED: [f64; 2] = [0.45, 0.4999];
 
-/// What was measured of a kind of cell: c above, and that of [`expected_locking`]; none of those that do not lock.
+/// Returns the measured coefficients of a kind of cell, c above and that of [`expected_locking`]; `None` for kinds that
+/// do not lock.
 fn measured(kind: CellKind) -> Option<[f64; 2]> {
     match kind {
         CellKind::Quadrilateral => Some([1.3, 0.17]),
@@ -50,13 +53,14 @@ fn measured(kind: CellKind) -> Option<[f64; 2]> {
     }
 }
 
-/// Whether elements of the model can lock.
+/// Returns `true` if elements of the model can lock.
 fn can_lock(model: &Model) -> bool {
     model.element() == Element::Bilinear && !model.is_thin()
 }
 
-/// By what share the body is too stiff, about: within a factor of two where it is below 1. The largest of the laws that hold a
-/// tenth of the energy; none where no cell can lock. The `pressed` nodes are those that a contact presses alone.
+/// Estimates the share by which the body is too stiff, to a factor of two below 1. The result is the largest value of
+/// the laws with at least a tenth of the energy; `None` if no cell can lock. The `pressed` nodes are single nodes that
+/// a contact presses.
 pub(super) fn locking(model: &Model, places: &Places, strains: &Strains, pressed: &[usize]) -> Option<f64> {
     let kinds = || model.mesh.cells.iter().map(|cell| measured(cell.kind));
     if !can_lock(model) || kinds().any(|measured| measured.is_none()) {
@@ -95,16 +99,16 @@ pub(super) fn locking(model: &Model, places: &Places, strains: &Strains, pressed
     count.map(|sums| sums.locking(model)).reduce(f64::max)
 }
 
-/// What the cells of one law sum up to.
+/// Sums over the cells of one law.
 #[derive(Clone)]
 struct OfLaw {
     kind: CellKind,
     law: Elasticity,
     /// Their strain energy, J.
     energy: f64,
-    /// What of it is in dilatation about its mean, J.
+    /// The part of the energy in the variation of the dilatation, J.
     locked: f64,
-    /// That times c, J.
+    /// The part `locked` times c, J.
     weighted: f64,
 }
 
@@ -112,7 +116,7 @@ impl OfLaw {
     fn locking(&self, model: &Model) -> f64 {
         let OfLaw { kind, law, energy, locked, weighted } = self;
         let share = weighted / (energy - locked);
-        // The energy that shear stresses of the size of what pressures vary by would have.
+        // The energy of shear stresses as large as the variation of the pressures.
         let pressures = law.bulk() / law.mu * locked;
         let altogether =
             || expected(model, *kind, law).is_some_and(|foreseen| foreseen > TWICE.max(ALTOGETHER * share));
@@ -120,8 +124,8 @@ impl OfLaw {
     }
 }
 
-/// Whether each cell is next to a node that a point force acts on, or to one of those `pressed`, or next to such a cell. None is where
-/// there are no such nodes, or nothing else would be left.
+/// Returns for each cell `true` if it is within [`LAYERS`] layers of a node with a point force or of a `pressed` node.
+/// Empty if there are no such nodes or if no other cell would be left.
 fn around(model: &Model, pressed: &[usize]) -> Vec<bool> {
     let mesh = &model.mesh;
     let point = |load: &Load| match load.action {
@@ -151,7 +155,7 @@ fn around(model: &Model, pressed: &[usize]) -> Vec<bool> {
     if cells.contains(&false) { cells } else { Vec::new() }
 }
 
-/// What [`locking`] is expected to be before a run, of the law with the largest of Poisson's ratios.
+/// Estimates [`locking`] before a run, for the law with the largest Poisson's ratio.
 pub(crate) fn expected_locking(model: &Model) -> Option<f64> {
     let law = model.materials().iter().max_by(|a, b| poisson(a).total_cmp(&poisson(b)))?;
     let bodies = model.mesh.bodies();
@@ -160,14 +164,14 @@ pub(crate) fn expected_locking(model: &Model) -> Option<f64> {
     if can_lock(model) { expected(model, kind, law) } else { None }
 }
 
-/// The first body that has cells of this law.
+/// Returns the first body with cells of this law.
 fn of_law(model: &Model, bodies: &Bodies, law: &Elasticity) -> usize {
     let first = model.materials().iter().position(|own| own == law);
     first.map_or(0, |e| bodies.of_cells()[e])
 }
 
-/// `c m^-1.4 (1 - 2ν)^-0.75` with m elements across the smaller side of the body of this law; none where Poisson's ratio is below 0.45, as it was
-/// measured for blocks that are pressed with ratios from there on.
+/// Computes `c m^-1.4 (1 - 2ν)^-0.75` with m elements across the smaller side of the body of this law. `None` if
+/// Poisson's ratio is below 0.45, since the formula was measured for compressed blocks with larger ratios.
 fn expected(model: &Model, kind: CellKind, law: &Elasticity) -> Option<f64> {
     let [_, c] = measured(kind)?;
     let poisson = poisson(law);
@@ -179,7 +183,8 @@ fn poisson(law: &Elasticity) -> f64 {
     0.5 * law.lambda / (law.lambda + law.mu)
 }
 
-/// The elements across the smaller side of the body that has this law; two triangles make up a square, two prisms or six tetrahedra a cube.
+/// Returns the number of elements across the smaller side of the body with this law; two triangles count as a square,
+/// two prisms or six tetrahedra as a cube.
 fn across(model: &Model, law: &Elasticity) -> f64 {
     let mesh = &model.mesh;
     let d = mesh.dimension;
@@ -197,5 +202,5 @@ fn across(model: &Model, law: &Elasticity) -> f64 {
     smaller / size.powf(1.0 / d as f64)
 }
 
-/// What is computed back from Lamé's constants may miss Poisson's ratio by as much.
+/// The rounding error of Poisson's ratio computed from Lamé's constants.
 const ROUNDING: f64 = 1e-9;

@@ -1,17 +1,18 @@
-//! Where nodes have values of their own: one for each law of the cells around, for at a border between materials strains jump.
+//! Nodal values, one for each node and each law of the cells around it, since strains jump at an interface between
+//! materials.
 
 use std::collections::HashMap;
 
 use crate::body::fem::numbered;
 use crate::body::model::Model;
 
-/// The nodal values of a body.
+/// The numbering of the nodal values of a body.
 pub(super) struct Places {
-    /// The place of each node of each cell among them.
+    /// The index of the value of each node of each cell.
     of_cells: Vec<usize>,
-    /// Where those of each cell begin, and the end.
+    /// The first position in `of_cells` of each cell, and the end.
     begins: Vec<usize>,
-    /// How many there are.
+    /// The number of values.
     count: usize,
     /// The number of the law of each cell.
     laws: Vec<usize>,
@@ -41,23 +42,23 @@ impl Places {
         Places { of_cells, begins, count, laws }
     }
 
-    /// Those of the nodes of cell `e`.
+    /// Returns the indices of the values of the nodes of cell `e`.
     pub(super) fn of_cell(&self, e: usize) -> &[usize] {
         &self.of_cells[self.begins[e]..self.begins[e + 1]]
     }
 
-    /// How many there are.
+    /// Returns the number of values.
     pub(super) fn count(&self) -> usize {
         self.count
     }
 
-    /// The number of the law of each cell.
+    /// Returns the number of the law of each cell.
     pub(super) fn laws(&self) -> &[usize] {
         &self.laws
     }
 
-    /// At each place the mean of what the cells around have there: `value` of a cell and the number of its node, each with the
-    /// weight of its volume.
+    /// Computes each nodal value as the mean of the surrounding cells, weighted by their volumes. `value` takes a cell
+    /// and the number of its node.
     pub(super) fn means<const N: usize>(
         &self,
         volumes: &[f64],

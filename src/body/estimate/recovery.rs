@@ -1,9 +1,9 @@
-//! Strains in the nodes, recovered from those at the integration points.
+//! Recovery of strains at the nodes from strains at the integration points.
 //!
-//! On linear cells they are means of what the cells of one law around a node have there, each with the weight of its volume. On
-//! cells of second order means are not good enough: each corner has a quadratic polynomial, fitted to the strains of the cells
-//! around (Zienkiewicz and Zhu, Int. J. Numer. Meth. Engng 33 (1992) 1331), and a node between two corners the mean of the
-//! polynomials of all corners of the cells that have it.
+//! On linear cells a nodal value is the mean over the surrounding cells of one law, weighted by volume. On cells of
+//! second order means are not accurate enough: each corner has a quadratic polynomial, fitted to the strains of the
+//! surrounding cells (Zienkiewicz and Zhu, Int. J. Numer. Meth. Engng 33 (1992) 1331). A node between two corners has
+//! the mean of the polynomials of all corners of its cells.
 
 use super::places::Places;
 use super::strains::Strains;
@@ -11,16 +11,16 @@ use crate::algebra::vector::minus;
 use crate::body::mesh::{CellKind, Geometry, quadrature_of, shape, stiffness_rule};
 use crate::body::model::Model;
 
-/// So many more strains than coefficients a polynomial is fitted to.
+/// The least number of strains beyond the number of coefficients in the fit of a polynomial.
 const SPARE: usize = 2;
 
-/// A patch grows by a layer of cells until it has enough; so often at most.
+/// The largest number of patches tried for a fit; each has one more layer of cells than the last.
 const LAYERS: usize = 4;
 
-/// A pivot that is smaller, of a matrix whose columns are as large as one, is what rounding leaves.
+/// A smaller pivot counts as rounding; the columns of the matrix have the size 1.
 const SINGULAR: f64 = 1e-10;
 
-/// The strains at the `places`; none where too few cells of second order hang together.
+/// Recovers the strains at the `places`; `None` if too few cells of second order are connected.
 pub(super) fn recovered(model: &Model, places: &Places, strains: &Strains) -> Option<Vec<[f64; 6]>> {
     let cells = &model.mesh.cells;
     if cells.iter().any(|cell| cell.kind.is_quadratic()) {
@@ -41,7 +41,7 @@ pub(super) fn recovered(model: &Model, places: &Places, strains: &Strains) -> Op
     }))
 }
 
-/// For each node of a linear cell the weights with which values at its integration points continue to there.
+/// Computes for each node of a linear cell the weights of the extrapolation from the integration points.
 fn continuation(kind: CellKind, geometry: Geometry) -> Vec<[f64; COLUMNS]> {
     let mut rows: Vec<[f64; COLUMNS]> = (stiffness_rule(kind, geometry, false).into_iter().enumerate())
         .map(|(k, (point, _))| {
@@ -56,7 +56,8 @@ fn continuation(kind: CellKind, geometry: Geometry) -> Vec<[f64; COLUMNS]> {
         weights[0] = 1.0;
         return vec![weights; kind.nodes()];
     }
-    // As many points as nodes: the values in the nodes that have these between them. The shape functions are independent there.
+    // There are as many points as nodes. The nodal values are those whose interpolation has the values at the points,
+    // where the shape functions are independent.
     let sound = solve(&mut rows).is_some();
     let of_node = |row: &[f64; COLUMNS]| {
         weights[..kind.nodes()].copy_from_slice(&row[kind.nodes()..2 * kind.nodes()]);
@@ -65,10 +66,12 @@ fn continuation(kind: CellKind, geometry: Geometry) -> Vec<[f64; COLUMNS]> {
     rows.iter().map(of_node).collect()
 }
 
-/// The monomials of a quadratic polynomial in space, and as many strains: no system here has longer rows.
+/// The largest length of a row: the monomials of a quadratic polynomial in three dimensions, and the components of
+/// strain.
 const COLUMNS: usize = MONOMIALS + 6;
 
-/// By Gauss and Jordan, `A⁻¹ B` in the place of B of rows that hold those of A, and behind them those of B; none where A is singular.
+/// Replaces B by `A⁻¹ B` by Gauss-Jordan elimination; each row contains a row of A followed by a row of B. `None` if A
+/// is singular.
 fn solve(rows: &mut [[f64; COLUMNS]]) -> Option<()> {
     let n = rows.len();
     for k in 0..n {
@@ -88,20 +91,21 @@ fn solve(rows: &mut [[f64; COLUMNS]]) -> Option<()> {
     Some(())
 }
 
-/// A polynomial of second degree for each strain, about a point.
+/// A quadratic polynomial for each component of strain, about a point.
 struct Polynomial {
     about: [f64; 3],
-    /// The size of the patch along each axis, m: coordinates are measured by it, for cells may be much longer than high.
+    /// The size of the patch along each axis, m. Coordinates are scaled by it because cells may be much longer than
+    /// high.
     size: [f64; 3],
     dimension: usize,
-    /// Of each monomial.
+    /// The coefficients of each monomial.
     coefficients: Vec<[f64; 6]>,
 }
 
-/// Those up to the second degree in space.
+/// The number of monomials up to the second degree in three dimensions.
 const MONOMIALS: usize = 10;
 
-/// The monomials up to the second degree at `x`; in the plane 0 beyond the first six.
+/// Computes the monomials up to the second degree at `x`; in two dimensions only the first six are nonzero.
 fn monomials([x, y, z]: [f64; 3], dimension: usize) -> [f64; MONOMIALS] {
     match dimension {
         2 => [1.0, x, y, x * x, x * y, y * y, 0.0, 0.0, 0.0, 0.0],
@@ -109,13 +113,13 @@ fn monomials([x, y, z]: [f64; 3], dimension: usize) -> [f64; MONOMIALS] {
     }
 }
 
-/// The components of `x` in those of `size`.
+/// Divides the components of `x` by those of `size`.
 fn scaled(x: [f64; 3], size: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|c| x[c] / size[c])
 }
 
 impl Polynomial {
-    /// The nearest, in the mean square, to these strains; none where they do not determine one.
+    /// Fits a polynomial to these strains by least squares; `None` if they do not determine one.
     fn new(about: [f64; 3], samples: &[([f64; 3], [f64; 6])], dimension: usize) -> Option<Self> {
         let count = if dimension == 2 { 6 } else { MONOMIALS };
         if samples.len() < count + SPARE {
@@ -150,7 +154,7 @@ impl Polynomial {
     }
 }
 
-/// The strains in the nodes by a polynomial for each corner.
+/// Recovers the strains at the nodes by a polynomial for each corner.
 fn fitted(model: &Model, places: &Places, strains: &Strains) -> Option<Vec<[f64; 6]>> {
     let (mesh, d) = (&model.mesh, model.mesh.dimension);
     let mut samples: Vec<([f64; 3], [f64; 6])> = Vec::new();
@@ -176,7 +180,7 @@ fn fitted(model: &Model, places: &Places, strains: &Strains) -> Option<Vec<[f64;
         places.of_cell(e).iter().zip(&cell.nodes).for_each(|(&place, &node)| nodes[place] = node);
     }
     let mut sums = vec![([0.0; 6], 0.0); places.count()];
-    // The corner that a place was last told of.
+    // The corner whose polynomial was last added at each place.
     let mut last = vec![usize::MAX; places.count()];
     for (corner, own) in around.iter().enumerate().filter(|(_, own)| !own.is_empty()) {
         let mut patch = own.clone();
@@ -208,7 +212,7 @@ fn fitted(model: &Model, places: &Places, strains: &Strains) -> Option<Vec<[f64;
 mod tests {
     use super::*;
 
-    /// What is in the space of the shape functions is continued as it is.
+    /// Fields in the space of the shape functions are extrapolated exactly.
     #[test]
     fn values_in_nodes_are_met() {
         for kind in CellKind::ALL.into_iter().filter(|kind| !kind.is_quadratic()) {

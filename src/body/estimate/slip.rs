@@ -1,4 +1,5 @@
-//! Whether the mesh resolves zones that slip beside others that stick: how wide they are, and so the work of friction, is known to a node or so.
+//! Resolution of slip zones beside stick zones. Their width, and therefore the work of friction, is known only to about
+//! one node.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,18 +8,18 @@ use crate::body::model::Model;
 use crate::solver::history::IncrementView;
 use crate::solver::laws::ContactStatus;
 
-/// The work of friction so far, and over how many nodes it is spread.
+/// The work of friction so far, and the number of nodes over which it is distributed.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub(crate) struct SlipZones {
-    /// J; in two dimensions J per m of depth.
+    /// The work of friction, J; in two dimensions J per m of depth.
     work: f64,
-    /// The sum of the work of each zone that slips beside nodes that stick over the nodes across that zone. Where all slides, the work does not depend
-    /// on such a width.
+    /// The sum over all slip zones beside sticking nodes of the work divided by the number of nodes across the zone.
+    /// Without sticking nodes the work does not depend on such a width.
     by_width: f64,
 }
 
 impl SlipZones {
-    /// Takes in the slip of a converged increment.
+    /// Adds the slip of a converged increment.
     pub(crate) fn see(&mut self, model: &Model, graph: &ContactGraph, step: &IncrementView<'_>) {
         let IncrementView { increment, state, statuses, .. } = step;
         let work_of = |i: &usize| {
@@ -31,7 +32,7 @@ impl SlipZones {
             return;
         }
         let both: Vec<usize> = nodes_that(ContactStatus::Stick).chain(slipping.iter().copied()).collect();
-        // How many edges each is away from the nearest node that sticks.
+        // The number of edges from each slipping node to the nearest sticking node.
         let depths = graph.depths(&both, &slipping);
         for zone in graph.parts(&slipping) {
             let work: f64 = zone.iter().map(work_of).sum();
@@ -42,8 +43,8 @@ impl SlipZones {
         }
     }
 
-    /// The work, J, and the nodes across the zones in which it is done: one over the mean of their inverses, weighted by the work. None where nothing
-    /// slips beside nodes that stick.
+    /// Returns the work, J, and the number of nodes across the slip zones, the harmonic mean weighted by the work.
+    /// `None` if no node slips beside sticking nodes.
     pub(crate) fn found(&self) -> Option<(f64, f64)> {
         (self.by_width > 0.0).then(|| (self.work, self.work / self.by_width))
     }

@@ -1,22 +1,22 @@
-//! The strains of a body at the points of rules.
+//! The strains of a body at integration points.
 
 use crate::algebra::vector::{cross, dot};
 use crate::body::fem::{Element, with_dilatation};
 use crate::body::mesh::{CellKind, Geometry, MOST_NODES, Mesh, ReferenceCell, ReferenceCells, ReferencePoint};
 use crate::body::model::Model;
 
-/// A volume (m³; in two dimensions an area, m²) and the strain `(ε_xx, ε_yy, ε_zz, γ_xy, γ_yz, γ_zx)` there.
+/// The volume (m³; in two dimensions the area, m²) of a point and its strain `(ε_xx, ε_yy, ε_zz, γ_xy, γ_yz, γ_zx)`.
 pub(super) type Sample = (f64, [f64; 6]);
 
-/// Strains that are smaller, as a share of the displacements by the size of the body, are those of rounding.
+/// Strains count as rounding if they are smaller than this share of the displacements divided by the size of the body.
 const ROUNDING: f64 = 1e-10;
 
 /// The elastic strains of a body.
 pub(super) struct Strains<'a> {
     body: StrainedBody<'a>,
-    /// At the points that integrate the stiffness, cell by cell.
+    /// The samples at the integration points of the stiffness, cell by cell.
     points: Vec<Sample>,
-    /// Where those of each cell begin, and the end.
+    /// The first sample of each cell, and the end.
     begins: Vec<usize>,
     /// The volume of each cell.
     volumes: Vec<f64>,
@@ -25,7 +25,7 @@ pub(super) struct Strains<'a> {
 }
 
 impl<'a> Strains<'a> {
-    /// Those of `displacements` of all nodes (m), with the `factors` of [`Model::thermal_factors`].
+    /// Computes the strains of the `displacements` of all nodes (m), with the `factors` of [`Model::thermal_factors`].
     pub(super) fn new(model: &'a Model, factors: &'a [f64], displacements: &'a [[f64; 3]]) -> Self {
         let body = StrainedBody { model, factors, displacements, kinds: ReferenceCells::new(&model.mesh) };
         let (mut points, mut begins) = (Vec::new(), vec![0]);
@@ -47,12 +47,13 @@ impl<'a> Strains<'a> {
         Strains { body, points, begins, volumes, energies }
     }
 
-    /// Volume and strain at the points of cell `e` that integrate the stiffness.
+    /// Returns volume and strain at the integration points of the stiffness of cell `e`.
     pub(super) fn of_cell(&self, e: usize) -> &[Sample] {
         &self.points[self.begins[e]..self.begins[e + 1]]
     }
 
-    /// Whether the body is strained by no more than what rounding leaves of its `displacements` (m), or nothing moves at all.
+    /// Returns `true` if the strains of the body are within the rounding of its `displacements` (m), or all
+    /// displacements are 0.
     pub(super) fn are_rounding(&self, displacements: &[[f64; 3]]) -> bool {
         let model = self.body.model;
         let moved = displacements.iter().flatten().fold(0.0_f64, |most, u| most.max(u.abs())) / model.mesh.size();
@@ -60,28 +61,29 @@ impl<'a> Strains<'a> {
         self.energies.iter().sum::<f64>() <= with_moved * (ROUNDING * moved).powi(2)
     }
 
-    /// The volumes of the cells.
+    /// Returns the volumes of the cells.
     pub(super) fn volumes(&self) -> &[f64] {
         &self.volumes
     }
 
-    /// The strain energies of the cells, J, in two dimensions per m of depth.
+    /// Returns the strain energies of the cells, J, in two dimensions per m of depth.
     pub(super) fn energies(&self) -> &[f64] {
         &self.energies
     }
 
-    /// The mean dilatation of cell `e`.
+    /// Returns the mean dilatation of cell `e`.
     pub(super) fn mean_dilatation(&self, e: usize) -> f64 {
         mean_dilatation(self.of_cell(e), self.volumes[e])
     }
 
-    /// The same as [`Strains::of_cell`] at the points of [`crate::body::mesh::fine_quadrature`], into `samples`; and these points.
+    /// Writes to `samples` volume and strain at the points of [`crate::body::mesh::fine_quadrature`]; returns these
+    /// points.
     pub(super) fn at_fine_points(&self, e: usize, samples: &mut Vec<Sample>) -> &[ReferencePoint] {
         let kind = self.body.model.mesh.cells[e].kind;
         let points = self.body.kinds.get(kind).map_or(&[][..], |reference| &reference.fine);
         samples.clear();
         match self.of_cell(e) {
-            // Uniform, and so is the Jacobian.
+            // The strain and the Jacobian are uniform.
             [(volume, strain)] => {
                 let all: f64 = points.iter().map(|point| point.weight).sum();
                 samples.extend(points.iter().map(|point| (volume * point.weight / all, *strain)));
@@ -93,7 +95,7 @@ impl<'a> Strains<'a> {
     }
 }
 
-/// What strains follow from.
+/// The data from which strains are computed.
 struct StrainedBody<'a> {
     model: &'a Model,
     factors: &'a [f64],
@@ -102,7 +104,7 @@ struct StrainedBody<'a> {
 }
 
 impl StrainedBody<'_> {
-    /// Adds volume and strain of the displacements of cell `e`, less that of heat, at the points of a rule.
+    /// Adds volume and strain of cell `e`, without the thermal strain, at the points of a rule.
     fn sample(
         &self,
         e: usize,
@@ -133,7 +135,8 @@ impl StrainedBody<'_> {
     }
 }
 
-/// The volume that a point of a cell with these `nodes` (m) stands for, and its strain where they are `moved` (m).
+/// Returns the volume of an integration point of a cell with these `nodes` (m), and its strain for the displacements
+/// `moved` (m).
 fn strain_at<const D: usize>(
     point: &ReferencePoint,
     geometry: Geometry,
@@ -151,7 +154,7 @@ fn strain_at<const D: usize>(
         }
     }
     if D == 2 {
-        // A slice of space.
+        // A slice of unit depth.
         j[2] = [0.0, 0.0, 1.0];
     }
     let cofactors = [cross(j[1], j[2]), cross(j[2], j[0]), cross(j[0], j[1])];
@@ -169,12 +172,12 @@ fn strain_at<const D: usize>(
     }
     let aside = |of: &[[f64; 3]]| point.shape.iter().zip(of).map(|(n, x)| n * x[0]).sum::<f64>();
     let r = aside(nodes);
-    // No point of a rule is on the axis.
+    // No integration point is on the axis.
     strain[2] = aside(moved) / r;
     (area * geometry.depth([r, 0.0, 0.0]), strain)
 }
 
-/// The volume of a body, m³; in two dimensions the area of its section, m².
+/// Computes the volume of a body, m³; in two dimensions the area of its section, m².
 pub(super) fn volume(mesh: &Mesh, cells: &[usize]) -> f64 {
     let kinds = ReferenceCells::new(mesh);
     let mut all = 0.0;
@@ -190,7 +193,7 @@ pub(super) fn volume(mesh: &Mesh, cells: &[usize]) -> f64 {
     all
 }
 
-/// `tr ε`.
+/// Computes `tr ε`.
 pub(super) fn dilatation(strain: &[f64; 6]) -> f64 {
     strain[0] + strain[1] + strain[2]
 }
@@ -206,7 +209,7 @@ mod tests {
     use crate::body::fem::Material;
     use crate::body::mesh::MeshSource;
 
-    /// What is fast here is what the energy of the body sums up.
+    /// The fast computation gives the strains of the energy of the model.
     #[test]
     fn strains_are_those_of_the_model() {
         for kind in CellKind::ALL {

@@ -1,4 +1,4 @@
-//! Whether the mesh resolves the contact: the zones of closed nodes, and what their pressures can mean.
+//! Resolution of the contact by the mesh: zones of closed nodes, and the accuracy of their pressures.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,88 +11,94 @@ use crate::body::model::Model;
 use crate::solver::laws::ContactStatus;
 use crate::solver::problem::State;
 
-/// What the mesh can tell of the contact on boundaries that share nodes, when their force was largest.
+/// The resolution of the contact on boundaries that share nodes, at the time of their largest force.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ContactEstimate {
-    /// The boundaries, with commas.
+    /// The names of the boundaries, separated by commas.
     pub boundary: String,
     /// The time, s.
     pub time: f64,
-    /// The sum of the normal forces, N, in two dimensions per m of depth, of a body of revolution all around.
+    /// The sum of the normal forces, N; in two dimensions per m of depth, for a body of revolution over the full
+    /// circumference.
     pub force: f64,
-    /// The closed nodes.
+    /// The number of closed nodes.
     pub closed: usize,
-    /// The zones that closed nodes make up where they are neighbours.
+    /// The number of zones, the connected sets of closed nodes.
     pub zones: usize,
-    /// How many nodes are across the zone that bears most; none where the whole surface is in contact.
+    /// The number of nodes across the zone with the largest force; none if the whole surface is in contact.
     pub nodes_across: Option<usize>,
     /// The share of the force on nodes without a closed neighbour.
     pub isolated_share: f64,
-    /// The share of the force on zones that are three nodes across or fewer: pressures there mean nothing.
+    /// The share of the force on zones with at most three nodes across, whose pressures are meaningless.
     pub unresolved_share: f64,
     /// The size of the elements at the node of the largest pressure, m.
     pub element_size: f64,
-    /// The largest pressure of a node (32), Pa; with elements of second order corrected as in tables.
+    /// The largest pressure of a node (32), Pa; for elements of second order with the correction used in tables.
     pub peak_pressure: f64,
-    /// The largest pressure of a node and its neighbours together, Pa.
+    /// The largest mean pressure of a node and its neighbours, Pa.
     pub patch_pressure: f64,
-    /// Which of the two is the better peak; none where neither is one.
+    /// The better of the two peak pressures; none if neither is meaningful.
     pub peak_of: Option<PeakOf>,
-    /// How far the former is above the latter, as a share.
+    /// The excess of the peak pressure over the patch pressure, as a share.
     pub scatter: f64,
-    /// The largest error of the peak, as a share: `2 / n^1.5` of n nodes across or, from 5 on, the scatter.
+    /// The largest error of the peak, as a share: `2 / n^1.5` for n nodes across; for n of at least 5, the scatter if
+    /// that is larger.
     pub peak_error: Option<f64>,
-    /// That of the width of the zone: `4 / n^1.5`.
+    /// The largest error of the width of the zone, as a share: `4 / n^1.5`.
     pub width_error: Option<f64>,
-    /// The share of the force of the zone with the largest pressure that is on the nodes at its edge.
+    /// The share of the force on edge nodes, in the zone with the largest pressure.
     pub edge_share: f64,
-    /// Whether the pressure is largest where the zone ends at a corner of the body or of the obstacle, as under a punch, and so that of
-    /// the mesh.
+    /// `true` if the pressure is largest where the zone ends at a corner of the body or of the obstacle, as under a
+    /// punch, so that it depends on the mesh.
     pub singular_edge: bool,
-    /// Where the zone ends with the boundary: how many times as long as the elements inside, or as short, those beyond are.
+    /// The ratio, at least 1, of the lengths of the elements inside and beyond the end of the zone, if the zone ends
+    /// with the boundary.
     pub edge_ratio: Option<f64>,
-    /// The zone that sticks, where others slip.
+    /// The stick zone, if other nodes slip.
     pub stick: Option<StickZone>,
-    /// What Hertz has for the force, where the obstacle is a cylinder or a sphere and the zone three nodes across or fewer.
+    /// The Hertz contact for the force, if the obstacle is a cylinder or a sphere and the zone has at most three nodes
+    /// across.
     pub hertz: Option<HertzContact>,
 }
 
-/// The part of a zone that sticks.
+/// The sticking part of a zone.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct StickZone {
-    /// Its width as a share of that of the zone.
+    /// The width of the stick zone as a share of the width of the zone.
     pub ratio: f64,
-    /// The ratio is known to this: one element at each end, `2 / n`.
+    /// The uncertainty of the ratio, one element at each end: `2 / n`.
     pub uncertainty: f64,
 }
 
-/// What a peak pressure is the largest of.
+/// The values of which a peak pressure is the maximum.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum PeakOf {
     /// Pressures of nodes.
     Nodes,
-    /// Pressures of nodes and their neighbours together.
+    /// Mean pressures of nodes and their neighbours.
     Patches,
 }
 
 impl PeakOf {
-    /// Patches where there are linear tetrahedra: their nodes scatter by a fifth however fine the mesh is.
+    /// Returns patches for meshes with linear tetrahedra, whose nodal pressures scatter by a fifth on any mesh;
+    /// otherwise nodes.
     pub(crate) fn of(model: &Model) -> Self {
         let tetrahedra = model.mesh.cells.iter().any(|cell| cell.kind == CellKind::Tetrahedron);
         if tetrahedra { PeakOf::Patches } else { PeakOf::Nodes }
     }
 
-    /// The same of a zone with so many nodes `across`, or of a whole surface; none where the zone is narrower than patches.
+    /// Returns the values for a zone with `across` nodes across, or for a whole surface; `None` if the zone is narrower
+    /// than patches.
     fn zone(model: &Model, across: Option<usize>) -> Option<Self> {
         let of = Self::of(model);
         (of == PeakOf::Nodes || across.is_none_or(|n| n >= SCATTER_FROM)).then_some(of)
     }
 
-    /// The same of the zone that contact node `i` is in, where these are the contact forces `p_n` (N).
+    /// Returns the values for the zone of contact node `i` with the contact forces `p_n` (N).
     pub(crate) fn at(model: &Model, graph: &ContactGraph, p_n: &[f64], i: usize) -> Option<Self> {
         let surface = graph.surfaces().iter().find(|surface| surface.nodes.contains(&i))?;
         let zones = zones(model, graph, &surface.nodes, p_n);
@@ -101,25 +107,27 @@ impl PeakOf {
     }
 }
 
-/// From so many nodes across on the scatter tells of the peak.
+/// The least number of nodes across for which the scatter measures the error of the peak.
 const SCATTER_FROM: usize = 5;
 
-/// Zones of so many nodes across, or fewer, have no pressure to speak of.
+/// The largest number of nodes across for which pressures are meaningless.
 pub(super) const NOTHING: usize = 3;
 
-/// From so many nodes across on a peak at the edge tells that the pressure is singular there.
+/// The least number of nodes across for which a peak at the edge indicates a singular pressure.
 const EDGE_FROM: usize = 4;
 
-/// A pressure that is larger at the edge by less is not singular but uniform, to rounding and to the roughness of meshes.
+/// The pressure counts as uniform, not singular, if it is larger at the edge by less than this share, which covers
+/// rounding and irregular meshes.
 const UNIFORM: f64 = 0.1;
 
-/// The largest error of the peak pressure of a zone that is `n` nodes across, as a share.
+/// Returns the largest error of the peak pressure of a zone with `n` nodes across, as a share.
 pub fn peak_error(n: usize) -> f64 {
     2.0 / (n as f64).powf(1.5)
 }
 
 impl ContactEstimate {
-    /// The estimates of surface `k` of `graph` in a `state` at `time` (s) with `statuses`; none where nothing touches.
+    /// Estimates the resolution of surface `k` of `graph` in a `state` at `time` (s) with `statuses`; `None` without
+    /// contact.
     pub(crate) fn new(
         model: &Model,
         graph: &ContactGraph,
@@ -148,7 +156,8 @@ impl ContactEstimate {
         let peak = closed.iter().copied().max_by(|&a, &b| pressure(a).total_cmp(&pressure(b)))?;
         let (peak_pressure, patch_pressure) = (pressure(peak), largest(&patch));
         let scatter = peak_pressure / patch_pressure - 1.0;
-        // A node in a symmetry plane has but one cell and a bad pressure on half a mesh of triangles, of which its patch takes a third.
+        // On half a mesh of triangles, a node in a symmetry plane has only one cell and an inaccurate pressure, which
+        // makes up a third of its patch.
         let beside = graph.neighbours(peak);
         let mean = beside.iter().map(|&j| pressure(j)).sum::<f64>() / beside.len() as f64;
         let mirrored = graph.is_mirrored(peak) && model.mesh.dimension == 2 && mean > 0.0;
@@ -167,7 +176,7 @@ impl ContactEstimate {
             let corners = Corners::new(model, graph, time);
             let is_closed = |i: usize| p_n[i] > 0.0;
             let ends_here = |i: &usize| is_edge(i) && corners.is_at(*i, is_closed);
-            // Beside a corner, too, pressures are those of the mesh.
+            // Pressures beside a corner depend on the mesh, too.
             ends_here(&peak) || !grows_outwards && beside.iter().any(ends_here)
         };
         Some(ContactEstimate {
@@ -197,7 +206,7 @@ impl ContactEstimate {
     }
 }
 
-/// The zones that closed nodes of a surface make up, each with the nodes across it.
+/// Returns the zones of closed nodes of a surface, each with the number of nodes across it.
 fn zones(model: &Model, graph: &ContactGraph, surface: &[usize], p_n: &[f64]) -> Vec<(Vec<usize>, Option<usize>)> {
     let closed: Vec<usize> = surface.iter().copied().filter(|&i| p_n[i] > 0.0).collect();
     let depths = graph.depths(surface, &closed);
@@ -209,8 +218,8 @@ fn zones(model: &Model, graph: &ContactGraph, surface: &[usize], p_n: &[f64]) ->
     graph.parts(&closed).into_iter().map(with).collect()
 }
 
-/// The nodes across a zone: in the plane those along it, those behind a symmetry plane or an axis included, in space twice the depth less
-/// one. None where nothing next to it is open.
+/// Returns the number of nodes across a zone: in two dimensions the nodes along it, including mirrored ones behind a
+/// symmetry plane or an axis; in three dimensions twice the depth minus one. `None` if no open node is next to it.
 fn nodes_across(
     graph: &ContactGraph,
     zone: &[usize],
@@ -225,15 +234,15 @@ fn nodes_across(
     Some(if mirrored { 2 * zone.len() - 1 } else { zone.len() })
 }
 
-/// The distance to the nearest neighbours of contact node `i`, in the mean, m.
+/// Returns the mean distance of contact node `i` to its neighbours, m.
 fn element_size(model: &Model, graph: &ContactGraph, i: usize) -> f64 {
     let distance = |j: &usize| norm(minus(model.contacts[*j].position, model.contacts[i].position));
     let neighbours = graph.neighbours(i);
     neighbours.iter().map(distance).sum::<f64>() / neighbours.len() as f64
 }
 
-/// How unequal in length the elements are on both sides of the ends of a zone in the plane, where the boundary ends, too, and
-/// the body goes on straight.
+/// Returns the ratio of the lengths of the elements on both sides of the ends of a zone in two dimensions, where the
+/// boundary ends, too, and the body continues straight.
 fn edge_ratio(model: &Model, graph: &ContactGraph, zone: &[usize]) -> Option<f64> {
     if model.mesh.dimension == 3 {
         return None;
@@ -251,10 +260,10 @@ fn edge_ratio(model: &Model, graph: &ContactGraph, zone: &[usize]) -> Option<f64
     zone.iter().filter(|i| graph.is_at_the_rim(**i)).filter_map(ratio).reduce(f64::max)
 }
 
-/// The cosine of an angle, 10 degrees, by which a side may bend and go on all the same.
+/// The cosine of the largest angle, 10 degrees, by which a straight side may bend.
 const STRAIGHT: f64 = 0.985;
 
-/// The zone that sticks; none where all nodes with friction do, or none does.
+/// Returns the stick zone; `None` if all nodes with friction stick, or none does.
 fn stick_zone(model: &Model, zone: &[usize], statuses: &[ContactStatus], n: usize) -> Option<StickZone> {
     let area = |status: ContactStatus| {
         let of = zone.iter().filter(|&&i| statuses[i] == status && !model.contacts[i].tangents[0].is_empty());
@@ -262,7 +271,7 @@ fn stick_zone(model: &Model, zone: &[usize], statuses: &[ContactStatus], n: usiz
     };
     let (stick, slip) = (area(ContactStatus::Stick), area(ContactStatus::Slip));
     let share = stick / (stick + slip);
-    // Around an axis, as in space, areas grow with the square of the width.
+    // Around an axis, as in three dimensions, areas grow with the square of the width.
     let disc = model.mesh.dimension == 3 || zone.iter().any(|&i| model.mesh.is_on_axis(model.contacts[i].node));
     let ratio = if disc { share.sqrt() } else { share };
     (stick > 0.0 && slip > 0.0).then_some(StickZone { ratio, uncertainty: 2.0 / n as f64 })

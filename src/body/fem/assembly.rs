@@ -1,4 +1,4 @@
-//! The stiffness matrix of a mesh.
+//! Assembly of the stiffness matrix of a mesh.
 
 use rayon::prelude::*;
 
@@ -11,14 +11,15 @@ use super::strain::Element;
 use crate::algebra::sparse::Symmetric;
 use crate::body::mesh::Mesh;
 
-/// The stiffnesses of so many cells are made together, on all threads, before they are added up in the order of the cells.
+/// The number of cells whose stiffnesses are computed in parallel before they are added in the order of the cells.
 const TOGETHER: usize = 4096;
 
-/// `K`, the stiffness of `mesh` for the free unknowns of `dofs`, N/m, in two dimensions per unit
-/// depth, of a body of revolution all around; every element is an `element`, and `material` is that of each.
+/// Assembles `K`, the stiffness of `mesh` for the free unknowns of `dofs`, N/m; in two dimensions per unit depth, for a
+/// body of revolution over the full circumference. All elements have the formulation `element`; `material` returns the
+/// law of each cell.
 ///
 /// # Errors
-/// [`InvertedElement`] for the first element that is not sound.
+/// [`InvertedElement`] for the first inverted or degenerate element.
 pub fn assemble(
     mesh: &Mesh,
     dofs: &Dofs,
@@ -29,8 +30,8 @@ pub fn assemble(
     assemble_watched(mesh, dofs, element, &volumes, material, |_, _| {})
 }
 
-/// The same with the nodal volumes of the mesh, showing `watch` the nodes and the stiffness of every cell and nodal volume: as all
-/// nodes have it, with the components x, y and z.
+/// Assembles `K` with the nodal volumes of the mesh. Calls `watch` with the nodes and the stiffness of every cell and
+/// nodal volume, for the components x, y and z of all nodes.
 pub(super) fn assemble_watched(
     mesh: &Mesh,
     dofs: &Dofs,
@@ -88,7 +89,7 @@ pub(super) fn assemble_watched(
     Ok(k)
 }
 
-/// Calls with the nodes and the stiffness of `count` cells, one after the other, of which number `k` is `cell(k)`.
+/// Calls a function with the nodes and the stiffness of `count` cells in order; the cell with index `k` is `cell(k)`.
 pub(super) fn each_stiffness(
     mesh: &Mesh,
     element: Element,

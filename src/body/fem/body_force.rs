@@ -1,4 +1,4 @@
-//! Loads on the whole body: forces in proportion to its mass, and thermal strain.
+//! Loads on the volume of a body: forces proportional to mass, and thermal strain.
 
 use super::elastic::Elasticity;
 use super::facet::NodalForces;
@@ -6,17 +6,18 @@ use super::shape::{CellPoint, gradients};
 use super::strain::{Element, strain_columns};
 use crate::body::mesh::{Mesh, fine_quadrature, shape};
 
-/// The forces `∫ N_a b dV` (N; in two dimensions per unit depth, of a body of revolution all around) of the body force `force` (N/m³) of each cell and
-/// position (m).
+/// Computes the forces `∫ N_a b dV` (N; in two dimensions per unit depth, for a body of revolution over the full
+/// circumference) of the body force `force` (N/m³), a function of cell and position (m).
 ///
-/// Exact for a force that is linear in the position on simplices of the first order, quadratic on undistorted quadrilaterals and
-/// hexahedra and on straight simplices of the second order; of one degree less in a body of revolution.
+/// The result is exact for a force that is linear in the position on simplices of first order, and quadratic on
+/// undistorted quadrilaterals and hexahedra and on straight simplices of second order; in a body of revolution the
+/// degree is one less.
 pub fn body_force(mesh: &Mesh, force: impl Fn(usize, [f64; 3]) -> [f64; 3]) -> NodalForces {
     let mut forces = Vec::new();
     for (e, cell) in mesh.cells.iter().enumerate() {
         let nodes = mesh.points(&cell.nodes);
         for (point, weight) in fine_quadrature(cell.kind) {
-            // Assembly has refused cells that have none.
+            // Assembly has already failed for invalid cells.
             let Some((_, det)) = gradients(cell.kind, point, &nodes) else { continue };
             let shape = shape(cell.kind, point);
             let x = at(&shape, &nodes);
@@ -28,9 +29,10 @@ pub fn body_force(mesh: &Mesh, force: impl Fn(usize, [f64; 3]) -> [f64; 3]) -> N
     forces
 }
 
-/// The forces `∫ Bᵀ D ε dV` (N; in two dimensions per unit depth, of a body of revolution all around) that a stress-free `strain` (without shear, equal along all axes,
-/// as heat makes it) of each cell and position exerts while the nodes are held. In plane stress (`thin`) the body expands across
-/// its plane as it likes.
+/// Computes the forces `∫ Bᵀ D ε dV` (N; in two dimensions per unit depth, for a body of revolution over the full
+/// circumference) of the stress-free `strain` with all nodes held. `strain` is a function of cell and position, without
+/// shear and equal along all axes, like thermal strain. In plane stress (`thin`) the expansion normal to the plane is
+/// free.
 pub fn thermal_forces(
     mesh: &Mesh,
     element: Element,
@@ -58,19 +60,19 @@ pub fn thermal_forces(
     forces
 }
 
-/// The stress `(σ_xx, σ_yy, σ_zz, τ_xy, τ_yz, τ_zx)` (Pa) that a body under the stress-free `strain` is short of: what its
-/// displacements make, less this, is its stress.
+/// Returns the stress `(σ_xx, σ_yy, σ_zz, τ_xy, τ_yz, τ_zx)` (Pa) that belongs to the stress-free `strain`; the stress
+/// of the body is that of its displacements minus this.
 pub fn thermal_stress(material: &Elasticity, thin: bool, strain: f64) -> [f64; 6] {
     material.stress(free_stretch(thin, strain))
 }
 
-/// The stress-free strain `(ε_xx, ε_yy, ε_zz, γ_xy, γ_yz, γ_zx)` of a material that wants to stretch by `strain` along all axes;
-/// of a thin plate what is across it does not count.
+/// Returns the stress-free strain `(ε_xx, ε_yy, ε_zz, γ_xy, γ_yz, γ_zx)` of a material that expands by `strain` along
+/// all axes; for a thin plate without the component normal to it.
 pub fn free_stretch(thin: bool, strain: f64) -> [f64; 6] {
     [strain, strain, if thin { 0.0 } else { strain }, 0.0, 0.0, 0.0]
 }
 
-/// The position at which the nodes have these shape functions.
+/// Returns the position at which the nodes have these shape functions.
 fn at(shape: &[f64], nodes: &[[f64; 3]]) -> [f64; 3] {
     [0, 1, 2].map(|c| shape.iter().zip(nodes).map(|(n, x)| n * x[c]).sum())
 }

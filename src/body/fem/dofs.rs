@@ -6,45 +6,45 @@ use super::relative::Resolved;
 use crate::algebra::vector::{axis, axis_across, cross, dot, minus, norm, unit};
 use crate::body::mesh::Mesh;
 
-/// Three directions at right angles to each other, along which the displacements of a node are counted.
+/// Three orthogonal directions, the axes of the displacement components of a node.
 type Frame = [[f64; 3]; 3];
 
-/// Which displacement components are unknowns, and their numbers. Supported components are
-/// eliminated: they have no number.
+/// The numbering of the unknown displacement components. Supported components are eliminated and have no number.
 ///
-/// The components of a node are those along the axes of coordinates, but for a node that an oblique support holds: its
-/// frame is turned so that what is held is along its own axes.
+/// The components of a node are along the coordinate axes, except at a node with an oblique support: its frame is
+/// turned so that the held directions are axes of the frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Dofs {
     dimension: usize,
-    /// Node by node, as many as there are dimensions.
+    /// The numbers of the components, node by node.
     numbers: Vec<Option<usize>>,
-    /// Which of these supports hold.
+    /// For each component: `true` if supports hold it.
     held: Vec<bool>,
-    /// The frames that are not those of coordinates.
+    /// The frames that differ from the coordinate axes.
     frames: BTreeMap<usize, Frame>,
-    /// The nodes whose unknowns are relative to others.
+    /// The nodes whose unknowns are relative to other nodes.
     pub(super) relative: BTreeMap<usize, Resolved>,
-    /// The same, each after those that it is relative to.
+    /// The relative nodes, each after the nodes that it is relative to.
     pub(super) relative_order: Vec<usize>,
     free: usize,
 }
 
-/// A direction that is as long as this, or shorter, beyond others of unit length is one of theirs, and rounding.
+/// A unit vector counts as dependent on others if its remainder after projection is at most this long.
 pub const SAME_DIRECTION: f64 = 1e-9;
 
-/// The component along an axis of an oblique frame that is as small as this, of a unit vector, is what rounding leaves.
+/// A component of a unit vector along an axis of an oblique frame counts as rounding if it is at most this.
 const ROUNDING: f64 = 1e-14;
 
 impl Dofs {
-    /// Numbers node by node every component for which `fixed(node, component)` is false.
+    /// Numbers, node by node, all components for which `fixed(node, component)` is `false`.
     pub fn new(mesh: &Mesh, fixed: impl Fn(usize, usize) -> bool) -> Self {
         let axes = |node: usize| (0..mesh.dimension).filter(|&c| fixed(node, c)).map(axis).collect();
         Self::holding(mesh, axes)
     }
 
-    /// Numbers what is left of each node when it is held along the directions that `held` names: unit vectors, in two
-    /// dimensions of the plane. Directions that follow from others add nothing. The axis of a body of revolution holds its nodes along x.
+    /// Numbers the free components of each node, which is held along the directions `held`: unit vectors, in two
+    /// dimensions in the plane. Dependent directions are ignored. Nodes on the axis of a body of revolution are also
+    /// held along x.
     pub fn holding(mesh: &Mesh, mut held: impl FnMut(usize) -> Vec<[f64; 3]>) -> Self {
         let dimension = mesh.dimension;
         let mut dofs = Dofs {
@@ -76,7 +76,7 @@ impl Dofs {
         dofs
     }
 
-    /// Numbers what is not held, but for the nodes that are left out.
+    /// Numbers the components that are not held, except those of nodes that are left out.
     pub(super) fn leave_out(&mut self, left_out: impl Fn(usize) -> bool) {
         (self.numbers, self.free) = (Vec::with_capacity(self.held.len()), 0);
         for (k, held) in self.held.iter().enumerate() {
@@ -86,53 +86,55 @@ impl Dofs {
         }
     }
 
-    /// How many nodes there are.
+    /// Returns the number of nodes.
     pub fn nodes(&self) -> usize {
         self.held.len() / self.dimension
     }
 
-    /// Whether supports hold something of `node`.
+    /// Returns `true` if supports hold a component of `node`.
     pub fn is_held(&self, node: usize) -> bool {
         self.held[self.dimension * node..self.dimension * (node + 1)].contains(&true)
     }
 
-    /// Whether they hold it along axis `a` of its frame.
+    /// Returns `true` if supports hold `node` along axis `a` of its frame.
     pub(super) fn is_held_along(&self, node: usize, a: usize) -> bool {
         self.held[self.dimension * node + a]
     }
 
-    /// The number of unknown displacements, n_u.
+    /// Returns the number of unknown displacements, n_u.
     pub fn free(&self) -> usize {
         self.free
     }
 
-    /// The unknowns of `node` along the axes of its frame: x, y and, in three dimensions, z, but for a node that an
-    /// oblique support holds; `None` where a support holds it, or it is tied to others. Those of a [`super::Relative`] node are relative.
+    /// Returns the unknowns of `node` along the axes of its frame: x, y and, in three dimensions, z, unless an oblique
+    /// support holds the node. A component is `None` if a support holds it or the node is tied to others. The unknowns
+    /// of a [`super::Relative`] node are relative.
     pub fn node(&self, node: usize) -> &[Option<usize>] {
         &self.numbers[self.dimension * node..self.dimension * (node + 1)]
     }
 
-    /// The axes of the frame of `node`, if they are not those of coordinates.
+    /// Returns the axes of the frame of `node`, if they differ from the coordinate axes.
     pub fn frame(&self, node: usize) -> Option<&[[f64; 3]; 3]> {
         self.frames.get(&node)
     }
 
-    /// The node of an unknown.
+    /// Returns the node of an unknown.
     pub fn node_of(&self, dof: usize) -> Option<usize> {
         Some(self.numbers.iter().position(|&number| number == Some(dof))? / self.dimension)
     }
 
-    /// The unknowns of an element with the corners `nodes`, corner by corner.
+    /// Returns the unknowns of an element with the corners `nodes`, corner by corner.
     pub fn element(&self, nodes: &[usize]) -> Vec<Option<usize>> {
         nodes.iter().flat_map(|&node| self.node(node)).copied().collect()
     }
 
-    /// Whether some of `nodes` are relative to others.
+    /// Returns `true` if some of `nodes` are relative to others.
     pub(super) fn any_relative(&self, nodes: &[usize]) -> bool {
         !self.relative.is_empty() && nodes.iter().any(|node| self.relative.contains_key(node))
     }
 
-    /// The displacement of `node` along `vector` by the unknowns, each with its coefficient. One may stand several times.
+    /// Returns the displacement of `node` along `vector` as a sum of unknowns with coefficients. An unknown may occur
+    /// several times.
     pub fn along(&self, node: usize, vector: [f64; 3]) -> impl Iterator<Item = (usize, f64)> + '_ {
         let components = self.in_frame(node, vector);
         let relative = self.relative.get(&node);
@@ -148,7 +150,7 @@ impl Dofs {
         own.chain(beyond)
     }
 
-    /// The components of `vector` along the axes of the frame of `node`.
+    /// Returns the components of `vector` along the axes of the frame of `node`.
     pub(super) fn in_frame(&self, node: usize, vector: [f64; 3]) -> [f64; 3] {
         match self.frame(node) {
             None => vector,
@@ -159,13 +161,14 @@ impl Dofs {
         }
     }
 
-    /// The directions along which supports, or the axis of a body of revolution, hold `node`; in two dimensions z, which nothing moves along, too.
+    /// Returns the directions along which supports or the axis of a body of revolution hold `node`; in two dimensions
+    /// also z.
     pub fn held(&self, node: usize) -> impl Iterator<Item = [f64; 3]> + '_ {
         let frame = self.frame(node).copied().unwrap_or([0, 1, 2].map(axis));
         (0..3).filter(move |&c| c >= self.dimension || self.is_held_along(node, c)).map(move |c| frame[c])
     }
 
-    /// Forces (N) on the nodes that are named, as forces on the unknowns, n_u.
+    /// Converts forces (N) on nodes to forces on the unknowns, n_u.
     pub fn forces(&self, nodal: impl IntoIterator<Item = (usize, [f64; 3])>) -> Vec<f64> {
         let mut forces = vec![0.0; self.free];
         for (node, force) in nodal {
@@ -174,7 +177,7 @@ impl Dofs {
         forces
     }
 
-    /// The displacement of every node (m) from the vector `u` of unknowns; 0 where supported.
+    /// Returns the displacement of every node (m) from the vector `u` of unknowns; held components are 0.
     pub fn displacements(&self, u: &[f64]) -> Vec<[f64; 3]> {
         let node = |dofs: &[Option<usize>]| [0, 1, 2].map(|c| dofs.get(c).copied().flatten().map_or(0.0, |dof| u[dof]));
         let mut displacements: Vec<[f64; 3]> = self.numbers.chunks_exact(self.dimension).map(node).collect();
@@ -190,7 +193,8 @@ impl Dofs {
         displacements
     }
 
-    /// Turns the stiffness of an element with the corners `nodes` from the axes of coordinates into the frames of its nodes.
+    /// Rotates the stiffness of an element with the corners `nodes` from the coordinate axes to the frames of its
+    /// nodes.
     pub(super) fn turn(&self, nodes: &[usize], stiffness: &mut [Vec<f64>]) {
         let d = self.dimension;
         for (a, node) in nodes.iter().enumerate() {
@@ -211,7 +215,8 @@ impl Dofs {
     }
 }
 
-/// An orthonormal basis of what `directions`, unit vectors, span; first those along axes.
+/// Returns an orthonormal basis of the span of the unit vectors `directions`, beginning with those along coordinate
+/// axes.
 pub fn independent(mut directions: Vec<[f64; 3]>, dimension: usize) -> Vec<[f64; 3]> {
     directions.sort_by_key(|n| n.iter().filter(|c| **c != 0.0).count());
     let mut basis: Vec<[f64; 3]> = Vec::new();
@@ -227,7 +232,7 @@ pub fn independent(mut directions: Vec<[f64; 3]>, dimension: usize) -> Vec<[f64;
     basis
 }
 
-/// A frame with the directions `held`, fewer than there are dimensions, and which of its axes these are.
+/// Returns a frame that contains the directions `held`, fewer than the number of dimensions, and marks its held axes.
 fn turned(held: &[[f64; 3]], dimension: usize) -> (Frame, [bool; 3]) {
     match *held {
         [n] if dimension == 2 => ([[-n[1], n[0], 0.0], n, axis(2)], [false, true, true]),
@@ -246,7 +251,7 @@ mod tests {
     use super::*;
     use crate::body::mesh::block;
 
-    /// A displacement given by its unknowns has these components along the frame, and none along what is held.
+    /// A displacement given by its unknowns has these components along the frame, and none along held directions.
     #[test]
     fn oblique_supports_leave_what_is_across() {
         let n = unit([1.0, 2.0, -2.0]);

@@ -1,7 +1,6 @@
-//! Isotropic linear elasticity in space and in the plane.
+//! Isotropic linear elasticity in two and three dimensions.
 
-/// An isotropic material, by its Lamé coefficients:
-/// `σ = λ tr(ε) 1 + 2 μ ε`.
+/// An isotropic elastic law with Lamé's coefficients: `σ = λ tr(ε) 1 + 2 μ ε`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Elasticity {
     /// `λ`, Pa.
@@ -11,51 +10,51 @@ pub struct Elasticity {
 }
 
 impl Elasticity {
-    /// The law in three dimensions. `young` in Pa, `-1 < poisson < 0.5`.
+    /// Creates the law in three dimensions. `young` in Pa, `-1 < poisson < 0.5`.
     pub fn isotropic(young: f64, poisson: f64) -> Self {
-        // 1 - 2ν is exact for ν > 1/4, so λ keeps its digits however close ν is to 1/2.
+        // 1 - 2ν is exact for ν > 1/4, so that λ keeps its digits for ν arbitrarily close to 1/2.
         let lambda = young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson));
         Elasticity { lambda, mu: shear_modulus(young, poisson) }
     }
 
-    /// Plane strain, a slice of a long body: the law in three dimensions with `ε_zz = 0`.
+    /// Creates the law of plane strain, for a slice of a long body: the law in three dimensions with `ε_zz = 0`.
     pub fn plane_strain(young: f64, poisson: f64) -> Self {
         Self::isotropic(young, poisson)
     }
 
-    /// Plane stress, `σ_zz = 0`: a thin plate. `young` in Pa. Here `λ` is `2λμ / (λ + 2μ)` of the
-    /// material: the law between the components in the plane once `ε_zz` is eliminated.
+    /// Creates the law of plane stress, `σ_zz = 0`, for a thin plate. `young` in Pa. Here `λ` is `2λμ / (λ + 2μ)` of
+    /// the material, which results from the elimination of `ε_zz`.
     pub fn plane_stress(young: f64, poisson: f64) -> Self {
         let lambda = young * poisson / ((1.0 + poisson) * (1.0 - poisson));
         Elasticity { lambda, mu: shear_modulus(young, poisson) }
     }
 
-    /// The stress `(σ_xx, σ_yy, σ_zz, τ_xy, τ_yz, τ_zx)` (Pa) of the strain
-    /// `(ε_xx, ε_yy, ε_zz, γ_xy, γ_yz, γ_zx)`. In plane stress, `ε_zz` is to be 0 and `σ_zz` says nothing.
+    /// Computes the stress `(σ_xx, σ_yy, σ_zz, τ_xy, τ_yz, τ_zx)` (Pa) of the strain
+    /// `(ε_xx, ε_yy, ε_zz, γ_xy, γ_yz, γ_zx)`. In plane stress, `ε_zz` must be 0 and `σ_zz` has no meaning.
     pub fn stress(&self, [xx, yy, zz, xy, yz, zx]: [f64; 6]) -> [f64; 6] {
         let pressure = self.lambda * (xx + yy + zz);
         let direct = |strain: f64| pressure + 2.0 * self.mu * strain;
         [direct(xx), direct(yy), direct(zz), self.mu * xy, self.mu * yz, self.mu * zx]
     }
 
-    /// `½ ε D ε` (J/m³) of a strain as above.
+    /// Computes the energy density `½ ε D ε` (J/m³) of a strain, with components as in [`Elasticity::stress`].
     pub fn energy_density(&self, strain: &[f64; 6]) -> f64 {
         0.5 * self.stress(*strain).iter().zip(strain).map(|(s, e)| s * e).sum::<f64>()
     }
 
-    /// What it has against changes of shape alone: `2 μ (ε - ⅓ tr(ε) 1)`.
+    /// Returns the deviatoric part of the law: `2 μ (ε - ⅓ tr(ε) 1)`.
     #[must_use]
     pub fn deviatoric(&self) -> Self {
         Elasticity { lambda: -2.0 / 3.0 * self.mu, ..*self }
     }
 
-    /// The bulk modulus `λ + 2/3 μ`, Pa.
+    /// Returns the bulk modulus `λ + 2/3 μ`, Pa.
     pub fn bulk(&self) -> f64 {
         self.lambda + 2.0 / 3.0 * self.mu
     }
 }
 
-/// A number for each law, the same for equal ones.
+/// Returns a number for each law; equal laws have the same number.
 pub fn numbered(laws: impl Iterator<Item = Elasticity>) -> Vec<usize> {
     let mut different: Vec<Elasticity> = Vec::new();
     let number = |law: Elasticity| {

@@ -1,24 +1,27 @@
-//! Integrals over the facets of the boundary: shares of its nodes, consistent nodal forces.
+//! Integrals over the facets of the boundary: nodal weights and consistent nodal forces.
 
 use super::dofs::Dofs;
 use crate::algebra::vector::{cross, norm, unit};
 use crate::body::mesh::{Boundary, CellKind, Geometry, Mesh, fine_quadrature, local_gradients, quadrature, shape};
 
-/// Forces on nodes (N; in two dimensions per unit depth, of a body of revolution all around), each with the number of its node; those on one node add up.
+/// Forces on nodes (N; in two dimensions per unit depth, for a body of revolution over the full circumference), each
+/// with the number of its node; forces on the same node are added.
 pub type NodalForces = Vec<(usize, [f64; 3])>;
 
-/// A point of a facet at which something is integrated.
+/// An integration point of a facet.
 pub(super) struct FacetPoint {
     /// The shape functions of the nodes of the facet.
     pub shape: Vec<f64>,
     /// The position, m.
     pub position: [f64; 3],
-    /// The outward normal times the weight of the point: length (m) or area (m²); of a body of revolution the area all around.
+    /// The outward normal times the weight of the point: length (m) or area (m²), for a body of revolution the area of
+    /// the full circumference.
     pub area: [f64; 3],
 }
 
-/// The integration points of a facet: exact for cubic polynomials along an edge and along both axes of a quadrilateral,
-/// for quadratic ones on a triangle; of second order for polynomials of degree five along an edge and of degree four on a triangle.
+/// Returns the integration points of a facet. The rule is exact for cubic polynomials along an edge and along both axes
+/// of a quadrilateral, and for quadratic polynomials on a triangle; on facets of second order, for degree five along an
+/// edge and degree four on a triangle.
 pub(super) fn facet_points(mesh: &Mesh, facet: &[usize]) -> Vec<FacetPoint> {
     let nodes = mesh.points(facet);
     let position = |shape: &[f64]| [0, 1, 2].map(|c| shape.iter().zip(&nodes).map(|(n, x)| n * x[c]).sum());
@@ -48,9 +51,9 @@ pub(super) fn facet_points(mesh: &Mesh, facet: &[usize]) -> Vec<FacetPoint> {
 struct Point {
     /// The shape functions of the nodes of the facet.
     shape: Vec<f64>,
-    /// `∂x/∂ξ` and `∂x/∂η`, which is across the plane in two dimensions.
+    /// `∂x/∂ξ` and `∂x/∂η`; in two dimensions the latter is normal to the plane.
     along: [[f64; 3]; 2],
-    /// With the depth of the body there.
+    /// The weight, including the depth of the body there.
     weight: f64,
 }
 
@@ -61,7 +64,7 @@ const GAUSS: [(f64, f64); 3] = [
     (0.887_298_334_620_741_7, 0.277_777_777_777_777_8),
 ];
 
-/// The integration points of a quadrilateral, an edge of three nodes or a triangle of six.
+/// Returns the integration points of a quadrilateral, an edge of three nodes or a triangle of six nodes.
 fn curved_points(mesh: &Mesh, facet: &[usize]) -> Vec<Point> {
     let rule = match (mesh.dimension, facet.len()) {
         (2, _) => GAUSS.map(|(s, weight)| ([s, 0.0, 0.0], weight)).into(),
@@ -71,7 +74,7 @@ fn curved_points(mesh: &Mesh, facet: &[usize]) -> Vec<Point> {
     rule.into_iter().map(|(at, weight)| point(mesh, facet, at, weight)).collect()
 }
 
-/// The point of such a facet at `[ξ, η]`; along an edge ξ goes from 0 to 1.
+/// Returns the point at `[ξ, η]` of a quadrilateral or a facet of second order; along an edge ξ goes from 0 to 1.
 fn point(mesh: &Mesh, facet: &[usize], at: [f64; 3], weight: f64) -> Point {
     let nodes = mesh.points(facet);
     let sum = |d: &[f64]| [0, 1, 2].map(|c| d.iter().zip(&nodes).map(|(d, x)| d * x[c]).sum::<f64>());
@@ -87,14 +90,15 @@ fn point(mesh: &Mesh, facet: &[usize], at: [f64; 3], weight: f64) -> Point {
     Point { shape: all(&|k| values[k]), along: [0, 1].map(|r| sum(&all(&|k| gradients[k][r]))), weight }
 }
 
-/// The number in a face of this kind of node `k` of a facet, which has the nodes between corners among these.
+/// Returns the number, in a face of this kind, of node `k` of a facet; in a facet, nodes between corners are listed
+/// between these corners.
 fn place(kind: CellKind, k: usize) -> usize {
     if kind.is_quadratic() { k / 2 + 3 * (k % 2) } else { k }
 }
 
-/// `∫ N_a dA` for each node of a facet: its share of the length (m, half of an edge) or of the area (m²), in a body of revolution
-/// all around. Exact for edges, triangles and flat quadrilaterals; of second order where they are straight. The corners of a flat triangle of
-/// six nodes have 0.
+/// Computes `∫ N_a dA` for each node of a facet: its share of the length (m, half of an edge) or of the area (m²), in a
+/// body of revolution over the full circumference. The result is exact for edges, triangles and flat quadrilaterals,
+/// and for straight facets of second order. The corners of a flat triangle of six nodes have 0.
 pub fn facet_weights(mesh: &Mesh, facet: &[usize]) -> Vec<f64> {
     let nodes = facet.len();
     if nodes <= mesh.dimension && mesh.geometry == Geometry::Cartesian {
@@ -114,15 +118,15 @@ pub fn facet_weights(mesh: &Mesh, facet: &[usize]) -> Vec<f64> {
     weights
 }
 
-/// What takes the place of `values` of the shape functions of a facet's nodes where these are to be nowhere negative, so that
-/// what is weighted by them keeps its sign: Bernstein's polynomials on facets of second order,
+/// Converts `values` of the shape functions of a facet's nodes to nowhere negative functions, so that weighted
+/// quantities keep their sign: Bernstein polynomials on facets of second order,
 ///
 /// ```text
 /// Ñ_a = N_a + ¼ Σ N_m    at corners, m between a and others,
 /// Ñ_m = ½ N_m            between corners.
 /// ```
 ///
-/// They add up to 1, too. On facets of the first order they are the shape functions.
+/// Their sum is 1, too. On facets of first order they are the shape functions.
 pub fn bernstein(mesh: &Mesh, facet: &[usize], values: &[f64]) -> Vec<f64> {
     let mut changed = values.to_vec();
     for (k, _) in mesh.bent_edges(facet).iter().enumerate() {
@@ -134,7 +138,7 @@ pub fn bernstein(mesh: &Mesh, facet: &[usize], values: &[f64]) -> Vec<f64> {
     changed
 }
 
-/// `∫ Ñ_a Ñ_b dA` (m or m²) for all nodes of a facet, with the functions of [`bernstein`].
+/// Computes `∫ Ñ_a Ñ_b dA` (m or m²) for all nodes of a facet, with the functions of [`bernstein`].
 pub fn facet_mass(mesh: &Mesh, facet: &[usize]) -> Vec<Vec<f64>> {
     let mut mass = vec![vec![0.0; facet.len()]; facet.len()];
     for FacetPoint { shape, area, .. } in facet_points(mesh, facet) {
@@ -146,8 +150,8 @@ pub fn facet_mass(mesh: &Mesh, facet: &[usize]) -> Vec<Vec<f64>> {
     mass
 }
 
-/// The outward normal in each node of a facet, as long as the facet is: its area vector on facets of the first order, turned as the
-/// facet is curved on those of the second.
+/// Returns the outward normal at each node of a facet with the length or area of the facet as its magnitude: the area
+/// vector on facets of first order, turned according to the curvature on facets of second order.
 pub fn facet_normals(mesh: &Mesh, facet: &[usize]) -> Vec<[f64; 3]> {
     let area = mesh.area_vector(facet);
     if !mesh.is_quadratic(facet) {
@@ -164,12 +168,12 @@ pub fn facet_normals(mesh: &Mesh, facet: &[usize]) -> Vec<[f64; 3]> {
     (0..facet.len()).map(normal).collect()
 }
 
-/// The length (m) or area (m²) of `boundary`, in a body of revolution all around.
+/// Computes the length (m) or area (m²) of `boundary`, in a body of revolution over the full circumference.
 pub fn area(mesh: &Mesh, boundary: &Boundary) -> f64 {
     boundary.facets.iter().flat_map(|facet| facet_weights(mesh, facet)).sum()
 }
 
-/// The forces of a uniform `traction` (N/m²) on `boundary`: `∫ N_a t dA`.
+/// Computes the forces of a uniform `traction` (N/m²) on `boundary`: `∫ N_a t dA`.
 pub fn uniform_traction(mesh: &Mesh, boundary: &Boundary, traction: [f64; 3]) -> NodalForces {
     let on_facet = |facet: &Vec<usize>| {
         let weights = facet_weights(mesh, facet);
@@ -178,8 +182,8 @@ pub fn uniform_traction(mesh: &Mesh, boundary: &Boundary, traction: [f64; 3]) ->
     boundary.facets.iter().flat_map(on_facet).collect()
 }
 
-/// The forces of tractions on `boundary` that change along it: `∫ N_a t dA`, where `force` tells `t dA` (N) of a position (m)
-/// and the outward area vector (m or m²) of a point.
+/// Computes the forces of varying tractions on `boundary`: `∫ N_a t dA`, where `force` returns `t dA` (N) for a
+/// position (m) and the outward area vector (m or m²) of a point.
 pub fn traction(mesh: &Mesh, boundary: &Boundary, force: impl Fn([f64; 3], [f64; 3]) -> [f64; 3]) -> NodalForces {
     let mut forces = Vec::new();
     for facet in &boundary.facets {
@@ -191,8 +195,8 @@ pub fn traction(mesh: &Mesh, boundary: &Boundary, force: impl Fn([f64; 3], [f64;
     forces
 }
 
-/// The nodal forces (length n_u; N, in two dimensions per unit depth, of a body of revolution all around) of a uniform `traction` (N/m²) on
-/// `boundary`: `∫ N_a t dA`.
+/// Computes the nodal forces (length n_u; N, in two dimensions per unit depth, for a body of revolution over the full
+/// circumference) of a uniform `traction` (N/m²) on `boundary`: `∫ N_a t dA`.
 pub fn facet_load(mesh: &Mesh, dofs: &Dofs, boundary: &Boundary, traction: [f64; 3]) -> Vec<f64> {
     dofs.forces(uniform_traction(mesh, boundary, traction))
 }
@@ -202,7 +206,7 @@ mod tests {
     use super::*;
     use crate::body::mesh::block;
 
-    /// The first moments of a flat facet tell its shares apart: `Σ w_a x_a = ∫ x dA`.
+    /// The first moments of a flat facet distinguish its shares: `Σ w_a x_a = ∫ x dA`.
     #[test]
     fn shares_are_exact_on_a_trapezium() {
         let mut mesh = block(&[1.0, 1.0, 1.0], &[1, 1, 1]);

@@ -1,4 +1,4 @@
-//! What happens where supports hold a body: their forces on it, and what their motion does to the rest.
+//! Held nodes: support forces, and forces on the rest of the body due to prescribed displacements.
 
 use super::assembly::{assemble_watched, each_stiffness};
 use super::dofs::Dofs;
@@ -13,8 +13,8 @@ use crate::algebra::sparse::{Csr, Symmetric};
 use crate::algebra::vector::{axis, dot, minus};
 use crate::body::mesh::Mesh;
 
-/// The rows of the stiffness of a body, springs included, at the nodes that supports hold, and at those that follow them as they are
-/// relative to such nodes: as all nodes have them, with the components x, y and z.
+/// The rows of the stiffness of a body, including springs, at held nodes and at nodes whose displacements are relative
+/// to held nodes. The rows are for the components x, y and z of all nodes.
 #[derive(Debug, Clone)]
 pub struct HeldRows {
     nodes: Vec<usize>,
@@ -22,7 +22,7 @@ pub struct HeldRows {
 }
 
 impl HeldRows {
-    /// `K` as [`super::assemble`] makes it, with `springs`, and the rows at the nodes of which `dofs` holds something; `volumes` are
+    /// Assembles `K` like [`super::assemble`], with `springs`, and the rows at the held nodes of `dofs`; `volumes` are
     /// those of the mesh.
     ///
     /// # Errors
@@ -49,10 +49,10 @@ impl HeldRows {
         Ok((stiffness, gathered.rows(mesh)))
     }
 
-    /// These rows alone, of a body without springs and nodal volumes, where others assemble `K`.
+    /// Assembles only the rows, for a body without springs and nodal volumes whose `K` other processes assemble.
     ///
     /// # Errors
-    /// [`InvertedElement`] for the first element at these nodes that is not sound.
+    /// [`InvertedElement`] for the first inverted or degenerate element at these nodes.
     pub fn alone(
         mesh: &Mesh,
         dofs: &Dofs,
@@ -66,18 +66,18 @@ impl HeldRows {
         Ok(gathered.rows(mesh))
     }
 
-    /// The nodes, ascending.
+    /// Returns the nodes, ascending.
     pub fn nodes(&self) -> &[usize] {
         &self.nodes
     }
 
-    /// `K u` at these nodes (N), of displacements `u` (m) of all nodes, and of `rest`, what rounding leaves off them.
+    /// Computes `K u` at these nodes (N) for the displacements `u` (m) of all nodes plus `rest`, their low-order part.
     pub fn forces(&self, u: &[[f64; 3]], rest: &[[f64; 3]]) -> Vec<[f64; 3]> {
         let (u, rest) = (u.as_flattened(), rest.as_flattened());
         (0..self.nodes.len()).map(|k| [0, 1, 2].map(|c| self.rows.difference(3 * k + c, u, rest, 0.0))).collect()
     }
 
-    /// `K u` at all nodes (N), where these nodes alone are displaced, each by its own of `displacements` (m).
+    /// Computes `K u` at all nodes (N) if only these nodes are displaced, by `displacements` (m).
     pub fn response(&self, displacements: &[[f64; 3]]) -> NodalForces {
         let mut forces = vec![0.0; self.rows.columns()];
         self.rows.add_transposed(displacements.as_flattened(), &mut forces);
@@ -85,7 +85,7 @@ impl HeldRows {
     }
 }
 
-/// Rows at the nodes that are held, or follow such nodes, as they add up cell by cell.
+/// Accumulates the rows cell by cell.
 struct Gathered {
     dimension: usize,
     nodes: Vec<usize>,
@@ -104,7 +104,7 @@ impl Gathered {
         self.nodes.binary_search(&node).ok()
     }
 
-    /// Adds the stiffness of the cell with these nodes.
+    /// Adds the stiffness of a cell with these nodes.
     fn add(&mut self, nodes: &[usize], stiffness: &[Vec<f64>]) {
         let d = self.dimension;
         for (a, &node) in nodes.iter().enumerate() {
@@ -121,14 +121,16 @@ impl Gathered {
     }
 }
 
-/// Supports that feel a translation by less, as a share of the one that they feel most, do not feel it.
+/// A translation counts as not prescribed if its effect on the held directions is below this share of the largest
+/// effect.
 const FELT: f64 = 1e-6;
 
-/// The translation (m) that comes nearest, in the mean square, to displacements prescribed at nodes: pairs of a unit vector and
-/// the displacement (m) along it. It is 0 along what none of them feels.
+/// Computes the translation (m) nearest in the least-squares sense to displacements prescribed at nodes, pairs of a
+/// unit vector and the displacement (m) along it. The translation is 0 along directions that are not prescribed.
 pub fn nearest_translation(prescribed: impl Iterator<Item = ([f64; 3], f64)> + Clone) -> [f64; 3] {
-    // Gram-Schmidt on the columns of `n · t = value`, twice, with what makes each member of the basis: the longest column first,
-    // for one that is felt a little because a direction is off its axis by rounding says nothing of the motion along it.
+    // Gram-Schmidt on the columns of `n · t = value`, twice, recording the combination for each basis vector. The
+    // longest column is first, since a column that is small because a direction is off its axis by rounding contains no
+    // information.
     let mut columns: Vec<(usize, Vec<f64>)> =
         (0..3).map(|c| (c, prescribed.clone().map(|(n, _)| n[c]).collect())).collect();
     columns.sort_by(|(_, a), (_, b)| dot(b, b).total_cmp(&dot(a, a)));
@@ -169,11 +171,11 @@ mod tests {
         let all = [axis(0), axis(1), axis(2), oblique].map(along);
         let found = nearest_translation(all.into_iter());
         assert!((0..3).all(|c| (found[c] - to[c]).abs() < 1e-15), "{found:?}");
-        // Nothing is known of what is across.
+        // The motion across is not prescribed.
         let found = nearest_translation([along(oblique), along(oblique)].into_iter());
         assert!((dot(found, oblique) - dot(to, oblique)).abs() < 1e-15 && found[2] == 0.0, "{found:?}");
         assert_eq!(nearest_translation(std::iter::empty()), [0.0; 3]);
-        // A direction that rounding has turned off its axis.
+        // A direction turned off its axis by rounding.
         for off in [1e-25, 6e-17, 1e-10, 1e-7] {
             let found = nearest_translation([(unit([off, -1.0, 0.0]), 1e-6); 5].into_iter());
             assert!(norm(found) < 1.1e-6 && (found[1] + 1e-6).abs() < 1e-12, "{off}: {found:?}");

@@ -1,4 +1,4 @@
-//! Elements that are not sound.
+//! Inverted or degenerate elements.
 
 use crate::body::mesh::Mesh;
 
@@ -15,7 +15,7 @@ pub struct InvertedElement {
 }
 
 impl InvertedElement {
-    /// That element `element` of `mesh` is one.
+    /// Creates the error of element `element` of `mesh`.
     pub(super) fn of(mesh: &Mesh, element: usize) -> Self {
         InvertedElement { element, centre: mesh.centre(element), dimension: mesh.dimension }
     }

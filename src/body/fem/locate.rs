@@ -1,18 +1,18 @@
-//! Where a point is within a cell.
+//! Reference coordinates of a point in a cell.
 
 use crate::algebra::vector::dot;
 use crate::body::mesh::{CellKind, Jacobian, shape};
 
-/// How far outside a cell a point may be that counts as on its side, in the coordinates of the reference cell.
+/// The largest distance outside a cell of a point that counts as on its side, in reference coordinates.
 const SLACK: f64 = 1e-9;
 
-/// Newton's method on bilinear cells takes four or five; more are no sound cell.
+/// The largest number of Newton steps. Bilinear cells need four or five; a cell that needs more is invalid.
 const MOST_STEPS: usize = 30;
 
-/// The reference point `[ξ, η, ζ]` that the shape functions map to `x` (m), for a point in the cell with `nodes` (m), its
-/// sides included. `None` for a point outside.
+/// Returns the reference point `[ξ, η, ζ]` that the shape functions map to `x` (m), if `x` is in the cell with `nodes`
+/// (m), including its sides; `None` for a point outside.
 pub fn reference_point(kind: CellKind, nodes: &[[f64; 3]], x: [f64; 3]) -> Option<[f64; 3]> {
-    // The first guess is the centre.
+    // The initial guess is the centre.
     let mut point = kind.centre();
     for _ in 0..MOST_STEPS {
         let values = shape(kind, point);
@@ -22,7 +22,7 @@ pub fn reference_point(kind: CellKind, nodes: &[[f64; 3]], x: [f64; 3]) -> Optio
         let step = cofactors.map(|cofactor| dot(left, cofactor) / det);
         (0..3).for_each(|r| point[r] += step[r]);
         let length = step.iter().fold(0.0_f64, |m, s| m.max(s.abs()));
-        // Far outside, the map may not even be invertible.
+        // Far outside, the map may not be invertible.
         if length.is_nan() || point.iter().any(|c| c.abs() > 10.0) {
             return None;
         }
@@ -68,7 +68,7 @@ mod tests {
                 _ => (0..8).collect(),
             };
             let corners: Vec<_> = chosen[..kind.corners()].iter().map(|&k| flat(CORNERS[k])).collect();
-            // Those between corners are moved off the middle.
+            // Nodes between corners are moved off the middle.
             let off = |k: usize| flat([0.03 * (k as f64).sin(), 0.02 * (k as f64).cos(), 0.01]);
             let between = (corners.len()..kind.nodes()).map(|k| {
                 let linear = match kind.dimension() {
@@ -87,7 +87,7 @@ mod tests {
             let reference = flat(if triangular { [0.2, 0.3, 0.1] } else { [0.7, -0.9, 0.3] });
             let found = reference_point(kind, &nodes, place(reference)).unwrap();
             assert!((0..3).all(|c| (found[c] - reference[c]).abs() < 1e-12), "{kind:?}: {found:?}");
-            // Corners belong to the cell; what is beyond a side does not, however near.
+            // Corners belong to the cell; a point beyond a side does not, at any distance.
             assert!(corners.iter().all(|&corner| reference_point(kind, &nodes, corner).is_some()), "{kind:?}");
             let beyond = flat(if triangular { [-1e-6, 0.3, 0.1] } else { [1.0 + 1e-6, 0.0, 0.0] });
             assert_eq!(reference_point(kind, &nodes, place(beyond)), None, "{kind:?}");

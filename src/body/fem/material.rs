@@ -1,4 +1,4 @@
-//! The materials of a body: which law each cell of its mesh has.
+//! The materials of a body, and the elastic law of each cell of its mesh.
 
 use serde::{Deserialize, Serialize};
 
@@ -13,16 +13,16 @@ pub struct Material {
     pub young: f64,
     /// Poisson's ratio, in (-1, 0.5).
     pub poisson: f64,
-    /// What the body is in two dimensions, in plane strain if it is left out; in three there is nothing to say.
+    /// The plane state in two dimensions, by default plane strain; must be absent in three dimensions.
     pub plane: Option<Plane>,
     /// Mass density, kg/m³, for loads that act on the mass.
     pub density: Option<f64>,
-    /// Coefficient of thermal expansion, 1/K, for loads by temperature.
+    /// Coefficient of thermal expansion, 1/K, for thermal loads.
     pub expansion: Option<f64>,
-    /// Horizontal layers of other materials, from the bottom of the body up; above the last, the
-    /// material itself. Density and expansion are the same in all.
+    /// Horizontal layers of other materials, from the bottom of the body up; the rest has this material. All layers
+    /// have the same density and expansion.
     pub layers: Vec<Layer>,
-    /// Other materials of groups of elements; the other groups are of the material itself.
+    /// Groups of elements with other materials; the remaining groups have this material.
     pub groups: Vec<MaterialGroup>,
 }
 
@@ -35,16 +35,16 @@ pub struct MaterialGroup {
     pub young: f64,
     /// Poisson's ratio, in (-1, 0.5).
     pub poisson: f64,
-    /// Mass density, kg/m³; that of the material itself if it is left out.
+    /// Mass density, kg/m³; default: that of the main material.
     pub density: Option<f64>,
-    /// Coefficient of thermal expansion, 1/K; that of the material itself if it is left out.
+    /// Coefficient of thermal expansion, 1/K; default: that of the main material.
     pub expansion: Option<f64>,
 }
 
 /// A horizontal layer of the body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Layer {
-    /// How high it is, m.
+    /// The thickness, m.
     pub thickness: f64,
     /// Young's modulus, Pa.
     pub young: f64,
@@ -52,20 +52,20 @@ pub struct Layer {
     pub poisson: f64,
 }
 
-/// What a body in two dimensions is.
+/// The state of a body in two dimensions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Plane {
-    /// `ε_zz = 0`: a slice of a long body.
+    /// Plane strain, `ε_zz = 0`: a slice of a long body.
     #[default]
     Strain,
-    /// `σ_zz = 0`: a thin plate.
+    /// Plane stress, `σ_zz = 0`: a thin plate.
     Stress,
-    /// No plane state but half the section of a body of revolution about the y axis, with `ε_zz = u_x / x`.
+    /// Half the section of a body of revolution about the y axis, with `ε_zz = u_x / x`.
     Axisymmetric,
 }
 
-/// What a constant of a material called by a name must be.
+/// A check of a material constant with its key.
 type Limit = fn(&str, f64) -> Result<(), InputError>;
 
 const THICKNESS: Limit = |name, value| positive(name, value, "give the thickness of the layer in m or as [units] says");
@@ -84,17 +84,18 @@ const DENSITY: Limit = |name, value| positive(name, value, "give the density in 
 const EXPANSION: Limit = |name, value| finite(name, value);
 
 impl Material {
-    /// One material for the whole body, in two dimensions in plane strain: Young's modulus in Pa, Poisson's ratio.
+    /// Creates one material for the whole body with Young's modulus (Pa) and Poisson's ratio; in two dimensions in
+    /// plane strain.
     pub fn new(young: f64, poisson: f64) -> Self {
         Material { young, poisson, ..Material::default() }
     }
 
-    /// The materials of `bodies`, by their names, as groups of the mesh that these are joined in, see
-    /// [`crate::body::mesh::MeshSource::Bodies`]. A group of a body's own is called `name:group` there.
+    /// Combines the materials of `bodies`, by their names, as groups of the joined mesh, see
+    /// [`crate::body::mesh::MeshSource::Bodies`]. A group of a body is called `name:group` there.
     ///
     /// # Errors
-    /// [`InputError`] of the key of the body, such as `body[1].material.plane`: layers, which only a single body has, another plane state than
-    /// that of the first, no body.
+    /// [`InputError`] with the key of the body, such as `body[1].material.plane`: layers, which only a single body may
+    /// have; a plane state different from that of the first body; no body.
     pub fn of_bodies(bodies: impl IntoIterator<Item = (String, Material)>) -> Result<Self, InputError> {
         let mut all: Option<Material> = None;
         for (k, (name, material)) in bodies.into_iter().enumerate() {
@@ -106,7 +107,7 @@ impl Material {
                 let message = format!("the body `{name}` has layers, which are those of a scene with a single body");
                 return Err(fault("layers", message, "use groups of its mesh, or a body for each layer"));
             }
-            // Density and expansion of one body are not those of another.
+            // Density and expansion of one body do not apply to others.
             let all = all.get_or_insert_with(|| Material { young, poisson, plane, ..Material::default() });
             if plane.unwrap_or_default() != all.plane.unwrap_or_default() {
                 let message = format!("the body `{name}` is in another plane state than those before it");
@@ -125,21 +126,21 @@ impl Material {
         all.ok_or_else(|| InputError::new("body", "there is no body", "give one at least"))
     }
 
-    /// The same in `plane`.
+    /// Sets the plane state.
     #[must_use]
     pub fn in_plane(self, plane: Plane) -> Self {
         Material { plane: Some(plane), ..self }
     }
 
-    /// Whether the body is one of revolution.
+    /// Returns `true` for a body of revolution.
     pub fn is_axisymmetric(&self) -> bool {
         self.plane == Some(Plane::Axisymmetric)
     }
 
-    /// Whether all constants are possible, and layers and groups do not contradict each other.
+    /// Checks that all constants are valid and that layers and groups do not contradict each other.
     ///
     /// # Errors
-    /// [`InputError`] of the key that is wrong, such as `material.young`.
+    /// [`InputError`] with the key of the wrong value, such as `material.young`.
     pub fn check(&self) -> Result<(), InputError> {
         YOUNG("material.young", self.young)?;
         POISSON("material.poisson", self.poisson)?;
@@ -175,7 +176,7 @@ impl Material {
         Ok(())
     }
 
-    /// Heights of the upper sides of the layers over the bottom of the body, m.
+    /// Returns the heights of the upper sides of the layers above the bottom of the body, m.
     pub fn tops(&self) -> Vec<f64> {
         let mut top = 0.0;
         let above = |layer: &Layer| {
@@ -185,17 +186,17 @@ impl Material {
         self.layers.iter().map(above).collect()
     }
 
-    /// The number of the layer at `height` (m) over the bottom of the body; `None` in the material itself.
+    /// Returns the number of the layer at `height` (m) above the bottom of the body; `None` in the main material.
     pub fn layer(&self, height: f64) -> Option<usize> {
         self.tops().iter().position(|top| height < *top)
     }
 
-    /// The law of each cell of `mesh`: that of its group, or of the layer that holds its centre, or of the material
-    /// itself.
+    /// Returns the law of each cell of `mesh`: that of its group, of the layer that contains its centre, or of the main
+    /// material.
     ///
     /// # Errors
-    /// [`InputError`] of the key that `mesh` contradicts: a plane state in three dimensions, a group it does not have, a
-    /// layer without a cell.
+    /// [`InputError`] with the key that contradicts `mesh`: a plane state in three dimensions, a missing group, a layer
+    /// without a cell.
     pub fn laws(&self, mesh: &Mesh) -> Result<Vec<Elasticity>, InputError> {
         if mesh.dimension == 3 && self.plane.is_some() {
             let message = "the material has a plane state, but the body has three dimensions";
@@ -203,7 +204,7 @@ impl Material {
         }
         let law = |young, poisson| match (mesh.dimension, self.plane.unwrap_or_default()) {
             (2, Plane::Stress) => Elasticity::plane_stress(young, poisson),
-            // Plane strain and axisymmetry are states in space.
+            // Plane strain and axisymmetry use the law in three dimensions.
             _ => Elasticity::isotropic(young, poisson),
         };
         let base = law(self.young, self.poisson);
@@ -224,25 +225,25 @@ impl Material {
         Ok(of_cell.into_iter().map(|layer| layer.map_or(base, |k| laws[k])).collect())
     }
 
-    /// The density (kg/m³) of each cell of `mesh`.
+    /// Returns the density (kg/m³) of each cell of `mesh`.
     ///
     /// # Errors
-    /// [`InputError`] of the key that is missing, or names a group that `mesh` does not have.
+    /// [`InputError`] with the missing key, or the key of a group that `mesh` does not have.
     pub fn densities(&self, mesh: &Mesh) -> Result<Vec<f64>, InputError> {
         let help = "give the density, e.g. 7850 kg/m³ for steel, 7.85e-9 t/mm³ where [units] has mm and MPa";
         self.of_cells(mesh, "density", help, self.density, |group| group.density)
     }
 
-    /// The coefficient of thermal expansion (1/K) of each cell of `mesh`.
+    /// Returns the coefficient of thermal expansion (1/K) of each cell of `mesh`.
     ///
     /// # Errors
-    /// [`InputError`] of the key that is missing, or names a group that `mesh` does not have.
+    /// [`InputError`] with the missing key, or the key of a group that `mesh` does not have.
     pub fn expansions(&self, mesh: &Mesh) -> Result<Vec<f64>, InputError> {
         let help = "give the coefficient of thermal expansion in 1/K, e.g. 12e-6 for steel";
         self.of_cells(mesh, "expansion", help, self.expansion, |group| group.expansion)
     }
 
-    /// A constant of each cell: that of its group, otherwise that of the material `itself`.
+    /// Returns a constant of each cell: that of its group, otherwise that of the main material, `itself`.
     fn of_cells(
         &self,
         mesh: &Mesh,
@@ -263,8 +264,8 @@ impl Material {
         mesh.cells.iter().map(|cell| value(cell.group).ok_or_else(|| missing(cell.group))).collect()
     }
 
-    /// For each group of `mesh`, which of the groups here it is. A group `upper:rim` that is not named has the material of
-    /// `upper`, if that is named.
+    /// Returns for each group of `mesh` the index of its material group. A group `upper:rim` that is not named has the
+    /// material of `upper`, if that is named.
     fn groups_of(&self, mesh: &Mesh) -> Result<Vec<Option<usize>>, InputError> {
         let body = |group: &'_ str| group.split_once(':').map(|(body, _)| body.to_string());
         for (k, MaterialGroup { name, .. }) in self.groups.iter().enumerate() {

@@ -1,16 +1,17 @@
-//! Dilatations averaged at the corners of triangles, tetrahedra and prisms (Bonet & Burton, Commun. Numer. Meth. Engng 14 (1998)
-//! 437, for small strains).
+//! Dilatations averaged at the corners of triangles, tetrahedra and prisms (Bonet & Burton, Commun. Numer. Meth. Engng
+//! 14 (1998) 437, for small strains).
 //!
-//! With the shape functions L_a of the corners alone a corner has a share of each cell around it, and of these the mean dilatation,
-//! material by material:
+//! With the shape functions L_a of the corners, a corner has a share of each surrounding cell and the mean dilatation
+//! of these shares, separately for each material:
 //!
 //! ```text
 //! V_a = Σ_e ∫_e L_a dV,   G_a = Σ_e ∫_e L_a tr B dV,   θ_a = G_a u / V_a,
 //! K = Σ_e ∫ Bᵀ D_dev B dV + Σ_a κ / V_a G_aᵀ G_a,   D_dev = 2 μ (1 - ⅓ 1 1ᵀ).
 //! ```
 //!
-//! The volume stress is so `κ Σ L_a θ_a` within a cell. There are fewer volumes to be held than displacements, so that nothing locks, and
-//! displacements are the only unknowns; in exchange all nodes of the cells around a corner are coupled.
+//! The volumetric stress is therefore `κ Σ L_a θ_a` within a cell. Since there are fewer volume constraints than
+//! displacements, the elements do not lock, and displacements are the only unknowns. In exchange, all nodes of the
+//! cells around a corner are coupled.
 
 use std::collections::HashMap;
 
@@ -26,30 +27,32 @@ use crate::body::mesh::{CellKind, Mesh, corner_shape, quadrature_of, shape};
 #[derive(Debug, Clone, Default)]
 pub struct NodalVolumes {
     volumes: Vec<NodalVolume>,
-    /// For each cell the volumes at its corners; none of a cell that keeps its own dilatation.
+    /// The volumes at the corners of each cell; empty for a cell whose dilatation is not averaged.
     cells: Vec<Vec<usize>>,
 }
 
-/// What the cells of one law around a corner leave to it.
+/// The share of a corner in the surrounding cells of one law.
 #[derive(Debug, Clone)]
 pub(super) struct NodalVolume {
-    /// `V_a`, m³; in two dimensions m², in a body of revolution all around.
+    /// `V_a`, m³; in two dimensions m², in a body of revolution over the full circumference.
     volume: f64,
     /// `κ`, Pa.
     bulk: f64,
     /// The nodes of these cells.
     nodes: Vec<usize>,
-    /// `G_a / V_a`, 1/m: the dilatation that a unit displacement of each makes.
+    /// `G_a / V_a`, 1/m: the dilatation for a unit displacement of each node.
     gradients: Vec<[f64; 3]>,
 }
 
 impl NodalVolumes {
-    /// Whether cells of this kind share their volume between their corners; others, which have B-bar, keep their own dilatation.
+    /// Returns `true` if cells of this kind have averaged dilatations; other kinds, for which there is B-bar, keep
+    /// their own dilatation.
     pub fn take(kind: CellKind) -> bool {
         kind.is_simplex() || kind == CellKind::Prism
     }
 
-    /// Those of `mesh`, where `material` is that of each cell; none unless every element is an [`Element::NodalVolume`].
+    /// Computes the nodal volumes of `mesh`, where `material` returns the law of each cell; empty unless the elements
+    /// are [`Element::NodalVolume`].
     ///
     /// # Errors
     /// [`InvertedElement`] for the first element that is not sound.
@@ -86,30 +89,31 @@ impl NodalVolumes {
         Ok(all)
     }
 
-    /// Whether no cell shares its volume.
+    /// Returns `true` if no dilatation is averaged.
     pub fn is_empty(&self) -> bool {
         self.volumes.is_empty()
     }
 
-    /// The numbers of the volumes at the corners of cell `e`; none where the cell keeps its own dilatation.
+    /// Returns the numbers of the volumes at the corners of cell `e`; empty if the dilatation of the cell is not
+    /// averaged.
     pub fn of_cell(&self, e: usize) -> &[usize] {
         self.cells.get(e).map_or(&[], |cell| cell)
     }
 
-    /// The dilatation `θ_a` of volume `a` for `displacements` of all nodes, m.
+    /// Computes the dilatation `θ_a` of volume `a` for `displacements` of all nodes, m.
     pub fn dilatation(&self, a: usize, displacements: &[[f64; 3]]) -> f64 {
         let NodalVolume { nodes, gradients, .. } = &self.volumes[a];
         nodes.iter().zip(gradients).map(|(&node, g)| dot(*g, displacements[node])).sum()
     }
 
-    /// The mean `Σ_e ∫ L_a f dV / V_a` in each volume of what is `value` in a cell at a position (m), by the points that the
-    /// dilatation is averaged at.
+    /// Computes the mean `Σ_e ∫ L_a f dV / V_a` in each volume of `value`, a function of the cell and the position (m),
+    /// at the points at which the dilatation is averaged.
     pub fn means(&self, mesh: &Mesh, value: impl Fn(usize, [f64; 3]) -> f64) -> Vec<f64> {
         let mut means = vec![0.0; self.volumes.len()];
         for (e, cell) in mesh.cells.iter().enumerate().filter(|(e, _)| !self.of_cell(*e).is_empty()) {
             let nodes = mesh.points(&cell.nodes);
             let rule = quadrature_of(cell.kind, mesh.geometry, &nodes);
-            // The volumes are those of sound cells.
+            // All cells were checked when the volumes were computed.
             let Some(points) = CellPoint::all(cell.kind, mesh.geometry, &nodes, &rule) else { continue };
             for ((point, _), CellPoint { volume, .. }) in rule.iter().zip(&points) {
                 let n = shape(cell.kind, *point);
@@ -122,8 +126,8 @@ impl NodalVolumes {
         means
     }
 
-    /// The forces `Σ_a κ θ_a G_aᵀ` (N; in two dimensions per unit depth, of a body of revolution all around) that a stress-free `dilatation` of each volume exerts while
-    /// the nodes are held.
+    /// Computes the forces `Σ_a κ θ_a G_aᵀ` (N; in two dimensions per unit depth, for a body of revolution over the
+    /// full circumference) of a stress-free `dilatation` of each volume with all nodes held.
     pub fn forces(&self, dilatation: &[f64]) -> NodalForces {
         let of_volume = |(of, dilatation): (&NodalVolume, &f64)| {
             let NodalVolume { volume, bulk, nodes, gradients } = of;
@@ -134,7 +138,8 @@ impl NodalVolumes {
         self.volumes.iter().zip(dilatation).flat_map(of_volume).collect()
     }
 
-    /// The energy `½ Σ_a κ V_a θ_a²` (J; in two dimensions per unit depth) of the elastic `dilatation` of each volume.
+    /// Computes the energy `½ Σ_a κ V_a θ_a²` (J; in two dimensions per unit depth) of the elastic `dilatation` of each
+    /// volume.
     pub fn energy(&self, dilatation: impl Fn(usize) -> f64) -> f64 {
         let of = |(a, volume): (usize, &NodalVolume)| 0.5 * volume.bulk * volume.volume * dilatation(a).powi(2);
         self.volumes.iter().enumerate().map(of).sum()
@@ -150,7 +155,8 @@ impl NodalVolume {
         NodalVolume { volume: 0.0, bulk, nodes: Vec::new(), gradients: Vec::new() }
     }
 
-    /// Adds a `share` of a point of a cell with these nodes. The sum is `G_a` until it is divided.
+    /// Adds a `share` of a point of a cell with these nodes. The gradients contain `G_a` until they are divided by
+    /// `V_a`.
     fn add(&mut self, share: f64, nodes: &[usize], point: &CellPoint) {
         self.volume += share;
         for (k, node) in nodes.iter().enumerate() {
@@ -167,7 +173,7 @@ impl NodalVolume {
         &self.nodes
     }
 
-    /// `κ / V_a G_aᵀ G_a` (N/m; in two dimensions per unit depth), with unknowns as of an element.
+    /// Computes `κ / V_a G_aᵀ G_a` (N/m; in two dimensions per unit depth), with unknowns as for an element.
     pub(super) fn stiffness(&self, dimension: usize) -> Vec<Vec<f64>> {
         let row: Vec<f64> = self.gradients.iter().flat_map(|g| &g[..dimension]).copied().collect();
         row.iter().map(|g| row.iter().map(|other| self.bulk * self.volume * (g * other)).collect()).collect()

@@ -1,4 +1,4 @@
-//! Where bodies are inside one another.
+//! Search for bodies inside one another.
 
 use super::locate::reference_point;
 use crate::body::mesh::{Bodies, CellKind, Mesh};
@@ -6,20 +6,22 @@ use crate::body::mesh::{Bodies, CellKind, Mesh};
 /// A node of a body inside a cell of another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Overlap {
-    /// The body of the node, and that of the cell.
+    /// The body of the node, and the body of the cell.
     pub bodies: (usize, usize),
     /// The node.
     pub node: usize,
 }
 
-/// A node is inside a cell that is further from its sides, in the coordinates of the reference cell: nearer is what rounding makes.
+/// A node counts as inside a cell if its distance from the sides exceeds this, in reference coordinates; less is
+/// rounding.
 const INSIDE: f64 = 1e-6;
 
 /// Smallest and largest coordinates.
 type Bounds = [(f64, f64); 3];
 
-/// For each pair of `bodies`, those of `mesh`, for which `apart` says that they have to be apart: the first node of the one inside a cell
-/// of the other. `apart` is asked with the lesser number first. Bodies that cross without a node in each other are not found.
+/// Finds, for each pair of `bodies` of `mesh` for which `apart` returns `true`, the first node of one body inside a
+/// cell of the other. `apart` is called with the smaller number first. Bodies that intersect without a node inside each
+/// other are not found.
 pub fn overlaps(mesh: &Mesh, bodies: &Bodies, apart: impl Fn(usize, usize) -> bool) -> Vec<Overlap> {
     let bounds: Vec<Bounds> = (0..bodies.count()).map(|k| mesh.bounds_of(bodies.nodes(k))).collect();
     let mut found = Vec::new();
@@ -38,11 +40,11 @@ fn common(a: &Bounds, b: &Bounds) -> Bounds {
     [0, 1, 2].map(|c| (a[c].0.max(b[c].0), a[c].1.min(b[c].1)))
 }
 
-/// The first node of the one body inside a cell of the other; both are within `common`.
+/// Finds the first node of one body inside a cell of the other, within the bounds `common`.
 fn inside(mesh: &Mesh, bodies: &Bodies, (a, b): (usize, usize), common: &Bounds) -> Option<Overlap> {
     let within = |bounds: &Bounds, x: [f64; 3]| (0..mesh.dimension).all(|c| bounds[c].0 <= x[c] && x[c] <= bounds[c].1);
     let mut nodes: Vec<usize> = bodies.nodes(a).filter(|&node| within(common, mesh.nodes[node])).collect();
-    // A cell looks at the nodes beside it along the longest axis alone.
+    // Candidates for a cell are the nodes beside it along the longest axis.
     let axis =
         (0..mesh.dimension).max_by(|&i, &j| (common[i].1 - common[i].0).total_cmp(&(common[j].1 - common[j].0)))?;
     nodes.sort_by(|&i, &j| mesh.nodes[i][axis].total_cmp(&mesh.nodes[j][axis]));
@@ -59,12 +61,12 @@ fn inside(mesh: &Mesh, bodies: &Bodies, (a, b): (usize, usize), common: &Bounds)
     Some(Overlap { bodies: (a, b), node: node.min()? })
 }
 
-/// Whether `x` (m) is inside the cell with `nodes` (m), and not on its sides.
+/// Returns `true` if `x` (m) is inside the cell with `nodes` (m), excluding its sides.
 pub fn is_inside_cell(kind: CellKind, nodes: &[[f64; 3]], x: [f64; 3]) -> bool {
     reference_point(kind, nodes, x).is_some_and(|at| is_inside(kind, at))
 }
 
-/// Whether a point of the reference cell keeps away from its sides.
+/// Returns `true` if a point of the reference cell is not on its sides.
 fn is_inside(kind: CellKind, [xi, eta, zeta]: [f64; 3]) -> bool {
     let shares = [1.0 - xi - eta, xi, eta];
     let away = |x: f64| x.abs() < 1.0 - INSIDE;

@@ -1,4 +1,4 @@
-//! Part of the stiffness matrix of a mesh, where several processes share it.
+//! Assembly of part of the stiffness matrix, for distribution over several processes.
 
 use super::assembly::each_stiffness;
 use super::dofs::Dofs;
@@ -8,11 +8,11 @@ use super::strain::Element;
 use crate::algebra::sparse::Symmetric;
 use crate::body::mesh::Mesh;
 
-/// The entries of `K`, as [`super::assemble`] makes it, of which row or column is at a node where `here` is true: the same sums, to the
-/// last bit. Nodes must not be relative to others, and dilatations not be averaged at them.
+/// Assembles the entries of `K` whose row or column belongs to a node with `here` equal to `true`. The values equal
+/// those of [`super::assemble`] exactly. Relative nodes and averaged dilatations are not supported.
 ///
 /// # Errors
-/// [`InvertedElement`] for the first element at these nodes that is not sound.
+/// [`InvertedElement`] for the first inverted or degenerate element at these nodes.
 pub fn assemble_part(
     mesh: &Mesh,
     dofs: &Dofs,
@@ -57,7 +57,7 @@ pub fn assemble_part(
     Ok(k)
 }
 
-/// The cells with one of the nodes that are `wanted`, ascending.
+/// Returns the cells with a `wanted` node, ascending.
 pub(super) fn cells_at(mesh: &Mesh, wanted: impl Fn(usize) -> bool) -> Vec<usize> {
     let has = |e: &usize| mesh.cells[*e].nodes.iter().any(|node| wanted(*node));
     (0..mesh.cells.len()).filter(has).collect()

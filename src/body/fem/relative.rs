@@ -2,34 +2,35 @@
 
 use std::collections::BTreeMap;
 
-/// A node whose unknowns are relative to others, `w = own · u - Σ coefficient · u_other`.
+/// A node whose unknowns are relative to other nodes, `w = own · u - Σ coefficient · u_other`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Relative {
     /// The number of the node in the mesh.
     pub node: usize,
-    /// What its own displacement is multiplied by, above 0.
+    /// The coefficient of its own displacement, above 0.
     pub own: f64,
     /// The other nodes with their coefficients.
     pub others: Vec<(usize, f64)>,
-    /// Whether `w` is 0.
+    /// `true` if `w` is 0.
     pub tied: bool,
 }
 
-/// Nodes that are relative to each other in a ring, of which this is one: none of them has a place.
+/// The error that this node is part of a cycle of nodes that are relative to each other, so that their displacements
+/// are undefined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Ring(pub usize);
 
-/// [`Relative`], by the unknowns of the others.
+/// A [`Relative`] node in terms of the unknowns of the other nodes.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Resolved {
     pub own: f64,
     pub others: Vec<(usize, f64)>,
     pub tied: bool,
-    /// What its displacement along each axis of its frame is made of beside its own unknown; nothing where a support holds it.
+    /// The terms of its displacement along each axis of its frame other than its own unknown; empty along held axes.
     pub beyond: Vec<Vec<(usize, f64)>>,
 }
 
-/// A row in which each unknown stands once.
+/// Combines the terms of a row so that each unknown occurs once.
 pub(crate) fn merged(row: Vec<(usize, f64)>) -> Vec<(usize, f64)> {
     let mut sum: BTreeMap<usize, f64> = BTreeMap::new();
     for (dof, c) in row {
@@ -38,7 +39,7 @@ pub(crate) fn merged(row: Vec<(usize, f64)>) -> Vec<(usize, f64)> {
     sum.into_iter().collect()
 }
 
-/// The nodes, each after those of them that it is relative to.
+/// Orders the nodes so that each follows the nodes that it is relative to.
 pub(super) fn in_order(nodes: &[Relative]) -> Result<Vec<usize>, Ring> {
     let all: BTreeMap<usize, &Relative> = nodes.iter().map(|relative| (relative.node, relative)).collect();
     let mut waits: BTreeMap<usize, usize> = BTreeMap::new();
@@ -65,7 +66,8 @@ pub(super) fn in_order(nodes: &[Relative]) -> Result<Vec<usize>, Ring> {
         next += 1;
     }
     let Some(mut node) = waits.iter().find(|(_, count)| **count > 0).map(|(node, _)| *node) else { return Ok(order) };
-    // Whoever waits for ever waits for one who does, so that the way from one to the next ends in a ring.
+    // Each node that cannot be ordered depends on another such node, so that following these dependencies ends in a
+    // cycle.
     for _ in 0..all.len() {
         let next =
             all[&node].others.iter().map(|(other, _)| *other).find(|other| waits.get(other).is_some_and(|n| *n > 0));

@@ -1,4 +1,4 @@
-//! Rigid motions that the supports leave free, of each body its own: the null space of `K`.
+//! Rigid motions of the bodies that the supports leave free: the null space of `K`.
 
 use std::fmt;
 use std::ops::Range;
@@ -11,15 +11,15 @@ use crate::algebra::vector::{cross, dot, minus, norm};
 use crate::base::units::{Quantity, UnitSystem};
 use crate::body::mesh::{Bodies, Geometry, Mesh};
 
-/// What a rotation adds to a translation counts from this share on, when motions are told.
+/// The least share of rotation in a translation that the description of a motion mentions.
 const FAR: f64 = 1e-4;
 
-/// An infinitesimal rigid motion: of each body of a mesh its own.
+/// An infinitesimal rigid motion of each body of a mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RigidMotion {
-    /// Those of the bodies, in the order of [`Mesh::bodies`].
+    /// The motions of the bodies, in the order of [`Mesh::bodies`].
     pub bodies: Vec<BodyMotion>,
-    /// 2 or 3.
+    /// The dimension, 2 or 3.
     pub dimension: usize,
 }
 
@@ -32,34 +32,34 @@ pub struct BodyMotion {
     pub translation: [f64; 3],
     /// Rotation vector, rad; along z in two dimensions.
     pub rotation: [f64; 3],
-    /// A point, m.
+    /// The reference point of the rotation, m.
     pub about: [f64; 3],
-    /// The size of the body (m), which says when a rotation is negligible.
+    /// The size of the body (m), which decides if a rotation is negligible.
     pub size: f64,
 }
 
 impl BodyMotion {
-    /// The displacement at `x`.
+    /// Returns the displacement at `x`.
     pub fn at(&self, x: [f64; 3]) -> [f64; 3] {
         let turned = cross(self.rotation, minus(x, self.about));
         [0, 1, 2].map(|c| self.translation[c] + turned[c])
     }
 
-    /// About how far it moves the body, m.
+    /// Returns the approximate size of the displacements of the body, m.
     fn length(&self) -> f64 {
         norm(self.translation) + norm(self.rotation) * self.size
     }
 
-    /// The motion in words, with coordinates in a unit of this name.
+    /// Describes the motion, with coordinates in a unit of this name.
     fn in_words(&self, dimension: usize, unit: &str) -> String {
         let rounded = |x: [f64; 3], unit: f64| rounded(&x[..dimension], unit);
         let (length, angle) = (norm(self.translation), norm(self.rotation));
-        // A rotation about an axis that is ten thousand sizes away is none that anybody sees.
+        // A rotation about an axis ten thousand sizes away counts as a translation.
         if angle * self.size <= FAR * length {
             let along = rounded(self.translation.map(|t| t / length), 1e-6);
             return format!("a translation along {along}");
         }
-        // The foot of the axis: of all points of the axis the nearest to `about`.
+        // The point of the axis nearest to `about`.
         let arm = cross(self.rotation, self.translation).map(|c| c / (angle * angle));
         let foot = [0, 1, 2].map(|c| self.about[c] + arm[c]);
         let foot = rounded(foot, 10_f64.powi(self.size.log10().ceil() as i32 - 4));
@@ -73,9 +73,9 @@ impl BodyMotion {
     }
 }
 
-/// `(x, y)` or `(x, y, z)` in whole numbers of `unit`.
+/// Formats `(x, y)` or `(x, y, z)` rounded to multiples of `unit`.
 fn rounded(x: &[f64], unit: f64) -> String {
-    // Dividing by the inverse keeps few digits in print; + 0.0 turns -0 into 0.
+    // Division by the inverse keeps the printed digits few; + 0.0 turns -0 into 0.
     let inverse = (1.0 / unit).round();
     let round = |c: &f64| if unit < 1.0 { (c * inverse).round() / inverse } else { (c / unit).round() * unit };
     let numbers: Vec<String> = x.iter().map(|c| (round(c) + 0.0).to_string()).collect();
@@ -83,13 +83,13 @@ fn rounded(x: &[f64], unit: f64) -> String {
 }
 
 impl RigidMotion {
-    /// The motion as a vector of unknowns, length n_u; the motion is one of this mesh.
+    /// Returns the motion, which belongs to this mesh, as a vector of unknowns, length n_u.
     pub fn displacements(&self, mesh: &Mesh, dofs: &Dofs) -> Vec<f64> {
         let bodies = mesh.bodies();
         dofs.unknowns(|node| self.bodies[bodies.of_nodes()[node]].at(mesh.nodes[node]))
     }
 
-    /// The sum `Σ w_k motion_k` of motions of one mesh.
+    /// Computes the sum `Σ w_k motion_k` of motions of one mesh.
     pub fn combination(motions: &[RigidMotion], weights: &[f64]) -> Option<RigidMotion> {
         let mut sum = motions.first()?.clone();
         for (k, own) in sum.bodies.iter_mut().enumerate() {
@@ -104,8 +104,8 @@ impl RigidMotion {
         Some(sum)
     }
 
-    /// The motion in words, with coordinates in `units`; where there are several bodies each that moves is named:
-    /// `` `upper`: a translation along (0, 1); `lower`: a rotation about (1, 0) m``.
+    /// Describes the motion, with coordinates in `units`. If there are several bodies, the moving ones are named: ``
+    /// `upper`: a translation along (0, 1); `lower`: a rotation about (1, 0) m``.
     pub fn told(&self, units: &UnitSystem) -> String {
         let (length, unit) = (|x: f64| units.of_si(Quantity::Length, x), units.name(Quantity::Length));
         let told = |motion: &BodyMotion| BodyMotion {
@@ -117,7 +117,8 @@ impl RigidMotion {
         RigidMotion { bodies: self.bodies.iter().map(told).collect(), ..self.clone() }.in_words(&unit)
     }
 
-    /// What moves, and how: "the body against a translation along (0, 1)", `` `upper` against a translation along (0, 1)``.
+    /// Describes what moves and how: "the body against a translation along (0, 1)", `` `upper` against a translation
+    /// along (0, 1)``.
     pub fn against(&self, units: &UnitSystem) -> String {
         let told = self.told(units);
         match &self.moving()[..] {
@@ -127,15 +128,15 @@ impl RigidMotion {
         }
     }
 
-    /// The bodies that move as far as anybody sees.
+    /// Returns the bodies with a non-negligible motion.
     fn moving(&self) -> Vec<&BodyMotion> {
         let furthest = self.bodies.iter().map(BodyMotion::length).fold(0.0, f64::max);
         self.bodies.iter().filter(|body| self.bodies.len() == 1 || body.length() > FAR * furthest).collect()
     }
 
-    /// The motion in words, whose coordinates are in a unit of this name.
+    /// Describes the motion, with coordinates in a unit of this name.
     fn in_words(&self, unit: &str) -> String {
-        // Bodies that move alike are told together.
+        // Bodies with the same motion are described together.
         let mut told: Vec<(String, Vec<String>)> = Vec::new();
         for body in self.moving() {
             let words = body.in_words(self.dimension, unit);
@@ -158,19 +159,19 @@ impl fmt::Display for RigidMotion {
     }
 }
 
-/// A linear form of displacements, `Σ c_k · u(x_k)`, by the nodes and their coefficients.
+/// A linear form of displacements, `Σ c_k · u(x_k)`, as nodes and their coefficients.
 pub type Tie = Vec<(usize, [f64; 3])>;
 
-/// The rigid motions of `mesh` that the fixed components of `dofs` leave free: none for a body
-/// that is held; for one that is not supported at all three in two dimensions, six in three; for one of revolution the translation
-/// along its axis, for what moves it aside or tilts it is no motion of its section. First the
-/// translations, then rotations about one axis of coordinates each, as far as there are such; body by body, where there are several.
+/// Computes the rigid motions of `mesh` that the fixed components of `dofs` leave free. A fully supported body has
+/// none; a body without supports has three in two dimensions, six in three dimensions, and one if it is a body of
+/// revolution, the translation along its axis. Translations are first, then rotations about one coordinate axis each,
+/// if there are such; body by body.
 pub fn rigid_motions(mesh: &Mesh, dofs: &Dofs) -> Vec<RigidMotion> {
     unresisted_motions(mesh, dofs, &[], &[])
 }
 
-/// Those of them that no spring of `springs` resists, and for which each of the `ties` between bodies, or of a body to the ground, is 0.
-/// Bodies that ties join move together.
+/// Computes the rigid motions that no spring of `springs` resists and for which each of the `ties`, between bodies or
+/// of a body to the ground, is 0. Bodies connected by ties move together.
 pub fn unresisted_motions(mesh: &Mesh, dofs: &Dofs, springs: &[Spring], ties: &[Tie]) -> Vec<RigidMotion> {
     let bodies = mesh.bodies();
     let own: Vec<Vec<BodyMotion>> = (0..bodies.count()).map(|k| all_motions(mesh, &bodies, k)).collect();
@@ -184,7 +185,7 @@ pub fn unresisted_motions(mesh: &Mesh, dofs: &Dofs, springs: &[Spring], ties: &[
     let mut found = Vec::new();
     for first in (0..bodies.count()).filter(|&k| first_of[k] == k) {
         let together: Vec<usize> = (0..bodies.count()).filter(|&k| first_of[k] == first).collect();
-        // First the translations of all these bodies, then their rotations.
+        // The translations of all these bodies are first, then their rotations.
         let (moves, turns): (Vec<_>, Vec<_>) = (together.iter())
             .flat_map(|&k| own[k].iter().map(move |motion| (k, motion)))
             .partition(|(_, motion)| motion.rotation == [0.0; 3]);
@@ -216,18 +217,18 @@ pub fn unresisted_motions(mesh: &Mesh, dofs: &Dofs, springs: &[Spring], ties: &[
     found
 }
 
-/// The same form but for a factor that makes its largest coefficient one.
+/// Scales the form so that its largest coefficient is 1.
 fn of_unit_size(tie: &Tie) -> Tie {
     let size = tie.iter().map(|(_, c)| norm(*c)).fold(0.0, f64::max);
     tie.iter().map(|(node, c)| (*node, c.map(|c| if size > 0.0 { c / size } else { 0.0 }))).collect()
 }
 
-/// The same body at rest.
+/// Returns the motion of the same body at rest.
 fn at_rest(motion: &BodyMotion) -> BodyMotion {
     BodyMotion { translation: [0.0; 3], rotation: [0.0; 3], ..motion.clone() }
 }
 
-/// All rigid motions of body `k` that nothing holds: translations along the axes, then rotations about them.
+/// Returns all rigid motions of the unsupported body `k`: translations along the axes, then rotations about them.
 fn all_motions(mesh: &Mesh, bodies: &Bodies, k: usize) -> Vec<BodyMotion> {
     let bounds = mesh.bounds_of(bodies.nodes(k));
     let about = bounds.map(|(lo, hi)| 0.5 * (lo + hi));
@@ -235,7 +236,7 @@ fn all_motions(mesh: &Mesh, bodies: &Bodies, k: usize) -> Vec<BodyMotion> {
     let along = |axis: usize, length: f64| [0, 1, 2].map(|c| if c == axis { length } else { 0.0 });
     let name = &bodies.names()[k];
     let unit = |translation, rotation| BodyMotion { name: name.clone(), translation, rotation, about, size };
-    // Directions of equal weight: unit translations, and rotations that move the far corners by about 1/2.
+    // The motions have similar sizes: unit translations, and rotations that move the far corners by about 1/2.
     if mesh.geometry == Geometry::Axisymmetric {
         return vec![unit(along(1, 1.0), [0.0; 3])];
     }
@@ -245,12 +246,12 @@ fn all_motions(mesh: &Mesh, bodies: &Bodies, k: usize) -> Vec<BodyMotion> {
     translations.chain(rotations).collect()
 }
 
-/// A basis for people of the space of `basis`, whose members are weights of the translations and then of the rotations:
-/// first what is a translation only, then rotations about one axis of coordinates each, without the translations
-/// that are free by themselves, as far as the space has such members.
+/// Returns a readable basis of the space of `basis`, whose members are weights of the translations and then of the
+/// rotations. Pure translations are first, then rotations about one coordinate axis each, without the free
+/// translations, if the space has such members.
 ///
-/// That is the reduced echelon form, the rotations eliminated first; its members are unit, but need not be at right
-/// angles.
+/// The result is the reduced echelon form with the rotations eliminated first. Its members are unit vectors but not
+/// necessarily orthogonal.
 fn readable(mut basis: Vec<Vec<f64>>, translations: usize) -> Vec<Vec<f64>> {
     let mut pivots = Vec::new();
     for columns in [translations..basis.first().map_or(0, Vec::len), 0..translations] {
@@ -276,8 +277,8 @@ fn readable(mut basis: Vec<Vec<f64>>, translations: usize) -> Vec<Vec<f64>> {
     members.into_iter().map(|(_, member)| unit(member)).collect()
 }
 
-/// The column and the row, from `first` on, to eliminate with: the first of `columns` whose largest entry is not much
-/// smaller than that of all. So columns come in order, and are safe to divide by.
+/// Returns the pivot column and row, from `first` on: the first of `columns` whose largest entry is not much smaller
+/// than the largest of all. This keeps the order of columns and avoids small pivots.
 fn pivot(rows: &[Vec<f64>], first: usize, columns: Range<usize>) -> Option<(usize, usize)> {
     let largest = |column: usize| {
         let entries = (first..rows.len()).map(|row| (rows[row][column].abs(), row));

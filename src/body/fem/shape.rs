@@ -1,15 +1,16 @@
-//! Gradients of shape functions in space.
+//! Gradients of shape functions with respect to position.
 
 use crate::algebra::vector::{dot, norm};
 use crate::body::mesh::{CellKind, Geometry, Jacobian, shape};
 
-/// Of the determinant of a Jacobian to the product of its rows' lengths: below this a cell is flat. Far
-/// above rounding, far below any cell that was meant; stretching a rectangle does not change it.
+/// The least ratio of the determinant of a Jacobian to the product of its rows' lengths; below it a cell counts as
+/// flat. The value is far above rounding and far below that of any intended cell; stretching a rectangle does not
+/// change the ratio.
 const FLAT: f64 = 1e-12;
 
-/// The gradients `∂N_a/∂(x, y, z)` (1/m) at a reference point of the cell with `nodes` (m), and the
-/// determinant of the Jacobian `∂(x, y, z)/∂(ξ, η, ζ)` (m^d), d the dimension. `None` where the cell is
-/// inverted or degenerate: the determinant is not positive, to rounding.
+/// Computes the gradients `∂N_a/∂(x, y, z)` (1/m) at a reference point of the cell with `nodes` (m), and the
+/// determinant of the Jacobian `∂(x, y, z)/∂(ξ, η, ζ)` (m^d), d the dimension. `None` if the cell is inverted or
+/// degenerate: the determinant is not positive, within rounding.
 pub fn gradients(kind: CellKind, point: [f64; 3], nodes: &[[f64; 3]]) -> Option<(Vec<[f64; 3]>, f64)> {
     let Jacobian { local, rows, cofactors, determinant: det } = Jacobian::new(kind, point, nodes);
     let sound = det > FLAT * rows.iter().map(|&row| norm(row)).product::<f64>();
@@ -17,22 +18,24 @@ pub fn gradients(kind: CellKind, point: [f64; 3], nodes: &[[f64; 3]]) -> Option<
     sound.then(|| (local.into_iter().map(|d| [0, 1, 2].map(|c| along(d, c))).collect(), det))
 }
 
-/// A radius below this share of the largest of a cell is that of the axis, to rounding.
+/// A point counts as on the axis if its radius is below this share of the largest radius of the cell.
 const ON_AXIS: f64 = 1e-9;
 
-/// A point of a cell: what its strains follow from, and what it stands for.
+/// A point of a cell with the data of its strains and its volume.
 pub(super) struct CellPoint {
     /// `∂N_a/∂(x, y, z)`, 1/m.
     pub gradients: Vec<[f64; 3]>,
-    /// `N_a / r` (1/m) in a body of revolution: the strain around the axis that a unit displacement of the node away from it makes.
-    /// Empty in others.
+    /// `N_a / r` (1/m) in a body of revolution: the hoop strain for a unit radial displacement of the node. Empty for
+    /// other bodies.
     pub hoops: Vec<f64>,
-    /// The volume (m³; in two dimensions the area, m²) that it stands for; in a body of revolution all around.
+    /// The volume (m³; in two dimensions the area, m²) of the point; in a body of revolution over the full
+    /// circumference.
     pub volume: f64,
 }
 
 impl CellPoint {
-    /// The reference point `point` of the cell with `nodes` (m), of this weight in a rule. `None` as [`gradients`].
+    /// Creates the reference point `point` of the cell with `nodes` (m) and its weight in a rule. `None` as for
+    /// [`gradients`].
     pub(super) fn new(
         kind: CellKind,
         geometry: Geometry,
@@ -50,13 +53,13 @@ impl CellPoint {
         let hoops = if r > ON_AXIS * largest {
             values.into_iter().map(|n| n / r).collect()
         } else {
-            // Nothing moves aside on the axis, where u_r / r is the slope of u_r.
+            // On the axis u_r is 0, and u_r / r is its derivative.
             gradients.iter().map(|gradient| gradient[0]).collect()
         };
         Some(CellPoint { gradients, hoops, volume: area * geometry.depth([r, 0.0, 0.0]) })
     }
 
-    /// The points of a rule.
+    /// Creates the points of a rule.
     pub(super) fn all(
         kind: CellKind,
         geometry: Geometry,
@@ -66,12 +69,12 @@ impl CellPoint {
         rule.iter().map(|point| CellPoint::new(kind, geometry, nodes, *point)).collect()
     }
 
-    /// `N_a / r` of node `a` (1/m), 0 where nothing goes round an axis.
+    /// Returns `N_a / r` of node `a` (1/m); 0 except in a body of revolution.
     pub(super) fn hoop(&self, a: usize) -> f64 {
         self.hoops.get(a).copied().unwrap_or(0.0)
     }
 
-    /// The dilatations (1/m) of unit displacements of node `a`: its gradient, and what it stretches around the axis.
+    /// Returns the dilatations (1/m) of unit displacements of node `a`: its gradient plus the hoop strain.
     pub(super) fn dilatation(&self, a: usize) -> [f64; 3] {
         let [x, y, z] = self.gradients[a];
         [x + self.hoop(a), y, z]
@@ -102,7 +105,7 @@ mod tests {
         }
     }
 
-    /// A needle a million times as long as it is thick is sound, a cell without volume is not.
+    /// A needle a million times as long as it is thick is valid, a cell without volume is not.
     #[test]
     fn flat_is_not_the_same_as_thin() {
         for kind in CellKind::ALL {

@@ -1,4 +1,4 @@
-//! Springs: elastic foundations under a boundary, and springs at single nodes, all of them fixed to the ground.
+//! Springs to the ground: elastic foundations of a boundary, and springs at single nodes.
 
 use super::dofs::Dofs;
 use super::facet::{FacetPoint, facet_points};
@@ -6,30 +6,30 @@ use crate::algebra::sparse::Symmetric;
 use crate::algebra::vector::{axis, norm, unit};
 use crate::body::mesh::{Boundary, Mesh};
 
-/// What stands against displacements of a few nodes; its stiffness is for the components x, y and z node by node.
+/// An elastic resistance to displacements of a few nodes; the stiffness is for the components x, y and z node by node.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spring {
     nodes: Vec<usize>,
-    /// N/m, in two dimensions per unit depth.
+    /// The stiffness, N/m; in two dimensions per unit depth.
     stiffness: Vec<Vec<f64>>,
 }
 
-/// The stiffness of a foundation for each m² of it, N/m³.
+/// The stiffness of a foundation per area, N/m³.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Bedding {
     /// Along x, y and z.
     Axes([f64; 3]),
-    /// Along the outward normal, and across it.
+    /// Along the outward normal and tangentially.
     Surface {
-        /// Along the normal.
+        /// The stiffness along the normal.
         normal: f64,
-        /// Across it.
+        /// The tangential stiffness.
         tangential: f64,
     },
 }
 
 impl Bedding {
-    /// The stiffness (N/m³) as a matrix, where `n` is the outward normal.
+    /// Returns the stiffness (N/m³) as a matrix, where `n` is the outward normal.
     fn matrix(self, n: [f64; 3]) -> [[f64; 3]; 3] {
         match self {
             Bedding::Axes(k) => [0, 1, 2].map(|r| axis(r).map(|c| k[r] * c)),
@@ -42,12 +42,12 @@ impl Bedding {
 }
 
 impl Spring {
-    /// A spring of `stiffness` (N/m, along x, y and z) between `node` and the ground.
+    /// Creates a spring of `stiffness` (N/m, along x, y and z) between `node` and the ground.
     pub fn at_node(node: usize, stiffness: [f64; 3]) -> Self {
         Spring { nodes: vec![node], stiffness: [0, 1, 2].map(|r| axis(r).map(|c| stiffness[r] * c).to_vec()).into() }
     }
 
-    /// The springs of a foundation under `boundary`, one for each facet: `∫ N_a k N_b dA`.
+    /// Creates the springs of a foundation under `boundary`, one for each facet: `∫ N_a k N_b dA`.
     pub fn foundation(mesh: &Mesh, boundary: &Boundary, bedding: Bedding) -> Vec<Self> {
         let of_facet = |facet: &Vec<usize>| {
             let mut stiffness = vec![vec![0.0; 3 * facet.len()]; 3 * facet.len()];
@@ -64,13 +64,14 @@ impl Spring {
         boundary.facets.iter().map(of_facet).collect()
     }
 
-    /// Its energy (J) under `displacements` of all nodes, m.
+    /// Computes its energy (J) for `displacements` of all nodes, m.
     pub fn energy(&self, displacements: &[[f64; 3]]) -> f64 {
         let u = |k: usize| displacements[k / 3][k % 3];
         0.5 * self.entries().map(|(row, column, value)| u(row) * value * u(column)).sum::<f64>()
     }
 
-    /// The entries `(row, column, value)` of its stiffness, where `3 · node + component` counts rows and columns.
+    /// Returns the entries `(row, column, value)` of its stiffness; rows and columns are numbered
+    /// `3 · node + component`.
     pub(super) fn entries(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
         let place = |k: usize| 3 * self.nodes[k / 3] + k % 3;
         let row = move |(r, entries): (usize, &'_ Vec<f64>)| {
@@ -79,7 +80,7 @@ impl Spring {
         self.stiffness.iter().enumerate().flat_map(row).map(move |(r, c, value)| (place(r), place(c), value))
     }
 
-    /// Adds it to the stiffness `k` of the body, which couples the nodes of a facet already.
+    /// Adds it to the stiffness `k` of the body, which already couples the nodes of a facet.
     pub fn add_to(&self, k: &mut Symmetric, dofs: &Dofs) {
         let unit_along = |place: usize| dofs.along(place / 3, axis(place % 3)).filter(|(_, c)| *c != 0.0);
         for (row, column, value) in self.entries().filter(|(.., value)| *value != 0.0) {
@@ -91,7 +92,7 @@ impl Spring {
         }
     }
 
-    /// The forces (N) on its nodes that it exerts when they are displaced by `u` (m, all nodes of the mesh).
+    /// Computes the forces (N) that it exerts on its nodes for the displacements `u` (m, all nodes of the mesh).
     pub fn forces<'a>(&'a self, u: &'a [[f64; 3]]) -> impl Iterator<Item = (usize, [f64; 3])> + 'a {
         let along =
             |row: &Vec<f64>| -> f64 { row.iter().enumerate().map(|(c, k)| -k * u[self.nodes[c / 3]][c % 3]).sum() };
@@ -101,7 +102,7 @@ impl Spring {
             .map(move |(a, &node)| (node, [0, 1, 2].map(|c| along(&self.stiffness[3 * a + c]))))
     }
 
-    /// Directions at nodes in which it resists a motion.
+    /// Returns nodes and directions in which it resists a motion.
     pub fn resisted(&self) -> impl Iterator<Item = (usize, [f64; 3])> + '_ {
         self.nodes.iter().enumerate().flat_map(move |(a, &node)| {
             let row = move |c: usize| [0, 1, 2].map(|d| self.stiffness[3 * a + c][3 * a + d]);

@@ -1,29 +1,30 @@
-//! The strains of an element: those of its displacements, or with the mean dilatation (B̄).
+//! The strains of an element: from its displacements alone or with the mean dilatation (B̄).
 
 use serde::{Deserialize, Serialize};
 
 use super::shape::CellPoint;
 
-/// How the strain follows from the nodal displacements of an element.
+/// The element formulation: the relation between strain and nodal displacements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Element {
-    /// The strain of the displacements themselves, whatever the shape functions: linear, quadratic, bilinear or trilinear. It locks when `ν → 1/2`: every Gauss point
-    /// holds a volume, four in a quadrilateral and eight in a hexahedron, with two or three displacements
-    /// for each element.
+    /// The strain of the displacements, for all shape functions: linear, quadratic, bilinear or trilinear. It locks as
+    /// `ν → 1/2`: every Gauss point is a volume constraint, four in a quadrilateral and eight in a hexahedron, with two
+    /// or three displacements for each element.
     #[default]
     Bilinear,
-    /// A strain whose volumetric part is the mean over the element (Hughes, Int. J. Numer. Meth. Engng 15
-    /// (1980) 1413; Simo & Hughes, *Computational Inelasticity*, ch. 4). Meant for plane strain,
-    /// bodies of revolution and three dimensions: in the plane, the correction has a component `ε_zz`.
+    /// The strain with its volumetric part replaced by the mean over the element (Hughes, Int. J. Numer. Meth. Engng 15
+    /// (1980) 1413; Simo & Hughes, *Computational Inelasticity*, ch. 4). Intended for plane strain, bodies of
+    /// revolution and three dimensions: in two dimensions, the correction has a component `ε_zz`.
     BBar,
-    /// The dilatation is the mean over the cells around each corner (see [`super::NodalVolumes`]), for triangles in plane strain and in
-    /// bodies of revolution, tetrahedra and prisms. A cell by itself, and one of another kind, has the strain of its displacements.
+    /// The strain with the mean dilatation over the cells around each corner (see [`super::NodalVolumes`]), for
+    /// triangles in plane strain and in bodies of revolution, tetrahedra and prisms. A single cell, and a cell of
+    /// another kind, has the strain of its displacements.
     NodalVolume,
 }
 
 impl Element {
-    /// As scenes write it.
+    /// Returns the name in a scene.
     pub fn name(self) -> &'static str {
         match self {
             Element::Bilinear => "bilinear",
@@ -33,12 +34,12 @@ impl Element {
     }
 }
 
-/// The strain `(ε_xx, ε_yy, ε_zz, γ_xy, γ_yz, γ_zx)`; in a body of revolution `ε_zz` is that around the axis.
+/// The strain `(ε_xx, ε_yy, ε_zz, γ_xy, γ_yz, γ_zx)`; in a body of revolution `ε_zz` is the hoop strain.
 pub(super) type Strain = [f64; 6];
 
-/// The columns of `B` in `dimension` dimensions: the strains (1/m) of a unit displacement in each of the
-/// unknowns, node by node, at a `point`; where there is a `mean`, with that dilatation in place of
-/// the trace of the strain: `ε̄ = ε + (θ̄ - tr ε) 1 / 3`.
+/// Computes the columns of `B` in `dimension` dimensions: the strains (1/m) of a unit displacement in each of the
+/// unknowns, node by node, at a `point`. If `mean` is given, it replaces the trace of the strain:
+/// `ε̄ = ε + (θ̄ - tr ε) 1 / 3`.
 pub(super) fn strain_columns(dimension: usize, point: &CellPoint, mean: Option<&[[f64; 3]]>) -> Vec<Strain> {
     let mut columns = Vec::with_capacity(dimension * point.gradients.len());
     for (a, &[gx, gy, gz]) in point.gradients.iter().enumerate() {
@@ -53,7 +54,7 @@ pub(super) fn strain_columns(dimension: usize, point: &CellPoint, mean: Option<&
     columns
 }
 
-/// A strain with `dilatation` in place of its own.
+/// Replaces the dilatation of a strain by `dilatation`.
 pub fn with_dilatation(strain: Strain, dilatation: f64) -> Strain {
     let [xx, yy, zz, xy, yz, zx] = strain;
     let change = (dilatation - (xx + yy + zz)) / 3.0;
@@ -61,11 +62,10 @@ pub fn with_dilatation(strain: Strain, dilatation: f64) -> Strain {
 }
 
 impl Element {
-    /// The dilatations (1/m) of unit displacements that take the place of their own at each of the `points` of a cell: with B̄ their
-    /// means over the cell, `∫ tr B dV / V`.
-    /// With two Gauss points along each axis both integrals are exact for any quadrilateral or hexahedron:
-    /// gradient times determinant, and the determinant itself, are polynomials of at most second degree in
-    /// each of ξ, η and ζ; times the distance from an axis they are cubic.
+    /// Computes the dilatations (1/m) of unit displacements that replace those at the `points` of a cell: for B̄ their
+    /// means over the cell, `∫ tr B dV / V`; otherwise `None`. With two Gauss points along each axis both integrals are
+    /// exact for any quadrilateral or hexahedron: gradient times determinant, and the determinant itself, are
+    /// polynomials of at most second degree in each of ξ, η and ζ; times the distance from an axis they are cubic.
     pub(super) fn mean_dilatation(self, points: &[CellPoint]) -> Option<Vec<[f64; 3]>> {
         if self != Element::BBar {
             return None;
@@ -95,8 +95,8 @@ mod tests {
         CellPoint::all(kind, geometry, corners, &quadrature(kind)).unwrap()
     }
 
-    /// By Gauss's theorem, `∫ ∂N_a/∂x_c` is half the normal of the two edges at corner `a`, that is
-    /// of the diagonal between its neighbours.
+    /// By Gauss's theorem, `∫ ∂N_a/∂x_c` is half the normal of the two edges at corner `a`, that is, of the diagonal
+    /// between its neighbours.
     #[test]
     fn the_mean_is_exact_on_a_distorted_element() {
         let points = at_gauss_points(CellKind::Quadrilateral, Geometry::Cartesian, &DISTORTED);

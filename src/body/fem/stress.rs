@@ -5,9 +5,9 @@ use super::shape::CellPoint;
 use super::strain::{Element, Strain, strain_columns};
 use crate::body::mesh::{CellKind, Geometry, quadrature_of};
 
-/// The stress `(σ_xx, σ_yy, σ_zz, τ_xy, τ_yz, τ_zx)` (Pa) at the centre of a cell with `nodes` (m) and the
-/// `displacements` (m) of these; see [`Elasticity::stress`] for the plane. In a body of revolution `σ_zz` is the hoop stress. `None`
-/// if the element is inverted or degenerate.
+/// Computes the stress `(σ_xx, σ_yy, σ_zz, τ_xy, τ_yz, τ_zx)` (Pa) at the centre of a cell with `nodes` (m) and their
+/// `displacements` (m); see [`Elasticity::stress`] for two dimensions. In a body of revolution `σ_zz` is the hoop
+/// stress. `None` if the element is inverted or degenerate.
 pub fn centre_stress(
     kind: CellKind,
     geometry: Geometry,
@@ -19,7 +19,8 @@ pub fn centre_stress(
     strain_at(kind, geometry, kind.centre(), nodes, displacements, element).map(|strain| material.stress(strain))
 }
 
-/// The strain `(ε_xx, ε_yy, ε_zz, γ_xy, γ_yz, γ_zx)` at the reference point `point` of a cell as above.
+/// Computes the strain `(ε_xx, ε_yy, ε_zz, γ_xy, γ_yz, γ_zx)` at the reference point `point` of a cell, as in
+/// [`centre_stress`].
 pub fn strain_at(
     kind: CellKind,
     geometry: Geometry,
@@ -33,14 +34,15 @@ pub fn strain_at(
     Some(strain(kind, &here, element.mean_dilatation(&points).as_deref(), displacements))
 }
 
-/// The volume (m³; in two dimensions the area, m²) of a cell as above.
+/// Computes the volume (m³; in two dimensions the area, m²) of a cell, as in [`centre_stress`].
 pub fn cell_volume(kind: CellKind, geometry: Geometry, nodes: &[[f64; 3]]) -> Option<f64> {
     let points = CellPoint::all(kind, geometry, nodes, &quadrature_of(kind, geometry, nodes))?;
     Some(points.iter().map(|point| point.volume).sum())
 }
 
-/// The strains `(ε_xx, ε_yy, ε_zz, γ_xy, γ_yz, γ_zx)` at the integration points of a cell as above, each with the volume (m³; in
-/// two dimensions the area, m²) that its point stands for. `None` if the element is inverted or degenerate.
+/// Computes the strains `(ε_xx, ε_yy, ε_zz, γ_xy, γ_yz, γ_zx)` at the integration points of a cell, as in
+/// [`centre_stress`], each with the volume (m³; in two dimensions the area, m²) of its point. `None` if the element is
+/// inverted or degenerate.
 pub fn strains(
     kind: CellKind,
     geometry: Geometry,
@@ -54,7 +56,7 @@ pub fn strains(
     Some(points.iter().map(at).collect())
 }
 
-/// The strain of `displacements` of the nodes, see [`strain_columns`].
+/// Computes the strain of `displacements` of the nodes, see [`strain_columns`].
 fn strain(kind: CellKind, point: &CellPoint, mean: Option<&[[f64; 3]]>, displacements: &[[f64; 3]]) -> Strain {
     let columns = strain_columns(kind.dimension(), point, mean);
     let unknowns = displacements.iter().flat_map(|u| &u[..kind.dimension()]);

@@ -1,14 +1,14 @@
 //! Nodes whose unknowns are displacements relative to other nodes.
 //!
-//! In front of another body a node of the slave's boundary has
+//! In front of another body, a node of the slave boundary has the unknown
 //!
 //! ```text
 //! w_j = d_j u_j - Σ_k c_jk u_k
 //! ```
 //!
-//! for an unknown in place of `u_j`, where the `k` are nodes of the master, or others of the slave: the displacement that the contact law
-//! is about. With `û` for all unknowns that is `u = T û`; the stiffness of a body becomes `Tᵀ K T`, its loads `Tᵀ f`, element by element. A
-//! node that is tied has `w_j = 0` and no unknown. What supports hold stays held where it is.
+//! instead of `u_j`, where the `k` are nodes of the master or other nodes of the slave. This is the displacement in the
+//! contact law. With the vector `û` of all unknowns, `u = T û`; the stiffness of a body becomes `Tᵀ K T` and its loads
+//! `Tᵀ f`, element by element. A tied node has `w_j = 0` and no unknown. Held displacements remain held.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -17,10 +17,10 @@ use super::relative::{Relative, Resolved, Ring, in_order, merged};
 use crate::algebra::vector::{axis, dot};
 
 impl Dofs {
-    /// The same with `nodes`, of which no two are the same, relative to others.
+    /// Makes the unknowns of `nodes`, which must be distinct, relative to other nodes.
     ///
     /// # Errors
-    /// [`Ring`] where nodes are relative to each other.
+    /// [`Ring`] if nodes are relative to each other.
     pub fn relative_to(mut self, nodes: Vec<Relative>) -> Result<Self, Ring> {
         let order = in_order(&nodes)?;
         let mut nodes: BTreeMap<usize, Relative> =
@@ -47,13 +47,13 @@ impl Dofs {
         Ok(self)
     }
 
-    /// Whether the unknowns of a node are relative to others, or it is tied to them.
+    /// Returns `true` if the unknowns of a node are relative to other nodes, or it is tied to them.
     pub fn is_relative(&self, node: usize) -> bool {
         self.relative.contains_key(&node)
     }
 
-    /// The displacement of a relative node along `vector` less that of what it is relative to, `own · u - Σ coefficient · u_other`, by
-    /// unknowns: its own, and where a support holds it those of the others.
+    /// Returns the relative displacement of a node along `vector`, `own · u - Σ coefficient · u_other`, in terms of
+    /// unknowns: its own and, along held directions, those of the other nodes.
     pub fn relative_along(&self, node: usize, vector: [f64; 3]) -> Vec<(usize, f64)> {
         let Some(Resolved { others, tied: false, .. }) = self.relative.get(&node) else { return Vec::new() };
         let mut row = Vec::new();
@@ -73,7 +73,7 @@ impl Dofs {
         merged(row)
     }
 
-    /// The unknowns that the displacements `at` (m) of the nodes are, of which what supports hold does not count.
+    /// Returns the unknowns for the displacements `at` (m) of the nodes; held components are ignored.
     pub fn unknowns(&self, at: impl Fn(usize) -> [f64; 3]) -> Vec<f64> {
         let mut u = vec![0.0; self.free()];
         for node in 0..self.nodes() {
@@ -94,7 +94,7 @@ impl Dofs {
         u
     }
 
-    /// The relative nodes that are moved along where supports move others, each after those that it is relative to.
+    /// Returns the relative nodes that move with nodes moved by supports, each after the nodes that it is relative to.
     pub fn followers(&self) -> Vec<usize> {
         let mut follows = BTreeSet::new();
         for &node in &self.relative_order {
@@ -106,7 +106,8 @@ impl Dofs {
         self.relative_order.iter().copied().filter(|node| follows.contains(node)).collect()
     }
 
-    /// To which nodes the force on a tied node is passed on, with its share for each; none where it is not tied.
+    /// Returns the nodes to which the force on a tied node is transferred, each with its share; empty if the node is
+    /// not tied.
     pub fn passed_on(&self, node: usize) -> Vec<(usize, f64)> {
         match self.relative.get(&node) {
             Some(Resolved { own, others, tied: true, .. }) => {
@@ -116,7 +117,8 @@ impl Dofs {
         }
     }
 
-    /// How far (m) a relative node is moved along by what it is relative to where that moves as `at` says, beside where supports hold it.
+    /// Returns the displacement (m) of a relative node due to the displacements `at` of the nodes that it is relative
+    /// to, without held components.
     pub fn carried_along(&self, node: usize, at: impl Fn(usize) -> [f64; 3]) -> [f64; 3] {
         let Some(Resolved { own, others, .. }) = self.relative.get(&node) else { return [0.0; 3] };
         let mut sum = [0.0; 3];
@@ -127,7 +129,8 @@ impl Dofs {
         sum
     }
 
-    /// The stiffness of an element with the corners `nodes` for its unknowns `Tᵀ K T`, and these, where some of them are relative.
+    /// Computes the stiffness `Tᵀ K T` of an element with the corners `nodes`, some of which are relative, and returns
+    /// its unknowns and the stiffness.
     pub(super) fn expanded(&self, nodes: &[usize], stiffness: &[Vec<f64>]) -> (Vec<usize>, Vec<Vec<f64>>) {
         let unknowns = self.unknowns_of(nodes);
         let place = |dof: usize| unknowns.binary_search(&dof).unwrap_or(0);
@@ -148,7 +151,7 @@ impl Dofs {
         (unknowns, expanded)
     }
 
-    /// The unknowns that the displacements of `nodes` are made of, ascending.
+    /// Returns the unknowns in the displacements of `nodes`, ascending.
     pub(super) fn unknowns_of(&self, nodes: &[usize]) -> Vec<usize> {
         let mut unknowns: Vec<usize> = self.forms(nodes).flatten().map(|(dof, _)| dof).collect();
         unknowns.sort_unstable();
@@ -156,7 +159,7 @@ impl Dofs {
         unknowns
     }
 
-    /// The displacements of `nodes` along the axes of their frames, node by node, by the unknowns.
+    /// Returns the displacements of `nodes` along the axes of their frames, node by node, in terms of the unknowns.
     fn forms(&self, nodes: &[usize]) -> impl Iterator<Item = Vec<(usize, f64)>> {
         let of_node = |&node: &usize| {
             let relative = self.relative.get(&node);
@@ -170,13 +173,13 @@ impl Dofs {
         nodes.iter().flat_map(of_node).collect::<Vec<_>>().into_iter()
     }
 
-    /// The axes of the frame of `node` along which no support holds it.
+    /// Returns the free axes of the frame of `node`.
     pub fn free_axes(&self, node: usize) -> Vec<[f64; 3]> {
         let axes = self.axes(node).into_iter().enumerate();
         axes.filter(|(a, _)| !self.is_held_along(node, *a)).map(|(_, n)| n).collect()
     }
 
-    /// The axes of the frame of `node`, as many as there are dimensions.
+    /// Returns the axes of the frame of `node`, as many as there are dimensions.
     fn axes(&self, node: usize) -> Vec<[f64; 3]> {
         let frame = self.frame(node).copied().unwrap_or([0, 1, 2].map(axis));
         frame[..self.node(node).len()].to_vec()

@@ -1,4 +1,4 @@
-//! A mesh from arrays: nodes, cells and named facets, as another program hands them over.
+//! Meshes from arrays of nodes, cells and named facets.
 
 use std::collections::HashSet;
 
@@ -8,13 +8,13 @@ use super::sides::from_least;
 use super::{Boundary, Cell, Geometry, Mesh, MeshFault, Notes};
 
 impl Mesh {
-    /// The mesh of `nodes` (m; z = 0 in two dimensions) and `cells`, whose kind says the dimension. `groups` are the
-    /// names of the material groups, by which cells name theirs; without any there is the one group `body`. Facets of
-    /// `boundaries` may be given either way round and in any order: they are turned with their outside on the right
-    /// side, and put in a row in two dimensions.
+    /// Creates a mesh of `nodes` (m; z = 0 in two dimensions) and `cells`, whose kind determines the dimension.
+    /// `groups` are the names of the material groups, to which the group numbers of cells refer; if it is empty, there
+    /// is one group `body`. Facets of `boundaries` may have any orientation and order: they are oriented with their
+    /// outside on the right and, in two dimensions, ordered consecutively.
     ///
     /// # Errors
-    /// The first fault found, with all cells or nodes that have it, counted from 0.
+    /// The first fault found, with all cells or nodes concerned, counted from 0.
     ///
     /// ```
     /// use stickslip::body::mesh::{Boundary, Cell, CellKind, Mesh};
@@ -55,7 +55,7 @@ impl Mesh {
         Ok(mesh)
     }
 
-    /// Whether every cell is whole: of the mesh's dimension, with nodes and a group that are there.
+    /// Checks that every cell has the dimension of the mesh and refers to existing nodes and an existing group.
     pub(super) fn check_indices(&self) -> Result<(), MeshFault> {
         if self.cells.is_empty() {
             return Err(MeshFault::Empty);
@@ -90,7 +90,7 @@ impl Mesh {
         Ok(())
     }
 
-    /// Whether every boundary is made of outer facets, each once and with its outside on the right side.
+    /// Checks that every boundary consists of outer facets, each once and with its outside on the right.
     pub(super) fn check_boundaries(&self) -> Result<(), MeshFault> {
         self.check_names()?;
         let outline = Outline::new(&self.cells);

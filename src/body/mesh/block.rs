@@ -2,8 +2,8 @@
 
 use super::{Boundary, Cell, CellKind, Facet, Geometry, Mesh, Notes};
 
-/// A rectangle or box of `size` (m, two or three lengths) with its lowest corner in the origin, divided
-/// into `elements` equal quadrilaterals or hexahedra along each axis.
+/// Creates a rectangle or box of `size` (m, two or three lengths) with its lowest corner at the origin, divided into
+/// `elements` equal quadrilaterals or hexahedra along each axis.
 ///
 /// Boundaries: `left` and `right` are at the ends of x. In two dimensions `bottom` and `top` are at the
 /// ends of y; in three they are at the ends of z, and `front` and `back` at those of y.
@@ -13,15 +13,15 @@ pub fn block<const D: usize>(size: &[f64; D], elements: &[usize; D]) -> Mesh {
     graded_block(&axis(0), &axis(1), (D == 3).then(|| axis(2)).as_deref())
 }
 
-/// As [`block`], with the mesh lines at the ascending coordinates (m) of each axis.
+/// Creates a mesh like [`block`] with the mesh lines at the ascending coordinates (m) of each axis.
 pub(super) fn graded_block(xs: &[f64], ys: &[f64], zs: Option<&[f64]>) -> Mesh {
     zs.map_or_else(|| rectangle(xs, ys), |zs| cuboid(xs, ys, zs))
 }
 
-/// The ends of `n` lengths that fill `length` in geometric progression, the last `ratio` times the
-/// first: `x_i = length (q^i - 1) / (q^n - 1)` with `q = ratio^(1 / (n - 1))`.
+/// Computes the ends of `n` lengths in geometric progression that fill `length`, the last `ratio` times the first:
+/// `x_i = length (q^i - 1) / (q^n - 1)` with `q = ratio^(1 / (n - 1))`.
 pub(super) fn progression(length: f64, n: usize, ratio: f64) -> Vec<f64> {
-    // Both fractions are exact at both ends, so the sides are exactly straight.
+    // Both fractions are exact at both ends, so that the sides are exactly straight.
     if ratio == 1.0 || n == 1 {
         return (0..=n).map(|i| length * i as f64 / n as f64).collect();
     }
@@ -30,7 +30,7 @@ pub(super) fn progression(length: f64, n: usize, ratio: f64) -> Vec<f64> {
     (0..=n).map(|i| length * ((log * i as f64).exp_m1() / (log * n as f64).exp_m1())).collect()
 }
 
-/// The mesh of the products of the coordinates `xs` and `ys`, both ascending.
+/// Creates the mesh of the products of the ascending coordinates `xs` and `ys`.
 pub(super) fn rectangle(xs: &[f64], ys: &[f64]) -> Mesh {
     let (nx, ny) = (xs.len() - 1, ys.len() - 1);
     let node = |i: usize, j: usize| j * (nx + 1) + i;
@@ -46,7 +46,7 @@ pub(super) fn rectangle(xs: &[f64], ys: &[f64]) -> Mesh {
     uniform(2, nodes, CellKind::Quadrilateral, cells, boundaries)
 }
 
-/// The mesh of the products of the coordinates `xs`, `ys` and `zs`, all ascending.
+/// Creates the mesh of the products of the ascending coordinates `xs`, `ys` and `zs`.
 fn cuboid(xs: &[f64], ys: &[f64], zs: &[f64]) -> Mesh {
     let (nx, ny, nz) = (xs.len() - 1, ys.len() - 1, zs.len() - 1);
     let node = |i: usize, j: usize, k: usize| (k * (ny + 1) + j) * (nx + 1) + i;
@@ -55,7 +55,7 @@ fn cuboid(xs: &[f64], ys: &[f64], zs: &[f64]) -> Mesh {
     let around = |i, j, k| [node(i, j, k), node(i + 1, j, k), node(i + 1, j + 1, k), node(i, j + 1, k)];
     let brick = |i, j, k| [around(i, j, k), around(i, j, k + 1)].concat();
     let cells = (0..nz).flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| brick(i, j, k))));
-    // `at(a, b)` is a node of a side; a and b count along it so that a × b points outwards.
+    // `at(a, b)` is a node of a side; a and b are numbered along it so that a × b points outwards.
     let face = |name: &str, n: [usize; 2], at: &dyn Fn(usize, usize) -> usize| {
         let quad = |a, b| vec![at(a, b), at(a + 1, b), at(a + 1, b + 1), at(a, b + 1)];
         side(name, (0..n[1]).flat_map(|b| (0..n[0]).map(move |a| quad(a, b))).collect())

@@ -1,11 +1,11 @@
-//! The bodies of a mesh: its pieces, which share no node.
+//! The bodies of a mesh: its connected parts, which share no node.
 
 use std::collections::BTreeMap;
 
 use super::Mesh;
 use crate::algebra::union_find::UnionFind;
 
-/// Which body each node and each cell of a mesh belongs to. Bodies count from 0, in the order of their first cells.
+/// The body of each node and each cell of a mesh. Bodies are numbered from 0 in the order of their first cells.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Bodies {
     names: Vec<String>,
@@ -14,50 +14,50 @@ pub struct Bodies {
 }
 
 impl Bodies {
-    /// How many there are.
+    /// Returns the number of bodies.
     pub fn count(&self) -> usize {
         self.names.len()
     }
 
-    /// Whether there is more than one.
+    /// Returns `true` if there is more than one body.
     pub fn are_several(&self) -> bool {
         self.count() > 1
     }
 
-    /// Their names, from the groups of their cells: the group's own, without what follows a colon; of cells in several groups
-    /// the names of these joined by `+`. A name that several bodies share has a number: `disc 1`, `disc 2`.
+    /// Returns the names of the bodies. A name is that of the group of the cells up to a colon; for several groups,
+    /// their names joined by `+`. Names that several bodies share are numbered: `disc 1`, `disc 2`.
     pub fn names(&self) -> &[String] {
         &self.names
     }
 
-    /// What messages call body `k`: by its name where there are several, otherwise "the body".
+    /// Returns the name of body `k` for messages: its name if there are several, otherwise "the body".
     pub fn told(&self, k: usize) -> String {
         if self.are_several() { format!("`{}`", self.names[k]) } else { "the body".to_string() }
     }
 
-    /// The body of each node of the mesh.
+    /// Returns the body of each node of the mesh.
     pub fn of_nodes(&self) -> &[usize] {
         &self.of_node
     }
 
-    /// The body of each cell of the mesh.
+    /// Returns the body of each cell of the mesh.
     pub fn of_cells(&self) -> &[usize] {
         &self.of_cell
     }
 
-    /// The nodes of body `k`, ascending.
+    /// Returns the nodes of body `k`, ascending.
     pub fn nodes(&self, k: usize) -> impl Iterator<Item = usize> + '_ {
         (0..self.of_node.len()).filter(move |&node| self.of_node[node] == k)
     }
 
-    /// The cells of body `k`, ascending.
+    /// Returns the cells of body `k`, ascending.
     pub fn cells(&self, k: usize) -> impl Iterator<Item = usize> + '_ {
         (0..self.of_cell.len()).filter(move |&e| self.of_cell[e] == k)
     }
 }
 
 impl Mesh {
-    /// The bodies that the mesh consists of: the cells that hang together by their nodes. The mesh must be sound.
+    /// Finds the bodies of the mesh: the cells connected by their nodes. The mesh must be valid.
     pub fn bodies(&self) -> Bodies {
         let mut pieces = UnionFind::new(self.nodes.len());
         for cell in &self.cells {
@@ -82,8 +82,8 @@ impl Mesh {
         Bodies { names: numbered(&names.collect::<Vec<_>>()), of_node, of_cell }
     }
 
-    /// Pairs of nodes in one place that belong to different bodies of `bodies`, those of this mesh: each node with the next one there.
-    /// That is well where bodies touch; where they should be one, somebody forgot to join them.
+    /// Finds pairs of coincident nodes of different `bodies` of this mesh: each node with the next one at its place.
+    /// Such pairs are correct if bodies touch; if the bodies should be one, their meshes were not joined.
     pub fn touching_nodes(&self, bodies: &Bodies) -> Vec<(usize, usize)> {
         let of = bodies.of_nodes();
         if !bodies.are_several() {
@@ -93,7 +93,7 @@ impl Mesh {
     }
 }
 
-/// The name of a body whose cells are in `groups`; what is in no group has a group without a name.
+/// Returns the name of a body whose cells are in `groups`; cells without a group have a group without a name.
 fn named(groups: Vec<&str>) -> String {
     let body = |group: &&str| group.split(':').next().unwrap_or_default().to_string();
     let whole = |name: &str| if name.is_empty() { "body".to_string() } else { name.to_string() };
@@ -103,7 +103,7 @@ fn named(groups: Vec<&str>) -> String {
     }
 }
 
-/// The same names, numbered where several are alike.
+/// Numbers the names that occur several times.
 fn numbered(names: &[String]) -> Vec<String> {
     let mut counts: BTreeMap<&str, (usize, usize)> = BTreeMap::new();
     for name in names {

@@ -1,10 +1,10 @@
-//! Named parts of the boundary from lists of facets, each turned with its outside on the right side.
+//! Named boundaries from lists of facets, each oriented with its outside on the right.
 
 use std::collections::HashMap;
 
 use super::{Boundary, Cell, Facet, MeshFault};
 
-/// The outer facets of a mesh by their nodes in ascending order.
+/// The outer facets of a mesh by their sorted nodes.
 pub(super) struct Outline {
     outer: HashMap<Facet, Option<Facet>>,
     dimension: Option<usize>,
@@ -26,7 +26,8 @@ impl Outline {
         Outline { outer, dimension: cells.first().map(|cell| cell.kind.dimension()) }
     }
 
-    /// The boundary `name` of `facets`, each with its number for messages; in two dimensions in a row.
+    /// Creates the boundary `name` of `facets`, each with its number for messages; in two dimensions the edges are
+    /// ordered consecutively.
     pub(super) fn boundary(&self, name: &str, facets: &[(usize, Facet)]) -> Result<Boundary, MeshFault> {
         let boundary = || name.to_string();
         let mut taken = HashMap::new();
@@ -48,7 +49,7 @@ impl Outline {
     }
 }
 
-/// Edges in the order in which they follow one another, chain by chain.
+/// Orders edges consecutively, chain by chain.
 fn in_a_row(edges: &[Facet]) -> Vec<Facet> {
     let from: HashMap<usize, usize> = edges.iter().enumerate().map(|(k, edge)| (edge[0], k)).collect();
     let end = |edge: &Facet| edge[edge.len() - 1];
@@ -56,7 +57,7 @@ fn in_a_row(edges: &[Facet]) -> Vec<Facet> {
     let begins = |k: &usize| !ends.contains(&edges[*k][0]);
     let mut taken = vec![false; edges.len()];
     let mut row = Vec::with_capacity(edges.len());
-    // First the chains from their beginnings, then what is left: closed ones.
+    // Open chains are first, from their beginnings; closed chains follow.
     for first in (0..edges.len()).filter(begins).chain(0..edges.len()) {
         let mut next = Some(first);
         while let Some(k) = next.filter(|&k| !taken[k]) {

@@ -1,4 +1,5 @@
-//! Is a mesh sound? Inverted, degenerate, overlapping and loosely connected cells, unused and coincident nodes.
+//! Checks of a mesh for inverted, degenerate, overlapping and loosely connected cells and for unused and coincident
+//! nodes.
 
 use std::fmt::Write;
 
@@ -6,89 +7,88 @@ use super::sides::{Joint, unmatched};
 use super::{Cell, Jacobian, Mesh, fine_quadrature, quadrature_of};
 use crate::algebra::vector::{cross, dot, minus};
 
-/// Corner determinants and distances below this, relative to the size of the cell or body, are zero up to
-/// the rounding of coordinates: these have about sixteen digits, and a cell of size 1e-6 of the body
-/// loses six of them.
+/// Corner determinants and distances below this, relative to the size of the cell or body, count as rounding of
+/// coordinates. Coordinates have about sixteen digits, and a cell of size 1e-6 of the body loses six of them.
 const NEGLIGIBLE: f64 = 1e-9;
 
 /// The numbers of cells and nodes in the file they come from, for messages.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Numbers<'a> {
-    /// Of each cell.
+    /// The number of each cell.
     pub cells: &'a [usize],
-    /// Of each node.
+    /// The number of each node.
     pub nodes: &'a [usize],
 }
 
-/// What is wrong with a mesh. Numbers are those of its file; without a file they count from 0, the elements of a
+/// The fault of an invalid mesh. Numbers are those of its file; without a file they count from 0, for elements of a
 /// boundary within that boundary.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum MeshFault {
-    /// A mesh without cells.
+    /// The mesh has no cells.
     #[error("the mesh has no elements")]
     Empty,
-    /// Coordinates that are nan or infinite.
+    /// Coordinates are NaN or infinite.
     #[error("the coordinates of these nodes are not finite: {}", list(.0))]
     NotFinite(Vec<usize>),
-    /// Nodes of a plane mesh off the plane z = 0.
+    /// Nodes of a plane mesh are off the plane z = 0.
     #[error("the mesh is plane, but these nodes have z other than 0: {}", list(.0))]
     OutOfPlane(Vec<usize>),
-    /// A mesh in space for the section of a body of revolution.
+    /// The section of a body of revolution has three dimensions.
     #[error("the mesh has three dimensions, so that it is no section of a body of revolution")]
     NoSection,
-    /// Nodes of the section of a body of revolution on the other side of its axis.
+    /// Nodes of the section of a body of revolution are on the wrong side of the axis.
     #[error("x is the distance from the axis, but negative at these nodes: {}", list(.0))]
     LeftOfAxis(Vec<usize>),
-    /// A cell of another dimension than the mesh.
+    /// The dimension of a cell differs from that of the mesh.
     #[error("element {element} has {cell} dimensions, but the mesh has {mesh}")]
     Dimensions {
         /// The cell.
         element: usize,
         /// Its dimension.
         cell: usize,
-        /// That of the mesh.
+        /// The dimension of the mesh.
         mesh: usize,
     },
-    /// A cell with too few corners, or too many.
+    /// The number of nodes of a cell is wrong.
     #[error("element {element} has {given} nodes, but its kind has {needed}")]
     Corners {
         /// The cell.
         element: usize,
-        /// How many nodes it names.
+        /// The number of nodes given.
         given: usize,
-        /// How many its kind has.
+        /// The number of nodes of its kind.
         needed: usize,
     },
-    /// Cells with nodes at the middles of their edges beside others without, in one body.
+    /// Cells with and without nodes at the middles of their edges are in one body.
     #[error("element {} is of another order than element {}: one has nodes at the middles of its edges", .elements.1, .elements.0)]
     MixedOrders {
         /// The cells.
         elements: (usize, usize),
     },
-    /// A cell with a node that is not there.
+    /// A cell refers to a missing node.
     #[error("element {element} names the node {node}, but there are {nodes} nodes, counted from 0")]
     NoNode {
         /// The cell.
         element: usize,
-        /// The node it names.
+        /// The missing node.
         node: usize,
-        /// How many there are.
+        /// The number of nodes.
         nodes: usize,
     },
-    /// A cell of a group that is not there.
+    /// A cell refers to a missing group.
     #[error("element {element} is of group {group}, but there are {groups} groups, counted from 0")]
     NoGroup {
         /// The cell.
         element: usize,
-        /// The group it names.
+        /// The missing group.
         group: usize,
-        /// How many there are.
+        /// The number of groups.
         groups: usize,
     },
-    /// Two boundaries of one name.
+    /// Two boundaries have the same name.
     #[error("two boundaries have the name `{0}`")]
     RepeatedName(String),
-    /// A facet with its outside on the wrong side.
+    /// The orientation of a facet is wrong.
     #[error("element {element} of the boundary `{boundary}` runs the wrong way round")]
     TurnedFacet {
         /// The boundary.
@@ -96,39 +96,39 @@ pub enum MeshFault {
         /// The element of the facet.
         element: usize,
     },
-    /// Cells of negative volume, at one corner at least.
+    /// Cells have a negative volume at one corner at least.
     #[error("the {} inverted: their corners run the wrong way round", elements(.0))]
     Inverted(Vec<usize>),
-    /// Cells without volume, at one corner at least.
+    /// Cells have no volume at one corner at least.
     #[error("the {} degenerate: without volume at a corner", elements(.0))]
     Degenerate(Vec<usize>),
-    /// Cells whose curved edges turn them inside out, or leave no volume, at a node or an integration point.
+    /// Curved edges make the volume of cells negative or zero at a node or an integration point.
     #[error("the {} folded: inside out, or without volume, at a node or an integration point", elements(.0))]
     Folded(Vec<usize>),
-    /// Nodes that belong to no cell.
+    /// Nodes belong to no cell.
     #[error("nodes belong to no element of the body: {}", list(.0))]
     UnusedNodes(Vec<usize>),
-    /// Two nodes of one body in one place.
+    /// Nodes of one body coincide.
     #[error("nodes coincide in pairs: {}", pairs(.0))]
     CoincidentNodes(Vec<(usize, usize)>),
-    /// Two cells on the same side of a facet of both.
+    /// Two cells are on the same side of a common facet.
     #[error("elements lie on one another, in pairs: {}", pairs(.0))]
     Overlapping(Vec<(usize, usize)>),
-    /// Cells that meet in a quadrilateral of the one and in triangles of the other.
+    /// A quadrilateral side of a cell meets triangular sides of others.
     #[error("elements meet in a side that is a quadrilateral of one and triangles of the other, in pairs: {}", pairs(.0))]
     Unmatched(Vec<(usize, usize)>),
-    /// Parts of a body that share nodes, but no whole side.
+    /// Parts of a body share nodes but no whole side.
     #[error(
         "the body is in {} pieces that share no whole side, an element of each: {}; two of them only touch at node {node}",
         .elements.len(), list(.elements)
     )]
     Jointed {
-        /// An element of each.
+        /// An element of each part.
         elements: Vec<usize>,
-        /// A node of two of them.
+        /// A node that two of them share.
         node: usize,
     },
-    /// A facet of a boundary between two cells.
+    /// A facet of a boundary is between two cells.
     #[error("element {element} of the boundary `{boundary}` lies inside the body, between two elements")]
     InnerFacet {
         /// The boundary.
@@ -136,7 +136,7 @@ pub enum MeshFault {
         /// The element of the facet.
         element: usize,
     },
-    /// A facet that a boundary has twice.
+    /// A boundary contains a facet twice.
     #[error("the elements {} and {} of the boundary `{boundary}` are the same facet", .elements.0, .elements.1)]
     RepeatedFacet {
         /// The boundary.
@@ -144,7 +144,7 @@ pub enum MeshFault {
         /// The elements of the facet.
         elements: (usize, usize),
     },
-    /// A facet of a boundary that is no side of a cell.
+    /// A facet of a boundary is not a side of a cell.
     #[error("element {element} of the boundary `{boundary}` is no side of any element of the body")]
     LooseFacet {
         /// The boundary.
@@ -163,7 +163,7 @@ fn pairs(pairs: &[(usize, usize)]) -> String {
     list(&pairs.iter().map(|(a, b)| format!("{a} and {b}")).collect::<Vec<_>>())
 }
 
-/// The first few of a list, in words.
+/// Formats the first few items of a list.
 fn list<T: ToString>(items: &[T]) -> String {
     let shown: Vec<String> = items.iter().take(5).map(ToString::to_string).collect();
     let mut text = shown.join(", ");
@@ -175,7 +175,7 @@ fn list<T: ToString>(items: &[T]) -> String {
 }
 
 impl MeshFault {
-    /// What mends the fault, in words.
+    /// Returns the correction, in words.
     pub fn help(&self) -> &'static str {
         match self {
             MeshFault::Empty => "give the cells of the body",
@@ -228,11 +228,11 @@ impl MeshFault {
 }
 
 impl Mesh {
-    /// Whether the mesh is sound, however it was made: cells that are whole and of positive volume, bodies that hang together by
-    /// whole sides, and boundaries on its outside. Nodes of different bodies may be in one place.
+    /// Checks the mesh: cells must be complete and have positive volumes, bodies must be connected by whole sides, and
+    /// boundaries must be on the outside. Nodes of different bodies may coincide.
     ///
     /// # Errors
-    /// The first fault found, with all cells or nodes that have it, counted from 0.
+    /// The first fault found, with all cells or nodes concerned, counted from 0.
     pub fn check(&self) -> Result<(), MeshFault> {
         self.check_indices()?;
         let all: Vec<usize> = (0..self.nodes.len().max(self.cells.len())).collect();
@@ -240,7 +240,7 @@ impl Mesh {
         self.check_boundaries()
     }
 
-    /// Whether the cells, which name nodes that are there, are sound.
+    /// Checks the cells, whose nodes must exist.
     pub(super) fn check_cells(&self, numbers: &Numbers<'_>) -> Result<(), MeshFault> {
         let named = |bad: &mut dyn Iterator<Item = usize>| bad.map(|e| numbers.cells[e]).collect::<Vec<usize>>();
         let quadratic = |e: usize| self.cells[e].kind.is_quadratic();
@@ -293,8 +293,8 @@ impl Mesh {
         }
     }
 
-    /// For each corner of `cell`, the area (m²) or volume (m³) that its edges span, with its sign, and the
-    /// square or cube of the longest of all edges at corners.
+    /// Computes for each corner of `cell` the signed area (m²) or volume (m³) that its edges span, and the square or
+    /// cube of the longest edge.
     pub(super) fn corner_volumes(&self, cell: &Cell) -> Vec<(f64, f64)> {
         let points = self.points(&cell.nodes);
         let neighbours = cell.kind.properties().neighbours;
@@ -310,7 +310,8 @@ impl Mesh {
         corners.into_iter().map(|volume| (volume, size)).collect()
     }
 
-    /// Whether the map of a cell of second order, whose corners are sound, is not so at a node or an integration point.
+    /// Returns `true` if the map of a cell of second order with valid corners is invalid at a node or an integration
+    /// point.
     fn is_folded(&self, cell: &Cell) -> bool {
         if !cell.kind.is_quadratic() {
             return false;
@@ -323,17 +324,18 @@ impl Mesh {
         nodes.chain(inner).any(|at| Jacobian::new(cell.kind, at, &points).determinant <= NEGLIGIBLE * size)
     }
 
-    /// Nodes of one body in one place, `of` being the bodies of all nodes: each with the next of them, so that a stack of n nodes makes
-    /// n - 1 pairs.
+    /// Finds coincident nodes of one body, where `of` is the body of each node. Each node is paired with the next one,
+    /// so that n coincident nodes are n - 1 pairs.
     fn coincident_nodes(&self, of: &[usize]) -> Vec<(usize, usize)> {
-        // Body by body, so that in a stack of nodes of many bodies none is looked at in vain.
+        // The search is body by body, so that coincident nodes of many bodies cost no time.
         let mut order = self.in_order();
         order.sort_by_key(|&(_, node)| of[node]);
         let near = self.near();
         order.chunk_by(|a, b| of[a.1] == of[b.1]).flat_map(|body| self.pairs_in(body, near, |_, _| true)).collect()
     }
 
-    /// The nodes along a direction of no lattice, with where they are: few share a place, so few pairs have to be looked at.
+    /// Returns the nodes in order along a direction, with their coordinate along it. The direction is not that of a
+    /// lattice, so that few nodes have the same coordinate and few pairs are compared.
     pub(super) fn in_order(&self) -> Vec<(f64, usize)> {
         let along = |x: [f64; 3]| dot(x, [0.742, 0.534, 0.406]);
         let mut order: Vec<(f64, usize)> = self.nodes.iter().enumerate().map(|(k, &x)| (along(x), k)).collect();
@@ -341,12 +343,13 @@ impl Mesh {
         order
     }
 
-    /// Nodes that are no farther apart are in one place, m.
+    /// Returns the largest distance of coincident nodes, m.
     pub(super) fn near(&self) -> f64 {
         NEGLIGIBLE * self.size()
     }
 
-    /// Nodes that are as `near` as in one place and a pair for `paired`, each with the next of them in this `order`.
+    /// Finds pairs of nodes within the distance `near` for which `paired` returns `true`, each node with the next such
+    /// one in `order`.
     pub(super) fn pairs_in(
         &self,
         order: &[(f64, usize)],

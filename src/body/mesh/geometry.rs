@@ -1,20 +1,21 @@
-//! What a mesh of the plane stands for in space: a slice, or a body of revolution.
+//! The body that a two-dimensional mesh represents: a slice or a body of revolution.
 
 use std::f64::consts::TAU;
 
-/// The coordinates of a mesh.
+/// The meaning of the coordinates of a mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Geometry {
-    /// Those of space; in two dimensions the body is a slice of unit depth.
+    /// Cartesian coordinates; in two dimensions the body is a slice of unit depth.
     #[default]
     Cartesian,
-    /// A mesh of two dimensions is half the section of a body of revolution: x is the distance from the axis, which is y.
+    /// A two-dimensional mesh is half the section of a body of revolution about the y axis; x is the distance from the
+    /// axis.
     Axisymmetric,
 }
 
 impl Geometry {
-    /// What an area (m²) or a length (m) of the section at `x` (m) stands for in the body, by itself: `2 π r` (m) where it goes round
-    /// the axis, 1 elsewhere.
+    /// Returns the volume of the body per area of the section (or the area per length) at `x` (m): `2 π r` (m) for a
+    /// body of revolution, otherwise 1.
     pub fn depth(self, x: [f64; 3]) -> f64 {
         match self {
             Geometry::Cartesian => 1.0,

@@ -1,8 +1,8 @@
-//! Meshes from Gmsh: files in the format MSH 4.1 (ASCII).
+//! Meshes from Gmsh files in the format MSH 4.1 (ASCII).
 //!
-//! The dimension is that of the highest-dimensional elements. Physical groups of that dimension become
-//! material groups, those of one less become boundaries; a group without a name is called by its number.
-//! The format: Gmsh reference manual, "MSH file format", version 4.1.
+//! The dimension is that of the highest-dimensional elements. Physical groups of that dimension become material groups,
+//! groups of one dimension less become boundaries; the name of a group without one is its number. The format: Gmsh
+//! reference manual, "MSH file format", version 4.1.
 
 mod groups;
 mod lines;
@@ -15,7 +15,7 @@ use std::path::Path;
 use super::check::Numbers;
 use super::{CellKind, Mesh, MeshFault};
 
-/// Why a mesh file was refused.
+/// The error of a mesh file that cannot be used.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum MeshFileError {
     /// The file cannot be read.
@@ -24,14 +24,14 @@ pub enum MeshFileError {
     Io {
         /// The file.
         path: String,
-        /// What the system said; not a `source`, since the message has it already.
+        /// The error of the operating system; it is not a `source` because the message already contains it.
         error: io::Error,
     },
-    /// The text of the file is not a mesh in the format MSH 4.1.
+    /// The file is not a mesh in the format MSH 4.1.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Format(#[from] GmshError),
-    /// The file has a mesh, but not a sound one.
+    /// The mesh in the file is invalid.
     #[error("{file}: {fault}")]
     #[diagnostic(help("{}", fault.help()))]
     Unsound {
@@ -42,7 +42,7 @@ pub enum MeshFileError {
     },
 }
 
-/// A place in a Gmsh file that cannot be read.
+/// An error at a line of a Gmsh file.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]
 #[error("{file}:{line}: {message}")]
 #[diagnostic(help("{help}"))]
@@ -53,22 +53,22 @@ pub struct GmshError {
     pub line: usize,
     /// What is wrong.
     pub message: String,
-    /// What mends the fault.
+    /// The correction that the message proposes.
     pub help: String,
 }
 
-/// The kinds of elements that are read.
+/// The supported kinds of elements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum ElementKind {
     Point,
     Line,
-    /// With a node at its middle.
+    /// A line with a node at its middle.
     Line3,
     Cell(CellKind),
 }
 
 impl ElementKind {
-    /// By Gmsh's number of the type; the name of a type that is not supported.
+    /// Returns the kind for Gmsh's number of the type. The error is the name of an unsupported type.
     fn from_gmsh(number: i64) -> Result<Self, String> {
         Ok(match number {
             15 => ElementKind::Point,
@@ -117,23 +117,23 @@ impl fmt::Display for ElementKind {
 
 /// Reads the Gmsh file at `path`; `scale` is the length of the file's unit in m.
 ///
-/// Cells that are numbered the wrong way round are numbered the right way; nodes that belong to no cell are left out; a plane mesh
-/// may lie in any of the three coordinate planes. A physical group that cannot be a boundary, as it lies inside the body, is
-/// kept in [`Mesh::notes`]. A mesh with inverted or degenerate cells is refused.
+/// Cells with the wrong orientation are renumbered. Nodes that belong to no cell are left out. A plane mesh may lie in
+/// any of the three coordinate planes. A physical group that cannot be a boundary, for example because it is inside the
+/// body, is recorded in [`Mesh::notes`]. Inverted or degenerate cells are an error.
 ///
 /// # Errors
-/// When the file cannot be read, is not MSH 4.1 in ASCII, has cells other than [`CellKind`] knows, or is not a sound mesh; with
-/// line, or element numbers.
+/// If the file cannot be read, is not MSH 4.1 in ASCII, contains cells other than those of [`CellKind`], or is an
+/// invalid mesh; with line or element numbers.
 pub fn gmsh(path: &Path, scale: f64) -> Result<Mesh, MeshFileError> {
     let name = path.display().to_string();
     let bytes = crate::base::input::bytes(path).map_err(|error| MeshFileError::Io { path: name.clone(), error })?;
     from_gmsh(&name, &bytes, scale)
 }
 
-/// The mesh in the text of a Gmsh file; `name` stands for the file in messages.
+/// Reads the mesh in the text of a Gmsh file; messages name the file `name`.
 ///
 /// # Errors
-/// As [`gmsh`], but for reading the file.
+/// As [`gmsh`], except for reading the file.
 pub fn from_gmsh(name: &str, bytes: &[u8], scale: f64) -> Result<Mesh, MeshFileError> {
     let mut file = read::read(name, bytes)?;
     let unsound = |fault| MeshFileError::Unsound { file: name.to_string(), fault };
@@ -147,8 +147,8 @@ pub fn from_gmsh(name: &str, bytes: &[u8], scale: f64) -> Result<Mesh, MeshFileE
     Ok(mesh)
 }
 
-/// The corners of all faces, triangles and quadrilaterals, in the text of a Gmsh file, in its unit; triangles of six nodes are four
-/// flat ones. `name` stands for the file in messages.
+/// Reads the corners of all faces, triangles and quadrilaterals, in the text of a Gmsh file, in its unit; triangles of
+/// six nodes are divided into four flat ones. Messages name the file `name`.
 pub(crate) fn faces(name: &str, bytes: &[u8]) -> Result<Vec<Vec<[f64; 3]>>, GmshError> {
     let file = read::read(name, bytes)?;
     let faces = file.blocks.iter().filter(|block| block.kind.dimension() == 2).flat_map(|block| {

@@ -1,13 +1,12 @@
-//! A graded rectangle that stands for a half-plane.
+//! A graded rectangle that approximates a half-plane.
 
 use super::block::rectangle;
 use super::{Boundary, Mesh};
 
-/// A rectangle `size` (m) with its lower left corner in the origin, made for contact at the left end
-/// of its top: `contact_elements` equal columns over the first `contact_width` (m), `outer_elements`
-/// equal columns over the rest, and `layers` in geometric progression downwards from elements that
-/// are square in the contact zone. Boundaries `bottom`, `right`, `top` (without the contact zone),
-/// `contact` and `left`.
+/// Creates a rectangle of `size` (m) with its lower left corner at the origin, for contact at the left end of its top:
+/// `contact_elements` equal columns over the first `contact_width` (m), `outer_elements` equal columns over the rest,
+/// and `layers` in geometric progression downwards from elements that are square in the contact zone. Boundaries
+/// `bottom`, `right`, `top` (without the contact zone), `contact` and `left`.
 pub(super) fn half_plane(
     size: [f64; 2],
     contact_width: f64,
@@ -25,19 +24,19 @@ pub(super) fn half_plane(
 
     let mut mesh = rectangle(&xs, &ys);
     if let Some(top) = mesh.boundaries.iter_mut().find(|boundary| boundary.name == "top") {
-        // The top runs from right to left: the contact zone is its end.
+        // The top runs from right to left, so that the contact zone is its end.
         let facets = top.facets.split_off(outer_elements);
-        // Contact nodes count from the symmetry plane on; each edge keeps its direction.
+        // Contact nodes are numbered from the symmetry plane; each edge keeps its direction.
         mesh.boundaries.push(Boundary { name: "contact".into(), facets: facets.into_iter().rev().collect() });
     }
     mesh
 }
 
-/// Depths from 0 to `height` of `layers` layers in geometric progression whose first is `first`
-/// thick; equal layers if that alone would fill the height.
+/// Computes depths from 0 to `height` of `layers` layers in geometric progression with the first thickness `first`; the
+/// layers are equal if `first` alone would fill the height.
 fn graded(height: f64, layers: usize, first: f64) -> Vec<f64> {
     let sum = |q: f64| (0..layers).fold(0.0, |sum, k| sum + first * q.powi(k as i32));
-    // The ratio by bisection: the sum grows with it, and a ratio of height / first is too large.
+    // The ratio follows by bisection: the sum grows with it, and a ratio of height / first is too large.
     let (mut low, mut high) = (1e-3, 1.0 + height / first);
     while high - low > f64::EPSILON * high {
         let middle = 0.5 * (low + high);

@@ -1,18 +1,18 @@
-//! Shape functions: linear on triangles and tetrahedra, quadratic on those of second order, bilinear on quadrilaterals, trilinear
-//! on hexahedra, products on prisms. They map the reference cell to the cell.
+//! Shape functions: linear on triangles and tetrahedra, quadratic on triangles and tetrahedra of second order, bilinear
+//! on quadrilaterals, trilinear on hexahedra, products on prisms. They also map the reference cell to the cell.
 
 use super::CellKind;
 use super::kind::Functions;
 use crate::algebra::vector::{cross, dot, minus, norm};
 
-/// The middle of an edge that is off its straight line, or off the middle, by more than this share of the edge is meant to be;
-/// what rounding makes of coordinates is far less.
+/// An edge counts as curved if its middle node is off the middle of the straight line by more than this share of the
+/// edge; rounding errors of coordinates are far smaller.
 const STRAIGHT: f64 = 1e-10;
 
-/// The shape functions of all nodes at the reference point `[ξ, η, ζ]`: `Π ½ (1 + ξ_c ξ_ac)` over the
-/// axes c of a square or cube; `1 - ξ - η - ζ, ξ, η, ζ` of a tetrahedron, without ζ of a triangle, and these times
-/// `½ (1 ± ζ)` of a prism. With these `L_a` those of second
-/// order have `L_a (2 L_a - 1)` at corners and `4 L_a L_b` between the corners a and b.
+/// Returns the shape functions of all nodes at the reference point `[ξ, η, ζ]`: `Π ½ (1 + ξ_c ξ_ac)` over the axes c
+/// for a square or cube; `1 - ξ - η - ζ, ξ, η, ζ` for a tetrahedron, without ζ for a triangle, and the latter times
+/// `½ (1 ± ζ)` for a prism. With these `L_a`, simplices of second order have `L_a (2 L_a - 1)` at corners and
+/// `4 L_a L_b` between the corners a and b.
 pub fn shape(kind: CellKind, point: [f64; 3]) -> Vec<f64> {
     let corners = kind.corners();
     let product = |k: usize| {
@@ -35,17 +35,17 @@ pub fn shape(kind: CellKind, point: [f64; 3]) -> Vec<f64> {
     }
 }
 
-/// The shape functions of the corners alone, as if there were no other nodes.
+/// Returns the shape functions of the corners of a cell without other nodes.
 pub fn corner_shape(kind: CellKind, point: [f64; 3]) -> Vec<f64> {
     if kind.is_quadratic() { barycentric(kind, point) } else { shape(kind, point) }
 }
 
-/// `L_a` of the triangle across a prism.
+/// Returns `L_a` of the triangular section of a prism.
 fn across([xi, eta, _]: [f64; 3]) -> [f64; 3] {
     [1.0 - xi - eta, xi, eta]
 }
 
-/// `L_a` of all corners of a simplex.
+/// Returns `L_a` of all corners of a simplex.
 fn barycentric(kind: CellKind, [xi, eta, zeta]: [f64; 3]) -> Vec<f64> {
     match kind.dimension() {
         2 => vec![1.0 - xi - eta, xi, eta],
@@ -53,7 +53,7 @@ fn barycentric(kind: CellKind, [xi, eta, zeta]: [f64; 3]) -> Vec<f64> {
     }
 }
 
-/// `∂N_a/∂(ξ, η, ζ)` of all nodes; the last is 0 in the plane.
+/// Returns `∂N_a/∂(ξ, η, ζ)` of all nodes; the last is 0 in two dimensions.
 pub(crate) fn local_gradients(kind: CellKind, point: [f64; 3]) -> Vec<[f64; 3]> {
     let (axes, corners) = (kind.dimension(), kind.corners());
     let slope = |corner: &[f64; 3], along: usize| {
@@ -89,20 +89,21 @@ pub(crate) fn local_gradients(kind: CellKind, point: [f64; 3]) -> Vec<[f64; 3]> 
     }
 }
 
-/// The map of a reference cell near a point.
+/// The Jacobian of the map of a reference cell at a point.
 pub(crate) struct Jacobian {
     /// `∂N_a/∂(ξ, η, ζ)` of all nodes.
     pub local: Vec<[f64; 3]>,
-    /// `∂(x, y, z)/∂(ξ, η, ζ)`, row by row of the latter; in the plane the third row is (0, 0, 1), for it is a slice of space.
+    /// `∂(x, y, z)/∂(ξ, η, ζ)`, with rows for ξ, η and ζ; in two dimensions the third row is (0, 0, 1), for a slice of
+    /// unit depth.
     pub rows: [[f64; 3]; 3],
-    /// The columns of its inverse times the determinant.
+    /// The columns of the inverse times the determinant.
     pub cofactors: [[f64; 3]; 3],
     /// The determinant, m^d.
     pub determinant: f64,
 }
 
 impl Jacobian {
-    /// At the reference point `point` of the cell with `nodes` (m).
+    /// Computes the Jacobian at the reference point `point` of the cell with `nodes` (m).
     pub(crate) fn new(kind: CellKind, point: [f64; 3], nodes: &[[f64; 3]]) -> Self {
         let local = local_gradients(kind, point);
         let mut j = [[0.0; 3]; 3];
@@ -122,7 +123,8 @@ impl Jacobian {
 }
 
 impl CellKind {
-    /// Whether an edge of the cell with these `nodes` is curved, or the node between its ends not in the middle.
+    /// Returns `true` if an edge of the cell with these `nodes` is curved, or the node between its ends is not in the
+    /// middle.
     pub(super) fn is_curved(self, nodes: &[[f64; 3]]) -> bool {
         let off = |(&[a, b], middle): (&[usize; 2], &[f64; 3])| {
             let (a, b) = (nodes[a], nodes[b]);
@@ -137,7 +139,7 @@ impl CellKind {
 mod tests {
     use super::*;
 
-    /// The nodes of a reference cell, bent; those of the plane stay in it.
+    /// Returns the nodes of a distorted reference cell; plane cells remain plane.
     fn distorted(kind: CellKind) -> Vec<[f64; 3]> {
         let bent = |[x, y, z]: [f64; 3]| [x + 0.2 * y * y + 0.1 * z, y - 0.3 * x + 0.1 * x * y, z + 0.2 * x * y * z];
         (0..kind.nodes()).map(|k| bent(kind.reference_node(k))).collect()
@@ -153,7 +155,7 @@ mod tests {
         }
     }
 
-    /// The gradients are the derivatives of the functions, which add up to 1.
+    /// The gradients are the derivatives of the functions, whose sum is 1.
     #[test]
     fn gradients_are_derivatives() {
         let (point, step) = ([0.2, 0.3, 0.1], 1e-6);

@@ -1,10 +1,10 @@
-//! Several bodies in one mesh.
+//! Joining the meshes of several bodies.
 
 use super::Mesh;
 use crate::algebra::vector::{Vector, plus};
 use crate::base::input_error::InputError;
 
-/// `mesh` as that of the body `name`, whose name its boundaries and groups have, with its origin at `at` (m).
+/// Adds the name of the body `name` to the boundaries and groups of `mesh` and moves its origin to `at` (m).
 pub(super) fn named(mut mesh: Mesh, name: &str, at: Option<Vector>) -> Mesh {
     if let Some(at) = at {
         mesh.nodes.iter_mut().for_each(|x| *x = plus(*x, 1.0, at.components()));
@@ -20,7 +20,7 @@ pub(super) fn named(mut mesh: Mesh, name: &str, at: Option<Vector>) -> Mesh {
     mesh
 }
 
-/// Adds the body `name` with this `mesh` behind those in `all`.
+/// Appends the body `name` with this `mesh` to `all`.
 pub(super) fn append(all: &mut Mesh, name: &str, mut mesh: Mesh) -> Result<(), InputError> {
     let differs = |what: &str, help: &str| InputError::new("mesh", format!("the mesh of `{name}` {what}"), help);
     if mesh.dimension != all.dimension {

@@ -1,11 +1,11 @@
-//! The kinds of cells, and the table of what there is to know of each.
+//! The kinds of cells and the table of their properties.
 
 use serde::{Deserialize, Serialize};
 
 use super::rules::{self, Rule};
 
-/// The kinds of cells. Their nodes are in the order of VTK: first the corners, then, in cells of second order, the nodes at the middles
-/// of the edges.
+/// The kinds of cells. Nodes are in the order of VTK: first the corners, then, in cells of second order, the nodes at
+/// the middles of the edges.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum CellKind {
@@ -17,12 +17,12 @@ pub enum CellKind {
     Tetrahedron,
     /// Eight corners: four counterclockwise seen from inside, then those above them.
     Hexahedron,
-    /// Six corners: three counterclockwise seen from those above them, then these.
+    /// Six corners: three counterclockwise seen from the other three, then the other three above them.
     Prism,
     /// A triangle with nodes at the middles of its edges, from corner 0 to 1, 1 to 2 and 2 to 0, which may be curved.
     Triangle6,
-    /// A tetrahedron with nodes at the middles of its edges, from corner 0 to 1, 1 to 2, 2 to 0, 0 to 3, 1 to 3 and 2 to 3,
-    /// which may be curved.
+    /// A tetrahedron with nodes at the middles of its edges, from corner 0 to 1, 1 to 2, 2 to 0, 0 to 3, 1 to 3 and 2
+    /// to 3, which may be curved.
     Tetrahedron10,
 }
 
@@ -31,39 +31,39 @@ pub enum CellKind {
 pub(super) enum Functions {
     /// The barycentric coordinates of a simplex.
     Linear,
-    /// Quadratic ones on a simplex.
+    /// Quadratic functions on a simplex.
     Quadratic,
-    /// Products of linear ones along the axes of a square or cube.
+    /// Products of linear functions along the axes of a square or cube.
     Multilinear,
-    /// Products of those of a triangle and linear ones across it.
+    /// Products of the functions of a triangle and linear functions normal to it.
     Prismatic,
 }
 
-/// What there is to know of a kind of cell.
+/// The properties of a kind of cell.
 pub(super) struct Properties {
-    /// What one is called.
+    /// The name of the kind.
     pub name: &'static str,
-    /// 2 or 3.
+    /// The dimension, 2 or 3.
     pub dimension: usize,
     pub functions: Functions,
-    /// For each corner those at the other ends of its edges, as many as there are dimensions, in right-handed order; of a
-    /// tetrahedron one corner tells of all.
+    /// For each corner, the corners at the other ends of its edges, as many as there are dimensions, in right-handed
+    /// order; for a tetrahedron one corner suffices.
     pub neighbours: &'static [&'static [usize]],
-    /// The corners at the ends of the edge of each node that is no corner.
+    /// The corners at the ends of the edge of each node that is not a corner.
     pub edges: &'static [[usize; 2]],
-    /// The nodes of a cell that is numbered the wrong way round, in an order that gives it a positive volume.
+    /// The order of the nodes that reverses the orientation of a cell.
     pub mirrored: &'static [usize],
-    /// The sides, each with its outside as [`super::Facet`] wants it.
+    /// The sides, oriented as in [`super::Facet`].
     pub sides: &'static [&'static [usize]],
-    /// Integrates the stiffness.
+    /// The rule for the stiffness.
     pub rule: fn() -> Rule,
-    /// The same where edges are curved.
+    /// The rule for the stiffness of a cell with curved edges.
     pub curved_rule: fn() -> Rule,
-    /// Integrates loads, which are polynomials in place of constants.
+    /// The rule for loads, of a higher degree.
     pub fine_rule: fn() -> Rule,
     /// Gmsh's number of the type.
     pub gmsh: i64,
-    /// For each node its place in the order of Gmsh.
+    /// The index of each node in the order of Gmsh.
     pub gmsh_order: &'static [usize],
     /// VTK's number of the type.
     pub vtk: u8,
@@ -143,7 +143,7 @@ const PRISM: Properties = Properties {
     edges: &[],
     mirrored: &[3, 4, 5, 0, 1, 2],
     sides: &[&[0, 2, 1], &[3, 4, 5], &[0, 1, 4, 3], &[1, 2, 5, 4], &[2, 0, 3, 5]],
-    // With one point in the triangle the prism would have a motion without energy.
+    // With one point in the triangle, the prism would have a zero-energy mode.
     rule: rules::prism6,
     curved_rule: rules::prism6,
     fine_rule: rules::prism6,
@@ -176,8 +176,8 @@ const TETRAHEDRON10: Properties = Properties {
     edges: &[[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]],
     mirrored: &[1, 0, 2, 3, 4, 6, 5, 8, 7, 9],
     sides: &[&[0, 6, 2, 5, 1, 4], &[0, 4, 1, 8, 3, 7], &[1, 5, 2, 9, 3, 8], &[0, 7, 3, 9, 2, 6]],
-    // Four points are exact on straight edges. The gradients times the determinant of curved ones are cubic, and four points
-    // fail the patch test.
+    // Four points are exact on straight edges. The gradients times the determinant of curved ones are cubic, and four
+    // points fail the patch test.
     rule: rules::tetrahedron4,
     curved_rule: rules::tetrahedron8,
     fine_rule: rules::tetrahedron27,
@@ -186,7 +186,7 @@ const TETRAHEDRON10: Properties = Properties {
     vtk: 24,
 };
 
-/// The corners of the cube [-1, 1]³; those of the square are the first four, without ζ.
+/// The corners of the cube [-1, 1]³; the corners of the square are the first four, without ζ.
 const CUBE: [[f64; 3]; 8] = [
     [-1.0, -1.0, -1.0],
     [1.0, -1.0, -1.0],
@@ -198,11 +198,11 @@ const CUBE: [[f64; 3]; 8] = [
     [-1.0, 1.0, 1.0],
 ];
 
-/// The corners of the reference tetrahedron; those of the triangle are the first three.
+/// The corners of the reference tetrahedron; the corners of the triangle are the first three.
 const SIMPLEX: [[f64; 3]; 4] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 impl CellKind {
-    /// All of them.
+    /// All kinds.
     pub const ALL: [CellKind; 7] = [
         CellKind::Triangle,
         CellKind::Quadrilateral,
@@ -225,12 +225,12 @@ impl CellKind {
         }
     }
 
-    /// The cells of a block with so many axes, if nothing else is asked for.
+    /// Returns the default kind of cells of a block with `axes` axes.
     pub(super) fn of_block(axes: usize) -> Self {
         if axes == 2 { CellKind::Quadrilateral } else { CellKind::Hexahedron }
     }
 
-    /// The kind with the same corners and nodes at the middles of the edges, too.
+    /// Returns the kind with the same corners and nodes at the middles of the edges.
     pub(super) fn of_second_order(self) -> Option<Self> {
         match self {
             CellKind::Triangle => Some(CellKind::Triangle6),
@@ -239,28 +239,28 @@ impl CellKind {
         }
     }
 
-    /// What one is called.
+    /// The name of the kind.
     pub fn name(self) -> &'static str {
         self.properties().name
     }
 
-    /// Whether the cell is a triangle or a tetrahedron.
+    /// Returns `true` for triangles and tetrahedra.
     pub fn is_simplex(self) -> bool {
         matches!(self.properties().functions, Functions::Linear | Functions::Quadratic)
     }
 
-    /// Whether there are nodes at the middles of the edges.
+    /// Returns `true` if there are nodes at the middles of the edges.
     pub fn is_quadratic(self) -> bool {
         self.properties().functions == Functions::Quadratic
     }
 
-    /// 2 or 3.
+    /// The dimension, 2 or 3.
     pub fn dimension(self) -> usize {
         self.properties().dimension
     }
 
-    /// The centre of the reference cell, whose coordinates go from -1 to 1, of a triangle or tetrahedron, and across the axis of a
-    /// prism, from 0 to 1.
+    /// Returns the centre of the reference cell. Coordinates go from -1 to 1; in a triangle or tetrahedron, and across
+    /// the axis of a prism, from 0 to 1.
     pub fn centre(self) -> [f64; 3] {
         match (self.properties().functions, self.dimension()) {
             (Functions::Multilinear, _) => [0.0; 3],
@@ -269,22 +269,22 @@ impl CellKind {
         }
     }
 
-    /// The number of corners.
+    /// Returns the number of corners.
     pub fn corners(self) -> usize {
         self.nodes() - self.properties().edges.len()
     }
 
-    /// The number of nodes.
+    /// Returns the number of nodes.
     pub fn nodes(self) -> usize {
         self.properties().gmsh_order.len()
     }
 
-    /// The corners at the ends of the edge of node `k`; none of a corner.
+    /// Returns the corners at the ends of the edge of node `k`; `None` for a corner.
     pub(crate) fn ends(self, k: usize) -> Option<[usize; 2]> {
         k.checked_sub(self.corners()).map(|middle| self.properties().edges[middle])
     }
 
-    /// Where node `k` is in the reference cell.
+    /// Returns the position of node `k` in the reference cell.
     pub(crate) fn reference_node(self, k: usize) -> [f64; 3] {
         let corner = |k: usize| match (self.properties().functions, self.dimension()) {
             (Functions::Linear | Functions::Quadratic, _) => SIMPLEX[k],

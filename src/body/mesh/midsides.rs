@@ -1,23 +1,23 @@
-//! Nodes at the middles of edges: cells and facets of second order.
+//! Cells and facets of second order, with nodes at the middles of edges.
 
 use std::collections::HashMap;
 
 use super::{Cell, Facet, Mesh};
 
 impl Mesh {
-    /// Whether there are nodes between the corners of a facet of this mesh.
+    /// Returns `true` if there are nodes between the corners of a facet of this mesh.
     pub fn is_quadratic(&self, facet: &[usize]) -> bool {
         facet.len() == if self.dimension == 2 { 3 } else { 6 }
     }
 
-    /// The edges of a facet that have a node between their ends: the one end, that node, the other end.
+    /// Returns the edges of a facet with a node between their ends: one end, that node, the other end.
     pub fn bent_edges(&self, facet: &[usize]) -> Vec<[usize; 3]> {
         let places = if self.is_quadratic(facet) { 1..facet.len() } else { 0..0 };
         places.step_by(2).map(|k| [facet[k - 1], facet[k], facet[(k + 1) % facet.len()]]).collect()
     }
 
-    /// A facet cut into pieces between its nodes that are flat or straight if it is: an edge of three nodes into two, a triangle of
-    /// six into four. Others stay as they are.
+    /// Divides a facet between its nodes: an edge of three nodes into two edges, a triangle of six nodes into four
+    /// triangles. Other facets are not changed.
     pub fn pieces_of(&self, facet: &[usize]) -> Vec<Facet> {
         match (self.is_quadratic(facet), facet) {
             (true, &[a, b, c]) => vec![vec![a, b], vec![b, c]],
@@ -28,8 +28,8 @@ impl Mesh {
         }
     }
 
-    /// The mesh with a node at the middle of each edge of its triangles and tetrahedra: cells of second order with straight edges.
-    /// Other cells stay as they are.
+    /// Adds a node at the middle of each edge of triangles and tetrahedra, which become cells of second order with
+    /// straight edges. Other cells are not changed.
     #[must_use]
     pub fn into_second_order(mut self) -> Mesh {
         let mut middles = HashMap::<[usize; 2], usize>::new();
@@ -62,7 +62,7 @@ impl Mesh {
 }
 
 impl Cell {
-    /// Numbers the nodes the other way round, which changes the sign of the volume.
+    /// Reverses the orientation of the nodes, which changes the sign of the volume.
     pub(super) fn turn_over(&mut self) {
         self.nodes = self.kind.properties().mirrored.iter().map(|&k| self.nodes[k]).collect();
     }
@@ -72,7 +72,7 @@ impl Cell {
 mod tests {
     use crate::body::mesh::{Mesh, block};
 
-    /// Every facet of a boundary is a side of its cell, with the same outside.
+    /// Every facet of a boundary is a side of its cell with the same orientation.
     #[test]
     fn sides_and_boundaries_agree() {
         for mesh in [block(&[2.0, 1.0], &[3, 2]), block(&[2.0, 1.0, 1.5], &[3, 2, 2])] {
@@ -100,7 +100,7 @@ mod tests {
         }
     }
 
-    /// A plane mesh that runs the wrong way round is sound once its cells are turned over.
+    /// A plane mesh with the wrong orientation is valid after its cells are turned over.
     #[test]
     fn cells_are_turned_over_with_their_edges() {
         let mut mesh = block(&[2.0, 1.0], &[2, 2]).into_simplices().into_second_order();
@@ -111,7 +111,7 @@ mod tests {
         mesh.check().unwrap();
     }
 
-    /// The area vector of a curved face is that of its flat edges where these bound it, and Simpson's rule otherwise.
+    /// The area vector of a curved face with straight edges is that of the flat face; otherwise Simpson's rule applies.
     #[test]
     fn area_vectors_of_curved_facets() {
         let mut mesh = block(&[1.0, 1.0, 1.0], &[1, 1, 1]).into_simplices().into_second_order();

@@ -1,26 +1,27 @@
-//! What the file of a mesh says beyond the mesh.
+//! Notes on the file of a mesh.
 
 use super::MeshFault;
 
-/// What the file of a mesh says beyond the mesh. A mesh that was not read from a file has none of it.
+/// Notes on the file of a mesh; empty for a mesh that was not read from a file.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Notes {
-    /// What was changed or left out when the file was read, in words.
+    /// Changes and omissions when the file was read, in words.
     pub remarks: Vec<String>,
-    /// Named groups that cannot be boundaries, each with the reason. It is an error only if a scene names such a group.
+    /// Named groups that cannot be boundaries, each with the reason. Such a group is an error only if a scene names it.
     pub unusable: Vec<(String, MeshFault)>,
-    /// The entries of [`super::Mesh::groups`] that stand for cells in several groups of the file, each with the names of these.
+    /// The entries of [`super::Mesh::groups`] for cells in several groups of the file, each with the names of these
+    /// groups.
     pub combined: Vec<(String, Vec<String>)>,
 }
 
 impl Notes {
-    /// The groups of the file that the cells of `group` are in.
+    /// Returns the groups of the file that contain the cells of `group`.
     pub fn members<'a>(&'a self, group: &'a String) -> &'a [String] {
         let combined = self.combined.iter().find(|(name, _)| name == group);
         combined.map_or(std::slice::from_ref(group), |(_, members)| members)
     }
 
-    /// The notes of the body `name`, whose name its groups have.
+    /// Adds the name of the body `name` to the groups.
     pub(super) fn of_body(self, name: &str) -> Self {
         let full = |group: String| format!("{name}:{group}");
         Notes {

@@ -1,11 +1,11 @@
-//! What there is to know of a kind of cell at the points of its rules, worked out once for all cells of a mesh.
+//! Shape functions and gradients at the integration points of each kind of cell, computed once for all cells of a mesh.
 
 use super::{CellKind, Geometry, Mesh, corner_shape, fine_quadrature, local_gradients, shape, stiffness_rule};
 
-/// No cell has more nodes.
+/// The largest number of nodes of a cell.
 pub(crate) const MOST_NODES: usize = 10;
 
-/// No cell has more corners.
+/// The largest number of corners of a cell.
 const MOST_CORNERS: usize = 8;
 
 /// A point of a rule on a reference cell.
@@ -13,20 +13,20 @@ const MOST_CORNERS: usize = 8;
 pub(crate) struct ReferencePoint {
     /// The weight of the point.
     pub weight: f64,
-    /// The shape functions of the nodes there; 0 beyond the last.
+    /// The shape functions of the nodes; 0 beyond the last node.
     pub shape: [f64; MOST_NODES],
-    /// Those of the corners alone, of [`corner_shape`].
+    /// The shape functions of the corners, see [`corner_shape`].
     pub corners: [f64; MOST_CORNERS],
     /// `∂N_a/∂(ξ, η, ζ)` of the nodes.
     pub slopes: [[f64; 3]; MOST_NODES],
 }
 
-/// A kind of cell at the points of its rules.
+/// A kind of cell at its integration points.
 #[derive(Debug, Clone)]
 pub(crate) struct ReferenceCell {
     straight: Vec<ReferencePoint>,
     curved: Vec<ReferencePoint>,
-    /// At those of [`fine_quadrature`].
+    /// The points of [`fine_quadrature`].
     pub fine: Vec<ReferencePoint>,
 }
 
@@ -48,18 +48,18 @@ impl ReferenceCell {
         }
     }
 
-    /// At the points of [`super::quadrature_of`] the cell of this `kind` with these `nodes`.
+    /// Returns the points of [`super::quadrature_of`] for the cell of this `kind` with these `nodes`.
     pub(crate) fn of(&self, kind: CellKind, nodes: &[[f64; 3]]) -> &[ReferencePoint] {
         if kind.is_curved(nodes) { &self.curved } else { &self.straight }
     }
 }
 
-/// The kinds of cells that a mesh has.
+/// The kinds of cells in a mesh.
 #[derive(Debug, Clone)]
 pub(crate) struct ReferenceCells([Option<ReferenceCell>; CellKind::ALL.len()]);
 
 impl ReferenceCells {
-    /// Those of `mesh`.
+    /// Computes the points of all kinds of cells in `mesh`.
     pub(crate) fn new(mesh: &Mesh) -> Self {
         let mut cells = ReferenceCells(Default::default());
         for cell in &mesh.cells {
@@ -68,7 +68,7 @@ impl ReferenceCells {
         cells
     }
 
-    /// That of a kind that the mesh has.
+    /// Returns the points of a kind; `None` if the mesh has no such cells.
     pub(crate) fn get(&self, kind: CellKind) -> Option<&ReferenceCell> {
         self.0[kind as usize].as_ref()
     }

@@ -1,4 +1,4 @@
-//! Rules of integration on reference cells.
+//! Integration rules on reference cells.
 
 /// Points of a reference cell, each with its weight.
 pub(super) type Rule = Vec<([f64; 3], f64)>;
@@ -6,7 +6,7 @@ pub(super) type Rule = Vec<([f64; 3], f64)>;
 /// 1/√3.
 const A: f64 = 0.577_350_269_189_625_8;
 
-/// 2 × 2 × 2 Gauss points on [-1, 1]³, corner by corner; those of a square are the first four.
+/// 2 × 2 × 2 Gauss points on [-1, 1]³, corner by corner; the points of a square are the first four.
 const GAUSS: [[f64; 3]; 8] =
     [[-A, -A, -A], [A, -A, -A], [A, A, -A], [-A, A, -A], [-A, -A, A], [A, -A, A], [A, A, A], [-A, A, A]];
 
@@ -30,7 +30,7 @@ fn near_corner(k: usize, near: f64, far: f64) -> [f64; 3] {
     [0, 1, 2].map(|c| if c == k { near } else { far })
 }
 
-/// Exact for quadratic polynomials.
+/// Returns a rule that is exact for quadratic polynomials.
 pub(super) fn triangle3() -> Rule {
     (0..3)
         .map(|k| {
@@ -40,13 +40,13 @@ pub(super) fn triangle3() -> Rule {
         .collect()
 }
 
-/// Exact for polynomials that are quadratic across the axis and cubic along it.
+/// Returns a rule that is exact for polynomials that are quadratic across the axis and cubic along it.
 pub(super) fn prism6() -> Rule {
     let above = |zeta: f64| triangle3().into_iter().map(move |([xi, eta, _], weight)| ([xi, eta, zeta], weight));
     above(-A).chain(above(A)).collect()
 }
 
-/// Exact for polynomials of degree 4, with positive weights (Cowper, Int. J. Numer. Meth. Engng 7 (1973) 405).
+/// Returns a rule with positive weights that is exact for degree 4 (Cowper, Int. J. Numer. Meth. Engng 7 (1973) 405).
 pub(super) fn triangle6() -> Rule {
     let orbits =
         [(0.445_948_490_915_964_9, 0.111_690_794_839_005_74), (0.091_576_213_509_770_74, 0.054_975_871_827_660_935)];
@@ -59,23 +59,23 @@ pub(super) fn triangle6() -> Rule {
     orbits.into_iter().flat_map(orbit).collect()
 }
 
-/// Exact for quadratic polynomials.
+/// Returns a rule that is exact for quadratic polynomials.
 pub(super) fn tetrahedron4() -> Rule {
     let far = (5.0 - 5.0_f64.sqrt()) / 20.0;
     (0..4).map(|k| (near_corner(k, 1.0 - 3.0 * far, far), 1.0 / 24.0)).collect()
 }
 
-/// Exact for cubic polynomials, with positive weights.
+/// Returns a rule with positive weights that is exact for cubic polynomials.
 pub(super) fn tetrahedron8() -> Rule {
     conical(CONICAL2)
 }
 
-/// Exact for polynomials of degree 5, with positive weights.
+/// Returns a rule with positive weights that is exact for degree 5.
 pub(super) fn tetrahedron27() -> Rule {
     conical(CONICAL3)
 }
 
-/// Points on [0, 1] and weights of Gauss and Jacobi's rules for `∫ f(x) (1 - x)^k dx`, k = 0, 1, 2.
+/// Points on [0, 1] and weights of Gauss-Jacobi rules for `∫ f(x) (1 - x)^k dx`, k = 0, 1, 2.
 type Conical<const N: usize> = [[(f64, f64); N]; 3];
 
 const CONICAL2: Conical<2> = [
@@ -102,7 +102,8 @@ const CONICAL3: Conical<3> = [
     ],
 ];
 
-/// The product of these rules on the unit cube, mapped to the tetrahedron: along ζ, then along η and ξ in what that leaves.
+/// Returns the product of these rules on the unit cube, mapped to the tetrahedron: along ζ, then along η and ξ in the
+/// remaining ranges.
 fn conical<const N: usize>([first, second, third]: Conical<N>) -> Rule {
     let mut rule = Vec::with_capacity(N * N * N);
     for (z, w_z) in third {

@@ -1,16 +1,17 @@
-//! The half sections of bodies of revolution.
+//! Half sections of bodies of revolution.
 
 use super::{Geometry, Mesh, MeshFault};
 
-/// Nodes that are as near to the axis, relative to the size of the body, are on it, but for the rounding of coordinates.
+/// Nodes within this distance from the axis, relative to the size of the body, count as on the axis, to allow for
+/// rounding of coordinates.
 const ON_AXIS: f64 = 1e-9;
 
 impl Mesh {
-    /// The body of revolution about the y axis whose half section this mesh of two dimensions is. Nodes that rounding has left beside
-    /// the axis are put on it.
+    /// Makes this two-dimensional mesh the half section of a body of revolution about the y axis. Nodes beside the axis
+    /// within rounding are moved to it.
     ///
     /// # Errors
-    /// [`MeshFault::NoSection`] of a mesh in space, [`MeshFault::LeftOfAxis`] where x is negative.
+    /// [`MeshFault::NoSection`] for a three-dimensional mesh, [`MeshFault::LeftOfAxis`] if x is negative.
     ///
     /// ```
     /// use stickslip::body::mesh::{Geometry, block};
@@ -29,7 +30,7 @@ impl Mesh {
         Ok(self)
     }
 
-    /// Whether a mesh of a body of revolution is in two dimensions and on one side of the axis.
+    /// Checks that the mesh of a body of revolution is two-dimensional and on one side of the axis.
     pub(super) fn check_section(&self) -> Result<(), MeshFault> {
         if self.geometry == Geometry::Cartesian {
             return Ok(());
@@ -41,7 +42,7 @@ impl Mesh {
         if left.is_empty() { Ok(()) } else { Err(MeshFault::LeftOfAxis(left)) }
     }
 
-    /// Whether `node` is on the axis of a body of revolution, where nothing moves aside.
+    /// Returns `true` if `node` is on the axis of a body of revolution, where radial displacements are 0.
     pub fn is_on_axis(&self, node: usize) -> bool {
         self.geometry == Geometry::Axisymmetric && self.nodes[node][0] == 0.0
     }
@@ -68,7 +69,7 @@ mod tests {
         assert!((0..9).all(|node| !moved(1e-3).unwrap().is_on_axis(node)));
         assert_eq!(moved(-1e-6).unwrap_err(), MeshFault::LeftOfAxis(vec![0, 3, 6]));
         assert_eq!(block(&[1.0; 3], &[1; 3]).into_axisymmetric().unwrap_err(), MeshFault::NoSection);
-        // A mesh that was put together by hand.
+        // A mesh put together by hand.
         let mut by_hand = moved(0.0).unwrap();
         by_hand.nodes[0][0] = -1e-3;
         assert_eq!(by_hand.check().unwrap_err(), MeshFault::LeftOfAxis(vec![0]));

@@ -1,35 +1,35 @@
-//! The sides of cells, and which cells hang together by them.
+//! The sides of cells, and the connection of cells by sides.
 
 use std::collections::{HashMap, HashSet};
 
 use super::{Cell, Facet, Mesh};
 use crate::algebra::union_find::UnionFind;
 
-/// Where parts of one body touch that share no whole side.
+/// A place where parts of one body touch without a common side.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) struct Joint {
     /// A cell of each part of the body.
     pub cells: Vec<usize>,
-    /// A node of two of them.
+    /// A node that two of them share.
     pub node: usize,
 }
 
 impl Cell {
-    /// The sides of the cell, each with its outside as [`Facet`] wants it.
+    /// Returns the sides of the cell, oriented as in [`Facet`].
     pub(super) fn facets(&self) -> Vec<Facet> {
         let sides = self.kind.properties().sides;
         sides.iter().map(|side| side.iter().map(|&k| self.nodes[k]).collect()).collect()
     }
 
-    /// The nodes of a plane cell all around.
+    /// Returns the nodes around a plane cell.
     pub fn around(&self) -> Vec<usize> {
         self.facets().iter().flat_map(|side| &side[..side.len() - 1]).copied().collect()
     }
 }
 
 impl Mesh {
-    /// The cell on the inner side of each facet, which is written from its least node on; or the pairs of cells, of
-    /// positive volume, that lie on the same side of a facet and so on one another.
+    /// Returns the cell on the inner side of each facet, whose nodes begin with the least one. The error contains pairs
+    /// of cells of positive volume on the same side of a facet, which therefore overlap.
     pub(super) fn sides(&self) -> Result<HashMap<Facet, usize>, Vec<(usize, usize)>> {
         let (mut sides, mut overlapping) = (HashMap::new(), Vec::new());
         for (e, cell) in self.cells.iter().enumerate() {
@@ -44,13 +44,13 @@ impl Mesh {
         if overlapping.is_empty() { Ok(sides) } else { Err(overlapping) }
     }
 
-    /// The surface of the body: the sides that belong to one cell only, each with its outside as [`Facet`] wants it, and the
+    /// Returns the surface of the mesh: the sides that belong to only one cell, oriented as in [`Facet`], each with the
     /// number of that cell; in the order of the cells.
     pub fn surface(&self) -> Vec<(Facet, usize)> {
         self.surface_at(|_| true)
     }
 
-    /// The part of the surface whose facets have a node that is `wanted`. Sides of other cells are not looked at.
+    /// Returns the facets of the surface with a `wanted` node. Other cells are not examined.
     pub fn surface_at(&self, wanted: impl Fn(usize) -> bool) -> Vec<(Facet, usize)> {
         let inward = |facet: &Facet| from_least(facet.iter().rev().copied().collect());
         let is_wanted = |facet: &Facet| facet.iter().any(|node| wanted(*node));
@@ -66,9 +66,9 @@ impl Mesh {
         all().filter(|(facet, _)| !known.contains(&inward(facet))).collect()
     }
 
-    /// A joint, if there is one; `body` is that of each cell.
+    /// Returns a joint, if there is one; `body` is the body of each cell.
     pub(super) fn joint(&self, sides: &HashMap<Facet, usize>, body: &[usize]) -> Option<Joint> {
-        // The first cell stands for its part.
+        // The first cell represents its part.
         let mut joined = UnionFind::new(self.cells.len());
         for (facet, &cell) in sides {
             let from_outside = from_least(facet.iter().rev().copied().collect());
@@ -87,7 +87,8 @@ impl Mesh {
     }
 }
 
-/// Pairs of cells of which one has a quadrilateral, of those in `sides`, and the other a triangle with three of its corners.
+/// Returns pairs of cells of which one has a quadrilateral side, of those in `sides`, and the other a triangle with
+/// three of its corners.
 pub(super) fn unmatched(sides: &HashMap<Facet, usize>) -> Vec<(usize, usize)> {
     if sides.keys().all(|facet| facet.len() != 4) || sides.keys().all(|facet| facet.len() != 3) {
         return Vec::new();
@@ -109,7 +110,7 @@ pub(super) fn unmatched(sides: &HashMap<Facet, usize>) -> Vec<(usize, usize)> {
     pairs
 }
 
-/// A facet written from its least node on, with the same outside. An edge has one way only to be written.
+/// Rotates the nodes of a facet to begin with the least one, with the same orientation. An edge is not changed.
 pub(super) fn from_least(mut facet: Facet) -> Facet {
     if facet.len() > 2 {
         let least = (0..facet.len()).min_by_key(|&k| facet[k]).unwrap_or(0);
@@ -139,7 +140,7 @@ mod tests {
         }
     }
 
-    /// The block without all cells but `kept`.
+    /// Returns the block with only the cells `kept`.
     fn part<const D: usize>(size: &[f64; D], elements: &[usize; D], kept: &[usize]) -> Mesh {
         let whole = block(size, elements);
         Mesh { cells: kept.iter().map(|&e| whole.cells[e].clone()).collect(), ..whole }
@@ -158,7 +159,7 @@ mod tests {
             assert_eq!(surface.len(), sides);
             let vectors: Vec<[f64; 3]> = surface.iter().map(|(facet, _)| mesh.area_vector(facet)).collect();
             let all: f64 = vectors.iter().map(|v| v.iter().map(|c| c * c).sum::<f64>().sqrt()).sum();
-            // The normals of a closed surface balance.
+            // The area vectors of a closed surface add up to 0.
             assert!((all - area).abs() < 1e-14 * area);
             assert!((0..3).all(|c| vectors.iter().map(|v| v[c]).sum::<f64>().abs() < 1e-14));
             assert!(surface.iter().all(|(facet, e)| facet.iter().all(|node| mesh.cells[*e].nodes.contains(node))));
@@ -170,7 +171,7 @@ mod tests {
         let corner = part(&[2.0, 2.0], &[2, 2], &[0, 3]);
         assert_eq!(joint(&corner), Some((vec![0, 1], 4)));
         assert_eq!(joint(&part(&[2.0, 2.0], &[2, 2], &[0, 3, 1])), None);
-        // What shares no node is a body of its own, and not named.
+        // Cells without common nodes are different bodies, not a joint.
         assert_eq!(joint(&part(&[3.0, 1.0], &[3, 1], &[0, 2])), None);
         assert_eq!(joint(&part(&[4.0, 2.0], &[4, 2], &[0, 5, 3])), Some((vec![0, 1], 6)));
         let cube: [(&[usize], Option<usize>); 4] =

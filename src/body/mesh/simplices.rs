@@ -5,16 +5,15 @@ use std::collections::HashSet;
 use super::sides::from_least;
 use super::{Cell, CellKind, Facet, Mesh};
 
-/// The six tetrahedra of a hexahedron around its diagonal from corner 0 to corner 6 (Kuhn): one for each
-/// order of walking along the three axes.
+/// The six tetrahedra of a hexahedron around its diagonal from corner 0 to corner 6 (Kuhn), one for each order of the
+/// three axes.
 const TETRAHEDRA: [[usize; 4]; 6] =
     [[0, 1, 2, 6], [0, 5, 1, 6], [0, 2, 3, 6], [0, 3, 7, 6], [0, 4, 5, 6], [0, 7, 4, 6]];
 
 impl Mesh {
-    /// The mesh with each quadrilateral divided into two triangles, each hexahedron into six tetrahedra and
-    /// each quadrilateral facet into two triangles. Cells and facets are divided along the diagonals at their
-    /// node of the least number, so neighbours match in a structured mesh whose node numbers grow along
-    /// every axis, as those of [`super::block`] do.
+    /// Divides each quadrilateral into two triangles, each hexahedron into six tetrahedra and each quadrilateral facet
+    /// into two triangles. Cells and facets are divided along the diagonals at their node with the least number, so
+    /// that neighbours match in a structured mesh whose node numbers grow along every axis, such as [`super::block`].
     #[must_use]
     pub fn into_simplices(mut self) -> Mesh {
         self.cells = self.cells.iter().flat_map(divided).collect();
@@ -24,8 +23,8 @@ impl Mesh {
         self
     }
 
-    /// The mesh with each hexahedron divided into two prisms by a plane through the diagonals from corner 0 to 2 and from 4 to 6, and
-    /// with the facets at their ends divided as they are.
+    /// Divides each hexahedron into two prisms by a plane through the diagonals from corner 0 to 2 and from 4 to 6, and
+    /// the facets at the ends of the prisms accordingly.
     #[must_use]
     pub fn into_prisms(mut self) -> Mesh {
         const HALVES: [[usize; 6]; 2] = [[0, 1, 2, 4, 5, 6], [0, 2, 3, 4, 6, 7]];
@@ -59,7 +58,7 @@ fn divided(cell: &Cell) -> Vec<Cell> {
     parts.into_iter().map(|nodes| Cell { kind, nodes, group: cell.group }).collect()
 }
 
-/// A quadrilateral as two triangles; what has fewer corners stays.
+/// Divides a quadrilateral into two triangles; facets with fewer corners are not changed.
 fn triangles(corners: &[usize]) -> Vec<Facet> {
     if corners.len() != 4 {
         return vec![corners.to_vec()];

@@ -1,4 +1,4 @@
-//! Where a mesh comes from: made here, read from a file, or given.
+//! Sources of meshes: generated, read from a file, or given.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -11,19 +11,19 @@ use super::{CellKind, Mesh, MeshFileError, gmsh};
 use crate::algebra::vector::{Vector, plus};
 use crate::base::input_error::{InputError, ensure, finite, not_huge, positive};
 
-/// How a mesh is made. Lengths are in m.
+/// The source of a mesh. Lengths are in m.
 #[derive(Debug, Clone, PartialEq)]
 pub enum MeshSource {
     /// A rectangle or box.
     Block {
-        /// The segments that x, y and, in three dimensions, z are made of.
+        /// The segments along x, y and, in three dimensions, z.
         axes: Vec<Vec<Segment>>,
-        /// The cells; triangles and tetrahedra divide the elements.
+        /// The kind of the cells; triangles and tetrahedra divide the elements.
         cells: CellKind,
-        /// Its lowest corner, m, such as `[r, 0]` of a ring of the inner radius r; that of coordinates without it.
+        /// The lowest corner, m, such as `[r, 0]` for a ring of the inner radius r; default: the origin.
         origin: Option<Vector>,
     },
-    /// A rectangle that stands for a half-plane pressed at the left end of its top.
+    /// A rectangle that approximates a half-plane pressed at the left end of its top.
     HalfPlane(HalfPlane),
     /// A mesh from a file in the format MSH 4.1 of Gmsh.
     Gmsh {
@@ -34,80 +34,80 @@ pub enum MeshSource {
     },
     /// A mesh in memory; see [`Mesh::new`].
     Given(Arc<Mesh>),
-    /// Several bodies, each with a mesh of its own.
+    /// Several bodies, each with its own mesh.
     Bodies(Vec<Body>),
 }
 
-/// A length with elements in geometric progression.
+/// A length divided into elements in geometric progression.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Segment {
     /// The length, m.
     pub length: f64,
-    /// The elements along it.
+    /// The number of elements.
     pub elements: usize,
-    /// Size of the last element over that of the first.
+    /// The size of the last element divided by that of the first.
     pub grading: f64,
 }
 
-/// A rectangle, fine under a contact zone at the left end of its top and coarser away from it:
-/// half of a body that is symmetric about its left side.
+/// A rectangle with a fine mesh under a contact zone at the left end of its top and a coarser mesh elsewhere: half of a
+/// body that is symmetric about its left side.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HalfPlane {
     /// Width and height, m.
     pub size: [f64; 2],
     /// Width of the contact zone, m.
     pub contact_width: f64,
-    /// Equal elements along the contact zone.
+    /// The number of equal elements along the contact zone.
     pub contact_elements: usize,
-    /// Equal elements along the rest of the top.
+    /// The number of equal elements along the rest of the top.
     pub outer_elements: usize,
-    /// Layers of elements, in geometric progression from the top one, whose elements are square in
-    /// the contact zone, to the bottom.
+    /// The number of layers of elements, in geometric progression from the top layer, whose elements are square in the
+    /// contact zone, to the bottom.
     pub layers: usize,
 }
 
-/// A body of several, with a mesh of its own.
+/// One of several bodies, with its own mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body {
-    /// Its name, without a colon. Its boundaries are called `name:boundary`, its groups `name:group`; the one group of a mesh
-    /// that names none is called `name`.
+    /// The name of the body, without a colon. Its boundaries are called `name:boundary`, its groups `name:group`; the
+    /// only group of a mesh without named groups is called `name`.
     pub name: String,
     /// Its mesh.
     pub mesh: MeshSource,
-    /// Where the origin of that is put, m; where it is, without it.
+    /// The position of the origin of the mesh, m; default: not moved.
     pub at: Option<Vector>,
 }
 
 impl Body {
-    /// The body `name` where its mesh is.
+    /// Creates the body `name` at the position of its mesh.
     pub fn new(name: &str, mesh: impl Into<MeshSource>) -> Self {
         Body { name: name.to_string(), mesh: mesh.into(), at: None }
     }
 
-    /// The same with its origin at `at` (m).
+    /// Sets the position of the origin of the mesh (m).
     #[must_use]
     pub fn at(self, at: impl Into<Vector>) -> Self {
         Body { at: Some(at.into()), ..self }
     }
 }
 
-/// Why a source makes no mesh.
+/// The error of a source that yields no mesh.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum MeshError {
-    /// One of its values is not possible.
+    /// A value of the source is invalid.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Source(#[from] InputError),
-    /// Its file is not sound.
+    /// The mesh file is invalid.
     #[error(transparent)]
     #[diagnostic(transparent)]
     File(#[from] MeshFileError),
 }
 
-/// Beyond this a mesh is a slip of the pen, not a model: no matrix of it would fit into memory.
+/// The largest number of elements; a larger mesh is an input error, since its matrix would not fit into memory.
 const MOST_ELEMENTS: usize = 50_000_000;
 
-/// The values of each axis, printed as a scene writes them: a list only where there are several segments.
+/// The values of each axis, formatted as in a scene: a list only if there are several segments.
 struct Axes<T>(Vec<Vec<T>>);
 
 impl<T: fmt::Debug> fmt::Debug for Axes<T> {
@@ -130,18 +130,18 @@ impl From<Mesh> for MeshSource {
 }
 
 impl MeshSource {
-    /// A rectangle or box of `size` (m) with so many equal `elements` along each axis: quadrilaterals or hexahedra.
-    /// Its boundaries are those of [`super::block`].
+    /// Creates a rectangle or box of `size` (m) with `elements` equal quadrilaterals or hexahedra along each axis. Its
+    /// boundaries are those of [`super::block`].
     pub fn block<const D: usize>(size: [f64; D], elements: [usize; D]) -> Self {
         let axis = |k: usize| vec![Segment { length: size[k], elements: elements[k], grading: 1.0 }];
         MeshSource::Block { axes: (0..D).map(axis).collect(), cells: CellKind::of_block(D), origin: None }
     }
 
-    /// A rectangle or box whose axes have segments of the lengths `size` (m) with so many `elements` each, in geometric
-    /// progression by `grading` (equal without it); quadrilaterals or hexahedra unless `cells` says otherwise.
+    /// Creates a rectangle or box whose axes have segments of the lengths `size` (m) with `elements` elements each, in
+    /// geometric progression by `grading` (default: equal); the default of `cells` is quadrilaterals or hexahedra.
     ///
     /// # Errors
-    /// Where the lists do not belong together, and as [`MeshSource::check`].
+    /// If the lists do not match, and as [`MeshSource::check`].
     pub fn segmented(
         size: &[Vec<f64>],
         elements: &[Vec<usize>],
@@ -163,10 +163,10 @@ impl MeshSource {
         Ok(source)
     }
 
-    /// Whether a mesh can be made of it, as far as that is known before a file is read.
+    /// Checks the source as far as possible without reading a file.
     ///
     /// # Errors
-    /// [`InputError`] of the key that is wrong, such as `mesh.size`; of a given mesh, `mesh`.
+    /// [`InputError`] with the key of the wrong value, such as `mesh.size`; for a given mesh, `mesh`.
     pub fn check(&self) -> Result<(), InputError> {
         match self {
             MeshSource::Block { axes, cells, origin } => check_block(axes, *cells, *origin),
@@ -183,16 +183,16 @@ impl MeshSource {
         }
     }
 
-    /// The mesh.
+    /// Generates or reads the mesh.
     ///
     /// # Errors
-    /// As [`MeshSource::check`]; when its file cannot be read, or has no sound mesh.
+    /// As [`MeshSource::check`], and if the file cannot be read or its mesh is invalid.
     pub fn build(&self) -> Result<Arc<Mesh>, MeshError> {
         self.check()?;
         self.made()
     }
 
-    /// The mesh of a source that has been checked.
+    /// Generates or reads the mesh of a checked source.
     pub(crate) fn made(&self) -> Result<Arc<Mesh>, MeshError> {
         let mesh = match self {
             MeshSource::Block { axes, cells, origin } => {
@@ -222,11 +222,11 @@ impl MeshSource {
         Ok(Arc::new(mesh))
     }
 
-    /// The number of nodes and the dimension; `None` if they are not known before a file is read.
+    /// Returns the number of nodes and the dimension; `None` if they are unknown before a file is read.
     pub fn nodes(&self) -> Option<(usize, usize)> {
         match self {
             MeshSource::Block { axes, cells, .. } => {
-                // The edges of simplices end, or have their middles, at each point of a lattice twice as fine.
+                // The ends and middles of the edges of simplices are the points of a lattice twice as fine.
                 let each = if cells.is_quadratic() { 2 } else { 1 };
                 let along = |axis: &Vec<Segment>| 1 + each * axis.iter().map(|segment| segment.elements).sum::<usize>();
                 Some((axes.iter().map(along).product(), axes.len()))
@@ -254,13 +254,13 @@ fn check_size(size: &[Vec<f64>]) -> Result<(), InputError> {
     size.iter().flatten().try_for_each(|&length| positive("mesh.size", length, LENGTHS))
 }
 
-/// The fault of a block with too few axes, or too many.
+/// Returns the error of a block with a wrong number of axes.
 fn no_dimension(size: &[Vec<f64>]) -> InputError {
     let message = format!("mesh.size is {:?}, but must be two or three lengths", Axes(size.to_vec()));
     InputError::new("mesh.size", message, LENGTHS)
 }
 
-/// Whether a list has a value for each length in `size`.
+/// Checks that a list has a value for each length in `size`.
 fn like_size<T: Clone + fmt::Debug>(key: &str, values: &[Vec<T>], size: &[Vec<f64>]) -> Result<(), InputError> {
     let sound = values.iter().map(Vec::len).eq(size.iter().map(Vec::len));
     let help = "mesh.size says how many segments there are along each axis";
@@ -324,7 +324,7 @@ impl HalfPlane {
     }
 }
 
-/// Where the elements of `segments` in a row end, m.
+/// Returns the ends of the elements of consecutive `segments`, m.
 fn mesh_lines(segments: &[Segment]) -> Vec<f64> {
     let mut lines = vec![0.0];
     let mut end = 0.0;
@@ -339,7 +339,7 @@ fn no_body() -> InputError {
     InputError::new("body", "there is no body", "give one at least")
 }
 
-/// Whether one mesh can be made of `bodies`, as far as that is known before files are read.
+/// Checks that `bodies` can be joined in one mesh, as far as possible without reading files.
 fn check_bodies(bodies: &[Body]) -> Result<(), InputError> {
     if bodies.is_empty() {
         return Err(no_body());
@@ -381,7 +381,7 @@ fn check_bodies(bodies: &[Body]) -> Result<(), InputError> {
     Ok(())
 }
 
-/// The one mesh of `bodies` that were checked.
+/// Joins checked `bodies` in one mesh.
 fn joined(bodies: &[Body]) -> Result<Mesh, MeshError> {
     let mut all: Option<Mesh> = None;
     for (k, Body { name, mesh, at }) in bodies.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! The balance of all forces on a body: loads, supports, springs, contact.
+//! The balance of all forces on a body: loads, supports, springs and contact.
 
 use std::ops::AddAssign;
 
@@ -11,18 +11,19 @@ use crate::body::mesh::{Geometry, Mesh};
 use crate::solver::problem::error::expect_length;
 use crate::solver::problem::{ProblemError, State};
 
-/// A force, and its moment about the origin at the reference positions of the nodes; in two dimensions per m of depth. Of a body of
-/// revolution forces are those all around, those along x add up to what leads away from the axis on all sides, and there is no moment.
+/// A force and its moment about the origin at the reference positions of the nodes; in two dimensions per m of depth.
+/// For a body of revolution, forces are those of the full circumference, the component along x is the sum of the radial
+/// forces, and there is no moment.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Wrench {
-    /// N.
+    /// The force, N.
     pub force: [f64; 3],
-    /// N m.
+    /// The moment, N m.
     pub moment: [f64; 3],
 }
 
 impl Wrench {
-    /// A `force` (N) on a body of this geometry at `x` (m).
+    /// Creates the wrench of a `force` (N) at `x` (m) on a body of this geometry.
     pub fn at(geometry: Geometry, x: [f64; 3], force: [f64; 3]) -> Self {
         let moment = match geometry {
             Geometry::Cartesian => cross(x, force),
@@ -54,7 +55,7 @@ impl std::iter::Sum for Wrench {
     }
 }
 
-/// All that acts on a body, in the order of its description.
+/// All forces on a body, in the order of its description.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Balance {
     /// The force of each load.
@@ -63,25 +64,27 @@ pub struct Balance {
     pub supports: Vec<Wrench>,
     /// The force of each spring or foundation on the body.
     pub springs: Vec<Wrench>,
-    /// The force of the obstacles on the body; those of bodies on each other leave at most the moment of friction across a gap.
+    /// The force of the obstacles on the body. Forces between bodies cancel, except for the moment of friction across a
+    /// gap.
     pub contact: Wrench,
-    /// What all of these leave, a force or a moment, relative to the sum of the sizes of the forces on its nodes.
+    /// The sum of all forces and moments, the residual, relative to the sum of the magnitudes of the forces on the
+    /// nodes.
     pub closure: f64,
-    /// What the forces leave, without their moments, relative to that sum.
+    /// The sum of all forces without moments, relative to the sum of the magnitudes.
     pub force_closure: f64,
-    /// That sum, N.
+    /// The sum of the magnitudes of the forces on the nodes, N.
     pub size: f64,
 }
 
-/// What the balance is made from.
+/// The data of the balance.
 #[derive(Debug, Clone)]
 pub(super) struct Statics {
     rows: HeldRows,
-    /// Whose the forces on held nodes are, see [`super::support::shares`].
+    /// The share of each support in the forces on held nodes, see [`super::support::shares`].
     shares: Vec<Vec<(usize, [[f64; 3]; 3])>>,
     springs: Vec<Vec<Spring>>,
     loads: Vec<Acting>,
-    /// The forces of springs (N) on the held nodes that each motion of supports makes at factor 1 as it carries the body.
+    /// For each motion of supports, the forces of springs (N) on the held nodes due to its rigid offset at factor 1.
     on_springs: Vec<Vec<[f64; 3]>>,
 }
 
@@ -89,7 +92,7 @@ pub(super) struct Statics {
 #[derive(Debug, Clone)]
 struct Acting {
     whole: Wrench,
-    /// The sum of the sizes of its forces, N.
+    /// The sum of the magnitudes of its forces, N.
     size: f64,
     /// Its forces on the held nodes, N.
     on_held: Vec<[f64; 3]>,
@@ -122,23 +125,24 @@ impl Statics {
         Statics { rows, shares, springs, loads, on_springs }
     }
 
-    /// All springs, those of foundations one for each facet.
+    /// Returns all springs; foundations have one for each facet.
     pub(super) fn springs(&self) -> impl Iterator<Item = &Spring> {
         self.springs.iter().flatten()
     }
 }
 
 impl Model {
-    /// The displacements (m) of all nodes that the unknowns `u` (n_u, m) are at time `t` (s), where supports have moved the body.
+    /// Returns the displacements (m) of all nodes from the unknowns `u` (n_u, m) at time `t` (s), including the motion
+    /// by supports.
     ///
     /// # Errors
-    /// [`ProblemError`] where `u` has another length.
+    /// [`ProblemError`] if the length of `u` is wrong.
     pub fn displacements(&self, t: f64, u: &[f64]) -> Result<Vec<[f64; 3]>, ProblemError> {
         expect_length("u", self.dofs.free(), u.len(), "one for each displacement")?;
         Ok(self.displaced(t, u))
     }
 
-    /// The same of unknowns that are known to be as many.
+    /// Returns the displacements of all nodes; the length of `u` is not checked.
     pub(crate) fn displaced(&self, t: f64, u: &[f64]) -> Vec<[f64; 3]> {
         let mut all = self.strained(t, u);
         let carried: Vec<[f64; 3]> = (0..self.carrying.groups).map(|group| self.carried(group, t)).collect();
@@ -150,12 +154,13 @@ impl Model {
         all
     }
 
-    /// The force of each load at factor 1, N, what acts on held nodes included; in two dimensions per m of depth, of a body of revolution all around.
+    /// Returns the force of each load at factor 1, N, including the forces on held nodes; in two dimensions per m of
+    /// depth, for a body of revolution over the full circumference.
     pub fn forces_of_loads(&self) -> impl Iterator<Item = [f64; 3]> + '_ {
         self.statics.loads.iter().map(|load| load.whole.force)
     }
 
-    /// The same from where supports have carried the body as a whole, from which gaps count.
+    /// Returns the displacements of all nodes relative to the rigid offset by supports, to which gaps refer.
     pub(super) fn strained(&self, t: f64, u: &[f64]) -> Vec<[f64; 3]> {
         let mut all = self.dofs.displacements(u);
         for moved in &self.moved {
@@ -165,12 +170,13 @@ impl Model {
         all
     }
 
-    /// How far supports have carried the bodies of a group as a whole until time `t` (s), m.
+    /// Returns the rigid offset of the bodies of a group by supports at time `t` (s), m.
     fn carried(&self, group: usize, t: f64) -> [f64; 3] {
         [0, 1, 2].map(|c| self.moved.iter().map(|moved| moved.factor(t) * moved.carried[group][c]).sum())
     }
 
-    /// How far supports have moved contact node `i` along its normal beyond the body, m: its gap counts from there.
+    /// Returns the prescribed displacement of contact node `i` along its normal beyond the rigid offset, m; its gap
+    /// refers to this position.
     pub(super) fn beyond(&self, i: usize, t: f64) -> f64 {
         let contact = &self.contacts[i];
         let beyond = |moved: &Moved| {
@@ -179,12 +185,13 @@ impl Model {
         self.moved.iter().map(beyond).sum()
     }
 
-    /// How supports have moved contact node `i` along its normal and its tangents until time `t` (s), beside what its unknowns tell, m.
+    /// Returns the displacement of contact node `i` by supports along its normal and its tangents at time `t` (s), in
+    /// addition to that of its unknowns, m.
     pub(crate) fn moved(&self, i: usize, t: f64) -> [f64; 3] {
         let (contact, rows) = (&self.contacts[i], &self.statics.rows);
         let directions = [contact.facing.normal, contact.facing.tangents[0], contact.facing.tangents[1]];
         let coupled = contact.coupled().is_some();
-        // What carries both bodies takes neither past the other.
+        // A rigid offset of both bodies causes no relative motion.
         let carried = if coupled { [0.0; 3] } else { self.carried(self.carrying.of(contact.node), t) };
         let of = |moved: &Moved| {
             if coupled {
@@ -200,8 +207,8 @@ impl Model {
         sum
     }
 
-    /// The gap (m) of contact node `i` at time `t` (s), from which its own displacement leaves a distance, where `of_rows` (n_c) are those
-    /// of rows: on boundaries of second order these are made of other nodes, too.
+    /// Returns the gap (m) of contact node `i` at time `t` (s) that belongs to the displacement of the node itself.
+    /// `of_rows` (n_c) are the gaps of the rows, which on boundaries of second order combine several nodes.
     pub(crate) fn nodal_gap(&self, i: usize, t: f64, of_rows: &[f64]) -> f64 {
         let contact = &self.contacts[i];
         let Some((k, facing)) = self.met(i, t) else { return self.of_node_from_rows(i, |j| of_rows[j]) };
@@ -212,13 +219,13 @@ impl Model {
         motion.exact_gap(obstacle, t, contact.position, &facing) - self.beyond(i, t)
     }
 
-    /// The force (N) of the body on the obstacle, or on the body in front of it, at contact node `i`, for the contact forces of `state`.
+    /// Returns the force (N) of the body on the opposite side at contact node `i`, from the contact forces of `state`.
     pub(crate) fn contact_force(&self, state: &State, i: usize) -> [f64; 3] {
         force_along(&self.contacts[i].facing, [state.p_n[i], state.p_t[i], state.p_o[i]])
     }
 
-    /// The force (N) of all nodes in the rows of contact node `i` on what is in front of its body. On boundaries of second order these
-    /// have normals of their own.
+    /// Returns the total force (N) on the opposite side of all nodes in the rows of contact node `i`. On boundaries of
+    /// second order the nodes have different normals.
     pub(crate) fn force_of_row(&self, state: &State, i: usize) -> [f64; 3] {
         if self.contacts[i].ends.is_none() {
             return self.contact_force(state, i);
@@ -226,7 +233,7 @@ impl Model {
         self.forces_of_rows(state, i).fold([0.0; 3], |sum, (_, force)| plus(sum, 1.0, force))
     }
 
-    /// The force (N) that each node in the rows of contact node `i` exerts on what is in front of its body.
+    /// Returns the force (N) on the opposite side of each node in the rows of contact node `i`.
     pub(crate) fn forces_of_rows(&self, state: &State, i: usize) -> impl Iterator<Item = (Term, [f64; 3])> + '_ {
         let p = [state.p_n[i], state.p_t[i], state.p_o[i]];
         self.contacts[i].terms().map(move |term| {
@@ -235,17 +242,17 @@ impl Model {
         })
     }
 
-    /// Everything that acts on the body at time `t` (s) in the `state` it has then: the force of a support is what the stiffness
-    /// of its nodes, their contact and their loads leave, `K u + Cᵀ p - f`.
+    /// Computes all forces on the body at time `t` (s) in the `state` at that time. The force of a support is the
+    /// residual of the stiffness, contact and loads at its nodes, `K u + Cᵀ p - f`.
     ///
     /// # Errors
-    /// [`ProblemError`] where an array of the state has another length than the problem says.
+    /// [`ProblemError`] if the length of an array of the state does not fit the problem.
     pub fn balance(&self, t: f64, state: &State) -> Result<Balance, ProblemError> {
         state.check(&self.problem)?;
         Ok(self.balanced(t, state))
     }
 
-    /// The same of a state that is known to fit.
+    /// Computes all forces on the body; the lengths of the state are not checked.
     pub(crate) fn balanced(&self, t: f64, state: &State) -> Balance {
         let Statics { rows, shares, springs, loads, on_springs } = &self.statics;
         let (strained, rest) = if state.u_rest.is_empty() {
@@ -274,7 +281,7 @@ impl Model {
                 }
             }
         }
-        // What glue passes on to held nodes is carried by their supports.
+        // Forces that glue transfers to held nodes act on their supports.
         for node in self.dofs.followers().into_iter().rev() {
             let Ok(from) = rows.nodes().binary_search(&node) else { continue };
             let free = self.dofs.free_axes(node).into_iter();
@@ -315,10 +322,11 @@ impl Model {
         Balance { loads, supports, springs, contact, closure, force_closure, size }
     }
 
-    /// The size of a force, or of a moment about the middle of the body by its size; and that of the force alone.
+    /// Returns the larger of the magnitudes of the force and of the moment about the middle of the body divided by its
+    /// size; and the magnitude of the force.
     fn left_of(&self, left: Wrench) -> [f64; 2] {
         if self.mesh.geometry == Geometry::Axisymmetric {
-            // What leads away from the axis is in balance with itself.
+            // Radial forces are in equilibrium by symmetry.
             return [left.force[1].abs(); 2];
         }
         let middle = self.mesh.bounds().map(|(lowest, highest)| 0.5 * (lowest + highest));
@@ -327,13 +335,13 @@ impl Model {
     }
 }
 
-/// The force of these components along the normal and the tangents of a node.
+/// Returns the force with these components along the normal and the tangents of a node.
 fn force_along(facing: &Facing, [p_n, p_t, p_o]: [f64; 3]) -> [f64; 3] {
     let [t, o] = facing.tangents;
     [0, 1, 2].map(|c| p_n * facing.normal[c] + p_t * t[c] + p_o * o[c])
 }
 
-/// Adds `factor` times `terms` at their places.
+/// Adds `factor` times each of `terms` at its index.
 fn add(sums: &mut [[f64; 3]], factor: f64, terms: impl IntoIterator<Item = (usize, [f64; 3])>) {
     for (k, term) in terms {
         (0..3).for_each(|c| sums[k][c] += factor * term[c]);

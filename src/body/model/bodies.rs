@@ -1,4 +1,4 @@
-//! Bodies that are in each other's way when the history begins.
+//! Check for bodies that overlap when the history begins.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -10,8 +10,9 @@ use crate::body::description::Description;
 use crate::body::fem::overlaps;
 use crate::body::mesh::{Bodies, Boundary, Mesh, MeshSource};
 
-/// Fails where two bodies that nothing joins have nodes in the same place or are inside one another: they would pass through each other.
-/// What joins bodies is a contact between them; those that touch in a node may be joined by way of others, as blocks around a point.
+/// Fails if two bodies without a contact between them have coincident nodes or are inside one another; they would pass
+/// through each other. Bodies that touch at a node may also be connected through contacts with other bodies, such as
+/// blocks around a point.
 pub(super) fn keep_apart(description: &Description, mesh: &Mesh) -> Result<(), InputError> {
     let bodies = &mesh.bodies();
     if !bodies.are_several() {
@@ -27,7 +28,7 @@ pub(super) fn keep_apart(description: &Description, mesh: &Mesh) -> Result<(), I
     let pair = |a: usize, b: usize| (of[a].min(of[b]), of[a].max(of[b]));
     let place = |node: usize| description.system(mesh.dimension).place(mesh.nodes[node]);
     let touching = mesh.touching_nodes(bodies);
-    // Bodies that others join may touch at a point, in space along an edge, but not over a side.
+    // Bodies connected through others may touch at a point or, in three dimensions, along an edge, but not over a side.
     let mut at: BTreeMap<(usize, usize), Vec<[f64; 3]>> = BTreeMap::new();
     let mut joined = |a: usize, b: usize| {
         let of_pair = pair(a, b);
@@ -60,7 +61,8 @@ pub(super) fn keep_apart(description: &Description, mesh: &Mesh) -> Result<(), I
     Ok(())
 }
 
-/// Whether the last of `places`, with those before it, spans more than a point, in space more than a line.
+/// Returns `true` if `places` span more than a point or, in three dimensions, more than a line, because of the last
+/// one.
 fn spans_a_side(places: &[[f64; 3]], dimension: usize) -> bool {
     let (Some(first), Some(last)) = (places.first(), places.last()) else { return false };
     let arm = minus(*last, *first);
@@ -74,10 +76,10 @@ fn spans_a_side(places: &[[f64; 3]], dimension: usize) -> bool {
     places.iter().any(aside)
 }
 
-/// Places whose directions differ by less are on one line.
+/// Points are on one line if their directions differ by less than this.
 const ASIDE: f64 = 1e-6;
 
-/// Pairs of bodies with a contact between them, the lesser first.
+/// Returns the pairs of bodies with a contact between them, the smaller number first.
 fn paired(description: &Description, mesh: &Mesh, bodies: &Bodies) -> Result<BTreeSet<(usize, usize)>, InputError> {
     let mut pairs = BTreeSet::new();
     for (k, contact) in description.contacts.iter().enumerate() {
@@ -93,10 +95,10 @@ fn paired(description: &Description, mesh: &Mesh, bodies: &Bodies) -> Result<BTr
     Ok(pairs)
 }
 
-/// The key of body `k`.
+/// Returns the key of body `k`.
 fn key(source: &MeshSource, bodies: &Bodies, k: usize) -> String {
     let MeshSource::Bodies(given) = source else { return "mesh".to_string() };
-    // A body whose mesh has several pieces is numbered behind its name.
+    // If the mesh of a body has several pieces, its name is followed by a number.
     let name = &bodies.names()[k];
     let own = given
         .iter()

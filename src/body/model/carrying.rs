@@ -1,8 +1,8 @@
-//! Which bodies the supports carry along together.
+//! Groups of bodies with a common rigid offset by supports.
 //!
-//! What moves a body as a whole strains nothing, and forces that would be the work of its stiffness against itself are left out
-//! (`Moved`). Bodies that are moved by different supports are carried by translations of their own: one for all would pull a stiff body
-//! that stays where it is back against the mean, with forces far above all that act.
+//! A rigid offset causes no strain, and forces of the stiffness that would cancel are left out (`Moved`). Bodies that
+//! are moved by different supports have different offsets. With one offset for all, a stiff body at rest would be
+//! pulled back against the mean by forces far above the actual ones.
 
 use std::collections::{BTreeSet, VecDeque};
 
@@ -13,19 +13,21 @@ use crate::base::input_error::InputError;
 use crate::body::description::Description;
 use crate::body::mesh::Mesh;
 
-/// The groups of bodies that go along together: those that are glued, and those that one obstacle is in front of.
+/// The groups of bodies with a common rigid offset: bodies that are glued together, and bodies in front of the same
+/// obstacle.
 #[derive(Debug, Clone)]
 pub(super) struct Carrying {
     /// The group of each node.
     of_node: Vec<usize>,
-    /// How many there are.
+    /// The number of groups.
     pub groups: usize,
-    /// For each group the one whose supports carry it: itself, or if it has none the nearest in contact with it that has.
+    /// For each group, the group whose supports determine its offset: the group itself or, if it has no supports, the
+    /// nearest group in contact that has supports.
     pub carrier: Vec<usize>,
 }
 
 impl Carrying {
-    /// The groups of the bodies of `mesh`, of which supports hold the nodes `held`.
+    /// Creates the groups of the bodies of `mesh`, where supports hold the nodes `held`.
     pub(super) fn new(
         description: &Description,
         mesh: &Mesh,
@@ -76,12 +78,12 @@ impl Carrying {
         Ok(Carrying { of_node, groups: firsts.len(), carrier })
     }
 
-    /// How many nodes there are.
+    /// Returns the number of nodes.
     pub(super) fn nodes(&self) -> usize {
         self.of_node.len()
     }
 
-    /// The group of `node`.
+    /// Returns the group of `node`.
     pub(super) fn of(&self, node: usize) -> usize {
         self.of_node[node]
     }

@@ -1,4 +1,4 @@
-//! The contact nodes of all boundaries and what is in front of them, checked.
+//! The contact nodes of all boundaries and their opposite sides, with checks.
 
 use std::collections::BTreeMap;
 
@@ -20,11 +20,11 @@ use crate::body::mesh::{Boundary, Mesh};
 use crate::solver::loading::FrictionHistory;
 use crate::solver::problem::ProblemError;
 
-/// How much of the body an obstacle may take up when the history begins. Strains are about this share, and
-/// far less is no small deformation any more: more is a slip of the pen.
+/// The largest initial overlap of an obstacle and the body, as a share of the thickness of the body. Strains are about
+/// this share, which is far beyond small deformations; a larger overlap is an input error.
 const DEEPEST: f64 = 0.2;
 
-/// The body as contacts see it.
+/// The data of the body that contacts need.
 struct ContactBody<'a> {
     description: &'a Description,
     mesh: &'a Mesh,
@@ -39,19 +39,19 @@ struct ContactBody<'a> {
 #[derive(Default)]
 pub(super) struct Contacts {
     pub nodes: Vec<ContactNode>,
-    /// Coulomb's coefficient of each node.
+    /// The friction coefficient of each node.
     pub mu: Vec<f64>,
     pub boundaries: Vec<ContactBoundary>,
-    /// The obstacles in front of all boundaries, and how they move.
+    /// The obstacles in front of all boundaries, and their motions.
     pub obstacles: Vec<(PlacedObstacle, ObstacleMotion)>,
-    /// Coulomb's coefficient at the nodes of each boundary, before those that are of several have the mean.
+    /// The friction coefficients at the nodes of each boundary, before averaging at nodes of several boundaries.
     own_mu: Vec<Vec<f64>>,
-    /// The contact nodes at each node of the mesh that has one.
+    /// The contact nodes at each node of the mesh.
     at_node: BTreeMap<usize, Vec<usize>>,
 }
 
 impl Contacts {
-    /// The contacts of `description`, boundary by boundary.
+    /// Creates the contacts of `description`, boundary by boundary.
     pub(super) fn new(
         description: &Description,
         mesh: &Mesh,
@@ -73,7 +73,7 @@ impl Contacts {
         Ok(contacts)
     }
 
-    /// Adds what is in front of another boundary, unless it is glued to it.
+    /// Adds the contact nodes of a pair of boundaries, unless they are glued.
     fn add_pair(&mut self, body: &ContactBody<'_>, k: usize, number: usize) -> Result<(), InputError> {
         let ContactBody { description, mesh, dofs, pairs, .. } = *body;
         let (pair, contact) = (&pairs.all[number], &description.contacts[k]);
@@ -82,7 +82,7 @@ impl Contacts {
         }
         let boundary = find(mesh, &pair.slave, &format!("contact[{k}]"))?;
         let units = description.system(mesh.dimension);
-        // Along the boundary, as its nodes are told.
+        // In the order of the nodes along the boundary.
         let mut nodes: BTreeMap<usize, ContactNode> =
             pair.nodes(mesh, dofs, number).into_iter().map(|node| (node.node, node)).collect();
         let nodes: Vec<ContactNode> = boundary.nodes().iter().filter_map(|node| nodes.remove(node)).collect();
@@ -116,7 +116,7 @@ impl Contacts {
         let boundary = find(mesh, &contact.boundary, &format!("contact[{k}]"))?;
         let mut obstacles = placed(contact, description.end(), mesh, boundary, k)?;
         for (_, motion) in &mut obstacles {
-            // All bodies behind one obstacle are carried along together.
+            // All bodies in front of one obstacle have the same rigid offset.
             let group = boundary.nodes().first().map_or(0, |&node| carrying.of(node));
             for Moved { carried, history, .. } in moved {
                 motion.pass(carried[group], history);
@@ -163,7 +163,8 @@ impl Contacts {
         Ok(())
     }
 
-    /// How friction changes in time, if that of any contact does: the part of each contact in that of its nodes.
+    /// Returns the history of friction if the coefficient of any contact varies in time: the part of each contact in
+    /// the coefficients of its nodes.
     pub(super) fn friction_history(&self, description: &Description) -> Result<Option<FrictionHistory>, ProblemError> {
         let contacts = &description.contacts;
         if contacts.iter().all(|contact| contact.friction_history.is_none()) {
@@ -180,8 +181,8 @@ impl Contacts {
         FrictionHistory::new(self.nodes.len(), cases).map(Some)
     }
 
-    /// The number of a node of the boundary `name`: that of an earlier boundary in front of the same normal, or a new one.
-    /// Refuses opposite normals, for the forces would cancel, whatever they are.
+    /// Returns the number of a node of the boundary `name`: the number from an earlier boundary with the same normal,
+    /// or a new one. Fails for opposite normals, since forces of any size would cancel.
     fn add_node(
         &mut self,
         node: ContactNode,
@@ -191,7 +192,7 @@ impl Contacts {
         k: usize,
     ) -> Result<usize, InputError> {
         let sharing = self.at_node.entry(node.node).or_default();
-        // One degree from parallel; a sharper edge of a body cannot be meshed.
+        // Normals within one degree count as parallel; a sharper edge of a body cannot be meshed.
         let parallel = |i: &&usize| {
             let other = &self.nodes[**i];
             other.obstacle().is_some() && dot(node.facing.normal, other.facing.normal).abs() > 0.9998
@@ -211,7 +212,7 @@ impl Contacts {
             return Err(InputError::new(format!("contact[{k}].obstacle"), message, help));
         }
         let weight = earlier.weight + node.weight;
-        // Of equal coefficients the mean is that to the last bit.
+        // The mean of equal coefficients is exactly their value.
         self.mu[same] += (mu - self.mu[same]) * (node.weight / weight);
         let gap = |node: &ContactNode| {
             node.obstacle().map_or(node.facing.gap, |k| {
@@ -229,7 +230,7 @@ impl Contacts {
     }
 }
 
-/// Refuses a history of a friction that there is none of.
+/// Fails for a friction history without friction.
 fn refuse_idle_history(contact: &Contact, own_mu: &[f64], k: usize) -> Result<(), InputError> {
     if contact.friction_history.is_none() || own_mu.iter().any(|mu| *mu != 0.0) {
         return Ok(());
@@ -239,7 +240,7 @@ fn refuse_idle_history(contact: &Contact, own_mu: &[f64], k: usize) -> Result<()
     Err(InputError::new(format!("contact[{k}].friction_history"), message, help))
 }
 
-/// Refuses contacts of which two have a facet in common whose nodes carry their forces: it would count twice.
+/// Fails if two contacts share a facet whose nodes carry the forces of both; the facet would count twice.
 fn share_no_facet(description: &Description, mesh: &Mesh, pairs: &Pairs) -> Result<(), InputError> {
     let contacts = &description.contacts;
     if contacts.len() < 2 {
@@ -263,7 +264,7 @@ fn share_no_facet(description: &Description, mesh: &Mesh, pairs: &Pairs) -> Resu
     Ok(())
 }
 
-/// Coulomb's coefficient of `node`.
+/// Returns the friction coefficient of `node`.
 fn friction(contact: &Contact, units: &UnitSystem, node: &ContactNode, k: usize) -> Result<f64, InputError> {
     let mu = contact.friction.at(node.position);
     if mu.is_finite() && mu >= 0.0 {
@@ -274,7 +275,7 @@ fn friction(contact: &Contact, units: &UnitSystem, node: &ContactNode, k: usize)
     Err(InputError::new(format!("contact[{k}].friction"), message, "mend the formula, such as by max(0, ...)"))
 }
 
-/// The obstacles of contact `k` in front of its `boundary`, and how they move.
+/// Returns the obstacles of contact `k` in front of its `boundary`, and their motions.
 fn placed(
     contact: &Contact,
     end: f64,
@@ -293,7 +294,7 @@ fn placed(
     contact.obstacles().iter().enumerate().map(place).collect()
 }
 
-/// The nodes of contact `k` with the obstacle that each meets.
+/// Returns the nodes of contact `k`, each with the obstacle that it meets.
 fn met(
     contact: &Contact,
     body: &ContactBody<'_>,

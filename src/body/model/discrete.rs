@@ -1,4 +1,4 @@
-//! A description on its mesh, before anything is assembled: displacements, laws, springs.
+//! A description on its mesh before assembly: displacements, laws and springs.
 
 use std::sync::Arc;
 
@@ -9,14 +9,14 @@ use crate::body::description::Description;
 use crate::body::fem::{Dofs, Elasticity, Element, NodalVolumes, Spring};
 use crate::body::mesh::Mesh;
 
-/// What a model begins with.
+/// The parts of a model before assembly.
 pub(super) struct Discrete {
     pub mesh: Arc<Mesh>,
-    /// What holds the body, support by support.
+    /// The displacements that each support holds.
     pub holdings: Vec<Holding>,
     pub dofs: Dofs,
     pub element: Element,
-    /// The law of each cell.
+    /// The elastic law of each cell.
     pub materials: Vec<Elasticity>,
     pub pairs: Pairs,
     pub volumes: NodalVolumes,
@@ -42,7 +42,7 @@ impl Discrete {
     }
 }
 
-/// Whether the stiffness is the sum of those of the cells, each on displacements of its own nodes.
+/// Returns `true` if the stiffness is a sum over cells, each on displacements of its own nodes.
 pub(super) fn is_a_sum_over_cells<'a>(
     pairs: &[Pair],
     volumes: &NodalVolumes,

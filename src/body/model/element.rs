@@ -1,12 +1,12 @@
-//! The elements of a description, which have to suit the cells of its mesh.
+//! The element formulation of a description; it must suit the cells of the mesh.
 
 use crate::base::input_error::InputError;
 use crate::body::description::Description;
 use crate::body::fem::{Element, NodalVolumes};
 use crate::body::mesh::{CellKind, Mesh};
 
-/// How strains follow from displacements: B-bar is for quadrilaterals, hexahedra and prisms, nodal volumes for triangles,
-/// tetrahedra and prisms.
+/// Returns the element formulation and checks it: B-bar is for quadrilaterals, hexahedra and prisms, nodal volumes for
+/// triangles, tetrahedra and prisms.
 pub(super) fn element(description: &Description, mesh: &Mesh) -> Result<Element, InputError> {
     let element = description.element;
     let kinds = || mesh.cells.iter().map(|cell| cell.kind);

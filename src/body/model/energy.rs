@@ -7,14 +7,15 @@ use crate::body::mesh::{corner_shape, quadrature_of};
 use crate::solver::problem::State;
 
 impl Model {
-    /// The strain energy of the body and its springs at time `t` (s), J, in two dimensions per m of depth, of a body of revolution all around:
+    /// Computes the strain energy of the body and its springs at time `t` (s), J; in two dimensions per m of depth, for
+    /// a body of revolution over the full circumference:
     ///
     /// ```text
     /// ½ ∫ (ε - ε₀) D (ε - ε₀) dV + ½ uᵀ K_s u
     /// ```
     ///
-    /// with the stress-free strain ε₀ of loads by temperature, which counts as that at the centre of each cell. Where there are
-    /// none of these and no support moves the body, this is `½ uᵀ K u`, and nothing is computed: `None`.
+    /// with the stress-free strain ε₀ of thermal loads, taken at the centre of each cell. Without thermal loads and
+    /// moving supports, the energy is `½ uᵀ K u`, and the result is `None`.
     pub(crate) fn strain_energy(&self, t: f64, state: &State) -> Option<f64> {
         if self.thermal.is_empty() && self.moved.is_empty() {
             return None;
@@ -32,7 +33,8 @@ impl Model {
         Some((0..self.mesh.cells.len()).map(of_cell).sum::<f64>() + of_volumes + springs.sum::<f64>())
     }
 
-    /// The strains of cell `e` at its integration points, each with its volume, beyond those that heat alone makes.
+    /// Computes the elastic strains of cell `e` at its integration points, without the thermal strain, each with its
+    /// volume.
     pub(crate) fn elastic_strains(
         &self,
         e: usize,
@@ -42,7 +44,7 @@ impl Model {
         let cell = &self.mesh.cells[e];
         let nodes = self.mesh.points(&cell.nodes);
         let moved: Vec<_> = cell.nodes.iter().map(|&node| displacements[node]).collect();
-        // Assembly has refused cells that have none.
+        // Assembly has already failed for cells without a valid strain.
         let mut strains = strains(cell.kind, self.mesh.geometry, &nodes, &moved, self.element()).unwrap_or_default();
         if let Some(at_corners) = self.corner_dilatations(e, factors, displacements) {
             for ((_, strain), (point, _)) in
@@ -59,7 +61,7 @@ impl Model {
         strains
     }
 
-    /// The strain that heat alone makes of cell `e`.
+    /// Returns the thermal strain of cell `e`.
     pub(crate) fn free_stretch(&self, e: usize, factors: &[f64]) -> [f64; 6] {
         free_stretch(self.is_thin(), self.free_strain(e, factors))
     }

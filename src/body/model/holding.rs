@@ -1,4 +1,4 @@
-//! Which displacements the supports of a description hold on its mesh.
+//! The displacements of a mesh that the supports of a description hold.
 
 use super::find;
 use super::place::{nodes, normals, suits};
@@ -9,10 +9,10 @@ use crate::body::description::{Axis, Description, Direction, Held, Support, Wher
 use crate::body::fem::{Dofs, SAME_DIRECTION};
 use crate::body::mesh::Mesh;
 
-/// What one support holds: nodes, unit vectors, displacements (m) at factor 1.
+/// The displacements that one support holds: nodes, unit vectors and displacements (m) at factor 1.
 pub(super) type Holding = Vec<(usize, [f64; 3], f64)>;
 
-/// What each support of `description` holds.
+/// Returns the displacements that each support of `description` holds.
 pub(super) fn holdings(description: &Description, mesh: &Mesh) -> Result<Vec<Holding>, InputError> {
     let units = description.system(mesh.dimension);
     description.supports.iter().enumerate().map(|(k, support)| holding(mesh, support, &units, k)).collect()
@@ -56,8 +56,8 @@ fn holding(mesh: &Mesh, support: &Support, units: &UnitSystem, k: usize) -> Resu
     Ok(holding)
 }
 
-/// What a support that moves a node by a length (m) along a unit vector holds there beside what the axis of a body of revolution holds:
-/// nothing, where that is along the axis' own.
+/// Returns the part that a support, which moves a node by a length (m) along a unit vector, holds in addition to the
+/// axis of a body of revolution; `None` if the axis already holds this direction.
 fn beside_axis(
     mesh: &Mesh,
     units: &UnitSystem,
@@ -79,7 +79,7 @@ fn beside_axis(
     Err(InputError::new(format!("{key}.displacement"), message, help))
 }
 
-/// The displacements that the supports leave free.
+/// Numbers the displacements that the supports leave free.
 pub(super) fn dofs(mesh: &Mesh, holdings: &[Holding]) -> Result<Dofs, InputError> {
     let mut directions = vec![Vec::new(); mesh.nodes.len()];
     for (node, n, _) in holdings.iter().flatten() {

@@ -1,4 +1,4 @@
-//! The loads and springs of a description on its mesh: forces on its nodes.
+//! The loads and springs of a description as forces on the nodes of its mesh.
 
 use super::find;
 use super::place::{node, of_dimension, suits};
@@ -11,7 +11,7 @@ use crate::body::fem::{
 };
 use crate::body::mesh::{Boundary, Geometry, Mesh};
 
-/// The body as loads see it.
+/// The data of the body that loads need.
 pub(super) struct LoadedBody<'a> {
     pub description: &'a Description,
     pub mesh: &'a Mesh,
@@ -21,24 +21,24 @@ pub(super) struct LoadedBody<'a> {
     pub materials: &'a [Elasticity],
 }
 
-/// What a load does at factor 1.
+/// The effect of a load at factor 1.
 pub(super) struct LoadOnMesh {
     pub forces: NodalForces,
-    /// If it is a load by temperature.
+    /// The stress-free strain, for a thermal load.
     pub free_strain: Option<FreeStrain>,
 }
 
-/// The strain that heat alone makes, along all axes.
+/// The thermal strain, equal along all axes.
 #[derive(Debug, Clone)]
 pub(super) struct FreeStrain {
-    /// At the centre of each cell.
+    /// The strain at the centre of each cell.
     pub of_cells: Vec<f64>,
-    /// The mean in each nodal volume.
+    /// The mean strain in each nodal volume.
     pub of_volumes: Vec<f64>,
 }
 
 impl LoadedBody<'_> {
-    /// What load `k` does.
+    /// Computes the effect of load `k`.
     pub(super) fn load(&self, k: usize) -> Result<LoadOnMesh, InputError> {
         let LoadedBody { description, mesh, element, volumes, thin, materials } = *self;
         let key = format!("load[{k}]");
@@ -111,7 +111,8 @@ impl LoadedBody<'_> {
                 let strain = |e: usize, x: [f64; 3]| expansion[e] * temperature.at(x);
                 let of_cells: Vec<f64> = (0..mesh.cells.len()).map(|e| strain(e, mesh.centre(e))).collect();
                 let of_volumes = volumes.means(mesh, strain);
-                // What is averaged of the displacements has to be averaged of the heat, or the difference would be pressure.
+                // If dilatations are averaged, thermal strains must be averaged as well; their difference would cause a
+                // pressure.
                 let forces = if volumes.is_empty() {
                     thermal_forces(mesh, element, thin, |e| materials[e], strain)
                 } else {
@@ -125,7 +126,8 @@ impl LoadedBody<'_> {
     }
 }
 
-/// The `boundary`, which is called `name` at `key`, if there is an area for what is to act on it: the axis of a body of revolution has none.
+/// Returns the `boundary`, which is called `name` at `key`, if it has an area; the axis of a body of revolution has
+/// none.
 fn with_area<'a>(
     mesh: &Mesh,
     name: &str,
@@ -140,7 +142,7 @@ fn with_area<'a>(
     Err(InputError::new(key, message, "name another boundary, or a point"))
 }
 
-/// The springs of each bed of `description`.
+/// Creates the springs of each bed of `description`.
 pub(super) fn springs(description: &Description, mesh: &Mesh) -> Result<Vec<Vec<Spring>>, InputError> {
     let units = description.system(mesh.dimension);
     let bedded = |name: &str, key: &str| {
@@ -167,7 +169,7 @@ pub(super) fn springs(description: &Description, mesh: &Mesh) -> Result<Vec<Vec<
     description.springs.iter().enumerate().map(of_bed).collect()
 }
 
-/// The forces of a traction on `boundary`, which is called `name`.
+/// Computes the forces of a traction on `boundary`, which is called `name`.
 fn tractions(
     mesh: &Mesh,
     boundary: &Boundary,
@@ -190,7 +192,7 @@ fn tractions(
     defined(forces, key, "traction")
 }
 
-/// Fails unless all `forces` are finite: a formula may have no value somewhere.
+/// Fails unless all `forces` are finite; a formula may be undefined somewhere.
 fn defined(forces: NodalForces, key: &str, what: &str) -> Result<NodalForces, InputError> {
     if forces.iter().flat_map(|(_, force)| force).all(|f| f.is_finite()) {
         return Ok(forces);
@@ -199,7 +201,7 @@ fn defined(forces: NodalForces, key: &str, what: &str) -> Result<NodalForces, In
     Err(InputError::new(key, message, "give a formula that has a value wherever the load acts"))
 }
 
-/// Components as they are in space.
+/// Extends components to three dimensions.
 fn in_space(mesh: &Mesh, components: &[f64], key: &str) -> Result<[f64; 3], InputError> {
     of_dimension(mesh, key, components.len())?;
     Ok([0, 1, 2].map(|c| components.get(c).copied().unwrap_or(0.0)))

@@ -7,10 +7,10 @@ use crate::body::description::Description;
 use crate::body::fem::Plane;
 use crate::body::mesh::{Geometry, Mesh, MeshFault};
 
-/// The mesh of `description`, as half the section of a body of revolution if its material says so.
+/// Returns the mesh of `description`; for an axisymmetric material, as half the section of a body of revolution.
 pub(super) fn meridian(description: &Description, mesh: Arc<Mesh>) -> Result<Arc<Mesh>, InputError> {
     match (description.material.plane, mesh.geometry) {
-        // A plane state of a mesh in space the material refuses by itself.
+        // The check of the material fails for a plane state of a three-dimensional mesh.
         (Some(Plane::Axisymmetric), _) if mesh.dimension == 2 => {}
         (_, Geometry::Cartesian) => return Ok(mesh),
         (_, Geometry::Axisymmetric) => {

@@ -1,4 +1,4 @@
-//! What moving obstacles do to the gaps and drifts of contact nodes.
+//! The effect of moving obstacles on the gaps and the tangential motion at contact nodes.
 
 use super::nearest::Nearest;
 use crate::algebra::vector::cross;
@@ -6,17 +6,18 @@ use crate::body::contact::{ContactNode, Facing, ObstacleMotion, PlacedObstacle, 
 use crate::solver::loading::{GapCorrection, Loading, Motion};
 use crate::solver::problem::ProblemError;
 
-/// What the motions of obstacles do to the contact nodes.
+/// The effect of the motions of obstacles on the contact nodes.
 pub(super) struct Motions {
-    /// Rates times histories.
+    /// The rates and their histories.
     pub rates: Vec<Motion>,
-    /// What these leave out at the ends of the increments.
+    /// The corrections of the linearised gaps at the ends of the increments.
     pub bends: Vec<GapCorrection>,
-    /// Which obstacle each node meets.
+    /// The obstacle that each node meets.
     pub nearest: Nearest,
 }
 
-/// What the motions of `obstacles` do to the contact nodes, which have these gaps at rest (m), at `times` (s).
+/// Computes the effect of the motions of `obstacles` at `times` (s) on the contact nodes, which have these gaps at rest
+/// (m).
 pub(super) fn motions(
     contacts: &[ContactNode],
     obstacles: &[(PlacedObstacle, ObstacleMotion)],
@@ -34,7 +35,8 @@ pub(super) fn motions(
     Ok(Motions { rates, bends, nearest })
 }
 
-/// What the motion of the obstacle that each node met first does to it. A node that met another obstacle has zeros.
+/// Computes the effect of the motion of one obstacle on the nodes that met it first. Nodes that met another obstacle
+/// have zeros.
 fn of_first(
     contacts: &[ContactNode],
     obstacles: &[(PlacedObstacle, ObstacleMotion)],
@@ -44,7 +46,7 @@ fn of_first(
     for (k, (obstacle, motion)) in obstacles.iter().enumerate() {
         let met: Vec<usize> = (0..contacts.len()).filter(|&i| contacts[i].obstacle() == Some(k)).collect();
         let (Some(&first), Some(&last)) = (met.first(), met.last()) else { continue };
-        // All nodes in the rows of each.
+        // The nodes in the rows of each contact node.
         let terms: Vec<Vec<Term>> = met.iter().map(|&i| contacts[i].terms().collect()).collect();
         let all = || terms.iter().flatten();
         let (positions, facings): (Vec<[f64; 3]>, Vec<Facing>) = all().map(|term| (term.position, term.facing)).unzip();
@@ -83,10 +85,10 @@ fn of_first(
     Ok((motions, bends))
 }
 
-/// Drifts of a smaller share of a motion are rounding.
+/// Tangential motion below this share of the normal motion counts as rounding.
 const DRIFTS: f64 = 1e-9;
 
-/// What [`passes`] says of each of `contacts`.
+/// Returns the result of [`passes`] for each of `contacts`.
 pub(super) fn passed_by(
     contacts: &[ContactNode],
     dimension: usize,
@@ -96,8 +98,8 @@ pub(super) fn passed_by(
     contacts.iter().map(|contact| passes(contact, dimension, obstacles, &others)).collect()
 }
 
-/// Whether an obstacle, or by `others` what is in front of it, moves past a contact node along a tangential direction in which it has no
-/// row, for supports hold it there. `others` looks at the tangents of the node that it is given.
+/// Returns `true` if the opposite side moves past a contact node along a tangential direction without a row, because
+/// supports hold the node. For another body, `others` decides for the tangents of the node passed to it.
 fn passes(
     contact: &ContactNode,
     dimension: usize,
@@ -126,8 +128,8 @@ fn passes(
     drifts || others(&ContactNode { facing, ..contact.clone() })
 }
 
-/// What the rates of its motion leave out at time `t` (s) of the gap of the rows of a contact node, m, where that is `own` at each of
-/// their nodes, `terms`.
+/// Returns the correction at time `t` (s) of the linearised gap of the rows of a contact node, m, from the corrections
+/// `own` at their nodes, `terms`.
 fn bend(
     contact: &ContactNode,
     terms: &[Term],
@@ -142,7 +144,7 @@ fn bend(
     let exact: Vec<f64> = by_rates.iter().zip(own).map(|(gap, bend)| gap + bend).collect();
     let at_rest: Vec<f64> = terms.iter().map(|term| term.facing.gap).collect();
     if obstacle.is_in_front_of_all(&at_rest) && obstacle.is_in_front_of_all(&exact) {
-        // Without the digits that are lost beside whole gaps.
+        // Differences of whole gaps would lose digits.
         return terms.iter().zip(own).map(|(term, bend)| term.coefficient * bend).sum();
     }
     let changes = terms.iter().zip(&by_rates).map(|(term, gap)| term.coefficient * (gap - term.facing.gap));

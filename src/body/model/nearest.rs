@@ -1,7 +1,8 @@
-//! Which of several obstacles a contact node meets as time goes by.
+//! The obstacle that a contact node meets at each time, if there are several.
 //!
-//! To obstacles that press along one normal a node has the same row of `C_n`, so `w_n <= g` with the smallest gap is the law for all of
-//! them. That gap is continuous in time, as the gap of one obstacle is. What slips is the motion past the obstacle that is nearest.
+//! A node has the same row of `C_n` for all obstacles that press along one normal, so that `w_n <= g` with the smallest
+//! gap is the law for all of them. The smallest gap is continuous in time like the gap of one obstacle. Slip is the
+//! motion relative to the nearest obstacle.
 
 use std::collections::BTreeMap;
 
@@ -10,25 +11,26 @@ use crate::body::contact::{ContactNode, Facing, ObstacleMotion, PlacedObstacle, 
 use crate::solver::loading::{GapCorrection, Loading};
 use crate::solver::problem::ProblemError;
 
-/// The obstacle nearest to each contact node at each time, of the nodes for which that is not always the obstacle they met first.
+/// The nearest obstacle at each time of the contact nodes for which it is not always the obstacle they met first.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Nearest {
-    /// s, from 0.
+    /// The times, s, from 0.
     times: Vec<f64>,
-    /// The number of the obstacle for each time, by contact node.
+    /// The number of the nearest obstacle at each time, by contact node.
     obstacles: BTreeMap<usize, Vec<usize>>,
 }
 
 impl Nearest {
-    /// The obstacle nearest to contact node `i` in the increment that ends at time `t` (s); none where it is the first throughout.
+    /// Returns the nearest obstacle to contact node `i` in the increment that ends at time `t` (s); `None` if it is
+    /// always the first.
     fn at(&self, i: usize, t: f64) -> Option<usize> {
         let of_node = self.obstacles.get(&i)?;
         let place = self.times.partition_point(|time| *time < t);
         of_node.get(place).or(of_node.last()).copied()
     }
 
-    /// What the nearest of `obstacles` at each of `times` (s, from 0) is to the `contacts`, and what that adds to the gaps and drifts of
-    /// `loading`, which has those of the obstacles that they met first.
+    /// Finds the nearest of `obstacles` to the `contacts` at each of `times` (s, from 0), and the corrections of gaps
+    /// and tangential motions in `loading`, which refer to the obstacles met first.
     pub(super) fn new(
         contacts: &[ContactNode],
         obstacles: &[(PlacedObstacle, ObstacleMotion)],
@@ -71,7 +73,7 @@ impl Nearest {
                     let distances: Vec<f64> = at.iter().map(|(_, distance)| *distance).collect();
                     gap[k][i - from] = contact.gap(&obstacles[first].0, &distances) - gaps[i];
                 }
-                // A node slides past each obstacle as long as that is the nearest.
+                // A node slides past each obstacle while that obstacle is the nearest.
                 let met = at[0].0;
                 drift[k][i - from] = drift[last][i - from];
                 if met != first {
@@ -90,7 +92,7 @@ impl Nearest {
     }
 }
 
-/// How far (m) an obstacle has moved past the rows of `contact` until time `t` (s), along its tangents.
+/// Returns the tangential motion (m) of an obstacle past the rows of `contact` until time `t` (s).
 fn drift_past(contact: &ContactNode, (obstacle, motion): &(PlacedObstacle, ObstacleMotion), t: f64) -> [f64; 2] {
     contact.terms().fold([0.0; 2], |sum, term| {
         let facing = Facing { tangents: term.facing.tangents, ..obstacle.seen_from(term.position) };
@@ -100,8 +102,8 @@ fn drift_past(contact: &ContactNode, (obstacle, motion): &(PlacedObstacle, Obsta
 }
 
 impl Model {
-    /// The number of the obstacle that contact node `i` meets in the increment that ends at time `t` (s), and what the node sees of it;
-    /// none in front of another body.
+    /// Returns the number of the obstacle that contact node `i` meets in the increment that ends at time `t` (s), and
+    /// the obstacle as seen from the node; `None` in front of another body.
     pub fn met(&self, i: usize, t: f64) -> Option<(usize, Facing)> {
         let contact = &self.contacts[i];
         let first = contact.obstacle()?;

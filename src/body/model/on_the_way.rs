@@ -6,18 +6,20 @@ use super::Model;
 use crate::body::contact::{ContactBoundary, outsides};
 use crate::solver::problem::State;
 
-/// Where an obstacle is inside the body on the way through an increment, or leaves a node that it touches at both ends.
+/// A node that an obstacle passes through within an increment, or leaves although it touches the node at both ends.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct OnTheWay {
     /// The number of the contact node.
     pub contact: usize,
     /// The end of the increment, s.
     pub time: f64,
-    /// The distance of the obstacle from the node on the way, m, from where the node is at the end that is nearer; negative inside.
+    /// The distance of the obstacle from the node within the increment, m, for the position of the node at the nearer
+    /// end; negative inside.
     pub distance: f64,
 }
 
-/// The shares of an increment at which obstacles are looked at. They are unequal, so that no turn has them all in step.
+/// The fractions of an increment at which obstacles are examined. They are unequally spaced so that no rotation is in
+/// phase with all of them.
 const SHARES: [f64; 7] = [0.11, 0.24, 0.37, 0.5, 0.62, 0.77, 0.9];
 
 impl Model {
@@ -33,8 +35,9 @@ impl Model {
         boundary.pair.is_none() && moves && !is_flat
     }
 
-    /// Where an obstacle goes furthest through a node, or leaves one that it touches at both ends, on the way between two times (s) with their states.
-    /// A motion in one direction does neither, however curved its path is: the obstacle stays between the two positions of the node.
+    /// Finds the node that an obstacle penetrates or leaves furthest within the increment between two times (s) with
+    /// their states; a node that the obstacle leaves touches it at both ends. A motion in one direction along any path
+    /// does neither, since the obstacle stays between the two positions of the node.
     pub fn on_the_way(&self, times: [f64; 2], states: [&State; 2]) -> Option<OnTheWay> {
         let mut worst: Option<OnTheWay> = None;
         for boundary in self.contact_boundaries.iter().filter(|boundary| self.may_pass(boundary)) {

@@ -1,4 +1,4 @@
-//! Boundaries in front of each other: which is the slave, its mortar rows, and the displacements that are relative.
+//! Pairs of boundaries: choice of the slave, mortar rows and relative displacements.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -14,31 +14,31 @@ use crate::body::description::{Description, FirstGap, Opposite, Slave};
 use crate::body::fem::{Dofs, Elasticity, Relative, SAME_DIRECTION, Tie};
 use crate::body::mesh::{Bodies, Boundary, Mesh};
 
-/// How much of a body another may take up when the history begins, as for obstacles.
+/// The largest initial overlap of two bodies, as a share of the thickness, as for obstacles.
 const DEEPEST: f64 = 0.2;
 
-/// Two boundaries in front of each other.
+/// Two boundaries in contact with each other.
 #[derive(Debug, Clone)]
 pub struct Pair {
     /// The number of the contact in the description.
     pub contact: usize,
     /// The boundary whose nodes have the contact forces.
     pub slave: String,
-    /// The other; of several boundaries that count as one it has all facets and their names.
+    /// The other boundary; if it combines several boundaries, it has their facets and names.
     pub master: Boundary,
-    /// Why that is the slave, where it was chosen.
+    /// The choice of the slave, if it was automatic.
     pub choice: Option<SlaveChoice>,
-    /// Whether the two are glued.
+    /// `true` if the two are glued.
     pub glued: bool,
-    /// The rows.
+    /// The mortar rows.
     pub mortar: Mortar,
     /// The gap of each row when the history begins, m.
     pub gaps: Vec<f64>,
-    /// Where a direction is given: how much the surface of the slave leans against it at each node, the tangent of the angle.
+    /// If a direction is given: the slope of the slave's surface relative to it at each node, the tangent of the angle.
     pub(super) slopes: BTreeMap<usize, f64>,
     /// The shortest edge of the facets in front of each slave node, m.
     pub(super) edges: BTreeMap<usize, f64>,
-    /// Which rows are of nodes whose displacements are relative in this pair.
+    /// The nodes of the rows whose displacements are relative in this pair.
     relative: BTreeSet<usize>,
 }
 
@@ -51,8 +51,8 @@ pub(super) struct Pairs {
 }
 
 impl Pairs {
-    /// Those of `description`, whose supports hold what `dofs` and `holdings` say. What is glued goes first: a node that is tied has no
-    /// displacement left to be relative.
+    /// Creates the pairs of `description`, whose supports hold the displacements in `dofs` and `holdings`. Glued pairs
+    /// are first, since a tied node has no displacement that could be relative.
     pub(super) fn new(
         description: &Description,
         mesh: &Mesh,
@@ -63,7 +63,7 @@ impl Pairs {
         let mut pairs = Pairs::default();
         let mut tied: BTreeSet<usize> = BTreeSet::new();
         let mut taken: BTreeSet<usize> = BTreeSet::new();
-        // Those that are named first are so in any case.
+        // Slaves that the description names are fixed first.
         let chosen = |opposite: &Opposite| opposite.slave == Slave::Automatic;
         let named = description.contacts.iter().filter(|contact| !contact.opposite().is_some_and(chosen));
         let mut slaves: BTreeSet<String> = named.map(|contact| contact.boundary.clone()).collect();
@@ -89,7 +89,7 @@ impl Pairs {
         Ok(pairs)
     }
 
-    /// `dofs` with the displacements that are relative.
+    /// Adds the relative displacements to `dofs`.
     pub(super) fn dofs(&mut self, description: &Description, mesh: &Mesh, dofs: Dofs) -> Result<Dofs, InputError> {
         if self.all.is_empty() {
             return Ok(dofs);
@@ -105,12 +105,12 @@ impl Pairs {
         })
     }
 
-    /// The number of the pair of contact `k`, if it is in front of another boundary.
+    /// Returns the number of the pair of contact `k`, if it is in front of another boundary.
     pub(super) fn of_contact(&self, k: usize) -> Option<usize> {
         self.all.iter().position(|pair| pair.contact == k)
     }
 
-    /// What is tied together: sums of displacements along axes that are 0.
+    /// Returns the ties of glued pairs: sums of displacements along axes that are 0.
     pub(super) fn ties(&self, dofs: &Dofs) -> Vec<Tie> {
         let glued = self.all.iter().filter(|pair| pair.glued);
         let rows = glued.flat_map(|pair| pair.mortar.rows.iter().filter(|row| pair.relative.contains(&row.node)));
@@ -125,10 +125,10 @@ impl Pairs {
     }
 }
 
-/// The supports of a description, node by node.
+/// The supports of a description at each node.
 struct OfNodes<'a> {
     dofs: &'a Dofs,
-    /// The nodes that are glued: nothing is left of their displacements.
+    /// The glued nodes, whose displacements are determined by other nodes.
     tied: &'a BTreeSet<usize>,
     moving: &'a BTreeMap<usize, Vec<Moving>>,
 }
@@ -136,7 +136,7 @@ struct OfNodes<'a> {
 /// A support that moves a node: its history, its direction, and its displacement (m) at factor 1.
 type Moving = (Vec<[f64; 2]>, [f64; 3], f64);
 
-/// The supports that move each node.
+/// Returns the supports that move each node.
 fn moving(description: &Description, holdings: &[Holding]) -> BTreeMap<usize, Vec<Moving>> {
     let mut moving = BTreeMap::<usize, Vec<Moving>>::new();
     for (support, holding) in description.supports.iter().zip(holdings).filter(|(support, _)| support.moves()) {
@@ -163,12 +163,12 @@ impl Supports for OfNodes<'_> {
 }
 
 impl Pair {
-    /// Whether its gaps are those of the mesh.
+    /// Returns `true` if its gaps are those of the mesh.
     pub fn is_measured(&self) -> bool {
         self.mortar.rows.iter().zip(&self.gaps).all(|(row, gap)| row.gap == *gap)
     }
 
-    /// Its contact nodes.
+    /// Creates its contact nodes.
     pub(super) fn nodes(&self, mesh: &Mesh, dofs: &Dofs, number: usize) -> Vec<ContactNode> {
         let gaps: BTreeMap<usize, f64> =
             self.mortar.rows.iter().map(|row| row.node).zip(self.gaps.iter().copied()).collect();
@@ -177,7 +177,7 @@ impl Pair {
     }
 }
 
-/// What the contact `k` is in front of, as one boundary.
+/// Returns the opposite side of contact `k` as one boundary.
 pub(super) fn opposite(mesh: &Mesh, opposite: &Opposite, k: usize) -> Result<Boundary, InputError> {
     let of_name = |name: &String| {
         let found = find(mesh, name, &format!("contact[{k}]"));
@@ -188,7 +188,7 @@ pub(super) fn opposite(mesh: &Mesh, opposite: &Opposite, k: usize) -> Result<Bou
     Ok(Boundary { name: opposite.boundaries.join("+"), facets })
 }
 
-/// The pair of contact `k`, which is in front of `opposite`.
+/// Creates the pair of contact `k`, which is in front of `opposite`.
 fn pair(
     description: &Description,
     mesh: &Mesh,
@@ -274,7 +274,8 @@ fn pair(
     Ok(Pair { contact: k, slave, master, choice, glued: opposite.glued, mortar, gaps, slopes, edges, relative })
 }
 
-/// How much the surface of `slave` leans against the normal of each row, by its node: the tangent of the angle.
+/// Returns the slope of the surface of `slave` relative to the normal of each row, by its node: the tangent of the
+/// angle.
 fn slopes(mesh: &Mesh, slave: &Boundary, rows: &[MortarRow]) -> BTreeMap<usize, f64> {
     let mut normals: BTreeMap<usize, [f64; 3]> = BTreeMap::new();
     for facet in &slave.facets {
@@ -292,7 +293,7 @@ fn slopes(mesh: &Mesh, slave: &Boundary, rows: &[MortarRow]) -> BTreeMap<usize, 
     rows.iter().map(of_row).collect()
 }
 
-/// The shortest edge of the facets of `master` that have a node in each row, by its slave node, m.
+/// Returns the shortest edge of the facets of `master` with a node in each row, by the slave node, m.
 fn edges(mesh: &Mesh, master: &Boundary, rows: &[MortarRow]) -> BTreeMap<usize, f64> {
     let mut shortest: BTreeMap<usize, f64> = BTreeMap::new();
     for facet in &master.facets {
@@ -310,7 +311,7 @@ fn edges(mesh: &Mesh, master: &Boundary, rows: &[MortarRow]) -> BTreeMap<usize, 
     rows.iter().map(of_row).collect()
 }
 
-/// Young's modulus of the softest cell with a facet of `boundary`, Pa.
+/// Returns Young's modulus of the softest cell with a facet of `boundary`, Pa.
 fn young(mesh: &Mesh, boundary: &Boundary, materials: &[Elasticity]) -> f64 {
     let nodes: BTreeSet<usize> = boundary.nodes().into_iter().collect();
     let at_boundary = |e: &usize| mesh.cells[*e].nodes.iter().any(|node| nodes.contains(node));
@@ -321,7 +322,7 @@ fn young(mesh: &Mesh, boundary: &Boundary, materials: &[Elasticity]) -> f64 {
     (0..mesh.cells.len()).filter(at_boundary).map(young).fold(f64::INFINITY, f64::min)
 }
 
-/// The key that `fault` is about.
+/// Returns the key that `fault` concerns.
 fn key_of(fault: &MortarFault) -> &'static str {
     match fault {
         MortarFault::NothingInFront { .. } | MortarFault::TwoLayers { .. } => "search",
@@ -330,7 +331,7 @@ fn key_of(fault: &MortarFault) -> &'static str {
     }
 }
 
-/// The faults with lengths, in `units`.
+/// Returns the message of a fault with lengths, in `units`.
 fn told(fault: &MortarFault, units: &UnitSystem) -> Option<String> {
     let place = |at: &Vector| units.place(at.components());
     let length = |x: f64| format!("{:.3e} {}", units.number(Quantity::Length, x), units.name(Quantity::Length));
@@ -357,14 +358,14 @@ fn told(fault: &MortarFault, units: &UnitSystem) -> Option<String> {
     })
 }
 
-/// How thick the body of `boundary` is along `normal`, m.
+/// Returns the thickness along `normal` of the body of `boundary`, m.
 fn thickness(mesh: &Mesh, bodies: &Bodies, boundary: &Boundary, normal: [f64; 3]) -> f64 {
     let own = boundary.facets.first().map_or(0, |facet| bodies.of_nodes()[facet[0]]);
     let along = || bodies.nodes(own).map(|node| dot(mesh.nodes[node], normal));
     along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
 }
 
-/// Refuses two boundaries of one pair that have a node in common: it would be in front of itself.
+/// Fails if two boundaries of one pair share a node; it would be in front of itself.
 fn share_nothing(
     description: &Description,
     mesh: &Mesh,

@@ -1,4 +1,4 @@
-//! What a state does to bodies in front of each other.
+//! Checks of pairs of boundaries in a state.
 
 use std::collections::BTreeMap;
 
@@ -14,27 +14,28 @@ use crate::solver::problem::State;
 pub struct Slid {
     /// The number of the contact node.
     pub contact: usize,
-    /// How far it has slid since the beginning, m.
+    /// The slip since the beginning, m.
     pub slip: f64,
-    /// The same over the shortest edge of the facets in front of it.
+    /// The slip divided by the shortest edge of the facets in front of the node.
     pub share: f64,
 }
 
-/// What the facets of curved boundaries do to the measured gaps of a pair.
+/// The error of measured gaps of a pair because facets approximate curved boundaries.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Faceted {
     /// The number of the pair.
     pub pair: usize,
     /// The sum of the normal forces, N.
     pub force: f64,
-    /// By how much gaps between the curved surfaces differ from those between the facets, m: the median of the nodes that are pressed.
+    /// The difference of the gaps between the curved surfaces and between the facets, m: the median over the pressed
+    /// nodes.
     pub bulge: f64,
-    /// How large the gaps are that contact has closed, in the mean over the normal forces, m.
+    /// The mean gap that contact has closed, weighted by the normal forces, m.
     pub closed: f64,
 }
 
 impl Model {
-    /// What the facets of curved boundaries do to each pair whose gaps are measured and that is pressed.
+    /// Returns the error by facets for each pressed pair with measured gaps.
     pub fn faceted(&self, state: &State) -> Vec<Faceted> {
         let of_pair = |pair: usize| {
             let rows = &self.pairs[pair].mortar.rows;
@@ -48,7 +49,8 @@ impl Model {
                 closed += p_n * contact.facing.gap.abs();
                 bulges.push(coupled.bulge.abs());
             }
-            // Not the mean: where flats end in a curve, the largest forces are at its first facet, and nothing else of the contact is curved.
+            // The median is used because, if a flat ends in a curve, the largest forces are at the first curved facet
+            // while the rest of the contact is flat.
             let middle = bulges.len() / 2;
             if bulges.is_empty() {
                 return None;
@@ -59,8 +61,9 @@ impl Model {
         (0..self.pairs.len()).filter_map(of_pair).collect()
     }
 
-    /// The share of the largest possible friction of each contact boundary at nodes that supports hold along a direction in which what is in
-    /// front moves past them, the largest with the number of the boundary; `mu` are the coefficients of the nodes.
+    /// Returns the largest share of missing friction of the contact boundaries, with the number of the boundary. The
+    /// share is that of the possible friction at nodes that supports hold along a direction in which the opposite side
+    /// moves past them; `mu` are the friction coefficients of the nodes.
     pub fn friction_left_out(&self, state: &State, mu: &[f64]) -> Option<(usize, f64)> {
         if !self.passed_by.contains(&true) {
             return None;
@@ -74,21 +77,23 @@ impl Model {
         self.contact_boundaries.iter().enumerate().map(share).max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    /// Where a body has come into another, or a boundary into the one in front of it, without a contact row, by the displacements `u` (m).
+    /// Returns the place where a body has entered another, or a boundary the one in front of it, without a contact row,
+    /// for the displacements `u` (m).
     pub fn passed(&self, u: &[[f64; 3]]) -> Option<Passed> {
         self.passages.as_ref()?.deepest(&self.mesh, u)
     }
 
-    /// How much the slave of a pair leans at contact node `i` against the direction that is given for it; NaN where none is.
+    /// Returns the slope of the slave of a pair at contact node `i` relative to the given direction; NaN if none is
+    /// given.
     pub(super) fn slope_in_pair(&self, i: usize) -> f64 {
         let contact = &self.contacts[i];
         let slope = contact.coupled().and_then(|coupled| self.pairs[coupled.pair].slopes.get(&contact.node));
         slope.copied().unwrap_or(f64::NAN)
     }
 
-    /// The share of the normal forces of each pair on nodes beyond the end of the other body, the largest with the number of the pair.
-    /// The row of such a node extends the displacement of the other body beyond its end: it presses the nodes at the end with more than the
-    /// whole force and pulls those behind them.
+    /// Returns the largest share, over all pairs, of the normal force on nodes beyond the end of the other body, with
+    /// the number of the pair. The row of such a node extrapolates the displacement of the other body beyond its end:
+    /// it presses the nodes at the end with more than the whole force and pulls the nodes behind them.
     pub fn beyond_the_end(&self, state: &State) -> Option<(usize, f64)> {
         let share = |k: usize| {
             let (mut all, mut beyond) = (0.0, 0.0);
@@ -102,8 +107,8 @@ impl Model {
         (0..self.pairs.len()).map(share).max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    /// The closed contact node that has slid furthest past the body in front of it until time `t` (s), by the size of the facets there:
-    /// which nodes are in front of it is settled in the undeformed state.
+    /// Returns the closed contact node with the largest slip until time `t` (s) relative to the size of the facets in
+    /// front of it. The nodes in front of a contact node are determined in the undeformed state.
     pub fn slid(&self, t: f64, state: &State, statuses: &[ContactStatus]) -> Option<Slid> {
         let drift = [0, 1].map(|k| self.loading.drift_at(t, k));
         let closed = (0..self.contacts.len()).filter(|&i| statuses[i] != ContactStatus::Open);
@@ -117,7 +122,7 @@ impl Model {
         closed.filter_map(slid).max_by(|a, b| a.share.total_cmp(&b.share))
     }
 
-    /// The tractions (Pa) of the masters of all pairs on what is in front of them: pairs of a node and a vector.
+    /// Returns the tractions (Pa) of the masters of all pairs on their slaves, as pairs of a node and a vector.
     pub fn master_tractions(&self, state: &State) -> Vec<(usize, [f64; 3])> {
         let mut all = Vec::new();
         for (k, pair) in self.pairs.iter().enumerate().filter(|(_, pair)| !pair.glued) {

@@ -1,4 +1,4 @@
-//! Boundaries and nodes that a description names.
+//! Search for the boundaries and nodes that a description names.
 
 use super::find;
 use crate::algebra::vector::{Vector, minus, norm, unit};
@@ -8,11 +8,11 @@ use crate::body::description::Where;
 use crate::body::fem::facet_normals;
 use crate::body::mesh::{Boundary, Mesh};
 
-/// A node that is named by its coordinates may be as far from them, of the size of the body: coordinates are given with a few
+/// The tolerance of coordinates that name a node, as a share of the size of the body; coordinates are given with a few
 /// digits.
 const NEAR: f64 = 1e-6;
 
-/// The nodes at the place that is named at `key`, each once.
+/// Returns the nodes at the place given at `key`, each once.
 pub(super) fn nodes(mesh: &Mesh, at: &Where, units: &UnitSystem, key: &str) -> Result<Vec<usize>, InputError> {
     match at {
         Where::Boundary(name) => Ok(find(mesh, name, key)?.nodes()),
@@ -20,7 +20,7 @@ pub(super) fn nodes(mesh: &Mesh, at: &Where, units: &UnitSystem, key: &str) -> R
     }
 }
 
-/// The node at `point`; a fault is told in `units`.
+/// Returns the node at `point`; errors use `units`.
 pub(super) fn node(mesh: &Mesh, point: Vector, units: &UnitSystem, key: &str) -> Result<usize, InputError> {
     suits(mesh, point, &format!("{key}.point"))?;
     let x = point.components();
@@ -36,7 +36,7 @@ pub(super) fn node(mesh: &Mesh, point: Vector, units: &UnitSystem, key: &str) ->
     Err(InputError::new(format!("{key}.point"), message, help))
 }
 
-/// `node`, unless another body has one that is `near`, too.
+/// Returns `node`, unless another body also has a node that is `near`.
 fn only(
     mesh: &Mesh,
     node: usize,
@@ -63,7 +63,7 @@ pub(super) fn suits(mesh: &Mesh, vector: Vector, key: &str) -> Result<(), InputE
     of_dimension(mesh, key, vector.dimension()).map(drop)
 }
 
-/// Fails unless `count` components are as many as the body has dimensions.
+/// Fails unless the number of components `count` equals the number of dimensions of the body.
 pub(super) fn of_dimension(mesh: &Mesh, key: &str, count: usize) -> Result<usize, InputError> {
     let dimension = mesh.dimension;
     if count == dimension {
@@ -74,8 +74,8 @@ pub(super) fn of_dimension(mesh: &Mesh, key: &str, count: usize) -> Result<usize
     Err(InputError::new(key, message, if dimension == 2 { "give [x, y]" } else { "give [x, y, z]" }))
 }
 
-/// The outward unit normal of `boundary` in each node of the mesh: that of the sum of its facets at the node; `None` off the
-/// boundary.
+/// Returns the outward unit normal of `boundary` at each node of the mesh, the direction of the sum over its facets at
+/// the node; `None` off the boundary.
 pub(super) fn normals(mesh: &Mesh, boundary: &Boundary) -> Vec<Option<[f64; 3]>> {
     let mut sums = vec![[0.0; 3]; mesh.nodes.len()];
     for facet in &boundary.facets {

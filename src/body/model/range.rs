@@ -1,4 +1,4 @@
-//! Where a state leaves the range of the linearised gaps.
+//! Check that a state stays within the range of the linearised gaps.
 
 use super::Model;
 use crate::body::contact::{DeformedNode, RangeLeft, range_left};
@@ -6,10 +6,10 @@ use crate::solver::laws::ContactStatus;
 use crate::solver::problem::State;
 
 impl Model {
-    /// For the `state` at time `t` (s) with the gaps `gap` (n_c, m) and the statuses of the contact nodes: the node whose
-    /// linearised distance from its obstacle is most wrong, if that is too much; see [`range_left`]. The indentation is at least
-    /// the deepest interference of the history, and what the contact forces press in: where body and obstacle fit, nodes that
-    /// are pressed do not move along the normal.
+    /// Returns the node with the largest error of the linearised distance from its obstacle, if the error is too large,
+    /// see [`range_left`]. The `state` is that at time `t` (s), with the gaps `gap` (n_c, m) and the statuses of the
+    /// contact nodes. The indentation is at least the deepest interference of the history and the indentation by the
+    /// contact forces: if body and obstacle fit, pressed nodes do not move along the normal.
     pub fn range_left(&self, t: f64, state: &State, gap: &[f64], statuses: &[ContactStatus]) -> Option<RangeLeft> {
         let displacements = self.strained(t, &state.u);
         let interference = self.loading.largest_interference();
@@ -29,9 +29,10 @@ impl Model {
         worst.max_by(|a, b| a.share.total_cmp(&b.share))
     }
 
-    /// How far (m) the contact forces on obstacle `k` press the body in, if rather less: their sum over the stiffness of a node with
-    /// all others held. In two dimensions that is about E, as of a contact of any width; in three it grows with the width, that is
-    /// with the root of the number of nodes.
+    /// Estimates the indentation (m) of the body by the contact forces on obstacle `k`, rather too small: the sum of
+    /// the forces divided by the stiffness of a node with all others held. In two dimensions this stiffness is about E,
+    /// like that of a contact of any width; in three dimensions the stiffness of a contact grows with its width, the
+    /// square root of the number of nodes.
     pub(super) fn pressed_in(&self, k: usize, t: f64, state: &State) -> f64 {
         let on_this = |i: usize| self.met(i, t).is_some_and(|(met, _)| met == k);
         let pressed = (0..self.contacts.len()).filter(|&i| state.p_n[i] > 0.0 && on_this(i));
@@ -41,8 +42,9 @@ impl Model {
         if sum > 0.0 { sum / width } else { 0.0 }
     }
 
-    /// The slope of its obstacle in front of contact node `i` at time `t` (s), against the node's normal: the tangent of the angle; in
-    /// front of a body that of its own surface where a direction is given, otherwise NaN.
+    /// Returns the slope of the obstacle in front of contact node `i` at time `t` (s), relative to the node's normal:
+    /// the tangent of the angle. In front of a body, the slope is that of the node's surface if a direction is given,
+    /// otherwise NaN.
     pub fn slope(&self, i: usize, t: f64) -> f64 {
         let contact = &self.contacts[i];
         let Some((k, facing)) = self.met(i, t) else { return self.slope_in_pair(i) };

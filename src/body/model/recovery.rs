@@ -1,15 +1,15 @@
-//! Contact tractions at the nodes of boundaries of second order, for output alone.
+//! Contact tractions at the nodes of boundaries of second order, for output only.
 //!
-//! There `p̃ / l̃` is a mean of the traction over as much of the boundary as the Bernstein polynomial of the node covers, and under the
-//! top of a dome several percent low. One defect correction with their mass matrix takes that away,
+//! `p̃ / l̃` is the mean of the traction over the support of the Bernstein polynomial of the node; at the top of a dome
+//! it is several percent too low. One defect correction with the mass matrix of the polynomials removes this error,
 //!
 //! ```text
 //! s_i = p̃_i / l̃_i,   λ_i = s_i + (p̃_i - Σ_j M̃_ij s_j) / l̃_i,   M̃_ij = ∫ Ñ_i Ñ_j dA,
 //! ```
 //!
-//! and `Σ λ_i Ñ_i` at the nodes is `λ_a` at corners and `½ λ_m + ¼ (λ_a + λ_b)` between them. Next to the end of a contact it may leave
-//! tension, which is taken off: the law and the status are those of `p̃`. What supports hold of a boundary has no contact force; its traction
-//! counts as that of the node beside it.
+//! and `Σ λ_i Ñ_i` at the nodes is `λ_a` at corners and `½ λ_m + ¼ (λ_a + λ_b)` between them. Next to the end of a
+//! contact the correction may give tension, which is set to 0; the law and the status are those of `p̃`. Nodes that
+//! supports hold have no contact force; their traction is taken from the node beside them.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -20,9 +20,9 @@ use crate::body::fem::facet_mass;
 use crate::body::mesh::Mesh;
 use crate::solver::problem::State;
 
-/// The contact nodes that are beyond the end of the other body, each with the contact nodes of its facets, itself among them. Hardly any
-/// of what such a node has of the boundary is covered: a force over that is no pressure, but the forces of all of them over all their
-/// weights are.
+/// Returns the contact nodes beyond the end of the other body, each with the contact nodes of its facets including
+/// itself. Since very little of such a node's share of the boundary is covered, its force divided by this share is not
+/// a pressure; the sum of the forces of these nodes divided by the sum of their weights is.
 pub(super) fn beside_the_end(
     mesh: &Mesh,
     contacts: &[ContactNode],
@@ -42,22 +42,23 @@ pub(super) fn beside_the_end(
     beside.into_iter().map(|(i, others)| (i, others.into_iter().collect())).collect()
 }
 
-/// What nodal tractions follow from.
+/// The data of the recovery of nodal tractions.
 #[derive(Debug, Clone)]
 pub(super) struct Recovery {
-    /// For each contact node the others whose polynomials meet its own, with `M̃`.
+    /// For each contact node, the other nodes whose polynomials overlap its own, with `M̃`.
     mass: Vec<Vec<(usize, f64)>>,
-    /// For each the contact nodes at the ends of its edge.
+    /// For each contact node, the contact nodes at the ends of its edge.
     ends: Vec<Option<[Option<usize>; 2]>>,
-    /// Whether each is at a facet that another body covers in part only: what it carries is told as it is.
+    /// For each contact node: `true` if it is on a facet that another body covers only in part; its traction is not
+    /// corrected.
     plain: Vec<bool>,
 }
 
-/// A facet of which less than this share is left uncovered is covered.
+/// A facet counts as covered if less than this share of it is uncovered.
 const UNCOVERED: f64 = 1e-9;
 
 impl Recovery {
-    /// `None` where no boundary with contact is of second order.
+    /// Creates the recovery; `None` if no boundary with contact is of second order.
     pub(super) fn new(
         mesh: &Mesh,
         contacts: &[ContactNode],
@@ -96,8 +97,8 @@ impl Recovery {
 }
 
 impl Model {
-    /// What rows in front of another body say of the contact node itself: on boundaries of second order `½ w̃_m + ¼ (w̃_a + w̃_b)` at a
-    /// node between corners of which `value` gives the `w̃`, and `w̃` elsewhere.
+    /// Returns the value at contact node `i` itself from the values of rows in front of another body, `value`: on
+    /// boundaries of second order `½ w̃_m + ¼ (w̃_a + w̃_b)` at a node between corners, and `w̃` elsewhere.
     pub(crate) fn of_node_from_rows(&self, i: usize, value: impl Fn(usize) -> f64) -> f64 {
         match self.recovery.as_ref().and_then(|recovery| recovery.ends[i]) {
             Some([Some(a), Some(b)]) => 0.5 * value(i) + 0.25 * (value(a) + value(b)),
@@ -105,8 +106,8 @@ impl Model {
         }
     }
 
-    /// A contact force of each node over its weight `l` (32), Pa; at a node beyond the end of the other body those of all nodes of its facets
-    /// over all their weights.
+    /// Returns the contact force of each node divided by its weight `l` (32), Pa. At a node beyond the end of the other
+    /// body, the forces and weights are the sums over all nodes of its facets.
     pub fn over_weights(&self, force: impl Fn(usize) -> f64) -> Vec<f64> {
         let mut stresses: Vec<f64> =
             self.contacts.iter().enumerate().map(|(i, contact)| force(i) / contact.weight).collect();
@@ -117,7 +118,7 @@ impl Model {
         stresses
     }
 
-    /// The pressure (Pa) at each contact node: as [`Model::over_weights`], on boundaries of second order as in
+    /// Returns the pressure (Pa) at each contact node: as [`Model::over_weights`], on boundaries of second order as in
     /// [`Model::recovered_tractions`].
     pub fn contact_pressures(&self, state: &State) -> Vec<f64> {
         match self.recovered_tractions(state) {
@@ -128,11 +129,13 @@ impl Model {
         }
     }
 
-    /// The traction (Pa) of the body on the obstacle at each contact node, in the directions of space, where boundaries with contact are
-    /// of second order. `None` where none is: there it is the contact force by the node's weight (32).
+    /// Returns the traction (Pa) of the body on the obstacle at each contact node, along the coordinate axes, if
+    /// boundaries with contact are of second order. Otherwise `None`: the traction is then the contact force divided by
+    /// the node's weight (32).
     pub fn recovered_tractions(&self, state: &State) -> Option<Vec<[f64; 3]>> {
         let Recovery { mass, ends, plain } = self.recovery.as_ref()?;
-        // Pressures are numbers, as normals turn along the boundary; friction is a vector, for tangents are any.
+        // Pressures are treated as scalars since normals turn along the boundary, friction as a vector since tangents
+        // are arbitrary.
         let forces: Vec<[f64; 3]> = (self.contacts.iter().enumerate())
             .map(|(i, contact)| across(self.contact_force(state, i), contact.facing.normal))
             .collect();
@@ -157,7 +160,7 @@ impl Model {
             let [a, b] = ends.unwrap_or([None; 2]).map(|end| end.map_or(own, |j| corrected[j]));
             let [pressure, x, y, z] = std::array::from_fn(|c| 0.5 * own[c] + 0.25 * (a[c] + b[c]));
             let normal = self.contacts[i].facing.normal;
-            // The tension that the correction leaves beside the end of a contact is none of the law's.
+            // Tension from the correction beside the end of a contact is not part of the law.
             plus(across([x, y, z], normal), f64::max(pressure, 0.0), normal)
         };
         Some(ends.iter().enumerate().map(nodal).collect())

@@ -1,4 +1,4 @@
-//! The stiffness of a body whose rows several processes have, each assembled where it stays.
+//! A stiffness whose rows are distributed over several processes; each process assembles its own rows.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
@@ -13,11 +13,11 @@ use crate::body::description::Description;
 use crate::body::fem::{Dofs, Elasticity, Element, assemble_part};
 use crate::body::mesh::Mesh;
 
-/// What shares a stiffness among processes: from its rows, and the nodes of which this process keeps the columns. `None` where that cannot be, as
-/// another process does not have the same body.
+/// A function that distributes a stiffness over processes, from its rows and the nodes whose columns this process
+/// keeps. `None` if this is impossible, for example because another process does not have the same body.
 pub type Share<'a> = &'a dyn Fn(&dyn NodeRows, &[bool]) -> Result<Option<Symmetric>, LinearError>;
 
-/// A body before anything is assembled.
+/// A body before assembly.
 #[derive(Debug, Clone)]
 pub struct Body {
     mesh: Arc<Mesh>,
@@ -27,10 +27,11 @@ pub struct Body {
 }
 
 impl Body {
-    /// That of `description`; `None` if its stiffness is more than the sum over its cells on displacements of their own nodes.
+    /// Creates the body of `description`; `None` if its stiffness is not a sum over cells, each on displacements of its
+    /// own nodes.
     ///
     /// # Errors
-    /// As [`super::Model::build`], as far as mesh, supports and materials go.
+    /// As [`super::Model::build`], for mesh, supports and materials.
     pub fn of(description: &Description) -> Result<Option<Self>, ModelError> {
         let discrete = Discrete::new(description)?;
         Ok(Self::on(&discrete))
@@ -43,7 +44,7 @@ impl Body {
         discrete::is_a_sum_over_cells(pairs, volumes, beds.iter().flatten()).then(body)
     }
 
-    /// `K`, shared as `share` does it; `None` where the rows of a contact node are not on its own displacements alone.
+    /// Returns `K` distributed by `share`; `None` if the rows of a contact node contain displacements of other nodes.
     pub(super) fn stiffness(
         &self,
         contacts: &[ContactNode],
@@ -58,7 +59,7 @@ impl Body {
     }
 }
 
-/// The nodes with contact, if the rows of each are on its own displacements alone.
+/// Marks the nodes with contact; `None` if the rows of a node contain displacements of other nodes.
 fn alone_with_contact(mesh: &Mesh, dofs: &Dofs, contacts: &[ContactNode]) -> Option<Vec<bool>> {
     let mut is_contact = vec![false; mesh.nodes.len()];
     for contact in contacts {
@@ -73,8 +74,8 @@ fn alone_with_contact(mesh: &Mesh, dofs: &Dofs, contacts: &[ContactNode]) -> Opt
 }
 
 impl Model {
-    /// Whether its stiffness may be had in rows of nodes, each made where it stays: [`Body::of`] has one, with contact on displacements of
-    /// single nodes.
+    /// Returns `true` if its stiffness can be assembled by rows of nodes on each process: [`Body::of`] returns a body,
+    /// and contact rows contain displacements of single nodes.
     pub(crate) fn has_rows(&self) -> bool {
         discrete::is_a_sum_over_cells(&self.pairs, &self.volumes, self.statics.springs())
             && alone_with_contact(&self.mesh, &self.dofs, &self.contacts).is_some()
@@ -113,7 +114,7 @@ impl NodeRows for Body {
     }
 
     fn rows(&self, nodes: &[bool]) -> Option<Symmetric> {
-        // Which cell is to blame the first process finds when it assembles all of them.
+        // The first process finds the invalid cell when it assembles all cells.
         assemble_part(&self.mesh, &self.dofs, self.element, |e| self.materials[e], nodes).ok()
     }
 }

@@ -1,4 +1,4 @@
-//! The stresses of a body from its displacements.
+//! Stresses of a body from its displacements.
 
 use std::collections::BTreeMap;
 
@@ -10,25 +10,26 @@ use crate::solver::problem::ProblemError;
 use crate::solver::problem::error::expect_length;
 
 impl Model {
-    /// The stress `(σ_xx, σ_yy, σ_zz, τ_xy, τ_yz, τ_zx)` (Pa) at the centre of every cell, for the displacements
-    /// of all nodes (m) at time `t` (s); with `σ_zz` of plane strain, 0 in plane stress, and the hoop stress in a body of revolution. What heat alone makes of the strain
-    /// is taken off.
+    /// Computes the stress `(σ_xx, σ_yy, σ_zz, τ_xy, τ_yz, τ_zx)` (Pa) at the centre of every cell, for the
+    /// displacements of all nodes (m) at time `t` (s). `σ_zz` is that of plane strain, 0 in plane stress, and the hoop
+    /// stress in a body of revolution. Thermal strains are subtracted.
     ///
     /// # Errors
-    /// When there is not one displacement for each node of the mesh.
+    /// If `displacements` does not have one entry for each node of the mesh.
     pub fn centre_stresses(&self, t: f64, displacements: &[[f64; 3]]) -> Result<Vec<[f64; 6]>, ProblemError> {
         expect_length("displacements", self.mesh.nodes.len(), displacements.len(), "one for each node of the mesh")?;
         Ok(self.stresses(&self.thermal_factors(t), displacements))
     }
 
-    /// [`Model::centre_stresses`] of displacements that fit, with the `factors` of `Model::thermal_factors`.
+    /// Computes [`Model::centre_stresses`] for displacements of the right length, with the `factors` of
+    /// `Model::thermal_factors`.
     pub fn stresses(&self, factors: &[f64], displacements: &[[f64; 3]]) -> Vec<[f64; 6]> {
         let cells = self.mesh.cells.iter().enumerate();
         cells.map(|(e, cell)| self.stress_in(e, cell.kind.centre(), factors, displacements)).collect()
     }
 
-    /// The stress in each node (Pa), the mean of those that the elements around it have there, each with the weight of its volume; at a
-    /// border between materials only those of the material of the first element.
+    /// Computes the stress at each node (Pa), the mean over the surrounding elements weighted by volume; at an
+    /// interface between materials, only over those with the material of the first element.
     pub fn nodal_stresses(&self, factors: &[f64], displacements: &[[f64; 3]]) -> Vec<[f64; 6]> {
         let mut sums: BTreeMap<usize, (usize, f64, [f64; 6])> = BTreeMap::new();
         for (e, cell) in self.mesh.cells.iter().enumerate() {
@@ -44,34 +45,35 @@ impl Model {
                 }
             }
         }
-        // Every node is of a cell.
+        // Every node belongs to a cell.
         sums.into_values().map(|(_, weight, sum)| sum.map(|s| s / weight)).collect()
     }
 
-    /// The factors of the loads by temperature at time `t` (s).
+    /// Returns the factors of the thermal loads at time `t` (s).
     pub(crate) fn thermal_factors(&self, t: f64) -> Vec<f64> {
         self.thermal.iter().map(|(_, load)| self.loading.cases()[*load].factor(t)).collect()
     }
 
-    /// The stress-free strain of cell `e`, where loads by temperature have these `factors`; none stand for no such loads.
+    /// Returns the stress-free strain of cell `e` for these `factors` of the thermal loads; without factors it is 0.
     pub(super) fn free_strain(&self, e: usize, factors: &[f64]) -> f64 {
         self.thermal.iter().zip(factors).map(|((free, _), f)| f * free.of_cells[e]).sum()
     }
 
-    /// The dilatation of nodal volume `a`, beyond what heat alone makes of it.
+    /// Returns the dilatation of nodal volume `a` without the thermal part.
     pub(super) fn elastic_dilatation(&self, a: usize, factors: &[f64], displacements: &[[f64; 3]]) -> f64 {
         let free: f64 = self.thermal.iter().zip(factors).map(|((free, _), f)| f * free.of_volumes[a]).sum();
         self.volumes.dilatation(a, displacements) - 3.0 * free
     }
 
-    /// The same at the corners of cell `e`, which is linear between them; none where the cell keeps its own dilatation.
+    /// Returns the elastic dilatation at the corners of cell `e`, linear between them; `None` if the dilatation of the
+    /// cell is not averaged.
     pub(crate) fn corner_dilatations(&self, e: usize, factors: &[f64], displacements: &[[f64; 3]]) -> Option<Vec<f64>> {
         let volumes = self.volumes.of_cell(e);
         let at_corners = volumes.iter().map(|&a| self.elastic_dilatation(a, factors, displacements)).collect();
         (!volumes.is_empty()).then_some(at_corners)
     }
 
-    /// The stress (Pa) at the reference point `point` of cell `e`.
+    /// Computes the stress (Pa) at the reference point `point` of cell `e`.
     pub(crate) fn stress_in(&self, e: usize, point: [f64; 3], factors: &[f64], displacements: &[[f64; 3]]) -> [f64; 6] {
         let (cell, material) = (&self.mesh.cells[e], &self.materials[e]);
         let nodes = self.mesh.points(&cell.nodes);
@@ -101,8 +103,8 @@ mod tests {
     use crate::body::mesh::{CellKind, MeshSource, block, quadrature_of};
     use crate::body::model::Model;
 
-    /// Whatever the displacements, the stresses at the integration points pull at the nodes as the stiffness says: of a body of two
-    /// materials, on all cells whose dilatation is averaged, curved ones, too.
+    /// For any displacements, the nodal forces of the stresses at the integration points equal those of the stiffness:
+    /// for a body of two materials, on all cells with averaged dilatation, including curved ones.
     #[test]
     fn stresses_pull_as_the_stiffness_says() {
         let (plane, space) = (block(&[1.0, 0.8], &[3, 2]), block(&[1.0, 0.9, 0.8], &[2, 1, 2]));

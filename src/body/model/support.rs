@@ -1,4 +1,4 @@
-//! The supports of a description on its mesh: which displacements are held, and where they are moved to.
+//! The prescribed displacements of the supports of a description on its mesh.
 
 use super::carrying::Carrying;
 use super::holding::Holding;
@@ -11,27 +11,27 @@ use crate::body::fem::{Dofs, HeldRows, NodalForces, SAME_DIRECTION, Spring, inde
 use crate::body::mesh::{Geometry, Mesh};
 use crate::solver::loading::piecewise_linear;
 
-/// Displacements that supports prescribe in one place may differ by this share of the largest.
+/// The tolerance of different displacements prescribed at one node, as a share of the largest.
 const SAME: f64 = 1e-9;
 
-/// A few times what rounding makes of a displacement.
+/// A few times the relative rounding error of a displacement.
 const ROUNDING: f64 = 1e-15;
 
-/// A motion of supports that have one history. A body is carried along by the translation that comes nearest to theirs, which
-/// strains nothing: it is as if the obstacles came the other way, and displacements count from where the body then is. Bodies with
-/// supports of their own have translations of their own, see [`Carrying`].
+/// The motion of all supports with one history. It is split into a rigid offset of the body, the nearest translation,
+/// and the rest. The offset causes no strain: it is equivalent to the opposite motion of the obstacles, and
+/// displacements are relative to it. Bodies with different supports have different offsets, see [`Carrying`].
 #[derive(Debug, Clone)]
 pub(super) struct Moved {
-    /// How far the bodies of each group are carried along at factor 1, m.
+    /// The rigid offset of the bodies of each group at factor 1, m.
     pub carried: Vec<[f64; 3]>,
-    /// Where the nodes of [`HeldRows`] are moved beyond that at factor 1, m.
+    /// The displacements of the nodes of [`HeldRows`] beyond the offset at factor 1, m.
     pub beyond: Vec<[f64; 3]>,
     /// Points `[time (s), factor]`.
     pub history: Vec<[f64; 2]>,
 }
 
 impl Moved {
-    /// The motions of all supports.
+    /// Returns the motions of all supports.
     pub(super) fn all(
         description: &Description,
         mesh: &Mesh,
@@ -50,14 +50,14 @@ impl Moved {
         }
         let axisymmetric = mesh.geometry == Geometry::Axisymmetric;
         let of_history = |of: Vec<[f64; 2]>| {
-            // What others hold stays where it is.
+            // Displacements that other supports hold are 0.
             let mut prescribed = Vec::new();
             for (k, (support, holding)) in supports() {
                 let moves = support.moves() && history(support) == of;
                 prescribed.extend(holding.iter().map(|&(node, n, to)| (k, node, n, if moves { to } else { 0.0 })));
             }
             prescribed.sort_by_key(|(_, node, ..)| *node);
-            // Nothing carries a body of revolution aside.
+            // A body of revolution has no offset along x.
             let carrying_along = |n: [f64; 3]| if axisymmetric { [0.0, n[1], n[2]] } else { n };
             let carried: Vec<[f64; 3]> = (carrying.carrier.iter())
                 .map(|&group| {
@@ -80,7 +80,7 @@ impl Moved {
                     return Err(InputError::new(format!("support[{}].displacement", at_node[j].0), message, help));
                 }
                 if let Ok(held) = rows.nodes().binary_search(&node) {
-                    // What rounding leaves of a body that is carried along as a whole would be strain.
+                    // Rounding errors of a rigid offset would cause strains.
                     beyond[held] = rest.map(|x| if x.abs() > ROUNDING * size { x } else { 0.0 });
                 }
             }
@@ -96,14 +96,14 @@ impl Moved {
         histories.into_iter().map(of_history).collect()
     }
 
-    /// The forces (N) on all nodes at factor 1 that take the place of this motion: what it strains of the body, and of the springs
-    /// that are fixed to the ground.
+    /// Returns the forces (N) on all nodes at factor 1 that are equivalent to this motion, from the strain of the body
+    /// and of the springs fixed to the ground.
     pub(super) fn forces(&self, carrying: &Carrying, rows: &HeldRows, springs: &[Spring]) -> NodalForces {
         let strained = rows.response(&self.beyond).into_iter().map(|(node, force)| (node, force.map(|f| -f)));
         strained.chain(self.forces_of_springs(carrying, springs)).collect()
     }
 
-    /// The forces (N) at factor 1 of the springs of a body that is carried along.
+    /// Returns the forces (N) at factor 1 of springs due to the rigid offset.
     pub(super) fn forces_of_springs(&self, carrying: &Carrying, springs: &[Spring]) -> NodalForces {
         if springs.is_empty() || self.carried.iter().all(|carried| *carried == [0.0; 3]) {
             return Vec::new();
@@ -112,13 +112,13 @@ impl Moved {
         springs.iter().flat_map(|spring| spring.forces(&carried)).collect()
     }
 
-    /// Where `node` is moved beyond the body at factor 1, m.
+    /// Returns the displacement of `node` beyond the rigid offset at factor 1, m.
     pub(super) fn beyond(&self, rows: &HeldRows, node: usize) -> [f64; 3] {
         rows.nodes().binary_search(&node).map_or([0.0; 3], |held| self.beyond[held])
     }
 
-    /// The same of what the rows of a contact node are made of, along its normal and its tangents.
-    /// In front of a body that is carried elsewhere its own counts from that.
+    /// Returns the displacement beyond the rigid offset of the rows of a contact node, along its normal and its
+    /// tangents. If the body in front of it has another offset, the displacement is relative to that offset.
     pub(super) fn beyond_contact(
         &self,
         rows: &HeldRows,
@@ -137,7 +137,7 @@ impl Moved {
             if !relative {
                 return apart + contact.sum(|term| dot(self.beyond(rows, term.node), direction(&term.facing)));
             }
-            // What is free goes along with the other side.
+            // Free displacements follow the other side.
             let held = dofs.held(contact.node).filter(|held| dot(*held, direction(&contact.facing)) != 0.0);
             let of_axis = |held: [f64; 3]| {
                 dot(held, direction(&contact.facing)) * contact.sum(|term| dot(self.beyond(rows, term.node), held))
@@ -147,13 +147,13 @@ impl Moved {
         [along(|facing| facing.normal), along(|facing| facing.tangents[0]), along(|facing| facing.tangents[1])]
     }
 
-    /// The factor at time `t` (s).
+    /// Returns the factor at time `t` (s).
     pub(super) fn factor(&self, t: f64) -> f64 {
         piecewise_linear(&self.history, t).unwrap_or(0.0)
     }
 }
 
-/// Whether supports move what a contact node is made of along its tangents.
+/// Returns `true` if supports move the nodes in the rows of a contact node along its tangents.
 pub(super) fn moves_past(
     all: &[Moved],
     rows: &HeldRows,
@@ -165,8 +165,8 @@ pub(super) fn moves_past(
     all.iter().map(along).any(|[_, t, o]| t != 0.0 || o != 0.0)
 }
 
-/// The displacement (m) of `node` along what is held there with the components `values` along unit vectors, of which
-/// those that follow from others are left out.
+/// Returns the displacement (m) of `node` in its held directions with the components `values` along unit vectors;
+/// linearly dependent vectors are ignored.
 fn solved(dofs: &Dofs, node: usize, values: &[([f64; 3], f64)]) -> [f64; 3] {
     let mut basis: Vec<([f64; 3], f64)> = Vec::new();
     for (n, value) in values {
@@ -184,8 +184,8 @@ fn solved(dofs: &Dofs, node: usize, values: &[([f64; 3], f64)]) -> [f64; 3] {
     [0, 1, 2].map(|c| basis.iter().map(|(b, along)| b[c] * along).sum())
 }
 
-/// For each support, what share of the force on a held node is its own: pairs of the place of the node in [`HeldRows`] and a
-/// matrix. Directions that several supports hold they share evenly.
+/// Returns the share of each support in the forces on held nodes: pairs of the index of the node in [`HeldRows`] and a
+/// matrix. Supports share a common direction equally.
 pub(super) fn shares(holdings: &[Holding], rows: &HeldRows) -> Vec<Vec<(usize, [[f64; 3]; 3])>> {
     let place = |node: usize| rows.nodes().binary_search(&node).unwrap_or(0);
     let mut of_node: Vec<Vec<(usize, [f64; 3])>> = vec![Vec::new(); rows.nodes().len()];
@@ -205,7 +205,7 @@ pub(super) fn shares(holdings: &[Holding], rows: &HeldRows) -> Vec<Vec<(usize, [
     shares
 }
 
-/// `Σ n nᵀ`.
+/// Computes `Σ n nᵀ`.
 fn outer(directions: impl Iterator<Item = [f64; 3]>) -> [[f64; 3]; 3] {
     let mut sum = [[0.0; 3]; 3];
     for n in directions {
@@ -218,11 +218,11 @@ fn product(a: [[f64; 3]; 3], b: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
     a.map(|row| [0, 1, 2].map(|c| (0..3).map(|k| row[k] * b[k][c]).sum()))
 }
 
-/// The pseudo-inverse of `Σ n nᵀ`, by eliminating one direction after the other in a basis of them.
+/// Computes the pseudo-inverse of `Σ n nᵀ` by eliminating one direction after the other in a basis of the directions.
 fn pseudo_inverse(directions: impl Iterator<Item = [f64; 3]> + Clone) -> [[f64; 3]; 3] {
     let matrix = outer(directions.clone());
     let basis = independent(directions.collect(), 3);
-    // Gram-Schmidt in the inner product of the matrix: then it is diagonal.
+    // Gram-Schmidt in the inner product of the matrix makes it diagonal.
     let times = |x: [f64; 3]| matrix.map(|row| dot(row, x));
     let mut inverse = [[0.0; 3]; 3];
     let mut done: Vec<([f64; 3], f64)> = Vec::new();
@@ -254,7 +254,7 @@ mod tests {
             let own = product(outer([n].into_iter()), inverse).map(|row| dot(row, force));
             assert!((0..3).all(|c| (own[c] - share * n[c]).abs() < 1e-14), "{own:?}");
         }
-        // Whoever holds the same direction has half.
+        // Two supports of the same direction have half each.
         let inverse = pseudo_inverse([axis(1), axis(1)].into_iter());
         assert_eq!(product(outer([axis(1)].into_iter()), inverse)[1], [0.0, 0.5, 0.0]);
     }

@@ -1,4 +1,4 @@
-//! What contact nodes do not feel of obstacles: those that they do not meet, and what is between nodes.
+//! Overlaps with obstacles that contact nodes miss: obstacles that they do not meet, and obstacles between nodes.
 
 use std::collections::BTreeMap;
 
@@ -17,57 +17,59 @@ pub struct Overlap {
     pub contact: usize,
     /// The number of the obstacle.
     pub obstacle: usize,
-    /// How deep the node is inside the obstacle, m.
+    /// The depth of the node inside the obstacle, m.
     pub depth: f64,
 }
 
-/// Where the distance of an obstacle between nodes is not what the distances at the nodes say.
+/// A place where the distance of an obstacle between nodes differs from that interpolated from the nodes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BetweenNodes {
     /// The name of the contact boundary.
     pub boundary: String,
-    /// The place before the deformation, m.
+    /// The position in the undeformed body, m.
     pub position: [f64; 3],
-    /// The difference between the distance there and the distance that those at the nodes say, m.
+    /// The difference between the distance there and the interpolated distance, m.
     pub missed: f64,
     /// The longest edge of the facet, m.
     pub size: f64,
 }
 
-/// What a solution leaves of a distance that is 0, as a share of the largest displacement.
+/// The error of a distance of 0 in a solution, as a share of the largest displacement.
 const SOLVED: f64 = 1e-10;
 
-/// What rounding leaves of a distance, as a share of the coordinates that it is a difference of.
+/// The rounding error of a distance, as a share of the coordinates that are subtracted.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
-/// A direction leads out of the body if its component along the outward normal is larger, as a share.
+/// A direction points out of the body if its cosine with the outward normal exceeds this.
 const OUT: f64 = 1e-9;
 
-/// The height of an arc is known to this factor from the normals at its ends.
+/// The factor of uncertainty of the height of an arc computed from the normals at its ends.
 const ARC: f64 = 1.5;
 
-/// Places on an edge, as shares of its length. They are unequal, so that no period of a surface has nodes and all places in step.
+/// The points examined on an edge, as shares of its length. They are unequally spaced so that no period of a surface is
+/// in phase with the nodes and all points.
 const PLACES: [f64; 4] = [0.14, 0.38, 0.5, 0.83];
 
-/// What a point of a boundary sees of the nearest obstacle.
+/// The nearest obstacle as seen from a point of a boundary.
 pub(super) struct Seen {
-    /// m; NaN where nothing is in front.
+    /// The distance, m; NaN if no obstacle is in front.
     pub distance: f64,
-    /// A vector into the obstacle, at right angles to its surface.
+    /// A vector into the obstacle, normal to its surface.
     inward: [f64; 3],
 }
 
-/// A place on a facet: its nodes with their shares.
+/// A point of a facet: the nodes with their shares.
 type Place = Vec<(usize, f64)>;
 
 impl Model {
-    /// How far (m) contact forces press the body in on the obstacle that bears most, see [`Model::range_left`].
+    /// Returns the largest indentation (m) by contact forces of all obstacles, see [`Model::range_left`].
     pub fn pressed(&self, t: f64, state: &State) -> f64 {
         (0..self.obstacles.len()).map(|k| self.pressed_in(k, t, state)).fold(0.0, f64::max)
     }
 
-    /// The contact node that is deepest inside an obstacle that it does not meet at time `t` (s). The obstacle is one of its boundary, or
-    /// a round one or a surface that has come from elsewhere. What a solution or rounding leave of a distance is none.
+    /// Returns the contact node that is deepest inside an obstacle that it does not meet at time `t` (s). The obstacle
+    /// belongs to its boundary, or is a bounded one that has come from another boundary. Depths within the error of a
+    /// solution or rounding do not count.
     pub fn overlap(&self, t: f64, state: &State) -> Option<Overlap> {
         if self.obstacles.len() < 2 {
             return None;
@@ -103,17 +105,18 @@ impl Model {
         deepest
     }
 
-    /// Whether obstacle `k` is told from where the body at `node` has been carried.
+    /// Returns `true` if the motion of obstacle `k` is relative to the rigid offset of the body at `node`.
     fn is_carried_along(&self, k: usize, node: usize) -> bool {
         let boundary = self.contact_boundaries.iter().find(|boundary| boundary.obstacles.contains(&k));
         let first = boundary.and_then(|boundary| boundary.nodes.first()).map(|&i| self.contacts[i].node);
         first.is_some_and(|first| self.carrying.of(first) == self.carrying.of(node))
     }
 
-    /// The place on a contact facet where the distance of the obstacle differs most from what the distances at the nodes say, at time `t`
-    /// (s): of a facet with a closed node by how much the two differ, of one without by how deep the place is inside the obstacle.
-    /// Arcs that the normals at the nodes tell of are not counted, neither those of the obstacle, which nodes resolve as far as they
-    /// can, nor those that straight facets cut off a curved boundary.
+    /// Returns the point of a contact facet at which the distance of the obstacle differs most from the interpolated
+    /// nodal distances, at time `t` (s). On a facet with a closed node, the measure is the difference; on any other
+    /// facet, the depth of the point inside the obstacle. Arcs that follow from the normals at the nodes are
+    /// subtracted: arcs of the obstacle, which the nodes resolve as far as possible, and arcs that straight facets cut
+    /// off a curved boundary.
     pub fn between_nodes(&self, t: f64, state: &State, statuses: &[ContactStatus]) -> Option<BetweenNodes> {
         let curved = |boundary: &&ContactBoundary| {
             self.obstacles[boundary.obstacles.clone()].iter().any(|(obstacle, _)| !obstacle.is_plane())
@@ -148,10 +151,10 @@ impl Model {
                     let along = |[a, b]: [usize; 2]| minus(self.mesh.nodes[b], self.mesh.nodes[a]);
                     let arc = |edge: [usize; 2]| {
                         let of = |[from, to]: [[f64; 3]; 2]| dot(minus(unit(to), unit(from)), along(edge)).abs() / 8.0;
-                        // A node that nothing is in front of tells of no arc.
+                        // A node without an obstacle in front contributes no arc.
                         of(edge.map(|node| outsides[&node])) + of(edge.map(|node| at_nodes[&node].inward)).max(0.0)
                     };
-                    // Across a facet in space the arcs of its sides add up, each of which is there twice.
+                    // Across a facet in three dimensions, the arcs of its sides add up, each counted twice.
                     let twice = if edges.len() > 1 { 2.0 } else { 1.0 };
                     let arcs = edges.iter().map(|edge| arc(*edge)).sum::<f64>() / twice;
                     let size = edges.iter().map(|edge| norm(along(*edge))).fold(0.0, f64::max);
@@ -171,8 +174,8 @@ impl Model {
         worst
     }
 
-    /// What a point that was at `x` and is displaced by `u` (m), on a facet of `boundary` that looks `outward`, sees at time `t` (s) of
-    /// the nearest obstacle.
+    /// Returns the nearest obstacle at time `t` (s) as seen from a point at `x` displaced by `u` (m), on a facet of
+    /// `boundary` with the outward vector `outward`.
     pub(super) fn see(&self, boundary: &ContactBoundary, t: f64, x: [f64; 3], u: [f64; 3], outward: [f64; 3]) -> Seen {
         let moved = plus(x, 1.0, u);
         let mut nearest = Seen { distance: f64::NAN, inward: [f64::NAN; 3] };
@@ -194,7 +197,8 @@ impl Model {
     }
 }
 
-/// The parts of a facet, each with its edges and places on it: in the plane the facet from node to node, in space all of it.
+/// Returns the parts of a facet, each with its edges and points on it: in two dimensions the lines from node to node,
+/// in three dimensions the whole facet.
 fn parts(facet: &[usize], dimension: usize) -> Vec<(Vec<[usize; 2]>, Vec<Place>)> {
     let on_edge = |[a, b]: [usize; 2]| PLACES.map(|share| vec![(a, 1.0 - share), (b, share)]);
     if dimension == 2 {

@@ -1,4 +1,4 @@
-//! What a scene says of its body, or of each of several, as it stands in the file.
+//! The tables of one body in a scene file: mesh, elements and material.
 
 use serde::Deserialize;
 

@@ -1,4 +1,4 @@
-//! What a scene writes, as it stands in the file.
+//! The output table of a scene file.
 
 use std::fmt;
 
@@ -36,7 +36,7 @@ pub(in crate::scene) struct Probe {
 pub(in crate::scene) enum Times {
     /// The beginning and the end of each increment.
     All,
-    /// The first increments that reach them, s.
+    /// The end of the first increment that reaches each of these times, s.
     These(Vec<f64>),
 }
 

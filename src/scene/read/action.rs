@@ -10,7 +10,7 @@ use crate::scene::error::Source;
 
 use super::{foreign, points};
 
-/// The support that stands at `key`.
+/// Converts the support at `key`.
 pub(super) fn support(given: document::Support, key: &str) -> Result<Support, InputError> {
     let document::Support { boundary, point, fix, direction, displacement, history } = given;
     let at = place(boundary, point, "a support").map_err(|fault| fault.with_key(key))?;
@@ -51,7 +51,7 @@ fn held_along(fix: Fix) -> Direction {
     }
 }
 
-/// What `whose` acts on, a boundary or a point.
+/// Returns the boundary or the point that `whose` acts on.
 fn place(boundary: Option<String>, point: Option<Vector>, whose: &str) -> Result<Where, InputError> {
     match (boundary, point) {
         (Some(boundary), None) => Ok(Where::Boundary(boundary)),
@@ -65,7 +65,7 @@ fn place(boundary: Option<String>, point: Option<Vector>, whose: &str) -> Result
     }
 }
 
-/// The spring that stands at `key`.
+/// Converts the spring at `key`.
 pub(super) fn spring(given: document::Spring, key: &str) -> Result<Bed, InputError> {
     let document::Spring { boundary, point, stiffness, normal, tangential } = given;
     let under = |fault: InputError| fault.with_key(key);
@@ -90,7 +90,7 @@ pub(super) fn spring(given: document::Spring, key: &str) -> Result<Bed, InputErr
     }
 }
 
-/// The load that stands at `key` of the scene `source`.
+/// Converts the load at `key` of the scene `source`.
 pub(super) fn load(given: document::Load, key: &str, source: &Source) -> Result<Load, SceneError> {
     let document::Load { boundary, point, traction, pressure, force, acceleration, rotation, temperature, history } =
         given;
@@ -143,7 +143,7 @@ pub(super) fn load(given: document::Load, key: &str, source: &Source) -> Result<
     Ok(Load { action, history: history.map(points) })
 }
 
-/// A number or a formula; what is wrong within a formula is underlined.
+/// Converts a number or a formula; the error points at the wrong part of the formula.
 fn field(scalar: Scalar, key: &str, source: &Source) -> Result<Field, SceneError> {
     match scalar {
         Scalar::Number(value) => Ok(value.into()),

@@ -8,16 +8,16 @@ use crate::scene::error::Source;
 
 use super::mesh;
 
-/// What the bodies of a scene are, as a description has it.
+/// Mesh, elements and materials of all bodies of a scene.
 pub(super) struct Bodies {
     pub mesh: MeshSource,
     pub element: Element,
     pub material: Material,
-    /// Where the materials of several bodies stand: the key of each group of `material`.
+    /// The key of the material of each group of `material`, if there are several bodies.
     pub keys: Vec<String>,
 }
 
-/// Those of `document`, which is left without them.
+/// Takes the bodies out of `document`.
 pub(super) fn bodies(document: &mut Document, source: &Source) -> Result<Bodies, InputError> {
     let (mesh, material, body) = (document.mesh.take(), document.material.take(), std::mem::take(&mut document.body));
     if body.is_empty() {

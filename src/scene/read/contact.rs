@@ -9,7 +9,7 @@ use crate::scene::error::Source;
 
 use super::{foreign, formula, obstacle, points};
 
-/// Contact `k` of the scene `source`.
+/// Converts contact `k` of the scene `source`.
 pub(super) fn contact(k: usize, given: document::ContactTable, source: &Source) -> Result<Contact, SceneError> {
     let key = format!("contact[{k}]");
     let at = |fault: InputError| source.located(fault.with_key(&key));

@@ -9,7 +9,7 @@ use super::{foreign, needed};
 
 const KIND: &str = "mesh.kind";
 
-/// The mesh that `mesh` of the scene `source` asks for.
+/// Converts the table `mesh` of the scene `source`.
 pub(super) fn source(mesh: &Mesh, source: &Source) -> Result<MeshSource, InputError> {
     match mesh.kind {
         MeshKind::Block => block(mesh),
@@ -26,7 +26,7 @@ fn block(mesh: &Mesh) -> Result<MeshSource, InputError> {
     let elements: Option<Vec<Vec<usize>>> =
         given.iter().map(|Segments(axis)| axis.iter().map(|&n| usize::try_from(n).ok()).collect()).collect();
     let help = "give the numbers of elements along each axis";
-    // A number below 0 is no number of elements at all.
+    // Negative numbers of elements are invalid.
     ensure(elements.is_some(), "mesh.elements", given, "numbers of at least 1", help)?;
     let grading = mesh.grading.as_deref().map(lists);
     let source = MeshSource::segmented(&size, &elements.unwrap_or_default(), grading.as_deref(), mesh.cells)?;
@@ -66,7 +66,7 @@ fn gmsh(mesh: &Mesh, source: &Source) -> Result<MeshSource, InputError> {
     Ok(MeshSource::Gmsh { file: source.beside(file), scale: mesh.scale.unwrap_or(1.0) })
 }
 
-/// The lengths of the segments along each axis of a mesh that is made here.
+/// Returns the lengths of the segments along each axis of a generated mesh.
 fn size(mesh: &Mesh, whose: &str) -> Result<Vec<Vec<f64>>, InputError> {
     foreign("mesh.file", mesh.file.as_ref(), whose)?;
     foreign("mesh.scale", mesh.scale.as_ref(), whose)?;

@@ -9,7 +9,7 @@ use crate::scene::error::Source;
 
 use super::{foreign, formula, needed, points};
 
-/// The obstacle that stands at `key` of the scene `source`.
+/// Converts the obstacle at `key` of the scene `source`.
 pub(super) fn obstacle(given: document::Obstacle, key: &str, source: &Source) -> Result<Obstacle, SceneError> {
     let at = |fault: InputError| source.located(fault.with_key(key));
     own_keys(&given).map_err(at)?;
@@ -121,7 +121,7 @@ fn shape(obstacle: &document::Obstacle, source: &Source) -> Result<Shape, InputE
     })
 }
 
-/// The points of a translation: a time, and two or three coordinates.
+/// Converts the points of a translation: a time and two or three coordinates each.
 fn path(given: Vec<Vec<f64>>) -> Result<Vec<(f64, Vector)>, InputError> {
     let point = |point: Vec<f64>| match point[..] {
         [t, x, y] => Some((t, [x, y].into())),

@@ -1,4 +1,4 @@
-//! What a scene writes.
+//! The output of a scene.
 
 use super::{foreign, needed};
 use crate::base::input_error::{InputError, ensure, finite};
@@ -6,7 +6,7 @@ use crate::body::description::{Probe, ProbePlace};
 use crate::scene::document::{self, Times};
 use crate::scene::{Output, Time};
 
-/// The output that `given` asks for, of a history over `time`.
+/// Converts `given` to the output of a history over `time`.
 pub(super) fn output(given: document::Output, time: &Time) -> Result<Output, InputError> {
     let document::Output { times, every, fields, deformed, magnification, probe } = given;
     if let Some(every) = every {

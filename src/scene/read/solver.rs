@@ -11,7 +11,7 @@ use crate::solver::history::{LinearAlgebra, Method, SolverChoice};
 const NOTHING_BUILT_IN: &str = "this build has no linear algebra to choose from";
 const BUILD_IT: &str = "build it with the cargo feature umfpack or faer";
 
-/// Which key asks for a `method` that knows one tangent a node only, if one does.
+/// Returns the key that selects `method`, if that method supports only one tangent for each node.
 pub(super) fn one_tangent_key(method: Method) -> Option<&'static str> {
     match method {
         Method::PaperIp { .. } => Some("solver.setting"),
@@ -22,7 +22,7 @@ pub(super) fn one_tangent_key(method: Method) -> Option<&'static str> {
     }
 }
 
-/// The solver that `given` asks for; `touches` tells whether there is contact.
+/// Converts `given` to a choice of the solver; `touches` is `true` if the scene has contacts.
 pub(super) fn solver(given: &document::SolverTable, touches: bool) -> Result<SolverChoice, InputError> {
     let method = method(given)?;
     let max_iterations = given.max_iterations.unwrap_or(SolverChoice::MAX_ITERATIONS as i64);
@@ -42,11 +42,11 @@ fn linear(given: Option<LinearName>, touches: bool) -> Result<Option<LinearAlgeb
     let fault = |message: &str, help: &str| InputError::new("solver.linear", message, help);
     let whole = LinearAlgebra::default();
     let Some(given) = given else {
-        // Without contact a condensed body is all interior: what is left is the Cholesky factor of K.
+        // Without contact, condensation eliminates all unknowns, so that it is a Cholesky factorisation of K.
         let cholesky = !touches && LinearAlgebra::condensed().is_built_in();
         return Ok(Some(if cholesky { LinearAlgebra::condensed() } else { whole }));
     };
-    // What is compared.
+    // The candidates of the comparison.
     let Some(linear) = given.algebra() else {
         return match (whole.is_built_in(), LinearAlgebra::condensed().is_built_in()) {
             (true, true) => Ok(None),

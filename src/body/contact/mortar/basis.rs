@@ -1,4 +1,5 @@
-//! The biorthogonal basis on the covered part of a slave facet, and what the facet adds to the rows of its nodes.
+//! The biorthogonal basis on the covered part of a slave facet, and the contribution of the facet to the rows of its
+//! nodes.
 
 use std::collections::BTreeSet;
 
@@ -6,33 +7,33 @@ use super::cover::Cover;
 use super::facet::{MOST, Values};
 use crate::body::mesh::Mesh;
 
-/// What is this small beside the terms that it is the sum of is rounding.
+/// A sum counts as rounding if it is at most this share of its terms.
 const ROUNDING: f64 = 1e-13;
 
-/// A pivot that is this small beside 1 is rounding.
+/// A pivot below this counts as rounding; the diagonal is scaled to 1.
 const SINGULAR: f64 = 1e-15;
 
-/// What a facet adds to the row of one of its nodes.
+/// The contribution of a facet to the row of one of its nodes.
 pub(super) struct FacetShare {
     pub node: usize,
     /// `∫ ψ_j dA`, m or m².
     pub weight: f64,
     /// `∫ ψ_j Ñ_i dA` for nodes of the facet.
     pub slave: Vec<(usize, f64)>,
-    /// `∫ ψ_j Ñ_k dA` for nodes of the master, in ascending order; they add up to the weight.
+    /// `∫ ψ_j Ñ_k dA` for nodes of the master, in ascending order; the values add up to the weight.
     pub master: Vec<(usize, f64)>,
     /// `∫ ψ_j b dA` with the bulges `b` of both sides, see [`Cover::bulge`], m² or m³.
     pub bulge: f64,
 }
 
-/// The parts of the nodes of a `facet` that are not `lost`. The functions ψ_j are
+/// Computes the contributions of a `facet` to its nodes that are not `lost`. The functions ψ_j are
 ///
 /// ```text
 /// ψ = A Ñ,   A = diag(∫ Ñ) (∫ Ñ Ñᵀ)⁻¹:   ∫ ψ_i Ñ_j dA = δ_ij ∫ Ñ_j dA,   Σ ψ_j = 1,
 /// ```
 ///
-/// all over the covered part of the facet. Those of nodes that are lost are added in equal parts to those of the others that
-/// [`takers`] names. None where the cover is too thin to tell the functions apart.
+/// with integrals over the covered part of the facet. The function of a lost node is added in equal parts to the
+/// functions of the nodes that [`takers`] returns. Empty if the cover is too thin to distinguish the functions.
 pub(super) fn parts(mesh: &Mesh, facet: &[usize], cover: &Cover, lost: &BTreeSet<usize>) -> Vec<FacetShare> {
     let (kept, gone): (Vec<usize>, Vec<usize>) = (0..facet.len()).partition(|&i| !lost.contains(&facet[i]));
     let Some(dual) = dual(cover, facet.len()).filter(|_| cover.counts() && !kept.is_empty()) else { return Vec::new() };
@@ -52,10 +53,10 @@ pub(super) fn parts(mesh: &Mesh, facet: &[usize], cover: &Cover, lost: &BTreeSet
     kept.iter().map(part).collect()
 }
 
-/// Which of the nodes `kept` of a facet take the function of its lost node `k`, by their places in the facet. On facets of the second
-/// order the displacement that goes with a node between corners holds those of the two corners. Of two corners that both take it each
-/// would have a displacement relative to the other, so that a corner takes it only if no other end of that edge is kept, or alone, the one
-/// with the least number.
+/// Returns the nodes of `kept`, by their local numbers, that take the function of the lost node `k` of a facet. On
+/// facets of second order the displacement of a node between corners contains those of the two corners. If both corners
+/// took the function, each would have a displacement relative to the other. Therefore a corner takes it only if no
+/// other end of that edge is kept; if no node qualifies, the kept node with the lowest number takes it.
 fn takers(facet: &[usize], edges: &[[usize; 3]], kept: &[usize], k: usize) -> Vec<usize> {
     let edge = |node: usize| edges.iter().find(|[_, middle, _]| *middle == node);
     let Some(&[a, _, b]) = edge(facet[k]) else { return kept.to_vec() };
@@ -65,7 +66,7 @@ fn takers(facet: &[usize], edges: &[[usize; 3]], kept: &[usize], k: usize) -> Ve
     if takers.is_empty() { kept.iter().copied().min_by_key(|&i| facet[i]).into_iter().collect() } else { takers }
 }
 
-/// `∫ ψ Ñ_k dA` without what is rounding; the largest takes what the others leave of the weight.
+/// Computes `∫ ψ Ñ_k dA` without rounding errors of zeros; the largest value is set so that the sum equals the weight.
 fn on_master(cover: &Cover, psi: &Values, weight: f64) -> Vec<(usize, f64)> {
     let integral = |(node, values): &(usize, Values)| {
         let (sum, size) =
@@ -83,7 +84,8 @@ fn on_master(cover: &Cover, psi: &Values, weight: f64) -> Vec<(usize, f64)> {
     master
 }
 
-/// A, by elimination in the mass matrix with its diagonal scaled to 1: then a thin cover is no bad condition.
+/// Computes A by elimination in the mass matrix with its diagonal scaled to 1, so that a thin cover does not harm the
+/// condition.
 fn dual(cover: &Cover, count: usize) -> Option<[Values; MOST]> {
     let scale: Values = std::array::from_fn(|i| if i < count { cover.mass[i][i].sqrt().recip() } else { 0.0 });
     let mut mass: [Values; MOST] =

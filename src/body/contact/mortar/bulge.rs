@@ -1,14 +1,14 @@
-//! By how much the surface that a mesh stands for bulges out of its facets.
+//! The bulge of the surface that a mesh approximates, beyond its facets.
 //!
-//! Nodes of a mesh are on the surface, and straight facets between them are its chords. Where facets turn little by little, the normals of
-//! the nodes tell how far the surface is beyond the facet,
+//! The nodes of a mesh are on the surface; straight facets between them are chords. If the facets turn gradually, the
+//! nodal normals give the distance of the surface beyond the facet,
 //!
 //! ```text
 //! b = ½ Σ_{i<j} N_i N_j (n_j - n_i) · (x_j - x_i),
 //! ```
 //!
-//! out of the body where that is convex. On a circle and a sphere that is exact to the square of the angle that a facet spans: `l² / 8 R` in
-//! the middle of an edge.
+//! positive out of the body where it is convex. On a circle and a sphere, b is exact to the square of the angle that a
+//! facet spans: `l² / 8 R` in the middle of an edge.
 
 use std::collections::BTreeMap;
 
@@ -17,14 +17,15 @@ use super::normals::sums;
 use crate::algebra::vector::{dot, minus, unit};
 use crate::body::mesh::{Boundary, Mesh};
 
-/// Where the normal of a facet and that of its node have a smaller cosine, by 30°, there is an edge of the body and no bulge.
+/// The least cosine, that of 30°, between the normals of a facet and of its node; below it the node is on an edge of
+/// the body, without bulge.
 const SMOOTH: f64 = 0.866;
 
 /// The unit normals of the nodes of a boundary that is not flat.
 pub(super) struct Bulges(BTreeMap<usize, [f64; 3]>);
 
 impl Bulges {
-    /// Those of `boundary`. Facets of the second order follow the surface themselves and have none.
+    /// Computes the normals of `boundary`. Facets of second order follow the surface and have no bulge.
     pub(super) fn new(mesh: &Mesh, boundary: &Boundary) -> Self {
         let mut straight = boundary.facets.iter().filter(|facet| !mesh.is_quadratic(facet));
         let first = straight.next().map(|facet| unit(mesh.area_vector(facet)));
@@ -33,7 +34,7 @@ impl Bulges {
         Bulges(normals.into_iter().map(|(node, sum)| (node, unit(sum))).collect())
     }
 
-    /// How far the surface is beyond `facet` at the point with these shape functions, m.
+    /// Returns the distance of the surface beyond `facet` at the point with the shape functions `shape`, m.
     pub(super) fn at(&self, mesh: &Mesh, facet: &[usize], shape: &Values) -> f64 {
         if self.0.is_empty() || mesh.is_quadratic(facet) {
             return 0.0;

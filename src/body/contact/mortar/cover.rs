@@ -1,4 +1,4 @@
-//! The part of each slave facet that master facets are in front of: segments, and the integrals over them.
+//! The covered part of each slave facet: segments in front of master facets, and the integrals over them.
 
 use super::GapAt;
 use super::bulge::Bulges;
@@ -10,10 +10,10 @@ use crate::algebra::vector::dot;
 use crate::body::fem::bernstein;
 use crate::body::mesh::{Boundary, Facet, Mesh};
 
-/// A facet of which less than this share is covered has no part in the rows.
+/// A facet does not contribute to the rows if less than this share of it is covered.
 const COVERED: f64 = 1e-10;
 
-/// A facet that is covered by more than this share of it beyond the whole is covered twice.
+/// A facet counts as covered twice if its covered share exceeds 1 by more than this.
 const ROUNDING: f64 = 1e-9;
 
 /// The integrals over the covered part of a slave facet, with the functions Ñ of [`bernstein`] on both sides.
@@ -28,13 +28,13 @@ pub(super) struct Cover {
     pub mass: [Values; MOST],
     /// `∫ Ñ_i Ñ_k dA` for each node k of the master, in ascending order.
     pub cross: Vec<(usize, Values)>,
-    /// `∫ Ñ_i b dA`, where b is by how much the two bulge out of their facets towards each other, m; see [`Bulges`].
+    /// `∫ Ñ_i b dA`, where b is the sum of the bulges of both surfaces towards each other, m; see [`Bulges`].
     pub bulge: Values,
 }
 
-/// What master facets are in front of.
+/// The covered parts of all slave facets.
 pub(super) struct Covers {
-    /// Facet by facet of the slave.
+    /// The cover of each slave facet.
     pub facets: Vec<Cover>,
     /// The facets of each segment: of the slave, of the master.
     pub segments: Vec<[usize; 2]>,
@@ -109,7 +109,7 @@ impl Covers {
 }
 
 impl Cover {
-    /// Whether so much is covered that there are rows.
+    /// Returns `true` if enough is covered for the facet to contribute to rows.
     pub(super) fn counts(&self) -> bool {
         self.share > COVERED
     }
@@ -140,7 +140,7 @@ impl Cover {
         self.cross.extend(master.iter().copied().zip(cross));
     }
 
-    /// Puts what belongs to one node of the master together.
+    /// Adds up the terms of each master node.
     fn finish(&mut self) {
         self.cross.sort_by_key(|(node, _)| *node);
         self.cross.dedup_by(|(node, values), (last, sum)| {
@@ -153,7 +153,7 @@ impl Cover {
     }
 }
 
-/// Ñ in the place of the shape functions.
+/// Replaces the shape functions by Ñ.
 fn raised(mesh: &Mesh, facet: &[usize], mut shape: Values) -> Values {
     if mesh.is_quadratic(facet) {
         let raised = bernstein(mesh, facet, &shape[..facet.len()]);
@@ -162,13 +162,13 @@ fn raised(mesh: &Mesh, facet: &[usize], mut shape: Values) -> Values {
     shape
 }
 
-/// The point of a facet with these shape functions, m.
+/// Returns the point of a facet with the shape functions `shape`, m.
 pub(super) fn position(mesh: &Mesh, facet: &[usize], shape: &Values) -> [f64; 3] {
     [0, 1, 2].map(|c| facet.iter().zip(shape).map(|(&node, n)| n * mesh.nodes[node][c]).sum())
 }
 
-/// The least gap of the segments, and where, when the nodes have moved by `u` (m): `ν · (x_m + u_m - x_s - u_s)` at the integration
-/// points.
+/// Returns the least gap of the segments and its position after the nodes have moved by `u` (m):
+/// `ν · (x_m + u_m - x_s - u_s)` at the integration points.
 pub(super) fn least_gap(
     mesh: &Mesh,
     [slave, master]: [&[Facet]; 2],
@@ -177,7 +177,7 @@ pub(super) fn least_gap(
 ) -> Option<GapAt> {
     let rules = Rules::new();
     let mut least: Option<GapAt> = None;
-    // Those of one slave facet follow each other.
+    // The segments of one slave facet are consecutive.
     for group in segments.chunk_by(|a, b| a[0] == b[0]) {
         let facet = &slave[group[0][0]];
         let plane = Plane::of(mesh, facet);
@@ -199,7 +199,7 @@ pub(super) fn least_gap(
     least
 }
 
-/// That nothing of the second boundary is in front of the first within `search` (m), or next to nothing.
+/// Returns the error that the second boundary covers nothing, or almost nothing, of the first within `search` (m).
 pub(super) fn nothing_in_front(mesh: &Mesh, sides: [&Boundary; 2], search: f64) -> MortarFault {
     let (least, at) = least_distance(mesh, sides);
     let [slave, master] = sides.map(|side| side.name.clone());

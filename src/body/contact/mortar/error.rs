@@ -1,12 +1,12 @@
-//! Why two boundaries make no pair.
+//! Errors of the pairing of two boundaries.
 
 use crate::algebra::vector::Vector;
 use crate::body::mesh::Mesh;
 
-/// Why two boundaries make no pair.
+/// The error of two boundaries that cannot be paired.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum MortarFault {
-    /// Nothing of the master is in front of the slave within the search.
+    /// The master is nowhere in front of the slave within the search distance.
     #[error(
         "nothing of `{master}` is in front of `{slave}` within {search} m; the least distance is {least} m, at {at:?}"
     )]
@@ -15,14 +15,14 @@ pub enum MortarFault {
         slave: String,
         /// The master boundary.
         master: String,
-        /// How far it was looked, m.
+        /// The search distance, m.
         search: f64,
         /// The least distance between the two, m.
         least: f64,
-        /// Where that is, m.
+        /// The position of the least distance, m.
         at: Vector,
     },
-    /// Part of a slave facet has two layers of the master in front of it.
+    /// Two layers of the master are in front of part of a slave facet.
     #[error("two layers of `{master}` are in front of the facet of `{slave}` at {at:?}")]
     TwoLayers {
         /// The slave boundary.
@@ -40,7 +40,7 @@ pub enum MortarFault {
         /// The centre of the facet, m.
         at: Vector,
     },
-    /// Supports hold all nodes of the slave that the master is in front of, along their normals.
+    /// Supports hold all slave nodes in front of the master along their normals.
     #[error("supports hold `{slave}` along its normal wherever `{master}` is in front of it")]
     SlaveHeld {
         /// The slave boundary.
@@ -48,26 +48,26 @@ pub enum MortarFault {
         /// The master boundary.
         master: String,
     },
-    /// Facets that meet in a node, or that are in front of it, look in opposite directions.
+    /// Facets that meet in a node, or that are in front of it, have opposite normals.
     #[error("the normals of the facets of `{boundary}` around {at:?} cancel")]
     NormalsCancel {
         /// The boundary.
         boundary: String,
-        /// The place of the node, m.
+        /// The position of the node, m.
         at: Vector,
     },
-    /// The direction that is given points into the slave.
+    /// The given direction points into the slave.
     #[error("the direction points into the body at {at:?} of `{slave}`")]
     Inwards {
         /// The slave boundary.
         slave: String,
-        /// The place of the node, m.
+        /// The position of the node, m.
         at: Vector,
     },
 }
 
 impl MortarFault {
-    /// What mends the fault, in words.
+    /// Returns the correction, in words.
     pub fn help(&self) -> &'static str {
         match self {
             MortarFault::NothingInFront { search, least, .. } if least <= search => {
@@ -87,7 +87,7 @@ impl MortarFault {
     }
 }
 
-/// A place as it is told: two coordinates in two dimensions.
+/// Returns a point for messages, with two coordinates in two dimensions.
 pub(super) fn place(mesh: &Mesh, [x, y, z]: [f64; 3]) -> Vector {
     if mesh.dimension == 2 { [x, y].into() } else { [x, y, z].into() }
 }

@@ -1,23 +1,23 @@
-//! The facets of a pair as they are seen along a normal: shape functions in the order of the nodes of a facet, and where in a
-//! facet a point of the plane is.
+//! The facets of a pair as seen along a normal: shape functions in the order of the nodes of a facet, and the local
+//! coordinates of a point of the plane.
 
 use crate::algebra::vector::{cross, dot, minus, plus, unit};
 use crate::body::mesh::Mesh;
 
-/// No facet has more nodes.
+/// The largest number of nodes of a facet.
 pub(super) const MOST: usize = 6;
 
-/// A value for each node of a facet; 0 beyond its last one.
+/// A value for each node of a facet; 0 beyond the last node.
 pub(super) type Values = [f64; MOST];
 
 /// A point of the plane; in two dimensions its second coordinate is 0.
 pub(super) type Flat = [f64; 2];
 
-/// A middle of an edge that is off by more than this share of it makes a facet curved, and so of a quadrilateral that is no
-/// parallelogram; what rounding makes of coordinates is far less.
+/// A facet counts as curved if the middle node of an edge is off by more than this share of the edge; a quadrilateral,
+/// if it deviates this much from a parallelogram. Rounding errors of coordinates are far smaller.
 const STRAIGHT: f64 = 1e-10;
 
-/// Newton's method stops where a step is as short, in local coordinates.
+/// Newton's method stops if a step is shorter than this, in local coordinates.
 const FOUND: f64 = 1e-14;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -57,7 +57,7 @@ impl Kind {
         }
     }
 
-    /// The shape functions at `[ξ, η]`: along edges ξ goes from 0 to 1, a quadrilateral is the square [-1, 1]².
+    /// Returns the shape functions at `[ξ, η]`: ξ goes from 0 to 1 along edges; a quadrilateral is the square [-1, 1]².
     fn shape(self, [x, y]: Flat) -> Values {
         let z = 1.0 - x - y;
         match self {
@@ -75,7 +75,7 @@ impl Kind {
         }
     }
 
-    /// Their derivatives along ξ and along η.
+    /// Returns the derivatives of the shape functions along ξ and along η.
     fn slopes(self, [x, y]: Flat) -> [Values; 2] {
         let z = 1.0 - x - y;
         match self {
@@ -94,10 +94,10 @@ impl Kind {
     }
 }
 
-/// The plane of a facet (in two dimensions a line), and the normal along which others are seen on it.
+/// The plane of a facet (in two dimensions a line) and the normal along which other facets are projected on it.
 pub(super) struct Plane {
     origin: [f64; 3],
-    /// At right angles to each other and to the normal; in two dimensions the second is 0.
+    /// Unit vectors at right angles to each other and to the normal; in two dimensions the second is 0.
     axes: [[f64; 3]; 2],
     /// The outward unit normal.
     pub normal: [f64; 3],
@@ -134,11 +134,11 @@ impl Plane {
 /// A facet, projected to a plane.
 pub(super) struct Projected {
     kind: Kind,
-    /// The places of its nodes in the plane, m.
+    /// The positions of its nodes in the plane, m.
     pub at: [Flat; MOST],
-    /// How far they are from the plane, m.
+    /// The distances of its nodes from the plane, m.
     height: Values,
-    /// Whether local coordinates are linear in those of the plane.
+    /// `true` if the local coordinates are linear in the coordinates of the plane.
     pub straight: bool,
 }
 
@@ -159,12 +159,13 @@ impl Projected {
         }
     }
 
-    /// The two ends along the axis, in two dimensions.
+    /// Returns the two ends along the axis, in two dimensions.
     pub(super) fn ends(&self) -> [f64; 2] {
         [self.at[0][0], self.at[self.kind.nodes() - 1][0]]
     }
 
-    /// The polygons that make up the facet, in the order of its nodes: four where edges between three nodes are bent.
+    /// Returns the polygons that make up the facet, in the order of its nodes: four if edges between three nodes are
+    /// bent.
     pub(super) fn polygons(&self) -> Vec<Vec<Flat>> {
         let pick = |places: &[usize]| places.iter().map(|&k| self.at[k]).collect();
         match self.kind {
@@ -174,7 +175,8 @@ impl Projected {
         }
     }
 
-    /// The shape functions at the point of the facet that is seen at `y`, by Newton's method; `None` where the facet folds.
+    /// Computes the shape functions at the point of the facet that is projected to `y`, by Newton's method; `None`
+    /// where the facet folds.
     pub(super) fn shape_at(&self, y: Flat) -> Option<Values> {
         let mut local = self.kind.centre();
         for _ in 0..20 {
@@ -201,7 +203,7 @@ impl Projected {
         Some(self.kind.shape(local))
     }
 
-    /// How far from the plane the point with these shape functions is, m.
+    /// Returns the distance from the plane of the point with the shape functions `shape`, m.
     pub(super) fn height(&self, shape: &Values) -> f64 {
         shape.iter().zip(&self.height).map(|(n, h)| n * h).sum()
     }
@@ -232,7 +234,7 @@ mod tests {
         }
     }
 
-    /// What is seen at the place of local coordinates has these.
+    /// The projection of a point with given local coordinates has these local coordinates.
     #[test]
     fn points_of_bent_facets_are_found() {
         let bend = |[x, y]: Flat| [x + 0.1 * y * y, y - 0.2 * x + 0.05 * x * x];

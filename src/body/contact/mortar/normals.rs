@@ -1,4 +1,4 @@
-//! Normals of the nodes of a boundary, and what supports leave of them.
+//! Normals at the nodes of a boundary, and their projection on the directions that supports leave free.
 
 use std::collections::BTreeMap;
 
@@ -8,16 +8,18 @@ use crate::algebra::vector::{across, cross, dot, minus, norm, unit};
 use crate::body::fem::facet_normals;
 use crate::body::mesh::{Boundary, Mesh};
 
-/// A unit normal that supports leave as much of is that of a node on a plane of symmetry, and rounding or the mesh.
+/// If supports leave at least this length of a unit normal, the node is on a plane of symmetry; the rest is due to
+/// rounding or the mesh.
 const SYMMETRIC: f64 = 0.9;
 
-/// A component of a unit normal along a direction in which neither side moves is as small as this on a plane of symmetry.
+/// A direction fixed on both sides counts as normal to a plane of symmetry if the component of the unit normal along it
+/// is smaller than this.
 const ALONG_SYMMETRY: f64 = 0.2;
 
-/// A unit normal that supports leave no more of is held.
+/// A node is held along its normal if supports leave less than this length of the unit normal.
 const FREE: f64 = 0.1;
 
-/// The unit normals of the nodes of `boundary`: sums over its facets at the node of
+/// Computes the unit normals of the nodes of `boundary`: sums over its facets at the node of
 ///
 /// ```text
 /// (a × b) / (|a|² |b|²)   a and b the edges of the facet that begin at the node (Max 1999),
@@ -25,8 +27,8 @@ const FREE: f64 = 0.1;
 /// ν / area                on triangles of six nodes, ν their normal in the node:
 /// ```
 ///
-/// what the first two give is the normal of the sphere or circle on which nodes lie. On a plane of symmetry it has no part across
-/// that.
+/// The first two sums give the normal of the sphere or circle on which the nodes lie. On a plane of symmetry the normal
+/// has no component across the plane.
 pub(super) fn nodal(
     mesh: &Mesh,
     boundary: &Boundary,
@@ -44,7 +46,7 @@ pub(super) fn nodal(
     sums(mesh, boundary).into_iter().map(normal).collect()
 }
 
-/// The sums over facets alone.
+/// Computes the sums over the facets without regard to supports.
 pub(super) fn sums(mesh: &Mesh, boundary: &Boundary) -> BTreeMap<usize, [f64; 3]> {
     let mut sums = BTreeMap::<usize, [f64; 3]>::new();
     for facet in &boundary.facets {
@@ -73,13 +75,14 @@ fn parts(mesh: &Mesh, facet: &[usize]) -> Vec<[f64; 3]> {
     }
 }
 
-/// Whether supports hold a node along `normal`.
+/// Returns `true` if supports hold a node along `normal`.
 pub(super) fn is_held(normal: [f64; 3], held: &[[f64; 3]]) -> bool {
     norm(held.iter().copied().fold(normal, across)) < FREE
 }
 
-/// The mean of the normal of the slave in a node and the opposite of the master's in front of it, `opposite`, as a unit vector; `None`
-/// where they cancel. Neither side is preferred. On a plane of symmetry it has no part across that: `still`, as of [`super::supports::still`].
+/// Returns the mean of the slave's normal at a node and the reversed normal `opposite` of the master in front of it, as
+/// a unit vector; `None` if they cancel. Neither side is preferred. On a plane of symmetry the mean has no component
+/// across the plane, along `still`, see [`super::supports::still`].
 pub(super) fn common(normal: [f64; 3], opposite: [f64; 3], still: &[[f64; 3]]) -> Option<[f64; 3]> {
     let mean = unit(minus(normal, unit(opposite)));
     let symmetric = |n: [f64; 3], h: &[f64; 3]| if dot(n, h).abs() < ALONG_SYMMETRY { across(n, *h) } else { n };

@@ -1,4 +1,4 @@
-//! Which master facets may be in front of a slave facet, and how far two boundaries are from each other.
+//! Search for the master facets in front of a slave facet, and the distance between two boundaries.
 
 use super::error::{MortarFault, place};
 use crate::algebra::vector::{cross, dot, minus, unit};
@@ -6,10 +6,10 @@ use crate::body::contact::tree::{Bounds, Tree};
 use crate::body::contact::triangles::nearest_of;
 use crate::body::mesh::{Boundary, Mesh};
 
-/// Two facets face each other if the cosine between their normals is below minus this.
+/// Two facets face each other if the cosine of the angle between their normals is below minus this.
 const FACING: f64 = 0.1;
 
-/// The default search is this share of the size of the smaller boundary.
+/// The default search distance, as a share of the size of the smaller boundary.
 const SHARE_OF_SIZE: f64 = 0.1;
 
 /// The facets of the master, in a tree.
@@ -26,7 +26,8 @@ impl Masters {
         Masters { tree: Tree::new(&bounds), bounds, normals }
     }
 
-    /// The facets within `search` (m) of a slave facet with these nodes that face its `normal`, in ascending order.
+    /// Returns the facets within `search` (m) of a slave facet with nodes at `points` that face its `normal`, in
+    /// ascending order.
     pub(super) fn facing(&self, points: &[[f64; 3]], normal: [f64; 3], search: f64) -> Vec<usize> {
         let around = Bounds::of(points).grown(search);
         let mut facing = Vec::new();
@@ -40,13 +41,13 @@ impl Masters {
     }
 }
 
-/// A tenth of the longest side of the box around the smaller of two boundaries, m.
+/// Returns a tenth of the longest side of the bounding box of the smaller boundary, m.
 pub(super) fn default_search(mesh: &Mesh, sides: [&Boundary; 2]) -> f64 {
     let size = |side: &Boundary| Bounds::of(&mesh.points(&side.facets.concat())).extent();
     SHARE_OF_SIZE * size(sides[0]).min(size(sides[1]))
 }
 
-/// Fails where a quadrilateral is not convex.
+/// Fails if a quadrilateral is not convex.
 pub(super) fn convex(mesh: &Mesh, boundary: &Boundary) -> Result<(), MortarFault> {
     for facet in boundary.facets.iter().filter(|facet| mesh.dimension == 3 && facet.len() == 4) {
         let (normal, points) = (mesh.area_vector(facet), mesh.points(facet));
@@ -62,7 +63,7 @@ pub(super) fn convex(mesh: &Mesh, boundary: &Boundary) -> Result<(), MortarFault
     Ok(())
 }
 
-/// The least distance (m) from a node of one of two boundaries to the other, and where that node is.
+/// Returns the least distance (m) from a node of either boundary to the other boundary, and the position of that node.
 pub(super) fn least_distance(mesh: &Mesh, sides: [&Boundary; 2]) -> (f64, [f64; 3]) {
     let mut least = (f64::INFINITY, [0.0; 3]);
     for [from, to] in [sides, [sides[1], sides[0]]] {

@@ -1,8 +1,8 @@
-//! Segments: the part of a slave facet that a master facet is in front of, and the points at which something is integrated there.
+//! Segments: the part of a slave facet that a master facet covers, and the integration points there.
 
 use super::facet::{Flat, Projected, Values};
 
-/// A part of less than this share of the slave facet is rounding.
+/// A common part counts as rounding if it is smaller than this share of the slave facet.
 const NO_PART: f64 = 1e-12;
 
 /// A point of a segment.
@@ -12,7 +12,7 @@ pub(super) struct Point {
     /// The shape functions of both facets.
     pub slave: Values,
     pub master: Values,
-    /// From the slave to the master along the normal of the slave, m.
+    /// The distance from the slave to the master along the normal of the slave, m.
     pub gap: f64,
 }
 
@@ -23,7 +23,7 @@ const GAUSS: [(f64, f64); 3] = [
     (0.774_596_669_241_483_4, 0.555_555_555_555_555_6),
 ];
 
-/// Six of them on [0, 1].
+/// Six Gauss points on [0, 1].
 const GAUSS6: [(f64, f64); 6] = [
     (0.033_765_242_898_423_99, 0.085_662_246_189_585_17),
     (0.169_395_306_766_867_74, 0.180_380_786_524_069_3),
@@ -37,7 +37,7 @@ const GAUSS6: [(f64, f64); 6] = [
 pub(super) struct Rules {
     /// Exact for polynomials of degree five (Radon).
     straight: Vec<([f64; 3], f64)>,
-    /// Exact for degree ten; for what local coordinates of bent facets make of polynomials.
+    /// Exact for degree ten, for bent facets, where local coordinates raise the degree of polynomials.
     bent: Vec<([f64; 3], f64)>,
 }
 
@@ -58,7 +58,7 @@ impl Rules {
     }
 }
 
-/// The length or area of a facet in its own plane, m or m².
+/// Returns the length or area of a facet in its own plane, m or m².
 pub(super) fn size(dimension: usize, facet: &Projected) -> f64 {
     if dimension == 2 {
         let [from, to] = facet.ends();
@@ -67,8 +67,8 @@ pub(super) fn size(dimension: usize, facet: &Projected) -> f64 {
     facet.polygons().iter().map(|polygon| area(polygon)).sum()
 }
 
-/// The points of the segment that the slave facet of this `size` and a master facet have in common; none where they have no part,
-/// or a facet is folded there.
+/// Returns the integration points of the common part of a slave facet of this `size` and a master facet; empty if they
+/// have no common part or a facet is folded there.
 pub(super) fn points(dimension: usize, slave: &Projected, size: f64, master: &Projected, rules: &Rules) -> Vec<Point> {
     let places = if dimension == 2 {
         overlap(slave, size, master)
@@ -83,7 +83,7 @@ pub(super) fn points(dimension: usize, slave: &Projected, size: f64, master: &Pr
     places.into_iter().map(point).collect::<Option<Vec<Point>>>().unwrap_or_default()
 }
 
-/// Along a line.
+/// Returns the integration points of the common part of two lines.
 fn overlap(slave: &Projected, size: f64, master: &Projected) -> Vec<(Flat, f64)> {
     let ([a, b], [c, d]) = (slave.ends(), master.ends());
     let (from, to) = (a.min(b).max(c.min(d)), a.max(b).min(c.max(d)));
@@ -95,10 +95,10 @@ fn overlap(slave: &Projected, size: f64, master: &Projected) -> Vec<(Flat, f64)>
     }
 }
 
-/// In a plane, polygon by polygon.
+/// Returns the integration points of the common part of two plane facets, polygon by polygon.
 fn common(slave: &Projected, size: f64, master: &Projected, rule: &[([f64; 3], f64)]) -> Vec<(Flat, f64)> {
     let counterclockwise = |polygon: &Vec<Flat>| area(polygon) > 0.0;
-    // What faces the slave is seen the other way round.
+    // A facet that faces the slave has the opposite orientation.
     let turned = |polygon: Vec<Flat>| polygon.into_iter().rev().collect::<Vec<Flat>>();
     let masters: Vec<Vec<Flat>> = master.polygons().into_iter().map(turned).filter(counterclockwise).collect();
     let mut places = Vec::new();
@@ -113,14 +113,14 @@ fn common(slave: &Projected, size: f64, master: &Projected, rule: &[([f64; 3], f
     places
 }
 
-/// The points of the triangles of a polygon around its middle.
+/// Adds the integration points of the triangles that a polygon forms with its middle.
 fn add_fan(polygon: &[Flat], rule: &[([f64; 3], f64)], places: &mut Vec<(Flat, f64)>) {
     let middle = [0, 1].map(|c| polygon.iter().map(|x| x[c]).sum::<f64>() / polygon.len() as f64);
     let whole = area(polygon);
     for (k, &a) in polygon.iter().enumerate() {
         let b = polygon[(k + 1) % polygon.len()];
         let triangle = area(&[middle, a, b]);
-        // Corners that are one but for rounding.
+        // Triangles of coincident corners are left out.
         if triangle > NO_PART * whole {
             let at = |l: &[f64; 3]| [0, 1].map(|c| l[0] * middle[c] + l[1] * a[c] + l[2] * b[c]);
             places.extend(rule.iter().map(|(l, weight)| (at(l), weight * triangle)));
@@ -128,14 +128,14 @@ fn add_fan(polygon: &[Flat], rule: &[([f64; 3], f64)], places: &mut Vec<(Flat, f
     }
 }
 
-/// The area of a polygon, positive where it is counterclockwise.
+/// Computes the area of a polygon, positive if it is counterclockwise.
 fn area(polygon: &[Flat]) -> f64 {
     let Some(&[x, y]) = polygon.first() else { return 0.0 };
     let next = polygon.iter().skip(1);
     0.5 * polygon.iter().zip(next).map(|(a, b)| (a[0] - x) * (b[1] - y) - (b[0] - x) * (a[1] - y)).sum::<f64>()
 }
 
-/// The part of a polygon that is in a convex counterclockwise `window` (Sutherland and Hodgman 1974).
+/// Clips a polygon to a convex counterclockwise `window` (Sutherland and Hodgman 1974).
 fn clip(polygon: Vec<Flat>, window: &[Flat]) -> Vec<Flat> {
     let mut part = polygon;
     for (k, a) in window.iter().enumerate() {

@@ -1,38 +1,39 @@
-//! Which of two boundaries is better the slave.
+//! Choice of the slave of two boundaries.
 
 use std::fmt;
 
 use super::{Mortar, MortarFault, MortarOptions, Supports};
 use crate::body::mesh::{Boundary, Mesh};
 
-/// Numbers of nodes that differ by no more than this share of the larger are alike.
+/// Numbers of nodes count as equal if they differ by no more than this share of the larger.
 const ALIKE: f64 = 0.1;
 
-/// Which of two boundaries is better the slave, and why.
+/// The choice of the slave of two boundaries, and its reason.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SlaveChoice {
-    /// The first, 0, or the second, 1.
+    /// The slave: 0 for the first boundary, 1 for the second.
     pub slave: usize,
-    /// How many nodes of each would have a row: those in front of the other that supports do not hold.
+    /// The number of nodes of each boundary that would have a row: nodes in front of the other boundary that supports
+    /// do not hold.
     pub rows: [usize; 2],
-    /// Why it is that one.
+    /// The reason of the choice.
     pub reason: SlaveReason,
 }
 
-/// Why a boundary is better the slave.
+/// The reason of the choice of the slave.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SlaveReason {
-    /// Supports hold the other.
+    /// Supports hold the other boundary.
     OtherHeld,
-    /// The nodes of the other carry the forces of another contact.
+    /// The nodes of the other boundary carry the forces of another contact.
     OtherTaken,
-    /// Nodes of the other are beyond its end.
+    /// Nodes of the other boundary are beyond the end of the chosen one.
     OtherOverhangs,
-    /// It has more nodes in front of the other.
+    /// The chosen boundary has more nodes in front of the other.
     MoreNodes,
-    /// It is the softer, with about as many nodes.
+    /// The chosen boundary is softer, and both have about the same number of nodes.
     Softer,
-    /// The two are alike: the one that is named first.
+    /// No criterion distinguishes the two; the first one is chosen.
     Alike,
 }
 
@@ -50,14 +51,14 @@ impl fmt::Display for SlaveReason {
 }
 
 impl Mortar {
-    /// The rows of two boundaries with the better one as the slave: what supports leave free; of two that are free the one without
-    /// nodes beyond the end of the other; then the one with more nodes in front of the other, for the law is asked at the nodes of the
-    /// slave; with about as many the softer, by the two Young's
-    /// moduli `young` (Pa). One that is `taken`, as it is the slave of another contact, gives way.
+    /// Computes the rows of two boundaries and chooses the slave. The criteria in order: the boundary that supports do
+    /// not hold; the boundary without nodes beyond the end of the other; the boundary with more nodes in front of the
+    /// other, since the law applies at the slave nodes; if the numbers are about equal, the softer one by the Young's
+    /// moduli `young` (Pa). A boundary that is `taken`, as the slave of another contact, is avoided.
     ///
     /// # Errors
     ///
-    /// As [`Mortar::new`], of the first as the slave if neither can be.
+    /// As [`Mortar::new`]. If neither boundary can be the slave, the error is that of the first.
     pub fn of_better_slave(
         mesh: &Mesh,
         sides: [&Boundary; 2],
@@ -67,7 +68,7 @@ impl Mortar {
         supports: &dyn Supports,
     ) -> Result<(Self, SlaveChoice), MortarFault> {
         let of = |slave: usize| {
-            // A direction points out of the first.
+            // The given direction points out of the first boundary.
             let direction = options.direction.map(|n| if slave == 0 { n } else { n.map(|c| -c) });
             Mortar::new(mesh, sides[slave], sides[1 - slave], &MortarOptions { direction, ..*options }, supports)
         };

@@ -1,4 +1,4 @@
-//! What supports leave of the motion of two boundaries past each other.
+//! The effect of supports on the relative motion of two boundaries.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -7,12 +7,14 @@ use crate::algebra::vector::{across, norm};
 use crate::body::fem::SAME_DIRECTION;
 use crate::body::mesh::Boundary;
 
-/// What supports do to the nodes of two boundaries. A closure that gives the held directions of a node is one whose supports do not move.
+/// The supports of the nodes of two boundaries. A closure that returns the held directions of a node implements it for
+/// supports that do not move.
 pub trait Supports {
-    /// Orthonormal directions along which supports hold a node, as of `fem::Dofs::held`.
+    /// Returns the orthonormal directions along which supports hold a node, like `fem::Dofs::held`.
     fn held(&self, node: usize) -> Vec<[f64; 3]>;
 
-    /// Whether supports move two nodes, both held along the unit vector `n`, by different displacements along it.
+    /// Returns `true` if supports prescribe different displacements along the unit vector `n` for two nodes that are
+    /// both held along it.
     fn move_apart(&self, nodes: [usize; 2], n: [f64; 3]) -> bool {
         let _ = (nodes, n);
         false
@@ -25,9 +27,9 @@ impl<F: Fn(usize) -> Vec<[f64; 3]>> Supports for F {
     }
 }
 
-/// The directions along which neither side can move at each node of `slave`: supports hold the node and at least one of the nodes of the
-/// other side in front of it, and do not move the two apart. A plane of symmetry that cuts both bodies is such a support. Where supports
-/// hold the node alone, the other side still moves past it.
+/// Returns, for each node of `slave`, the directions along which neither side can move. In such a direction, supports
+/// hold the node and at least one of the master nodes in front of it, with equal displacements. An example is a plane
+/// of symmetry that cuts both bodies. If supports hold only the slave node, the other side can still move past it.
 pub(super) fn still(slave: &Boundary, covers: &[Cover], supports: &dyn Supports) -> BTreeMap<usize, Vec<[f64; 3]>> {
     let mut fronts = BTreeMap::<usize, BTreeSet<usize>>::new();
     for (facet, cover) in slave.facets.iter().zip(covers) {

@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::base::input::FileKind;
 use crate::body::mesh::{GmshError, faces};
 
-/// Why the file of a surface was refused.
+/// The error of a surface file that cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum SurfaceError {
     /// The file cannot be read.
@@ -14,10 +14,10 @@ pub enum SurfaceError {
     Io {
         /// The file.
         file: String,
-        /// What the system said.
+        /// The error of the operating system.
         error: io::Error,
     },
-    /// A line of an STL file is not as it should be.
+    /// A line of an STL file is invalid.
     #[error("{file}:{line}: {message}")]
     Line {
         /// The file.
@@ -30,7 +30,7 @@ pub enum SurfaceError {
     /// The Gmsh file cannot be read.
     #[error(transparent)]
     Gmsh(#[from] GmshError),
-    /// The triangles are no surface.
+    /// The triangles do not form a surface.
     #[error("{file}: {message}")]
     Unsound {
         /// The file.
@@ -42,14 +42,14 @@ pub enum SurfaceError {
 
 type Corners = [[f64; 3]; 3];
 
-/// The corners of all triangles of the file at `path`, in its unit.
+/// Reads the corners of all triangles of the file at `path`, in the unit of the file.
 pub(super) fn corners(path: &Path) -> Result<Vec<Corners>, SurfaceError> {
     let file = path.display().to_string();
     let bytes = crate::base::input::bytes(path).map_err(|error| SurfaceError::Io { file: file.clone(), error })?;
     parse(&file, &bytes)
 }
 
-/// Those of a file with these `bytes`.
+/// Reads the corners of all triangles from the `bytes` of a file.
 fn parse(file: &str, bytes: &[u8]) -> Result<Vec<Corners>, SurfaceError> {
     let text = bytes.trim_ascii_start();
     if text.starts_with(b"$MeshFormat") {
@@ -57,7 +57,7 @@ fn parse(file: &str, bytes: &[u8]) -> Result<Vec<Corners>, SurfaceError> {
         return Ok(faces(file, bytes)?.into_iter().flat_map(halves).collect());
     }
     let unsound = |message: String| SurfaceError::Unsound { file: file.to_string(), message };
-    // Some programs begin binary files with the word `solid`, too; only their length tells.
+    // Some programs begin binary files with the word `solid`, too; only the length distinguishes them.
     let count = bytes.get(HEADER - 4..HEADER).map(|count| [0, 1, 2, 3].map(|k| count[k])).map(u32::from_le_bytes);
     match count {
         Some(count) if bytes.len() as u64 == HEADER as u64 + RECORD as u64 * u64::from(count) => {
@@ -81,8 +81,8 @@ fn parse(file: &str, bytes: &[u8]) -> Result<Vec<Corners>, SurfaceError> {
     }
 }
 
-/// A binary file has a comment and the number of triangles, then so many bytes for each: a normal, the corners and two
-/// more.
+/// The sizes in a binary file, in bytes: the header, a comment and the number of triangles, and the record of each
+/// triangle, a normal, the corners and two further bytes.
 const HEADER: usize = 84;
 const RECORD: usize = 50;
 
@@ -91,7 +91,7 @@ fn binary(record: &[u8]) -> Corners {
     [0, 1, 2].map(|corner| [0, 1, 2].map(|c| number(3 * corner + c)))
 }
 
-/// The triangles of an ASCII file; otherwise the line that is wrong, and why.
+/// Reads the triangles of an ASCII file. The error is the number of the wrong line and the reason.
 fn ascii(text: &str) -> Result<Vec<Corners>, (usize, String)> {
     let (mut all, mut corners, mut open) = (Vec::new(), Vec::new(), false);
     for (k, line) in text.lines().enumerate() {
@@ -133,7 +133,7 @@ mod tests {
     const FACET: &str = "solid a b\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 1 0 0\n   vertex 0 1e0 0.5\n  endloop\n endfacet\nendsolid a b\n";
     const CORNERS: Corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.5]];
 
-    /// The same triangle in all formats, a binary file that begins like an ASCII one among them.
+    /// All formats give the same triangle, including a binary file that begins like an ASCII file.
     #[test]
     fn all_formats() {
         assert_eq!(parse("f", FACET.as_bytes()).unwrap(), [CORNERS]);

@@ -1,4 +1,4 @@
-//! Where a surface of triangles has a hole or a crack in it, and where it only ends.
+//! Holes and cracks of a surface of triangles, as distinct from its outer rim.
 
 use std::collections::HashMap;
 
@@ -11,7 +11,7 @@ use crate::body::contact::tree::Bounds;
 pub struct Hole {
     /// The middle of its rim, m.
     pub middle: [f64; 3],
-    /// The box around its rim: the least and the largest coordinates, m.
+    /// The bounding box of its rim: the least and the largest coordinates, m.
     pub bounds: [[f64; 3]; 2],
     /// The longest side of that box, m.
     pub size: f64,
@@ -21,7 +21,7 @@ pub struct Hole {
 #[derive(Debug, Clone, Copy)]
 struct Side {
     ends: [[f64; 3]; 2],
-    /// The unit vector that leads off the surface.
+    /// The unit vector pointing off the surface.
     off: [f64; 3],
 }
 
@@ -35,12 +35,13 @@ impl Side {
     }
 }
 
-/// The share of what leads off the surface at a rim that leads into the rim, from which on the rim is that of a hole. Of a hole in a
-/// plane it is 1, of the outer rim of a plane -1, of the rim of a bowl 0.
+/// The least share of a hole's rim. The share measures how far the directions off the surface point into the area that
+/// the rim encloses: 1 for a hole in a plane, -1 for the outer rim of a plane, 0 for the rim of a bowl.
 const INTO: f64 = 0.5;
 
 impl Triangles {
-    /// The holes of the surface, and the cracks that are no wider than `reach` (m). Those that rounding makes are none.
+    /// Returns the holes of the surface and the cracks of at most the width `reach` (m). Openings within rounding do
+    /// not count.
     pub(in crate::body::contact) fn holes(&self, reach: f64) -> Vec<Hole> {
         let (holes, rest): (Vec<_>, Vec<_>) = self.rims().into_iter().partition(|rim| self.is_hole(rim));
         let along_crack =
@@ -48,7 +49,7 @@ impl Triangles {
         holes.into_iter().chain(rest.into_iter().map(along_crack)).filter_map(|rim| Hole::around(&rim)).collect()
     }
 
-    /// The rims: closed ways along sides that are of one triangle only.
+    /// Returns the rims: closed paths along sides that belong to only one triangle.
     fn rims(&self) -> Vec<Vec<Side>> {
         let mut from: HashMap<usize, Vec<(usize, Side)>> = HashMap::new();
         for (t, sides) in self.sides.iter().enumerate() {
@@ -78,7 +79,8 @@ impl Triangles {
         rims
     }
 
-    /// Whether the surface is around the rim, not within it: what leads off it leads into the rim.
+    /// Returns `true` if the surface is around the rim and not within it: directions off the surface point into the
+    /// rim.
     fn is_hole(&self, rim: &[Side]) -> bool {
         let centre = middle(rim);
         let into = rim.iter().map(|side| side.length() * dot(side.off, minus(centre, side.middle()))).sum::<f64>();
@@ -86,28 +88,29 @@ impl Triangles {
             plus(sum, 0.5, cross(minus(side.ends[0], centre), minus(side.ends[1], centre)))
         });
         let length = rim.iter().map(Side::length).sum::<f64>();
-        // A rim around no area is a seam, whose corners differ by rounding: lines do not pass through it.
+        // A rim that encloses no area is a seam whose corners differ by rounding; lines do not pass through it.
         let width = 2.0 * norm(area) / length;
         width > SINGLE * self.extent && into > INTO * 2.0 * norm(area)
     }
 
-    /// Whether another part of the surface is beyond the side of a rim, no further than `reach` (m), with a crack between.
+    /// Returns `true` if another part of the surface is beyond the side of a rim, at most `reach` (m) away, with a
+    /// crack between them.
     fn goes_on_beyond(&self, side: &Side, reach: f64) -> bool {
         let across = |way: f64| self.nearest(plus(side.middle(), way, side.off)).map(|(distance, _)| distance.abs());
-        // Rounding does not let a line through.
+        // A crack within rounding does not let a line through.
         let is_open = across(10.0 * SINGLE * self.extent).is_none();
         is_open && across(reach).is_some_and(|distance| distance < 0.5 * reach)
     }
 }
 
-/// The mean of the middles of the sides, by their lengths, m.
+/// Returns the mean of the middles of the sides, weighted by their lengths, m.
 fn middle(rim: &[Side]) -> [f64; 3] {
     let length = rim.iter().map(Side::length).sum::<f64>();
     rim.iter().fold([0.0; 3], |sum, side| plus(sum, side.length() / length, side.middle()))
 }
 
 impl Hole {
-    /// The centre of the box around its rim, m.
+    /// Returns the centre of the bounding box of its rim, m.
     pub fn box_centre(&self) -> [f64; 3] {
         let [low, high] = self.bounds;
         plus(low, 0.5, minus(high, low))

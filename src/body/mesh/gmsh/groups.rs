@@ -1,4 +1,4 @@
-//! From elements and physical groups to cells, material groups and boundaries.
+//! Conversion of elements and physical groups to cells, material groups and boundaries.
 
 use std::collections::HashSet;
 
@@ -7,7 +7,7 @@ use super::{ElementKind, GmshError};
 use crate::body::mesh::boundaries::Outline;
 use crate::body::mesh::{Cell, Facet, Geometry, Mesh, Notes};
 
-/// The mesh without its boundaries, and Gmsh's number of each cell.
+/// Creates the mesh without its boundaries; returns also Gmsh's number of each cell.
 pub(super) fn mesh(file: &mut File, name: &str) -> Result<(Mesh, Vec<usize>), GmshError> {
     let dimension = file.blocks.iter().map(|block| block.kind.dimension()).max().unwrap_or(0);
     if dimension < 2 {
@@ -34,7 +34,7 @@ pub(super) fn mesh(file: &mut File, name: &str) -> Result<(Mesh, Vec<usize>), Gm
         if kind.dimension() < dimension {
             continue;
         }
-        // What is in no group is a group of its own, without a name.
+        // Cells in no group form a group without a name.
         let mut names = names.clone();
         names.sort();
         let group = names.join("+");
@@ -78,7 +78,8 @@ pub(super) fn mesh(file: &mut File, name: &str) -> Result<(Mesh, Vec<usize>), Gm
     Ok((mesh, numbers))
 }
 
-/// The axes of the coordinate plane that all nodes lie in; otherwise why there is none, in words.
+/// Returns the axes of the coordinate plane that contains all nodes. The error is the reason, in words, why there is
+/// none.
 fn plane(file: &File) -> Result<[usize; 2], String> {
     let extent = file.nodes.iter().flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
     let origin = file.nodes.first().copied().unwrap_or_default();
@@ -94,8 +95,8 @@ fn plane(file: &File) -> Result<[usize; 2], String> {
     }
 }
 
-/// Turns over the cells that are numbered the wrong way round. A cell that lies on a neighbour afterwards was inverted by its
-/// nodes rather than by their order, and stays as it was.
+/// Renumbers the cells with the wrong orientation. If a renumbered cell would overlap a neighbour, its node positions
+/// are wrong instead of the order, and it remains as it was.
 fn turn_over(mesh: &mut Mesh) {
     let inverted = |cell: &Cell| mesh.corner_volumes(cell).iter().all(|&(volume, _)| volume < 0.0);
     let turned: Vec<bool> = mesh.cells.iter().map(inverted).collect();
@@ -103,7 +104,7 @@ fn turn_over(mesh: &mut Mesh) {
         cells.iter_mut().enumerate().filter(|(e, _)| which(*e)).for_each(|(_, cell)| cell.turn_over());
     };
     turn(&mut mesh.cells, &|e| turned[e]);
-    // Where all are turned, none lies on another that did not before.
+    // If all cells are renumbered, no new overlaps arise.
     if turned.contains(&true) && turned.contains(&false) {
         let pairs = mesh.sides().err().unwrap_or_default();
         let overlapping: HashSet<usize> = pairs.into_iter().flat_map(|(a, b)| [a, b]).collect();
@@ -111,7 +112,7 @@ fn turn_over(mesh: &mut Mesh) {
     }
 }
 
-/// Adds a boundary for each physical group of facets that can be one.
+/// Adds a boundary for each physical group of facets that can be a boundary.
 pub(super) fn boundaries(mesh: &mut Mesh, file: &File) {
     let mut named: Vec<(String, Vec<(usize, Facet)>)> = Vec::new();
     for block in file.blocks.iter().filter(|block| block.kind.dimension() + 1 == mesh.dimension) {

@@ -4,11 +4,11 @@ use std::str::FromStr;
 
 use super::GmshError;
 
-/// Goes through a text line by line; empty lines do not count.
+/// An iterator over the lines of a text that skips empty lines.
 pub(super) struct Lines<'a> {
     file: &'a str,
     rest: std::iter::Enumerate<std::str::Lines<'a>>,
-    /// The line read last, from 1.
+    /// The number of the last line read, from 1.
     number: usize,
 }
 
@@ -27,7 +27,7 @@ impl<'a> Lines<'a> {
         None
     }
 
-    /// The next line of `section`.
+    /// Returns the next line of `section`.
     pub(super) fn next(&mut self, section: &str) -> Result<&'a str, GmshError> {
         match self.advance() {
             None => {
@@ -42,7 +42,7 @@ impl<'a> Lines<'a> {
         }
     }
 
-    /// The next line of `section`, as `N` whole numbers.
+    /// Returns the next line of `section` as `N` integers.
     pub(super) fn numbers<const N: usize, T: FromStr>(&mut self, section: &str) -> Result<[T; N], GmshError> {
         let line = self.next(section)?;
         let values: Option<Vec<T>> = line.split_whitespace().map(|word| word.parse().ok()).collect();
@@ -52,7 +52,7 @@ impl<'a> Lines<'a> {
         })
     }
 
-    /// The name of the section that begins next; `None` at the end of the file.
+    /// Returns the name of the next section; `None` at the end of the file.
     pub(super) fn section(&mut self) -> Result<Option<String>, GmshError> {
         match self.advance() {
             None => Ok(None),
@@ -66,7 +66,7 @@ impl<'a> Lines<'a> {
         }
     }
 
-    /// Takes the end of `section`.
+    /// Reads the end of `section`.
     pub(super) fn end(&mut self, section: &str) -> Result<(), GmshError> {
         let help = "export or copy the file again";
         match self.advance() {
@@ -78,7 +78,7 @@ impl<'a> Lines<'a> {
         }
     }
 
-    /// Passes over a section that says nothing of interest.
+    /// Skips a section that is not needed.
     pub(super) fn skip_to_end(&mut self, section: &str) -> Result<(), GmshError> {
         while let Some(line) = self.advance() {
             if line.strip_prefix("$End") == Some(section) {
@@ -88,18 +88,18 @@ impl<'a> Lines<'a> {
         Err(self.error(format!("the file ends within ${section}"), "the file is cut off: export or copy it again"))
     }
 
-    /// An error at the line read last.
+    /// Creates an error at the last line read.
     pub(super) fn error(&self, message: impl Into<String>, help: impl Into<String>) -> GmshError {
         GmshError { file: self.file.to_string(), line: self.number, message: message.into(), help: help.into() }
     }
 
-    /// The error for a line of `section` that does not hold `what`.
+    /// Creates the error of a line of `section` that does not contain `what`.
     pub(super) fn malformed(&self, section: &str, what: &str) -> GmshError {
         self.error(format!("${section}: {what} expected in this line"), "export the mesh again from Gmsh")
     }
 }
 
-/// A line, as far as a message can show it.
+/// Shortens a line for messages.
 fn shortened(line: &str) -> String {
     line.chars().take(40).collect()
 }

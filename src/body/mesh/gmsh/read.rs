@@ -1,4 +1,4 @@
-//! The text of a Gmsh file, format MSH 4.1 (ASCII), as plain lists.
+//! Parser of Gmsh files in the format MSH 4.1 (ASCII).
 
 use std::collections::{HashMap, HashSet};
 use std::str::FromStr;
@@ -18,7 +18,7 @@ pub(super) struct Block {
     pub elements: Vec<(usize, Vec<usize>)>,
 }
 
-/// What a file says.
+/// The content of a file.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct File {
     /// Coordinates in the file's unit.
@@ -29,8 +29,9 @@ pub(super) struct File {
 }
 
 impl File {
-    /// Removes the nodes that no element of this `dimension` has, such as the centres of arcs; how many they were. An element of
-    /// fewer dimensions has the used node in the same place instead, if there is one, and otherwise a node beyond the end.
+    /// Removes the nodes that belong to no element of this `dimension`, such as the centres of arcs, and returns their
+    /// number. In elements of lower dimension they are replaced by the coincident used node, if there is one, otherwise
+    /// by an index beyond the end.
     pub(super) fn leave_out_unused_nodes(&mut self, dimension: usize) -> usize {
         let mut used = vec![false; self.nodes.len()];
         let cells = self.blocks.iter().filter(|block| block.kind.dimension() == dimension);
@@ -62,13 +63,13 @@ impl File {
         unused
     }
 
-    /// The nodes that are not `used`, each with the used node in the same place: curves that were copied have nodes of their own. A
-    /// place where several bodies have a node tells nothing.
+    /// Returns the nodes that are not `used`, each with the coincident used node; copied curves have such nodes. Places
+    /// with nodes of several bodies are ambiguous and left out.
     fn twins(&self, used: &[bool]) -> Vec<(usize, usize)> {
         let bound = |c: usize, pick: fn(f64, f64) -> f64| self.nodes.iter().map(|x| x[c]).reduce(pick).unwrap_or(0.0);
         let size = (0..3).map(|c| bound(c, f64::max) - bound(c, f64::min)).fold(0.0, f64::max);
         let near = SAME_PLACE * size;
-        // Along a direction of no lattice few nodes are side by side.
+        // Along a direction that is not that of a lattice, few nodes have the same coordinate.
         let along = |node: usize| dot(self.nodes[node], [0.742, 0.534, 0.406]);
         let mut order: Vec<(f64, usize)> = (0..used.len()).filter(|&k| used[k]).map(|k| (along(k), k)).collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -85,11 +86,11 @@ impl File {
     }
 }
 
-/// Nodes that are no farther apart, as a share of the size of all, are in one place: coordinates are written with about sixteen
-/// digits, and nine leave room for what made them.
+/// The largest distance of coincident nodes, as a share of the size of the mesh. Coordinates are written with about
+/// sixteen digits; nine leave room for the errors of the program that made them.
 pub(super) const SAME_PLACE: f64 = 1e-9;
 
-/// Which sections were there, in the order in which a file must have them.
+/// The sections read so far, in the order required in a file.
 #[derive(Default)]
 struct Seen {
     entities: bool,
@@ -99,13 +100,13 @@ struct Seen {
 
 type Entity = (usize, i64);
 
-/// Reads `bytes`; `name` stands for the file in messages.
+/// Parses `bytes`; messages name the file `name`.
 pub(super) fn read(name: &str, bytes: &[u8]) -> Result<File, GmshError> {
     if let Some(kind) = FileKind::of(bytes).filter(|kind| *kind != FileKind::Gmsh) {
         let message = format!("it is {}, but a mesh in the format MSH 4.1 of Gmsh is needed", kind.name());
         return Err(GmshError { file: name.to_string(), line: 1, message, help: kind.as_mesh().to_string() });
     }
-    // A binary file says so in its first lines, before the first byte that is not text.
+    // A binary file is marked as such in its first lines, before the first byte that is not text.
     let text = String::from_utf8_lossy(bytes);
     let mut lines = Lines::new(name, &text);
     format(&mut lines, name)?;
@@ -173,7 +174,7 @@ fn format(lines: &mut Lines<'_>, name: &str) -> Result<(), GmshError> {
     lines.end("MeshFormat")
 }
 
-/// The names of the physical groups by dimension and number.
+/// Reads the names of the physical groups by dimension and number.
 fn physical_names(lines: &mut Lines<'_>) -> Result<HashMap<Entity, String>, GmshError> {
     let section = "PhysicalNames";
     let [count] = lines.numbers(section)?;
@@ -193,7 +194,7 @@ fn physical_names(lines: &mut Lines<'_>) -> Result<HashMap<Entity, String>, Gmsh
     Ok(names)
 }
 
-/// The physical groups of every entity; a group without a name is called by its number.
+/// Reads the physical groups of every entity; the name of a group without one is its number.
 fn entities(lines: &mut Lines<'_>, names: &HashMap<Entity, String>) -> Result<HashMap<Entity, Vec<String>>, GmshError> {
     let section = "Entities";
     let counts: [usize; 4] = lines.numbers(section)?;
@@ -202,7 +203,7 @@ fn entities(lines: &mut Lines<'_>, names: &HashMap<Entity, String>) -> Result<Ha
         for _ in 0..count {
             let line = lines.next(section)?;
             let words: Vec<&str> = line.split_whitespace().collect();
-            // A point has its coordinates, everything else the corners of its box.
+            // A point has its coordinates, other entities the corners of their bounding box.
             let before = if dimension == 0 { 4 } else { 7 };
             let tag: Option<i64> = word(&words, 0);
             let held: Option<usize> = word(&words, before);
@@ -211,14 +212,14 @@ fn entities(lines: &mut Lines<'_>, names: &HashMap<Entity, String>) -> Result<Ha
             let (Some(tag), Some(physical)) = (tag, physical) else {
                 return Err(lines.malformed(section, "an entity with its box and its physical groups"));
             };
-            // The sign tells an orientation, not the group.
+            // The sign is an orientation and not part of the number.
             let name = |number: &i64| {
                 let number = number.checked_abs().unwrap_or(*number);
                 names.get(&(dimension, number)).cloned().unwrap_or_else(|| number.to_string())
             };
             let held: &mut Vec<String> = groups.entry((dimension, tag)).or_default();
             for name in physical.iter().map(name) {
-                // Two groups of the same name are one.
+                // Groups of the same name are merged.
                 if !held.contains(&name) {
                     held.push(name);
                 }
@@ -232,7 +233,7 @@ fn word<T: FromStr>(words: &[&str], k: usize) -> Option<T> {
     words.get(k)?.parse().ok()
 }
 
-/// Reads `$Nodes` into `file`; the index of every node by Gmsh's number.
+/// Reads `$Nodes` into `file` and returns the index of every node by Gmsh's number.
 fn nodes(lines: &mut Lines<'_>, file: &mut File) -> Result<HashMap<usize, usize>, GmshError> {
     let section = "Nodes";
     let [blocks, count, _, _] = lines.numbers(section)?;
@@ -302,7 +303,8 @@ fn elements(
                 lines.error(format!("element {number} names the node {node}, which $Nodes does not have"), help)
             })?;
             read += 1;
-            // The older formats of Gmsh list an element of several groups once for each, and files converted from them still do.
+            // The older formats of Gmsh list an element of several groups once for each group, and so do files
+            // converted from them.
             let repeated = groups.len() > 1 && {
                 let mut key = nodes.clone();
                 key.sort_unstable();
