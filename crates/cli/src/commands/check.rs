@@ -128,7 +128,7 @@ fn body(scene: &Scene, model: &Model) {
     let height = if model.mesh.dimension == 2 { "y" } else { "z" };
     let mut bottom = 0.0;
     for (layer, top) in layers.iter().zip(scene.description.material.tops()) {
-        // A height is a sum of thicknesses; fifteen digits hide its rounding.
+        // A height is a sum of thicknesses. Fifteen digits hide its rounding.
         let top = units.of_si(Quantity::Length, top);
         let top: f64 = format!("{top:.14e}").parse().unwrap_or(top);
         let (unit, young) = (units.name(Quantity::Length), modulus(layer.young));
@@ -153,7 +153,7 @@ fn body(scene: &Scene, model: &Model) {
     }
 }
 
-/// What the meshes of bodies in front of each other have in common.
+/// Prints how the meshes of opposing bodies match.
 fn pairs(model: &Model) {
     let units = model.units();
     let length = |x: f64| told(&units, Quantity::Length, x);
@@ -240,7 +240,7 @@ fn contacts(scene: &Scene, model: &Model) {
 fn loads(scene: &Scene, model: &Model) {
     let units = model.units();
     for (load, sum) in scene.description.loads.iter().zip(model.forces_of_loads()) {
-        // A temperature has no resultant.
+        // A temperature load has no resultant.
         let sum = match load.action {
             Action::Temperature { .. } => String::new(),
             _ => format!(", in all {}", vector(&units, Quantity::Force, &sum[..model.mesh.dimension])),
@@ -254,7 +254,7 @@ fn loads(scene: &Scene, model: &Model) {
     }
 }
 
-/// What a support holds, and where it moves that to.
+/// Describes the constrained components of a support and their displacement at the end.
 fn holds(support: &Support, units: &UnitSystem, end: f64) -> String {
     let direction = |held: &Held| match held.direction {
         Direction::Axis(axis) => format!("{axis:?}").to_lowercase(),
@@ -270,9 +270,9 @@ fn holds(support: &Support, units: &UnitSystem, end: f64) -> String {
     format!("{held}, moved by {}; factor {factor}", vector(units, Quantity::Length, &to))
 }
 
-/// What a load does at factor 1.
+/// Describes a load at factor 1.
 fn acts(action: &Action, units: &UnitSystem) -> String {
-    // Where there are no other units a traction is told in N/m2, as it is meant.
+    // Without named units, a traction is printed in N/m2.
     let per_area = if units.is_si() { "N/m2".to_string() } else { units.name(Quantity::Stress) };
     let stress = |x: f64| units.number(Quantity::Stress, x);
     match action {
@@ -329,7 +329,7 @@ fn theorem(model: &Model) {
     }
 }
 
-/// Tells the first increment that no contact force can bring into balance.
+/// Prints the first increment that no contact force can balance.
 fn equilibrium(scene: &Scene, model: &Model) -> Result<(), ProblemError> {
     if model.rigid_motions.is_empty() {
         return Ok(());

@@ -38,17 +38,17 @@ use pace::Pace;
 use resume::Left;
 use watcher::Watcher;
 
-/// Where the results go, and how they may be gone on with.
+/// Options for the results and for resuming a run.
 #[derive(Args)]
 struct ResultArgs {
     /// Write contact lines, records, plots and the report into this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Go on with the run that was ended in the folder of --out, whatever ended it; if none was, begin one
+    /// Resume the interrupted run in the folder of --out; start a new run if there is none
     #[arg(long, requires = "out")]
     resume: bool,
-    /// Leave the place from which --resume goes on so often: 0 for after each increment; unless given, as often as takes 2 % of the
-    /// time
+    /// Seconds between checkpoints for --resume (0: after every increment) [default: checkpoints take 2 % of the run
+    /// time]
     #[arg(long, value_name = "SECONDS", requires = "out", value_parser = seconds)]
     checkpoint_every: Option<Duration>,
 }
@@ -59,13 +59,13 @@ pub(super) struct RunArgs {
     scene: SceneArgs,
     #[command(flatten)]
     results: ResultArgs,
-    /// Print the report as one JSON object and nothing else
+    /// Print only the report, as one JSON object
     #[arg(long)]
     json: bool,
-    /// Tell up to how much friction the rates at the end are unique along the statuses there
+    /// Compute the friction coefficient up to which the rates at the end are unique for the contact statuses there
     #[arg(long)]
     uniqueness: bool,
-    /// Run a second time with a quarter of the increments, to tell what the increments leave in the tangential forces
+    /// Estimate the time-step error of the friction forces by a second run with a quarter of the increments
     #[arg(long)]
     companion: bool,
     #[command(flatten)]
@@ -73,7 +73,7 @@ pub(super) struct RunArgs {
 }
 
 impl RunArgs {
-    /// What a rank assembles its rows of, if that can be shared.
+    /// Returns the data from which a rank assembles its rows, if the assembly can be shared.
     #[cfg(feature = "mpi")]
     pub(super) fn body(&self) -> Result<Option<Body>, String> {
         let scene = self.scene.read().map_err(|error| error.to_string())?;
@@ -81,7 +81,7 @@ impl RunArgs {
     }
 }
 
-/// On `count` threads. `kernel_before`: the kernel of the BLAS before the program started itself again.
+/// Runs on `count` threads. `kernel_before`: the kernel of the BLAS before the program restarted itself.
 pub(super) fn run(args: &RunArgs, count: usize, kernel_before: Option<String>) -> Result<ExitCode, Failure> {
     interrupt::listen();
     let scene = args.scene.read()?;
@@ -119,7 +119,7 @@ pub(super) fn run(args: &RunArgs, count: usize, kernel_before: Option<String>) -
         print_blas(kernel_before.as_deref());
         say!("set-up       symbolic analysis");
     }
-    // Where somebody reads all records at once, and nowhere else, they are kept.
+    // Records are kept only if the report is printed whole.
     let keeps = args.json && folder.is_none();
     if keeps {
         Need::check_records(run.times().len() - done, Budget::of_process())?;
@@ -181,7 +181,7 @@ pub(super) fn run(args: &RunArgs, count: usize, kernel_before: Option<String>) -
     })
 }
 
-/// The run that is asked for, from the place where it was `left` if it was begun before.
+/// Prepares the run, from the checkpoint `left` if it was interrupted before.
 fn prepared<'a>(args: &RunArgs, scene: &'a Scene, count: usize, left: Option<Checkpoint>) -> Result<Run<'a>, Failure> {
     let mut run = Run::prepared(scene, |model| threads::share_with_the_blas(model, count))?;
     if args.uniqueness {
@@ -216,13 +216,14 @@ fn open_folder(
     folder.map_err(|error| write_failure(&path, &error))
 }
 
-/// A number of seconds, 0 or more.
+/// Parses a number of seconds, 0 or more.
 fn seconds(text: &str) -> Result<Duration, String> {
     let seconds = text.parse().ok().and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
     seconds.ok_or_else(|| "it is a number of seconds, 0 or more".to_string())
 }
 
-/// Results cannot be written at all: the folder is to blame, unless the disk is.
+/// Reports that results cannot be written. A full disk is a failure of the machine; any other cause is an error of the
+/// input.
 pub(super) fn write_failure(path: &Path, error: &io::Error) -> Failure {
     match error.kind() {
         io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => disk_failure(path, error),
@@ -275,7 +276,7 @@ fn print_head(scene: &Scene, run: &Run<'_>) {
     }
 }
 
-/// The BLAS, where there is something to say of it.
+/// Prints the kernel of the BLAS if there is a remark on it.
 fn print_blas(kernel_before: Option<&str>) {
     let Some(blas) = Blas::loaded() else { return };
     if let Some(before) = kernel_before {
@@ -292,7 +293,7 @@ fn print_verdict(report: &RunReport, increments: usize) {
     if !report.explanation.reason.is_empty() {
         say!("             {}", report.explanation.reason);
     }
-    // Where the first increment was interrupted nothing was reached yet.
+    // An interrupted first increment has reached nothing.
     if totals.converged == 0 && matches!(report.status, Status::Interrupted | Status::OutOfMemory) {
         return;
     }

@@ -16,26 +16,26 @@ use super::run::write_failure;
 
 #[derive(Args)]
 pub(super) struct SolveArgs {
-    /// The problem: FCLIB (HDF5), or a text that Siconos has written
+    /// Problem file: FCLIB (HDF5) or Siconos text
     file: PathBuf,
-    /// Begin with the guess of this number, from 1, that the file holds
+    /// Start from the initial guess of this number in the file, from 1
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     guess: Option<u16>,
     /// Write the problem with the solution into this FCLIB file
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Print the report as one JSON object and nothing else
+    /// Print only the report, as one JSON object
     #[arg(long)]
     json: bool,
 }
 
 #[derive(Args)]
 pub(super) struct JudgeArgs {
-    /// The problem: FCLIB (HDF5), or a text that Siconos has written
+    /// Problem file: FCLIB (HDF5) or Siconos text
     file: PathBuf,
-    /// The solution, in an FCLIB file; unless given, the one beside the problem
+    /// FCLIB file with the solution [default: the solution in the problem file]
     solution: Option<PathBuf>,
-    /// Print the report as one JSON object and nothing else
+    /// Print only the report, as one JSON object
     #[arg(long)]
     json: bool,
 }
@@ -55,7 +55,7 @@ impl From<SolveError> for Failure {
     }
 }
 
-/// Exit status 1: it is not solved.
+/// Exit status 1: the problem is not solved.
 pub(super) fn solve_file(args: &SolveArgs) -> Result<ExitCode, Failure> {
     let name = args.file.display().to_string();
     args.out.as_deref().map(destination).transpose()?;
@@ -83,7 +83,7 @@ pub(super) fn solve_file(args: &SolveArgs) -> Result<ExitCode, Failure> {
     Ok(status(report.status))
 }
 
-/// Exit status 1: it is no solution.
+/// Exit status 1: the solution violates a law.
 pub(super) fn judge_file(args: &JudgeArgs) -> Result<ExitCode, Failure> {
     let name = args.file.display().to_string();
     let file = ProblemFile::read(&args.file)?;
@@ -157,7 +157,7 @@ fn tell(report: &ProblemReport, json: bool) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Folder and name of a file that is to be written: a new one, or a file in whose place it goes.
+/// Returns folder and name of a file to be written. An existing file of that name is replaced.
 pub(super) fn destination(path: &Path) -> Result<(&Path, &str), Failure> {
     let refused = |help: &str, why: &str| {
         let help = help.to_string();
@@ -170,7 +170,7 @@ pub(super) fn destination(path: &Path) -> Result<(&Path, &str), Failure> {
     if !folder.is_dir() {
         return Err(refused("make its folder, or name another one", "its folder is not there"));
     }
-    // A link would be replaced by the file, and so would a device.
+    // Replacing would destroy a link or a device.
     match path.symlink_metadata() {
         Ok(there) if !there.is_file() => Err(refused("name a file", "what is there is no regular file")),
         _ => Ok((folder, name)),

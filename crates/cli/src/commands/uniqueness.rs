@@ -1,8 +1,8 @@
-//! `stickslip run --uniqueness`: how far friction is from making the last increment ambiguous.
+//! `stickslip run --uniqueness`: how far the friction is from making the last increment non-unique.
 
 use stickslip::solver::uniqueness::CriticalFriction;
 
-/// What a critical friction means, in words; `mu` are the friction coefficients of all contact nodes.
+/// Explains a critical friction in words. `mu` are the friction coefficients of all contact nodes.
 pub(super) fn explain(critical: &CriticalFriction, mu: &[f64]) -> String {
     let factor = critical.factor;
     if critical.slipping == 0 {
@@ -14,7 +14,7 @@ pub(super) fn explain(critical: &CriticalFriction, mu: &[f64]) -> String {
     if factor == f64::INFINITY {
         return "rates are unique along the present status however large the friction".to_string();
     }
-    // Where all friction is alike, the coefficient says more than the factor.
+    // If all friction coefficients are equal, the critical coefficient is clearer than the factor.
     let mut rough = mu.iter().filter(|mu| **mu > 0.0);
     let coefficient = match rough.next() {
         Some(first) if rough.all(|mu| mu == first) => format!(" (mu {:.3})", factor * first),

@@ -12,15 +12,15 @@ use stickslip::solver::newton::IterationRecord;
 
 use super::super::{Failure, interrupt, threads};
 
-/// The error of tangential forces that is worth a run by default.
+/// The default error of the tangential forces.
 const ERROR: f64 = 0.05;
 
 #[derive(Args)]
 pub(super) struct IncrementArgs {
-    /// The number of increments, in place of time.increments, or auto: as many as leave an error of --to
+    /// Number of increments, replaces time.increments; auto: as many as the error of --to requires
     #[arg(long, value_name = "N|auto")]
     increments: Option<Increments>,
-    /// With --increments auto, the error of tangential forces to come to, as a share; 0.05 unless given
+    /// Error of the tangential forces that --increments auto is to reach, as a share [default: 0.05]
     #[arg(long, value_name = "ERROR", requires = "increments", value_parser = share)]
     to: Option<f64>,
 }
@@ -49,7 +49,7 @@ fn share(text: &str) -> Result<f64, String> {
 }
 
 impl IncrementArgs {
-    /// `scene` with the increments that were asked for, and how these were chosen, if they were; on `count` threads.
+    /// Returns `scene` with the wanted increments, and how they were chosen if they were; on `count` threads.
     pub(super) fn of(&self, scene: Scene, count: usize) -> Result<(Scene, Option<ChosenIncrements>), Failure> {
         let with = |number: i64| scene.with(&[Override::value("time.increments", number)]);
         let help = "leave it out, or say --increments auto";
@@ -75,7 +75,7 @@ impl IncrementArgs {
     }
 }
 
-/// How the increments were chosen, in words.
+/// Explains how the increments were chosen.
 pub(super) fn explain(chosen: &ChosenIncrements) -> String {
     let ChosenIncrements { asked, tried, error, increments } = chosen;
     let found = match error {
@@ -86,7 +86,7 @@ pub(super) fn explain(chosen: &ChosenIncrements) -> String {
     format!("auto: {tried} {found}{then}")
 }
 
-/// Stops on Ctrl-C.
+/// Observer that stops on Ctrl-C.
 struct UntilInterrupted;
 
 impl Observer for UntilInterrupted {

@@ -1,4 +1,4 @@
-//! `stickslip run --resume`: what was left in the folder, and whether this scene may go on from it.
+//! `stickslip run --resume`: reads what an earlier run has left in the folder and checks that this scene may resume it.
 
 use std::io::{self, BufRead, BufReader, Read};
 use std::process::ExitCode;
@@ -12,16 +12,16 @@ use stickslip_output::{Claim, ResultFolder};
 use super::super::Failure;
 use super::RunArgs;
 
-/// What a run finds in its folder.
+/// What an earlier run has left in the folder.
 pub(super) enum Left {
-    /// It has been solved to its end.
+    /// A finished run.
     Ended(Status),
-    /// It can be taken up, with the linear algebra that it had.
+    /// An interrupted run that can be resumed, with its linear solver.
     Underway { checkpoint: Checkpoint, linear: LinearAlgebra },
 }
 
 impl Left {
-    /// What `claim` has for a scene of this `origin`, if the run is to go on from there; an error where something has changed.
+    /// Returns what `claim` holds for a scene of this `origin`. Returns an error if something has changed since.
     pub(super) fn of(claim: &Claim, origin: &Origin, args: &RunArgs) -> Result<Option<Self>, Failure> {
         let Some((checkpoint, earlier, linear, ended)) = claim.left() else {
             if args.results.resume && !args.json {
@@ -67,7 +67,7 @@ impl Left {
     }
 }
 
-/// Tells of a run that has come to its end before, by its own report.
+/// Repeats the report of a run that has already finished.
 pub(super) fn told_again(claim: &Claim, args: &RunArgs, status: Status) -> Result<ExitCode, Failure> {
     if args.json {
         print(claim.report().map_err(|error| unreadable(&error))?)?;
@@ -78,7 +78,7 @@ pub(super) fn told_again(claim: &Claim, args: &RunArgs, status: Status) -> Resul
     Ok(if status == Status::Converged { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
 
-/// Prints a report, as a folder has it or as it is.
+/// Prints a report as JSON, either from the folder or from memory.
 pub(super) fn print_json(report: &RunReport, folder: Option<&ResultFolder>) -> Result<(), Failure> {
     if let Some(folder) = folder {
         return print(folder.report().map_err(|error| unreadable(&error))?);
