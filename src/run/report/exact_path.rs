@@ -1,4 +1,4 @@
-//! What a report says of an exact path in time.
+//! The exact path in a report.
 
 use serde::Serialize;
 
@@ -8,24 +8,24 @@ use crate::body::model::Model;
 use crate::solver::events::{Jump, PathEnd};
 use crate::solver::history::{HistoryOutcome, Method};
 
-/// What became of an exact path in time.
+/// The course of an exact path.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ExactPath {
-    /// How often a contact node changed its status.
+    /// The number of changes of contact status.
     pub events: usize,
-    /// Where it went on by a jump, because that was asked for.
+    /// The jumps with which the path was continued, as requested.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub jumps: Vec<Jump>,
-    /// Where the quasi-static motion ended, if it did.
+    /// The end of the quasi-static motion, if it ended.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lost: Option<PathEnd>,
 }
 
-/// A larger share of the displacements by which gaps may be off is told.
+/// The error of gaps, relative to the displacements, above which a warning is given.
 const OFF: f64 = 1e-6;
 
-/// That the exact path followed gaps along chords.
+/// Warns that the exact path followed curved gaps along chords.
 pub(super) fn curved_gaps(method: Method, model: &Model, outcome: &HistoryOutcome) -> Option<Warning> {
     let Method::Events { .. } = method else { return None };
     let off = model.loading.off_the_chords();
@@ -43,7 +43,7 @@ pub(super) fn curved_gaps(method: Method, model: &Model, outcome: &HistoryOutcom
     Some(Warning { kind: WarningKind::CurvedGaps, message })
 }
 
-/// That a run went on by jumps.
+/// Warns that a run was continued by jumps.
 pub(super) fn jumps(jumps: &[Jump]) -> Option<Warning> {
     let first = jumps.first()?;
     let more = match jumps.len() {

@@ -1,4 +1,4 @@
-//! Why a run did not converge, in words: the law that is violated, where, and what to try, by the keys of a scene.
+//! Explains why a run did not converge: the violated law, its place, and the cure, by the keys of a scene.
 
 use serde::Serialize;
 
@@ -8,19 +8,19 @@ use crate::body::model::Model;
 use crate::solver::history::{HistoryOutcome, Method, SolverChoice, Status};
 use crate::solver::laws::Law;
 
-/// A motion of contact nodes that is a smaller share of that of the body is rounding.
+/// A smaller motion of contact nodes, relative to that of the body, is rounding.
 const NEGLIGIBLE: f64 = 1e-9;
 
-/// The share of all friction in use from which on it is told.
+/// The share of all friction in use above which it is reported.
 const MUCH: f64 = 0.8;
 
-/// Why a run ended early.
+/// The reason why a run ended early.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Explanation {
-    /// The reason in words; empty if the run went to its end.
+    /// The reason in words; empty if the run reached its end.
     pub reason: String,
-    /// Where the increment that failed violates the law most.
+    /// The node of the largest violation in the increment that failed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub worst: Option<WorstNode>,
 }
@@ -31,16 +31,16 @@ pub struct Explanation {
 pub struct WorstNode {
     /// The law.
     pub law: Law,
-    /// The error, relative as everywhere.
+    /// The relative error.
     pub error: f64,
     /// The number of the node in the mesh, from 0.
     pub node: usize,
-    /// The position of the node, m: as many coordinates as there are dimensions.
+    /// The position of the node, m, with one coordinate per dimension.
     pub position: Vec<f64>,
 }
 
 impl Explanation {
-    /// The explanation of the `outcome` of `model`, solved as `solver` says; empty if it converged.
+    /// Explains the `outcome` of `model` solved by `solver`; empty if it converged.
     pub fn new(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome) -> Self {
         Explanation { reason: reason(solver, model, outcome), worst: worst_node(model, outcome) }
     }
@@ -95,7 +95,7 @@ fn reason(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome) -> Str
         }
         Status::MaxIterations => {
             let limit = solver.max_iterations;
-            // Fewer than any increment of the suite of extremes is known to need.
+            // Some increments of the extreme test cases need more than this.
             let advice = if limit < 100 {
                 "try a larger solver.max_iterations".to_string()
             } else {
@@ -120,7 +120,7 @@ fn reason(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome) -> Str
     format!("increment {} (t = {} s): {why}{reached}", record.index, record.time)
 }
 
-/// What to try when the iteration stops too late or too early.
+/// Suggests a cure if the iteration stops too late or too early.
 fn advice(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome) -> String {
     let words = match solver.method {
         Method::Bn { r_factor, .. } if r_factor != 1.0 => {
@@ -133,7 +133,7 @@ fn advice(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome) -> Str
         Method::Ip { .. } => {
             "try solver.method = \"bn\" or more increments (time.increments); `stickslip check` tells what holds the body"
         }
-        // The setting's r is ten times the modulus of steel; the window that works is two decades wide.
+        // The setting's r is ten times the modulus of steel. It works within two decades.
         Method::PaperBn | Method::PaperIp { .. } if (1e10..1e13).contains(&stiffest(model)) => {
             "the setting paper stops at an absolute Theta, made for loads of MN; \
              try solver.setting = \"default\", loads of that size or more increments (time.increments)"
@@ -150,7 +150,7 @@ fn advice(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome) -> Str
     format!("{words}{}", held_by_contact(model, outcome))
 }
 
-/// The largest Young's modulus of any cell, Pa; in plane stress a little less.
+/// Returns the largest Young's modulus of any cell, Pa; in plane stress a slightly smaller value.
 fn stiffest(model: &Model) -> f64 {
     let young = |lambda: f64, mu: f64| mu * (3.0 * lambda + 2.0 * mu) / (lambda + mu);
     model.materials().iter().map(|law| young(law.lambda, law.mu)).fold(0.0, f64::max)
@@ -165,7 +165,7 @@ fn unheld(model: &Model, outcome: &HistoryOutcome) -> String {
     }
 }
 
-/// Whether contact forces do work along the free motion with these weights.
+/// Returns `true` if contact forces do work along the rigid motion with these weights.
 fn meets_contact(model: &Model, weights: &[f64]) -> bool {
     let problem = &model.problem;
     let mut u = vec![0.0; problem.displacements()];
@@ -179,7 +179,7 @@ fn meets_contact(model: &Model, weights: &[f64]) -> bool {
     [w_n, rubs(&w_t), rubs(&w_o)].iter().any(|w| largest(w) > NEGLIGIBLE * largest(&u))
 }
 
-/// What there is to say where no equilibrium was found of a body that contact alone holds: that it may have one was asked before.
+/// Explains a failure for a body that only contact holds. An equilibrium may exist, which was checked before.
 fn held_by_contact(model: &Model, outcome: &HistoryOutcome) -> String {
     if model.rigid_motions.is_empty() || model.contacts.is_empty() {
         return String::new();
@@ -193,7 +193,7 @@ fn held_by_contact(model: &Model, outcome: &HistoryOutcome) -> String {
     )
 }
 
-/// That most of the friction is in use at the end of the last good increment.
+/// Reports if most of the friction is in use at the end of the last converged increment.
 fn used_up(model: &Model, outcome: &HistoryOutcome) -> String {
     let (state, mu) = (&outcome.state, model.problem.mu());
     let used: f64 = state.p_t.iter().zip(&state.p_o).map(|(t, o)| t.hypot(*o)).sum();
@@ -215,7 +215,7 @@ fn no_equilibrium(model: &Model, outcome: &HistoryOutcome) -> String {
     )
 }
 
-/// Why the exact path ends, and what may be done about it.
+/// Explains why the exact path ends, and suggests a cure.
 fn no_continuation(model: &Model, outcome: &HistoryOutcome) -> String {
     if let Some(motion) = motion(model, outcome) {
         return format!(
@@ -249,7 +249,7 @@ fn motion(model: &Model, outcome: &HistoryOutcome) -> Option<RigidMotion> {
     RigidMotion::combination(&model.rigid_motions, outcome.free_motion.as_ref()?)
 }
 
-/// Where the law is violated most. A body that comes free violates nothing in particular.
+/// Returns the node of the largest violation. `None` for a body that comes free, which violates no law at any node.
 fn worst_node(model: &Model, outcome: &HistoryOutcome) -> Option<WorstNode> {
     let violation = outcome.violation.filter(|violation| violation.error > 0.0 || violation.error.is_nan())?;
     let node = match violation.law {

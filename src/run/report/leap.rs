@@ -1,4 +1,4 @@
-//! Contact forces that jump, as a warning.
+//! The warning of a jump of contact forces.
 
 use super::warnings::{Warning, WarningKind};
 
@@ -9,12 +9,12 @@ pub struct Leap {
     pub from: f64,
     /// Its end, s.
     pub to: f64,
-    /// The change of the contact forces by their largest, both as the root of `Σ |p|² / l`.
+    /// The change of the contact forces relative to their largest value, both as the root of `Σ |p|² / l`.
     pub share: f64,
 }
 
 impl Leap {
-    /// That the quasi-static motion ends there.
+    /// Warns that the quasi-static motion ends there.
     pub(super) fn warning(&self) -> Warning {
         let Leap { from, to, share } = *self;
         let message = format!(
