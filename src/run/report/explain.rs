@@ -95,7 +95,7 @@ fn reason(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome) -> Str
         }
         Status::MaxIterations => {
             let limit = solver.max_iterations;
-            // Some increments of the extreme test cases need more than this.
+            // From 100 on, the limit is hardly the cause: no increment of the extreme test cases is known to need more.
             let advice = if limit < 100 {
                 "try a larger solver.max_iterations".to_string()
             } else {
