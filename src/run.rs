@@ -291,13 +291,13 @@ impl<'a> Run<'a> {
         if let (Some(companion), Status::Converged) = (companion.as_ref(), outcome.status) {
             match self.compared(companion, &states, audience.observer()) {
                 Ok(compared) => all_estimates.companion = Some(compared),
-                Err(error) => missing.push(Warning::of_missing("the comparison with fewer increments", &error)),
+                Err(error) => missing.push(Warning::of_missing("the estimate by a companion run", &error)),
             }
         }
         let leap = match self.leap(&leaps, &settings, outcome.scales, audience.observer()) {
             Ok(leap) => leap,
             Err(error) => {
-                missing.push(Warning::of_missing("whether contact forces jump", &error));
+                missing.push(Warning::of_missing("the check for jumps of contact forces", &error));
                 None
             }
         };

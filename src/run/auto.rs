@@ -301,8 +301,8 @@ impl std::fmt::Display for Faster {
         let Faster { solver, seconds, here_seconds } = self;
         write!(
             f,
-            "the linear algebra is estimated to take {here_seconds:.1} s, with {solver} {seconds:.1} s: \
-             solver.linear = \"auto\" chooses the faster"
+            "the linear algebra is estimated to take {here_seconds:.1} s, but with {solver} only {seconds:.1} s: \
+             solver.linear = \"auto\" chooses the faster solver"
         )
     }
 }

@@ -86,11 +86,11 @@ fn suitable(scene: &Scene, mut model: Model) -> Result<Model, RunError> {
         let help = "use the method \"bn\"";
         if (0..layout.contacts()).any(|i| layout.slides_in_a_plane(i)) {
             let message =
-                "the exact path is followed where nodes slide along lines, but nodes of this scene slide in a plane";
+                "the exact path requires nodes that slide along lines, but nodes of this scene slide in a plane";
             return Err(scene.error_at("solver.method", message, help).into());
         }
         if model.loading.friction().is_some() {
-            let message = "the exact path is followed where friction stays, but that of this scene changes in time";
+            let message = "the exact path requires constant friction, but that of this scene changes in time";
             return Err(scene.error_at("solver.method", message, help).into());
         }
         if !model.loading.bends().is_empty() {
@@ -102,8 +102,9 @@ fn suitable(scene: &Scene, mut model: Model) -> Result<Model, RunError> {
     if let Some(key) = scene.one_tangent_key
         && Layout::new(&model.problem).has_second_tangent()
     {
-        let message = "this interior point method knows one tangent a node, but nodes of this scene slide in a plane";
-        let help = "leave solver.setting and solver.newton out, or use the method \"bn\"";
+        let message = "this interior point method has only one tangent per node, but nodes of this scene slide in a \
+         plane";
+        let help = "remove solver.setting and solver.newton, or use the method \"bn\"";
         return Err(scene.error_at(key, message, help).into());
     }
     ProbeTable::all(&model, &scene.output.probes).map_err(|fault| scene.located(fault))?;

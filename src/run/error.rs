@@ -30,9 +30,10 @@ pub enum RunError {
     },
     /// The uniqueness was requested, but [`crate::solver::uniqueness`] cannot compute it here.
     #[error(
-        "the uniqueness needs nodes that slide along a line: where they slide in a plane, friction turns with the slip"
+        "the uniqueness can be computed only for nodes that slide along a line: in a plane, friction turns with the \
+         slip"
     )]
-    #[diagnostic(help("do not ask for the uniqueness, or let supports leave one direction to slide in"))]
+    #[diagnostic(help("do not request the uniqueness, or let supports leave only one sliding direction"))]
     SlidesInAPlane,
     /// The linear algebra cannot go on, or an array does not fit.
     #[error(transparent)]
@@ -75,8 +76,8 @@ fn remedy(error: &history::Error) -> &'static str {
             "use a coarser mesh, raise the memory limit, or use a machine with more memory"
         }
         Linear(LinearError::Version { .. }) => "until then take the solver faer, which needs no SuiteSparse",
-        Problem(_) | NoWeight { .. } => "mend the array",
-        Checkpoint(_) => "go on with the run as it was begun, or begin anew",
+        Problem(_) | NoWeight { .. } => "correct the array",
+        Checkpoint(_) => "resume with the scene and options of the original run, or start a new run",
         _ => "this is not the scene's fault; please report it",
     }
 }

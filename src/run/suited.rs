@@ -24,16 +24,16 @@ pub enum Unsuited {
     #[error("this build has no PETSc")]
     NotBuiltIn,
     /// Factors of plane bodies are small anyway.
-    #[error("it is for bodies in space")]
+    #[error("it suits only bodies in space")]
     Plane,
     /// Multigrid has not been tested widely with interior point methods and exact paths.
-    #[error("it is for BN")]
+    #[error("it suits only BN")]
     Method,
     /// A material is nearly incompressible.
-    #[error("ν = {0} is too near to 1/2")]
+    #[error("ν = {0} is too close to 1/2")]
     NearlyIncompressible(f64),
     /// Elements are long and thin.
-    #[error("an element has corners {0:.0} times as far from each other as others")]
+    #[error("the longest distance between corners of an element is {0:.0} times the shortest")]
     Stretched(f64),
     /// A node has two contacts, or its contact rows involve displacements of other nodes.
     #[error("a node has two contacts, or shares its contact with others")]

@@ -108,18 +108,18 @@ impl BalanceWatch {
         let widest = model.pairs.iter().max_by(|a, b| apart(a).total_cmp(&apart(b)));
         let message = match widest.filter(|_| of_forces <= BALANCED * tolerance * self.largest) {
             Some(pair) => format!(
-                "at t = {time} s the moments of all forces leave {share:.1e} of their sizes, though the forces balance: `{}` and `{}`, whose meshes \
-                 are up to {:.2e} {} apart, act on each other along lines that are as far apart, and nothing balances the moment of that; let the two \
-                 meet without a gap, on plane facets or with nodes at the same places",
+                "at t = {time} s the forces on the body balance, but their moments do not, by {share:.1e} of their \
+                 sizes: the meshes of `{}` and `{}`, which act on each other, are up to {:.2e} {} apart; let the \
+                 two meet without a gap, on plane facets or with nodes at the same places",
                 pair.slave,
                 pair.master.name,
                 model.units().of_si(Quantity::Length, apart(pair)),
                 model.units().name(Quantity::Length)
             ),
             None => format!(
-                "at t = {time} s all forces on the body leave {share:.1e} of their sizes: they are so small beside the stiffness and the \
-                 displacements of the body that rounding counts, and may be as wrong; let the body move less, or let supports, \
-                 and not contact or springs, carry it along"
+                "at t = {time} s the forces on the body do not balance, by {share:.1e} of their sizes: rounding \
+                 matters, because they are small compared with stiffness times displacements, and they may be \
+                 equally wrong; let the body move less, or move it by supports in place of contact or springs"
             ),
         };
         Some(Warning { kind: WarningKind::Unbalanced, message })

@@ -321,8 +321,9 @@ impl Estimates {
             Element::BBar | Element::NodalVolume => "refine the mesh",
         };
         let message = format!(
-            "stresses in the body may be off by about {:.0} %, in its fields and at its probes, though the error of the mesh is {:.0} % in the energy \
-             norm: pressures of elements that hardly change their volume vary from one to the next; {cure}, or keep to forces and displacements",
+            "stresses in the body (fields and probes) may be off by about {:.0} %, although the error of the mesh \
+             is {:.0} % in the energy norm: pressures in nearly incompressible elements vary from one to the \
+             next; {cure}, or use only forces and displacements",
             100.0 * stresses,
             100.0 * whole
         );
@@ -352,22 +353,22 @@ fn of_zone(contact: &ContactEstimate, units: &UnitSystem) -> Vec<Warning> {
         let size = length(contact.element_size);
         let finer = match contact.hertz {
             Some(HertzContact { half_width, peak_pressure }) => format!(
-                "; for this force Hertz has a half-width of {} and a peak of {}; elements there are {size}, make them {} \
-                 (8 across)",
+                "; for this force Hertz' half-width is {} and his peak pressure {}; elements there are {size}, make \
+                 them {} (8 across)",
                 length(half_width),
                 told(units, Quantity::Stress, peak_pressure),
                 length(0.25 * half_width)
             ),
             None => format!("; elements there are {size}, make them smaller until 8 nodes are across"),
         };
-        let message = format!("{at}: {bears}: pressure and contact width mean nothing there{finer}");
+        let message = format!("{at}: {bears}, so pressure and contact width are meaningless there{finer}");
         return vec![Warning { kind: WarningKind::ContactUnresolved, message }];
     }
     let Some(n) = contact.nodes_across.filter(|&n| n < FINE) else { return Vec::new() };
     let (peak, width) = (peak_error(n), 2.0 * peak_error(n));
     let message = format!(
-        "{at}: the contact zone is {n} nodes wide: its peak pressure may be {} off, its width {}; halve the \
-         elements there for {}",
+        "{at}: the contact zone is only {n} nodes wide: its peak pressure may be off by {}, its width by {}; halve \
+         the elements there for {}",
         percent(peak),
         percent(width),
         percent(peak_error(2 * n - 1))
@@ -381,8 +382,8 @@ fn of_peak(contact: &ContactEstimate, units: &UnitSystem, simplices: bool) -> Ve
     let at = at(contact);
     if contact.singular_edge {
         let message = format!(
-            "{at}: the pressure is singular at the edge ({} of the force on its nodes): its peak is that of the mesh; \
-             use forces, and pressures inside",
+            "{at}: the pressure is singular at the edge ({} of the force on its nodes): its peak depends on the \
+             mesh; use only forces, and pressures away from the edge",
             percent(contact.edge_share)
         );
         return vec![Warning { kind: WarningKind::SingularEdge, message }];
@@ -391,9 +392,10 @@ fn of_peak(contact: &ContactEstimate, units: &UnitSystem, simplices: bool) -> Ve
     if n.is_some_and(|n| n <= 4) || contact.scatter <= SMOOTH.max(n.map_or(0.0, peak_error)) {
         return Vec::new();
     }
-    let trust = if simplices { "trust the latter" } else { "refine the mesh there" };
+    let trust = if simplices { "use the mean" } else { "refine the mesh there" };
     let message = format!(
-        "{at}: neighbouring nodes differ: the peak of {} is {} above its mean over neighbours, {}; {trust}",
+        "{at}: pressures of neighbouring nodes differ: the peak of {} is {} above the mean over its neighbours, {}; \
+         {trust}",
         stress(contact.peak_pressure),
         percent(contact.scatter),
         stress(contact.patch_pressure)
@@ -407,16 +409,17 @@ fn of_ends(contact: &ContactEstimate) -> Vec<Warning> {
     let mut warnings = Vec::new();
     if let Some(ratio) = contact.edge_ratio.filter(|ratio| *ratio > UNEVEN) {
         let message = format!(
-            "{at}: the contact reaches the end of its boundary, where elements beyond are {ratio:.0} times as long, or \
-             as short, as those inside: pressures inside may be several percent off; let elements grow slowly there"
+            "{at}: the contact reaches the end of its boundary, where the elements outside are {ratio:.0} times \
+             longer or shorter than those inside: pressures inside may be off by several percent; let elements \
+             grow gradually there"
         );
         warnings.push(Warning { kind: WarningKind::UnevenElements, message });
     }
     let n = contact.nodes_across.filter(|n| (FINE..FINE_FOR_STICK).contains(n));
     if let (Some(stick), Some(n)) = (contact.stick, n) {
         let message = format!(
-            "{at}: the zone that sticks is known to one element: its width is {:.2} ± {:.2} of that of the contact, {n} \
-             nodes wide",
+            "{at}: the size of the stick zone is known only to one element: its width is {:.2} ± {:.2} of the \
+             contact width ({n} nodes)",
             stick.ratio, stick.uncertainty
         );
         warnings.push(Warning { kind: WarningKind::StickZoneCoarse, message });
@@ -427,9 +430,9 @@ fn of_ends(contact: &ContactEstimate) -> Vec<Warning> {
 /// Warns if the mesh is too coarse for the body itself.
 fn coarse(error: f64) -> Option<Warning> {
     let message = format!(
-        "the mesh is coarse: its error is about {:.0} % in the energy norm, so that displacements and forces may be off by about {:.0} %, where \
-         stresses at corners or ends of supports are singular by {:.0} %, pressures by more; refine it where the field `discretisation_error` is \
-         large, or use elements of second order",
+        "the mesh is coarse: its error is about {:.0} % in the energy norm, so displacements and forces may be off \
+         by about {:.0} % (if stresses at corners or ends of supports are singular, by {:.0} %), and pressures by \
+         more; refine it where the field `discretisation_error` is large, or use elements of second order",
         100.0 * error,
         100.0 * error * error,
         100.0 * (error / OF_SINGULAR).powi(2)
@@ -440,8 +443,9 @@ fn coarse(error: f64) -> Option<Warning> {
 /// Warns if the mesh is too coarse for tangential forces much smaller than the normal ones.
 fn coarse_for_friction(error: f64) -> Option<Warning> {
     let message = format!(
-        "the mesh is coarse for the tangential forces, which are small beside the normal ones: what it leaves of these may be up to {:.0} % of the \
-         largest tangential force; refine it where the field `discretisation_error` is large, or use elements of second order",
+        "the mesh is coarse for the tangential forces, which are small compared with the normal ones: their error \
+         may be up to {:.0} % of the largest tangential force; refine it where the field `discretisation_error` \
+         is large, or use elements of second order",
         100.0 * error
     );
     (error > TANGENTIAL).then_some(Warning { kind: WarningKind::TangentialCoarse, message })
@@ -450,8 +454,8 @@ fn coarse_for_friction(error: f64) -> Option<Warning> {
 /// Warns if slip zones are too narrow for the friction work.
 fn narrow_slip(across: f64) -> Option<Warning> {
     let message = format!(
-        "zones that slip beside others that stick are {across:.1} nodes wide, in the mean weighted by the work of friction there: this work may be \
-         off by about {:.0} %, and how far nodes slip; make elements smaller where nodes slip, until 7 are across",
+        "slip zones beside stick zones are only {across:.1} nodes wide (mean weighted by friction work): friction \
+         work and slip may be off by about {:.0} %; make elements smaller where nodes slip, until 7 are across",
         100.0 / across
     );
     (across < FINE_FOR_SLIP).then_some(Warning { kind: WarningKind::SlipZoneCoarse, message })

@@ -34,8 +34,9 @@ pub(super) fn curved_gaps(method: Method, model: &Model, outcome: &HistoryOutcom
     }
     let units = model.units();
     let message = format!(
-        "gaps in front of a moving obstacle are curved in time: the exact path follows them along chords, off by up to {:.1e} {} ({:.1e} of \
-         the largest displacement); four times as many increments as chords make that a sixteenth",
+        "gaps in front of a moving obstacle are curved in time, and the exact path follows them along chords, with \
+         errors up to {:.1e} {} ({:.1e} of the largest displacement); four times as many increments as chords \
+         reduce them to a sixteenth",
         units.of_si(Quantity::Length, off),
         units.name(Quantity::Length),
         off / outcome.scales.length
@@ -51,8 +52,8 @@ pub(super) fn jumps(jumps: &[Jump]) -> Option<Warning> {
         many => format!(" (the first of {many} jumps)"),
     };
     let message = format!(
-        "no quasi-static motion leads on from t = {} s: the states from t = {} s on are one of those that the laws allow after a \
-         jump{more}; dynamics says which",
+        "no quasi-static motion continues from t = {} s: the states from t = {} s on are one of several that the \
+         laws allow after a jump{more}; only dynamics can decide which",
         first.from, first.to
     );
     Some(Warning { kind: WarningKind::Jump, message })

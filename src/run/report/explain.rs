@@ -52,12 +52,13 @@ fn reason(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome) -> Str
             Status::Singular => unheld(model, outcome),
             Status::Interrupted => "stopped on request".to_string(),
             Status::Unsupported if matches!(solver.method, Method::Events { .. }) => {
-                "the exact path is followed where nodes slide along lines, friction stays and contact rows do not depend on each \
-                 other; use the method bn"
+                "the exact path requires nodes that slide along lines, constant friction and independent contact \
+                 rows; use the method bn"
                     .to_string()
             }
             Status::Unsupported => {
-                "this interior point method knows one tangent a node, but nodes slide in a plane; use the method bn"
+                "this interior point method has only one tangent per node, but nodes slide in a plane; use the \
+                 method bn"
                     .to_string()
             }
             Status::OutOfMemory => {
@@ -78,12 +79,13 @@ fn reason(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome) -> Str
         Status::NoContinuation => no_continuation(model, outcome),
         Status::Interrupted => "stopped on request".to_string(),
         Status::Inaccurate | Status::Stalled if law == "equilibrium" && error <= 10.0 * outcome.rounding => format!(
-            "{violated}, which is what rounding the displacements of so slender a body makes; \
-             if that is enough, set solver.tolerance above it"
+            "{violated}, which is the rounding error of the displacements of so slender a body; if this accuracy \
+             suffices, set solver.tolerance above it"
         ),
         Status::Inaccurate if matches!(solver.method, Method::Events { .. }) => {
             format!(
-                "{violated}, on the exact path: rounding, most likely; compare with the method bn, and with another solver.linear"
+                "{violated} on the exact path, most likely by rounding; compare with the method bn, and with \
+                 another solver.linear"
             )
         }
         Status::Inaccurate => {
@@ -104,9 +106,9 @@ fn reason(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome) -> Str
             format!("no convergence within max_iterations = {limit}: {violated}; {advice}")
         }
         Status::Cycling => {
-            format!("the iteration goes round in a circle: {violated}; {}", advice(solver, model, outcome))
+            format!("the iteration cycles: {violated}; {}", advice(solver, model, outcome))
         }
-        Status::Stalled => format!("no step leads on: {violated}; {}", advice(solver, model, outcome)),
+        Status::Stalled => format!("the iteration stalls: {violated}; {}", advice(solver, model, outcome)),
         Status::Diverged | Status::NotFinite => {
             format!("the numbers left the range of double precision: {violated}; {}", advice(solver, model, outcome))
         }
@@ -115,7 +117,7 @@ fn reason(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome) -> Str
     let reached = match solver.method {
         Method::Events { .. } => String::new(),
         _ if record.parts == 0 => String::new(),
-        _ => format!("; smaller parts of it converged until t = {} s", outcome.reached),
+        _ => format!("; substeps of it converged until t = {} s", outcome.reached),
     };
     format!("increment {} (t = {} s): {why}{reached}", record.index, record.time)
 }
@@ -124,26 +126,27 @@ fn reason(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome) -> Str
 fn advice(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome) -> String {
     let words = match solver.method {
         Method::Bn { r_factor, .. } if r_factor != 1.0 => {
-            "r is not that of the problem: take solver.r_factor out of the scene"
+            "r is not scaled to the problem: remove solver.r_factor from the scene"
         }
         Method::Bn { .. } | Method::Events { .. } => {
             "there may be no equilibrium beyond this load, or several: try solver.method = \"ip\", more increments \
-             (time.increments) or less friction; `stickslip check` tells what holds the body"
+             (time.increments) or less friction; `stickslip check` shows what holds the body"
         }
         Method::Ip { .. } => {
-            "try solver.method = \"bn\" or more increments (time.increments); `stickslip check` tells what holds the body"
+            "try solver.method = \"bn\" or more increments (time.increments); `stickslip check` shows what holds \
+             the body"
         }
         // The setting's r is ten times the modulus of steel. It works within two decades.
         Method::PaperBn | Method::PaperIp { .. } if (1e10..1e13).contains(&stiffest(model)) => {
-            "the setting paper stops at an absolute Theta, made for loads of MN; \
-             try solver.setting = \"default\", loads of that size or more increments (time.increments)"
+            "the setting paper stops at an absolute Theta meant for loads of MN; try solver.setting = \"default\", \
+             loads of that size or more increments (time.increments)"
         }
         Method::PaperBn | Method::PaperIp { .. } => {
             let units = model.units();
             let (modulus, unit) = (units.number(Quantity::Stress, 2e11), units.name(Quantity::Stress));
             return format!(
-                "the setting paper has constants made for moduli near {modulus:e} {unit}: \
-                 try solver.setting = \"default\", or scale modulus and loads alike"
+                "the setting paper has constants meant for moduli near {modulus:e} {unit}: try solver.setting = \
+                 \"default\", or scale modulus and loads by the same factor"
             );
         }
     };
@@ -186,8 +189,8 @@ fn held_by_contact(model: &Model, outcome: &HistoryOutcome) -> String {
     }
     let motions: Vec<String> = model.rigid_motions.iter().map(|motion| motion.against(&model.units())).collect();
     format!(
-        "; only contact can hold {}: contact forces within their friction could balance the loads, but no state was found \
-         in which they do{}; add a support, or loads that press the body on its obstacles from the start",
+        "; only contact can hold {}: contact forces within the friction limit could balance the loads, but no such \
+         state was found{}; add a support, or loads that press the body on its obstacles from the start",
         motions.join(" and "),
         used_up(model, outcome)
     )
@@ -202,7 +205,8 @@ fn used_up(model: &Model, outcome: &HistoryOutcome) -> String {
         return String::new();
     }
     format!(
-        ". At t = {} s {:.0} % of all friction is in use: where loads overcome it, prescribe a displacement in their place",
+        ". At t = {} s {:.0} % of all friction is in use: if the loads overcome it, prescribe a displacement in \
+         their place",
         outcome.reached,
         100.0 * used / most
     )
@@ -211,7 +215,8 @@ fn used_up(model: &Model, outcome: &HistoryOutcome) -> String {
 fn no_equilibrium(model: &Model, outcome: &HistoryOutcome) -> String {
     let motion = motion(model, outcome).map_or("the body".to_string(), |motion| motion.told(&model.units()));
     format!(
-        "no equilibrium exists: the loads drive {motion}, and no contact force within its friction resists; change the loads or add a support"
+        "no equilibrium exists: the loads drive {motion}, and no contact force within the friction limit resists; \
+         change the loads or add a support"
     )
 }
 
@@ -219,20 +224,21 @@ fn no_equilibrium(model: &Model, outcome: &HistoryOutcome) -> String {
 fn no_continuation(model: &Model, outcome: &HistoryOutcome) -> String {
     if let Some(motion) = motion(model, outcome) {
         return format!(
-            "the quasi-static motion ends here: on the way to the end of this increment the loads drive {}, and no contact force within its \
-             friction resists; change the loads or add a support",
+            "the quasi-static motion ends here: within this increment the loads drive {}, and no contact force \
+             within the friction limit resists; change the loads or add a support",
             motion.told(&model.units())
         );
     }
     let proof = if outcome.lost.is_some_and(|lost| lost.certain) {
-        "no rates obey the laws, whatever the statuses of the nodes concerned"
+        "no rates satisfy the laws for any contact statuses"
     } else {
-        "no rates that obey the laws were found"
+        "no rates that satisfy the laws were found"
     };
     let cure = if model.rigid_motions.is_empty() {
-        "what follows is a jump, if anything: solver.jump = true goes on with one, less friction may do without"
+        "the motion can continue only by a jump, with solver.jump = true; less friction may avoid it"
     } else {
-        "supports leave the body a rigid motion, and where contact does, too, no rates are unique: add a support; solver.jump = true goes on to where it comes to rest"
+        "supports leave the body a rigid motion, and rates are not unique if contact leaves it too: add a support, \
+         or continue with solver.jump = true to where the body comes to rest"
     };
     format!("the quasi-static motion ends here: {proof}; {cure}")
 }
@@ -240,8 +246,9 @@ fn no_continuation(model: &Model, outcome: &HistoryOutcome) -> String {
 fn edge_friction(model: &Model, outcome: &HistoryOutcome) -> String {
     let motion = motion(model, outcome).map_or("the body".to_string(), |motion| motion.told(&model.units()));
     format!(
-        "the loads drive {motion}, and only friction across an edge between two obstacles could resist; nodes in front of both \
-         have friction along that edge alone: let the boundaries share no node, change the loads or add a support"
+        "the loads drive {motion}, and only friction across an edge between two obstacles could resist, but nodes \
+         in front of both have friction along that edge alone: let the boundaries share no node, change the loads \
+         or add a support"
     )
 }
 

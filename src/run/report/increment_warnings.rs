@@ -47,8 +47,8 @@ fn work(found: &IncrementError, units: &UnitSystem) -> Warning {
     let share = found.work_error.abs();
     let is = if found.work_error > 0.0 { "too large" } else { "too small" };
     let message = format!(
-        "the work of friction, {}, is {is} by about {:.0} % of it, which the increments do: {} is the better value; four times as many \
-         would leave about {:.0} %",
+        "the friction work, {}, is {is} by about {:.0} % because of the increments: {} is the better value; four \
+         times as many increments would leave about {:.0} %",
         energy(found.friction_work),
         100.0 * share,
         energy(found.friction_work_corrected),
@@ -60,8 +60,9 @@ fn work(found: &IncrementError, units: &UnitSystem) -> Warning {
 /// Warns that the first increment applies the actions at t = 0 together with their changes.
 fn of_start(error: f64) -> String {
     format!(
-        "loads or interference are there at t = 0, and the first increment takes them together with what changes in it: friction is {:.0} % of what \
-         contact can bear off from there on. Begin with a stage that holds what is there, as in history = [[0, 1], [1, 1], [2, 0]], or let it grow from 0",
+        "loads or interference exist at t = 0, and the first increment applies them together with later changes: \
+         the friction error from there on is {:.0} % of the largest possible friction. Begin with a constant \
+         stage, as in history = [[0, 1], [1, 1], [2, 0]], or let them grow from 0",
         100.0 * error
     )
 }
@@ -76,7 +77,8 @@ impl Known<'_> {
         if let Some((error, others)) = self.companion {
             return (error > FORCE).then(|| {
                 format!(
-                    "{increments} increments leave about {:.0} % in the tangential forces, by a run with {others}: take {:.0} for {:.0} %",
+                    "the tangential forces have a time-step error of about {:.0} % with {increments} increments, by \
+                     comparison with {others}: take {:.0} for {:.0} %",
                     100.0 * error,
                     enough(error),
                     100.0 * GOOD
@@ -88,14 +90,14 @@ impl Known<'_> {
             let increments =
                 if fewest == 1 { "a single increment".to_string() } else { format!("{fewest} increments") };
             return Some(format!(
-                "nodes begin to stick while loads go one way in {increments}: so few cannot tell what they leave in the tangential \
-                 forces; take {ENOUGH} or more, or let {COMPANION} tell it by a second run"
+                "nodes begin to stick while loads change in one direction for {increments}, too few to estimate the \
+                 time-step error of the tangential forces; take {ENOUGH} or more, or estimate it with {COMPANION}"
             ));
         }
         found.force_error.filter(|error| *error > FORCE).map(|error| {
             format!(
-                "{increments} increments leave about {:.0} % in the tangential forces, by a rough estimate: take {:.0} for {:.0} %; {COMPANION} \
-                 tells it better, by a second run",
+                "the tangential forces have a time-step error of roughly {:.0} % with {increments} increments: take \
+                 {:.0} for {:.0} %; {COMPANION} estimates it better, by a second run",
                 100.0 * error,
                 enough(error),
                 100.0 * GOOD

@@ -8,7 +8,7 @@ use crate::solver::formulation::Layout;
 use crate::solver::history::Method;
 
 /// The reason why a contact node is not in the working set.
-const OUT_OF_REACH: &str = "at nodes out of reach: they join as soon as they would penetrate";
+const OUT_OF_REACH: &str = "at nodes out of reach: they are added as soon as they would penetrate";
 
 /// The numbers of unknowns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -92,7 +92,7 @@ impl LeftOut {
             (
                 rough.map(|(contact, _)| mesh.dimension - 1 - free(contact)).sum(),
                 tangential,
-                "along directions in which supports, or a second obstacle, let nothing slide",
+                "along directions in which supports, or a second obstacle, prevent sliding",
             ),
         ];
         let present = counted.into_iter().filter(|(count, ..)| *count > 0);

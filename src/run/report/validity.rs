@@ -240,12 +240,12 @@ impl Validity {
         if let (Some(boundary), Some(_)) = (untouched, self.largest) {
             let message = match boundary.pair.map(|k| &model.pairs[k].master.name) {
                 None => format!(
-                    "`{}` never touched its obstacle; `stickslip check` tells where that is and how it moves",
+                    "`{}` never touched its obstacle; `stickslip check` shows where the obstacle is and how it moves",
                     boundary.name
                 ),
                 Some(master) => {
                     format!(
-                        "`{}` never touched `{master}`; `stickslip check` tells how far apart they are",
+                        "`{}` never touched `{master}`; `stickslip check` shows how far apart they are",
                         boundary.name
                     )
                 }
@@ -255,14 +255,15 @@ impl Validity {
         if let Some((i, slope)) = self.steepest.filter(|(_, slope)| *slope > NOT_SMALL) {
             let message = if model.contacts[i].coupled().is_some() {
                 format!(
-                    "at the node {} the surface leans by {:.0} degrees against the direction of its contact; leave `direction` out",
+                    "at the node {} the surface is inclined by {:.0} degrees to the direction of its contact; \
+                     remove `direction`",
                     units.place(model.contacts[i].position),
                     slope.atan().to_degrees()
                 )
             } else {
                 format!(
-                    "at the node {} the obstacle leans by {:.0} degrees against the normal along which it presses; use \
-                 direction = \"nearest\", or another normal",
+                    "at the node {} the obstacle is inclined by {:.0} degrees to the normal along which it presses; \
+                     use direction = \"nearest\", or another normal",
                     units.place(model.contacts[i].position),
                     slope.atan().to_degrees()
                 )
@@ -274,8 +275,8 @@ impl Validity {
             && length > NOT_SMALL * size
         {
             let message = format!(
-                "displacements are taken as small, but the node {} moves by {:.2e} {unit} at t = {time} s, {:.0} % of \
-                 the body's size; are lengths in {unit}, moduli and tractions in {}?",
+                "displacements are assumed to be small, but the node {} moves by {:.2e} {unit} at t = {time} s, \
+                 {:.0} % of the body's size; are lengths in {unit}, moduli and tractions in {}?",
                 units.place(position),
                 units.of_si(Quantity::Length, length),
                 100.0 * length / size,
@@ -314,8 +315,9 @@ impl Validity {
         }
         if let Some((slid, time)) = self.slid.filter(|(slid, _)| slid.share > ACROSS_FACETS) {
             let message = format!(
-                "the contact node at {} has slid by {:.2e} {unit} at t = {time} s, {:.0} % of the facet in front of it, but stays in \
-                 front of the nodes that it met at first; pressures may be off by as much as they change over that distance",
+                "the contact node at {} has slid by {:.2e} {unit} at t = {time} s, {:.0} % of the opposing facet, \
+                 but remains paired with its initial nodes; pressures may be off by as much as they change over \
+                 that distance",
                 units.place(model.contacts[slid.contact].position),
                 units.of_si(Quantity::Length, slid.slip),
                 100.0 * slid.share
@@ -334,9 +336,9 @@ impl Validity {
 /// Describes that a `share` of the friction of `boundary` is at nodes constrained by supports.
 fn friction_left_out(boundary: &str, share: f64, time: f64) -> String {
     format!(
-        "at t = {time} s {:.0} % of the normal force of `{boundary}` times its friction is at nodes that supports hold along the direction in which \
-         what is in front of them moves: their friction is in no result; let the support end at some distance from the contact, or let the other \
-         side be the slave",
+        "at t = {time} s {:.0} % of the possible friction of `{boundary}` is neglected, because supports hold its \
+         nodes in the direction of sliding; end the support at some distance from the contact, or make the other \
+         side the slave",
         100.0 * share
     )
 }
@@ -345,13 +347,13 @@ fn friction_left_out(boundary: &str, share: f64, time: f64) -> String {
 fn beyond_the_end(pair: &Pair, share: f64, time: f64) -> String {
     let (slave, master) = (&pair.slave, &pair.master.name);
     let cure = if pair.mortar.overhangs()[1] {
-        format!("let the mesh of `{slave}` have nodes where `{master}` ends, or smaller elements there")
+        format!("give the mesh of `{slave}` nodes where `{master}` ends, or smaller elements there")
     } else {
-        format!("let `{master}` be the slave, or make the elements of `{slave}` smaller there")
+        format!("make `{master}` the slave, or the elements of `{slave}` smaller there")
     };
     format!(
-        "at t = {time} s {:.0} % of the force of `{slave}` on `{master}` is on nodes beyond the end of the other: they press where \
-         they are, and pull at its inner nodes; {cure}",
+        "at t = {time} s {:.0} % of the force of `{slave}` on `{master}` is on nodes beyond the end of `{master}`, \
+         which also pull at its inner nodes; {cure}",
         100.0 * share
     )
 }
@@ -373,15 +375,15 @@ fn passed_through(model: &Model, passed: &Passed, time: f64) -> String {
     if let Some(pair) = model.pairs.iter().find(is_between) {
         let search = format!("{:.2e} {unit}", units.of_si(Quantity::Length, pair.mortar.search));
         return format!(
-            "at t = {time} s the node at {place} is {depth} inside the other side of `{}` against `{}`, and no contact holds it: nothing was in \
-             front of it within the search of {search}, and it was {apart} away; give contact[{}].search so that it is longer than every gap \
-             that closes",
+            "at t = {time} s the node at {place} is {depth} inside the other side of `{}` against `{}`, and no \
+             contact stops it: nothing was in front of it within the search distance of {search}, and it was \
+             {apart} away; set contact[{}].search larger than every gap that closes",
             pair.slave, pair.master.name, pair.contact
         );
     }
     format!(
-        "at t = {time} s the node at {place} of {} is {depth} inside {}, and no contact holds it: give a [[contact]] with `against` between \
-         boundaries of the two there",
+        "at t = {time} s the node at {place} of {} is {depth} inside {}, and no contact stops it; define a \
+         [[contact]] with `against` between the boundaries of the two there",
         all.told(bodies[0]),
         all.told(bodies[1])
     )
@@ -393,9 +395,9 @@ fn faceted_gaps(model: &Model, faceted: &Faceted) -> String {
     let (units, share) = (model.units(), faceted.bulge / faceted.closed);
     let length = |x: f64| format!("{:.2e} {}", units.of_si(Quantity::Length, x), units.name(Quantity::Length));
     format!(
-        "the facets of `{}` and `{}` are chords of curved surfaces, and gaps between them differ by {} from those of the surfaces at half of \
-         the nodes, {:.1} % of the {} that contact closes: pressures may be off by about {:.0} %, forces by less; give contact[{}].gap, if it is known, use elements of second order, or at least {:.0} times as \
-         many along the curve",
+        "the facets of `{}` and `{}` are chords of curved surfaces, which changes gaps by {} (median), {:.1} % of \
+         the {} that contact closes: pressures may be off by about {:.0} %, forces by less; give contact[{}].gap \
+         if it is known, or use elements of second order, or at least {:.0} times as many along the curve",
         pair.slave,
         pair.master.name,
         length(faceted.bulge),
@@ -414,8 +416,8 @@ fn not_unique(model: &Model, neutral: &NeutralMotion, time: f64) -> Option<Strin
     let (motion, unit) = (motion.against(&units), units.name(Quantity::Length));
     let room = if room.is_finite() { format!("by {told:.2e} {unit}") } else { "by any distance".to_string() };
     Some(format!(
-        "at t = {time} s contact forces balance the loads, but nothing holds {motion}: displacements are \
-         one of many solutions, which may differ {room} before another node touches; stresses are the same in all; add a \
+        "at t = {time} s contact forces balance the loads, but nothing holds {motion}: displacements are one of \
+         many solutions, which may differ {room} before another node touches, with the same stresses; add a \
          support to make them unique"
     ))
 }
@@ -423,7 +425,7 @@ fn not_unique(model: &Model, neutral: &NeutralMotion, time: f64) -> Option<Strin
 /// Describes the size of `length` (m) relative to the indentation `pressed` (m) by contact forces.
 fn beside(length: f64, pressed: f64) -> String {
     if pressed > 0.0 {
-        format!("{:.0} % of what contact forces press in", 100.0 * length / pressed)
+        format!("{:.0} % of the indentation", 100.0 * length / pressed)
     } else {
         "where nothing else presses".to_string()
     }
@@ -437,9 +439,11 @@ fn not_met(model: &Model, overlap: Overlap, time: f64, pressed: f64) -> String {
     let boundary = model.contact_boundaries.iter().find(|boundary| boundary.obstacles.contains(&obstacle));
     let own = boundary.is_some_and(|boundary| boundary.nodes.contains(&contact));
     let cure = match (own, boundary) {
-        (false, Some(boundary)) => format!("which is in front of `{}` only; list it for the node's boundary, too", boundary.name),
-        _ => "which it does not meet: of obstacles with different normals a node meets the one that was nearest at first; give \
-              these obstacles one `normal`, with direction = \"normal\", or each a boundary of its own"
+        (false, Some(boundary)) => {
+            format!("an obstacle of `{}` only; list it for the node's boundary too", boundary.name)
+        }
+        _ => "which it does not meet: of obstacles with different normals, a node meets only the nearest one at the \
+         beginning; give these obstacles one `normal`, with direction = \"normal\", or one boundary each"
             .to_string(),
     };
     format!(
@@ -454,9 +458,9 @@ fn between_nodes(model: &Model, between: &BetweenNodes, time: f64, pressed: f64)
     let units = model.units();
     let (unit, told) = (units.name(Quantity::Length), |x: f64| units.of_si(Quantity::Length, x));
     format!(
-        "the obstacle in front of `{boundary}` has details that are finer than the elements: between nodes, at {}, its distance at t = {time} s is \
-         {:.2e} {unit} off the distances at the nodes, {}; pressures may be as wrong; make the elements there, which are {:.2e} {unit} long, \
-         smaller than these details",
+        "the obstacle in front of `{boundary}` has details that are finer than the elements: between nodes, at {}, \
+         its distance at t = {time} s differs by {:.2e} {unit} from the distances at the nodes, {}, and pressures \
+         may be equally wrong; make the elements there, now {:.2e} {unit} long, smaller than these details",
         units.place(*position),
         told(*missed),
         beside(*missed, pressed),
@@ -469,8 +473,8 @@ fn on_the_way(model: &Model, found: OnTheWay, pressed: f64) -> String {
     let OnTheWay { contact, time, distance } = found;
     let (units, does) = (model.units(), if distance < 0.0 { "goes through" } else { "leaves" });
     format!(
-        "on the way through the increment that ends at t = {time} s an obstacle {does} the contact node at {}, by {:.2e} {}, {}: \
-         increments tell of their ends only, and the friction of what is between is left out; take more of them",
+        "within the increment that ends at t = {time} s an obstacle {does} the contact node at {}, by {:.2e} {}, \
+         {}: friction between the ends of increments is neglected; take more increments",
         units.place(model.contacts[contact].position),
         units.of_si(Quantity::Length, distance.abs()),
         units.name(Quantity::Length),
@@ -483,15 +487,16 @@ fn out_of_range(model: &Model, left: &RangeLeft) -> String {
     let units = model.units();
     let (place, unit) = (units.place(position), units.name(Quantity::Length));
     let [linearised, exact] = [linearised, exact].map(|distance| units.of_si(Quantity::Length, distance));
-    let remedy =
-        "pressures may be as wrong; put the obstacle, in the scene, nearer to where it presses, or let it move less";
+    let remedy = "pressures may be equally wrong; place the obstacle of the scene nearer to where it presses, or let it move \
+         less";
     if exact.is_nan() {
         return format!("the obstacle is no longer in front of the contact node at {place} at t = {time} s: {remedy}");
     }
     let off =
         if share.is_finite() { format!(", off by {:.0} % of the indentation", 100.0 * share) } else { String::new() };
     format!(
-        "gaps are linearised in the undeformed state, and the contact leaves where that holds: at the node {place} at \
-         t = {time} s the distance is {exact:.2e} {unit}, not {linearised:.2e} {unit}{off}; {remedy}"
+        "gaps are linearised in the undeformed state, and the contact leaves the range of this approximation: at \
+         the node {place} at t = {time} s the distance is {exact:.2e} {unit}, not {linearised:.2e} {unit}{off}; \
+         {remedy}"
     )
 }

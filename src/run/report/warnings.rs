@@ -186,13 +186,13 @@ impl Warning {
     pub fn of_blas(blas: &Blas) -> Option<Self> {
         let cure = match blas.better_kernel {
             Some(better) if blas.selectable => {
-                format!("ask for the kernel {better}: the program by --blas-kernel, any other by {KERNEL_VARIABLE}")
+                format!("select the kernel {better} with --blas-kernel, or in other programs with {KERNEL_VARIABLE}")
             }
             Some(_) => "install an OpenBLAS that was built for several processors".to_string(),
             None => "install OpenBLAS, or BLIS or MKL".to_string(),
         };
         let message = format!(
-            "the BLAS in use is {blas}; factorisations take longer than they need, up to several times: {cure}"
+            "the BLAS in use is {blas}, which makes factorisations up to several times slower than necessary: {cure}"
         );
         blas.is_slow().then_some(Warning { kind: WarningKind::SlowBlas, message })
     }
@@ -202,16 +202,17 @@ impl Warning {
     pub(super) fn of_multigrid(linear: &Statistics, asked: bool, taken: &str, why: Option<&str>) -> Option<Self> {
         if asked && taken != "multigrid" {
             let message = format!(
-                "multigrid cannot have two obstacles at a node, or contact rows that nodes share: {taken} solved"
+                "multigrid cannot treat two obstacles at a node, or contact rows shared by nodes: {taken} was used \
+                 instead"
             );
             return Some(Warning { kind: WarningKind::MultigridGaveWay, message });
         }
-        let why = why.unwrap_or("these matrices are not for it");
+        let why = why.unwrap_or("it does not suit these matrices");
         linear.instead.map(|instead| Warning {
             kind: WarningKind::MultigridGaveWay,
             message: format!(
-                "multigrid did not come to an end in 60 iterations, so that {instead} took over, which takes more memory: {why}; use \
-                 solver.linear = \"auto\""
+                "multigrid did not converge within 60 iterations, so {instead} took over, which needs more memory: \
+                 {why}; use solver.linear = \"auto\""
             ),
         })
     }
@@ -223,8 +224,9 @@ impl Warning {
             && linear == LinearAlgebra::Multigrid
             && model.has_rows()
             && model.problem.stiffness().shared().is_none();
-        let message = "a process has another body than rank 0, or cannot read the scene, so that rank 0 has assembled alone, which takes more \
-                       memory there: start all with the same scene and options, and have all files at the same place";
+        let message = "a process has another body than rank 0, or cannot read the scene, so rank 0 has assembled \
+         the whole stiffness, which needs more memory there: start all processes with the same scene and options, \
+         and keep all files at the same paths";
         apart.then(|| Warning { kind: WarningKind::RanksApart, message: message.to_string() })
     }
 
@@ -244,8 +246,8 @@ impl Warning {
         let about = if share > AT_LEAST { "at least" } else { "about" };
         let [now, halved] = [share, share / HALVED].map(|share| 100.0 * share);
         let message = format!(
-            "expect the body to be {about} {now:.0} % too stiff: such elements hardly change their volume, least near nu = 0.5, and \
-             nu is {poisson:.6}; {cells}, or halve the elements for {about} {halved:.0} %"
+            "expect the body to be {about} {now:.0} % too stiff: its elements lock near nu = 0.5, and nu is \
+             {poisson:.6}; {cells}, or halve the elements for {about} {halved:.0} %"
         );
         (share > LOCKING).then_some(Warning { kind: WarningKind::Locking, message })
     }
@@ -261,7 +263,7 @@ fn expected(model: &Model) -> Option<Warning> {
     let plain = model.element() == Element::Bilinear && !model.is_thin();
     let locks = quadratic && plain && poisson > QUADRATIC_LOCKING + ROUNDING;
     let message = format!(
-        "nu is {poisson:.6}: elements of second order, too, may be too stiff; use mesh.element = \"nodal-volume\""
+        "nu is {poisson:.6}: elements of second order may be too stiff as well; use mesh.element = \"nodal-volume\""
     );
     locks.then_some(Warning { kind: WarningKind::Locking, message })
 }
@@ -290,8 +292,8 @@ fn layers_through_elements(model: &Model) -> Option<String> {
     let height: f64 = format!("{height:.6e}").parse().unwrap_or(height);
     let unit = model.units().name(Quantity::Length);
     Some(format!(
-        "the border between layers at {axis} = {height} {unit} goes through {count} elements, each of which is of one layer; \
-         let elements end there"
+        "the border between layers at {axis} = {height} {unit} cuts {count} elements, each of which takes the \
+         material of one layer; let elements end at the border"
     ))
 }
 
@@ -300,8 +302,8 @@ fn large_friction(model: &Model) -> Option<String> {
     let contacts = model.contact_boundaries.iter().map(|boundary| (largest(&boundary.nodes), &boundary.name));
     let (mu, name) = contacts.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(mu, _)| *mu > PLAUSIBLE)?;
     Some(format!(
-        "the friction of `{name}` is up to {mu}, and few surfaces have more than {PLAUSIBLE}: is it in percent? Where nothing is to slide, glue = true \
-         ties bodies to each other, and a [[support]] holds one"
+        "the friction of `{name}` is up to {mu}, but few surfaces exceed {PLAUSIBLE}: is it in percent? To prevent \
+         sliding, connect bodies with glue = true, or hold a body with a [[support]]"
     ))
 }
 
@@ -318,8 +320,9 @@ fn surface_hole(model: &Model) -> Option<String> {
                 count => format!("{count} holes"),
             };
             Some(format!(
-                "the surface of {} has {what} in front of `{}`, the largest {:.2e} {} long at {}: nothing presses there; a triangle may be \
-                 missing, or triangles on both sides of a crack may not have the same corners: close it in the file if the part is whole",
+                "the surface of {} has {what} in front of `{}`, the largest {:.2e} {} long at {}: nothing presses \
+                 there. A triangle may be missing, or triangles on both sides of a crack may have different \
+                 corners; close the hole in the file if the part has none",
                 model.obstacle_key(k),
                 contact.name,
                 units.of_si(Quantity::Length, largest.size),

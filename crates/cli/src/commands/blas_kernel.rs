@@ -69,9 +69,7 @@ pub(super) fn choose(wanted: &Kernel) -> Result<Option<String>, Failure> {
         (Kernel::Named(name), _) if !name.eq_ignore_ascii_case(running) => {
             check(name, &blas)?;
             let error = restart(Some(name), running);
-            Err(Failure::Machine(miette::miette!(
-                "the program cannot start itself again for the kernel {name}: {error}"
-            )))
+            Err(Failure::Machine(miette::miette!("the program cannot restart itself for the kernel {name}: {error}")))
         }
         (Kernel::Auto, Some(better)) if blas.selectable && blas.kernel_asked.is_none() => {
             // If the system refuses the restart, the run is slow, and its report says so.
@@ -87,7 +85,7 @@ fn restarted(wanted: &Kernel, blas: &Blas, before: String) -> Result<Option<Stri
     let running = blas.kernel.as_deref().unwrap_or_default();
     match wanted {
         Kernel::Named(name) if !name.eq_ignore_ascii_case(running) => Err(bad_kernel(&format!(
-            "--blas-kernel {name}: there is no such kernel; asked for it, the library runs {running}"
+            "--blas-kernel {name}: there is no such kernel; the library uses {running} instead"
         ))),
         // A library that does not know the name may now use a worse kernel than before. Restart without a name.
         Kernel::Auto if Vectors::of_kernel(running) < Vectors::of_kernel(&before) => {
@@ -104,7 +102,7 @@ fn check(name: &str, blas: &Blas) -> Result<(), Failure> {
         let help = "leave it out, or use auto or keep";
         return Err(Failure::Input(miette::miette!(
             help = help,
-            "--blas-kernel {name}: {blas}, takes no kernel by its name"
+            "--blas-kernel {name}: the BLAS ({blas}) has no selectable kernels"
         )));
     }
     if may_run_here(name) {
@@ -116,7 +114,7 @@ fn check(name: &str, blas: &Blas) -> Result<(), Failure> {
 
 fn bad_kernel(message: &str) -> Failure {
     let names: Vec<&str> = kernel_names().filter(|name| may_run_here(name)).collect();
-    let help = format!("names, as far as the library was built with them: {}", names.join(", "));
+    let help = format!("kernels, if the library was built with them: {}", names.join(", "));
     Failure::Input(miette::miette!(help = help, "{message}"))
 }
 

@@ -166,7 +166,7 @@ fn pairs(model: &Model) {
         }
         let largest = pair.mortar.rows.iter().flat_map(|row| &row.master).fold(0.0_f64, |m, (_, c)| m.max(*c));
         say!(
-            "             {:.0} % of it covered, gaps {} to {}, largest share of a master node {largest:.3}",
+            "             {:.0} % of the slave covered, gaps {} to {}, largest share of a master node {largest:.3}",
             100.0 * covered,
             length(least_gap),
             length(largest_gap)
@@ -174,11 +174,7 @@ fn pairs(model: &Model) {
         if !pair.glued && !pair.is_measured() {
             let least = pair.gaps.iter().copied().fold(f64::INFINITY, f64::min);
             let largest = pair.gaps.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            say!(
-                "             in place of these, gaps {} to {} when the history begins",
-                length(least),
-                length(largest)
-            );
+            say!("             replaced by gaps of {} to {} when the history begins", length(least), length(largest));
         }
     }
 }
@@ -213,14 +209,14 @@ fn contacts(scene: &Scene, model: &Model) {
             say!("             {}", frame(model, placed, given.direction));
         }
         if boundary.beyond > 0 {
-            say!("             {} nodes that no obstacle ever reaches stay open", boundary.beyond);
+            say!("             {} nodes remain open because no obstacle ever reaches them", boundary.beyond);
         }
     }
     pairs(model);
     let layout = Layout::new(&model.problem);
     say!("unknowns     {} displacements u", layout.displacements());
     match (layout.contacts(), layout.tangentials()) {
-        (0, _) => say!("             no contact: one linear solve an increment, one factorisation"),
+        (0, _) => say!("             no contact: one linear solve per increment, one factorisation"),
         (n, t) => {
             say!("             {n} normal forces p_n");
             let with = |has: &dyn Fn(usize) -> bool| (0..n).filter(|&i| has(i)).count();
@@ -309,8 +305,8 @@ fn theorem(model: &Model) {
     let mut label = "theorem 3";
     if let Some(motion) = conditions.leaving.as_deref().and_then(|weights| named(model, weights)) {
         say!(
-            "{label:<12} (a) violated: {} moves no node towards an obstacle, \
-             so the loads have to keep it from that; or add a support",
+            "{label:<12} (a) violated: {} moves no node towards an obstacle, so the loads must prevent it; or add a \
+             support",
             motion.told(&model.units())
         );
         label = "";
@@ -324,7 +320,7 @@ fn theorem(model: &Model) {
         };
         say!(
             "{label:<12} (b) violated: the contact rows at {place}{others} depend on each other, so the contact \
-             forces there are not unique; turn a normal, or take away a contact or a support"
+             forces there are not unique; turn a normal, or remove a contact or a support"
         );
     }
 }
@@ -340,8 +336,8 @@ fn equilibrium(scene: &Scene, model: &Model) -> Result<(), ProblemError> {
         let driven = rigid_equilibrium_with(&model.problem, mu.as_deref().unwrap_or(model.problem.mu()), &force)?;
         if let Some(motion) = driven.and_then(|weights| named(model, &weights)) {
             say!(
-                "NO BALANCE   first at t = {time} s: the loads drive {}, which no contact force within its \
-                 friction resists; change the loads or add a support",
+                "NO BALANCE   first at t = {time} s: the loads drive {}, and no contact force within the friction \
+                 limit resists; change the loads or add a support",
                 motion.told(&model.units())
             );
             break;

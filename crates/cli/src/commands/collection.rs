@@ -58,7 +58,7 @@ pub(super) fn collection(args: &CollectionArgs, threads: usize) -> Result<ExitCo
     } else {
         say!("{}", collection.to_text().trim_end());
         let Collection { files, solved, cpu_seconds, .. } = &collection;
-        let others = if others == 0 { String::new() } else { format!(", {others} other files left out") };
+        let others = if others == 0 { String::new() } else { format!(", {others} other files ignored") };
         say!("\nverdict      {solved} of {files} problems solved, {cpu_seconds:.2} s CPU{others}");
     }
     if let Some(folder) = &args.out {
@@ -91,7 +91,7 @@ fn files(folder: &Path) -> Result<(Vec<PathBuf>, usize), Failure> {
     let (files, others): (Vec<_>, Vec<_>) = all.into_iter().partition(ours);
     if files.is_empty() {
         let help = "name a folder with files that end with hdf5, h5, hdf or dat";
-        return Err(Failure::Input(miette::miette!(help = help, "{}: there is no problem in it", folder.display())));
+        return Err(Failure::Input(miette::miette!(help = help, "{}: it contains no exchange file", folder.display())));
     }
     Ok((files, others.len()))
 }

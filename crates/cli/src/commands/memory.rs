@@ -4,18 +4,18 @@ pub(super) use stickslip::algebra::linear::process::exits;
 use stickslip::algebra::linear::process::{Last, memory_was_refused, say_last};
 
 /// The message for a refused allocation that cannot be returned as an error.
-pub(super) const MESSAGE: &str = "out of memory: some was refused that the program cannot do without";
+pub(super) const MESSAGE: &str = "out of memory: an allocation that the program needs was refused";
 pub(super) const HELP: &str = "use a coarser mesh, raise the memory limit, or use a machine with more memory";
 
-const NOTE: &str = "out of memory: some was refused that the program cannot do without; use a coarser mesh, raise the memory limit, or \
-                    use a machine with more memory\nwhat was written before is complete\n";
+const NOTE: &str = "out of memory: an allocation that the program needs was refused; use a coarser mesh, raise the memory limit, \
+                    or use a machine with more memory\nwhat was written before is complete\n";
 
-const ABORTED: &str = "a library of the program ended it; this may be for want of memory, otherwise please report it with the scene\n\
-                       what was written before is complete\n";
+const ABORTED: &str = "a library ended the program, possibly for lack of memory; otherwise please report it with \
+                       the scene\nwhat was written before is complete\n";
 
 /// The same message as one JSON object, in the format of `output`.
-const JSON: &str = "{\n  \"schema_version\": 1,\n  \"status\": \"machine-failure\",\n  \"message\": \"out of memory: some was refused that \
-                    the program cannot do without\",\n  \"help\": \"use a coarser mesh, raise the memory limit, or use a machine with \
+const JSON: &str = "{\n  \"schema_version\": 1,\n  \"status\": \"machine-failure\",\n  \"message\": \"out of memory: an allocation that \
+                    the program needs was refused\",\n  \"help\": \"use a coarser mesh, raise the memory limit, or use a machine with \
                     more memory\"\n}\n";
 
 /// The exit status of a machine failure.
@@ -67,8 +67,8 @@ fn go_on_with_one_thread() {
     let error = Command::new("/proc/self/exe").arg0(name).args(arguments).env(THREADS, "1").env(ARENAS, "1").exec();
     if blas_is_stuck() {
         output::note(&format!(
-            "out of memory: the BLAS has no room for its threads, and the program cannot start itself again: {error}\n\
-             set {THREADS}=1, or raise the memory limit"
+            "out of memory: the BLAS has no room for its threads, and the program cannot restart itself: \
+             {error}\nset {THREADS}=1, or raise the memory limit"
         ));
         // Exit at once: the normal exit waits for those threads.
         signal_hook::low_level::exit(STATUS);

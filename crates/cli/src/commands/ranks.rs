@@ -42,7 +42,7 @@ fn helped() -> Option<ExitCode> {
     let cli = program().try_get_matches().and_then(|matches| Cli::from_arg_matches(&matches)).ok();
     // This may restart the program, as on rank 0.
     if cli.as_ref().is_some_and(|cli| cli.kernel_before().is_err()) {
-        output::note("a process that was started to help another one cannot choose the kernel of its BLAS");
+        output::note("a worker process cannot choose the kernel of its BLAS");
         return Some(ExitCode::from(2));
     }
     let failed = |error: &LinearError| {
@@ -63,7 +63,9 @@ fn helped() -> Option<ExitCode> {
     match ranks::agree(arguments()) {
         Ok(true) => {}
         Ok(false) => {
-            output::note(&format!("rank {rank} was started with other arguments than rank 0, whose are obeyed"));
+            output::note(&format!(
+                "rank {rank} was started with other arguments than rank 0; those of rank 0 are used"
+            ));
         }
         Err(error) => return failed(&error),
     }
@@ -108,7 +110,7 @@ pub(super) fn check(count: usize, linear: Option<LinearAlgebra>) -> Result<(), F
             let help = "use --solver mumps, in space multigrid, or auto, or start the program without the launcher";
             Err(Failure::Input(miette::miette!(
                 help = help,
-                "a launcher of MPI has started this program {count} times, and {linear} works in one process"
+                "a launcher of MPI has started {count} processes of this program, but {linear} uses only one"
             )))
         }
         _ => Ok(()),
@@ -121,8 +123,8 @@ pub(super) fn refuse(command: &str, count: usize) -> Result<(), Failure> {
     if count == 1 {
         return Ok(());
     }
-    let help =
-        "start the program without the launcher: it takes all processors of the machine, or as many as --threads says";
+    let help = "start the program without the launcher: it uses all processors of the machine, or the number given by \
+         --threads";
     Err(Failure::Input(miette::miette!(
         help = help,
         "a launcher of MPI has started {command}, which has no use for ranks"

@@ -164,13 +164,10 @@ pub(super) fn run(args: &RunArgs, count: usize, kernel_before: Option<String>) -
             say!("uniqueness   {}", uniqueness::explain(critical, &mu));
         }
         if let Some(folder) = &folder {
-            let before = if is_written { "" } else { ": those of the run before, as this one has none" };
+            let before = if is_written { "" } else { ": those of the earlier run, because this one has none" };
             say!("results      {}{before}", folder.path().display());
             if let Some(now) = folder.moved_to() {
-                say!(
-                    "warning      the folder was moved while the run went on, and its results with it: {}",
-                    now.display()
-                );
+                say!("warning      the folder with the results was moved during the run to {}", now.display());
             }
         }
     }
@@ -188,7 +185,7 @@ fn prepared<'a>(args: &RunArgs, scene: &'a Scene, count: usize, left: Option<Che
         run = run.with_uniqueness()?;
     }
     if let (true, Method::Events { .. }) = (args.companion, scene.solver.method) {
-        let help = "leave --companion out";
+        let help = "remove --companion";
         return Err(Failure::Input(miette::miette!(
             help = help,
             "the exact path has no increments to compare with fewer"
@@ -219,7 +216,7 @@ fn open_folder(
 /// Parses a number of seconds, 0 or more.
 fn seconds(text: &str) -> Result<Duration, String> {
     let seconds = text.parse().ok().and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
-    seconds.ok_or_else(|| "it is a number of seconds, 0 or more".to_string())
+    seconds.ok_or_else(|| "give a number of seconds, 0 or more".to_string())
 }
 
 /// Reports that results cannot be written. A full disk is a failure of the machine; any other cause is an error of the
@@ -228,7 +225,7 @@ pub(super) fn write_failure(path: &Path, error: &io::Error) -> Failure {
     match error.kind() {
         io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => disk_failure(path, error),
         _ => {
-            let help = "choose a folder that can be written with --out";
+            let help = "choose a writable folder with --out";
             Failure::Input(miette::miette!(help = help, "{}: results cannot be written: {error}", path.display()))
         }
     }
@@ -237,9 +234,9 @@ pub(super) fn write_failure(path: &Path, error: &io::Error) -> Failure {
 fn disk_failure(path: &Path, error: &io::Error) -> Failure {
     let help = match error.kind() {
         io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
-            "what was written before is complete; make room, and go on with --resume"
+            "what was written before is complete; free disk space, and continue with --resume"
         }
-        _ => "what was written before is complete; go on with --resume when that is mended",
+        _ => "what was written before is complete; correct the cause, and continue with --resume",
     };
     Failure::Machine(miette::miette!(help = help, "{}: results cannot be written: {error}", path.display()))
 }
@@ -263,7 +260,7 @@ fn print_head(scene: &Scene, run: &Run<'_>) {
     let Time { increments, kinks, .. } = &scene.time;
     if !kinks.is_empty() {
         let fewer = if kinks.len() > *increments { "; histories with fewer points have fewer" } else { "" };
-        say!("increments   {increments} equal ones, and {} more that end at kinks of histories{fewer}", kinks.len());
+        say!("increments   {increments} equal ones, and {} more to end at kinks of histories{fewer}", kinks.len());
     }
     say!("unknowns     {total} = {}{reduced}", present.collect::<Vec<_>>().join(" + "));
     let condenses = choice.linear.condenses();
@@ -280,7 +277,7 @@ fn print_head(scene: &Scene, run: &Run<'_>) {
 fn print_blas(kernel_before: Option<&str>) {
     let Some(blas) = Blas::loaded() else { return };
     if let Some(before) = kernel_before {
-        say!("BLAS         {blas}, for which the program started itself again: the library had taken {before}");
+        say!("BLAS         {blas}, for which the program restarted itself: the library had chosen {before}");
     }
     if let Some(warning) = Warning::of_blas(&blas) {
         say!("warning      {}", warning.message);
@@ -321,7 +318,7 @@ fn print_verdict(report: &RunReport, increments: usize) {
         {
             say!("{kind:<12} {at}: ({}) {unit} on the body", components(force));
         }
-        say!("balance      all forces on the body leave {balance:.1e} of their sizes");
+        say!("balance      the forces on the body balance to {balance:.1e} of their sizes");
     }
     if let Some(largest) = &report.largest_displacement {
         let length = units.of_si(Quantity::Length, largest.length);
@@ -335,11 +332,11 @@ fn print_verdict(report: &RunReport, increments: usize) {
             (Some(PeakOf::Patches), Some(pressure)) => {
                 say!("pressed      by {pressure} at most, on a node with its neighbours");
             }
-            _ => say!("pressed      too few tetrahedra are across the contact for a peak pressure"),
+            _ => say!("pressed      too few tetrahedra across the contact for a peak pressure"),
         }
     }
     if let Some(error) = report.estimates.discretisation {
-        say!("mesh         its error is about {:.1} % in the energy norm", 100.0 * error);
+        say!("mesh         error about {:.1} % in the energy norm", 100.0 * error);
     }
     if let Some(IncrementError { friction_work, friction_work_corrected, work_error, force_error, .. }) =
         report.estimates.increments.filter(|found| found.friction_work > 0.0)
@@ -347,20 +344,21 @@ fn print_verdict(report: &RunReport, increments: usize) {
         let [work, corrected] = [friction_work, friction_work_corrected].map(|x| units.of_si(Quantity::Energy, x));
         let unit = units.name(Quantity::Energy);
         say!(
-            "friction     did a work of {work:.3e} {unit}, {:.1} % of it due to the increments: corrected {corrected:.3e} {unit}",
+            "friction     work {work:.3e} {unit}, {:.1} % of it due to the increments: corrected {corrected:.3e} \
+             {unit}",
             100.0 * work_error
         );
         if let Some(error) = force_error.filter(|error| *error > 0.0) {
-            say!("increments   they leave about {:.1} % in the tangential forces", 100.0 * error);
+            say!("increments   time-step error of the tangential forces about {:.1} %", 100.0 * error);
         }
     }
     if let Some(CompanionEstimate { increments, status, error, .. }) = report.estimates.companion {
         match error {
             Some(error) => say!(
-                "increments   they leave about {:.1} % in the tangential forces, by a run with {increments}",
+                "increments   time-step error of the tangential forces about {:.1} %, by a run with {increments}",
                 100.0 * error
             ),
-            None => say!("increments   what they leave cannot be told: a run with {increments} ended {status}"),
+            None => say!("increments   time-step error unknown: a run with {increments} ended {status}"),
         }
     }
     let (matrices, entries) = (totals.factorizations, totals.nnz_factors);

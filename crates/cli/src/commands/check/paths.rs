@@ -44,16 +44,13 @@ pub(super) fn paths(scene: &Scene, model: &Model, budget: Option<Budget>) -> Res
     }
     if ranks > 1 {
         lines.push(format!(
-            "             by {ranks} processes; memory is that of the first one, and each needs its own"
+            "             by {ranks} processes; the memory is that of the first one, and each needs its own"
         ));
     }
     if let (Some(why), true) = (unsuited, LinearAlgebra::Multigrid.is_built_in()) {
-        lines.push(format!("             \"auto\" leaves multigrid: {why}"));
+        lines.push(format!("             \"auto\" does not consider multigrid: {why}"));
         if scene.solver.linear == Some(LinearAlgebra::Multigrid) {
-            lines.push(
-                "             a direct solver may have to take over, with the time and memory that it needs"
-                    .to_string(),
-            );
+            lines.push("             a direct solver may have to take over, with its own time and memory".to_string());
         }
     }
     Ok(lines)

@@ -52,18 +52,15 @@ impl IncrementArgs {
     /// Returns `scene` with the wanted increments, and how they were chosen if they were; on `count` threads.
     pub(super) fn of(&self, scene: Scene, count: usize) -> Result<(Scene, Option<ChosenIncrements>), Failure> {
         let with = |number: i64| scene.with(&[Override::value("time.increments", number)]);
-        let help = "leave it out, or say --increments auto";
+        let help = "remove it, or give --increments auto";
         if let (Some(_), None | Some(Increments::Number(_))) = (self.to, self.increments) {
-            return Err(Failure::Input(miette::miette!(
-                help = help,
-                "--to is the error that --increments auto comes to"
-            )));
+            return Err(Failure::Input(miette::miette!(help = help, "--to is the error for --increments auto")));
         }
         match self.increments {
             None => Ok((scene, None)),
             Some(Increments::Number(number)) => Ok((with(i64::from(number))?, None)),
             Some(Increments::Auto) if matches!(scene.solver.method, Method::Events { .. }) => {
-                let help = "give the number of times at which to look at it, or leave --increments out";
+                let help = "give the number of times for output, or remove --increments";
                 Err(Failure::Input(miette::miette!(help = help, "the exact path has no increments to choose")))
             }
             Some(Increments::Auto) => {
@@ -79,8 +76,8 @@ impl IncrementArgs {
 pub(super) fn explain(chosen: &ChosenIncrements) -> String {
     let ChosenIncrements { asked, tried, error, increments } = chosen;
     let found = match error {
-        Some(error) => format!("leave about {:.1} % in the tangential forces", 100.0 * error),
-        None => "leave what cannot be told".to_string(),
+        Some(error) => format!("have a time-step error of about {:.1} % in the tangential forces", 100.0 * error),
+        None => "have an unknown time-step error".to_string(),
     };
     let then = if increments > tried { format!("; {increments} for {:.1} %", 100.0 * asked) } else { String::new() };
     format!("auto: {tried} {found}{then}")

@@ -25,14 +25,15 @@ impl Left {
     pub(super) fn of(claim: &Claim, origin: &Origin, args: &RunArgs) -> Result<Option<Self>, Failure> {
         let Some((checkpoint, earlier, linear, ended)) = claim.left() else {
             if args.results.resume && !args.json {
-                say!("resume       nothing was left to go on from: the run begins");
+                say!("resume       no earlier run was found: a new run begins");
             }
             return Ok(None);
         };
         if !args.results.resume {
             if ended.is_none() && !args.json {
                 say!(
-                    "unfinished   a run was left here after {} increments: --resume goes on with it, this run takes its place",
+                    "unfinished   an earlier run was interrupted here after {} increments: --resume would continue \
+                     it, this run replaces it",
                     checkpoint.increments()
                 );
             }
@@ -41,20 +42,21 @@ impl Left {
         let changes = origin.changes_since(earlier);
         let linear = linear.parse::<LinearAlgebra>().ok().filter(|linear| linear.is_built_in());
         let Some(linear) = linear.filter(|_| changes.is_empty()) else {
-            let help = "run without --resume to begin anew; what is there then goes when the first increment is done";
+            let help = "run without --resume to start a new run; it replaces the existing results after its first \
+             increment";
             let what =
-                if changes.is_empty() { "this build lacks its linear algebra".to_string() } else { changes.join("; ") };
+                if changes.is_empty() { "this build lacks its linear solver".to_string() } else { changes.join("; ") };
             return Err(Failure::Input(miette::miette!(
                 help = help,
-                "the run in {} is another: {what}",
+                "the run in {} is a different one: {what}",
                 claim.path().display()
             )));
         };
         if let Some(status) = ended {
             if let Some(name) = claim.lacks() {
                 return Err(Failure::Input(miette::miette!(
-                    help = "run without --resume to begin anew",
-                    "the run in {} is complete, but {name} is gone, or shorter than the run left it",
+                    help = "run without --resume to start a new run",
+                    "the run in {} is complete, but {name} is missing or was shortened",
                     claim.path().display()
                 )));
             }
@@ -72,7 +74,7 @@ pub(super) fn told_again(claim: &Claim, args: &RunArgs, status: Status) -> Resul
     if args.json {
         print(claim.report().map_err(|error| unreadable(&error))?)?;
     } else {
-        say!("resume       nothing is left to do: the run here is complete");
+        say!("resume       nothing to do: the run here is complete");
         say!("\nverdict      {status}\nresults      {}", claim.path().display());
     }
     Ok(if status == Status::Converged { ExitCode::SUCCESS } else { ExitCode::from(1) })
@@ -96,6 +98,6 @@ fn print(report: impl Read) -> Result<(), Failure> {
 }
 
 fn unreadable(error: &io::Error) -> Failure {
-    let help = "run without --resume to begin anew";
+    let help = "run without --resume to start a new run";
     Failure::Machine(miette::miette!(help = help, "run.json cannot be read: {error}"))
 }
