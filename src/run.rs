@@ -1,5 +1,4 @@
-//! The one door: a scene, or a model, solved over its history to a complete report. Nothing is printed, and no file
-//! written.
+//! Solves a scene, or a model, over its history and reports on it. Prints nothing and writes no files.
 //!
 //! ```
 //! use stickslip::solver::history::{Method, SolverChoice};
@@ -11,12 +10,12 @@
 //! let report = Run::new(&scene)?.solve(&mut ())?;
 //! assert_eq!(report.status.to_string(), "converged");
 //!
-//! // Arrays of the increments that are wanted, here of all: an observer keeps them.
+//! // Arrays of selected increments, here of all, are kept by an observer.
 //! let mut recording = Recording::all();
 //! Run::new(&scene)?.solve(&mut recording)?;
 //! assert_eq!(recording.increments.len(), report.increments.len());
 //!
-//! // A model made in Rust goes through the same door.
+//! // A model made in Rust is solved in the same way.
 //! let model = Model::build(&scene.description)?;
 //! let again = Run::of(&model, model.times().to_vec(), SolverChoice::new(Method::PaperBn))?.solve(&mut ())?;
 //! assert_eq!(again.forces, report.forces);
@@ -76,10 +75,10 @@ use suited::{gave_way, means};
 pub use watch::Ledger;
 use watch::{Audience, Watch};
 
-/// So many factorisations are worth a better order.
+/// The number of factorisations from which on a better ordering is worth its time.
 const MANY: f64 = 10.0;
 
-/// A model with the increments and the solver that it is to be run with. A run may be solved several times.
+/// A model with its increments and its solver. A run may be solved several times.
 #[derive(Debug)]
 pub struct Run<'a> {
     scene: Option<&'a Scene>,
@@ -88,21 +87,21 @@ pub struct Run<'a> {
     times: Vec<f64>,
     solver: SolverChoice,
     choice: Choice,
-    /// What the model has left of the memory.
+    /// The memory that the model leaves free.
     budget: Option<Budget>,
-    /// What condensed equations begin with.
+    /// The initial working set of condensed equations.
     reach: InitialWorkingSet,
     uniqueness: bool,
     companion: bool,
-    /// From where it goes on, if it does not begin with the unloaded body.
+    /// The checkpoint from which the run resumes; `None` to begin with the unloaded body.
     from: Option<Checkpoint>,
-    /// Wall time of mesh, assembly and choice, s.
+    /// Wall time of mesh, assembly and choice of the linear solver, s.
     model_seconds: f64,
 }
 
 impl<'a> Run<'a> {
-    /// The run that `scene` describes: mesh, stiffness, contact, loads, and the linear algebra chosen where the scene
-    /// leaves that open.
+    /// Prepares the run described by `scene`: mesh, stiffness, contact, loads, and the linear solver, chosen here if
+    /// the scene does not name one.
     ///
     /// # Errors
     /// As [`discretise`], and when memory is short for the choice.
@@ -110,7 +109,8 @@ impl<'a> Run<'a> {
         Run::prepared(scene, |_| ())
     }
 
-    /// The same; `prepare` sees the model before the first factorisation, to set how many threads that may take.
+    /// Prepares the run described by `scene`. `prepare` sees the model before the first factorisation, e.g. to set the
+    /// number of threads.
     ///
     /// # Errors
     /// As [`Run::new`].
@@ -121,10 +121,10 @@ impl<'a> Run<'a> {
         Run::start(Some(scene), model, scene.time.all(), scene.solver, start)
     }
 
-    /// The run of a `model` made in Rust, over increments that end at `times` (s).
+    /// Prepares the run of a `model` made in Rust, over increments that end at `times` (s).
     ///
     /// # Errors
-    /// When the times do not increase from 0 or later, and when memory is short for the choice of the linear algebra.
+    /// When the times do not increase from 0 or later, and when memory is short for the choice of the linear solver.
     pub fn of(model: &'a Model, times: Vec<f64>, solver: SolverChoice) -> Result<Self, RunError> {
         Run::start(None, Cow::Borrowed(model), times, solver, Instant::now())
     }
@@ -138,7 +138,7 @@ impl<'a> Run<'a> {
     ) -> Result<Self, RunError> {
         history::check_times(&times).map_err(history::Error::from)?;
         let budget = Budget::of_process();
-        // Where factors of the body have no room, nobody asks them how far contact reaches.
+        // If the factors of the body do not fit into memory, the extent of contact is not estimated with them.
         let has_room = || Need::check(&model, LinearAlgebra::condensed(), budget).is_ok();
         let may_condense =
             solver.linear.is_none_or(LinearAlgebra::condenses) && !solver.method.is_of_paper() && has_room();
@@ -170,10 +170,10 @@ impl<'a> Run<'a> {
         Ok(Run { scene, model, times, solver, choice, budget, reach, uniqueness, companion, from, model_seconds })
     }
 
-    /// The same run, whose report also tells the critical friction at the end.
+    /// Requests the critical friction at the end.
     ///
     /// # Errors
-    /// [`RunError::SlidesInAPlane`] where that cannot be told.
+    /// [`RunError::SlidesInAPlane`] if it cannot be computed.
     pub fn with_uniqueness(self) -> Result<Self, RunError> {
         let layout = Layout::new(&self.model.problem);
         if (0..layout.contacts()).any(|i| layout.slides_in_a_plane(i)) {
@@ -182,50 +182,53 @@ impl<'a> Run<'a> {
         Ok(Run { uniqueness: true, ..self })
     }
 
-    /// The same run, whose report also tells what its increments leave in the tangential forces, by a second run with a quarter of
-    /// the increments, or with twice as many where there are few. Without friction nothing is left.
+    /// Requests an estimate of the time-step error of the tangential forces, by a second run with a quarter of the
+    /// increments, or with twice as many if there are few. Without friction there is no second run.
     #[must_use]
     pub fn with_companion(self) -> Self {
         Run { companion: true, ..self }
     }
 
-    /// The same run from a `checkpoint` that an observer was offered in [`Observer::rest`], as if it had never stopped: the numbers
-    /// are the same to the last bit, but for times and for counts of factorisations, on as many threads and with the same BLAS.
-    /// The report has the records of the increments that are still to come; all else in it is of all of them.
+    /// Resumes from a `checkpoint` that an observer was offered in [`Observer::rest`]. Except for times and numbers of
+    /// factorisations, the results agree with those of an uninterrupted run to the last bit, for the same number of
+    /// threads and the same BLAS. The report has the records of the remaining increments only; everything else in it
+    /// covers all increments.
     ///
-    /// That the checkpoint is damaged, or of another scene, method or linear algebra, [`Run::solve`] tells.
+    /// [`Run::solve`] returns an error if the checkpoint is damaged, or belongs to another scene, method or linear
+    /// solver.
     #[must_use]
     pub fn from(self, checkpoint: Checkpoint) -> Self {
         Run { from: Some(checkpoint), ..self }
     }
 
-    /// What is solved.
+    /// Returns the model to solve.
     pub fn model(&self) -> &Model {
         &self.model
     }
 
-    /// The same, after the run.
+    /// Returns the model and ends the run.
     pub fn into_model(self) -> Model {
         self.model.into_owned()
     }
 
-    /// The ends of the increments, s.
+    /// Returns the ends of the increments, s.
     pub fn times(&self) -> &[f64] {
         &self.times
     }
 
-    /// The linear algebra, and why.
+    /// Returns the linear solver and the reason for its choice.
     pub fn choice(&self) -> &Choice {
         &self.choice
     }
 
-    /// The contact nodes that condensed equations hold at first, ascending, if not all; others join when they are needed.
+    /// Returns the initial working set of condensed equations, ascending; `None` if it contains all contact nodes.
+    /// Other nodes are added when needed.
     pub fn working_set(&self) -> Option<&[usize]> {
         self.reach.nodes.as_deref()
     }
 
-    /// The body before the first increment, as increment 0: undeformed and free of contact forces, with the gaps at t = 0.
-    /// Loads and interferences that are there from the start come with the first increment.
+    /// Returns the body before the first increment, as increment 0: undeformed and free of contact forces, with the
+    /// gaps at t = 0. Loads and interferences that exist at t = 0 are applied in the first increment.
     pub fn undeformed(&self) -> RecordedIncrement {
         let Model { problem, loading, .. } = &*self.model;
         let contacts = problem.contacts();
@@ -244,13 +247,14 @@ impl<'a> Run<'a> {
     /// Solves the history and reports on it. `observer` sees every iteration and increment, and may stop the run.
     ///
     /// # Errors
-    /// When the linear algebra cannot go on. Whether the history converged is the status of the report.
+    /// When the linear algebra cannot go on. A history that does not converge is no error; see the status of the
+    /// report.
     pub fn solve(&self, observer: &mut dyn Observer) -> Result<RunReport, RunError> {
         self.solve_with(self.system(), observer)
     }
 
-    /// The same with a `ledger` that takes the records of the increments, which then are not in the report: however many
-    /// there are, they take no memory.
+    /// Solves the history with a `ledger` that takes the records of the increments. They are then missing in the
+    /// report, and take no memory however many there are.
     ///
     /// # Errors
     /// As [`Run::solve`].
@@ -258,7 +262,8 @@ impl<'a> Run<'a> {
         self.report(self.system(), Audience::Ledger(ledger))
     }
 
-    /// The same with another linear system than the chosen one, as by a linear solver of one's own: `SystemSolver::from(solver)`.
+    /// Solves the history with another linear system than the chosen one, e.g. with a linear solver of your own:
+    /// `SystemSolver::from(solver)`.
     ///
     /// # Errors
     /// As [`Run::solve`].
@@ -286,18 +291,18 @@ impl<'a> Run<'a> {
         let Watch { validity, estimates, balance, curves, increments, forces, reactions, last_reactions, .. } = watch;
         let (last, states, leaps) = (watch.last, watch.states, watch.leaps);
         let mut all_estimates = Estimates { increments: outcome.increment_error, ..estimates.estimates(&self.model) };
-        // The history is solved. A failure of what was asked for beside it costs that result only.
+        // The history is solved. From here on, a failure of an additional result loses that result only.
         let mut missing = Vec::new();
         if let (Some(companion), Status::Converged) = (companion.as_ref(), outcome.status) {
             match self.compared(companion, &states, audience.observer()) {
                 Ok(compared) => all_estimates.companion = Some(compared),
-                Err(error) => missing.push(Warning::of_missing("the comparison with fewer increments", &error)),
+                Err(error) => missing.push(Warning::of_missing("the estimate by a companion run", &error)),
             }
         }
         let leap = match self.leap(&leaps, &settings, outcome.scales, audience.observer()) {
             Ok(leap) => leap,
             Err(error) => {
-                missing.push(Warning::of_missing("whether contact forces jump", &error));
+                missing.push(Warning::of_missing("the check for jumps of contact forces", &error));
                 None
             }
         };
@@ -359,7 +364,8 @@ impl<'a> Run<'a> {
         }))
     }
 
-    /// Solves the history and hands back its bare outcome: the last state, records, scales of the error measure.
+    /// Solves the history and returns the outcome without a report: the last state, records, scales of the error
+    /// measure.
     ///
     /// # Errors
     /// As [`Run::solve`].
@@ -373,7 +379,7 @@ impl<'a> Run<'a> {
         Ok(HistorySettings { working_set: self.reach.nodes.clone(), ..settings })
     }
 
-    /// The chosen linear system, in an order for as many factorisations as are to be expected.
+    /// Returns the chosen linear system, with an ordering for the expected number of factorisations.
     fn system(&self) -> SystemSolver {
         let expected = || factorizations(&Layout::new(&self.model.problem), self.solver.method, self.times.len());
         match self.choice.linear {
@@ -388,14 +394,14 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// The increments of a second run to compare with, if that was asked for and there is friction.
+    /// Returns the increments of a companion run, if it was requested and there is friction.
     fn companion(&self) -> Option<Companion> {
         let layout = Layout::new(&self.model.problem);
         let has_friction = (0..layout.contacts()).any(|i| layout.has_friction(i));
         (self.companion && has_friction).then(|| Companion::of(&self.times, &self.model.loading.kinks()))
     }
 
-    /// Solves the `companion` of a run with these `states` at the ends of its stretches, and compares.
+    /// Solves the `companion` of a run with these `states` at the ends of its load segments, and compares.
     fn compared(
         &self,
         companion: &Companion,
@@ -409,7 +415,7 @@ impl<'a> Run<'a> {
         Ok(CompanionEstimate::new(&self.model, companion.times.len(), status, both, companion.share))
     }
 
-    /// Where contact forces jump, if they do.
+    /// Finds the first increment in which contact forces jump.
     fn leap(
         &self,
         leaps: &Leaps,
@@ -457,10 +463,10 @@ impl<'a> Run<'a> {
         critical(problem, &data, state, &scales, scaling, &mut RefinedSolver::default())
     }
 
-    /// A linear algebra that would have been much faster than the one that the scene names. `None` also where the estimate itself
-    /// fails, as for want of memory: a solved history does not depend on advice.
+    /// Returns a linear solver that would have been much faster than the one named by the scene. Returns `None` also if
+    /// the estimate fails, e.g. for lack of memory, because the solved history does not depend on it.
     fn faster(&self, linear: &str, done: &Done) -> Option<Faster> {
-        // A stiffness that processes share has no entries here to estimate from.
+        // A stiffness shared by processes has no local entries for the estimate.
         if linear != self.choice.linear.to_string() || self.model.problem.stiffness().shared().is_some() {
             return None;
         }

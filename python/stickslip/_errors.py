@@ -11,9 +11,9 @@ if TYPE_CHECKING:
 #: What the program says, and what this module says in its place.
 _WORDS = (
     (r"`stickslip init \w+` shows (the form of every value|a complete scene)", "help(stickslip.builder) shows a complete scene"),
-    (r"[;,] `stickslip check` tells [^;.]*", ""),
-    (r"; `stickslip run --companion` tells it better, by a second run", ""),
-    (r", or let `stickslip run --companion` tell it by a second run", ""),
+    (r"[;,] `stickslip check` (tells|shows) [^;.]*", ""),
+    (r"; `stickslip run --companion` estimates it better, by a second run", ""),
+    (r", or estimate it with `stickslip run --companion`", ""),
 )
 
 

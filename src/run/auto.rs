@@ -1,8 +1,7 @@
-//! Which linear algebra a problem is solved with, where that is left open: what is estimated to take the
-//! least time, as far as memory allows.
+//! Chooses the linear solver of a problem: the one with the least estimated time that fits into memory.
 //!
 //! One symbolic analysis of `K` serves all estimates, see [`crate::algebra::linear::cost`]. It takes about as long as
-//! ordering once.
+//! one ordering.
 
 use serde::Serialize;
 
@@ -15,29 +14,29 @@ use crate::solver::history::{LinearAlgebra, Method};
 use crate::solver::initial_working_set::InitialWorkingSet;
 use crate::solver::problem::ContactProblem;
 
-/// BN keeps its factors while no contact status changes, so its factorisations grow as the root of the number
-/// of increments, this many times it: 5, 7.5, 11 and 14 on the paper's block with 25, 50, 100 and 200 contact nodes (2 to
-/// 100 increments), 3 to 11 on strips.
+/// BN reuses its factors while no contact status changes, so the number of factorisations grows as the square root of
+/// the number of increments, with this factor: 5, 7.5, 11 and 14 on the paper's block with 25, 50, 100 and 200 contact
+/// nodes (2 to 100 increments), 3 to 11 on strips.
 const BN_FACTORIZATIONS: f64 = 8.0;
 
-/// Where nodes slide in a plane, the direction of their slip turns and the matrix with it: so many factorisations in an
-/// increment. 6 to 10 with 2 increments, 5 to 7 with 10 and 4 to 5 with 40 on cubes and plates of 8 to 32 elements along
-/// the contact.
+/// Factorisations per increment if nodes slide in a plane, where the slip direction turns and changes the matrix: 6 to
+/// 10 with 2 increments, 5 to 7 with 10 and 4 to 5 with 40 on cubes and plates of 8 to 32 elements along the contact.
 const BN_FACTORIZATIONS_IN_A_PLANE: f64 = 5.0;
 
-/// An interior point method changes its matrix in each iteration: 5 to 8 in an increment in the tables of the paper.
+/// Factorisations per increment of an interior point method, whose matrix changes in each iteration: 5 to 8 in the
+/// tables of the paper.
 const IP_FACTORIZATIONS: f64 = 6.0;
 
-/// The same for the exact cone, where nodes slide in a plane: 13.8 and 14.4 on a plate of 24 × 24 × 6 elements with 5 and 10
-/// increments.
+/// Factorisations per increment with the exact cone, if nodes slide in a plane: 13.8 and 14.4 on a plate of 24 × 24 × 6
+/// elements with 5 and 10 increments.
 const IP_FACTORIZATIONS_IN_A_PLANE: f64 = 14.0;
 
 const MUMPS: LinearAlgebra = LinearAlgebra::Whole(SparseLu::Mumps);
 
-/// A choice, with its reason if it was left open.
+/// A linear solver and the reason for its choice.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Choice {
-    /// What solves.
+    /// The linear solver.
     pub linear: LinearAlgebra,
     why: Why,
 }
@@ -45,75 +44,76 @@ pub struct Choice {
 #[derive(Debug, Clone, PartialEq)]
 enum Why {
     Named,
-    /// The least time of all these that have room.
+    /// The fastest of these that fit into memory.
     Estimated {
         paths: Vec<Path>,
         means: AvailableSolvers,
     },
 }
 
-/// A way to solve, and what it is estimated to take.
+/// A linear solver with its estimated cost.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Path {
     /// The linear algebra.
     pub linear: LinearAlgebra,
-    /// What it takes for all increments.
+    /// The cost of all increments.
     pub cost: Cost,
 }
 
-/// What may be chosen from.
+/// The solvers to choose from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct AvailableSolvers {
-    /// Free memory, bytes, if it is known.
+    /// Free memory, bytes, if known.
     pub available: Option<u64>,
-    /// Whether multigrid suits the problem, see [`crate::run::unsuited`].
+    /// `true` if multigrid is suitable for the problem, see [`crate::run::unsuited`].
     pub multigrid: bool,
-    /// How many processes of MPI there are. With several only what they share is chosen from.
+    /// The number of MPI processes. With several, only solvers that use all of them are considered.
     pub ranks: usize,
 }
 
-/// A linear algebra that is estimated to take much less time than the one of a run.
+/// A linear solver estimated to take much less time than that of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Faster {
-    /// The other one, by the word that scenes have for it.
+    /// The faster solver, by its name in scenes.
     #[cfg_attr(feature = "schema", schemars(with = "String"))]
     pub solver: LinearAlgebra,
-    /// What its linear algebra is estimated to take, s.
+    /// The estimated time of its linear algebra, s.
     pub seconds: f64,
-    /// What that of the run is, by the same estimate, s.
+    /// The time of the run's linear algebra by the same estimate, s.
     pub here_seconds: f64,
 }
 
-/// Rates of an exact path for each contact node: 1.7 to 2.8 on the paper's block.
+/// Rates of an exact path per contact node: 1.7 to 2.8 on the paper's block.
 const EVENT_RATES: f64 = 2.5;
 
-/// Estimates are good to a factor of two or so: less than this between two of them is not worth a word.
+/// Estimates are accurate to a factor of about two, so smaller ratios than this are not reported.
 const MUCH: f64 = 3.0;
 
-/// An estimate takes less than an ordering of the unknowns. A run that took so many of them can afford it, and a gain of
-/// fewer is none.
+/// Estimating costs less than one ordering. It is done only for runs longer than this number of orderings, and only if
+/// the time saved is longer as well.
 const ORDERINGS: f64 = 10.0;
 
-/// What a run has done.
+/// The work done by a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Done {
-    /// How many increments.
+    /// The number of increments.
     pub increments: usize,
-    /// With so many factorisations.
+    /// The number of factorisations.
     pub factorizations: usize,
     /// Its wall time, s.
     pub seconds: f64,
 }
 
 impl Choice {
-    /// The one that was asked for.
+    /// Returns the requested linear solver.
     pub fn named(linear: LinearAlgebra) -> Self {
         Choice { linear, why: Why::Named }
     }
 
-    /// The fastest way that has room to solve `increments` increments of `problem` with `method`, where condensed equations hold the
-    /// contact nodes `reach` or all; the one that takes least memory where none has room.
+    /// Returns the fastest solver that fits into memory for `increments` increments of `problem` with `method`, where
+    /// condensed equations contain the contact nodes `reach` or all. If none fits, returns the one with the least
+    /// memory.
     ///
     /// # Errors
     /// When memory is short for the symbolic analysis.
@@ -135,7 +135,7 @@ impl Choice {
         Ok(Choice { linear, why: Why::Estimated { paths, means } })
     }
 
-    /// What there was to choose from, each with its estimate; nothing where there was nothing to choose.
+    /// Returns the compared solvers with their estimates; empty if there was no choice.
     pub fn paths(&self) -> &[Path] {
         match &self.why {
             Why::Estimated { paths, .. } => paths,
@@ -143,8 +143,8 @@ impl Choice {
         }
     }
 
-    /// What would have been much faster than this choice, which somebody made, for what it has done. Nothing, if
-    /// there is no such way, or if the run was so short that the question would make it longer.
+    /// Returns a solver that would have been much faster than the requested one for the work done. Returns `None` if
+    /// there is no such solver, or if the run was so short that the estimate would prolong it.
     ///
     /// # Errors
     /// When memory is short for the symbolic analysis.
@@ -168,7 +168,7 @@ impl Choice {
             let with_room = others.filter(|path| means.have_room(path));
             with_room.min_by(|a, b| a.cost.seconds.total_cmp(&b.cost.seconds))
         };
-        // No factor has fewer entries than the matrix.
+        // A factor has at least as many entries as the matrix.
         let least = FactorInfo { entries: problem.stiffness().lower().values().len(), ..FactorInfo::default() };
         if fastest(&estimates(least)).is_none_or(|other| MUCH * other.cost.seconds > done.seconds) {
             return Ok(None);
@@ -180,12 +180,12 @@ impl Choice {
         Ok(fastest(&estimates).filter(worth_a_word).map(faster))
     }
 
-    /// Whether this is the same way but for the library.
+    /// Returns `true` if both are the same kind of solver, possibly of different libraries.
     fn is_like(&self, other: LinearAlgebra) -> bool {
         std::mem::discriminant(&self.linear) == std::mem::discriminant(&other)
     }
 
-    /// The choice and its reason in a line, if there was anything to choose.
+    /// Describes the choice and its reason in a line, if there was a choice.
     pub fn reason(&self) -> Option<String> {
         let linear = self.linear;
         match &self.why {
@@ -218,7 +218,8 @@ impl Choice {
 }
 
 impl AvailableSolvers {
-    /// What is left for this process, for a problem of which nobody knows where its unknowns are, as multigrid has to.
+    /// Returns the memory left for this process, without multigrid, for a problem whose node positions are unknown,
+    /// which multigrid needs.
     pub fn of_process() -> Self {
         let available = Budget::of_process().map(|budget| budget.bytes);
         AvailableSolvers { available, multigrid: false, ranks: ranks() }
@@ -229,12 +230,12 @@ impl AvailableSolvers {
     }
 }
 
-/// How many factorisations BN or an interior point method needs for `increments` increments, as an estimate.
+/// Estimates the number of factorisations of `method` for `increments` increments.
 pub(crate) fn factorizations(layout: &Layout, method: Method, increments: usize) -> f64 {
     match method {
-        // Without contact the problem is linear: one matrix.
+        // Without contact the problem is linear and has one matrix.
         _ if layout.contacts() == 0 => 1.0,
-        // One for each rate, whatever the increments.
+        // One for each rate, independent of the increments.
         Method::Events { .. } => EVENT_RATES * layout.contacts() as f64,
         method if method.is_interior() && layout.has_second_tangent() => {
             IP_FACTORIZATIONS_IN_A_PLANE * increments as f64
@@ -245,7 +246,7 @@ pub(crate) fn factorizations(layout: &Layout, method: Method, increments: usize)
     }
 }
 
-/// What estimates are made of.
+/// The data for estimates.
 struct Estimates {
     displacements: usize,
     sizes: Sizes,
@@ -266,7 +267,7 @@ impl Estimates {
             None => problem.contact_displacements(),
         };
         let sizes = Sizes { unknowns: layout.unknowns(), contact_displacements: held.len(), stiffness };
-        // In a part of the contact nodes those that are open prevail.
+        // Most nodes of a partial working set are taken to be open.
         let all_free = method.is_interior() || reach.nodes.is_some();
         let work = Work { increments, factorizations, all_free };
         Estimates { displacements: layout.displacements(), sizes, work }
@@ -280,7 +281,8 @@ impl Estimates {
         }
     }
 
-    /// All ways that this build has; of sparse LU the default one, and MUMPS. With several processes, those that share their work.
+    /// Returns all solvers of this build: the default sparse LU, MUMPS, condensation and multigrid. With several
+    /// processes, only solvers that use all of them.
     fn paths(&self, means: AvailableSolvers) -> Vec<Path> {
         let whole = LinearAlgebra::default();
         let mut all = vec![whole];
@@ -299,8 +301,8 @@ impl std::fmt::Display for Faster {
         let Faster { solver, seconds, here_seconds } = self;
         write!(
             f,
-            "the linear algebra is estimated to take {here_seconds:.1} s, with {solver} {seconds:.1} s: \
-             solver.linear = \"auto\" chooses the faster"
+            "the linear algebra is estimated to take {here_seconds:.1} s, but with {solver} only {seconds:.1} s: \
+             solver.linear = \"auto\" chooses the faster solver"
         )
     }
 }

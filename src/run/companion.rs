@@ -1,4 +1,4 @@
-//! The increments of a companion run: fewer, or where there are few already more, and among them the same corners of the history.
+//! The increments of a companion run: fewer, or more if there are few already, with the same kinks of the history.
 
 use super::watch::tangential_forces;
 use crate::solver::history::{IncrementView, Observer, Status};
@@ -6,16 +6,16 @@ use crate::solver::newton::IterationRecord;
 use crate::solver::problem::State;
 use std::ops::ControlFlow;
 
-/// The companion has so many times fewer increments.
+/// The factor by which a companion run has fewer increments.
 const COARSER: usize = 4;
 
-/// The share of the difference from a run with twice the increments that is the error, by comparison with exact paths.
+/// The ratio of the error to the difference from a run with twice the increments, calibrated with exact paths.
 const OF_DOUBLED: f64 = 1.2;
 
-/// The most parts of a history that are tried so that its kinks lie between them.
+/// The largest number of equal parts of a history that are tried to make its kinks coincide with ends of parts.
 const MOST_PARTS: usize = 64;
 
-/// Relative to the end of the history, how near an increment ends to a corner that it ends at.
+/// The tolerance for an increment that ends at a kink, relative to the end of the history.
 const ROUNDING: f64 = 1e-9;
 
 /// The increments of a companion run.
@@ -23,14 +23,14 @@ const ROUNDING: f64 = 1e-9;
 pub(super) struct Companion {
     /// Their ends, s.
     pub times: Vec<f64>,
-    /// Which increments of the run, and which of these, end stretches in which everything goes on in one direction, from 1.
+    /// The increments of the run, and of the companion, that end a load segment, from 1.
     pub ends: [Vec<usize>; 2],
-    /// The share of the difference between both that is the error of the run.
+    /// The ratio of the error of the run to the difference between both runs.
     pub share: f64,
 }
 
 impl Companion {
-    /// For a run over increments that end at `times` (s), of a history with these `kinks`.
+    /// Creates the companion of a run over increments that end at `times` (s), for a history with these `kinks`.
     pub(super) fn of(times: &[f64], kinks: &[f64]) -> Self {
         let ends = stretch_ends(times, kinks);
         let begins = [0].into_iter().chain(ends.iter().copied());
@@ -45,13 +45,13 @@ impl Companion {
             coarse_ends.push(coarse.len());
             begin += length;
         }
-        // Errors are proportional to the length of increments.
+        // The error is proportional to the length of the increments.
         let ratios = lengths.iter().map(|length| *length as f64 / length.div_ceil(COARSER) as f64);
         let share = 1.0 / (ratios.fold(f64::INFINITY, f64::min) - 1.0);
         Companion { times: coarse, ends: [ends, coarse_ends], share }
     }
 
-    /// Every increment in two halves.
+    /// Divides every increment into two halves.
     fn doubled(times: &[f64], ends: Vec<usize>) -> Self {
         let before = [0.0].into_iter().chain(times.iter().copied());
         let halves = before.zip(times).flat_map(|(begin, end)| [begin + 0.5 * (end - begin), *end]).collect();
@@ -60,29 +60,30 @@ impl Companion {
     }
 }
 
-/// The increments, from 1, that end at a kink, and the last one.
+/// Returns the increments, from 1, that end at a kink, and the last one.
 fn stretch_ends(times: &[f64], kinks: &[f64]) -> Vec<usize> {
     let slack = times.last().map_or(0.0, |end| ROUNDING * end);
     let is_kink = |t: f64| kinks.iter().any(|kink| (kink - t).abs() <= slack);
     (1..=times.len()).filter(|&k| k == times.len() || is_kink(times[k - 1])).collect()
 }
 
-/// The ends of the stretches of a history until `end` (s) between its `kinks`.
+/// Returns the ends of the load segments between the `kinks` of a history until `end` (s).
 fn corners(end: f64, kinks: &[f64]) -> Vec<f64> {
     let mut corners: Vec<f64> = kinks.iter().copied().filter(|t| *t > 0.0 && *t < end).collect();
     corners.push(end);
     corners
 }
 
-/// The length (s) of the shortest stretch between `kinks` of a history until `end` (s).
+/// Returns the length (s) of the shortest load segment between the `kinks` of a history until `end` (s).
 pub(super) fn shortest_stretch(end: f64, kinks: &[f64]) -> f64 {
     let corners = corners(end, kinks);
     let begins = [0.0].into_iter().chain(corners.iter().copied());
     begins.zip(&corners).map(|(begin, end)| end - begin).fold(end, f64::min)
 }
 
-/// Into how few equal parts a history until `end` (s) is divided so that its `kinks` lie between parts, and how many of these the
-/// shortest stretch between kinks has. Where too many would be needed, kinks lie within parts.
+/// Returns the least number of equal parts of a history until `end` (s) for which its `kinks` coincide with ends of
+/// parts, and the number of parts in the shortest load segment. If too many would be needed, kinks may lie inside
+/// parts.
 pub(super) fn equal_parts(end: f64, kinks: &[f64]) -> (usize, usize) {
     let corners = corners(end, kinks);
     let between = |parts: usize| {
@@ -96,11 +97,11 @@ pub(super) fn equal_parts(end: f64, kinks: &[f64]) -> (usize, usize) {
     (parts, ((shortest / end * parts as f64).round() as usize).max(1))
 }
 
-/// Keeps the tangential forces at the ends of some increments of a companion run. The observer of the run sees nothing of it but
-/// iterations, at which it may stop it.
+/// An observer that keeps the tangential forces at the ends of some increments of a companion run. The observer of the
+/// main run sees only its iterations, at which it may stop it.
 pub(super) struct Quiet<'a> {
     pub observer: &'a mut dyn Observer,
-    /// The increments, ascending from 1.
+    /// The selected increments, ascending from 1.
     pub numbers: &'a [usize],
     pub states: Vec<State>,
 }
@@ -133,7 +134,7 @@ mod tests {
         let Companion { times: coarse, ends, share } = Companion::of(&times, &[0.0, 1.0, 3.0]);
         assert_eq!(coarse, [0.5, 1.0, 1.5, 2.0, 2.5, 3.0]);
         assert_eq!((ends, share), ([vec![8, 24], vec![2, 6]], 1.0 / 3.0));
-        // What does not go by four goes by less, and the error is a larger share of the difference.
+        // Lengths that are not multiples of four are divided by less, and the ratio of error to difference is larger.
         let Companion { times: coarse, share, .. } = Companion::of(&equal_increments(1.0, 5), &[]);
         assert_eq!((coarse, share), (vec![2.0 / 5.0, 1.0], 1.0 / 1.5));
     }

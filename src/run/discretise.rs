@@ -1,4 +1,4 @@
-//! A scene to its model, if the machine has room for it and the method knows such a problem.
+//! Builds the model of a scene, if it fits into memory and the method can solve it.
 
 use std::borrow::Cow;
 
@@ -14,10 +14,10 @@ use crate::scene::Scene;
 use crate::solver::formulation::Layout;
 use crate::solver::history::{LinearAlgebra, Method, SolverChoice};
 
-/// A history in which gaps are curved in time has so many equal parts, in each of which they are followed along a chord.
+/// The number of equal parts of a history whose gaps are curved in time. Within each part the gaps follow a chord.
 const CHORDS: usize = 512;
 
-/// The ends of increments, what lies between them where rates change, and equal parts of the history.
+/// Returns the ends of increments, the kinks between them, and the ends of equal parts of the history.
 fn chords(ends: &[f64], kinks: &[f64]) -> Vec<f64> {
     let end = ends.last().copied().unwrap_or(0.0);
     let inner = kinks.iter().copied().filter(|t| *t > 0.0 && *t < end);
@@ -31,14 +31,14 @@ fn chords(ends: &[f64], kinks: &[f64]) -> Vec<f64> {
 /// Discretises `scene`.
 ///
 /// # Errors
-/// When the scene contradicts its mesh, as a probe outside of the body does, when its method does not know such a problem, and when the
-/// matrices would not fit into the memory that is free.
+/// When the scene contradicts its mesh, e.g. by a probe outside the body, when the method cannot solve such a problem,
+/// and when the matrices would not fit into free memory.
 pub fn discretise(scene: &Scene) -> Result<Model, RunError> {
     has_room(scene.description.mesh.nodes(), Budget::of_process())?;
     suitable(scene, model_of(scene, None)?)
 }
 
-/// The same with the stiffness that the solver of `scene` wants.
+/// Discretises `scene` with the stiffness that its solver needs.
 pub(super) fn for_run(scene: &Scene) -> Result<Model, RunError> {
     match share(&scene.solver) {
         Some(share) => shared(scene, share),
@@ -46,8 +46,8 @@ pub(super) fn for_run(scene: &Scene) -> Result<Model, RunError> {
     }
 }
 
-/// The `model` of `scene` with the stiffness that the `chosen` linear algebra wants, where `solver` names none. The choice has looked at
-/// the whole stiffness, which goes before its rows come.
+/// If the solver was chosen automatically and needs a distributed stiffness, rebuilds the model of `scene` with one.
+/// The assembled matrix is dropped first.
 pub(super) fn as_chosen<'a>(
     scene: Option<&Scene>,
     model: Cow<'a, Model>,
@@ -63,14 +63,15 @@ pub(super) fn as_chosen<'a>(
     }
 }
 
-/// The same with a stiffness that is shared as `share` does it, where that can be: each process has its part of the nodes.
+/// Discretises `scene` with a stiffness distributed by `share` if possible, so that each process has a part of the
+/// nodes.
 pub(super) fn shared(scene: &Scene, share: Share<'_>) -> Result<Model, RunError> {
     let part = |(nodes, dimension): (usize, usize)| (nodes / ranks(), dimension);
     has_room(scene.description.mesh.nodes().map(part), Budget::of_process())?;
     suitable(scene, model_of(scene, Some(share))?)
 }
 
-/// The model of `scene`; errors of its description name file and line.
+/// Builds the model of `scene`. Errors of its description name file and line.
 fn model_of(scene: &Scene, share: Option<Share<'_>>) -> Result<Model, RunError> {
     Model::shared(&scene.description, share).map_err(|error| match error {
         ModelError::Description(fault) => RunError::Scene(scene.located(fault)),
@@ -78,18 +79,18 @@ fn model_of(scene: &Scene, share: Option<Share<'_>>) -> Result<Model, RunError> 
     })
 }
 
-/// The model of `scene`, if the scene and its method know such a problem.
+/// Returns the model of `scene`, or an error if the method cannot solve such a problem.
 fn suitable(scene: &Scene, mut model: Model) -> Result<Model, RunError> {
     if let Method::Events { .. } = scene.solver.method {
         let layout = Layout::new(&model.problem);
         let help = "use the method \"bn\"";
         if (0..layout.contacts()).any(|i| layout.slides_in_a_plane(i)) {
             let message =
-                "the exact path is followed where nodes slide along lines, but nodes of this scene slide in a plane";
+                "the exact path requires nodes that slide along lines, but nodes of this scene slide in a plane";
             return Err(scene.error_at("solver.method", message, help).into());
         }
         if model.loading.friction().is_some() {
-            let message = "the exact path is followed where friction stays, but that of this scene changes in time";
+            let message = "the exact path requires constant friction, but that of this scene changes in time";
             return Err(scene.error_at("solver.method", message, help).into());
         }
         if !model.loading.bends().is_empty() {
@@ -101,8 +102,9 @@ fn suitable(scene: &Scene, mut model: Model) -> Result<Model, RunError> {
     if let Some(key) = scene.one_tangent_key
         && Layout::new(&model.problem).has_second_tangent()
     {
-        let message = "this interior point method knows one tangent a node, but nodes of this scene slide in a plane";
-        let help = "leave solver.setting and solver.newton out, or use the method \"bn\"";
+        let message = "this interior point method has only one tangent per node, but nodes of this scene slide in a \
+         plane";
+        let help = "remove solver.setting and solver.newton, or use the method \"bn\"";
         return Err(scene.error_at(key, message, help).into());
     }
     ProbeTable::all(&model, &scene.output.probes).map_err(|fault| scene.located(fault))?;

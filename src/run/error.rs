@@ -1,4 +1,4 @@
-//! Why a run ends without a report.
+//! The reason why a run ends without a report.
 
 use crate::algebra::linear::LinearError;
 use crate::base::memory::{Budget, in_words};
@@ -6,10 +6,10 @@ use crate::body::model::ModelError;
 use crate::scene::SceneError;
 use crate::solver::history;
 
-/// Why a run ends without a report. A history that does not converge is no such error: its report tells.
+/// The reason why a run ends without a report. A history that does not converge is no such error and has a report.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum RunError {
-    /// A value of the scene is not possible, or contradicts the mesh; the message names file and line.
+    /// A value of the scene is impossible, or contradicts the mesh. The message names file and line.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Scene(#[from] SceneError),
@@ -17,22 +17,23 @@ pub enum RunError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Model(ModelError),
-    /// There is no room for what the run takes.
+    /// The run needs more memory than is available.
     #[error("{what} need {} or more, but {} leaves {}", in_words(*needed), budget.source, in_words(budget.bytes))]
     #[diagnostic(help("{}", budget.source.remedy()))]
     NoRoom {
-        /// What needs it.
+        /// The part that needs it.
         what: &'static str,
-        /// What that takes at least, bytes.
+        /// The least memory that it needs, bytes.
         needed: u64,
-        /// What may be taken, and who says so.
+        /// The available memory and the source of this limit.
         budget: Budget,
     },
-    /// The uniqueness was asked for where [`crate::solver::uniqueness`] does not tell it.
+    /// The uniqueness was requested, but [`crate::solver::uniqueness`] cannot compute it here.
     #[error(
-        "the uniqueness needs nodes that slide along a line: where they slide in a plane, friction turns with the slip"
+        "the uniqueness can be computed only for nodes that slide along a line: in a plane, friction turns with the \
+         slip"
     )]
-    #[diagnostic(help("do not ask for the uniqueness, or let supports leave one direction to slide in"))]
+    #[diagnostic(help("do not request the uniqueness, or let supports leave only one sliding direction"))]
     SlidesInAPlane,
     /// The linear algebra cannot go on, or an array does not fit.
     #[error(transparent)]
@@ -41,7 +42,7 @@ pub enum RunError {
 }
 
 impl RunError {
-    /// Whether the input is to blame; otherwise it is the machine, or the library.
+    /// Returns `true` for an error of the input, and `false` for a failure of the machine or the library.
     pub fn is_of_the_input(&self) -> bool {
         use history::Error::{Checkpoint, NoWeight, Problem};
         let of_history = |error: &history::Error| matches!(error, Problem(_) | NoWeight { .. } | Checkpoint(_));
@@ -75,8 +76,8 @@ fn remedy(error: &history::Error) -> &'static str {
             "use a coarser mesh, raise the memory limit, or use a machine with more memory"
         }
         Linear(LinearError::Version { .. }) => "until then take the solver faer, which needs no SuiteSparse",
-        Problem(_) | NoWeight { .. } => "mend the array",
-        Checkpoint(_) => "go on with the run as it was begun, or begin anew",
+        Problem(_) | NoWeight { .. } => "correct the array",
+        Checkpoint(_) => "resume with the scene and options of the original run, or start a new run",
         _ => "this is not the scene's fault; please report it",
     }
 }

@@ -1,4 +1,4 @@
-//! Where the unknowns of a model are, for multigrid.
+//! The positions of a model's unknowns, for multigrid.
 
 use crate::algebra::linear::{Contact, Form, Grid, LinearSolver, Multigrid, SparseLu};
 use crate::algebra::vector::{axis, cross, minus};
@@ -7,14 +7,15 @@ use crate::solver::formulation::Layout;
 use crate::solver::history::{LinearAlgebra, Method, SystemSolver};
 use crate::solver::problem::OwnBasis;
 
-/// The system of `model`, by a direct solver where it has no grid.
+/// Returns the multigrid system of `model`, or one with a direct solver if there is no grid.
 pub(super) fn system(model: &Model, method: Method) -> SystemSolver {
     let Some(grid) = grid(model) else { return LinearAlgebra::Whole(SparseLu::for_ranks()).into() };
     let form = if method.is_interior() { Form::Oblique } else { Form::Symmetric };
     SystemSolver::from(Box::new(Multigrid::new(grid, form)) as Box<dyn LinearSolver>)
 }
 
-/// The grid of `model`; none where the contact rows of a node cannot be had on its own displacements alone, or a node has two contacts.
+/// Returns the grid of `model`. `None` if the contact rows of a node involve displacements of other nodes, or a node
+/// has two contacts.
 pub fn grid(model: &Model) -> Option<Grid> {
     let (mesh, dofs, problem) = (&model.mesh, &model.dofs, &model.problem);
     let mut displacements = vec![(0, 0); problem.displacements()];

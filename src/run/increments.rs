@@ -1,4 +1,4 @@
-//! How many increments leave a given error.
+//! Chooses the number of increments for a given error.
 
 use super::companion::{equal_parts, shortest_stretch};
 use super::discretise::for_run;
@@ -10,17 +10,19 @@ use crate::solver::history::Observer;
 use crate::solver::newton::IterationRecord;
 use std::ops::ControlFlow;
 
-/// A first run has so many increments in the shortest stretch of a history in which everything goes on in one direction.
+/// The number of increments of a first run in the shortest load segment.
 const FIRST: usize = 8;
 
-/// So many times the increments that would do if errors were proportional to their length.
+/// The safety factor of the number of increments, because errors are only roughly proportional to their length.
 const ON_THE_SAFE_SIDE: f64 = 1.3;
 
-/// The equal increments of `scene` that leave a share `asked` of error in the tangential forces, by a first run with a companion.
-/// Corners of the loads lie between equal increments, where few can do that, and are further ends otherwise. `prepare` sees the model before anything is solved; `observer` sees iterations, and may stop the run.
+/// Returns the equal increments of `scene` for a share `asked` of error in the tangential forces, estimated by a first
+/// run with a companion. Kinks of the loads coincide with ends of equal increments if few suffice for that, and are
+/// additional ends otherwise. `prepare` sees the model before anything is solved. `observer` sees iterations, and may
+/// stop the run.
 ///
 /// # Errors
-/// As [`Run::new`] and [`Run::solve`], and where there would be more increments than a scene may have.
+/// As [`Run::new`] and [`Run::solve`], and when more increments would be needed than a scene may have.
 pub fn increments_for(
     scene: &Scene,
     asked: f64,
@@ -36,7 +38,8 @@ pub fn increments_for(
     let first = scene.with(&[Override::value("time.increments", tried as i64)])?;
     let report = Run::new(&first)?.with_companion().solve(&mut OnlyIterations(observer))?;
     let error = report.estimates.force_error();
-    // A stretch that is shorter than an increment has one all the same: only increments that are shorter than it divide it.
+    // A segment shorter than an increment still has one increment, and is divided only by increments shorter than
+    // itself.
     let dividing = (tried as f64).max(scene.time.end / shortest_stretch(scene.time.end, &kinks));
     let needed = |error: f64| {
         let increments = ON_THE_SAFE_SIDE * dividing * error / asked;
@@ -46,7 +49,7 @@ pub fn increments_for(
     Ok(ChosenIncrements { asked, tried, error, increments })
 }
 
-/// Passes on iterations, and nothing else.
+/// An observer that passes on iterations only.
 struct OnlyIterations<'a>(&'a mut dyn Observer);
 
 impl Observer for OnlyIterations<'_> {

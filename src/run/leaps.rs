@@ -1,9 +1,9 @@
-//! Contact forces that jump: increments in which they change, however short these are made.
+//! Jumps of contact forces: increments in which they change by a finite amount, however short the increments are.
 //!
-//! Where a quasi-static motion ends, an increment leads over its end to one of the states that the laws allow beyond, and every law holds at its
-//! end. There friction falls while nodes slip, and so releases energy. So increments in which it does are halved, and the half with most of the
-//! change again. What follows the loads has its change spread over both halves; a jump stays in one of them, or has no solution in increments
-//! that are shorter.
+//! At the end of a quasi-static motion, an increment leads to one of the states that the laws allow beyond it, and
+//! every law holds at its end. During a jump friction falls while nodes slip, which releases energy. Increments in
+//! which this happens are therefore halved repeatedly, each time the half with the larger change. A change that follows
+//! the loads is distributed over both halves. A jump remains in one of them, or has no solution in shorter increments.
 
 use serde::{Deserialize, Serialize};
 
@@ -18,33 +18,35 @@ use crate::solver::newton::IterationRecord;
 use crate::solver::problem::{ContactProblem, State};
 use std::ops::ControlFlow;
 
-/// A change of the contact forces that is a smaller share of their largest is not looked at.
+/// Changes of the contact forces below this share of their largest value are ignored.
 const LARGE: f64 = 0.02;
 
-/// Changes of which friction releases a smaller share of the energy are not looked at, see [`released`]. It was 0.05 at most where nodes go on
-/// slipping, and 0.40 to 0.99 in increments that lead over the end of a motion.
+/// Changes in which friction releases a smaller share of the energy are ignored, see [`released`]. The share was at
+/// most 0.05 for nodes that continue to slip, and 0.40 to 0.99 for increments across the end of a motion.
 const RELEASED: f64 = 0.1;
 
-/// So many increments are looked at, those with the largest share first.
+/// The number of increments examined, those with the largest shares.
 const MOST: usize = 3;
 
-/// An increment is halved, and the half with most of the change again, so many times in all.
+/// The number of times an increment is halved.
 const ROUNDS: usize = 15;
 
-/// A change that stays is a jump if friction feeds a larger share of it, see [`released`]; loads feed the rest.
+/// A change that remains is a jump if the share fed by friction is larger than this, see [`released`]. The rest is fed
+/// by the loads.
 const FED_BY_FRICTION: f64 = 0.5;
 
-/// The share of the change that stays in one half of a jump: the rest are the loads, which go on.
+/// The share of the change that remains in one half for a jump. The rest follows the loads.
 const STAYS: f64 = 0.6;
 
-/// Watches the contact forces of a history.
+/// Collects increments in which contact forces may have jumped.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Leaps {
-    /// Whether forces may jump: without friction they follow the loads, and an exact path tells its end.
+    /// `false` without friction, where contact forces follow the loads, and for an exact path, which finds its end
+    /// itself.
     may_jump: bool,
     /// The end of the last increment.
     last: Option<End>,
-    /// The increments that may be jumps, those with the largest share of released energy first.
+    /// The increments that may be jumps, the largest share of released energy first.
     suspected: Vec<Suspect>,
     /// The largest contact forces so far, see [`size`].
     largest: f64,
@@ -59,18 +61,18 @@ struct End {
     force: Vec<f64>,
 }
 
-/// An increment in which contact forces change much, and friction releases energy.
+/// An increment with a large change of the contact forces in which friction releases energy.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Suspect {
     from: End,
     to: End,
-    /// The change of the contact forces, and [`released`].
+    /// The change of the contact forces, and the share [`released`].
     change: f64,
     released: f64,
 }
 
 impl Leaps {
-    /// Before the first increment of a history of `model` that `method` solves.
+    /// Begins a history of `model` solved by `method`.
     pub(super) fn new(model: &Model, method: Method) -> Self {
         let layout = Layout::new(&model.problem);
         let has_friction = (0..layout.contacts()).any(|i| layout.has_friction(i));
@@ -78,7 +80,7 @@ impl Leaps {
         Leaps { may_jump, last: None, suspected: Vec::new(), largest: 0.0 }
     }
 
-    /// Whether those of another run of `model` may be gone on with.
+    /// Returns `true` if the data, restored from another run, fits `model`.
     pub(super) fn fit(&self, model: &Model) -> bool {
         let fits = |end: &End| {
             end.state.u.len() == model.problem.displacements() && end.state.p_n.len() == model.problem.contacts()
@@ -88,7 +90,7 @@ impl Leaps {
             && self.suspected.iter().all(forces)
     }
 
-    /// Looks at the end of an increment.
+    /// Examines the end of an increment.
     pub(super) fn see(&mut self, model: &Model, step: &IncrementView<'_>) {
         if step.record.status != Status::Converged || !self.may_jump {
             return;
@@ -110,17 +112,18 @@ impl Leaps {
         self.suspected.truncate(MOST);
     }
 
-    /// The increments that have to be solved again to tell whether contact forces jump in them.
+    /// Returns the increments that must be solved again to decide if contact forces jump in them.
     fn suspects(&self) -> impl Iterator<Item = &Suspect> {
         self.suspected.iter().filter(|suspect| suspect.change > LARGE * self.largest)
     }
 
-    /// Whether there are some.
+    /// Returns `true` if there are such increments.
     pub(super) fn are_suspected(&self) -> bool {
         self.suspects().next().is_some()
     }
 
-    /// The first of these increments in which contact forces jump; `observer` sees the iterations that tell it.
+    /// Returns the first of these increments in which contact forces jump. `observer` sees the iterations of the new
+    /// solutions.
     ///
     /// # Errors
     /// When the linear algebra cannot go on.
@@ -143,7 +146,7 @@ impl Leaps {
 }
 
 impl Suspect {
-    /// Between which times (s) contact forces jump, and by how much, if they do.
+    /// Returns the times (s) between which contact forces jump and the size of the jump, if any.
     fn leap(
         &self,
         model: &Model,
@@ -169,7 +172,7 @@ impl Suspect {
                 if matches!(status, Status::Converged | Status::Interrupted | Status::OutOfMemory) {
                     return Ok(None);
                 }
-                // It has a solution as a whole, and what is left of it has none in halves.
+                // The increment has a solution as a whole, but its remainder has none in halves.
                 let Some(last) = ends.pop() else { return Ok(None) };
                 let left = size(problem, &to.state, Some(&last.state));
                 return Ok((left >= stays).then_some((last.time, to.time, left)));
@@ -177,7 +180,7 @@ impl Suspect {
             let (Some(end), Some(begin)) = (ends.pop(), ends.pop()) else { return Ok(None) };
             ((change, share), to, from) = (found, end, begin);
         }
-        // Where loads or obstacles move fast, what follows them may be as short.
+        // If loads or obstacles move fast, a change that follows them may be as short.
         Ok((share > FED_BY_FRICTION).then_some((from.time, to.time, change)))
     }
 }
@@ -188,13 +191,13 @@ impl End {
     }
 }
 
-/// Keeps the ends of increments, and of parts of them, up to the first change that is as large as that of a jump.
+/// Observer that keeps the ends of increments and substeps up to the first change as large as a jump.
 struct Halves<'a> {
     observer: &'a mut dyn Observer,
     problem: &'a ContactProblem,
     stays: f64,
     ends: Vec<End>,
-    /// That change, and what friction releases in it.
+    /// The change, and the share released by friction in it.
     found: Option<(f64, f64)>,
 }
 
@@ -233,7 +236,7 @@ impl Observer for Halves<'_> {
     }
 }
 
-/// The norm of the contact forces of a state, or of their difference from those of another.
+/// Returns the norm of the contact forces of a state, or of their difference from those of another state.
 fn size(problem: &ContactProblem, state: &State, other: Option<&State>) -> f64 {
     let forces = |state: &State, i: usize| [state.p_n[i], state.p_t[i], state.p_o[i]];
     problem.force_norm(|i| {
@@ -243,11 +246,12 @@ fn size(problem: &ContactProblem, state: &State, other: Option<&State>) -> f64 {
     })
 }
 
-/// The energy that friction releases in an increment, as a share of the elastic energy of its change of displacements:
-/// `-Σ Δp_T·Δw_T / (Δuᵀ K Δu)`, with the slip `Δw_T` and `Δuᵀ K Δu = Δfᵀ Δu - Σ Δp·Δw` from the balance of forces at both ends.
+/// Returns the energy that friction releases in an increment, relative to the elastic energy of its change of
+/// displacements: `-Σ Δp_T·Δw_T / (Δuᵀ K Δu)`, with the slip `Δw_T` and `Δuᵀ K Δu = Δfᵀ Δu - Σ Δp·Δw` from the balance
+/// of forces at both ends.
 ///
-/// Friction that opposes a change of slip takes energy, and then it is below 0. Nothing but the loads and friction feeds a jump, and the loads hardly
-/// change in it.
+/// Friction that opposes a change of slip takes energy, and the value is negative. Only the loads and friction feed a
+/// jump, and the loads hardly change in it.
 fn released(problem: &ContactProblem, step: &IncrementView<'_>, from: &End) -> f64 {
     let (state, before) = (step.state, &from.state);
     let change: Vec<f64> = state.u.iter().zip(&before.u).map(|(now, before)| now - before).collect();
@@ -266,7 +270,7 @@ fn released(problem: &ContactProblem, step: &IncrementView<'_>, from: &End) -> f
     if energy > 0.0 { -tangential([&slips[0], &slips[1]]) / energy } else { 0.0 }
 }
 
-/// What [`size`] needs of a state.
+/// Returns the part of a state that [`size`] needs.
 fn contact_forces(State { p_n, p_t, p_o, .. }: &State) -> State {
     State { p_n: p_n.clone(), p_t: p_t.clone(), p_o: p_o.clone(), ..State::default() }
 }

@@ -1,4 +1,4 @@
-//! What a run takes of the memory, estimated before it is taken.
+//! Estimates of the memory that a run needs.
 
 use super::RunError;
 use crate::algebra::linear::built_in::ranks;
@@ -9,39 +9,41 @@ use crate::body::model::Model;
 use crate::run::auto::Path;
 use crate::solver::history::LinearAlgebra;
 
-/// Bytes that mesh, assembly and the patterns and values of all formulations take for an entry of the lower triangle of the stiffness.
+/// Bytes per entry of the lower triangle of the stiffness, for mesh, assembly and the patterns and values of all
+/// formulations.
 const BODY_BYTES: f64 = 160.0;
 
-/// Bytes that mesh, rows and vectors take for a displacement where multigrid has its stiffness in rows of nodes.
+/// Bytes per displacement for mesh, rows and vectors, if multigrid has the stiffness in rows of nodes.
 const ROWS_BYTES: f64 = 1500.0;
-/// The same where it has a stiffness in one piece, and Newton matrices beside.
+/// Bytes per displacement if multigrid has an undivided stiffness, with Newton matrices besides.
 const PIECE_BYTES: f64 = 3500.0;
 
-/// What the program takes before it has a mesh, bytes.
+/// Memory of the program before it has a mesh, bytes.
 const PROGRAM_BYTES: f64 = 25e6;
 
-/// Bytes of the records of an increment, where they are kept.
+/// Bytes of the records of an increment, if they are kept.
 const RECORD_BYTES: f64 = 2000.0;
 
-/// No factor that fits into a machine has so many times the entries of its stiffness. An order need not be found, to tell that
-/// there is room for that.
+/// An upper bound of the entries of a factor relative to those of the stiffness, for factors that fit into a machine.
+/// If there is room for that many, no ordering is needed to know that there is enough.
 const MOST_FILL: usize = 64;
 
-/// The memory of a run, bytes.
+/// The memory needed by a run, bytes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Need {
     /// The program, mesh, stiffness, contact and the equations.
     pub body: f64,
-    /// The factors and, where the system is condensed, the Schur complement, at most.
+    /// The factors and, for a condensed system, the Schur complement, at most.
     pub factors: f64,
-    /// Records of the history, where they are kept.
+    /// Records of the history, if they are kept.
     pub history: f64,
-    /// What the factors take for certain.
+    /// The least memory of the factors.
     least: f64,
 }
 
 impl Need {
-    /// That of `model` with this linear algebra and so many increments whose records are kept, 0 where they are not.
+    /// Estimates the memory for `model` with this linear solver and records of this number of increments, 0 if they are
+    /// not kept.
     ///
     /// # Errors
     /// When memory is short for the symbolic analysis.
@@ -53,7 +55,7 @@ impl Need {
         Ok(Self::with(model, linear, records, stiffness))
     }
 
-    /// That of `model` by one of the ways that there were to choose from, without records.
+    /// Estimates the memory for `model` by one of the compared linear solvers, without records.
     pub fn of_path(model: &Model, path: &Path) -> Self {
         Need { body: body(model, path.linear), factors: path.cost.bytes, history: 0.0, least: 0.0 }
     }
@@ -77,14 +79,14 @@ impl Need {
         Need { body: body(model, linear), factors, history: RECORD_BYTES * records as f64, least }
     }
 
-    /// All of it.
+    /// Returns the total.
     pub fn bytes(&self) -> u64 {
         (self.body + self.factors + self.history) as u64
     }
 
-    /// How many displacements a refinement of `model` may have, in which everything grows as in all directions alike, before this need of
-    /// its own exceeds `bytes`: the body and what multigrid takes grow as their number `n`, factors and the Schur complement as `n^(4/3)` in space,
-    /// by nested dissection, and as `n log n` in the plane.
+    /// Returns the number of displacements of a uniform refinement of `model` at which this need alone reaches `bytes`.
+    /// The body and multigrid grow in proportion to the number of displacements `n`, factors and the Schur complement
+    /// as `n^(4/3)` in space (nested dissection) and as `n log n` in the plane.
     pub fn most_displacements(&self, model: &Model, linear: LinearAlgebra, bytes: u64) -> f64 {
         let n = model.problem.displacements() as f64;
         let fill = |finer: f64| match (linear, model.mesh.dimension) {
@@ -104,7 +106,8 @@ impl Need {
         n * room
     }
 
-    /// An error if `budget`, what is left once the model is made, has no room for the factors of a run of `model`.
+    /// Returns an error if `budget`, the memory left after building the model, is too small for the factors of a run of
+    /// `model`.
     pub(super) fn check(model: &Model, linear: LinearAlgebra, budget: Option<Budget>) -> Result<(), RunError> {
         let Some(budget) = budget else { return Ok(()) };
         let what = if linear == LinearAlgebra::Multigrid {
@@ -126,7 +129,7 @@ impl Need {
         }
     }
 
-    /// An error if the records of so many increments have no room in `budget`.
+    /// Returns an error if the records of this number of increments do not fit into `budget`.
     ///
     /// # Errors
     /// [`RunError::NoRoom`].
@@ -139,7 +142,7 @@ impl Need {
     }
 }
 
-/// What a run takes before anything is factored, bytes.
+/// Returns the memory before anything is factored, bytes.
 fn body(model: &Model, linear: LinearAlgebra) -> f64 {
     let stiffness = model.problem.stiffness();
     let bytes = match linear {
@@ -152,12 +155,12 @@ fn body(model: &Model, linear: LinearAlgebra) -> f64 {
     PROGRAM_BYTES + bytes
 }
 
-/// Whether so many nodes in so many dimensions, where that is known beforehand, fit into the `budget`. Asking
-/// first is kinder than being killed half-way.
+/// Returns an error if this number of nodes in this number of dimensions, where known beforehand, does not fit into the
+/// `budget`. An early error is better than a process killed half-way.
 pub(super) fn has_room(nodes: Option<(usize, usize)>, budget: Option<Budget>) -> Result<(), RunError> {
     let (Some((nodes, d)), Some(budget)) = (nodes, budget) else { return Ok(()) };
-    // The matrices alone, 16 bytes an entry, and for each unknown 27 of them in two dimensions and 81 in three; the
-    // factors take more.
+    // The matrices alone: 16 bytes an entry, with 27 entries per unknown in two dimensions and 81 in three. The factors
+    // take more.
     let needed = (nodes as u64).saturating_mul((d * 3_usize.pow(d as u32 + 1) * 16) as u64);
     if needed > budget.bytes {
         return Err(RunError::NoRoom { what: "the matrices of this mesh", needed, budget });
@@ -182,7 +185,7 @@ mod tests {
 
     #[test]
     fn what_does_not_fit_is_refused() {
-        // Two displacements a node, 27 entries each.
+        // Two displacements per node, 27 entries each.
         let needed = 1_000_000 * 2 * 27 * 16;
         assert!(has_room(Some((1_000_000, 2)), Some(budget(needed))).is_ok());
         let refused = words(has_room(Some((1_000_000, 2)), Some(budget(needed - 1))));

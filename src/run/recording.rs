@@ -1,4 +1,4 @@
-//! Results as arrays: what is known at the end of each increment that is wanted.
+//! Results as arrays, at the ends of selected increments.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,16 +7,16 @@ use crate::solver::laws::ContactStatus;
 use crate::solver::problem::{Increment, State};
 use std::ops::ControlFlow;
 
-/// Keeps the increments of a history as it goes: an [`Observer`], and afterwards plain data.
+/// An [`Observer`] that keeps the increments of a history as plain data.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Recording {
     #[serde(skip)]
     wanted: Wanted,
-    /// The increments that were wanted and reached, in order.
+    /// The selected increments that were reached, in order.
     pub increments: Vec<RecordedIncrement>,
 }
 
-/// The increments that are wanted. One that does not converge is the last that is reached.
+/// The selected increments. An increment that does not converge is the last one reached.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 enum Wanted {
     #[default]
@@ -31,7 +31,7 @@ pub struct RecordedIncrement {
     /// Number, time, verdict, errors, counts.
     #[serde(flatten)]
     pub record: IncrementRecord,
-    /// `u` and `u_rest` (n_u, m), `p_n`, `p_t` and `p_o` (n_c, N) at its end.
+    /// The final state: `u` and `u_rest` (n_u, m), `p_n`, `p_t` and `p_o` (n_c, N).
     #[serde(flatten)]
     pub state: State,
     /// The status of each contact node, n_c.
@@ -42,30 +42,30 @@ pub struct RecordedIncrement {
     pub gap: Vec<f64>,
     /// `μ`, friction coefficients, n_c.
     pub mu: Vec<f64>,
-    /// `w̄_t`, tangential displacements at the end of the increment before, n_c, m; of the last part of an increment
-    /// that was halved.
+    /// `w̄_t`, tangential displacements at the beginning of the increment, or of its last substep if it was halved,
+    /// n_c, m.
     pub w_t_last: Vec<f64>,
-    /// `w̄_o`, the same along the other tangent, n_c, m.
+    /// `w̄_o`, the same displacements along the other tangent, n_c, m.
     pub w_o_last: Vec<f64>,
 }
 
 impl Recording {
-    /// Keeps every increment.
+    /// Creates a recording of every increment.
     pub fn all() -> Self {
         Recording::default()
     }
 
-    /// Keeps the last increment that is reached.
+    /// Creates a recording of the last increment that is reached.
     pub fn last() -> Self {
         Recording { wanted: Wanted::Last, increments: Vec::new() }
     }
 
-    /// Keeps the increments of these numbers, from 1.
+    /// Creates a recording of the increments of these numbers, from 1.
     pub fn of(numbers: impl IntoIterator<Item = usize>) -> Self {
         Recording { wanted: Wanted::These(numbers.into_iter().collect()), increments: Vec::new() }
     }
 
-    /// The states at the ends of the increments kept.
+    /// Returns the states at the ends of the recorded increments.
     pub fn states(&self) -> impl Iterator<Item = &State> {
         self.increments.iter().map(|increment| &increment.state)
     }
@@ -93,7 +93,7 @@ impl Observer for Recording {
 }
 
 impl RecordedIncrement {
-    /// A copy of what an observer is shown.
+    /// Copies the data shown to an observer.
     pub fn new(step: &IncrementView<'_>) -> Self {
         let Increment { force, gap, mu, w_t_last, w_o_last } = *step.increment;
         RecordedIncrement {
@@ -108,12 +108,12 @@ impl RecordedIncrement {
         }
     }
 
-    /// What an observer was shown; `data` is [`RecordedIncrement::data`].
+    /// Restores the view shown to an observer. `data` is [`RecordedIncrement::data`].
     pub fn step<'a>(&'a self, data: &'a Increment<'a>) -> IncrementView<'a> {
         IncrementView { record: &self.record, increment: data, state: &self.state, statuses: &self.statuses }
     }
 
-    /// What drove it, as [`crate::solver::laws::KktErrors::measure`] wants it.
+    /// Returns the data of the increment, in the form for [`crate::solver::laws::KktErrors::measure`].
     pub fn data(&self) -> Increment<'_> {
         let RecordedIncrement { force, gap, mu, w_t_last, w_o_last, .. } = self;
         Increment { force, gap, mu, w_t_last, w_o_last }

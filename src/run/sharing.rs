@@ -1,9 +1,10 @@
-//! Which models have a stiffness in rows of nodes, shared by the processes of MPI, be it one: those that multigrid solves.
+//! Decides which models have a stiffness in rows of nodes, distributed to one or more MPI processes: those solved by
+//! multigrid.
 
 use crate::body::model::Share;
 use crate::solver::history::SolverChoice;
 
-/// What shares the stiffness of a model that `solver` solves, if it wants one in rows.
+/// Returns the distribution of the stiffness of a model solved by `solver`; `None` if it needs no rows.
 #[cfg(feature = "petsc")]
 pub(super) fn share(solver: &SolverChoice) -> Option<Share<'static>> {
     use crate::solver::history::{LinearAlgebra, Method};

@@ -1,8 +1,9 @@
-//! Loads and interference that are there at t = 0.
+//! Loads and interference that exist at t = 0.
 //!
-//! The first increment leads from the unloaded body to its own end, and takes what is there at t = 0 together with what changes until then. So
-//! friction at its end depends on its length. To find the error, the first two increments are solved again after another one, which is as short as
-//! rounding allows and takes the loads at t = 0.
+//! The first increment leads from the unloaded body to its own end. It applies the actions at t = 0 together with their
+//! changes until then, so the friction at its end depends on its length. To estimate this error, the first two
+//! increments are solved again after an additional increment, which is as short as rounding permits and applies the
+//! actions at t = 0.
 
 use super::companion::Quiet;
 use super::{Run, RunError};
@@ -11,13 +12,14 @@ use crate::solver::formulation::Layout;
 use crate::solver::history::{HistorySettings, Method, Observer, Status};
 use crate::solver::problem::State;
 
-/// The end of the increment that takes what is there at t = 0, as a share of the first increment.
+/// The length of the increment that applies the actions at t = 0, relative to the first increment.
 const AT_ONCE: f64 = 1e-9;
 
 impl Run<'_> {
-    /// The error of the friction forces at the end of the second increment, or of the only one, as a share of the largest possible friction there, both as
-    /// the root of `Σ |p|² / l`. The reference has an increment of its own for the loads at t = 0. `None` if there are no such loads, nothing changes, or
-    /// a history does not converge.
+    /// Returns the error of the friction forces at the end of the second increment, or of the only one, as a share of
+    /// the largest possible friction there, both as the root of `Σ |p|² / l`. The reference has an increment of its own
+    /// for the actions at t = 0. Returns `None` if there are no such actions, nothing changes, or a history does not
+    /// converge.
     ///
     /// # Errors
     /// When the linear algebra cannot go on.
@@ -57,7 +59,8 @@ fn begins_loaded(model: &Model, first: f64) -> bool {
     is_loaded && (forces[0] != forces[1] || gaps[0] != gaps[1] || drifts[0] != drifts[1])
 }
 
-/// The difference of the friction forces of two states at the time `at` (s), as a share of the largest friction that `b` can bear then.
+/// Returns the difference of the friction forces of two states at the time `at` (s), as a share of the largest friction
+/// possible in `b`.
 fn difference(model: &Model, at: f64, a: &State, b: &State) -> Option<f64> {
     let problem = &model.problem;
     let mu = model.loading.friction().map_or_else(|| problem.mu().to_vec(), |friction| friction.at(at));

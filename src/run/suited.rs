@@ -1,4 +1,5 @@
-//! What the linear algebra of a model may be chosen from: multigrid where it needs few iterations whatever the size.
+//! The linear solvers available for a model. Multigrid is one of them if its iterations do not grow with the size of
+//! the model.
 
 use crate::algebra::linear::Statistics;
 use crate::algebra::linear::built_in::ranks;
@@ -8,42 +9,44 @@ use crate::body::model::Model;
 use crate::run::auto::AvailableSolvers;
 use crate::solver::history::{LinearAlgebra, Method};
 
-/// From here on towards 1/2 iterations grow, 35 to 41 at 0.45 and 76 to 84 at 0.49 on a cube.
+/// The largest Poisson's ratio for multigrid. Beyond it iterations grow: 35 to 41 at 0.45 and 76 to 84 at 0.49 on a
+/// cube.
 const LARGEST_POISSON: f64 = 0.45;
-/// A body that may bend of elements four times as wide as high needs no more iterations than others; of ten times and more it
-/// stands still unless contact holds most of it. Nor do meshes serve of which some elements are long in one direction and some in another.
+/// The largest stretch of an element for multigrid. A flexible body of elements four times as wide as high needs no
+/// more iterations than others; with ten times or more the iteration stagnates unless contact constrains most of the
+/// body. Meshes with elements stretched in different directions are unsuitable too.
 const MOST_STRETCHED: f64 = 8.0;
 
-/// Why multigrid is not chosen for a model.
+/// The reason why multigrid is not chosen for a model.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Unsuited {
-    /// Its cargo feature is off.
+    /// The cargo feature is off.
     #[error("this build has no PETSc")]
     NotBuiltIn,
-    /// Factors of plane bodies are small.
-    #[error("it is for bodies in space")]
+    /// Factors of plane bodies are small anyway.
+    #[error("it suits only bodies in space")]
     Plane,
-    /// Interior point methods and exact paths have matrices that it was not tried on widely.
-    #[error("it is for BN")]
+    /// Multigrid has not been tested widely with interior point methods and exact paths.
+    #[error("it suits only BN")]
     Method,
-    /// Nearly incompressible.
-    #[error("ν = {0} is too near to 1/2")]
+    /// A material is nearly incompressible.
+    #[error("ν = {0} is too close to 1/2")]
     NearlyIncompressible(f64),
     /// Elements are long and thin.
-    #[error("an element has corners {0:.0} times as far from each other as others")]
+    #[error("the longest distance between corners of an element is {0:.0} times the shortest")]
     Stretched(f64),
-    /// Two contacts at a node, or rows that cannot be had on its own displacements.
+    /// A node has two contacts, or its contact rows involve displacements of other nodes.
     #[error("a node has two contacts, or shares its contact with others")]
     Rows,
 }
 
-/// What `model` may be solved by with `method`.
+/// Returns the linear solvers available for `model` with `method`.
 pub(super) fn means(model: &Model, method: Method, budget: Option<Budget>) -> AvailableSolvers {
     let multigrid = LinearAlgebra::Multigrid.is_built_in() && unsuited(model, method).is_none();
     AvailableSolvers { available: budget.map(|budget| budget.bytes), multigrid, ranks: ranks() }
 }
 
-/// Why multigrid is not chosen for `model` with `method`, if it is not.
+/// Returns the reason why multigrid is not chosen for `model` with `method`; `None` if it is suitable.
 pub fn unsuited(model: &Model, method: Method) -> Option<Unsuited> {
     if model.mesh.dimension == 2 {
         return Some(Unsuited::Plane);
@@ -62,7 +65,7 @@ pub fn unsuited(model: &Model, method: Method) -> Option<Unsuited> {
     built_in(model)
 }
 
-/// Why multigrid gave way, if it did and that is known.
+/// Returns the reason why multigrid fell back to another solver, if it did and the reason is known.
 pub(super) fn gave_way(linear: &Statistics, model: &Model, method: Method) -> Option<String> {
     linear.instead.and_then(|_| unsuited(model, method)).map(|why| why.to_string())
 }
@@ -78,7 +81,7 @@ fn built_in(_: &Model) -> Option<Unsuited> {
     Some(Unsuited::NotBuiltIn)
 }
 
-/// The largest distance between corners of an element over the least, at most.
+/// Returns the largest ratio of the longest to the shortest distance between corners of an element.
 fn stretch(model: &Model) -> f64 {
     let of_cell = |corners: &[usize]| {
         let each = |i: usize| corners[..i].iter().map(move |&other| (corners[i], other));

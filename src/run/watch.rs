@@ -1,4 +1,4 @@
-//! What a report needs of the increments, gathered while they go by.
+//! Collects the data for a report during the increments.
 
 use serde::{Deserialize, Serialize};
 
@@ -13,18 +13,19 @@ use crate::solver::newton::{IterationRecord, LinearSystem};
 use crate::solver::problem::State;
 use std::ops::ControlFlow;
 
-/// Where the records of a run go as they are made, instead of into its report: of millions of increments they would fill the
-/// memory.
+/// Takes the records of a run as they are made, in place of its report. The records of millions of increments would
+/// fill the memory.
 pub trait Ledger: Observer {
-    /// Takes the record of an increment, and the forces at its end if it converged; after [`Observer::increment`].
+    /// Takes the record of an increment, and the forces at its end if it converged. Called after
+    /// [`Observer::increment`].
     fn add(&mut self, record: &IncrementRecord, forces: &[ForceRecord], reactions: Option<&BalanceRecord>);
 }
 
-/// Who watches a run.
+/// The receiver of the results of a run.
 pub(super) enum Audience<'a> {
-    /// Somebody who finds the records in the report.
+    /// An observer; the records go into the report.
     Observer(&'a mut dyn Observer),
-    /// Somebody who takes them.
+    /// A ledger, which takes the records.
     Ledger(&'a mut dyn Ledger),
 }
 
@@ -37,7 +38,7 @@ impl Audience<'_> {
     }
 }
 
-/// Stands before the observer of a run.
+/// The collector of report data, which passes all calls on to the observer of a run.
 pub(super) struct Watch<'a, 'b> {
     model: &'a Model,
     audience: &'a mut Audience<'b>,
@@ -45,24 +46,24 @@ pub(super) struct Watch<'a, 'b> {
     pub estimates: EstimateWatch,
     pub balance: BalanceWatch,
     pub curves: HistoryCurves,
-    /// The records of each increment so far, if nobody else takes them.
+    /// The records of all increments so far; empty with a ledger.
     pub increments: Vec<IncrementRecord>,
-    /// The resultants of each.
+    /// The resultants of the contact forces at the ends of increments.
     pub forces: Vec<ForceRecord>,
-    /// What else acted on the body.
+    /// The other forces on the body at the ends of increments.
     pub reactions: Vec<BalanceRecord>,
-    /// The same at the end of the last one that converged.
+    /// The other forces on the body at the end of the last converged increment.
     pub last_reactions: Option<BalanceRecord>,
     keeps_last: bool,
-    /// The last converged increment, where it is to be kept, or where an exact path is lost.
+    /// The last converged increment, if it must be kept or an exact path has ended early.
     pub last: Option<RecordedIncrement>,
-    /// The increments, ascending from 1, at whose ends contact forces are kept; and these.
+    /// The increments, ascending from 1, for which the contact forces at the end are kept in `states`.
     numbers: &'a [usize],
     pub states: Vec<State>,
     pub leaps: Leaps,
 }
 
-/// What it knows between two increments.
+/// The data between two increments.
 #[derive(Serialize, Deserialize)]
 struct Known {
     validity: Validity,
@@ -102,7 +103,7 @@ impl<'a, 'b> Watch<'a, 'b> {
         }
     }
 
-    /// Goes on where it left its part in a `checkpoint`.
+    /// Resumes from the data in a `checkpoint`.
     pub(super) fn go_on_from(&mut self, checkpoint: &Checkpoint) -> Result<(), CheckpointError> {
         let Known { validity, seen, balance, curves, last_reactions, last, states, leaps } = checkpoint.part(1)?;
         if !validity.fits(self.model) || !leaps.fit(self.model) || !self.estimates.go_on_with(self.model, seen) {
@@ -117,14 +118,14 @@ impl<'a, 'b> Watch<'a, 'b> {
         Ok(())
     }
 
-    /// The record of a step with the energy of the body, where a history, which knows the forces of loads and supports only,
-    /// has another.
+    /// Returns the record of a step with the strain energy of the body, if it differs from that of the history, which
+    /// knows only nodal forces.
     fn record(&self, step: &IncrementView<'_>) -> Option<IncrementRecord> {
         let strain_energy = self.model.strain_energy(step.record.time, step.state)?;
         Some(IncrementRecord { strain_energy, ..step.record.clone() })
     }
 
-    /// Shows an increment, and hands its records on or keeps them.
+    /// Passes an increment on to the observer, and its records to the ledger or the report.
     fn enter(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
         let flow = self.audience.observer().increment(step);
         let converged = step.record.status == Status::Converged;
@@ -205,7 +206,7 @@ impl Observer for Watch<'_, '_> {
     }
 }
 
-/// What a companion compares.
+/// Returns the tangential forces of a state, which a companion run compares.
 pub(super) fn tangential_forces(State { p_t, p_o, .. }: &State) -> State {
     State { p_t: p_t.clone(), p_o: p_o.clone(), ..State::default() }
 }

@@ -121,7 +121,7 @@ fn who_multigrid_is_for() {
     assert_eq!(of(&[small], Method::IP), Some(Unsuited::Method));
     assert_eq!(of(&[small, "material.poisson=0.46"], Method::BN), Some(Unsuited::NearlyIncompressible(0.46)));
     let told = of(&[small, "mesh.size=[1,1,0.03]"], Method::BN).unwrap().to_string();
-    assert_eq!(told, "an element has corners 47 times as far from each other as others");
+    assert_eq!(told, "the longest distance between corners of an element is 47 times the shortest");
     assert_eq!(unsuited(&scene(&["mesh.elements=[3,3]"]).1, Method::BN), Some(Unsuited::Plane));
 }
 

@@ -1,7 +1,7 @@
-//! The command line: the only place that prints.
+//! The command line. Only this module prints.
 //!
-//! Exit status: 0 converged, 1 not converged (what was reached is written), 2 bad input,
-//! 3 the machine failed (memory, disk), or this program did.
+//! Exit status: 0 converged, 1 not converged (the results reached so far are written), 2 bad input, 3 failure of the
+//! machine (memory, disk) or bug of this program.
 
 /// Prints a line on standard output.
 macro_rules! say {
@@ -46,11 +46,11 @@ use stickslip_exchange::ExchangeError;
 struct Cli {
     #[command(subcommand)]
     command: Command,
-    /// Threads that share the work; as many as OMP_NUM_THREADS says, or as there are processors, unless given
+    /// Number of threads [default: OMP_NUM_THREADS if set, otherwise the number of processors]
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(threads::MOST)))]
     threads: Option<u32>,
-    /// The kernel of OpenBLAS: auto, which starts the program once more where the library has taken one that is too old
-    /// for the processor; keep; or a name, such as HASWELL
+    /// Kernel of OpenBLAS: a name such as HASWELL; keep for the kernel that OpenBLAS chose; auto replaces a kernel that
+    /// is too old for the processor, for which the program restarts itself
     #[cfg(feature = "blas")]
     #[arg(
         long,
@@ -67,45 +67,45 @@ struct Cli {
 enum Command {
     /// Solve a scene over its load history
     Run(run::RunArgs),
-    /// Read and explain a scene without solving it
+    /// Read a scene and explain how it was understood, without solving it
     Check(check::CheckArgs),
-    /// Print the JSON Schema of scenes or of the reports of runs
+    /// Print the JSON Schema of scenes or of reports
     Schema(schema::SchemaArgs),
-    /// Compare methods, linear algebra, increments and meshes on a scene: error against time
+    /// Compare methods, linear solvers, increments and meshes on one scene: error against time
     Compare(compare::CompareArgs),
-    /// Run a scene with several values of some of its keys, all combinations, on all processors
+    /// Run a scene for all combinations of several values of its keys, in parallel
     Sweep(sweep::SweepArgs),
-    /// Solve a problem of an exchange file: FCLIB (HDF5) or Siconos' text
+    /// Solve a problem from an exchange file: FCLIB (HDF5) or Siconos text
     Solve(solve::SolveArgs),
-    /// Tell how far a solution of such a problem is from the laws
+    /// Measure how well a solution of an exchange file satisfies the laws
     Judge(solve::JudgeArgs),
     /// Solve all exchange files of a folder
     Collection(collection::CollectionArgs),
-    /// Write an increment of a scene as a problem for other programs
+    /// Write one increment of a scene as a problem for other programs
     Export(export::ExportArgs),
-    /// Print a scene to start from, with comments
+    /// Print a commented example scene to start from
     Init(init::InitArgs),
-    /// Print a script that completes the commands in a shell
+    /// Print a script for command completion in a shell
     Completions(shell::CompletionsArgs),
-    /// Print a page of the manual, for man(1)
+    /// Print a manual page, for man(1)
     Man(shell::ManArgs),
 }
 
-/// A scene and what to change in it.
+/// A scene file and the changes to it.
 #[derive(Args)]
 struct SceneArgs {
     /// The scene file (TOML)
     scene: PathBuf,
-    /// Put VALUE in place of what the scene says, e.g. 'mesh.elements=[50,50]' or 'contact[0].friction=0.3'
+    /// Replace a value of the scene, e.g. 'mesh.elements=[50,50]' or 'contact[0].friction=0.3'
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<Override>,
-    /// The algorithm, as solver.method: bn, ip or events; the latter two come with the setting default
+    /// Solution method, replaces solver.method: bn, ip or events; ip and events use the setting default
     #[arg(long)]
     method: Option<String>,
-    /// The named set of constants, as solver.setting
+    /// Named set of method constants, replaces solver.setting
     #[arg(long)]
     setting: Option<String>,
-    /// The linear algebra, as solver.linear
+    /// Linear solver, replaces solver.linear
     #[arg(long)]
     solver: Option<String>,
 }
@@ -115,9 +115,9 @@ impl SceneArgs {
         Scene::read(&self.scene, &self.overrides())
     }
 
-    /// All that is to be changed, in the order in which that is done.
+    /// Returns all changes, in the order in which they are applied.
     fn overrides(&self) -> Vec<Override> {
-        // The setting in the scene is that of its own method.
+        // The setting in the scene belongs to the method in the scene.
         let other_method = self.method.as_deref().is_some_and(|method| method != "bn");
         let setting = self.setting.as_deref().or(other_method.then_some("default"));
         let options = [
@@ -130,7 +130,7 @@ impl SceneArgs {
     }
 }
 
-/// What results of `scene` are of.
+/// Returns the identification that is stored with the results of `scene`.
 fn origin(scene: &Scene) -> Result<Origin, Failure> {
     Ok(Origin::new(scene, &version()).map_err(|(file, error)| {
         let message = format!("{}: the file cannot be read: {error}", file.display());
@@ -138,11 +138,11 @@ fn origin(scene: &Scene) -> Result<Origin, Failure> {
     })?)
 }
 
-/// Why a command ended without a result.
+/// The reason why a command ended without a result.
 enum Failure {
-    /// The input is to blame: exit status 2.
+    /// An error of the input: exit status 2.
     Input(miette::Report),
-    /// The machine is: exit status 3.
+    /// A failure of the machine: exit status 3.
     Machine(miette::Report),
 }
 
@@ -173,8 +173,8 @@ impl From<RunError> for Failure {
 }
 
 impl Cli {
-    /// The kernel that the BLAS had taken before the program started itself again for a better one. Only what solves needs
-    /// one.
+    /// Returns the kernel that the BLAS had used before the program restarted itself for a better one. Commands that
+    /// solve nothing need no kernel.
     #[cfg_attr(
         not(feature = "blas"),
         allow(clippy::unnecessary_wraps, clippy::unused_self, reason = "the build with a BLAS may fail, and looks")
@@ -228,7 +228,7 @@ impl Cli {
     }
 }
 
-/// The version of the program, and of the C libraries if there are any.
+/// Returns the version of the program and of the C libraries in this build.
 #[cfg(feature = "umfpack")]
 fn version() -> String {
     let version = |[major, minor, patch]: [i32; 3]| format!("{major}.{minor}.{patch}");
@@ -245,12 +245,12 @@ fn version() -> String {
     concat!(env!("CARGO_PKG_VERSION"), " (without UMFPACK)").to_string()
 }
 
-/// The program as its help, its completions and its manual describe it.
+/// Returns the description of the program for help, completions and manual.
 fn program() -> clap::Command {
     Cli::command().version(version())
 }
 
-/// The error of arguments, with the command that is missing where a file stands in its place.
+/// Adds the missing command to the error if a file name was given in place of a command.
 fn with_command(mut error: clap::Error) -> clap::Error {
     let Some(ContextValue::String(name)) = error.get(ContextKind::InvalidSubcommand) else { return error };
     let command = match Path::new(name).extension().and_then(|end| end.to_str()) {
@@ -277,7 +277,7 @@ pub(crate) fn main() -> ExitCode {
         Ok(cli) => cli,
         Err(error) => {
             let error = with_command(error);
-            // Others of a launcher's wait for the first one to start MPI and to end it.
+            // The other processes of the launcher wait until rank 0 has started and ended MPI.
             #[cfg(feature = "mpi")]
             if ranks::lead().is_ok() {
                 stickslip::algebra::linear::ranks::end();
@@ -290,11 +290,11 @@ pub(crate) fn main() -> ExitCode {
         }
     };
     let code = match bug::caught(|| cli.run()) {
-        // What lacked memory has been read in part, and is not to blame.
+        // The input was read only in part because memory ran out, so the input is not the cause.
         Ok(Err(Failure::Input(report))) if memory::is_short() => output::failure(&Failure::Machine(report), json),
         Ok(Ok(code)) => code,
         Ok(Err(failure)) => output::failure(&failure, json),
-        // Not all that lacks memory ends with a word of it.
+        // Some failures for lack of memory do not mention memory.
         Err(_) if memory::is_short() => {
             output::failure(&Failure::Machine(miette::miette!(help = memory::HELP, "{}", memory::MESSAGE)), json)
         }
@@ -309,6 +309,6 @@ pub(crate) fn main() -> ExitCode {
     #[cfg(feature = "mpi")]
     stickslip::algebra::linear::ranks::end();
     memory::exits();
-    // Whatever the command found: who reads it has not got it.
+    // If standard output failed, the reader has not received the result, whatever it was.
     if output::failed() { ExitCode::from(3) } else { code }
 }

@@ -1,13 +1,12 @@
-//! Methods, linear algebra, increments and meshes compared on one scene: how small an error in how
-//! much time.
+//! Compares methods, linear solvers, increments and meshes on one scene: error against time.
 //!
-//! Three errors are kept apart. The *algebraic* one is the error measure, iteration by iteration
-//! ([`Trial::iterates`]). That of *time stepping* is the distance to a reference on the same mesh, the exact path in time or many
-//! more increments ([`TimeErrors`]); the difference to half the increments does not serve, for a node that
-//! closes and sticks in the first half comes out the same with either. That of the *mesh* is the
-//! distance of such a reference to that on the finest mesh ([`MeshErrors`]). Time is CPU time of the thread that a history
-//! has for itself, which the other programs of a machine disturb least; it is whole if the BLAS has been told to take one thread
-//! ([`stickslip::algebra::linear::process`]).
+//! Three errors are distinguished. The *algebraic* error is the error measure, iteration by iteration
+//! ([`Trial::iterates`]). The error of *time stepping* is the distance to a reference on the same mesh: the exact path
+//! in time or many more increments ([`TimeErrors`]). The difference to half the increments is no substitute, because a
+//! node that closes and sticks in the first half comes out the same with either. The error of the *mesh* is the
+//! distance between such a reference and the one on the finest mesh ([`MeshErrors`]). Time is the CPU time of the one
+//! thread that computes a history, which other programs on the machine disturb least. It is complete only if the BLAS
+//! uses one thread ([`stickslip::algebra::linear::process`]).
 
 mod answers;
 mod cases;
@@ -43,46 +42,47 @@ use stickslip::run::report::Estimates;
 use stickslip::scene::Scene;
 use stickslip::solver::history::{LinearAlgebra, Method, Status};
 
-/// A way to solve a scene.
+/// A combination of method and linear solver.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SolverPath {
-    /// The algorithm with its constants.
+    /// The method with its constants.
     pub method: Method,
-    /// The linear algebra.
+    /// The linear solver.
     pub linear: LinearAlgebra,
 }
 
-/// What to compare.
+/// A plan of a comparison.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
-    /// The ways to solve the scene.
+    /// The combinations of method and linear solver.
     pub paths: Vec<SolverPath>,
     /// The meshes, at least one.
     pub meshes: Vec<MeshChoice>,
-    /// Increments of a whole history.
+    /// The numbers of increments of a whole history.
     pub increments: Vec<usize>,
-    /// The reference has so many times the increments of the finest history. It carries the error of its
-    /// own increments, so that those of the finest history are told up to this share too small.
+    /// The increments of the reference, as a multiple of those of the finest history. The reference has a time-stepping
+    /// error of its own, so the errors of the finest history may come out too small by up to the reciprocal of this
+    /// number.
     pub reference: usize,
-    /// How many histories are computed at a time, each in a thread of its own. Those side by side share memory and caches: of two on
-    /// two cores times moved by 4 % at most.
+    /// The number of histories computed at a time, each in its own thread. Simultaneous histories share memory and
+    /// caches: with two on two cores, times changed by 4 % at most.
     pub jobs: usize,
 }
 
-/// Where the time of a run went, s.
+/// The times of a run by phase, s.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Phases {
-    /// Mesh, `K`, contact maps and loads: wall time, measured once a mesh.
+    /// Mesh, `K`, contact maps and loads: wall time, measured once per mesh.
     pub model: f64,
-    /// Symbolic analysis: wall time, as the following.
+    /// Symbolic analysis: wall time, as for the phases below.
     pub analysis: f64,
     /// Residuals, merits and Jacobian values.
     pub assembly: f64,
-    /// Factorisations, that of the held body included.
+    /// Factorisations, including the one of the clamped body.
     pub factorization: f64,
     /// Solves with refinement and backward error.
     pub solve: f64,
-    /// The time of everything else.
+    /// Everything else.
     pub rest: f64,
     /// The wall time of the whole run.
     pub wall: f64,
@@ -93,82 +93,83 @@ pub struct Phases {
 /// One iteration of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Iterate {
-    /// The increment, from 1.
+    /// The number of the increment, from 1.
     pub increment: usize,
-    /// The number of the iteration in the increment, over all attempts; 0 is the start.
+    /// The number of the iteration in the increment, over all attempts; 0 is the initial state.
     pub iteration: usize,
     /// CPU time since the last increment, s.
     pub seconds: f64,
     /// The merit `Theta`, in the unit of the setting.
     pub theta: f64,
-    /// The error measure. The settings `paper` do not evaluate it; there it is known at the end only.
+    /// The error measure. The settings `paper` evaluate it at the end only.
     pub error: Option<f64>,
 }
 
-/// A history, solved.
+/// A solved history.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trial {
-    /// The way it was solved.
+    /// The method and the linear solver.
     pub path: SolverPath,
     /// The mesh.
     pub mesh: MeshChoice,
-    /// The number of increments asked for.
+    /// The requested number of increments.
     pub increments: usize,
     /// The verdict.
     pub status: Status,
-    /// The increments that converged.
+    /// The number of increments that converged.
     pub converged: usize,
-    /// Linear systems solved by the method.
+    /// The number of linear systems solved by the method.
     pub iterations: usize,
-    /// Numerical factorisations, that of the held body included.
+    /// The number of numerical factorisations, including the one of the clamped body.
     pub factorizations: usize,
-    /// Where the time went.
+    /// The times by phase.
     pub seconds: Phases,
-    /// Entries stored in the factors, or a bound of them.
+    /// The number of entries stored in the factors, or an upper bound.
     pub factor_entries: usize,
-    /// Peak memory of a factorisation, bytes; 0 if the solver does not tell.
+    /// The peak memory of a factorisation, bytes; 0 if the solver does not report it.
     pub factor_peak_bytes: f64,
     /// The largest error measure of any increment.
     pub kkt: f64,
-    /// The distance to the reference; none if either did not converge.
+    /// The distance to the reference; `None` if either did not converge.
     pub errors: Option<TimeErrors>,
     /// The iterations of the run.
     pub iterates: Vec<Iterate>,
 }
 
-/// A mesh and its reference: the exact path in time, or where that is not known, or is lost, the default BN with many increments.
+/// A mesh and its reference: the exact path in time, or the default BN with many increments if that path is unknown or
+/// ends early.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshResult {
-    /// Which it is.
+    /// The mesh.
     pub mesh: MeshChoice,
-    /// n_u.
+    /// The number of displacements, n_u.
     pub displacements: usize,
-    /// n_c.
+    /// The number of contact nodes, n_c.
     pub contacts: usize,
-    /// The increments of the reference; 0 where that is the exact path.
+    /// The increments of the reference; 0 for the exact path.
     pub increments: usize,
     /// The verdict of the reference.
     pub status: Status,
     /// The CPU time of the reference, s.
     pub seconds: f64,
-    /// The end of the reference.
+    /// The final state of the reference.
     pub end: End,
-    /// The distance to the finest mesh; none on that itself, or if either did not converge.
+    /// The distance to the finest mesh; `None` for the finest mesh itself, or if either did not converge.
     pub errors: Option<MeshErrors>,
-    /// What the end of the reference tells of the mesh by itself; none if it did not converge.
+    /// The error estimates of the mesh alone, from the final state of the reference; `None` if it did not converge.
     pub estimates: Option<Estimates>,
 }
 
-/// Everything about a comparison.
+/// All results of a comparison.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Comparison {
-    /// The scene's title.
+    /// The title of the scene.
     pub title: String,
-    /// The units in which it is told; the numbers here are SI.
+    /// The units for output. The numbers here are SI.
     pub units: UnitSystem,
-    /// The error that every law may have; no error of a run means anything below it.
+    /// The tolerated error of every law. Smaller differences between errors of runs are meaningless.
     pub tolerance: f64,
-    /// The BLAS behind the times, in a build that has one.
+    /// The BLAS used for the runs, in a build with a BLAS.
     pub blas: Option<Blas>,
     /// The meshes, from coarse to fine.
     pub meshes: Vec<MeshResult>,
@@ -176,20 +177,20 @@ pub struct Comparison {
     pub runs: Vec<Trial>,
 }
 
-/// Why scenes could not be compared.
+/// The reason why a comparison is impossible.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum CompareError {
-    /// Meshes were asked for that only the scene could make.
+    /// Numbers of elements were requested for a scene whose mesh comes from a file.
     #[error("the mesh of the scene comes from a file, so it has no numbers of elements to change")]
     #[diagnostic(help("name mesh files (--meshes coarse.msh,fine.msh), or leave the meshes out"))]
     FixedMesh,
-    /// Cells were asked for that the mesh of the scene does not leave open.
+    /// Cell types were requested for a scene whose mesh file determines them.
     #[error("the cells of the scene's mesh are what they are")]
     #[diagnostic(help(
         "other cells need a scene with mesh.kind = \"block\"; strains alone (--elements bilinear,b-bar) go with every mesh"
     ))]
     FixedCells,
-    /// Mesh files were named for a scene that makes its mesh itself.
+    /// Mesh files were named for a scene that generates its mesh.
     #[error("the scene makes its mesh itself, so it takes no mesh file")]
     #[diagnostic(help("give numbers of elements (--meshes 20,40), or a scene with mesh.kind = \"gmsh\""))]
     NoMeshFile,
@@ -210,13 +211,14 @@ impl fmt::Display for SolverPath {
 }
 
 impl Plan {
-    /// How many histories are computed, the references included.
+    /// Returns the number of histories to compute, including the references.
     pub fn histories(&self) -> usize {
         self.meshes.len() * (1 + self.paths.len() * self.increments.len())
     }
 
-    /// A plan for `paths` that takes seconds to minutes: meshes with an eighth, a quarter and half of the scene's
-    /// elements in each direction, or the one from its file, histories with a quarter, half and all of its increments.
+    /// Returns a plan for `paths` that takes seconds to minutes: meshes with an eighth, a quarter and half of the
+    /// scene's elements in each direction, or the mesh of its file, and histories with a quarter, half and all of its
+    /// increments.
     pub fn modest(scene: &Scene, paths: Vec<SolverPath>) -> Self {
         let shares = |whole: usize, parts: [usize; 3], least: usize| {
             let mut counts = parts.map(|part| (whole / part).max(least)).to_vec();
@@ -235,11 +237,11 @@ impl Plan {
     }
 }
 
-/// Computes every history of `plan`, the references first, and tells `progress` before each what it is. Results do not depend on how
-/// many are computed at a time. Those that `cells` have are not computed again.
+/// Computes every history of `plan`, the references first, and reports each to `progress` before it starts. Results do
+/// not depend on the number of histories computed at a time. Histories stored in `cells` are not computed again.
 ///
 /// # Errors
-/// When a mesh of the plan cannot be built or is none of this scene's, or the linear algebra cannot go on.
+/// When a mesh of the plan cannot be built or does not belong to this scene, or the linear algebra cannot go on.
 pub fn compute(
     scene: &Scene,
     plan: &Plan,
@@ -270,8 +272,8 @@ pub fn compute(
     let mut trials = trials.into_iter();
     let mut studied: Vec<(MeshResult, Vec<Trial>)> =
         studies.into_iter().map(|study| (study.result(), trials.by_ref().take(each).collect())).collect();
-    // Only now it is known how fine those from files are. Of meshes with as many displacements that which is named last counts
-    // as the finer one.
+    // The size of meshes from files is known only now. Among meshes with equally many displacements, the one named last
+    // counts as the finer one.
     studied.sort_by_key(|(result, _)| result.displacements);
     let (mut results, runs): (Vec<MeshResult>, Vec<Vec<Trial>>) = studied.into_iter().unzip();
     let runs = runs.concat();
@@ -288,19 +290,19 @@ pub fn compute(
 }
 
 impl Comparison {
-    /// The runs on a mesh.
+    /// Returns the runs on a mesh.
     pub fn on<'a>(&'a self, mesh: &'a MeshChoice) -> impl DoubleEndedIterator<Item = &'a Trial> {
         self.runs.iter().filter(move |run| run.mesh == *mesh)
     }
 
-    /// The runs on a mesh that no other beats in time and error in the contact forces, the cheapest first.
+    /// Returns the runs on a mesh that no other run beats in both time and contact force error, the fastest first.
     pub fn front<'a>(&'a self, mesh: &'a MeshChoice) -> Vec<&'a Trial> {
         let points = |run| Some((run, Trial::point(run, |errors| errors.forces, self.tolerance)?));
         let (runs, points): (Vec<&Trial>, Vec<[f64; 2]>) = self.on(mesh).filter_map(points).unzip();
         front(&points).into_iter().map(|k| runs[k]).collect()
     }
 
-    /// The elements that were compared, in order.
+    /// Returns the compared elements, in order.
     pub fn elements(&self) -> Vec<Option<ElementChoice>> {
         let mut elements = Vec::new();
         for result in &self.meshes {
@@ -311,15 +313,16 @@ impl Comparison {
         elements
     }
 
-    /// The CPU time (s) of the history with most increments on a mesh, by the first of the ways that got through.
+    /// Returns the CPU time (s) of the history with most increments on a mesh, by the first combination that completed
+    /// it.
     pub fn seconds(&self, mesh: &MeshChoice) -> Option<f64> {
         let solved = self.on(mesh).filter(|run| run.status == Status::Converged);
-        // Of several the last is taken, which is the first of the runs.
+        // `rev` makes the first of the longest runs the last maximum, which `max_by_key` returns.
         let most = solved.rev().max_by_key(|run| run.increments)?;
         Some(most.seconds.cpu)
     }
 
-    /// The ways that were compared, in order.
+    /// Returns the compared combinations of method and linear solver, in order.
     pub fn paths(&self) -> Vec<SolverPath> {
         let mut paths = Vec::new();
         for run in &self.runs {
@@ -332,7 +335,7 @@ impl Comparison {
 }
 
 impl Trial {
-    /// CPU time (s) and one of the errors, at least `floor`; none if the error is not known.
+    /// Returns the CPU time (s) and one of the errors, at least `floor`. `None` if the error is unknown.
     pub fn point(&self, error: fn(&TimeErrors) -> f64, floor: f64) -> Option<[f64; 2]> {
         let error = error(self.errors.as_ref()?);
         error.is_finite().then(|| [self.seconds.cpu, error.max(floor)])

@@ -1,4 +1,5 @@
-//! What the program does beyond one run: whole tables of meshes and increments, sweeps over parameters, and folders of exchange files.
+//! The parts of the program beyond a single run: comparisons of meshes and increments, parameter sweeps, and folders of
+//! exchange files.
 
 pub mod compare;
 pub mod problems;

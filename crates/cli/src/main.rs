@@ -4,7 +4,7 @@ mod commands;
 
 use stickslip::algebra::linear::process::OrderlyEnd;
 
-/// Where memory is refused the program ends with a message and a status of its own.
+/// Makes the program end with a message and its own exit status if memory is refused.
 #[global_allocator]
 static ALLOCATOR: OrderlyEnd = OrderlyEnd;
 

@@ -1,4 +1,4 @@
-//! Exchange files, solved or judged: the report of one, the table of a folder, and performance profiles.
+//! Reports on exchange files: the report of one file, the table of a folder, and performance profiles.
 
 mod collection;
 mod profile;

@@ -1,4 +1,5 @@
-//! One scene with several values of some of its keys: every combination a variant, all in one table and one chart.
+//! Runs one scene with several values of some of its keys. Every combination is a variant; all variants share one table
+//! and one chart.
 //!
 //! ```
 //! use stickslip::body::contact::Friction;

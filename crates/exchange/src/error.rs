@@ -1,11 +1,11 @@
-//! Why a file holds no problem that can be read.
+//! The reason why a file contains no readable problem.
 
 use std::io;
 
 use super::Hdf5Error;
 use stickslip::base::input_error::InputError;
 
-/// Why a file holds no problem that can be read.
+/// The reason why a file contains no readable problem.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExchangeError {
@@ -14,27 +14,27 @@ pub enum ExchangeError {
     Io {
         /// The file.
         file: String,
-        /// What the system said.
+        /// The error of the system.
         error: io::Error,
     },
-    /// The file is of another kind.
+    /// The file has an unknown format.
     #[error("{file}: it is neither HDF5 nor a text")]
     Unknown {
         /// The file.
         file: String,
     },
-    /// Something in it does not fit.
+    /// A part of the content is invalid.
     #[error("{file}, {fault}")]
     Content {
         /// The file.
         file: String,
-        /// The dataset or the line, what is wrong there, and the cure.
+        /// The dataset or the line, the error there, and the cure.
         fault: InputError,
     },
 }
 
 impl ExchangeError {
-    /// What to do about it.
+    /// Returns the cure.
     pub fn help(&self) -> &str {
         match self {
             ExchangeError::Io { .. } => "name an existing file",
@@ -46,7 +46,7 @@ impl ExchangeError {
     }
 }
 
-/// The fault of the dataset at `path`.
+/// Describes an error of the dataset at `path`.
 pub(super) fn of_dataset(path: &str, error: &Hdf5Error) -> InputError {
     InputError::new(format!("dataset {path}"), error.to_string(), error.help())
 }

@@ -1,4 +1,4 @@
-//! An increment of ours as a problem for others, with its solution and the state before it as a guess.
+//! Exports an increment as a problem for other programs, with its solution, and the state before it as a guess.
 
 use super::global::Parts;
 use super::reduction::{Reduction, ReductionError};
@@ -7,10 +7,10 @@ use stickslip::algebra::sparse::Csc;
 use stickslip::base::input_error::InputError;
 use stickslip::solver::problem::{ContactProblem, Increment, State};
 
-/// One increment of `problem` in space of `dimension` (2 or 3), which ends in `state` and began in `before`, as a global problem.
+/// Exports one increment of `problem` in space of `dimension` (2 or 3), from `before` to `state`, as a global problem.
 ///
 /// # Errors
-/// [`InputError`] of an array that does not fit.
+/// [`InputError`] of an array of wrong length.
 pub fn export(
     problem: &ContactProblem,
     dimension: usize,
@@ -51,7 +51,7 @@ pub fn export(
     Ok(ProblemFile { info, problem: Problem::Global(GlobalProblem::new(parts)?), solution, guesses })
 }
 
-/// A state of `problem`; velocities with the digits that rounding `u` leaves off.
+/// Converts a state of `problem`. Velocities include the digits that `u` loses by rounding.
 fn solution(problem: &ContactProblem, dimension: usize, increment: &Increment<'_>, state: &State) -> Solution {
     let (mut r, mut u) = (Vec::new(), Vec::new());
     for i in 0..problem.contacts() {
@@ -63,10 +63,10 @@ fn solution(problem: &ContactProblem, dimension: usize, increment: &Increment<'_
     Solution { v: state.u.clone(), r, u }
 }
 
-/// The same problem on its contacts alone.
+/// Reduces a problem to its contacts. A local problem is returned unchanged.
 ///
 /// # Errors
-/// [`ReductionError`] where nothing but contact holds the body; a local problem stays as it is.
+/// [`ReductionError`] if only contact holds the body.
 pub fn export_local(file: ProblemFile) -> Result<ProblemFile, ReductionError> {
     let local = match &file.problem {
         Problem::Local(_) => return Ok(file),

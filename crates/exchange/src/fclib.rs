@@ -1,12 +1,12 @@
 //! FCLIB's groups and datasets in HDF5 (V. Acary, M. Brémond, T. Koziara, F. Pérignon: FCLIB, a collection of discrete 3D frictional
 //! contact problems, INRIA technical report RT-0444, 2014).
 //!
-//! | path | what |
+//! | path | content |
 //! | --- | --- |
 //! | `fclib_global` or `fclib_local` | the problem: `spacedim`, matrices `M`, `H`, `G` or `W`, `V`, `R`, `vectors` |
 //! | a matrix | `m`, `n`, `nzmax`, `nz`: -1 compressed columns, -2 compressed rows, otherwise triplets with row `i`, column `p`; `p`, `i`, `x` |
-//! | `info` in the problem | `title`, `description`, `math_info`; none of them has to be there |
-//! | `solution`, `guesses/1` ... | `v` (global), `l` (multipliers of `G`), `u`, `r`; left out unless all of them are there and were written |
+//! | `info` in the problem | `title`, `description`, `math_info`, all optional |
+//! | `solution`, `guesses/1` ... | `v` (global), `l` (multipliers of `G`), `u`, `r`; ignored unless all of them exist and were written |
 //!
 //! Equality constraints `Gᵀ v + b = 0` with multipliers `l` become rows and columns of the global problem: unknowns `(v, l)`.
 
@@ -28,9 +28,9 @@ use vectors::{length, need, numbers, one, written};
 
 const GLOBAL: &str = "fclib_global";
 const LOCAL: &str = "fclib_local";
-/// Guesses that are looked for.
+/// The largest number of guesses to look for.
 const GUESSES: i64 = 1000;
-/// Memory for a number of a vector while it is read, bytes: in the file, as an element, as a number, in the problem.
+/// Memory per number of a vector while it is read, bytes: in the file, as an element, as a number, in the problem.
 const BYTES_OF_A_NUMBER: u64 = 32;
 
 fn open(bytes: &[u8]) -> Result<File<'_>, InputError> {
@@ -41,7 +41,7 @@ fn has(file: &File<'_>, path: &str) -> Result<bool, InputError> {
     file.has(path).map_err(|error| of_dataset(path, &error))
 }
 
-/// The problem in the `bytes` of an FCLIB file.
+/// Reads the problem in the `bytes` of an FCLIB file.
 pub(super) fn read(bytes: &[u8]) -> Result<ProblemFile, InputError> {
     let file = open(bytes)?;
     let (problem, group) = match (has(&file, GLOBAL)?, has(&file, LOCAL)?) {
@@ -53,7 +53,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<ProblemFile, InputError> {
             return Err(InputError::new("groups", message, help));
         }
     };
-    // What cannot be read of it is no reason to refuse the problem.
+    // An unreadable info is no reason to refuse the problem.
     let info = |name: &str| {
         let dataset = written(&file, &format!("{group}/info/{name}")).ok().flatten();
         dataset.and_then(|dataset| dataset.text().ok().flatten()).filter(|text| !text.is_empty())
@@ -70,7 +70,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<ProblemFile, InputError> {
     Ok(ProblemFile { info, problem, solution, guesses })
 }
 
-/// The solution of `problem` in the `bytes` of an FCLIB file, with or without a problem of its own.
+/// Reads the solution of `problem` in the `bytes` of an FCLIB file, with or without a problem of its own.
 pub(super) fn read_solution(bytes: &[u8], problem: &Problem) -> Result<Solution, InputError> {
     solution(&open(bytes)?, "solution", problem)?.ok_or_else(|| {
         let help = "name a file with a solution, such as `stickslip solve --out` writes";
@@ -94,7 +94,7 @@ fn dimension(file: &File<'_>, path: &str) -> Result<usize, InputError> {
     }
 }
 
-/// The vectors `names` in the group `path`, whose lengths are looked at before anything is read.
+/// The vectors `names` in the group `path`. Their lengths are checked before anything is read.
 struct Vectors<'a, const N: usize> {
     paths: [String; N],
     datasets: [Dataset<'a>; N],
@@ -114,7 +114,7 @@ impl<'a, const N: usize> Vectors<'a, N> {
         std::array::from_fn(|k| self.datasets[k].count())
     }
 
-    /// Reads them, if there is memory for all of them.
+    /// Reads them if there is memory for all of them.
     fn read(&self, file: &File<'_>) -> Result<[Vec<f64>; N], InputError> {
         for (path, length) in self.paths.iter().zip(self.lengths()) {
             let bytes = BYTES_OF_A_NUMBER.saturating_mul(length as u64);
@@ -128,7 +128,8 @@ impl<'a, const N: usize> Vectors<'a, N> {
     }
 }
 
-/// An error unless there is a coefficient of friction at `path` for each contact, of which each has so many of the `rows` of a matrix as there are directions.
+/// Returns an error unless there is a coefficient of friction at `path` for each contact. A contact has as many of the
+/// `rows` of a matrix as there are directions.
 fn friction_fits(path: &str, dimension: usize, rows: usize, coefficients: usize) -> Result<(), InputError> {
     if rows.is_multiple_of(dimension) && rows / dimension != coefficients {
         return Err(length(path, rows / dimension, coefficients, "one for each contact that the matrices have"));
@@ -194,8 +195,8 @@ fn local(file: &File<'_>) -> Result<LocalProblem, InputError> {
         .map_err(|error| InputError::new("group fclib_local", error.to_string(), help))
 }
 
-/// The solution of `problem` at `path`. `None` unless all vectors that such a problem needs are there and were written: some tools make
-/// the datasets of a solution that they do not have.
+/// Reads the solution of `problem` at `path`. Returns `None` unless all vectors of such a problem exist and were
+/// written, because some tools create the datasets of a solution that they do not have.
 fn solution(file: &File<'_>, path: &str, problem: &Problem) -> Result<Option<Solution>, InputError> {
     let rows = problem.contacts() * problem.dimension();
     let (unknowns, multipliers) = match problem {

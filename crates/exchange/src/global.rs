@@ -1,4 +1,4 @@
-//! The global problem: the unknowns of bodies, and forces between them.
+//! The global problem: the unknowns of bodies, and the forces between them.
 
 use super::Problem;
 use super::Solution;
@@ -7,21 +7,21 @@ use stickslip::base::input_error::InputError;
 use stickslip::solver::loading::{LoadCase, Loading, Motion};
 use stickslip::solver::problem::{ContactProblem, Parts as ContactParts, ProblemError};
 
-/// `M v = f + H r`, `u = Hᵀ v + w` with the laws of contact and friction; sound, because [`GlobalProblem::new`] lets nothing
-/// else pass.
+/// The problem `M v = f + H r`, `u = Hᵀ v + w` with the laws of contact and friction. It is valid, because
+/// [`GlobalProblem::new`] checks it.
 #[derive(Debug, Clone)]
 pub struct GlobalProblem {
     parts: Parts,
 }
 
-/// What a [`GlobalProblem`] is made of, in any consistent units.
+/// The data of a [`GlobalProblem`], in any consistent units.
 #[derive(Debug, Clone)]
 pub struct Parts {
-    /// `d`, 2 in the plane and 3 in space.
+    /// `d`, the dimension: 2 in the plane and 3 in space.
     pub dimension: usize,
     /// `M`, n × n; it need not be symmetric.
     pub m: Csc,
-    /// `H`, n × n_c d: what contact forces do to the unknowns, contact by contact, the normal first.
+    /// `H`, n × n_c d, which maps contact forces to forces on the unknowns, contact by contact, the normal first.
     pub h: Csc,
     /// `f`, n.
     pub f: Vec<f64>,
@@ -29,7 +29,7 @@ pub struct Parts {
     pub w: Vec<f64>,
     /// `μ`, n_c.
     pub mu: Vec<f64>,
-    /// How many of the unknowns, the last, are multipliers of equality constraints, which have no diagonal.
+    /// The number of unknowns, the last ones, that are multipliers of equality constraints, which have no diagonal.
     pub constraints: usize,
 }
 
@@ -49,10 +49,10 @@ fn finite(key: &str, values: impl Iterator<Item = f64>) -> Result<(), InputError
 }
 
 impl GlobalProblem {
-    /// The problem of these parts. There may be no contact at all.
+    /// Creates a problem from its parts. It may have no contact at all.
     ///
     /// # Errors
-    /// [`InputError`] of the array that does not fit the others, or holds a number that is not finite or a negative μ.
+    /// [`InputError`] of an array of wrong length, with a number that is not finite, or with a negative μ.
     pub fn new(parts: Parts) -> Result<Self, InputError> {
         let Parts { dimension, m, h, f, w, mu, constraints } = &parts;
         if !matches!(dimension, 2 | 3) {
@@ -91,52 +91,53 @@ impl GlobalProblem {
         Ok(GlobalProblem { parts })
     }
 
-    /// `d`, 2 in the plane and 3 in space.
+    /// Returns `d`, the dimension: 2 in the plane and 3 in space.
     pub fn dimension(&self) -> usize {
         self.parts.dimension
     }
 
-    /// n_c, the number of contacts.
+    /// Returns n_c, the number of contacts.
     pub fn contacts(&self) -> usize {
         self.parts.mu.len()
     }
 
-    /// n, the number of unknowns, multipliers of constraints included.
+    /// Returns n, the number of unknowns, including multipliers of constraints.
     pub fn unknowns(&self) -> usize {
         self.parts.f.len()
     }
 
-    /// How many of the unknowns, the last, are multipliers of equality constraints.
+    /// Returns the number of unknowns, the last ones, that are multipliers of equality constraints.
     pub fn constraints(&self) -> usize {
         self.parts.constraints
     }
 
-    /// `M`, n × n.
+    /// Returns `M`, n × n.
     pub fn m(&self) -> &Csc {
         &self.parts.m
     }
 
-    /// `H`, n × n_c d.
+    /// Returns `H`, n × n_c d.
     pub fn h(&self) -> &Csc {
         &self.parts.h
     }
 
-    /// `f`, n.
+    /// Returns `f`, n.
     pub fn f(&self) -> &[f64] {
         &self.parts.f
     }
 
-    /// `w`, n_c d.
+    /// Returns `w`, n_c d.
     pub fn w(&self) -> &[f64] {
         &self.parts.w
     }
 
-    /// `μ`, n_c.
+    /// Returns `μ`, n_c.
     pub fn mu(&self) -> &[f64] {
         &self.parts.mu
     }
 
-    /// Whether `M` has entries in one of both triangles alone. It is taken as it stands, but may be meant as half of a symmetric one.
+    /// Returns `true` if `M` has entries in one triangle only. It is used as given, but may be meant as half of a
+    /// symmetric matrix.
     pub fn is_triangular(&self) -> bool {
         let (mut below, mut above) = (false, false);
         for (row, column, value) in self.m().entries() {
@@ -146,13 +147,13 @@ impl GlobalProblem {
         below != above
     }
 
-    /// `M`, where it is symmetric to rounding; a triangle alone is not.
+    /// Returns `M` if it is symmetric to rounding, which a triangle alone is not.
     fn symmetric(&self) -> Option<Symmetric> {
         if self.is_triangular() { None } else { Symmetric::from_csc(self.m()).ok() }
     }
 
-    /// The problem in the letters of [`stickslip::solver::problem`], with the loading of one increment that ends at t = 1: `None` where `M` is not
-    /// symmetric.
+    /// Converts the problem to the notation of [`stickslip::solver::problem`], with the loading of one increment that
+    /// ends at t = 1. Returns `None` if `M` is not symmetric.
     ///
     /// # Errors
     /// [`ProblemError`] of a stiffness that is not positive semidefinite.
@@ -183,7 +184,7 @@ impl GlobalProblem {
         Ok(Some((problem, loading.with_motions(vec![motion], Vec::new())?)))
     }
 
-    /// `u = Hᵀ v + w`.
+    /// Returns `u = Hᵀ v + w`.
     pub(super) fn velocities(&self, v: &[f64]) -> Vec<f64> {
         let mut u = self.w().to_vec();
         self.h().entries().for_each(|(row, column, value)| u[column] += value * v[row]);
@@ -192,10 +193,10 @@ impl GlobalProblem {
 }
 
 impl Solution {
-    /// Whether it has the lengths of `problem`.
+    /// Checks the lengths and numbers for `problem`.
     ///
     /// # Errors
-    /// [`InputError`] of the array that has not, or holds a number that is not finite.
+    /// [`InputError`] of an array of wrong length, or with a number that is not finite.
     pub fn check(&self, problem: &Problem) -> Result<(), InputError> {
         let rows = problem.contacts() * problem.dimension();
         let arrays = [("v", problem.unknowns(), &self.v), ("r", rows, &self.r), ("u", rows, &self.u)];

@@ -1,16 +1,16 @@
 //! The part of HDF5 that exchange files need: groups, and datasets of numbers and short texts, in one file.
 //!
-//! What libhdf5 itself does with a damaged file is a crash, and what general readers do is to believe the sizes that it states. So
-//! this is a small reader of its own, for the File Format Specification versions 0 to 3: it looks at nothing but the bytes it is given, checks
-//! every address against their end, and reserves no memory by a number that stands in them.
+//! libhdf5 itself crashes on damaged files, and general readers trust the sizes stated in a file. This is therefore a
+//! small separate reader, for the File Format Specification versions 0 to 3. It reads only the given bytes, checks
+//! every address against their end, and never reserves memory by a number stored in them.
 //!
-//! | what | file |
+//! | file | content |
 //! | --- | --- |
-//! | numbers at addresses | `bytes.rs` |
-//! | object headers of versions 1 and 2, and their messages | `header.rs` |
-//! | the names in a group: symbol tables and link messages | `links.rs` |
-//! | what a dataset is of, and its values: contiguous, compact or in chunks, with deflate and shuffle | `dataset.rs`, `chunks.rs` |
-//! | the oldest layout of all of it, which every version of HDF5 reads | `write.rs` |
+//! | `bytes.rs` | numbers at addresses |
+//! | `header.rs` | object headers of versions 1 and 2, and their messages |
+//! | `links.rs` | the names in a group: symbol tables and link messages |
+//! | `dataset.rs`, `chunks.rs` | the type of a dataset, and its values: contiguous, compact or in chunks, with deflate and shuffle |
+//! | `write.rs` | the oldest layout, which every version of HDF5 reads |
 
 mod bytes;
 mod chunks;
@@ -31,34 +31,35 @@ use header::{Message, messages};
 
 use stickslip::base::memory::Budget;
 
-/// What every superblock begins with.
+/// The first bytes of every superblock.
 const SIGNATURE: &[u8] = b"\x89HDF\r\n\x1a\n";
 
-/// Memory for what is read of a file that is not compressed, in multiples of its length: the system need not be asked for so much.
+/// The memory for a file without compression, in multiples of its length. Up to this, the system is not asked for its
+/// free memory.
 const UNPACKED: u64 = 8;
 
-/// Where the superblock of a file begins: at its start, or behind a block of the user, whose length is 512 bytes or a power of two
-/// times as many.
+/// Returns the position of the superblock of a file: at its start, or after a user block, whose length is 512 bytes
+/// times a power of two.
 fn superblock(bytes: &[u8]) -> Option<usize> {
     let places = std::iter::once(0).chain((9..usize::BITS).map(|power| 1 << power));
     places.take_while(|place| *place < bytes.len()).find(|place| bytes[*place..].starts_with(SIGNATURE))
 }
 
-/// Whether these are the `bytes` of an HDF5 file.
+/// Returns `true` if these are the `bytes` of an HDF5 file.
 pub(super) fn is_hdf5(bytes: &[u8]) -> bool {
     superblock(bytes).is_some()
 }
 
-/// The bytes of a file, and where its root group is.
+/// The bytes of a file, and the position of its root group.
 pub(super) struct File<'a> {
     bytes: Bytes<'a>,
     root: u64,
-    /// Bytes of memory that were asked for.
+    /// The bytes of memory requested so far.
     taken: Cell<u64>,
 }
 
 impl<'a> File<'a> {
-    /// The file with these `bytes`.
+    /// Opens the file with these `bytes`.
     pub(super) fn open(bytes: &'a [u8]) -> Result<Self, Hdf5Error> {
         let damaged = |at: usize, what: &'static str| Err(Hdf5Error::Damaged { at, what });
         let Some(start) = superblock(bytes) else { return damaged(0, "the signature of HDF5 is missing") };
@@ -76,7 +77,7 @@ impl<'a> File<'a> {
         if ![sizes.offsets, sizes.lengths].iter().all(|size| matches!(size, 2 | 4 | 8)) {
             return damaged(start + 9, "addresses are of no size that there is");
         }
-        // To the base address: the orders of trees and flags of the old versions, flags of the new ones.
+        // Skips to the base address: the orders of trees and flags in old versions, flags in new ones.
         let skipped = match version {
             0 => 9,
             1 => 13,
@@ -84,15 +85,15 @@ impl<'a> File<'a> {
         };
         let mut head = Bytes::new(bytes, start, sizes).at(head.address())?;
         head.skip(skipped)?;
-        // Addresses count from the superblock, even where a block was put before the file afterwards; the end, from the base address
-        // that was true when the file was written.
+        // Addresses count from the superblock, even if a block was later put in front of it. The end counts from the
+        // base address that was valid when the file was written.
         let base = head.offset()?;
         head.offset()?;
         if head.offset()?.saturating_sub(base) > (bytes.len() - start) as u64 {
             return damaged(bytes.len(), "the file is shorter than it says, as where a transfer was cut off");
         }
         if version < 2 {
-            // The driver's block, then the entry of the root group: its name, its header.
+            // The driver's block, then the entry of the root group: its name and its header.
             head.offset()?;
             head.offset()?;
         }
@@ -100,12 +101,12 @@ impl<'a> File<'a> {
         Ok(File { bytes: Bytes::new(bytes, start, sizes), root, taken: Cell::new(0) })
     }
 
-    /// How many bytes the file has.
+    /// Returns the length of the file, bytes.
     pub(super) fn length(&self) -> usize {
         self.bytes.file_length()
     }
 
-    /// Counts so many `bytes` as taken: an error if there is no memory for all that was taken.
+    /// Adds `bytes` to the memory in use. Returns an error if there is not enough memory for the total.
     pub(super) fn take_room(&self, bytes: u64) -> Result<(), Hdf5Error> {
         let needed = self.taken.get().saturating_add(bytes);
         self.taken.set(needed);
@@ -118,7 +119,8 @@ impl<'a> File<'a> {
         }
     }
 
-    /// The messages of the object at `path`, names with `/` between them; `None` where there is no such object.
+    /// Returns the messages of the object at `path`, whose names are separated by `/`. `None` if there is no such
+    /// object.
     fn find(&self, path: &str) -> Result<Option<Vec<Message<'a>>>, Hdf5Error> {
         let mut object = messages(self.bytes, self.root)?;
         for name in path.split('/').filter(|name| !name.is_empty()) {
@@ -130,12 +132,12 @@ impl<'a> File<'a> {
         Ok(Some(object))
     }
 
-    /// Whether there is an object at `path`.
+    /// Returns `true` if there is an object at `path`.
     pub(super) fn has(&self, path: &str) -> Result<bool, Hdf5Error> {
         Ok(self.find(path)?.is_some())
     }
 
-    /// The dataset at `path`, if there is one. Its values are read when they are asked for.
+    /// Returns the dataset at `path`, if any. Its values are read on request.
     pub(super) fn dataset(&self, path: &str) -> Result<Option<Dataset<'a>>, Hdf5Error> {
         self.find(path)?.map(|object| Dataset::new(self.bytes, &object)).transpose()
     }

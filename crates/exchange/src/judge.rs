@@ -1,8 +1,9 @@
-//! How far a solution is from the laws, whoever has found it.
+//! Measures how well a solution satisfies the laws, independent of its origin.
 //!
-//! Of a local problem that is [`LocalProblem::errors`](crate::local::LocalProblem::errors). Of a global one it is the same, and equilibrium with
-//! the unknowns of the bodies. Nothing is factored, and nothing of a solver is used. All errors are without units, and stay the same
-//! whatever the units of each single unknown are, lengths or angles: with `D`, the diagonal of `M`,
+//! For a local problem this is [`LocalProblem::errors`](crate::local::LocalProblem::errors). For a global one, the
+//! equilibrium of the bodies is added. The measure needs no factorisation and uses nothing of the solvers. All errors
+//! are without units, and do not depend on the units of single unknowns, lengths or angles. With `D`, the diagonal of
+//! `M`,
 //!
 //! ```text
 //! equilibrium   max |M v - f - H r| / √D   over   max (|f| + |H| |r|) / √D
@@ -10,7 +11,7 @@
 //! laws          with r / F and u / V; F = max |r|, V the largest of |u|, |w|, |H|ᵀ |v| and |H|ᵀ D⁻¹ (|f| + |H| |r|)
 //! ```
 //!
-//! What rounding `v` to double precision does to `M v`, `ε |M| |v|`, is no error of it.
+//! Rounding `v` to double precision changes `M v` by `ε |M| |v|`, which does not count as an error.
 
 mod laws;
 
@@ -22,22 +23,22 @@ use laws::{Scales, laws, raise, relative};
 use stickslip::algebra::sparse::DoubleDouble;
 use stickslip::base::input_error::InputError;
 
-/// A problem counts as solved when no error is above this.
+/// The tolerance: a problem counts as solved if no error exceeds it.
 pub const TOLERANCE: f64 = SOLVED;
 
 /// The violation of each law, the largest over all rows and contacts, without units.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Errors {
-    /// Forces on the bodies that do not balance: `M v = f + H r`; of a local problem `u = W r + q`.
+    /// Imbalance of the forces on the bodies, `M v = f + H r`; for a local problem error of `u = W r + q`.
     pub equilibrium: f64,
-    /// Velocities that are not those of the bodies: `u = Hᵀ v + w`; 0 of a local problem.
+    /// Difference between the velocities and those of the bodies, `u = Hᵀ v + w`; 0 for a local problem.
     pub velocities: f64,
     /// Penetration, tension, or a pressure across a gap.
     pub normal: f64,
     /// Friction beyond Coulomb's cone.
     pub cone: f64,
-    /// Slip without full friction against it.
+    /// Slip without full friction opposing it.
     pub dissipation: f64,
     /// The natural map: all laws of a contact in one number.
     pub natural_map: f64,
@@ -45,14 +46,14 @@ pub struct Errors {
     pub contact: usize,
 }
 
-/// A law of [`Errors`], and what it says.
+/// A law of [`Errors`], with its meaning.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Law {
-    /// Its name, that of its field.
+    /// The name of the law and of its field.
     pub name: &'static str,
-    /// What it demands.
+    /// The requirement.
     pub demands: &'static str,
-    /// What its violation is.
+    /// The meaning of its violation.
     pub violation: &'static str,
 }
 
@@ -78,14 +79,15 @@ const LAWS: [Law; 6] = [
 ];
 
 impl Errors {
-    /// Every law with its violation.
+    /// Returns every law with its violation.
     pub fn laws(&self) -> [(Law, f64); 6] {
         let Errors { equilibrium, velocities, normal, cone, dissipation, natural_map, .. } = *self;
         let errors = [equilibrium, velocities, normal, cone, dissipation, natural_map];
         std::array::from_fn(|k| (LAWS[k], errors[k]))
     }
 
-    /// The largest of equilibrium, velocities and natural map; the laws of single contacts are in the latter.
+    /// Returns the largest error of equilibrium, velocities and natural map. The natural map includes the laws of
+    /// single contacts.
     pub fn worst(&self) -> f64 {
         let mut worst = self.natural_map;
         raise(&mut worst, self.equilibrium);
@@ -93,7 +95,7 @@ impl Errors {
         worst
     }
 
-    /// Whether all laws hold within [`TOLERANCE`]; never of a number that is none.
+    /// Returns `true` if all laws hold within [`TOLERANCE`], and `false` if an error is NaN.
     pub fn is_solved(&self) -> bool {
         self.worst() <= TOLERANCE
     }
@@ -106,10 +108,10 @@ impl From<LocalErrors> for Errors {
     }
 }
 
-/// The errors of `solution`.
+/// Returns the errors of `solution`.
 ///
 /// # Errors
-/// [`InputError`] when it has other lengths than `problem` asks for, or a number that is not finite.
+/// [`InputError`] when its lengths do not fit `problem`, or a number is not finite.
 pub fn judge(problem: &Problem, solution: &Solution) -> Result<Errors, InputError> {
     solution.check(problem)?;
     match problem {
@@ -144,7 +146,7 @@ fn global(problem: &GlobalProblem, Solution { v, r, u }: &Solution) -> Errors {
         sizes[column] += (h * v[row]).abs();
     }
     let mut errors = Errors::default();
-    // Rows with a diagonal, and rows without one, as constraints have.
+    // Rows with a diagonal, and rows of constraints without one.
     for constrained in [false, true] {
         let scaled = |row: usize, value: f64| if constrained { value } else { value / diagonal[row].sqrt() };
         let (mut error, mut scale) = (0.0, 0.0);
@@ -153,7 +155,7 @@ fn global(problem: &GlobalProblem, Solution { v, r, u }: &Solution) -> Errors {
             sum.add(-problem.f()[row]);
             let left = sum.value().abs();
             raise(&mut error, scaled(row, if left > rounding[row] { left - rounding[row] } else { 0.0 * left }));
-            // A constraint has the sizes of its terms alone.
+            // A constraint is compared only with the sizes of its terms.
             let own = if constrained { forces[row] + rounding[row] / f64::EPSILON } else { forces[row] };
             raise(&mut scale, scaled(row, own));
         }

@@ -1,4 +1,4 @@
-//! Problems of other people, and ours for them: FCLIB, the exchange format of the friction community, and Siconos' texts.
+//! Problems in the formats of other programs: FCLIB, the exchange format of the friction community, and Siconos' text.
 //!
 //! ```text
 //! global   M v = f + H r,   u = Hᵀ v + w          M: stiffness or mass, H: contact forces to nodal forces
@@ -6,19 +6,19 @@
 //! laws     u_N ≥ 0,  r_N ≥ 0,  u_N r_N = 0,  |r_T| ≤ μ r_N,  r_T = -μ r_N u_T / |u_T|  where u_T ≠ 0
 //! ```
 //!
-//! Rows of `u` and `r` go contact by contact, the normal first. In the letters of [`stickslip::solver::problem`] is `K = M`,
-//! `H = [-C_nᵀ, C_tᵀ, C_oᵀ]`, `r_N = p_n`, `r_T = -p_T`, `w = (g, -w̄_T)`, so `u_N` is the gap and `u_T` the slip increment.
+//! Rows of `u` and `r` are ordered contact by contact, the normal first. In the notation of
+//! [`stickslip::solver::problem`], `K = M`, `H = [-C_nᵀ, C_tᵀ, C_oᵀ]`, `r_N = p_n`, `r_T = -p_T` and `w = (g, -w̄_T)`,
+//! so `u_N` is the gap and `u_T` the slip increment.
 //!
-//! | what | file |
+//! | file | content |
 //! | --- | --- |
-//! | bytes of HDF5 | `hdf5.rs` |
-//! | FCLIB's groups and datasets, read and written | `fclib.rs` |
-//! | the texts of Siconos | `siconos.rs` |
-//! | the global problem, as a [`ContactProblem`](stickslip::solver::problem::ContactProblem) and as a local one | `global.rs`, `reduction.rs` |
-//! | how far somebody's solution is from the laws | `judge.rs` |
-//! | from a problem to a solution with its verdict | `solve.rs` |
-//! | an increment of ours as a problem for others | `export.rs` |
-//! | what is told of it, of whole folders, and in performance profiles | `report.rs`, `collection.rs`, `profile.rs` |
+//! | `hdf5.rs` | bytes of HDF5 |
+//! | `fclib.rs` | FCLIB's groups and datasets, read and written |
+//! | `siconos.rs` | the text of Siconos |
+//! | `global.rs`, `reduction.rs` | the global problem, as a [`ContactProblem`](stickslip::solver::problem::ContactProblem) and as a local one |
+//! | `judge.rs` | the error measure of any solution |
+//! | `solve.rs` | from a problem to a solution with its verdict |
+//! | `export.rs` | an increment of ours as a problem for other programs |
 //!
 //! ```
 //! use stickslip_exchange::{Problem, ProblemFile, solve};
@@ -56,36 +56,36 @@ pub use solve::{Answer, SolveError, Stage, Way, solve, solve_by};
 use crate::local::LocalProblem;
 use stickslip::base::input;
 
-/// A problem with what stands beside it in its file.
+/// A problem with the other content of its file.
 #[derive(Debug, Clone)]
 pub struct ProblemFile {
-    /// What it is called, and from where it comes.
+    /// Its name and its origin.
     pub info: Info,
     /// The problem.
     pub problem: Problem,
-    /// Somebody's solution.
+    /// A solution, if the file contains one.
     pub solution: Option<Solution>,
-    /// Where solvers may begin.
+    /// Initial guesses for solvers.
     pub guesses: Vec<Solution>,
 }
 
-/// What a file says of its problem.
+/// The description of a problem in its file.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Info {
     /// A short name.
     pub title: Option<String>,
-    /// Where it comes from.
+    /// The origin of the problem.
     pub description: Option<String>,
-    /// What is known of its solutions.
+    /// Known properties of its solutions.
     pub math_info: Option<String>,
 }
 
-/// A problem in one of both forms.
+/// A problem in one of two forms.
 #[derive(Debug, Clone)]
 pub enum Problem {
-    /// With the unknowns of bodies.
+    /// A problem with the unknowns of bodies.
     Global(GlobalProblem),
-    /// Of contacts alone.
+    /// A problem of the contacts alone.
     Local(LocalProblem),
 }
 
@@ -101,7 +101,7 @@ pub struct Solution {
 }
 
 impl Problem {
-    /// `d`, 2 in the plane and 3 in space.
+    /// Returns `d`, the dimension: 2 in the plane and 3 in space.
     pub fn dimension(&self) -> usize {
         match self {
             Problem::Global(problem) => problem.dimension(),
@@ -109,7 +109,7 @@ impl Problem {
         }
     }
 
-    /// n_c, the number of contacts.
+    /// Returns n_c, the number of contacts.
     pub fn contacts(&self) -> usize {
         match self {
             Problem::Global(problem) => problem.contacts(),
@@ -117,7 +117,7 @@ impl Problem {
         }
     }
 
-    /// The unknowns of the bodies; 0 of a local problem.
+    /// Returns the number of unknowns of the bodies; 0 for a local problem.
     pub fn unknowns(&self) -> usize {
         match self {
             Problem::Global(problem) => problem.unknowns(),
@@ -125,7 +125,7 @@ impl Problem {
         }
     }
 
-    /// `global` or `local`.
+    /// Returns the form: `global` or `local`.
     pub fn form(&self) -> &'static str {
         match self {
             Problem::Global(_) => "global",
@@ -135,17 +135,17 @@ impl Problem {
 }
 
 impl ProblemFile {
-    /// The problem in the file at `path`: FCLIB's HDF5 or Siconos' text, by what it begins with.
+    /// Reads the problem in the file at `path`: FCLIB's HDF5 or Siconos' text, recognised by the first bytes.
     ///
     /// # Errors
-    /// [`ExchangeError`] with the line or the dataset that is wrong, and how to mend it.
+    /// [`ExchangeError`] with the invalid line or dataset, and the cure.
     pub fn read(path: &Path) -> Result<Self, ExchangeError> {
         let name = path.display().to_string();
         let bytes = input::bytes(path).map_err(|error| ExchangeError::Io { file: name.clone(), error })?;
         Self::from_bytes(&name, &bytes)
     }
 
-    /// The same of the `bytes` of a file called `name`.
+    /// Reads the problem in the `bytes` of a file called `name`.
     ///
     /// # Errors
     /// As [`ProblemFile::read`].
@@ -160,7 +160,7 @@ impl ProblemFile {
         read.map_err(|fault| ExchangeError::Content { file: name.to_string(), fault })
     }
 
-    /// The bytes of an FCLIB file.
+    /// Returns the bytes of an FCLIB file.
     ///
     /// # Errors
     /// When it is too large for the 32-bit integers of FCLIB.
@@ -169,10 +169,10 @@ impl ProblemFile {
     }
 }
 
-/// The solution of `problem` in the FCLIB file at `path`; the problem may be in another file.
+/// Reads the solution of `problem` in the FCLIB file at `path`. The problem may be in another file.
 ///
 /// # Errors
-/// As [`ProblemFile::read`], when there is no solution in the file, or one of another problem.
+/// As [`ProblemFile::read`], and when the file has no solution, or one of another problem.
 pub fn read_solution(path: &Path, problem: &Problem) -> Result<Solution, ExchangeError> {
     let name = path.display().to_string();
     let bytes = input::bytes(path).map_err(|error| ExchangeError::Io { file: name.clone(), error })?;

@@ -1,4 +1,4 @@
-//! The local problem of frictional contact: contact forces and relative velocities alone, as exchange formats hold it.
+//! The local problem of frictional contact: contact forces and relative velocities alone, as in exchange formats.
 //!
 //! ```text
 //! u = W r + q                                                  W: the Delassus matrix, q: the free velocity
@@ -6,12 +6,12 @@
 //! |r_T| ≤ μ r_N,   r_T = -μ r_N u_T / |u_T|  where u_T ≠ 0     Coulomb friction
 //! ```
 //!
-//! Rows go contact by contact, the normal first, then the one tangent of the plane or the two of space. In the letters of
-//! [`stickslip::solver::problem`] is `r_N = p_n`, `r_T = -p_T`, `u_N = g - w_n` and `u_T = w_T - w̄_T`.
+//! Rows are ordered contact by contact, the normal first, then the one tangent of the plane or the two of space. In the
+//! notation of [`stickslip::solver::problem`], `r_N = p_n`, `r_T = -p_T`, `u_N = g - w_n` and `u_T = w_T - w̄_T`.
 //!
-//! `W` may be semidefinite, singular or not symmetric: rigid bodies that touch in more places than they can move hold
-//! forces that are not unique. [`solve`] goes through several methods until the independent [measure](LocalErrors) says that the laws
-//! hold; none of them changes the problem.
+//! `W` may be semidefinite, singular or not symmetric. If rigid bodies touch in more places than they have motions,
+//! their contact forces are not unique. [`solve`] tries several methods until the independent [measure](LocalErrors)
+//! shows that the laws hold. None of them changes the problem.
 //!
 //! ```
 //! use stickslip_exchange::local::{CascadeSettings, LocalProblem, LocalStatus, solve};
@@ -50,7 +50,8 @@ pub use record::{CascadeSettings, LocalStatus, Solved, Stage, StageRecord};
 
 use stickslip::algebra::sparse::Csc;
 
-/// `u = W r + q` with the laws of contact and friction; sound, because [`LocalProblem::new`] lets nothing else pass.
+/// The problem `u = W r + q` with the laws of contact and friction. It is valid, because [`LocalProblem::new`] checks
+/// it.
 #[derive(Debug, Clone)]
 pub struct LocalProblem {
     dimension: usize,
@@ -60,11 +61,12 @@ pub struct LocalProblem {
 }
 
 impl LocalProblem {
-    /// The problem of a `delassus` matrix `W`, n_c d square, a free velocity `q`, n_c d, and coefficients of friction `mu`, n_c, in
-    /// the plane (`dimension` 2) or in space (3), in any consistent units. There may be no contact at all.
+    /// Creates the problem of a `delassus` matrix `W`, n_c d square, a free velocity `q`, n_c d, and coefficients of
+    /// friction `mu`, n_c, in the plane (`dimension` 2) or in space (3), in any consistent units. It may have no
+    /// contact at all.
     ///
     /// # Errors
-    /// [`LocalProblemError`] names the array that does not fit the others, or holds a number that is not finite or a negative μ.
+    /// [`LocalProblemError`] names an array of wrong length, with a number that is not finite, or with a negative μ.
     pub fn new(dimension: usize, delassus: Csc, q: Vec<f64>, mu: Vec<f64>) -> Result<Self, LocalProblemError> {
         if !matches!(dimension, 2 | 3) {
             return Err(LocalProblemError::Dimension { dimension });
@@ -85,35 +87,36 @@ impl LocalProblem {
         }
     }
 
-    /// `d`, 2 in the plane and 3 in space.
+    /// Returns `d`, the dimension: 2 in the plane and 3 in space.
     pub fn dimension(&self) -> usize {
         self.dimension
     }
 
-    /// n_c, the number of contacts.
+    /// Returns n_c, the number of contacts.
     pub fn contacts(&self) -> usize {
         self.mu.len()
     }
 
-    /// `W`, n_c d square.
+    /// Returns `W`, n_c d square.
     pub fn delassus(&self) -> &Csc {
         &self.delassus
     }
 
-    /// `q`, the free velocity, n_c d.
+    /// Returns `q`, the free velocity, n_c d.
     pub fn q(&self) -> &[f64] {
         &self.q
     }
 
-    /// `μ`, n_c.
+    /// Returns `μ`, n_c.
     pub fn mu(&self) -> &[f64] {
         &self.mu
     }
 
-    /// How far forces `r` (n_c d) are from the exact law, with velocities `u` (n_c d), or with those that follow from the forces.
+    /// Returns the errors of forces `r` (n_c d) with velocities `u` (n_c d), or with the velocities that follow from
+    /// the forces.
     ///
     /// # Errors
-    /// When an array has another length than the problem asks for, or holds a number that is not finite.
+    /// When an array has a wrong length, or a number is not finite.
     pub fn errors(&self, r: &[f64], u: Option<&[f64]>) -> Result<LocalErrors, LocalProblemError> {
         self.check("r", r)?;
         if let Some(u) = u {
@@ -125,7 +128,7 @@ impl LocalProblem {
         })
     }
 
-    /// Whether there is one finite number for each row.
+    /// Returns an error unless there is one finite number for each row.
     fn check(&self, array: &'static str, values: &[f64]) -> Result<(), LocalProblemError> {
         expect_length(array, self.q.len(), values.len())?;
         expect_finite(array, values)

@@ -1,35 +1,36 @@
-//! From the global to the local problem and back: `W = Hᵀ M⁻¹ H`, `q = Hᵀ M⁻¹ f + w`, `v = M⁻¹ (f + H r)`.
+//! Reduces the global problem to the local one and recovers its solution: `W = Hᵀ M⁻¹ H`, `q = Hᵀ M⁻¹ f + w`, `v = M⁻¹
+//! (f + H r)`.
 
 use super::{GlobalProblem, Solution};
 use crate::local::{LocalProblem, LocalProblemError};
 use stickslip::algebra::linear::{LinearError, RefinedSolver};
 use stickslip::algebra::sparse::{Csc, MatrixError, SystemMatrix};
 
-/// Rows of a local problem beyond which its matrix, which is full, has no room.
+/// The largest number of rows of a local problem, whose matrix is full.
 const ROWS: usize = 20_000;
 
-/// Why a global problem has no local one.
+/// The reason why a global problem has no local one.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReductionError {
-    /// `M` cannot be factored, as where nothing holds a body.
+    /// `M` cannot be factored, e.g. because a body is not supported.
     #[error("M cannot be eliminated: {0}")]
     Linear(#[from] LinearError),
-    /// What came out is no matrix.
+    /// The result is no valid matrix.
     #[error("the Delassus matrix: {0}")]
     Matrix(#[from] MatrixError),
-    /// What came out is no local problem.
+    /// The result is no valid local problem.
     #[error(transparent)]
     Local(#[from] LocalProblemError),
     /// The Delassus matrix is full.
     #[error("{rows} rows of contacts are too many for a Delassus matrix, which is full: {ROWS} at most")]
     TooLarge {
-        /// How many there are.
+        /// The number of rows.
         rows: usize,
     },
 }
 
-/// A global problem, factored, with its local one.
+/// A factored global problem with its local one.
 pub struct Reduction<'a> {
     global: &'a GlobalProblem,
     matrix: SystemMatrix,
@@ -41,7 +42,7 @@ impl<'a> Reduction<'a> {
     /// Factors `M` and solves with every column of `H`.
     ///
     /// # Errors
-    /// [`ReductionError`] where `M` is singular, or the contacts are too many.
+    /// [`ReductionError`] if `M` is singular, or there are too many contacts.
     pub fn new(global: &'a GlobalProblem) -> Result<Self, ReductionError> {
         let rows = global.w().len();
         if rows > ROWS {
@@ -74,15 +75,15 @@ impl<'a> Reduction<'a> {
         Ok(Reduction { global, matrix, direct, local })
     }
 
-    /// The local problem.
+    /// Returns the local problem.
     pub fn local(&self) -> &LocalProblem {
         &self.local
     }
 
-    /// The solution of the global problem with contact forces `r`, n_c d.
+    /// Returns the solution of the global problem with contact forces `r`, n_c d.
     ///
     /// # Errors
-    /// [`LinearError`] where the forces are of another length, or not finite.
+    /// [`LinearError`] if the forces have a wrong length, or are not finite.
     pub fn solution(&mut self, r: Vec<f64>) -> Result<Solution, LinearError> {
         let found = r.len();
         let expected = self.global.w().len();

@@ -1,14 +1,15 @@
-//! The texts of Siconos: `FrictionContactProblem` (local) and `GlobalFrictionContactProblem` (global), as its `newFromFile` reads them.
+//! The text of Siconos: `FrictionContactProblem` (local) and `GlobalFrictionContactProblem` (global), as its
+//! `newFromFile` reads them.
 //!
-//! Words with white space between them: the dimension, the number of contacts, the matrix `W`, `q`, `μ`; or `M`, `H`, `q` (which is `f`),
-//! `b` (which is `w`), `μ`. A global problem goes on behind its first matrix where a local one would be at its end, which tells them
-//! apart. A matrix begins with the kind of its storage, and is
+//! The text consists of words separated by white space: the dimension, the number of contacts, the matrix `W`, `q`,
+//! `μ`; or `M`, `H`, `q` (which is `f`), `b` (which is `w`), `μ`. The two are distinguished by their length: a global
+//! problem continues where a local one ends. A matrix begins with the type of its storage, followed by
 //!
-//! | kind | what follows |
+//! | type | content |
 //! | --- | --- |
 //! | 0, dense | rows, columns, rows, columns, the entries column by column |
 //! | 1, blocks | rows, columns, numbers of blocks, in a column, in a row, last row and column of each, rows of blocks compressed, blocks column by column |
-//! | 2, sparse | rows, columns, where it comes from, and the print of CSparse: triplets, or columns with their rows |
+//! | 2, sparse | rows, columns, its origin, and the print of CSparse: triplets, or columns with their rows |
 
 mod blocks;
 mod csparse;
@@ -21,7 +22,7 @@ use stickslip::algebra::sparse::Csc;
 use stickslip::base::input_error::InputError;
 use words::Words;
 
-/// A matrix whose size nothing has confirmed yet.
+/// A matrix whose size has not been confirmed yet.
 struct Unsized {
     line: usize,
     rows: usize,
@@ -30,7 +31,7 @@ struct Unsized {
 }
 
 impl Unsized {
-    /// The matrix, if it has this size, which that of a vector in the text has confirmed.
+    /// Returns the matrix if it has this size, which is confirmed by a vector in the text.
     fn sized(self, what: &str, rows: usize, columns: usize) -> Result<Csc, InputError> {
         let Unsized { line, entries, .. } = self;
         let fault = |message: String| InputError::new(format!("line {line}"), message, SIZES);
@@ -44,7 +45,7 @@ impl Unsized {
 
 const SIZES: &str = "mend the sizes, which contradict each other";
 
-/// The problem in `text`.
+/// Reads the problem in `text`.
 pub(super) fn read(text: &str) -> Result<ProblemFile, InputError> {
     let mut words = Words::new(text);
     let dimension = words.count("the dimension, 2 or 3")?;
@@ -57,7 +58,7 @@ pub(super) fn read(text: &str) -> Result<ProblemFile, InputError> {
     let first = matrix(&mut words)?;
     let rows = contacts.saturating_mul(dimension);
     let of_a_local_one = rows.saturating_add(contacts);
-    // Behind a local problem there may be one word more. A second matrix is longer than that, unless the text was cut off.
+    // A local problem may be followed by one more word. A second matrix is longer, unless the text is truncated.
     let second = ["0", "1", "2"].map(|kind| [kind.to_string(), first.rows.to_string(), rows.to_string()]);
     let goes_on = second.iter().any(|head| words.begin_with(head));
     let problem = if !goes_on && words.are_at_most(of_a_local_one.saturating_add(1)) {
@@ -102,7 +103,7 @@ fn matrix(words: &mut Words<'_>) -> Result<Unsized, InputError> {
     Ok(Unsized { line, rows, columns, entries })
 }
 
-/// All entries, column by column, behind the sizes once more.
+/// Reads the sizes again and all entries, column by column.
 fn dense(words: &mut Words<'_>, rows: usize, columns: usize) -> Result<Vec<(usize, usize, f64)>, InputError> {
     let again = [words.count("the rows of a matrix")?, words.count("its columns")?];
     if again != [rows, columns] {

@@ -1,8 +1,8 @@
-//! From a problem to a solution with its verdict.
+//! Solves a problem and judges the solution.
 //!
-//! A global problem with a symmetric `M` is one increment of ours, so it is solved as such: uncondensed, by BN. Where that
-//! does not solve it, or `M` is not symmetric, it is reduced to its contacts, and goes through the cascade for local problems.
-//! What is answered is the best that any stage has found, and whether it is a solution [`judge`] says alone.
+//! A global problem with a symmetric `M` is equivalent to one increment, and is solved as such: uncondensed, by BN. If
+//! this fails, or `M` is not symmetric, the problem is reduced to its contacts and solved by the cascade for local
+//! problems. The result is the best of all stages, and only [`judge`] decides if it is a solution.
 
 use serde::{Deserialize, Serialize};
 
@@ -15,56 +15,56 @@ use stickslip::base::input_error::InputError;
 use stickslip::solver::history::{self, HistorySettings, IncrementView, Method, Observer, SystemSolver};
 use stickslip::solver::problem::State;
 
-/// What BN is to reach, so that the laws hold in everybody's units.
+/// The tolerance of BN, strict enough for the laws to hold in any units.
 const WHOLE_TOLERANCE: f64 = 1e-13;
-/// Its iterations at most.
+/// The largest number of its iterations.
 const WHOLE_ITERATIONS: usize = 100;
-/// The name of that stage.
+/// The name of this stage.
 const WHOLE: &str = "bn-whole";
 
-/// A solution, or the best that was found in place of one.
+/// A solution, or the best result in place of one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Answer {
     /// Forces and velocities.
     pub solution: Solution,
-    /// How far it is from the laws.
+    /// The errors of the laws.
     pub errors: Errors,
-    /// What was tried, in this order; the last has found the solution.
+    /// The stages that were tried, in order. The last one has found the solution, if any.
     pub stages: Vec<Stage>,
 }
 
-/// What a method has done.
+/// The work of one method.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Stage {
-    /// Which method.
+    /// The method.
     pub stage: String,
-    /// Its iterations.
+    /// The number of iterations.
     pub iterations: usize,
-    /// The residual at its end, without units.
+    /// The residual at the end of the stage, without units.
     pub residual: f64,
 }
 
-/// A way to a solution.
+/// A solver of exchange problems.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Way {
-    /// What [`solve`] does: one after the other, until a solution is found.
+    /// All methods of [`solve`], one after the other, until a solution is found.
     Default,
-    /// The uncondensed system of a global problem, by BN.
+    /// BN on the uncondensed system of a global problem.
     Whole,
-    /// The contacts alone, by the cascade for local problems.
+    /// The cascade for local problems, on the contacts alone.
     Contacts,
-    /// The contacts alone, by BN.
+    /// BN on the contacts alone.
     Newton,
-    /// The contacts alone, by Gauss–Seidel sweeps.
+    /// Gauss–Seidel sweeps on the contacts alone.
     Sweeps,
 }
 
 impl Way {
-    /// All of them.
+    /// All solvers.
     pub const ALL: [Way; 5] = [Way::Default, Way::Whole, Way::Contacts, Way::Newton, Way::Sweeps];
 
-    /// Its name.
+    /// Returns the name.
     pub fn name(self) -> &'static str {
         match self {
             Way::Default => "default",
@@ -75,7 +75,7 @@ impl Way {
         }
     }
 
-    /// What the cascade for local problems is told.
+    /// Returns the settings of the cascade for local problems.
     fn cascade(self) -> CascadeSettings {
         let all = CascadeSettings::default();
         match self {
@@ -86,17 +86,17 @@ impl Way {
     }
 }
 
-/// Why a problem cannot even be tried.
+/// The reason why a problem cannot be attempted.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SolveError {
     /// A guess does not fit the problem.
     #[error(transparent)]
     Guess(#[from] InputError),
-    /// The local problem or a guess for it is refused.
+    /// The local problem, or a guess for it, is invalid.
     #[error(transparent)]
     Local(#[from] LocalProblemError),
-    /// Neither the uncondensed path nor the reduction goes on with such a matrix.
+    /// Neither the uncondensed system nor the reduction can use such a matrix.
     #[error(transparent)]
     Reduction(#[from] ReductionError),
     /// The linear algebra cannot go on.
@@ -105,21 +105,21 @@ pub enum SolveError {
 }
 
 impl Answer {
-    /// Whether all laws hold within [`TOLERANCE`](super::TOLERANCE).
+    /// Returns `true` if all laws hold within [`TOLERANCE`](super::TOLERANCE).
     pub fn is_solved(&self) -> bool {
         self.errors.is_solved()
     }
 
-    /// All iterations.
+    /// Returns the iterations of all stages.
     pub fn iterations(&self) -> usize {
         self.stages.iter().map(|stage| stage.iterations).sum()
     }
 }
 
-/// Solves `problem`, from `guess` where a method takes one.
+/// Solves `problem`, from `guess` for methods that use one.
 ///
 /// # Errors
-/// When the guess does not fit, or no method can begin; that none has found a solution is no error.
+/// When the guess does not fit, or no method can begin. An answer that is no solution is no error.
 pub fn solve(problem: &Problem, guess: Option<&Solution>) -> Result<Answer, SolveError> {
     if let Some(guess) = guess {
         guess.check(problem)?;
@@ -131,7 +131,7 @@ pub fn solve(problem: &Problem, guess: Option<&Solution>) -> Result<Answer, Solv
     }
 }
 
-/// The same by one way alone; `None` where it is none for such a problem.
+/// Solves `problem` by one solver alone. Returns `None` if the solver does not apply to it.
 ///
 /// # Errors
 /// As [`solve`].
@@ -149,14 +149,14 @@ pub fn solve_by(way: Way, problem: &Problem, guess: Option<&Solution>) -> Result
     }
 }
 
-/// A local problem through the cascade of a way.
+/// Solves a local problem by the cascade of a solver.
 fn on_contacts(way: Way, problem: &Problem, local: &LocalProblem, guess: Option<&[f64]>) -> Result<Answer, SolveError> {
     let (solution, stages) = cascade(way, local, guess)?;
     let errors = judge(problem, &solution)?;
     Ok(Answer { solution, errors, stages })
 }
 
-/// A global problem by BN on the uncondensed system.
+/// Solves a global problem by BN on the uncondensed system.
 fn on_bodies(problem: &Problem, global: &GlobalProblem) -> Result<Option<Answer>, SolveError> {
     let Some((solution, iterations)) = whole(global)? else { return Ok(None) };
     let errors = judge(problem, &solution)?;
@@ -164,7 +164,7 @@ fn on_bodies(problem: &Problem, global: &GlobalProblem) -> Result<Option<Answer>
     Ok(Some(Answer { solution, errors, stages }))
 }
 
-/// A global problem reduced to its contacts, through the cascade of a way.
+/// Reduces a global problem to its contacts and solves it by the cascade of a solver.
 fn reduced(way: Way, problem: &Problem, global: &GlobalProblem, guess: Option<&[f64]>) -> Result<Answer, SolveError> {
     let mut reduction = Reduction::new(global)?;
     let (Solution { r, .. }, stages) = cascade(way, reduction.local(), guess)?;
@@ -190,23 +190,24 @@ fn both(problem: &Problem, global: &GlobalProblem, guess: Option<&[f64]>) -> Res
     }
 }
 
-/// The uncondensed system by BN, as one increment from rest; `None` where that has no such increment.
+/// Solves the uncondensed system by BN, as one increment from rest. Returns `None` if there is no such increment, or BN
+/// fails.
 fn whole(global: &GlobalProblem) -> Result<Option<(Solution, usize)>, SolveError> {
-    // A matrix that takes energy out of a displacement is none of a body; the reduction may do with it.
+    // A matrix that yields negative energy belongs to no body. The reduction may still work.
     let Ok(Some((problem, loading))) = global.contact_problem() else { return Ok(None) };
     let settings = HistorySettings::new(&problem, &loading, Method::BN)?.until(WHOLE_ITERATIONS, WHOLE_TOLERANCE);
-    // Parts of an increment would be another problem.
+    // Substeps of an increment would be another problem.
     let settings = HistorySettings { halvings: 0, ..settings };
     let mut last = Last(None);
     let outcome = history::run(&problem, &loading, &[1.0], &settings, SystemSolver::default(), &mut last);
     match (outcome, last.0) {
         (Ok(outcome), Some(state)) => Ok(Some((of_state(global, &state), outcome.tally.iterations))),
-        // The reduction may do better, or say more.
+        // The reduction may succeed, or report more.
         _ => Ok(None),
     }
 }
 
-/// Keeps the state at the end of the last increment, converged or not.
+/// Observer that keeps the state at the end of the last increment, converged or not.
 struct Last(Option<State>);
 
 impl Observer for Last {
@@ -216,7 +217,7 @@ impl Observer for Last {
     }
 }
 
-/// A state in the letters of exchange files.
+/// Converts a state to the notation of exchange files.
 fn of_state(global: &GlobalProblem, state: &State) -> Solution {
     let d = global.dimension();
     let force = |i: usize| {
@@ -229,7 +230,7 @@ fn of_state(global: &GlobalProblem, state: &State) -> Solution {
     Solution { v, r, u }
 }
 
-/// The cascade for local problems.
+/// Solves a local problem by the cascade.
 fn cascade(
     way: Way,
     problem: &LocalProblem,

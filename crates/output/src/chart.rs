@@ -1,4 +1,4 @@
-//! Line charts as SVG: panels with common axes, and curves that are told apart without colour.
+//! Line charts as SVG: panels with common axes, and curves that can be distinguished without colour.
 
 pub(super) mod axis;
 
@@ -10,15 +10,15 @@ use axis::Ticks;
 /// A chart of one or more panels, all with the same axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chart {
-    /// What is shown.
+    /// The heading.
     pub title: String,
-    /// For which case.
+    /// The second line of the heading, which names the case.
     pub subtitle: String,
     /// The horizontal axis.
     pub x: Axis,
     /// The vertical axis.
     pub y: Axis,
-    /// How many panels stand side by side.
+    /// The number of panels in a row.
     pub columns: usize,
     /// The panels, row by row.
     pub panels: Vec<Panel>,
@@ -33,7 +33,7 @@ pub struct Axis {
     pub scale: Scale,
 }
 
-/// One plot of a chart.
+/// A panel of a chart.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Panel {
     /// The heading; empty for none.
@@ -45,39 +45,39 @@ pub struct Panel {
 /// A curve: a line, markers, or both.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
-    /// The name of the curve in the legend; curves of the same name share an entry, those without have none.
+    /// The name of the curve in the legend. Curves of the same name share an entry; curves without a name have none.
     pub label: String,
-    /// The points in order. On an axis of decades, numbers that are not positive are left out.
+    /// The points in order. A logarithmic axis omits numbers that are not positive.
     pub points: Vec<[f64; 2]>,
     /// The line through the points.
     pub line: Option<Line>,
-    /// What stands at each point.
+    /// The marker at each point.
     pub marker: Option<Marker>,
-    /// Red, green, blue.
+    /// The colour: red, green, blue.
     pub colour: [u8; 3],
 }
 
-/// Colours that colour-blind people tell apart, too (Okabe and Ito).
+/// Colours that colour-blind people can distinguish (Okabe and Ito).
 const COLOURS: [Colour; 7] =
     [[0, 0, 0], [0, 114, 178], [213, 94, 0], [0, 158, 115], [204, 121, 167], [230, 159, 0], [86, 180, 233]];
 const MARKERS: [Marker; 4] = [Marker::Disc, Marker::Square, Marker::Triangle, Marker::Circle];
 
-/// A colour and a marker for curve `k` of many, which tell the first 28 apart.
+/// Returns a colour and a marker for curve `k` of many. The first 28 combinations are different.
 pub fn told_apart(k: usize) -> ([u8; 3], Marker) {
     (COLOURS[k % COLOURS.len()], MARKERS[k % MARKERS.len()])
 }
 
 const WIDTH: f64 = 960.0;
-/// Left of the first panel: the axis label and the numbers.
+/// The space left of the first panel, for the axis label and the numbers.
 const LEFT: f64 = 92.0;
-/// Left of the other panels: the numbers.
+/// The space left of the other panels, for the numbers.
 const BETWEEN: f64 = 66.0;
 const RIGHT: f64 = 26.0;
-/// Below a panel: the numbers.
+/// The space below a panel, for the numbers.
 const BELOW: f64 = 30.0;
 const HEADING: f64 = 26.0;
 const LEGEND_ROW: f64 = 24.0;
-/// The sample line of a legend entry, and the gap behind an entry.
+/// The length of the sample line of a legend entry, and the gap after an entry.
 const SAMPLE: f64 = 38.0;
 const GAP: f64 = 26.0;
 
@@ -91,7 +91,7 @@ const BLACK: Colour = [0, 0, 0];
 const GREY: Colour = [120, 120, 120];
 const GRID: Colour = [228, 228, 228];
 
-/// Where a panel is, px.
+/// The position of a panel, px.
 #[derive(Clone, Copy)]
 struct Frame {
     left: f64,
@@ -101,7 +101,7 @@ struct Frame {
 }
 
 impl Chart {
-    /// The chart as an SVG picture.
+    /// Draws the chart as an SVG picture.
     ///
     /// # Errors
     /// When a number is not finite.
@@ -191,7 +191,7 @@ impl Chart {
         }
     }
 
-    /// The curves of the legend, row by row.
+    /// Returns the curves of the legend, row by row.
     fn legend(&self) -> Vec<Vec<&Curve>> {
         let mut rows: Vec<Vec<&Curve>> = Vec::new();
         let mut used = 0.0;
@@ -217,7 +217,7 @@ fn entry_width(curve: &Curve) -> f64 {
     SAMPLE + 8.0 + text_width(&curve.label, LABEL_SIZE) + GAP
 }
 
-/// A row of the legend, in the middle of the picture.
+/// Draws a row of the legend, centred in the picture.
 fn draw_legend(svg: &mut Svg, y: f64, entries: &[&Curve]) {
     let width: f64 = entries.iter().map(|curve| entry_width(curve)).sum::<f64>() - GAP;
     let mut x = 0.5 * (WIDTH - width);
@@ -270,7 +270,7 @@ mod tests {
     #[test]
     fn texts_are_there_once_and_escaped() {
         let svg = chart(Scale::Decades, &[[0.0, 1e12], [1.0, 1e-3], [2.0, 0.0]]).to_svg().unwrap();
-        // Every label is on a line of its own.
+        // Every label has a line of its own.
         let count = |text: &str| svg.lines().filter(|line| *line == text).count();
         assert_eq!(["Title", "Case", "(a)", "(b)", "(c)", "a &lt; b &amp; c"].map(count), [1; 6]);
         assert_eq!((count("Theta, N²"), count("iteration")), (2, 2));

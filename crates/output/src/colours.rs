@@ -1,21 +1,21 @@
-//! The colours of a stress, and the bar that says what they mean.
+//! The colour scale of a stress, and its colour bar.
 
 use super::chart::axis::Scale;
 use super::svg::{Anchor, Colour, Dash, Line, Svg};
 
 /// The width of the bar, px.
 const BAR: f64 = 20.0;
-/// The shades of the bar.
+/// The number of shades of the bar.
 const STEPS: usize = 100;
 const LABEL_SIZE: f64 = 15.0;
 const NUMBER_SIZE: f64 = 13.5;
 const BLACK: Colour = [0, 0, 0];
 const THIN: Line = Line { dash: Dash::Solid, width: 1.0 };
 
-/// The colours from none to the highest.
+/// The colours from zero to the highest value.
 const SHADES: [Colour; 4] = [[248, 251, 255], [178, 208, 236], [96, 158, 212], [38, 98, 170]];
 
-/// The colour of a share of the highest value.
+/// Returns the colour for a share of the highest value.
 pub(super) fn shade(share: f64) -> Colour {
     let place = share.clamp(0.0, 1.0) * (SHADES.len() - 1) as f64;
     let k = (place as usize).min(SHADES.len() - 2);
@@ -26,8 +26,8 @@ pub(super) fn shade(share: f64) -> Colour {
     })
 }
 
-/// A bar of the colours up to `most`, in the unit that `label` names, from `top` to `bottom` with its left side at `from`, px; nothing where there is
-/// no stress.
+/// Draws a colour bar up to `most`, in the unit named by `label`, from `top` to `bottom` with its left side at `from`,
+/// px. Draws nothing if there is no stress.
 pub(super) fn draw_bar(svg: &mut Svg, from: f64, [top, bottom]: [f64; 2], most: f64, label: &str) {
     if most <= 0.0 {
         return;

@@ -1,4 +1,4 @@
-//! A contact surface in space at the end of an increment, seen along its normal.
+//! Views of a contact surface in space at the end of an increment, along its normal.
 
 use stickslip::algebra::vector::{across, axis, axis_across, cross, dot, norm, plus, unit};
 use stickslip::base::units::UnitSystem;
@@ -7,7 +7,7 @@ use stickslip::body::model::Model;
 use stickslip::solver::history::IncrementView;
 use stickslip::solver::laws::ContactStatus;
 
-/// The nodes and facets of a boundary with contact, projected on the plane at right angles to the obstacle's normal.
+/// The nodes and facets of a boundary with contact, projected on the plane perpendicular to the obstacle's normal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactSurface {
     /// The boundary, if the scene has contact on several.
@@ -29,18 +29,19 @@ pub struct ContactSurface {
 /// A node of a contact surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfaceNode {
-    /// The place of the node along the two axes of the map, m.
+    /// The coordinates of the node along the two axes of the map, m.
     pub place: [f64; 2],
     /// Normal contact stress (32), Pa.
     pub pressure: f64,
-    /// Tangential contact stress along the axes, Pa: of the body on the obstacle.
+    /// Tangential contact stress of the body on the obstacle along the axes, Pa.
     pub traction: [f64; 2],
-    /// What the node does; none if supports keep it from the obstacle, or no obstacle reaches it.
+    /// The contact status of the node; `None` if supports constrain it in the normal direction, or no obstacle is in
+    /// reach.
     pub status: Option<ContactStatus>,
 }
 
 impl ContactSurface {
-    /// The contact surfaces of a step, one for each boundary with contact; none in two dimensions.
+    /// Returns the contact surfaces of a step, one for each boundary with contact; none in two dimensions.
     pub fn all(model: &Model, step: &IncrementView<'_>) -> Vec<Self> {
         let boundaries = model.contact_boundaries.iter().filter(|_| model.mesh.dimension == 3);
         boundaries.filter_map(|boundary| Self::new(model, step, boundary)).collect()
@@ -78,7 +79,7 @@ impl ContactSurface {
         }
         let mut facets: Vec<Vec<usize>> =
             facets.iter().map(|facet| facet.iter().filter_map(|&node| number[node]).collect()).collect();
-        // Of a surface that goes round the body two sides lie over each other: what is pressed is to be seen.
+        // The two sides of a surface around the body overlap in the picture. Pressed facets are drawn on top.
         facets.sort_by_key(|facet| facet.iter().any(|&node| nodes[node].pressure > 0.0));
         Some(ContactSurface {
             boundary: (model.contact_boundaries.len() > 1).then(|| boundary.name.clone()),
@@ -92,7 +93,8 @@ impl ContactSurface {
     }
 }
 
-/// The normal of the obstacle; of several, or of contact nodes in front of a body, the mean, or the first where they surround the body.
+/// Returns the viewing direction: the normal of the obstacle. For several obstacles or an opposing body it is the mean
+/// normal, or the first one if the mean vanishes.
 fn view(model: &Model, boundary: &ContactBoundary) -> [f64; 3] {
     let normals: Vec<[f64; 3]> = match boundary.pair {
         None => model.obstacles[boundary.obstacles.clone()].iter().map(|(obstacle, _)| obstacle.normal).collect(),
@@ -103,10 +105,10 @@ fn view(model: &Model, boundary: &ContactBoundary) -> [f64; 3] {
     if others.is_empty() || norm(sum) < NOTHING { *first } else { unit(sum) }
 }
 
-/// A sum of unit vectors that is shorter is none.
+/// A sum of unit vectors shorter than this counts as zero.
 const NOTHING: f64 = 1e-9;
 
-/// Two axes at right angles to `normal` and to each other, close to the positive axes of space that are most so.
+/// Returns two axes perpendicular to `normal` and to each other, as close as possible to positive coordinate axes.
 fn axes(normal: [f64; 3]) -> [[f64; 3]; 2] {
     let steepest = (0..3).fold(0, |best, c| if normal[c].abs() > normal[best].abs() { c } else { best });
     let [a, b] = [[1, 2], [0, 2], [0, 1]][steepest];

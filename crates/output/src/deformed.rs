@@ -1,5 +1,5 @@
-//! The deformed body as a picture: its cells, in space its surface seen from outside, displaced by so many times what they
-//! are, on the outline of the body before.
+//! Pictures of the deformed body: its cells, or in space its visible surface, with magnified displacements, on the
+//! outline of the undeformed body.
 
 use std::collections::BTreeMap;
 
@@ -12,23 +12,23 @@ use stickslip::run::report::deformation;
 use stickslip::run::report::von_mises;
 use stickslip::solver::history::IncrementView;
 
-/// The body at the end of an increment, as it is drawn.
+/// The picture of the body at the end of an increment.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DeformedBody {
-    /// The increment; 0 for the body before the first.
+    /// The increment; 0 for the body before the first one.
     pub index: usize,
     /// The time at its end, s.
     pub time: f64,
-    /// How many times as long as they are displacements are drawn.
+    /// The magnification of displacements.
     pub magnification: f64,
     /// The longest displacement, m.
     pub largest: f64,
-    /// Cells or facets, those that hide others last: the corners in the plane of the picture, m, and von Mises' stress in the
-    /// cell, Pa.
+    /// Cells or facets, front ones last: the corners in the plane of the picture, m, and von Mises' stress in the cell,
+    /// Pa.
     pub patches: Vec<(Vec<[f64; 2]>, f64)>,
-    /// The sides of the body before the deformation, in space its edges, m.
+    /// The sides of the undeformed body, in space its edges, m.
     pub outline: Vec<[[f64; 2]; 2]>,
-    /// Where the axes of coordinates point in the picture.
+    /// The directions of the coordinate axes in the picture.
     pub axes: Vec<[f64; 2]>,
     /// The units of the picture; the numbers here are SI.
     pub units: UnitSystem,
@@ -36,13 +36,13 @@ pub struct DeformedBody {
 
 const WIDTH: f64 = 960.0;
 const LEFT: f64 = 40.0;
-/// Right of the body: the colours and their numbers.
+/// The space right of the body, for the colour bar.
 const RIGHT: f64 = 150.0;
 const TOP: f64 = 104.0;
-/// Below the body: the axes.
+/// The space below the body, for the axes.
 const BELOW: f64 = 84.0;
 const MOST_HEIGHT: f64 = 720.0;
-/// The bar of colours is at least so high.
+/// The minimum height of the colour bar.
 const LEAST_BAR: f64 = 160.0;
 const TITLE_SIZE: f64 = 18.0;
 const LABEL_SIZE: f64 = 15.0;
@@ -53,21 +53,21 @@ const BEFORE: Colour = [205, 80, 10];
 const THIN: Line = Line { dash: Dash::Solid, width: 0.6 };
 const DASHED: Line = Line { dash: Dash::Dashed, width: 1.2 };
 
-/// With more patches than this their sides would hide the colours.
+/// With more patches than this, their sides would hide the colours and are not drawn.
 const MOST_SIDES: usize = 6000;
 
-/// The share of the body's size that the longest displacement is drawn with, about.
+/// The drawn length of the longest displacement, about, relative to the size of the body.
 const SHOWN: f64 = 0.05;
 
-/// Facets whose normals differ by more than this meet in an edge: the cosine of 30 degrees.
+/// Facets whose normals differ by more than this angle meet in an edge: the cosine of 30 degrees.
 const EDGE: f64 = 0.866;
 
-/// From where a body in space is seen: a little from the right and from above, with z upwards.
+/// The direction from which a body in space is viewed: slightly from the right and from above, with z upwards.
 const VIEWER: [f64; 3] = [0.45, -0.8, 0.4];
 
 impl DeformedBody {
-    /// The body of `model` at the end of `step`, displacements drawn `magnification` times as long: without it by 1, 2 or 5
-    /// times a power of ten, at least 1, that makes the longest about a twentieth of the body.
+    /// Draws the body of `model` at the end of `step`, with displacements magnified by `magnification`. The default is
+    /// 1, 2 or 5 times a power of ten, at least 1, for which the longest displacement is about a twentieth of the body.
     pub fn new(model: &Model, step: &IncrementView<'_>, magnification: Option<f64>) -> Self {
         let mesh = &model.mesh;
         let (displacements, factors) = deformation(model, step);
@@ -117,10 +117,10 @@ impl DeformedBody {
         }
     }
 
-    /// The picture as SVG: colours are von Mises' stress in the cells, dashes the body before.
+    /// Returns the picture as SVG: colours show von Mises' stress in the cells, dashes the undeformed body.
     ///
     /// # Errors
-    /// When a place or a stress is not finite.
+    /// When a coordinate or a stress is not finite.
     pub fn to_svg(&self, title: &str) -> Result<String, PlotError> {
         let corners = || self.patches.iter().flat_map(|(corners, _)| corners).chain(self.outline.iter().flatten());
         expect_finite(corners().flatten().copied())?;
@@ -133,7 +133,7 @@ impl DeformedBody {
         let start = LEFT + 0.5 * (WIDTH - LEFT - RIGHT - scale * (right - left));
         let bottom = TOP + scale * (high - low);
         let at = |[x, y]: [f64; 2]| [start + scale * (x - left), bottom - scale * (y - low)];
-        // A flat body leaves the colours their room.
+        // A flat body leaves room for the colour bar.
         let floor = bottom.max(TOP + LEAST_BAR);
         let mut svg = Svg::new([WIDTH, floor + BELOW]);
         svg.text([0.5 * WIDTH, 24.0], title, TITLE_SIZE, Anchor::Bold);
@@ -175,7 +175,7 @@ impl DeformedBody {
     }
 }
 
-/// The plane of the picture.
+/// The projection on the plane of the picture.
 struct View {
     right: [f64; 3],
     up: [f64; 3],
@@ -198,27 +198,27 @@ impl View {
     }
 }
 
-/// The normal of a facet, of any length.
+/// Returns the normal of a facet, not normalised.
 fn normal(corners: &[[f64; 3]]) -> [f64; 3] {
     let n = corners.len();
-    // Of a quadrilateral the diagonals span it.
+    // For a quadrilateral, the cross product of its diagonals.
     cross(minus(corners[n / 2], corners[0]), minus(corners[n - 1], corners[1]))
 }
 
-/// A side of facets, and the normals of these.
+/// A side shared by facets, with their normals.
 struct Joint {
     ends: [[f64; 3]; 2],
     normals: Vec<[f64; 3]>,
 }
 
 impl Joint {
-    /// Whether the facets meet at an angle, or there is one only.
+    /// Returns `true` if the facets meet at an angle, or there is only one facet.
     fn is_edge(&self) -> bool {
         self.normals.len() == 1 || self.normals.windows(2).any(|pair| dot(pair[0], pair[1]) < EDGE)
     }
 }
 
-/// The edges of a surface of `facets`, as far as one of the facets that meet there is seen.
+/// Returns the edges of a surface of `facets` of which at least one adjacent facet is visible.
 fn edges(facets: impl Iterator<Item = Vec<[f64; 3]>>, towards: [f64; 3]) -> Vec<[[f64; 3]; 2]> {
     let mut joints: BTreeMap<[[u64; 3]; 2], Joint> = BTreeMap::new();
     for corners in facets {
@@ -234,12 +234,13 @@ fn edges(facets: impl Iterator<Item = Vec<[f64; 3]>>, towards: [f64; 3]) -> Vec<
     joints.into_values().filter(|joint| joint.is_edge() && seen(joint)).map(|joint| joint.ends).collect()
 }
 
-/// The largest 1, 2 or 5 times a power of ten up to `most`, but 1 at least; 1 for a body that has not moved.
+/// Returns the largest 1, 2 or 5 times a power of ten up to `most`, at least 1. Returns 1 for a body that has not
+/// moved.
 fn readable(most: f64) -> f64 {
     if !most.is_finite() || most < 1.0 {
         return 1.0;
     }
-    // The slack absorbs that logarithms of powers of ten are rounded.
+    // The slack absorbs the rounding of logarithms of powers of ten.
     let power = 10.0_f64.powf((most.log10() + 1e-12).floor());
     [5.0, 2.0].map(|k| k * power).into_iter().find(|&k| k <= most).unwrap_or(power)
 }

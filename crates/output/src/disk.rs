@@ -1,27 +1,28 @@
-//! What the results of a run take on the disk, estimated before it.
+//! Estimates the disk space for the results of a run before the run.
 
 use stickslip::body::description::{Probe, ProbePlace};
 use stickslip::body::model::Model;
 use stickslip::scene::Scene;
 
-/// The record of an increment, in its hidden file and in `run.json`, and its line in `increments.csv`, bytes.
+/// Bytes per increment: its record in a hidden file and in `run.json`, and its line in `increments.csv`.
 const INCREMENT: usize = 1400;
 
-/// The force on a boundary in an increment, in the same files and in `forces.csv`.
+/// Bytes per force on a boundary and increment, in the same files and in `forces.csv`.
 const FORCE: usize = 350;
 
-/// A probe point in an increment.
+/// Bytes per probe point and increment.
 const PROBE: usize = 250;
 
-/// A contact node in a table and in a picture, and what any picture has.
+/// Bytes per contact node in a table and in a picture, and for the rest of a picture.
 const NODE: usize = 1000;
 const PICTURE: usize = 25_000;
 
-/// A node in the fields, and in a picture of the deformed body.
+/// Bytes per node in the fields, and in a picture of the deformed body.
 const FIELDS: usize = 400;
 const DEFORMED: usize = 200;
 
-/// The most that the results of a run of `scene` take on the disk, bytes: while `run.json` is made of what the increments have left in hidden files,
+/// Estimates the largest disk space of the results of a run of `scene`, bytes, within a factor of about two. The
+/// largest is reached while `run.json` is written from the hidden files of the increments, which make up a third of it.
 /// which are a third of it. It is good to a factor of two or so.
 pub fn bytes_on_disk(scene: &Scene, model: &Model) -> u64 {
     let (ends, of) = (scene.time.all(), &scene.description);

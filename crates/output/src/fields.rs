@@ -12,18 +12,21 @@ use stickslip::run::report::{principal_stresses, von_mises};
 use stickslip::solver::history::IncrementView;
 use stickslip::solver::laws::ContactStatus;
 
-/// The body with its fields at the end of a step, SI.
+/// Returns the body with its fields at the end of a step, SI.
 ///
-/// Of points: `displacement`; and `contact_pressure` (Pa, `p_n / l` (32)), `tangential_traction` (Pa, the vector of the
-/// body on the obstacle), `slip` (m, the vector of motion past the obstacle since the beginning), `gap` (m, the distance
-/// that is left), and with tetrahedra `patch_pressure` (Pa, that of a node and its neighbours together), all NaN off the contact; `status`: -1 off the contact, 0 open, 1 stick, 2 slip. A node that meets
-/// two obstacles shows the one that presses more. Where bodies press each other, the other side has the same pressure and traction, spread
-/// over its own nodes, and no slip, gap and status.
-/// Where cells are of second order `nodal_stress` (Pa, as `stress` below), the mean of the cells around a node.
-/// Of cells: `stress` (Pa, at the centre, all nine components row by row), `principal_stress` (Pa, the most tensile first),
-/// `von_mises` (Pa), `material`, a number from 0 for each group of the mesh and each law in it, in the order of the elements;
-/// where there are several bodies `body`, the number of each from 0; `discretisation_error`, the share of a cell in the error of the mesh in the energy norm;
-/// and where several processes share the body `rank`, that of the first node of a cell by the order of their nodes.
+/// Fields of points: `displacement`; `contact_pressure` (Pa, `p_n / l` (32)), `tangential_traction` (Pa, the vector of
+/// the body on the obstacle), `slip` (m, the vector of motion relative to the obstacle since the beginning), `gap` (m,
+/// the remaining distance), and with tetrahedra `patch_pressure` (Pa, the pressure of a node and its neighbours
+/// together), all NaN off the contact; `status`: -1 off the contact, 0 open, 1 stick, 2 slip. A node that meets two
+/// obstacles shows the one that presses more. If bodies press each other, the other side has the same pressure and
+/// traction, distributed to its own nodes, but no slip, gap and status. With cells of second order `nodal_stress` (Pa,
+/// as `stress` below), the mean of the cells around a node.
+///
+/// Fields of cells: `stress` (Pa, at the centre, all nine components row by row), `principal_stress` (Pa, the most
+/// tensile first), `von_mises` (Pa), `material`, a number from 0 for each group of the mesh and each law in it, in the
+/// order of the elements; with several bodies `body`, the number of each from 0; `discretisation_error`, the
+/// contribution of a cell to the error of the mesh in the energy norm; and if several processes share the body, `rank`,
+/// the lowest rank of the cell's nodes.
 pub fn fields(model: &Model, step: &IncrementView<'_>) -> Grid {
     let mesh = &model.mesh;
     let (displacements, factors) = deformation(model, step);
@@ -53,7 +56,7 @@ pub fn fields(model: &Model, step: &IncrementView<'_>) -> Grid {
     Grid { units: model.units(), points: mesh.nodes.clone(), cells, point_fields, cell_fields }
 }
 
-/// All nine components of stresses, row by row.
+/// Returns all nine components of stresses, row by row.
 fn tensors(stresses: &[[f64; 6]]) -> Vec<f64> {
     stresses.iter().flat_map(|&[xx, yy, zz, xy, yz, zx]| [xx, xy, zx, xy, yy, yz, zx, yz, zz]).collect()
 }
@@ -126,7 +129,7 @@ fn contact_fields(model: &Model, step: &IncrementView<'_>) -> Vec<Field> {
     fields
 }
 
-/// The unit outward normal at each node of a master, the mean of its facets.
+/// Returns the unit outward normal at each node of a master, the mean over its facets.
 fn nodal_normals(model: &Model) -> Vec<[f64; 3]> {
     let mut normals = vec![[0.0; 3]; model.mesh.nodes.len()];
     for boundary in model.pairs.iter().map(|pair| &pair.master) {
@@ -140,7 +143,7 @@ fn nodal_normals(model: &Model) -> Vec<[f64; 3]> {
     normals.into_iter().map(|n| if norm(n) > 0.0 { unit(n) } else { n }).collect()
 }
 
-/// A number for each cell's group and law.
+/// Returns a number for each cell's group and law.
 fn materials(model: &Model) -> Vec<i32> {
     let mut different = Vec::new();
     let number = |(cell, law): (&Cell, _)| {
@@ -153,7 +156,8 @@ fn materials(model: &Model) -> Vec<i32> {
     model.mesh.cells.iter().zip(model.materials()).map(number).collect()
 }
 
-/// The rank of each cell, where several share the body. A rank's nodes come before those of the next; what has no displacements is the first one's.
+/// Returns the rank of each cell if several share the body: the lowest rank of its nodes. Nodes without displacements
+/// belong to the first rank.
 fn ranks(model: &Model) -> Option<Vec<i32>> {
     let shared = model.problem.stiffness().shared()?;
     let of = |cell: &Cell| cell.nodes.iter().filter_map(|node| shared.owner(*node)).min().unwrap_or(0) as i32;

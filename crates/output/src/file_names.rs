@@ -1,11 +1,11 @@
-//! Names of files from names of boundaries, which a mesh file may call as it likes.
+//! File names made from boundary names, which a mesh file may choose freely.
 
-/// The longest part of a file name that a boundary gives, bytes: with number, suffix and what marks a file as half
-/// written it stays below the 255 that file systems take.
+/// The longest part of a file name made from a boundary name, bytes. Together with number, suffix and the mark of a
+/// partial file it stays below the limit of file systems, 255.
 const LONGEST: usize = 100;
 
-/// A part of a file name for each of `boundaries`, in their order: letters, digits, `-` and `_` stay, anything else becomes
-/// `_`, and what would be the same name (also where upper and lower case are one) is numbered.
+/// Returns a part of a file name for each of `boundaries`, in their order: letters, digits, `-` and `_` remain, other
+/// characters become `_`, and names that would coincide (also on file systems that ignore case) are numbered.
 pub(super) fn file_names<'a>(boundaries: impl Iterator<Item = &'a str>) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for boundary in boundaries {

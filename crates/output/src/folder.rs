@@ -1,12 +1,12 @@
-//! The folder of a run's results, filled while the run goes on.
+//! The result folder of a run, filled during the run.
 //!
-//! | what | file |
+//! | file | content |
 //! | --- | --- |
-//! | whose a folder is, and what was left in it | `claim.rs` |
-//! | what a run writes, and when | `results.rs` |
-//! | the files of fields, one or several for an increment | `series.rs` |
-//! | a folder that is locked, and published whole | `directory.rs` |
-//! | a table that grows by whole lines | `table.rs` |
+//! | `claim.rs` | ownership of a folder, and the state left by an earlier run |
+//! | `results.rs` | the files written by a run, and when |
+//! | `series.rs` | the files of fields, one or several per increment |
+//! | `directory.rs` | a locked folder whose files are published all at once |
+//! | `table.rs` | a table that grows by whole lines |
 
 mod claim;
 mod directory;

@@ -1,4 +1,4 @@
-//! A history as charts: the forces on the obstacles over time, and the iterations that each increment took.
+//! Charts of a history: the forces on the obstacles over time, and the iterations of each increment.
 
 use super::chart::{Axis, Chart, Curve, Panel, Scale};
 use super::svg::{Dash, Line, Marker};
@@ -14,15 +14,15 @@ const COMPONENTS: [(&str, [u8; 3], Dash); 3] = [
     ("along z", [20, 130, 60], Dash::DashDotted),
 ];
 
-/// With more increments than this a marker for each hides the line.
+/// With more increments than this, markers would hide the line and are not drawn.
 const MOST_MARKERS: usize = 60;
 
-/// Up to this count each number has a tick of its own.
+/// Up to this count, each number has its own tick.
 const MOST_TICKS: usize = 300;
 const MOST_TICKS_UPWARDS: usize = 60;
 
-/// The charts of a report, each with the stem of a file name: `forces`, if contact forces were found, and `iterations`, if there
-/// was any increment.
+/// Returns the charts of a report, each with the stem of a file name: `forces`, if there were contact forces, and
+/// `iterations`, if there was any increment.
 pub fn history_charts(report: &RunReport) -> Vec<(&'static str, Chart)> {
     let mut charts = Vec::new();
     if !report.curves.boundaries.is_empty() {
@@ -38,7 +38,7 @@ fn few(report: &RunReport, marker: Marker) -> Option<Marker> {
     (report.curves.increments <= MOST_MARKERS).then_some(marker)
 }
 
-/// The force of the body on the obstacle in front of each boundary, from the undeformed body on.
+/// Plots the force of the body on the obstacle in front of each boundary, from the undeformed body on.
 fn forces(report: &RunReport) -> Chart {
     let boundaries = &report.curves.boundaries;
     let told = |[time, force]: [f64; 2]| [time, report.units.of_si(Quantity::Force, force)];
@@ -74,12 +74,12 @@ fn forces(report: &RunReport) -> Chart {
     }
 }
 
-/// The scale of counts up to `highest`.
+/// Returns the scale for counts up to `highest`.
 fn counts(highest: usize, most_ticks: usize) -> Scale {
     if highest > most_ticks { Scale::Linear } else { Scale::Integers }
 }
 
-/// Iterations and shortened steps of each increment.
+/// Plots the iterations and shortened steps of each increment.
 fn iterations(report: &RunReport) -> Chart {
     let line = |label: &str, dash, colour, marker, of: &Thinned| Curve {
         label: label.into(),

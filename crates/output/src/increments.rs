@@ -1,4 +1,4 @@
-//! The tables that grow with the increments, comma-separated: a line for each, and one for each force.
+//! The comma-separated tables that grow with the increments: a line per increment, and a line per force.
 
 use stickslip::base::units::UnitSystem;
 use stickslip::body::model::Model;
@@ -9,10 +9,10 @@ use stickslip::run::report::{ComponentSums, ForceRecord, OnObstacle, Resultant};
 use stickslip::solver::events::Event;
 use stickslip::solver::history::IncrementRecord;
 
-/// What the table of every version begins with: by that a run knows the folder of an earlier one.
+/// The first columns of the table in every version, by which a run recognises the folder of an earlier one.
 pub(super) const FIRST_COLUMNS: &str = "index,time,status,iterations,backtracks,theta,";
 
-/// The header of the table.
+/// Returns the header of the table.
 pub(super) fn header() -> String {
     let kkt = ["equilibrium", "penetration", "tension", "complementarity", "cone", "dissipation"];
     let fields = [
@@ -24,7 +24,7 @@ pub(super) fn header() -> String {
     format!("{FIRST_COLUMNS}{}\n", fields.concat().join(","))
 }
 
-/// The line of an increment.
+/// Formats the line of an increment.
 pub(super) fn line(record: &IncrementRecord, units: &UnitSystem) -> String {
     let r = record;
     let mut fields = vec![
@@ -46,7 +46,7 @@ pub(super) fn line(record: &IncrementRecord, units: &UnitSystem) -> String {
     csv::line(&fields)
 }
 
-/// The header of the table of events in so many dimensions.
+/// Returns the header of the table of events in this number of dimensions.
 pub(super) fn events_header(dimension: usize) -> String {
     csv::table(
         &[&["time", "index", "node"], &["x", "y", "z"][..dimension], &["from", "to"]].concat(),
@@ -54,7 +54,7 @@ pub(super) fn events_header(dimension: usize) -> String {
     )
 }
 
-/// The line of a contact node that changes its status in increment `index`.
+/// Formats the line of a contact node that changes its status in increment `index`.
 pub(super) fn event_line(model: &Model, index: usize, event: &Event) -> String {
     let node = model.contacts.get(event.node).map_or(0, |contact| contact.node);
     let position = &model.mesh.nodes[node][..model.mesh.dimension];
@@ -64,14 +64,15 @@ pub(super) fn event_line(model: &Model, index: usize, event: &Event) -> String {
     csv::line(&fields)
 }
 
-/// The header of the table of forces, for so many dimensions, and for obstacles of which `several` are in front of a boundary.
+/// Returns the header of the table of forces, for this number of dimensions, and with `several` obstacles in front of a
+/// boundary.
 pub(super) fn forces_header(dimension: usize, several: bool) -> String {
     let obstacle: &[&str] = if several { &["obstacle"] } else { &[] };
     let header = [&["index", "time", "boundary"], force_columns(dimension), &["kind", "balance"], obstacle].concat();
     csv::table(&header, std::iter::empty())
 }
 
-/// The columns of force, moment and sums of components.
+/// Returns the columns of force, moment and sums of components.
 fn force_columns(dimension: usize) -> &'static [&'static str] {
     match dimension {
         2 => &["f_x", "f_y", "m_z", "sum_p_n", "sum_p_t"],
@@ -79,8 +80,8 @@ fn force_columns(dimension: usize) -> &'static [&'static str] {
     }
 }
 
-/// The lines of an increment: the forces on the obstacles in front of each boundary, and on each of several, then those of supports,
-/// springs and loads on the body.
+/// Formats the force lines of an increment: the forces on the obstacles in front of each boundary, on each single
+/// obstacle if there are several, then the forces of supports, springs and loads on the body.
 pub(super) fn forces_lines(contact: &[ForceRecord], balance: &BalanceRecord, units: &UnitSystem) -> String {
     let BalanceRecord { index, time, supports, springs, loads, balance, .. } = balance;
     let several = contact.iter().any(|record| !record.resultant.obstacles.is_empty());

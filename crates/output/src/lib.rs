@@ -1,4 +1,4 @@
-//! What a run leaves on the disk: its folder, tables, fields for ParaView, charts and maps.
+//! Writes the results of a run: its folder, tables, fields for ParaView, charts and maps.
 
 mod chart;
 mod colours;

@@ -1,5 +1,5 @@
-//! The lists of a report with an entry or more for each increment, written as they are made: of millions of increments none is kept
-//! in memory.
+//! The lists of a report with one or more entries per increment. They are written during the run, so that millions of
+//! increments do not fill the memory.
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, BufWriter, Write};
@@ -13,10 +13,10 @@ use stickslip::run::report::quantities;
 /// The keys of the lists in a report.
 const KEYS: [&str; 3] = ["increments", "forces", "reactions"];
 
-/// The file in which each grows, a line of JSON for an entry, until the report is written.
+/// The files in which the lists grow until the report is written, with a line of JSON per entry.
 pub(super) const FILES: [&str; 3] = [".increments.jsonl", ".forces.jsonl", ".reactions.jsonl"];
 
-/// An entry as a line, told in these units.
+/// Formats an entry as a line, in these units.
 pub(super) fn line(entry: &impl Serialize, units: &UnitSystem) -> io::Result<String> {
     if units.is_si() {
         return Ok(serde_json::to_string(entry)? + "\n");
@@ -26,7 +26,7 @@ pub(super) fn line(entry: &impl Serialize, units: &UnitSystem) -> io::Result<Str
     Ok(serde_json::to_string(&entry)? + "\n")
 }
 
-/// Writes a report whose lists are in files of such lines.
+/// Writes a report whose lists are in such files.
 pub(super) fn write(report: &RunReport, lists: [io::Result<File>; 3], to: &mut File) -> io::Result<()> {
     let mut to = BufWriter::new(to);
     let mut lists = KEYS.into_iter().zip(lists).collect::<Vec<_>>();
@@ -44,7 +44,7 @@ pub(super) fn write(report: &RunReport, lists: [io::Result<File>; 3], to: &mut F
     to.flush()
 }
 
-/// The lines of a file as a list.
+/// Writes the lines of a file as a JSON list.
 fn copy(list: File, to: &mut impl Write) -> io::Result<()> {
     let mut separator = "[";
     for line in BufReader::new(list).lines() {

@@ -1,5 +1,5 @@
-//! A contact surface as a picture: patches coloured by pressure, arrows for the tangential traction, borders between what
-//! sticks, slips and is open.
+//! Pictures of a contact surface: patches coloured by pressure, arrows for the tangential traction, borders between
+//! stick, slip and open zones.
 
 mod key;
 mod view;
@@ -28,8 +28,8 @@ const TANGENTIAL: Colour = [205, 80, 10];
 const THIN: Line = Line { dash: Dash::Solid, width: 1.0 };
 
 impl ContactSurface {
-    /// The surface as an SVG picture: the part that is in contact and a little around it. A patch is a node's share of
-    /// its facets; its colour is the pressure there. Arrows are the traction of the body on the obstacle.
+    /// Returns the part of the surface in contact, and a little around it, as an SVG picture. A patch is a node's part
+    /// of its facets; its colour is the pressure there. Arrows are the traction of the body on the obstacle.
     ///
     /// # Errors
     /// When a stress is not finite.
@@ -54,7 +54,7 @@ impl ContactSurface {
         Ok(svg.finish())
     }
 
-    /// The same with places and stresses in the units of the picture.
+    /// Converts coordinates and stresses to the units of the picture.
     fn in_units(&self) -> Self {
         let units = self.units.of_pictures();
         let [length, stress] = [Quantity::Length, Quantity::Stress].map(|quantity| move |x| units.of_si(quantity, x));
@@ -67,8 +67,8 @@ impl ContactSurface {
         ContactSurface { units, nodes: self.nodes.iter().map(node).collect(), ..self.clone() }
     }
 
-    /// The corners of each node's share of each facet: the node, the middle of a side, the centre, the middle of
-    /// another.
+    /// Returns the corners of each node's part of each facet: the node, the middle of a side, the centre, and the
+    /// middle of the other side.
     fn patches(&self) -> impl Iterator<Item = (&SurfaceNode, [[f64; 2]; 4])> {
         self.facets.iter().flat_map(move |facet| {
             let (n, centre) = (facet.len(), self.centre(facet));
@@ -79,7 +79,7 @@ impl ContactSurface {
         })
     }
 
-    /// The sides of facets that belong to one facet only.
+    /// Returns the sides that belong to one facet only.
     fn outline(&self) -> impl Iterator<Item = [[f64; 2]; 2]> {
         let mut facets: BTreeMap<[usize; 2], usize> = BTreeMap::new();
         for facet in &self.facets {
@@ -106,7 +106,7 @@ impl ContactSurface {
         }
     }
 
-    /// The outline of the surface, and lines between patches of nodes that do different things.
+    /// Draws the outline of the surface, and lines between patches of different contact status.
     fn draw_borders(&self, svg: &mut Svg, view: &View) {
         for ends in self.outline().filter(|ends| view.shows(ends)) {
             svg.line(&ends.map(|end| view.at(end)), THIN, GREY);
@@ -119,7 +119,7 @@ impl ContactSurface {
             for k in 0..n {
                 let (a, b) = (node(k), node(k + 1));
                 let line = [middle(a.place, b.place), centre];
-                // Without friction nothing tells stick from slip.
+                // Without friction, stick and slip are equivalent.
                 let differ = if view.friction { a.status != b.status } else { closed(a) != closed(b) };
                 if differ && view.shows(&line) {
                     svg.line(&line.map(|point| view.at(point)), Line { width: 1.4, ..THIN }, BLACK);
@@ -128,7 +128,7 @@ impl ContactSurface {
         }
     }
 
-    /// What each node does, and the traction where there is room for an arrow.
+    /// Draws the status of each node, and its traction if there is room for an arrow.
     fn draw_nodes(&self, svg: &mut Svg, view: &View) {
         if !view.friction {
             return;
@@ -144,7 +144,7 @@ impl ContactSurface {
             if let Some(marker) = marker.filter(|_| view.markers) {
                 svg.marker(at, marker, BLACK);
             }
-            // Where nodes are close, not all of them have room.
+            // If nodes are close, some of them have no arrow.
             let room = arrows.iter().all(|(other, _)| (at[0] - other[0]).hypot(at[1] - other[1]) > 0.7 * view.arrow);
             if room && node.traction != [0.0; 2] {
                 let [right, up] = node.traction.map(|stress| stress / view.most_traction * view.arrow);
@@ -157,10 +157,10 @@ impl ContactSurface {
     }
 }
 
-/// An arrow from a point along a vector, px.
+/// Draws an arrow from a point along a vector, px.
 fn arrow(svg: &mut Svg, [x, y]: [f64; 2], [dx, dy]: [f64; 2]) {
     let length = dx.hypot(dy);
-    // Less than its own width.
+    // Shorter than its own width.
     if length < 1.5 {
         return;
     }

@@ -1,19 +1,20 @@
-//! A grid in parts: the cells of each rank, where several share the body.
+//! Parts of a grid: the cells of each rank, if several share the body.
 
 use std::collections::BTreeSet;
 
 use super::vtu::{Field, Grid, Values};
 
-/// The field that says which rank a cell is of.
+/// The field with the rank of each cell.
 pub(super) const RANK: &str = "rank";
 
 impl Grid {
-    /// The ranks that have cells, ascending; none where the grid is not shared.
+    /// Returns the ranks that have cells, ascending; none if the grid is not shared.
     pub fn ranks(&self) -> BTreeSet<i32> {
         self.of_ranks().iter().copied().collect()
     }
 
-    /// The cells of `rank` with their points, both in the order that they have here. Points on its border are in other parts, too.
+    /// Returns the cells of `rank` with their points, both in their present order. Points on the border of a part are
+    /// also in other parts.
     #[must_use]
     pub fn part(&self, rank: i32) -> Grid {
         let own = self.of_ranks().iter().enumerate().filter(|(_, of)| **of == rank);
@@ -32,7 +33,7 @@ impl Grid {
         }
     }
 
-    /// The rank of each cell; nothing where the grid is not shared.
+    /// Returns the rank of each cell; empty if the grid is not shared.
     fn of_ranks(&self) -> &[i32] {
         match self.cell_fields.iter().find(|field| field.name == RANK) {
             Some(Field { values: Values::Whole(ranks), .. }) => ranks,
@@ -42,7 +43,7 @@ impl Grid {
 }
 
 impl Field {
-    /// The values of these points or cells.
+    /// Returns the values of these points or cells.
     fn at(&self, places: &[usize]) -> Field {
         let Field { name, components, values } = self;
         let values = match values {
@@ -81,7 +82,7 @@ pub(super) mod tests {
         }
     }
 
-    /// All that a grid says of each of its cells: corners, values at these, values of the cell, to the last bit.
+    /// Returns all data of each cell: corners, values at these, values of the cell, to the last bit.
     fn told(grid: &Grid) -> Vec<Vec<u64>> {
         let bits = |fields: &[Field], place: usize| {
             let of = |Field { components, values, .. }: &Field| match values {

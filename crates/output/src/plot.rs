@@ -1,4 +1,4 @@
-//! Contact stresses along contact lines.
+//! Plots of contact stresses along contact lines.
 
 use super::chart::{Axis, Chart, Curve, Panel, Scale};
 use super::svg::{Dash, Line, Marker, PlotError};
@@ -11,7 +11,7 @@ const TANGENTIAL: [u8; 3] = [190, 70, 10];
 const BOUND: [u8; 3] = [110, 110, 110];
 const BLACK: [u8; 3] = [0, 0, 0];
 
-/// The contact stresses along a contact line as an SVG picture, see [`stress_chart`].
+/// Draws the contact stresses along a contact line as an SVG picture, see [`stress_chart`].
 ///
 /// # Errors
 /// When a stress is not finite.
@@ -21,11 +21,11 @@ pub fn contact_stresses(line: &ContactLine, title: &str) -> Result<String, PlotE
     stress_chart(title.into(), subtitle, 1, &[(String::new(), line)]).to_svg()
 }
 
-/// A panel for each contact line under its heading: `σ_n` and `σ_t`, the friction bound
-/// `±μ σ_n`, and on `σ_t` the status of each node: filled for stick, hollow for slip, none for open. Of a line that touches
-/// in a small part only, that part is shown.
+/// Creates a panel for each contact line under its heading: `σ_n` and `σ_t`, the friction bound `±μ σ_n`, and on `σ_t`
+/// the status of each node: filled for stick, hollow for slip, no marker for open. If only a small part of a line
+/// touches, only that part is shown.
 pub fn stress_chart(title: String, subtitle: String, columns: usize, lines: &[(String, &ContactLine)]) -> Chart {
-    // Contact lines are mostly level: then x says more than the distance along the line.
+    // Contact lines are mostly level. Then x is clearer than the distance along the line.
     let level = |line: &ContactLine| line.points.windows(2).all(|pair| pair[1].x > pair[0].x && pair[1].y == pair[0].y);
     let (abscissa, label): (fn(&ContactPoint) -> f64, _) = if lines.iter().all(|(_, line)| level(line)) {
         (|p| p.x, "x")
@@ -51,8 +51,8 @@ pub fn stress_chart(title: String, subtitle: String, columns: usize, lines: &[(S
     }
 }
 
-/// The points to show: those in contact and half as much around them, two on either side at least, where that is
-/// no more than half of the line; otherwise all.
+/// Returns the points to show: those in contact and half as many around them, at least two on either side, if these are
+/// at most half of the line; otherwise all points.
 fn shown(points: &[ContactPoint]) -> &[ContactPoint] {
     let touches = |p: &ContactPoint| p.status != ContactStatus::Open;
     let (Some(first), Some(last)) = (points.iter().position(touches), points.iter().rposition(touches)) else {
@@ -81,7 +81,7 @@ fn curves(points: &[ContactPoint], abscissa: fn(&ContactPoint) -> f64, units: &U
         marker: Some(marker),
         colour: TANGENTIAL,
     };
-    // Samples for the legend only: what a marker means holds for any colour.
+    // Samples for the legend only: a marker has the same meaning in any colour.
     let sample = |label: &str, marker| Curve {
         label: label.into(),
         points: vec![],
@@ -145,7 +145,7 @@ mod tests {
         assert_eq!(range(101, 50..51), (48.0, 52.0));
         assert_eq!(range(101, 0..9), (0.0, 10.0));
         assert_eq!([range(101, 92..101), range(12, 5..7)], [(90.0, 100.0), (3.0, 8.0)]);
-        // Nothing touches, or half of the line and more.
+        // Nothing touches, or at least half of the line.
         assert_eq!([range(101, 0..0), range(31, 0..23), range(11, 5..7)], [(0.0, 100.0), (0.0, 30.0), (0.0, 10.0)]);
     }
 }

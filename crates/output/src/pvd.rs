@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-/// The files of a series, each with its time (s), as the text of a PVD file.
+/// Returns the text of a PVD file with the files of a series, each with its time (s).
 pub fn series(files: &[(f64, String)]) -> String {
     let mut text = String::from(
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n<Collection>\n",

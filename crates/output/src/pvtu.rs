@@ -1,13 +1,13 @@
-//! A grid in several VTU files, which VTK's readers share among processes: the text that names them.
+//! The list of the VTU files of a grid in several pieces, which VTK's readers distribute to processes.
 //!
-//! The format: VTK file formats, "XML file formats", type `PUnstructuredGrid`. It lists the arrays that each piece has, so that one of these
-//! needs not be read to know them.
+//! The format: VTK file formats, "XML file formats", type `PUnstructuredGrid`. It lists the arrays of the pieces, so
+//! that a reader need not open a piece to know them.
 
 use std::fmt::Write;
 
 use super::vtu::{Field, Grid};
 
-/// The text of the file that names the `pieces` of `grid`.
+/// Returns the text of the file that lists the `pieces` of `grid`.
 pub(super) fn parallel<'a>(grid: &Grid, pieces: impl IntoIterator<Item = &'a str>) -> String {
     let mut text = String::from(
         "<?xml version=\"1.0\"?>\n\

@@ -1,4 +1,4 @@
-//! SVG pictures: lines, polygons, markers and text. Places and lengths are in pixels, y downwards.
+//! SVG pictures: lines, polygons, markers and text. Coordinates and lengths are in pixels, y downwards.
 
 use std::fmt::Write;
 
@@ -6,25 +6,25 @@ use std::fmt::Write;
 const RADIUS: f64 = 3.4;
 /// The width of the outline of a hollow marker.
 const OUTLINE: f64 = 1.4;
-/// How wide a seam two neighbours can show.
+/// The largest visible seam between two neighbours.
 const SEAM: f64 = 0.7;
-/// How far the line on which letters stand is below their middle, in sizes of the letters.
+/// The distance of the baseline below the middle of the letters, in font sizes.
 const HALF_A_LETTER: f64 = 0.35;
 
-/// Red, green and blue.
+/// A colour: red, green and blue.
 pub(super) type Colour = [u8; 3];
 
-/// Why a picture could not be drawn.
+/// The reason why a picture could not be drawn.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("the plot could not be drawn: a number is not finite")]
 pub struct PlotError;
 
-/// An error unless all `values` can be drawn.
+/// Returns an error unless all `values` can be drawn.
 pub(super) fn expect_finite(mut values: impl Iterator<Item = f64>) -> Result<(), PlotError> {
     if values.all(f64::is_finite) { Ok(()) } else { Err(PlotError) }
 }
 
-/// A line.
+/// A line style.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Line {
     /// The dashes of the line.
@@ -33,20 +33,20 @@ pub struct Line {
     pub width: f64,
 }
 
-/// How a line is broken.
+/// The dash pattern of a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dash {
-    /// Not at all.
+    /// Unbroken.
     Solid,
-    /// Into dots.
+    /// Dots.
     Dotted,
-    /// Into dashes.
+    /// Dashes.
     Dashed,
-    /// Into dashes and dots in turn.
+    /// Alternating dashes and dots.
     DashDotted,
 }
 
-/// What stands at a point.
+/// A marker at a point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Marker {
     /// A filled circle.
@@ -59,7 +59,7 @@ pub enum Marker {
     Triangle,
 }
 
-/// How a text stands to its point, which is half-way up its letters.
+/// The position of a text relative to its point, which is half-way up its letters.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Anchor {
     /// The text begins at the point.
@@ -74,13 +74,13 @@ pub(super) enum Anchor {
     Upwards,
 }
 
-/// A picture; what is drawn later hides what was drawn before.
+/// A picture. Later elements cover earlier ones.
 pub(super) struct Svg {
     text: String,
 }
 
 impl Svg {
-    /// A white picture.
+    /// Creates a white picture.
     pub(super) fn new(size: [f64; 2]) -> Self {
         let [width, height] = size.map(f64::ceil);
         Svg {
@@ -92,7 +92,7 @@ impl Svg {
         }
     }
 
-    /// The whole picture.
+    /// Returns the text of the whole picture.
     pub(super) fn finish(mut self) -> String {
         self.text.push_str("</svg>\n");
         self.text
@@ -104,9 +104,9 @@ impl Svg {
         let _ = writeln!(self.text, "{element}");
     }
 
-    /// What `draw` draws, as far as it is within a rectangle.
+    /// Draws the part of `draw` that is within a rectangle.
     pub(super) fn within(&mut self, [left, top]: [f64; 2], size: [f64; 2], draw: impl FnOnce(&mut Svg)) {
-        // An inner picture with the places of the outer one hides what leaves it.
+        // A nested picture with the coordinates of the outer one clips its content.
         let ([x, y], [width, height]) = ([left, top].map(tenths), size.map(tenths));
         self.put(format_args!(
             "<svg x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" viewBox=\"{x} {y} {width} {height}\">"
@@ -115,7 +115,7 @@ impl Svg {
         self.put(format_args!("</svg>"));
     }
 
-    /// A line through points.
+    /// Draws a line through points.
     pub(super) fn line(&mut self, points: &[[f64; 2]], line: Line, colour: Colour) {
         let (points, colour, width) = (places(points), hex(colour), line.width);
         let dashes = line.dash.lengths(width);
@@ -123,13 +123,13 @@ impl Svg {
         self.put(format_args!("<polyline points=\"{points}\" stroke=\"{colour}\" stroke-width=\"{width}\"{dashes}/>"));
     }
 
-    /// A filled polygon.
+    /// Draws a filled polygon.
     pub(super) fn polygon(&mut self, corners: &[[f64; 2]], colour: Colour) {
         let (corners, colour) = (places(corners), hex(colour));
         self.put(format_args!("<polygon points=\"{corners}\" fill=\"{colour}\"/>"));
     }
 
-    /// A filled polygon that leaves no seam between itself and its neighbours.
+    /// Draws a filled polygon without a seam to its neighbours.
     pub(super) fn tile(&mut self, corners: &[[f64; 2]], colour: Colour) {
         let (corners, colour) = (places(corners), hex(colour));
         self.put(format_args!(
@@ -137,7 +137,7 @@ impl Svg {
         ));
     }
 
-    /// A marker; a hollow one hides the line behind it.
+    /// Draws a marker. A hollow one covers the line behind it.
     pub(super) fn marker(&mut self, at: [f64; 2], marker: Marker, colour: Colour) {
         let ([x, y], colour) = (at.map(tenths), hex(colour));
         let outline = format!("fill=\"white\" stroke=\"{colour}\" stroke-width=\"{OUTLINE}\"");
@@ -155,7 +155,7 @@ impl Svg {
         }
     }
 
-    /// A text in letters of `size`, in black; nothing of an empty one.
+    /// Draws a text in letters of `size`, in black. An empty text draws nothing.
     pub(super) fn text(&mut self, [x, y]: [f64; 2], text: &str, size: f64, anchor: Anchor) {
         if text.is_empty() {
             return;
@@ -175,7 +175,7 @@ impl Svg {
     }
 }
 
-/// About how wide a text in letters of `size` is.
+/// Returns the approximate width of a text in letters of `size`.
 pub(super) fn text_width(text: &str, size: f64) -> f64 {
     let width = |c: char| match c {
         ' ' | '.' | ',' | ':' | '\'' | 'i' | 'j' | 'l' | 't' | 'f' | 'r' | 'I' | '(' | ')' => 0.36,
@@ -188,7 +188,7 @@ pub(super) fn text_width(text: &str, size: f64) -> f64 {
 }
 
 impl Dash {
-    /// Lengths of marks and gaps in turn; none for an unbroken line.
+    /// Returns the alternating lengths of marks and gaps; empty for an unbroken line.
     fn lengths(self, width: f64) -> &'static str {
         match self {
             Dash::Solid => "",
@@ -200,7 +200,7 @@ impl Dash {
     }
 }
 
-/// A length with the digits that can be seen.
+/// Rounds a length to the visible digits.
 fn tenths(x: f64) -> f64 {
     // + 0.0 turns -0 into 0.
     (10.0 * x).round() / 10.0 + 0.0
@@ -215,7 +215,7 @@ fn hex([red, green, blue]: Colour) -> String {
     format!("#{red:02x}{green:02x}{blue:02x}")
 }
 
-/// A text as XML has it, which knows no control characters.
+/// Escapes a text for XML, without control characters.
 fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {

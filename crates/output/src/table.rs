@@ -10,14 +10,14 @@ pub struct Table {
 }
 
 impl Table {
-    /// A table with the given column heads.
+    /// Creates a table with the given column heads.
     pub fn new(heads: &[&str]) -> Self {
         let mut table = Table { widths: vec![0; heads.len()], rows: Vec::new() };
         table.push(heads.iter().map(ToString::to_string).collect());
         table
     }
 
-    /// Whether there is no row below the heads.
+    /// Returns `true` if there is no row below the heads.
     pub fn is_empty(&self) -> bool {
         self.rows.len() <= 1
     }

@@ -21,7 +21,7 @@ pub enum Values {
 }
 
 impl Values {
-    /// The type of the values, by VTK's word.
+    /// Returns VTK's name for the type of the values.
     pub(super) fn kind(&self) -> &'static str {
         match self {
             Values::Real(_) => "Float64",
@@ -30,12 +30,12 @@ impl Values {
     }
 }
 
-/// A field: so many values for each point or cell.
+/// A field: a fixed number of values for each point or cell.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Field {
     /// The name of the field.
     pub name: &'static str,
-    /// Values for each point or cell: 1 for a number, 3 for a vector, 9 for a tensor, row by row.
+    /// The number of values per point or cell: 1 for a number, 3 for a vector, 9 for a tensor, row by row.
     pub components: usize,
     /// The values, point by point or cell by cell.
     pub values: Values,
@@ -56,7 +56,7 @@ pub struct Grid {
     pub cell_fields: Vec<Field>,
 }
 
-/// The text of a VTU file, made as it is written: an array at a time.
+/// Writes the text of a VTU file, an array at a time.
 impl fmt::Display for Grid {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(
@@ -98,7 +98,7 @@ impl fmt::Display for Grid {
 }
 
 impl Grid {
-    /// The bytes of a number of SI units.
+    /// Returns the bytes of a number given in SI units.
     fn told(&self, quantity: Quantity, x: f64) -> [u8; 8] {
         self.units.of_si(quantity, x).to_le_bytes()
     }
@@ -111,7 +111,7 @@ fn array<const N: usize>(
     components: usize,
     values: impl Iterator<Item = [u8; N]>,
 ) -> fmt::Result {
-    // The count of bytes comes first, and is known last.
+    // The count of bytes comes first but is known last.
     let mut bytes = vec![0; 8];
     bytes.extend(values.flatten());
     let count = bytes.len() as u64 - 8;

@@ -1,4 +1,4 @@
-//! The forces that act on the body, and what they leave of each other.
+//! The forces on the body and their balance.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,8 +7,9 @@ use crate::base::units::Quantity;
 use crate::body::model::{Balance, Model, Pair, Wrench};
 use crate::solver::history::IncrementView;
 
-/// What acts on the body beside contact, at the end of an increment. Loads, supports and springs act on the body, contact forces
-/// ([`super::ForceRecord`]) on the obstacles: the first three less the last is what `balance` measures.
+/// The forces on the body at the end of an increment, except contact. Loads, supports and springs act on the body,
+/// contact forces ([`super::ForceRecord`]) on the obstacles. `balance` measures the sum of the first three minus the
+/// last.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BalanceRecord {
@@ -16,20 +17,21 @@ pub struct BalanceRecord {
     pub index: usize,
     /// The time at its end, s.
     pub time: f64,
-    /// The force of each support on the body, its reaction. What several supports hold in the same direction they share evenly.
+    /// The force of each support on the body (reaction). Supports that constrain the same displacement share its
+    /// reaction evenly.
     pub supports: Vec<Acting>,
     /// The force of each spring or foundation on the body.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub springs: Vec<Acting>,
     /// The force of each load.
     pub loads: Vec<Acting>,
-    /// What all forces on the body leave of each other, as a force or as a moment about its middle by its size, relative to the
-    /// sum of the sizes of the forces on its nodes.
+    /// The imbalance of all forces on the body: the magnitude of the resultant force, or of the moment about the body's
+    /// middle divided by its size, relative to the sum of the magnitudes of the nodal forces.
     pub balance: f64,
-    /// What the forces leave without their moments, relative to that sum.
+    /// The imbalance of the forces alone, relative to that sum.
     #[serde(skip)]
     pub of_forces: f64,
-    /// That sum, N.
+    /// The sum of the magnitudes of the nodal forces, N.
     #[serde(skip)]
     pub size: f64,
 }
@@ -42,13 +44,13 @@ pub struct Acting {
     pub at: String,
     /// x, y and, in three dimensions, z, N; in two dimensions N per m of depth.
     pub force: Vec<f64>,
-    /// The moment about the origin at the reference positions of the nodes: about z in two dimensions, about x, y and z in
-    /// three, N m; in two dimensions N m per m of depth.
+    /// The moment about the origin at the reference positions of the nodes: about z in two dimensions, about x, y and z
+    /// in three, N m; in two dimensions N m per m of depth.
     pub moment: Vec<f64>,
 }
 
 impl BalanceRecord {
-    /// The balance at the end of a step.
+    /// Returns the balance at the end of a step.
     pub fn new(model: &Model, step: &IncrementView<'_>) -> Self {
         let (index, time) = (step.record.index, step.record.time);
         let Balance { loads, supports, springs, closure, force_closure, size, .. } = model.balanced(time, step.state);
@@ -69,20 +71,21 @@ impl BalanceRecord {
     }
 }
 
-/// More of the forces may be left than the error of each node, whose signs add up: so many tolerances count as none.
+/// The largest imbalance, in tolerances, that counts as balanced. It exceeds the error of each node because the errors
+/// add up.
 const BALANCED: f64 = 100.0;
 
-/// Watches what is left of the balance over a history.
+/// Collects the imbalance over a history.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct BalanceWatch {
-    /// The largest sum of the sizes of forces, N.
+    /// The largest sum of magnitudes of forces, N.
     largest: f64,
-    /// The most that forces have left of each other, as a force or a moment and as a force alone, N, and when, s.
+    /// The largest imbalance, as a force or a moment, then as a force alone, N, and its time, s.
     worst: Option<[f64; 3]>,
 }
 
 impl BalanceWatch {
-    /// Looks at the end of an increment that converged. What did not is in balance with nothing, and its verdict says so.
+    /// Examines the end of a converged increment. Increments that did not converge are not balanced anyway.
     pub fn see(&mut self, record: &BalanceRecord) {
         let left = record.balance * record.size;
         self.largest = self.largest.max(record.size);
@@ -91,9 +94,10 @@ impl BalanceWatch {
         }
     }
 
-    /// The warning where forces as large as those of this run leave more of each other than the `tolerance` lets expect. Beside what the
-    /// stiffness makes of large displacements they are lost in its rounding, which the errors of a state cannot tell. Where bodies
-    /// are in front of each other and the forces balance, but not their moments, the gap between the bodies is the reason.
+    /// Warns if the imbalance, relative to the largest forces of the run, exceeds the `tolerance` by more than a factor
+    /// [`BALANCED`]. One cause is rounding: forces much smaller than stiffness times displacements are lost in it,
+    /// which the errors of a state cannot show. Another is a gap between opposing bodies, if the forces balance but the
+    /// moments do not.
     pub(super) fn unbalanced(&self, model: &Model, tolerance: f64) -> Option<Warning> {
         let [left, of_forces, time] = self.worst?;
         if left <= BALANCED * tolerance * self.largest {
@@ -104,18 +108,18 @@ impl BalanceWatch {
         let widest = model.pairs.iter().max_by(|a, b| apart(a).total_cmp(&apart(b)));
         let message = match widest.filter(|_| of_forces <= BALANCED * tolerance * self.largest) {
             Some(pair) => format!(
-                "at t = {time} s the moments of all forces leave {share:.1e} of their sizes, though the forces balance: `{}` and `{}`, whose meshes \
-                 are up to {:.2e} {} apart, act on each other along lines that are as far apart, and nothing balances the moment of that; let the two \
-                 meet without a gap, on plane facets or with nodes at the same places",
+                "at t = {time} s the forces on the body balance, but their moments do not, by {share:.1e} of their \
+                 sizes: the meshes of `{}` and `{}`, which act on each other, are up to {:.2e} {} apart; let the \
+                 two meet without a gap, on plane facets or with nodes at the same places",
                 pair.slave,
                 pair.master.name,
                 model.units().of_si(Quantity::Length, apart(pair)),
                 model.units().name(Quantity::Length)
             ),
             None => format!(
-                "at t = {time} s all forces on the body leave {share:.1e} of their sizes: they are so small beside the stiffness and the \
-                 displacements of the body that rounding counts, and may be as wrong; let the body move less, or let supports, \
-                 and not contact or springs, carry it along"
+                "at t = {time} s the forces on the body do not balance, by {share:.1e} of their sizes: rounding \
+                 matters, because they are small compared with stiffness times displacements, and they may be \
+                 equally wrong; let the body move less, or move it by supports in place of contact or springs"
             ),
         };
         Some(Warning { kind: WarningKind::Unbalanced, message })

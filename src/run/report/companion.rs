@@ -1,4 +1,4 @@
-//! What a second run with other increments tells of those of the first.
+//! The time-step error estimated by a companion run.
 
 use serde::Serialize;
 
@@ -6,24 +6,24 @@ use crate::body::model::Model;
 use crate::solver::history::Status;
 use crate::solver::problem::State;
 
-/// What the increments of a run leave in its tangential forces, by a run with fewer or with more of them.
+/// The time-step error of the tangential forces, estimated by a companion run with fewer or more increments.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CompanionEstimate {
-    /// The increments of the other run.
+    /// The increments of the companion run.
     pub increments: usize,
-    /// Its verdict. Where it did not converge there is no estimate.
+    /// The verdict of the companion run. Without convergence there is no estimate.
     pub status: Status,
-    /// How far the tangential forces of the two runs differ at most, at the ends of the stretches in which everything goes on in
-    /// one direction, relative to their largest there.
+    /// The largest difference between the tangential forces of the two runs at the ends of load segments, relative to
+    /// the largest tangential forces there.
     pub difference: Option<f64>,
-    /// The error of the tangential forces that follows, as a share.
+    /// The resulting error of the tangential forces, as a share.
     pub error: Option<f64>,
 }
 
 impl CompanionEstimate {
-    /// Compares the states of two runs of `model` at the same times; `share` of their difference is the error of the first, while
-    /// errors are proportional to the length of increments.
+    /// Compares the states of two runs of `model` at the same times. The error of the first is `share` times their
+    /// difference, as long as errors are proportional to the length of increments.
     pub fn new(model: &Model, increments: usize, status: Status, states: [&[State]; 2], share: f64) -> Self {
         let problem = &model.problem;
         let [these, others] = states;
@@ -39,16 +39,17 @@ impl CompanionEstimate {
     }
 }
 
-/// How many increments a run took to leave a given error in its tangential forces.
+/// The number of increments that was chosen for a given error of the tangential forces.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ChosenIncrements {
-    /// The error that was asked for, as a share.
+    /// The requested error, as a share.
     pub asked: f64,
-    /// The increments of a first run, eight or more in each stretch in which everything goes on in one direction.
+    /// The increments of a first run, at least eight in each load segment.
     pub tried: usize,
-    /// The error of that run, the larger of its own estimate and of that by its companion; none where neither can be told.
+    /// The error of that run, the larger of its own estimate and the estimate by its companion; none if neither is
+    /// known.
     pub error: Option<f64>,
-    /// The increments that follow.
+    /// The chosen increments.
     pub increments: usize,
 }

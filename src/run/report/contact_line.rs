@@ -21,25 +21,25 @@ pub struct ContactPoint {
     pub x: f64,
     /// Position, m.
     pub y: f64,
-    /// Position, m; 0 in two dimensions, like the components below that only space has.
+    /// Position, m; 0 in two dimensions, as are the components below that exist only in space.
     pub z: f64,
     /// Distance along the contact boundary from its first node, m.
     pub s: f64,
     /// Normal contact force, N, in two dimensions per unit depth, positive in compression.
     pub p_n: f64,
-    /// Tangential contact force, N, in two dimensions per unit depth: of the body on the obstacle, along the
-    /// first tangent.
+    /// Tangential contact force of the body on the obstacle along the first tangent, N, in two dimensions per unit
+    /// depth.
     pub p_t: f64,
     /// Tangential contact force along the second tangent, N.
     pub p_o: f64,
-    /// Normal contact stress `p_n / l` (32), Pa; on boundaries of second order corrected, and perhaps negative; at a node beyond the end of
-    /// the other body that of the nodes of its facets together.
+    /// Normal contact stress `p_n / l` (32), Pa. On boundaries of second order it is corrected and may be negative. At
+    /// a node beyond the end of the other body it is the mean over the nodes of its facets.
     pub sigma_n: f64,
     /// Tangential contact stress `p_t / l` (32), Pa.
     pub sigma_t: f64,
     /// Tangential contact stress `p_o / l`, Pa.
     pub sigma_o: f64,
-    /// The normal stress of the node with its neighbours, `Σ p_n / Σ l`, Pa; with tetrahedra only.
+    /// Normal stress of the node together with its neighbours, `Σ p_n / Σ l`, Pa; with tetrahedra only.
     pub sigma_patch: Option<f64>,
     /// Normal contact displacement, m, positive towards the obstacle.
     pub w_n: f64,
@@ -47,19 +47,19 @@ pub struct ContactPoint {
     pub w_t: f64,
     /// Tangential contact displacement along the second tangent, m.
     pub w_o: f64,
-    /// The distance from the obstacle that is left, m.
+    /// Remaining distance from the obstacle, m.
     pub gap: f64,
-    /// Motion past the obstacle along the first tangent since the beginning, m.
+    /// Motion relative to the obstacle along the first tangent since the beginning, m.
     pub slip_t: f64,
-    /// Motion past the obstacle along the second tangent since the beginning, m.
+    /// Motion relative to the obstacle along the second tangent since the beginning, m.
     pub slip_o: f64,
-    /// The force of the body on the obstacle, N: normal and tangential ones together.
+    /// Total force of the body on the obstacle, N.
     pub force: [f64; 3],
-    /// The normal, out of the body, and the two tangents of the obstacle, along which the components are told.
+    /// The outward normal of the body and the two tangents of the obstacle, which define the components.
     pub frame: [[f64; 3]; 3],
     /// Friction coefficient.
     pub mu: f64,
-    /// What the node does.
+    /// Contact status.
     pub status: ContactStatus,
 }
 
@@ -72,18 +72,18 @@ pub struct ContactLine {
     pub index: usize,
     /// The time at its end, s.
     pub time: f64,
-    /// 2 or 3: in space the contact nodes make up a surface, and `s` says nothing.
+    /// The number of dimensions, 2 or 3. In space the contact nodes form a surface, and `s` is meaningless.
     pub dimension: usize,
-    /// One point a node.
+    /// The points, one per node.
     pub points: Vec<ContactPoint>,
-    /// The obstacle that each node meets, by its key, where several are in front of the boundary; otherwise none.
+    /// The key of the obstacle that each node meets, if several are in front of the boundary; otherwise empty.
     pub obstacles: Vec<String>,
-    /// The units of tables and pictures of it.
+    /// The units for tables and pictures.
     pub units: UnitSystem,
 }
 
 impl ContactLine {
-    /// The contact lines of a step, one for each boundary with contact.
+    /// Returns the contact lines of a step, one for each boundary with contact.
     pub fn all(model: &Model, step: &IncrementView<'_>) -> Vec<Self> {
         let several = model.contact_boundaries.len() > 1;
         let line = |boundary: &ContactBoundary| ContactLine {
@@ -106,7 +106,8 @@ impl ContactLine {
         model.contact_boundaries.iter().map(line).collect()
     }
 
-    /// The nodes as CSV: the columns of the plane, and in three dimensions those of space among them; the obstacles last.
+    /// Formats the nodes as CSV. In three dimensions additional columns appear among those of the plane. The obstacles
+    /// come last.
     pub fn to_csv(&self) -> String {
         let patches = self.points.iter().any(|point| point.sigma_patch.is_some());
         let is_there = |column: &&Column| column.dimension <= self.dimension && (patches || column.name != PATCH);
@@ -132,14 +133,14 @@ impl ContactLine {
     }
 }
 
-/// A column of numbers, written from so many dimensions on.
+/// A column of numbers, written from this number of dimensions on.
 struct Column {
     name: &'static str,
     dimension: usize,
     value: fn(&ContactPoint) -> f64,
 }
 
-/// The column that only tetrahedra have.
+/// The column that exists only with tetrahedra.
 const PATCH: &str = "sigma_patch";
 
 const COLUMNS: [Column; 19] = [
@@ -164,7 +165,7 @@ const COLUMNS: [Column; 19] = [
     Column { name: "f_z", dimension: 3, value: |p| p.force[2] },
 ];
 
-/// Behind the status: which node it is, and the directions of its components.
+/// The columns after the status: the node and the directions of its components.
 const PLACE: [Column; 10] = [
     Column { name: "node", dimension: 2, value: |p| p.node as f64 },
     Column { name: "n_x", dimension: 2, value: |p| p.frame[0][0] },
@@ -178,13 +179,13 @@ const PLACE: [Column; 10] = [
     Column { name: "o_z", dimension: 3, value: |p| p.frame[2][2] },
 ];
 
-/// The names of all columns.
+/// Returns the names of all columns.
 #[cfg(test)]
 pub(super) fn names() -> impl Iterator<Item = &'static str> {
     COLUMNS.iter().chain(&PLACE).map(|column| column.name).chain(["status", "obstacle"])
 }
 
-/// The contact nodes `nodes` at the end of a step.
+/// Returns the contact nodes `nodes` at the end of a step.
 pub fn points(model: &Model, nodes: impl Iterator<Item = usize>, step: &IncrementView<'_>) -> Vec<ContactPoint> {
     let (problem, state) = (&model.problem, step.state);
     let tractions = model.recovered_tractions(state);
@@ -205,7 +206,7 @@ pub fn points(model: &Model, nodes: impl Iterator<Item = usize>, step: &Incremen
         let [x, y, z] = position;
         let contact = &model.contacts[i];
         let p_n = state.p_n[i];
-        // Displacements from where supports have moved the body, which gaps and drifts count from, too.
+        // Displacements relative to the motion of supports, as for gaps and tangential motions of the obstacle.
         let gap = &step.increment.gap;
         let (relative, along) = if contact.coupled().is_some() {
             let normal = model.of_node_from_rows(i, |j| problem.c_n().dot(j, &state.u));

@@ -1,21 +1,21 @@
-//! Comma-separated values (RFC 4180): a header line, then numbers in the shortest form that reads back the same.
+//! Comma-separated values (RFC 4180): a header line, then numbers in the shortest form that is read back exactly.
 
 use std::borrow::Cow;
 
-/// A table of named columns; every field is quoted that has to be.
+/// Formats a table of named columns. Fields are quoted if necessary.
 pub fn table(header: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
     let mut text = line(header);
     text.extend(rows.map(|row| line(&row)));
     text
 }
 
-/// Fields in a line, quoted where they have to be.
+/// Formats fields as a line. They are quoted if necessary.
 pub fn line(fields: &[impl AsRef<str>]) -> String {
     let fields: Vec<Cow<'_, str>> = fields.iter().map(|field| quoted(field.as_ref())).collect();
     fields.join(",") + "\n"
 }
 
-/// A text as a field: names of boundaries may hold commas, quotes and line breaks.
+/// Quotes a field if necessary. Names of boundaries may contain commas, quotes and line breaks.
 fn quoted(text: &str) -> Cow<'_, str> {
     if text.contains([',', '"', '\n', '\r']) {
         format!("\"{}\"", text.replace('"', "\"\"")).into()
@@ -24,10 +24,10 @@ fn quoted(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// A number as a field: with an exponent where it would be a row of zeros otherwise.
+/// Formats a number, with an exponent if it would otherwise have many zeros.
 pub fn number(x: f64) -> String {
     match x {
-        // -0 too.
+        // Includes -0.
         0.0 => "0".to_string(),
         _ if (1e-4..1e16).contains(&x.abs()) => x.to_string(),
         _ => format!("{x:e}"),

@@ -1,4 +1,4 @@
-//! What the mesh cannot tell, as a report has it.
+//! Estimates of the errors by mesh and increments, as reported.
 
 use serde::{Deserialize, Serialize};
 
@@ -19,37 +19,41 @@ use crate::solver::history::{IncrementError, IncrementView, Status};
 use crate::solver::laws::ContactStatus;
 use crate::solver::problem::State;
 
-/// Estimates of what mesh and increments leave open.
+/// Estimates of the errors by mesh and increments.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Estimates {
-    /// Of each contact surface that ever touched.
+    /// The estimates of each contact surface that ever touched, when its force was largest.
     pub contact: Vec<ContactEstimate>,
-    /// What the mesh can tell of the surface with the largest contact pressure of all increments, when that was reached.
+    /// The estimate of the surface with the largest contact pressure of all increments, at the time of that pressure.
     #[serde(skip)]
     pub peak: Option<ContactEstimate>,
-    /// The largest error of that pressure, as a share; none where the whole surface is in contact.
+    /// The upper estimate of the error of that pressure, as a share; none if the whole surface is in contact.
     pub peak_error: Option<f64>,
-    /// By what share the body is too stiff because elements lock, about, when its strain energy was largest: within a factor of
-    /// two where it is below 1; none where no cell can lock.
+    /// The approximate share by which locking makes the body too stiff, when its strain energy was largest, within a
+    /// factor of two for values below 1; none if no cell can lock.
     pub locking: Option<f64>,
-    /// The error of the mesh in the energy norm then, as a share of the solution; none where it cannot be told.
+    /// The error of the mesh in the energy norm at that time, as a share of the solution; none if it cannot be
+    /// estimated.
     pub discretisation: Option<f64>,
-    /// The error of the stresses then, as a share; none where Poisson's ratio is below 0.45, for there it is about that of the mesh.
+    /// The error of the stresses at that time, as a share; none for Poisson's ratios below 0.45, where it is about that
+    /// of the mesh.
     pub stresses: Option<f64>,
-    /// The largest error of the tangential forces by the error of the mesh, as a share, see doc/estimates.md; none where no surface has any.
+    /// The largest error of the tangential forces caused by the error of the mesh, as a share, see doc/estimates.md;
+    /// none if no surface has such forces.
     pub tangential: Option<f64>,
-    /// The nodes across the zones that slip beside others that stick, weighted by the work of friction; none where there are none, or hardly any work.
+    /// The number of nodes across slip zones adjacent to stick zones, weighted by the friction work; none if there are
+    /// no such zones, or hardly any friction work.
     pub slip_across: Option<f64>,
-    /// What the increments leave, where there is friction; of BN only.
+    /// The time-step error, with friction and BN only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub increments: Option<IncrementError>,
-    /// What the increments leave in the tangential forces, by a second run with others, where that was asked for.
+    /// The time-step error of the tangential forces by a companion run, if it was requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub companion: Option<CompanionEstimate>,
 }
 
-/// Watches the converged increments of a history: each contact surface counts when its force is largest.
+/// Collects data of converged increments. The estimates of each contact surface refer to the time of its largest force.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EstimateWatch {
     graph: ContactGraph,
@@ -57,19 +61,19 @@ pub struct EstimateWatch {
     seen: Seen,
 }
 
-/// What the increments so far have shown.
+/// The data of the increments so far.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Seen {
-    /// Of each contact surface the state with the largest force.
+    /// The state of each contact surface at its largest force.
     heaviest: Vec<Heaviest>,
     peak: Option<Peak>,
     strained: Option<Strained>,
     slip: SlipZones,
-    /// Of each boundary with contact.
+    /// The largest sums of each boundary with contact.
     sums: Vec<LargestSums>,
 }
 
-/// The largest strain energy so far, J, and the displacements and normal contact forces (N) then.
+/// The largest strain energy so far, J, with the displacements and normal contact forces (N) at that time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Strained {
     energy: f64,
@@ -78,17 +82,18 @@ struct Strained {
     p_n: Vec<f64>,
 }
 
-/// The largest force on a contact surface so far, N, and what makes it up; 0 before anything touches.
+/// The largest force on a contact surface so far, N, with its time and state; 0 before anything touches.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 struct Heaviest {
     force: f64,
     time: f64,
-    /// The contact forces; displacements are left out.
+    /// The contact forces; displacements are omitted.
     state: State,
     statuses: Vec<ContactStatus>,
 }
 
-/// The largest sums of the forces of a boundary so far, N: normal, tangential, and the friction that it can have.
+/// The largest sums of the forces of a boundary so far, N: normal forces, tangential forces, and the largest possible
+/// friction.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 struct LargestSums {
     normal: f64,
@@ -107,47 +112,50 @@ impl LargestSums {
     }
 }
 
-/// A tangential force that is a smaller share of the friction there can be is none.
+/// Tangential forces below this share of the largest possible friction count as zero.
 const NO_FORCE: f64 = 0.01;
 
-/// A work of friction that is a smaller share of the largest strain energy is none.
+/// Friction work below this share of the largest strain energy counts as zero.
 const NO_WORK: f64 = 1e-4;
 
-/// A larger error of the tangential forces by the mesh is told: of 600 random scenes it came to this in 41 whose mesh was not called coarse; the force
-/// or the work of friction was more than 10 % off in 22 of them, and both were better than 2 % in 2.
+/// The error of the tangential forces by the mesh above which a warning is given. Of 600 random scenes, 41 exceeded it
+/// without a warning of a coarse mesh. The force or the friction work was more than 10 % off in 22 of them, and both
+/// were better than 2 % in 2.
 const TANGENTIAL: f64 = 0.15;
 
-/// Zones that slip with fewer nodes across are told, since the width of each is known to a node or half of one: of 600 random scenes 69 had them where the
-/// contact itself was wide enough, and the work of friction was more than 10 % off in 49, and better than 2 % in 4.
+/// Slip zones with fewer nodes across cause a warning, because their width is known to half a node or one node. Of 600
+/// random scenes, 69 had them although the contact itself was wide enough. The friction work was more than 10 % off in
+/// 49 of them, and better than 2 % in 4.
 const FINE_FOR_SLIP: f64 = 1.0 / 0.15;
 
-/// Zones with fewer nodes across have a peak that may be a tenth off.
+/// The peak pressure of zones with fewer nodes across may be 10 % off.
 const FINE: usize = 8;
 
-/// A share of the force on isolated nodes, or on narrow zones, that is larger is told, however wide other zones are.
+/// A larger share of the force on isolated nodes, or on narrow zones, causes a warning, however wide other zones are.
 const ISOLATED: f64 = 0.1;
 
-/// Elements that differ by a larger factor at the end of a contact spoil the pressure inside.
+/// Elements that differ by a larger factor at the end of a contact disturb the pressure inside.
 const UNEVEN: f64 = 3.0;
 
-/// Zones with fewer nodes across leave the zone that sticks known to a twentieth at best.
+/// In zones with fewer nodes across, the width of the stick zone is known to 5 % at best.
 const FINE_FOR_STICK: usize = 40;
 
-/// Where corners make the solution singular the estimate is this share of the error in the energy norm.
+/// The ratio of the estimate to the error in the energy norm if corners make the solution singular.
 const OF_SINGULAR: f64 = 0.6;
 
-/// Meshes with a larger error in the energy norm are told: of 200 random scenes those with 0.14 to 0.2 had tangential forces that were 2 to 20 % off.
+/// The error in the energy norm above which a warning is given. Of 200 random scenes, those with 0.14 to 0.2 had
+/// tangential forces that were 2 to 20 % off.
 const COARSE: f64 = 0.15;
 
-/// Stresses with a larger error are told, where it is so many times that of the mesh.
+/// The error of the stresses above which a warning is given, if it is also [`FAR`] times that of the mesh.
 const ROUGH: f64 = 0.1;
 const FAR: f64 = 3.0;
 
-/// A scatter of the peak that is smaller is none.
+/// A smaller scatter of the peak is ignored.
 const SMOOTH: f64 = 0.1;
 
 impl EstimateWatch {
-    /// Before the first increment of `model`.
+    /// Begins with the first increment of `model`.
     pub fn new(model: &Model) -> Self {
         let graph = ContactGraph::new(model);
         let heaviest = vec![Heaviest::default(); graph.surfaces().len()];
@@ -155,12 +163,12 @@ impl EstimateWatch {
         EstimateWatch { graph, peak_of: PeakOf::of(model), seen: Seen { heaviest, sums, ..Seen::default() } }
     }
 
-    /// What the increments so far have shown, to be put away.
+    /// Returns the data of the increments so far, for a checkpoint.
     pub fn seen(&self) -> &Seen {
         &self.seen
     }
 
-    /// Goes on with what others have `seen` of the same model; whether they are.
+    /// Resumes from the data of a checkpoint. Returns `false` if they belong to another model.
     pub fn go_on_with(&mut self, model: &Model, seen: Seen) -> bool {
         let contacts = model.contacts.len();
         let heaviest =
@@ -177,12 +185,12 @@ impl EstimateWatch {
         fits
     }
 
-    /// Looks at the end of an increment; one that did not converge says nothing.
+    /// Examines the end of an increment. Increments that did not converge are ignored.
     pub fn see(&mut self, model: &Model, step: &IncrementView<'_>) {
         if step.record.status != Status::Converged {
             return;
         }
-        // What is left at open nodes is rounding.
+        // Forces at open nodes are rounding errors.
         let is_open = |status: &ContactStatus| *status == ContactStatus::Open;
         let of_closed =
             step.state.p_n.iter().zip(step.statuses).map(|(p, status)| if is_open(status) { 0.0 } else { *p });
@@ -217,12 +225,12 @@ impl EstimateWatch {
         }
     }
 
-    /// The largest contact pressure, if anything was pressed.
+    /// Returns the largest contact pressure, if there was any.
     pub fn largest_pressure(&self, model: &Model) -> Option<LargestPressure> {
         self.seen.peak.as_ref().map(|peak| peak.told(model, &self.graph))
     }
 
-    /// What was found of the mesh.
+    /// Returns the estimates of the mesh errors.
     pub fn estimates(&self, model: &Model) -> Estimates {
         let elements = self.seen.strained.as_ref().map(|Strained { time, u, p_n, .. }| {
             let pressed: Vec<usize> = self.graph.isolated(p_n).map(|i| model.contacts[i].node).collect();
@@ -249,8 +257,9 @@ impl EstimateWatch {
         }
     }
 
-    /// The error of the tangential forces where that of the mesh in the energy norm is `error`: its square is the share that forces may be off, and
-    /// normal forces that are off have tangential ones off by as much.
+    /// Returns the error of the tangential forces if `error` is the error of the mesh in the energy norm. Forces may be
+    /// off by the share `error²`, and an error of the normal forces causes an equally large one of the tangential
+    /// forces.
     fn tangential(&self, error: f64) -> Option<f64> {
         let counts = |sums: &&LargestSums| sums.friction > 0.0 && sums.tangential >= NO_FORCE * sums.friction;
         let of = |sums: &LargestSums| error * error * (sums.normal + sums.tangential) / sums.tangential;
@@ -264,31 +273,31 @@ impl EstimateWatch {
 }
 
 impl Estimates {
-    /// Of the contact surface that bears most.
+    /// Returns the estimate of the contact surface with the largest force.
     pub fn heaviest(&self) -> Option<&ContactEstimate> {
         self.contact.iter().max_by(|a, b| a.force.total_cmp(&b.force))
     }
 
-    /// The error that increments leave in the tangential forces, as a share: the larger of what the run and its companion tell, for each
-    /// sees nodes that the other does not.
+    /// Returns the time-step error of the tangential forces, as a share. It is the larger of the estimates by the run
+    /// and by its companion, because each covers nodes that the other misses.
     pub fn force_error(&self) -> Option<f64> {
         let by_transport = self.increments.and_then(|increments| increments.force_error);
         let by_companion = self.companion.and_then(|companion| companion.error);
         by_transport.into_iter().chain(by_companion).reduce(f64::max)
     }
 
-    /// The warnings that follow.
+    /// Returns the resulting warnings.
     pub fn warnings(&self, model: &Model, validity: &Validity) -> Vec<Warning> {
         let units = model.units();
         let simplices = model.mesh.dimension == 3 && model.mesh.cells.iter().any(|cell| cell.kind.is_simplex());
         let sound = self.contact.iter().filter(|contact| !validity.has_faceted_gaps(model, &contact.boundary));
         let contact = sound.flat_map(|contact| {
-            // Of the peak that is reported the estimate of its own time counts.
+            // For the reported peak, the estimate at its own time counts.
             let peak = self.peak.as_ref().filter(|peak| peak.boundary == contact.boundary).unwrap_or(contact);
             [of_zone(contact, &units), of_peak(peak, &units, simplices), of_ends(contact)].concat()
         });
         let mut warnings: Vec<Warning> = contact.collect();
-        // Of a narrow contact the warning of its width is enough.
+        // For a narrow contact, the warning of its width is enough.
         let narrow = [WarningKind::ContactUnresolved, WarningKind::ContactCoarse];
         if !warnings.iter().any(|warning| narrow.contains(&warning.kind)) {
             warnings.extend(self.slip_across.and_then(narrow_slip));
@@ -301,7 +310,7 @@ impl Estimates {
 }
 
 impl Estimates {
-    /// That pressures within the body are far worse than displacements are.
+    /// Warns if stresses in the body are much less accurate than displacements.
     fn rough(&self, model: &Model) -> Option<Warning> {
         let (stresses, whole) = (self.stresses?, self.discretisation?);
         let cure = match model.element() {
@@ -312,8 +321,9 @@ impl Estimates {
             Element::BBar | Element::NodalVolume => "refine the mesh",
         };
         let message = format!(
-            "stresses in the body may be off by about {:.0} %, in its fields and at its probes, though the error of the mesh is {:.0} % in the energy \
-             norm: pressures of elements that hardly change their volume vary from one to the next; {cure}, or keep to forces and displacements",
+            "stresses in the body (fields and probes) may be off by about {:.0} %, although the error of the mesh \
+             is {:.0} % in the energy norm: pressures in nearly incompressible elements vary from one to the \
+             next; {cure}, or use only forces and displacements",
             100.0 * stresses,
             100.0 * whole
         );
@@ -321,7 +331,7 @@ impl Estimates {
     }
 }
 
-/// The surface and the time of an estimate.
+/// Names the surface and the time of an estimate.
 fn at(contact: &ContactEstimate) -> String {
     format!("`{}` at t = {} s", contact.boundary, contact.time)
 }
@@ -330,7 +340,7 @@ fn percent(share: f64) -> String {
     if share > 0.0 && share < 0.005 { "less than 1 %".to_string() } else { format!("{:.0} %", 100.0 * share) }
 }
 
-/// What the widths of the zones say.
+/// Warns of too narrow contact zones.
 fn of_zone(contact: &ContactEstimate, units: &UnitSystem) -> Vec<Warning> {
     let length = |x: f64| told(units, Quantity::Length, x);
     let at = at(contact);
@@ -343,22 +353,22 @@ fn of_zone(contact: &ContactEstimate, units: &UnitSystem) -> Vec<Warning> {
         let size = length(contact.element_size);
         let finer = match contact.hertz {
             Some(HertzContact { half_width, peak_pressure }) => format!(
-                "; for this force Hertz has a half-width of {} and a peak of {}; elements there are {size}, make them {} \
-                 (8 across)",
+                "; for this force Hertz' half-width is {} and his peak pressure {}; elements there are {size}, make \
+                 them {} (8 across)",
                 length(half_width),
                 told(units, Quantity::Stress, peak_pressure),
                 length(0.25 * half_width)
             ),
             None => format!("; elements there are {size}, make them smaller until 8 nodes are across"),
         };
-        let message = format!("{at}: {bears}: pressure and contact width mean nothing there{finer}");
+        let message = format!("{at}: {bears}, so pressure and contact width are meaningless there{finer}");
         return vec![Warning { kind: WarningKind::ContactUnresolved, message }];
     }
     let Some(n) = contact.nodes_across.filter(|&n| n < FINE) else { return Vec::new() };
     let (peak, width) = (peak_error(n), 2.0 * peak_error(n));
     let message = format!(
-        "{at}: the contact zone is {n} nodes wide: its peak pressure may be {} off, its width {}; halve the \
-         elements there for {}",
+        "{at}: the contact zone is only {n} nodes wide: its peak pressure may be off by {}, its width by {}; halve \
+         the elements there for {}",
         percent(peak),
         percent(width),
         percent(peak_error(2 * n - 1))
@@ -366,14 +376,14 @@ fn of_zone(contact: &ContactEstimate, units: &UnitSystem) -> Vec<Warning> {
     vec![Warning { kind: WarningKind::ContactCoarse, message }]
 }
 
-/// What the largest pressure says beside those around it.
+/// Warns if the largest pressure differs much from those around it.
 fn of_peak(contact: &ContactEstimate, units: &UnitSystem, simplices: bool) -> Vec<Warning> {
     let stress = |x: f64| told(units, Quantity::Stress, x);
     let at = at(contact);
     if contact.singular_edge {
         let message = format!(
-            "{at}: the pressure is singular at the edge ({} of the force on its nodes): its peak is that of the mesh; \
-             use forces, and pressures inside",
+            "{at}: the pressure is singular at the edge ({} of the force on its nodes): its peak depends on the \
+             mesh; use only forces, and pressures away from the edge",
             percent(contact.edge_share)
         );
         return vec![Warning { kind: WarningKind::SingularEdge, message }];
@@ -382,9 +392,10 @@ fn of_peak(contact: &ContactEstimate, units: &UnitSystem, simplices: bool) -> Ve
     if n.is_some_and(|n| n <= 4) || contact.scatter <= SMOOTH.max(n.map_or(0.0, peak_error)) {
         return Vec::new();
     }
-    let trust = if simplices { "trust the latter" } else { "refine the mesh there" };
+    let trust = if simplices { "use the mean" } else { "refine the mesh there" };
     let message = format!(
-        "{at}: neighbouring nodes differ: the peak of {} is {} above its mean over neighbours, {}; {trust}",
+        "{at}: pressures of neighbouring nodes differ: the peak of {} is {} above the mean over its neighbours, {}; \
+         {trust}",
         stress(contact.peak_pressure),
         percent(contact.scatter),
         stress(contact.patch_pressure)
@@ -392,22 +403,23 @@ fn of_peak(contact: &ContactEstimate, units: &UnitSystem, simplices: bool) -> Ve
     vec![Warning { kind: WarningKind::PeakScatter, message }]
 }
 
-/// What the ends of the contact and of its sticking part say.
+/// Warns of problems at the ends of the contact and of its stick zone.
 fn of_ends(contact: &ContactEstimate) -> Vec<Warning> {
     let at = at(contact);
     let mut warnings = Vec::new();
     if let Some(ratio) = contact.edge_ratio.filter(|ratio| *ratio > UNEVEN) {
         let message = format!(
-            "{at}: the contact reaches the end of its boundary, where elements beyond are {ratio:.0} times as long, or \
-             as short, as those inside: pressures inside may be several percent off; let elements grow slowly there"
+            "{at}: the contact reaches the end of its boundary, where the elements outside are {ratio:.0} times \
+             longer or shorter than those inside: pressures inside may be off by several percent; let elements \
+             grow gradually there"
         );
         warnings.push(Warning { kind: WarningKind::UnevenElements, message });
     }
     let n = contact.nodes_across.filter(|n| (FINE..FINE_FOR_STICK).contains(n));
     if let (Some(stick), Some(n)) = (contact.stick, n) {
         let message = format!(
-            "{at}: the zone that sticks is known to one element: its width is {:.2} ± {:.2} of that of the contact, {n} \
-             nodes wide",
+            "{at}: the size of the stick zone is known only to one element: its width is {:.2} ± {:.2} of the \
+             contact width ({n} nodes)",
             stick.ratio, stick.uncertainty
         );
         warnings.push(Warning { kind: WarningKind::StickZoneCoarse, message });
@@ -415,12 +427,12 @@ fn of_ends(contact: &ContactEstimate) -> Vec<Warning> {
     warnings
 }
 
-/// That the mesh is too coarse for the body itself.
+/// Warns if the mesh is too coarse for the body itself.
 fn coarse(error: f64) -> Option<Warning> {
     let message = format!(
-        "the mesh is coarse: its error is about {:.0} % in the energy norm, so that displacements and forces may be off by about {:.0} %, where \
-         stresses at corners or ends of supports are singular by {:.0} %, pressures by more; refine it where the field `discretisation_error` is \
-         large, or use elements of second order",
+        "the mesh is coarse: its error is about {:.0} % in the energy norm, so displacements and forces may be off \
+         by about {:.0} % (if stresses at corners or ends of supports are singular, by {:.0} %), and pressures by \
+         more; refine it where the field `discretisation_error` is large, or use elements of second order",
         100.0 * error,
         100.0 * error * error,
         100.0 * (error / OF_SINGULAR).powi(2)
@@ -428,27 +440,28 @@ fn coarse(error: f64) -> Option<Warning> {
     (error > COARSE).then_some(Warning { kind: WarningKind::CoarseMesh, message })
 }
 
-/// That the mesh is too coarse for tangential forces that are small beside the normal ones.
+/// Warns if the mesh is too coarse for tangential forces much smaller than the normal ones.
 fn coarse_for_friction(error: f64) -> Option<Warning> {
     let message = format!(
-        "the mesh is coarse for the tangential forces, which are small beside the normal ones: what it leaves of these may be up to {:.0} % of the \
-         largest tangential force; refine it where the field `discretisation_error` is large, or use elements of second order",
+        "the mesh is coarse for the tangential forces, which are small compared with the normal ones: their error \
+         may be up to {:.0} % of the largest tangential force; refine it where the field `discretisation_error` \
+         is large, or use elements of second order",
         100.0 * error
     );
     (error > TANGENTIAL).then_some(Warning { kind: WarningKind::TangentialCoarse, message })
 }
 
-/// That zones that slip are too narrow for the work of friction.
+/// Warns if slip zones are too narrow for the friction work.
 fn narrow_slip(across: f64) -> Option<Warning> {
     let message = format!(
-        "zones that slip beside others that stick are {across:.1} nodes wide, in the mean weighted by the work of friction there: this work may be \
-         off by about {:.0} %, and how far nodes slip; make elements smaller where nodes slip, until 7 are across",
+        "slip zones beside stick zones are only {across:.1} nodes wide (mean weighted by friction work): friction \
+         work and slip may be off by about {:.0} %; make elements smaller where nodes slip, until 7 are across",
         100.0 / across
     );
     (across < FINE_FOR_SLIP).then_some(Warning { kind: WarningKind::SlipZoneCoarse, message })
 }
 
-/// A number with its unit.
+/// Formats a number with its unit.
 fn told(units: &UnitSystem, quantity: Quantity, x: f64) -> String {
     format!("{:.2e} {}", units.of_si(quantity, x), units.name(quantity))
 }

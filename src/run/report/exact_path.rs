@@ -1,4 +1,4 @@
-//! What a report says of an exact path in time.
+//! The exact path in a report.
 
 use serde::Serialize;
 
@@ -8,24 +8,24 @@ use crate::body::model::Model;
 use crate::solver::events::{Jump, PathEnd};
 use crate::solver::history::{HistoryOutcome, Method};
 
-/// What became of an exact path in time.
+/// The course of an exact path.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ExactPath {
-    /// How often a contact node changed its status.
+    /// The number of changes of contact status.
     pub events: usize,
-    /// Where it went on by a jump, because that was asked for.
+    /// The jumps with which the path was continued, as requested.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub jumps: Vec<Jump>,
-    /// Where the quasi-static motion ended, if it did.
+    /// The end of the quasi-static motion, if it ended.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lost: Option<PathEnd>,
 }
 
-/// A larger share of the displacements by which gaps may be off is told.
+/// The error of gaps, relative to the displacements, above which a warning is given.
 const OFF: f64 = 1e-6;
 
-/// That the exact path followed gaps along chords.
+/// Warns that the exact path followed curved gaps along chords.
 pub(super) fn curved_gaps(method: Method, model: &Model, outcome: &HistoryOutcome) -> Option<Warning> {
     let Method::Events { .. } = method else { return None };
     let off = model.loading.off_the_chords();
@@ -34,8 +34,9 @@ pub(super) fn curved_gaps(method: Method, model: &Model, outcome: &HistoryOutcom
     }
     let units = model.units();
     let message = format!(
-        "gaps in front of a moving obstacle are curved in time: the exact path follows them along chords, off by up to {:.1e} {} ({:.1e} of \
-         the largest displacement); four times as many increments as chords make that a sixteenth",
+        "gaps in front of a moving obstacle are curved in time, and the exact path follows them along chords, with \
+         errors up to {:.1e} {} ({:.1e} of the largest displacement); four times as many increments as chords \
+         reduce them to a sixteenth",
         units.of_si(Quantity::Length, off),
         units.name(Quantity::Length),
         off / outcome.scales.length
@@ -43,7 +44,7 @@ pub(super) fn curved_gaps(method: Method, model: &Model, outcome: &HistoryOutcom
     Some(Warning { kind: WarningKind::CurvedGaps, message })
 }
 
-/// That a run went on by jumps.
+/// Warns that a run was continued by jumps.
 pub(super) fn jumps(jumps: &[Jump]) -> Option<Warning> {
     let first = jumps.first()?;
     let more = match jumps.len() {
@@ -51,8 +52,8 @@ pub(super) fn jumps(jumps: &[Jump]) -> Option<Warning> {
         many => format!(" (the first of {many} jumps)"),
     };
     let message = format!(
-        "no quasi-static motion leads on from t = {} s: the states from t = {} s on are one of those that the laws allow after a \
-         jump{more}; dynamics says which",
+        "no quasi-static motion continues from t = {} s: the states from t = {} s on are one of several that the \
+         laws allow after a jump{more}; only dynamics can decide which",
         first.from, first.to
     );
     Some(Warning { kind: WarningKind::Jump, message })

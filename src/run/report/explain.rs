@@ -1,4 +1,4 @@
-//! Why a run did not converge, in words: the law that is violated, where, and what to try, by the keys of a scene.
+//! Explains why a run did not converge: the violated law, its place, and the cure, by the keys of a scene.
 
 use serde::Serialize;
 
@@ -8,19 +8,19 @@ use crate::body::model::Model;
 use crate::solver::history::{HistoryOutcome, Method, SolverChoice, Status};
 use crate::solver::laws::Law;
 
-/// A motion of contact nodes that is a smaller share of that of the body is rounding.
+/// A smaller motion of contact nodes, relative to that of the body, is rounding.
 const NEGLIGIBLE: f64 = 1e-9;
 
-/// The share of all friction in use from which on it is told.
+/// The share of all friction in use above which it is reported.
 const MUCH: f64 = 0.8;
 
-/// Why a run ended early.
+/// The reason why a run ended early.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Explanation {
-    /// The reason in words; empty if the run went to its end.
+    /// The reason in words; empty if the run reached its end.
     pub reason: String,
-    /// Where the increment that failed violates the law most.
+    /// The node of the largest violation in the increment that failed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub worst: Option<WorstNode>,
 }
@@ -31,16 +31,16 @@ pub struct Explanation {
 pub struct WorstNode {
     /// The law.
     pub law: Law,
-    /// The error, relative as everywhere.
+    /// The relative error.
     pub error: f64,
     /// The number of the node in the mesh, from 0.
     pub node: usize,
-    /// The position of the node, m: as many coordinates as there are dimensions.
+    /// The position of the node, m, with one coordinate per dimension.
     pub position: Vec<f64>,
 }
 
 impl Explanation {
-    /// The explanation of the `outcome` of `model`, solved as `solver` says; empty if it converged.
+    /// Explains the `outcome` of `model` solved by `solver`; empty if it converged.
     pub fn new(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome) -> Self {
         Explanation { reason: reason(solver, model, outcome), worst: worst_node(model, outcome) }
     }
@@ -52,12 +52,13 @@ fn reason(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome) -> Str
             Status::Singular => unheld(model, outcome),
             Status::Interrupted => "stopped on request".to_string(),
             Status::Unsupported if matches!(solver.method, Method::Events { .. }) => {
-                "the exact path is followed where nodes slide along lines, friction stays and contact rows do not depend on each \
-                 other; use the method bn"
+                "the exact path requires nodes that slide along lines, constant friction and independent contact \
+                 rows; use the method bn"
                     .to_string()
             }
             Status::Unsupported => {
-                "this interior point method knows one tangent a node, but nodes slide in a plane; use the method bn"
+                "this interior point method has only one tangent per node, but nodes slide in a plane; use the \
+                 method bn"
                     .to_string()
             }
             Status::OutOfMemory => {
@@ -78,12 +79,13 @@ fn reason(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome) -> Str
         Status::NoContinuation => no_continuation(model, outcome),
         Status::Interrupted => "stopped on request".to_string(),
         Status::Inaccurate | Status::Stalled if law == "equilibrium" && error <= 10.0 * outcome.rounding => format!(
-            "{violated}, which is what rounding the displacements of so slender a body makes; \
-             if that is enough, set solver.tolerance above it"
+            "{violated}, which is the rounding error of the displacements of so slender a body; if this accuracy \
+             suffices, set solver.tolerance above it"
         ),
         Status::Inaccurate if matches!(solver.method, Method::Events { .. }) => {
             format!(
-                "{violated}, on the exact path: rounding, most likely; compare with the method bn, and with another solver.linear"
+                "{violated} on the exact path, most likely by rounding; compare with the method bn, and with \
+                 another solver.linear"
             )
         }
         Status::Inaccurate => {
@@ -95,7 +97,7 @@ fn reason(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome) -> Str
         }
         Status::MaxIterations => {
             let limit = solver.max_iterations;
-            // Fewer than any increment of the suite of extremes is known to need.
+            // From 100 on, the limit is hardly the cause: no increment of the extreme test cases is known to need more.
             let advice = if limit < 100 {
                 "try a larger solver.max_iterations".to_string()
             } else {
@@ -104,9 +106,9 @@ fn reason(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome) -> Str
             format!("no convergence within max_iterations = {limit}: {violated}; {advice}")
         }
         Status::Cycling => {
-            format!("the iteration goes round in a circle: {violated}; {}", advice(solver, model, outcome))
+            format!("the iteration cycles: {violated}; {}", advice(solver, model, outcome))
         }
-        Status::Stalled => format!("no step leads on: {violated}; {}", advice(solver, model, outcome)),
+        Status::Stalled => format!("the iteration stalls: {violated}; {}", advice(solver, model, outcome)),
         Status::Diverged | Status::NotFinite => {
             format!("the numbers left the range of double precision: {violated}; {}", advice(solver, model, outcome))
         }
@@ -115,42 +117,43 @@ fn reason(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome) -> Str
     let reached = match solver.method {
         Method::Events { .. } => String::new(),
         _ if record.parts == 0 => String::new(),
-        _ => format!("; smaller parts of it converged until t = {} s", outcome.reached),
+        _ => format!("; substeps of it converged until t = {} s", outcome.reached),
     };
     format!("increment {} (t = {} s): {why}{reached}", record.index, record.time)
 }
 
-/// What to try when the iteration stops too late or too early.
+/// Suggests a cure if the iteration stops too late or too early.
 fn advice(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome) -> String {
     let words = match solver.method {
         Method::Bn { r_factor, .. } if r_factor != 1.0 => {
-            "r is not that of the problem: take solver.r_factor out of the scene"
+            "r is not scaled to the problem: remove solver.r_factor from the scene"
         }
         Method::Bn { .. } | Method::Events { .. } => {
             "there may be no equilibrium beyond this load, or several: try solver.method = \"ip\", more increments \
-             (time.increments) or less friction; `stickslip check` tells what holds the body"
+             (time.increments) or less friction; `stickslip check` shows what holds the body"
         }
         Method::Ip { .. } => {
-            "try solver.method = \"bn\" or more increments (time.increments); `stickslip check` tells what holds the body"
+            "try solver.method = \"bn\" or more increments (time.increments); `stickslip check` shows what holds \
+             the body"
         }
-        // The setting's r is ten times the modulus of steel; the window that works is two decades wide.
+        // The setting's r is ten times the modulus of steel. It works within two decades.
         Method::PaperBn | Method::PaperIp { .. } if (1e10..1e13).contains(&stiffest(model)) => {
-            "the setting paper stops at an absolute Theta, made for loads of MN; \
-             try solver.setting = \"default\", loads of that size or more increments (time.increments)"
+            "the setting paper stops at an absolute Theta meant for loads of MN; try solver.setting = \"default\", \
+             loads of that size or more increments (time.increments)"
         }
         Method::PaperBn | Method::PaperIp { .. } => {
             let units = model.units();
             let (modulus, unit) = (units.number(Quantity::Stress, 2e11), units.name(Quantity::Stress));
             return format!(
-                "the setting paper has constants made for moduli near {modulus:e} {unit}: \
-                 try solver.setting = \"default\", or scale modulus and loads alike"
+                "the setting paper has constants meant for moduli near {modulus:e} {unit}: try solver.setting = \
+                 \"default\", or scale modulus and loads by the same factor"
             );
         }
     };
     format!("{words}{}", held_by_contact(model, outcome))
 }
 
-/// The largest Young's modulus of any cell, Pa; in plane stress a little less.
+/// Returns the largest Young's modulus of any cell, Pa; in plane stress a slightly smaller value.
 fn stiffest(model: &Model) -> f64 {
     let young = |lambda: f64, mu: f64| mu * (3.0 * lambda + 2.0 * mu) / (lambda + mu);
     model.materials().iter().map(|law| young(law.lambda, law.mu)).fold(0.0, f64::max)
@@ -165,7 +168,7 @@ fn unheld(model: &Model, outcome: &HistoryOutcome) -> String {
     }
 }
 
-/// Whether contact forces do work along the free motion with these weights.
+/// Returns `true` if contact forces do work along the rigid motion with these weights.
 fn meets_contact(model: &Model, weights: &[f64]) -> bool {
     let problem = &model.problem;
     let mut u = vec![0.0; problem.displacements()];
@@ -179,21 +182,21 @@ fn meets_contact(model: &Model, weights: &[f64]) -> bool {
     [w_n, rubs(&w_t), rubs(&w_o)].iter().any(|w| largest(w) > NEGLIGIBLE * largest(&u))
 }
 
-/// What there is to say where no equilibrium was found of a body that contact alone holds: that it may have one was asked before.
+/// Explains a failure for a body that only contact holds. An equilibrium may exist, which was checked before.
 fn held_by_contact(model: &Model, outcome: &HistoryOutcome) -> String {
     if model.rigid_motions.is_empty() || model.contacts.is_empty() {
         return String::new();
     }
     let motions: Vec<String> = model.rigid_motions.iter().map(|motion| motion.against(&model.units())).collect();
     format!(
-        "; only contact can hold {}: contact forces within their friction could balance the loads, but no state was found \
-         in which they do{}; add a support, or loads that press the body on its obstacles from the start",
+        "; only contact can hold {}: contact forces within the friction limit could balance the loads, but no such \
+         state was found{}; add a support, or loads that press the body on its obstacles from the start",
         motions.join(" and "),
         used_up(model, outcome)
     )
 }
 
-/// That most of the friction is in use at the end of the last good increment.
+/// Reports if most of the friction is in use at the end of the last converged increment.
 fn used_up(model: &Model, outcome: &HistoryOutcome) -> String {
     let (state, mu) = (&outcome.state, model.problem.mu());
     let used: f64 = state.p_t.iter().zip(&state.p_o).map(|(t, o)| t.hypot(*o)).sum();
@@ -202,7 +205,8 @@ fn used_up(model: &Model, outcome: &HistoryOutcome) -> String {
         return String::new();
     }
     format!(
-        ". At t = {} s {:.0} % of all friction is in use: where loads overcome it, prescribe a displacement in their place",
+        ". At t = {} s {:.0} % of all friction is in use: if the loads overcome it, prescribe a displacement in \
+         their place",
         outcome.reached,
         100.0 * used / most
     )
@@ -211,28 +215,30 @@ fn used_up(model: &Model, outcome: &HistoryOutcome) -> String {
 fn no_equilibrium(model: &Model, outcome: &HistoryOutcome) -> String {
     let motion = motion(model, outcome).map_or("the body".to_string(), |motion| motion.told(&model.units()));
     format!(
-        "no equilibrium exists: the loads drive {motion}, and no contact force within its friction resists; change the loads or add a support"
+        "no equilibrium exists: the loads drive {motion}, and no contact force within the friction limit resists; \
+         change the loads or add a support"
     )
 }
 
-/// Why the exact path ends, and what may be done about it.
+/// Explains why the exact path ends, and suggests a cure.
 fn no_continuation(model: &Model, outcome: &HistoryOutcome) -> String {
     if let Some(motion) = motion(model, outcome) {
         return format!(
-            "the quasi-static motion ends here: on the way to the end of this increment the loads drive {}, and no contact force within its \
-             friction resists; change the loads or add a support",
+            "the quasi-static motion ends here: within this increment the loads drive {}, and no contact force \
+             within the friction limit resists; change the loads or add a support",
             motion.told(&model.units())
         );
     }
     let proof = if outcome.lost.is_some_and(|lost| lost.certain) {
-        "no rates obey the laws, whatever the statuses of the nodes concerned"
+        "no rates satisfy the laws for any contact statuses"
     } else {
-        "no rates that obey the laws were found"
+        "no rates that satisfy the laws were found"
     };
     let cure = if model.rigid_motions.is_empty() {
-        "what follows is a jump, if anything: solver.jump = true goes on with one, less friction may do without"
+        "the motion can continue only by a jump, with solver.jump = true; less friction may avoid it"
     } else {
-        "supports leave the body a rigid motion, and where contact does, too, no rates are unique: add a support; solver.jump = true goes on to where it comes to rest"
+        "supports leave the body a rigid motion, and rates are not unique if contact leaves it too: add a support, \
+         or continue with solver.jump = true to where the body comes to rest"
     };
     format!("the quasi-static motion ends here: {proof}; {cure}")
 }
@@ -240,8 +246,9 @@ fn no_continuation(model: &Model, outcome: &HistoryOutcome) -> String {
 fn edge_friction(model: &Model, outcome: &HistoryOutcome) -> String {
     let motion = motion(model, outcome).map_or("the body".to_string(), |motion| motion.told(&model.units()));
     format!(
-        "the loads drive {motion}, and only friction across an edge between two obstacles could resist; nodes in front of both \
-         have friction along that edge alone: let the boundaries share no node, change the loads or add a support"
+        "the loads drive {motion}, and only friction across an edge between two obstacles could resist, but nodes \
+         in front of both have friction along that edge alone: let the boundaries share no node, change the loads \
+         or add a support"
     )
 }
 
@@ -249,7 +256,7 @@ fn motion(model: &Model, outcome: &HistoryOutcome) -> Option<RigidMotion> {
     RigidMotion::combination(&model.rigid_motions, outcome.free_motion.as_ref()?)
 }
 
-/// Where the law is violated most. A body that comes free violates nothing in particular.
+/// Returns the node of the largest violation. `None` for a body that comes free, which violates no law at any node.
 fn worst_node(model: &Model, outcome: &HistoryOutcome) -> Option<WorstNode> {
     let violation = outcome.violation.filter(|violation| violation.error > 0.0 || violation.error.is_nan())?;
     let node = match violation.law {

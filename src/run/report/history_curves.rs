@@ -1,4 +1,4 @@
-//! A history as curves, gathered while it goes on.
+//! The curves of a history for its charts, collected during the run.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,7 +6,7 @@ use super::resultant::ForceRecord;
 use super::thinned::Thinned;
 use crate::solver::history::{IncrementRecord, Status};
 
-/// What the charts of a history show, gathered while it goes on.
+/// The curves of a history for its charts, collected during the run.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct HistoryCurves {
     /// The number of increments so far.
@@ -30,14 +30,14 @@ pub struct HistoryCurves {
 pub struct ForceCurves {
     /// The name of the boundary.
     pub boundary: String,
-    /// The boundary in front of it, if that is one.
+    /// The opposing boundary, for a pair.
     pub opposite: Option<String>,
     /// Each component over time, N.
     pub components: Vec<Thinned>,
 }
 
 impl HistoryCurves {
-    /// Takes in an increment, and the forces at its end if it converged.
+    /// Adds an increment, and the forces at its end if it converged.
     pub fn add(&mut self, record: &IncrementRecord, forces: &[ForceRecord]) {
         self.increments += 1;
         let x = record.index as f64;

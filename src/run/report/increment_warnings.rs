@@ -1,32 +1,32 @@
-//! What increments leave, as a warning.
+//! Warnings of time-step errors.
 
 use super::warnings::{Warning, WarningKind};
 use crate::base::units::{Quantity, UnitSystem};
 use crate::solver::history::IncrementError;
 
-/// A larger share of the work of friction that is due to the increments is told.
+/// The error of the friction work above which a warning is given, as a share.
 const WORK: f64 = 0.1;
 
-/// A larger error of the tangential forces is told.
+/// The error of the tangential forces above which a warning is given.
 const FORCE: f64 = 0.05;
 
-/// What more increments are counted for.
+/// The error for which the suggested number of increments is calculated.
 const GOOD: f64 = 0.02;
 
-/// Up to so many increments of a stretch in which nodes begin to stick an estimate has nothing to go by.
+/// With at most this number of increments in a load segment in which nodes begin to stick, no estimate is possible.
 const FEW: usize = 3;
 
-/// What is asked for instead.
+/// The number suggested instead.
 const ENOUGH: usize = 8;
 
-/// What tells the error of the forces well, at the ends of stretches.
+/// The command for a reliable estimate of the force error at the ends of load segments.
 const COMPANION: &str = "`stickslip run --companion`";
 
 /// The error estimates of the increments of a run.
 pub(super) struct Known<'a> {
     /// The estimate by the run itself.
     pub found: Option<&'a IncrementError>,
-    /// The error of the tangential forces by a second run, and its increments.
+    /// The error of the tangential forces by a companion run, and the increments of that run.
     pub companion: Option<(f64, usize)>,
     /// The error of the friction forces by loads at t = 0, see [`crate::run`].
     pub start: Option<f64>,
@@ -34,7 +34,7 @@ pub(super) struct Known<'a> {
     pub increments: usize,
 }
 
-/// The warnings that follow.
+/// Returns the resulting warnings.
 pub(super) fn warnings(known: &Known<'_>, units: &UnitSystem) -> Vec<Warning> {
     let work = known.found.filter(|found| found.work_error.abs() > WORK).map(|found| work(found, units));
     let force = known.start.filter(|error| *error > FORCE).map(of_start).or_else(|| known.force());
@@ -47,8 +47,8 @@ fn work(found: &IncrementError, units: &UnitSystem) -> Warning {
     let share = found.work_error.abs();
     let is = if found.work_error > 0.0 { "too large" } else { "too small" };
     let message = format!(
-        "the work of friction, {}, is {is} by about {:.0} % of it, which the increments do: {} is the better value; four times as many \
-         would leave about {:.0} %",
+        "the friction work, {}, is {is} by about {:.0} % because of the increments: {} is the better value; four \
+         times as many increments would leave about {:.0} %",
         energy(found.friction_work),
         100.0 * share,
         energy(found.friction_work_corrected),
@@ -57,25 +57,28 @@ fn work(found: &IncrementError, units: &UnitSystem) -> Warning {
     Warning { kind: WarningKind::IncrementsWork, message }
 }
 
-/// That what is there at t = 0 comes with the first increment.
+/// Warns that the first increment applies the actions at t = 0 together with their changes.
 fn of_start(error: f64) -> String {
     format!(
-        "loads or interference are there at t = 0, and the first increment takes them together with what changes in it: friction is {:.0} % of what \
-         contact can bear off from there on. Begin with a stage that holds what is there, as in history = [[0, 1], [1, 1], [2, 0]], or let it grow from 0",
+        "loads or interference exist at t = 0, and the first increment applies them together with later changes: \
+         the friction error from there on is {:.0} % of the largest possible friction. Begin with a constant \
+         stage, as in history = [[0, 1], [1, 1], [2, 0]], or let them grow from 0",
         100.0 * error
     )
 }
 
 impl Known<'_> {
-    /// That the increments change the tangential forces much, or are too few to tell. A second run is believed before the run itself. Where no node
-    /// begins to stick on the way the forces are exact.
+    /// Warns if the time-step error of the tangential forces is large, or there are too few increments to estimate it.
+    /// An estimate by a companion run takes precedence. If no node begins to stick during a load segment, the forces
+    /// are exact.
     fn force(&self) -> Option<String> {
         let increments = self.increments;
         let enough = |error: f64| (increments as f64 * error / GOOD).ceil();
         if let Some((error, others)) = self.companion {
             return (error > FORCE).then(|| {
                 format!(
-                    "{increments} increments leave about {:.0} % in the tangential forces, by a run with {others}: take {:.0} for {:.0} %",
+                    "the tangential forces have a time-step error of about {:.0} % with {increments} increments, by \
+                     comparison with {others}: take {:.0} for {:.0} %",
                     100.0 * error,
                     enough(error),
                     100.0 * GOOD
@@ -87,14 +90,14 @@ impl Known<'_> {
             let increments =
                 if fewest == 1 { "a single increment".to_string() } else { format!("{fewest} increments") };
             return Some(format!(
-                "nodes begin to stick while loads go one way in {increments}: so few cannot tell what they leave in the tangential \
-                 forces; take {ENOUGH} or more, or let {COMPANION} tell it by a second run"
+                "nodes begin to stick while loads change in one direction for {increments}, too few to estimate the \
+                 time-step error of the tangential forces; take {ENOUGH} or more, or estimate it with {COMPANION}"
             ));
         }
         found.force_error.filter(|error| *error > FORCE).map(|error| {
             format!(
-                "{increments} increments leave about {:.0} % in the tangential forces, by a rough estimate: take {:.0} for {:.0} %; {COMPANION} \
-                 tells it better, by a second run",
+                "the tangential forces have a time-step error of roughly {:.0} % with {increments} increments: take \
+                 {:.0} for {:.0} %; {COMPANION} estimates it better, by a second run",
                 100.0 * error,
                 enough(error),
                 100.0 * GOOD

@@ -1,9 +1,10 @@
-//! What is the largest of a history, whatever rounding makes of it.
+//! Finds the largest value of a history, independent of rounding.
 
-/// Of times that differ by a smaller share rounding would decide, and with it the linear algebra.
+/// Values that differ by a smaller share count as equal. Otherwise rounding, and with it the linear solver, would
+/// decide between their times.
 const ROUNDING: f64 = 1e-9;
 
-/// Whether something is as large as the `largest` so far, or larger: of several times that are alike the last one counts.
+/// Returns `true` if a value is at least as large as the `largest` so far. Of several equal values the last one counts.
 pub(super) fn is_as_large(new: f64, largest: f64) -> bool {
     new >= (1.0 - ROUNDING) * largest
 }

@@ -1,4 +1,4 @@
-//! Contact forces that jump, as a warning.
+//! The warning of a jump of contact forces.
 
 use super::warnings::{Warning, WarningKind};
 
@@ -9,18 +9,19 @@ pub struct Leap {
     pub from: f64,
     /// Its end, s.
     pub to: f64,
-    /// The change of the contact forces by their largest, both as the root of `Σ |p|² / l`.
+    /// The change of the contact forces relative to their largest value, both as the root of `Σ |p|² / l`.
     pub share: f64,
 }
 
 impl Leap {
-    /// That the quasi-static motion ends there.
+    /// Warns that the quasi-static motion ends there.
     pub(super) fn warning(&self) -> Warning {
         let Leap { from, to, share } = *self;
         let message = format!(
-            "contact forces jump by {:.0} % of their largest between t = {from} s and t = {to} s, and shorter increments do not lead over that in steps: no \
-             quasi-static motion leads on from there, and the states behind are one of those that the laws allow; dynamics says which. Less \
-             friction or another support avoids the jump; in the plane solver.method = \"events\" tells where it begins",
+            "contact forces jump by {:.0} % of their largest value between t = {from} s and t = {to} s, even in \
+             shorter increments: no quasi-static motion continues from there, and the states after it are one of \
+             several that the laws allow; only dynamics can decide which. Less friction or another support avoids \
+             the jump; in the plane solver.method = \"events\" finds where it begins",
             100.0 * share
         );
         Warning { kind: WarningKind::Jump, message }

@@ -1,4 +1,4 @@
-//! The pairs of boundaries in front of each other.
+//! Reports on pairs of opposing boundaries.
 
 use serde::Serialize;
 
@@ -6,42 +6,42 @@ use crate::algebra::vector::norm;
 use crate::body::model::{Model, Pair};
 use crate::solver::problem::State;
 
-/// Two boundaries in front of each other, as a report tells of them.
+/// A pair of opposing boundaries.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PairRecord {
     /// The boundary whose nodes have the contact forces.
     pub slave: String,
-    /// The other.
+    /// The opposite boundary.
     pub master: String,
-    /// Why that is the slave, where it was chosen.
+    /// The reason for the choice of the slave, if it was chosen automatically.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
-    /// Whether the two are glued.
+    /// `true` if the two are glued.
     pub glued: bool,
-    /// How many nodes of the slave have the other side in front of them.
+    /// The number of slave nodes with the other side in front of them.
     pub rows: usize,
-    /// How many pairs of facets have a part in common.
+    /// The number of pairs of overlapping facets.
     pub segments: usize,
-    /// The share of the slave that the other side is in front of.
+    /// The share of the slave surface with the other side in front of it.
     pub covered: f64,
-    /// The least gap of the mesh, m; negative where the bodies overlap.
+    /// The smallest gap of the mesh, m; negative if the bodies overlap.
     pub least_gap: f64,
-    /// The largest, m.
+    /// The largest gap of the mesh, m.
     pub largest_gap: f64,
-    /// Where gaps are those of the mesh: by how much facets overlap at most at the end, m. The law holds in the mean over the facets around
-    /// a node, and this tells how good the meshes are for it.
+    /// The largest overlap of facets at the end, m, if gaps are those of the mesh. The contact law holds in the mean
+    /// over the facets around a node, and the overlap shows how well the meshes suit it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub overlap: Option<f64>,
 }
 
 impl PairRecord {
-    /// All pairs of `model` without a state.
+    /// Returns all pairs of `model` without a state.
     pub fn all(model: &Model) -> Vec<Self> {
         model.pairs.iter().map(|pair| PairRecord::of(model, pair)).collect()
     }
 
-    /// The same in the `state` at time `t` (s).
+    /// Returns all pairs in the `state` at time `t` (s).
     pub(super) fn all_at(model: &Model, t: f64, state: &State) -> Vec<Self> {
         let displacements = if model.pairs.is_empty() { Vec::new() } else { model.displaced(t, &state.u) };
         let overlap = |pair: &Pair| {

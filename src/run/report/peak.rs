@@ -14,10 +14,10 @@ use super::largest::is_as_large;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LargestPressure {
-    /// `σ_n = p_n / l` (32) of a node, on linear tetrahedra of a node and its neighbours together, Pa; none where the contact zone has so
-    /// few tetrahedra across that neither is the peak.
+    /// The largest `σ_n = p_n / l` (32), Pa, of a node, or on linear tetrahedra of a node and its neighbours together;
+    /// none if the contact zone has so few tetrahedra across that neither is the peak.
     pub pressure: Option<f64>,
-    /// Which of the two it is.
+    /// The kind of the pressure: of a node, or of a node and its neighbours.
     pub peak_of: Option<PeakOf>,
     /// The boundary of the node.
     pub boundary: String,
@@ -27,22 +27,22 @@ pub struct LargestPressure {
     pub time: f64,
 }
 
-/// The largest pressure so far, and what it belongs to.
+/// The largest pressure so far, with its place, time and state.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Peak {
-    /// Pa.
+    /// The pressure, Pa.
     pressure: f64,
-    /// The places of its boundary and of its contact node.
+    /// The indices of the boundary and of the contact node.
     at: [usize; 2],
-    /// s.
+    /// The time, s.
     time: f64,
-    /// The contact forces then; displacements are left out.
+    /// The contact forces at that time; displacements are omitted.
     state: State,
     statuses: Vec<ContactStatus>,
 }
 
 impl Peak {
-    /// The larger one of `before` and what `step` has, by the pressures `of` nodes or patches.
+    /// Replaces `before` if `step` has a larger pressure `of` nodes or patches.
     pub(super) fn see(
         before: &mut Option<Self>,
         model: &Model,
@@ -54,12 +54,12 @@ impl Peak {
             PeakOf::Nodes => model.contact_pressures(state),
             PeakOf::Patches => graph.patch_pressures(model, &state.p_n),
         };
-        // What is left at open nodes is rounding, and patches around them belong to closed ones.
+        // Forces at open nodes are rounding errors, and patches around them belong to closed nodes.
         let is_closed = |i: &usize| statuses[*i] != ContactStatus::Open && state.p_n[*i] > 0.0;
         let nodes = model.contact_boundaries.iter().enumerate();
         let pairs =
             nodes.flat_map(|(b, boundary)| boundary.nodes.iter().map(move |&i| [b, i])).filter(|[_, i]| is_closed(i));
-        // The first of those that are as large.
+        // Of equally large pressures the first one counts.
         let largest = pairs.fold((0.0, None), |(most, at), pair| match pressures[pair[1]] {
             pressure if pressure > 0.0 && !is_as_large(most, pressure) => (pressure, Some(pair)),
             _ => (most, at),
@@ -75,7 +75,7 @@ impl Peak {
         }
     }
 
-    /// Whether it is one of a model with so many contact nodes.
+    /// Returns `true` if the data fits `model`.
     pub(super) fn fits(&self, model: &Model) -> bool {
         let [boundary, i] = self.at;
         let nodes = model.contact_boundaries.get(boundary).map(|boundary| &boundary.nodes);
@@ -84,13 +84,13 @@ impl Peak {
             && self.statuses.len() == model.contacts.len()
     }
 
-    /// What the mesh can tell of the contact surface that it is on, at that time.
+    /// Estimates the mesh error of its contact surface at that time.
     pub(super) fn estimate(&self, model: &Model, graph: &ContactGraph) -> Option<ContactEstimate> {
         let surface = graph.surfaces().iter().position(|surface| surface.nodes.contains(&self.at[1]))?;
         ContactEstimate::new(model, graph, surface, self.time, &self.state, &self.statuses)
     }
 
-    /// What there is to tell of it.
+    /// Returns the pressure for the report.
     pub(super) fn told(&self, model: &Model, graph: &ContactGraph) -> LargestPressure {
         let [boundary, i] = self.at;
         let peak_of = PeakOf::at(model, graph, &self.state.p_n, i);

@@ -1,10 +1,10 @@
-//! Numbers that do not depend on the axes: principal stresses, von Mises' stress.
+//! Stress invariants: principal stresses, von Mises' stress.
 
-/// Rotations after which nothing is left off the diagonal: each sweep over the three doubles the digits.
+/// An upper limit of the sweeps over the three rotations. Each sweep doubles the correct digits.
 const MOST_SWEEPS: usize = 20;
 
-/// The principal stresses (Pa) of the stress `(σ_xx, σ_yy, σ_zz, τ_xy, τ_yz, τ_zx)` (Pa), the largest (most tensile) first,
-/// by Jacobi's rotations; NaN where the stress is.
+/// Returns the principal stresses (Pa) of the stress `(σ_xx, σ_yy, σ_zz, τ_xy, τ_yz, τ_zx)` (Pa), the most tensile
+/// first, by Jacobi's rotations; NaN if the stress is NaN.
 pub fn principal_stresses([xx, yy, zz, xy, yz, zx]: [f64; 6]) -> [f64; 3] {
     let mut a = [[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]];
     for _ in 0..MOST_SWEEPS {
@@ -12,7 +12,7 @@ pub fn principal_stresses([xx, yy, zz, xy, yz, zx]: [f64; 6]) -> [f64; 3] {
             break;
         }
         for (p, q, r) in [(0, 1, 2), (0, 2, 1), (1, 2, 0)] {
-            // What is lost in the sum with what it would change is nothing.
+            // Off-diagonal terms that vanish by rounding beside the diagonal count as zero.
             if a[p][q].abs() <= f64::EPSILON * 1e-3 * a[p][p].abs().min(a[q][q].abs()) {
                 (a[p][q], a[q][p]) = (0.0, 0.0);
                 continue;
@@ -34,7 +34,7 @@ pub fn principal_stresses([xx, yy, zz, xy, yz, zx]: [f64; 6]) -> [f64; 3] {
     stresses
 }
 
-/// Von Mises' equivalent stress (Pa) of a stress as above.
+/// Returns von Mises' equivalent stress (Pa) of a stress in the same order.
 pub fn von_mises([xx, yy, zz, xy, yz, zx]: [f64; 6]) -> f64 {
     let direct = (xx - yy).powi(2) + (yy - zz).powi(2) + (zz - xx).powi(2);
     (0.5 * direct + 3.0 * (xy * xy + yz * yz + zx * zx)).sqrt()
@@ -51,7 +51,7 @@ mod tests {
     #[test]
     fn known_states() {
         close(principal_stresses([3.0, -1.0, 2.0, 0.0, 0.0, 0.0]), [3.0, 2.0, -1.0], 3.0);
-        // Pure shear in each plane, and beside a pressure that is far larger.
+        // Pure shear in each plane, also together with a much larger pressure.
         for shear in [[5.0, 0.0, 0.0], [0.0, 5.0, 0.0], [0.0, 0.0, 5.0]] {
             close(principal_stresses([0.0, 0.0, 0.0, shear[0], shear[1], shear[2]]), [5.0, 0.0, -5.0], 5.0);
         }
@@ -60,7 +60,7 @@ mod tests {
         assert_eq!(principal_stresses([0.0; 6]), [0.0; 3]);
     }
 
-    /// The invariants are those of the tensor, also where the entries are of very different size.
+    /// The invariants agree with those of the tensor, even for entries of very different size.
     #[test]
     fn invariants_stay() {
         for k in 0..200 {

@@ -13,11 +13,11 @@ use crate::body::mesh::{Mesh, shape};
 use crate::body::model::Model;
 use crate::solver::history::IncrementView;
 
-/// How far outside the box around the nodes of a cell a point may be, in sizes of the cell, that is still tried; a curved edge
-/// leaves the box by an eighth of its length at most.
+/// The distance from the box around the nodes of a cell, in sizes of the cell, up to which points are tried: for
+/// straight and for curved edges. A curved edge leaves the box by at most an eighth of its length.
 const MARGINS: [f64; 2] = [1e-6, 0.25];
 
-/// The points of a probe, each with the cell that holds it.
+/// The points of a probe, each with the cell that contains it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ProbeTable {
     /// The name of the probe.
@@ -26,32 +26,32 @@ pub struct ProbeTable {
     points: Vec<Held>,
 }
 
-/// A point in its cell.
+/// A point and its cell.
 #[derive(Debug, Clone, PartialEq)]
 struct Held {
     position: [f64; 3],
     cell: usize,
-    /// Where it is in the reference cell.
+    /// The coordinates in the reference cell.
     reference: [f64; 3],
 }
 
-/// What is known at a point of a probe.
+/// The values at a point of a probe.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ProbeValue {
     /// The point before the deformation, m.
     pub position: [f64; 3],
-    /// Its displacement, interpolated in the cell that holds it, m.
+    /// The displacement, interpolated in the cell, m.
     pub displacement: [f64; 3],
-    /// The stress `(σ_xx, σ_yy, σ_zz, τ_xy, τ_yz, τ_zx)` of that cell at the point, Pa; on a side of cells that of the one with
-    /// the lowest number.
+    /// The stress `(σ_xx, σ_yy, σ_zz, τ_xy, τ_yz, τ_zx)` of the cell at the point, Pa. On a side between cells, the
+    /// cell with the lowest number counts.
     pub stress: [f64; 6],
 }
 
 impl ProbeTable {
-    /// The tables of `probes`, which are [`Probe::check`]ed here, too.
+    /// Creates the tables of `probes`, after checking these by [`Probe::check`].
     ///
     /// # Errors
-    /// [`InputError`] of the key of a point that is outside of the body of `model`, or has not its dimension.
+    /// [`InputError`] of the key of a point that is outside the body of `model`, or has another dimension.
     pub fn all(model: &Model, probes: &[Probe]) -> Result<Vec<Self>, InputError> {
         Probe::check(probes)?;
         let mut tables = Vec::with_capacity(probes.len());
@@ -88,7 +88,7 @@ impl ProbeTable {
         Ok(ProbeTable { name, dimension, points })
     }
 
-    /// What the points have come to at the end of a `step` of `model`, which is that of the table.
+    /// Returns the values at the points at the end of a `step` of `model`, which must be the model of the table.
     pub fn values(&self, model: &Model, step: &IncrementView<'_>) -> Vec<ProbeValue> {
         let (displacements, factors) = deformation(model, step);
         let value = |point: &Held| {
@@ -104,12 +104,12 @@ impl ProbeTable {
         self.points.iter().map(value).collect()
     }
 
-    /// The names of the columns.
+    /// Returns the names of the columns.
     pub fn header(&self) -> String {
         header(self.dimension)
     }
 
-    /// A line for each point at the end of a step.
+    /// Formats a line for each point at the end of a step.
     pub fn lines(&self, model: &Model, step: &IncrementView<'_>) -> String {
         let (d, units) = (self.dimension, model.units());
         let line = |(k, value): (usize, ProbeValue)| {
@@ -125,12 +125,12 @@ impl ProbeTable {
     }
 }
 
-/// The names of the columns in so many dimensions.
+/// Returns the names of the columns in this number of dimensions.
 pub(super) fn header(dimension: usize) -> String {
     csv::table(&[&["index", "time", "point"], columns(dimension)].concat(), std::iter::empty())
 }
 
-/// The columns of what is known at a point.
+/// Returns the columns of the values at a point.
 fn columns(dimension: usize) -> &'static [&'static str] {
     match dimension {
         2 => &["x", "y", "u_x", "u_y", "s_xx", "s_yy", "s_zz", "s_xy", "von_mises"],
@@ -138,7 +138,7 @@ fn columns(dimension: usize) -> &'static [&'static str] {
     }
 }
 
-/// The first cell that holds each of `points`, and where it does.
+/// Returns the first cell that contains each of `points`, with the coordinates in its reference cell.
 fn cells(mesh: &Mesh, points: &[[f64; 3]]) -> Vec<Option<(usize, [f64; 3])>> {
     let mut found = vec![None; points.len()];
     for (e, cell) in mesh.cells.iter().enumerate() {

@@ -1,5 +1,5 @@
-//! What the numbers of results are, by their names, and how they are told in the units of a body: the one place where columns of
-//! tables, fields and keys of reports get their units.
+//! The quantities of all results by their names, and the conversion to the units of a body. Only this module gives
+//! units to columns of tables, fields and keys of reports.
 
 use serde_json::Value;
 
@@ -42,7 +42,7 @@ const FIELDS: &Table = &[
     (&["status", "material", "body", "discretisation_error", "rank"], Number),
 ];
 
-/// The keys of a report below which there is something with a unit of these; doc/results.md has them all.
+/// The keys of a report whose values have a unit; doc/results.md lists them all.
 const KEYS: &Table = &[
     (
         &[
@@ -64,34 +64,34 @@ const KEYS: &Table = &[
     (&["pressure", "peak_pressure", "patch_pressure"], Stress),
 ];
 
-/// Names with the quantity of what they stand for.
+/// A list of names with their quantity.
 type Table = [(&'static [&'static str], Quantity)];
 
 fn find<'a>(table: &'a Table, name: &'a str) -> Option<Quantity> {
     table.iter().find(|(names, _)| names.contains(&name)).map(|(_, quantity)| *quantity)
 }
 
-/// What the column of this name in any table of results is.
+/// Returns the quantity of the column of this name in any table of results.
 pub fn column(name: &str) -> Quantity {
     find(COLUMNS, name).unwrap_or(Number)
 }
 
-/// What the numbers below a key of this name in a report are.
+/// Returns the quantity of the numbers below a key of this name in a report.
 pub fn key(name: &str) -> Quantity {
     find(KEYS, name).unwrap_or(Number)
 }
 
-/// What the field of this name is.
+/// Returns the quantity of the field of this name.
 pub fn field(name: &str) -> Quantity {
     find(FIELDS, name).unwrap_or(Number)
 }
 
-/// The number `x` (SI) as it stands in the column of this name.
+/// Formats the number `x` (SI) for the column of this name.
 pub fn cell(units: &UnitSystem, name: &str, x: f64) -> String {
     csv::number(units.of_si(column(name), x))
 }
 
-/// Turns the numbers of a report from SI into `units`.
+/// Converts the numbers of a report from SI to `units`.
 pub fn tell(report: &mut Value, units: &UnitSystem) {
     match report {
         Value::Object(entries) => {
@@ -107,7 +107,7 @@ pub fn tell(report: &mut Value, units: &UnitSystem) {
     }
 }
 
-/// A number, or every number of a list.
+/// Converts a number, or every number of a list.
 fn convert(value: &mut Value, quantity: Quantity, units: &UnitSystem) {
     match value {
         Value::Array(values) => values.iter_mut().for_each(|value| convert(value, quantity, units)),
@@ -126,7 +126,7 @@ mod tests {
     use super::super::{contact_line, probe};
     use super::*;
 
-    /// A column that is not in its table would be told in SI units, whatever its neighbours are told in.
+    /// A column missing in its table would be written in SI units, whatever the units of its neighbours.
     #[test]
     fn every_column_has_its_quantity() {
         let headers = [probe::header(2), probe::header(3)];

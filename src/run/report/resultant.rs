@@ -9,9 +9,9 @@ use crate::body::model::{Model, Wrench};
 use crate::solver::history::IncrementView;
 use crate::solver::problem::State;
 
-/// What the body does to the obstacles, or the body, in front of one boundary: the sum of the contact forces, and their components. The forces
-/// on a node that is of several boundaries count in each by its share in the node's area. On several boundaries, and on an
-/// obstacle with a normal for each node, normals and tangents point different ways.
+/// The force of the body on the obstacles, or on the opposing body, in front of one boundary: the sum of the contact
+/// forces, and of their components. A node of several boundaries contributes to each by its share in the node's area.
+/// With several boundaries, or an obstacle with a normal for each node, normals and tangents have different directions.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Resultant {
@@ -19,41 +19,41 @@ pub struct Resultant {
     pub boundary: String,
     /// The force of the body on the obstacle: x, y and, in three dimensions, z, N; in two dimensions N per m of depth.
     pub force: Vec<f64>,
-    /// The moment of the force about the origin, at the reference positions of the nodes: about z in two dimensions, about x, y
-    /// and z in three, N m; in two dimensions N m per m of depth.
+    /// The moment of the force about the origin, at the reference positions of the nodes: about z in two dimensions,
+    /// about x, y and z in three, N m; in two dimensions N m per m of depth.
     pub moment: Vec<f64>,
     /// The sums of the components.
     #[serde(flatten)]
     pub sums: ComponentSums,
-    /// What of it is on each obstacle, where there are several in front of the boundary.
+    /// The part on each obstacle, if there are several in front of the boundary.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub obstacles: Vec<OnObstacle>,
-    /// The same from the other side, where a body is in front of the boundary.
+    /// The force of the opposing body, if there is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub opposite: Option<OfOpposite>,
 }
 
-/// What the body in front of a boundary does to the body of that.
+/// The force of the opposing body on the body of a boundary.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct OfOpposite {
-    /// Its boundary.
+    /// The opposing boundary.
     pub boundary: String,
-    /// The force on the other body, as above.
+    /// The force of the opposing body, with components as above.
     pub force: Vec<f64>,
-    /// Its moment, as above: at the nodes of this side. Where there is a gap, friction across it has another moment here.
+    /// The moment, as above, at the nodes of this side. Across a gap, the friction has a different moment here.
     pub moment: Vec<f64>,
 }
 
-/// What the nodes of one boundary do to one of the obstacles.
+/// The force of the nodes of one boundary on one of the obstacles.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct OnObstacle {
     /// The obstacle, by its key: `contact[0].obstacle[1]`.
     pub obstacle: String,
-    /// The force of the body on it, as above.
+    /// The force of the body on the obstacle, with components as above.
     pub force: Vec<f64>,
-    /// Its moment, as above.
+    /// The moment of the force, as above.
     pub moment: Vec<f64>,
     /// The sums of the components.
     #[serde(flatten)]
@@ -87,7 +87,7 @@ pub struct ForceRecord {
 }
 
 impl Resultant {
-    /// The resultants of a `state` at time `t` (s), one for each boundary with contact.
+    /// Returns the resultants of a `state` at time `t` (s), one for each boundary with contact.
     pub fn all(model: &Model, t: f64, state: &State) -> Vec<Self> {
         model.contact_boundaries.iter().map(|boundary| Resultant::of(model, t, state, boundary)).collect()
     }
@@ -109,8 +109,8 @@ impl OfOpposite {
 }
 
 impl OnObstacle {
-    /// One for each obstacle in front of `boundary`, and for each other that a node meets which is of another boundary, too; none
-    /// if there is only one in front.
+    /// Returns the resultant on each obstacle in front of `boundary`, and on each other obstacle that a node shared
+    /// with another boundary meets; empty if there is only one obstacle.
     fn all(model: &Model, t: f64, state: &State, boundary: &ContactBoundary) -> Vec<Self> {
         if boundary.obstacles.len() < 2 {
             return Vec::new();
@@ -126,7 +126,7 @@ impl OnObstacle {
     }
 }
 
-/// Force, moment and sums over contact nodes, each with the part of it that counts.
+/// Returns force, moment and sums over contact nodes, each weighted with its share.
 fn total(
     model: &Model,
     state: &State,
@@ -136,7 +136,8 @@ fn total(
     (force, moment, ComponentSums::of(model, state, parts))
 }
 
-/// The force and the moment of the nodes of the contact nodes' own body, or of the body in front of that, on the other.
+/// Returns the force and the moment of the contact nodes' own body on the other side, or with `opposite` those of the
+/// other body.
 fn wrench(
     model: &Model,
     state: &State,
@@ -155,7 +156,7 @@ fn wrench(
 }
 
 impl ComponentSums {
-    /// The sums over contact nodes, each with the part of it that counts.
+    /// Returns the sums over contact nodes, each weighted with its share.
     pub(super) fn of(model: &Model, state: &State, parts: impl Iterator<Item = (usize, f64)>) -> Self {
         let mut sums = [0.0; 3];
         for (i, part) in parts {
@@ -168,7 +169,7 @@ impl ComponentSums {
 }
 
 impl ForceRecord {
-    /// The records of a step, one for each boundary with contact.
+    /// Returns the records of a step, one for each boundary with contact.
     pub fn all(model: &Model, step: &IncrementView<'_>) -> Vec<Self> {
         let (index, time) = (step.record.index, step.record.time);
         Resultant::all(model, time, step.state)

@@ -29,11 +29,11 @@ use crate::solver::history::{HistoryOutcome, IncrementRecord, LinearAlgebra, Sol
 use crate::solver::laws::KktErrors;
 use crate::solver::uniqueness::CriticalFriction;
 
-/// The version of the keys of a report. A key that is new does not change it; one that goes or means something else does.
+/// The version of the keys of a report. New keys do not change it; removed keys or changed meanings do.
 pub const SCHEMA_VERSION: u32 = 1;
 
-/// Everything about a run but the fields. All numbers are SI, and serde writes them as they are;
-/// [`RunReport::to_json`] tells them in the units of the model.
+/// All results of a run except the fields. All numbers are SI, and serde writes them so; [`RunReport::to_json`]
+/// converts them to the units of the model.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RunReport {
@@ -43,37 +43,37 @@ pub struct RunReport {
     pub program_version: &'static str,
     /// The scene file; none if the model was made without one.
     pub scene: Option<String>,
-    /// The text of the scene that ran, overrides included.
+    /// The text of the scene that was run, including overrides.
     pub scene_text: Option<String>,
     /// The scene's title; empty without a scene.
     pub title: String,
-    /// The units in which the report is told.
+    /// The units of the report.
     #[serde(skip)]
     pub units: UnitSystem,
-    /// The algorithm.
+    /// The solution method.
     pub method: &'static str,
-    /// Its named setting.
+    /// The named setting of the method.
     pub setting: &'static str,
-    /// The linear algebra: `umfpack`, `faer` or `condensed`, or the name of a solver from outside.
+    /// The linear solver: `umfpack`, `faer` or `condensed`, or the name of an external solver.
     pub solver: String,
-    /// The reason for the linear algebra, where the scene leaves it open.
+    /// The reason for the choice of the linear solver, if the scene leaves it open.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub solver_choice: Option<String>,
-    /// A linear algebra that is estimated to take much less time, if the run was long enough to ask.
+    /// A linear solver estimated to take much less time, if the run was long enough for an estimate.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub faster_solver: Option<Faster>,
-    /// The BLAS behind the factorisations, in a build that has one.
+    /// The BLAS used by the factorisations, in a build that has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub blas: Option<Blas>,
     /// The verdict.
     pub status: Status,
-    /// Why the run ended early.
+    /// The reason why the run ended early.
     #[serde(flatten)]
     pub explanation: Explanation,
-    /// The bodies, where there are several, in the order of the field `body`.
+    /// The bodies, if there are several, in the order of the field `body`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub bodies: Vec<BodyRecord>,
-    /// What may make the answer wrong although the laws hold.
+    /// Reasons why the result may be inaccurate although the laws hold.
     pub warnings: Vec<Warning>,
     /// The largest displacement.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -81,59 +81,62 @@ pub struct RunReport {
     /// The largest contact pressure.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub largest_pressure: Option<LargestPressure>,
-    /// The node and time where the contact was furthest out of the range of its linearised gaps, if it left it.
+    /// The node and time of the largest departure from the range of linearised gaps, if there was any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub range_left: Option<RangeLeft>,
-    /// What the mesh leaves open.
+    /// The error estimates.
     pub estimates: Estimates,
     /// The number of unknowns of each kind.
     pub unknowns: Unknowns,
-    /// The unknowns that the scene does without, and why.
+    /// The eliminated unknowns, and the reasons.
     pub left_out: Vec<LeftOut>,
-    /// The contact nodes that condensed equations held, if those were not all at first.
+    /// The working set of condensed equations, if it did not contain all contact nodes at first.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub working_set: Option<WorkingSet>,
-    /// How many increments a first run asked for, where nobody said it.
+    /// The number of increments chosen by a first run, if it was requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub chosen_increments: Option<ChosenIncrements>,
-    /// Where increments end besides the equal ones, s: kinks of histories at which none of these ends.
+    /// Additional ends of increments, s: kinks of histories that do not coincide with ends of equal increments.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub kinks: Vec<f64>,
-    /// One record per increment; none where they go elsewhere as they are made, see [`Run::solve_to`](crate::run::Run::solve_to).
+    /// One record per increment; empty if the records are written elsewhere during the run, see
+    /// [`Run::solve_to`](crate::run::Run::solve_to).
     pub increments: Vec<IncrementRecord>,
-    /// What became of the exact path, where that was followed.
+    /// The course of the exact path, if it was followed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub exact_path: Option<ExactPath>,
     /// Sums over the run.
     pub totals: Totals,
-    /// The components of all contact forces at the end of the last converged increment, added up.
+    /// The sums of the components of all contact forces at the end of the last converged increment.
     #[serde(rename = "final")]
     pub end: ComponentSums,
-    /// The boundaries in front of each other, at the end of the last converged increment.
+    /// The pairs of opposing boundaries at the end of the last converged increment.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub pairs: Vec<PairRecord>,
-    /// The resultant of each boundary with contact then.
+    /// The resultant of each boundary with contact at the end of the last converged increment.
     pub boundaries: Vec<Resultant>,
     /// The resultants at the end of each increment.
     pub forces: Vec<ForceRecord>,
-    /// What else acts on the body at the end of each increment: loads, reactions of supports, springs; and the balance.
+    /// The other forces on the body at the end of each increment: loads, reactions of supports, springs; and the
+    /// balance.
     pub reactions: Vec<BalanceRecord>,
-    /// The critical friction at the end of the last converged increment, where it was asked for, or where an exact path is lost.
+    /// The critical friction at the end of the last converged increment, if it was requested, or if an exact path ended
+    /// early.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub critical_friction: Option<CriticalFriction>,
-    /// What else acts on the body at the end of the last converged increment.
+    /// The other forces on the body at the end of the last converged increment.
     #[serde(skip)]
     pub last_reactions: Option<BalanceRecord>,
-    /// The curves of the charts of a history.
+    /// The curves for the charts of the history.
     #[serde(skip)]
     pub curves: HistoryCurves,
 }
 
-/// A body of several.
+/// One of several bodies.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BodyRecord {
-    /// Its name.
+    /// The name of the body.
     pub name: String,
     /// The number of its nodes.
     pub nodes: usize,
@@ -142,7 +145,7 @@ pub struct BodyRecord {
 }
 
 impl BodyRecord {
-    /// The bodies of `model`; none where there is only one.
+    /// Returns the bodies of `model`; empty if there is only one.
     fn all(model: &Model) -> Vec<Self> {
         let bodies = model.mesh.bodies();
         let record = |(k, name): (usize, &String)| BodyRecord {
@@ -158,17 +161,17 @@ impl BodyRecord {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Totals {
-    /// Increments that converged.
+    /// The number of increments that converged.
     pub converged: usize,
     /// The largest error of each law in any increment.
     pub kkt: KktErrors,
-    /// Linear systems solved by the method.
+    /// The number of linear systems solved by the method.
     pub iterations: usize,
-    /// Numerical factorisations, that of the held body included.
+    /// The number of numerical factorisations, including the one of the clamped body.
     pub factorizations: usize,
-    /// Symbolic analyses.
+    /// The number of symbolic analyses.
     pub symbolic_analyses: usize,
-    /// Iterations within the linear solves, where multigrid does them.
+    /// The number of iterations of the linear solver, with multigrid.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub krylov_iterations: Option<usize>,
     /// CPU time of the process, s.
@@ -177,20 +180,20 @@ pub struct Totals {
     pub wall_seconds: f64,
     /// Wall time for mesh, assembly, patterns and symbolic analysis, s.
     pub setup_seconds: f64,
-    /// The threads that shared the work.
+    /// The number of threads.
     pub threads: usize,
     /// Peak resident memory of the process, bytes.
     pub peak_rss_bytes: Option<u64>,
-    /// What each process took, this one among them, where MPI has started several.
+    /// The time and memory of each process, including this one, if MPI has started several.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub ranks: Vec<RankRecord>,
-    /// Entries of the factors L and U; with faer a bound of them.
+    /// The number of entries of the factors L and U; with faer an upper bound.
     pub nnz_factors: usize,
     /// The largest componentwise backward error of any solve.
     pub backward_error: f64,
 }
 
-/// What was measured around a run.
+/// The time and memory measured for a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measured {
     /// CPU time of the process, s.
@@ -201,68 +204,68 @@ pub struct Measured {
     pub model_seconds: f64,
     /// Peak resident memory, bytes.
     pub peak_rss_bytes: Option<u64>,
-    /// What each of several processes took.
+    /// The time and memory of each of several processes.
     pub ranks: Vec<RankRecord>,
 }
 
-/// All that a report is made from.
+/// The data from which a report is made.
 pub struct Facts<'a> {
     /// The scene, if the model came from one.
     pub scene: Option<&'a Scene>,
-    /// What was solved.
+    /// The model.
     pub model: &'a Model,
-    /// How.
+    /// The solver.
     pub solver: &'a SolverChoice,
-    /// The name of the linear algebra that solved it.
+    /// The name of the linear solver that was used.
     pub linear: String,
-    /// Whether it condensed the body.
+    /// `true` if the body was condensed.
     pub condensed: bool,
-    /// The contact nodes that the condensed equations held at first, if not all.
+    /// The initial working set of condensed equations; `None` if it contains all contact nodes.
     pub working_set: Option<&'a [usize]>,
-    /// Why that was chosen.
+    /// The reason for the choice of the linear solver.
     pub choice: &'a Choice,
-    /// Why multigrid gave way, if it did and that is known.
+    /// The reason why multigrid fell back to another solver, if it did and the reason is known.
     pub unsuited: Option<String>,
-    /// What came of it.
+    /// The outcome of the history.
     pub outcome: &'a HistoryOutcome,
-    /// Whether the solution stays where its equations hold.
+    /// The checks of the assumptions of the equations.
     pub validity: &'a Validity,
-    /// The largest contact pressure, if anything was pressed.
+    /// The largest contact pressure, if there was any.
     pub largest_pressure: Option<LargestPressure>,
-    /// What the mesh leaves open.
+    /// The error estimates.
     pub estimates: Estimates,
-    /// The records of the increments, if they are to be in the report.
+    /// The records of the increments, if they belong into the report.
     pub increments: Vec<IncrementRecord>,
-    /// The resultants at the end of each.
+    /// The resultants at the end of each increment.
     pub forces: Vec<ForceRecord>,
-    /// What else acts on the body then.
+    /// The other forces on the body at the end of each increment.
     pub reactions: Vec<BalanceRecord>,
-    /// The same at the end of the last one that converged.
+    /// The other forces on the body at the end of the last converged increment.
     pub last_reactions: Option<BalanceRecord>,
-    /// Where contact forces jump, if they do.
+    /// The first jump of contact forces, if any.
     pub leap: Option<Leap>,
     /// The error of the friction forces by loads or interference at t = 0, as a share of the largest possible friction.
     pub start: Option<f64>,
-    /// What is left of the balance.
+    /// The largest imbalance of forces.
     pub balance: BalanceWatch,
-    /// The history as it is drawn.
+    /// The curves for the charts of the history.
     pub curves: HistoryCurves,
-    /// The critical friction at the end, where it was asked for.
+    /// The critical friction at the end, if it was requested.
     pub critical_friction: Option<CriticalFriction>,
-    /// Results that were asked for beside the history and could not be computed.
+    /// Warnings of requested additional results that could not be computed.
     pub missing: Vec<Warning>,
-    /// What would have been much faster.
+    /// A linear solver that would have been much faster.
     pub faster: Option<Faster>,
     /// Time and memory.
     pub measured: Measured,
 }
 
 impl RunReport {
-    /// The whole report.
+    /// Creates the whole report.
     pub fn new(facts: Facts<'_>) -> Self {
         let Facts { scene, model, solver, choice, outcome, validity, measured, .. } = facts;
         let mut warnings = Warning::of_model(model);
-        // What elements have done takes the place of what was expected of them.
+        // The locking found in the solution replaces the expected one.
         warnings.retain(|warning| warning.kind != WarningKind::Locking || facts.estimates.locking.is_none());
         warnings.extend(validity.warnings(model));
         warnings.extend(facts.estimates.warnings(model, validity));
@@ -273,7 +276,7 @@ impl RunReport {
             start: facts.start,
             increments: outcome.tally.increments,
         };
-        // Their estimates are of gaps that change in proportion within an increment.
+        // These estimates assume gaps that change in proportion within an increment.
         if validity.passage().is_none() {
             warnings.extend(increment_warnings::warnings(&known, &model.units()));
         }
@@ -346,11 +349,11 @@ impl RunReport {
         }
     }
 
-    /// The report as one JSON object, told in its [`RunReport::units`], which it names unless they are SI. Numbers that are not
-    /// finite become `null`.
+    /// Formats the report as one JSON object, in its [`RunReport::units`], which it names unless they are SI. Numbers
+    /// that are not finite become `null`.
     ///
     /// # Errors
-    /// None that the types allow; serde's signature has one.
+    /// Never with these types; serde's signature has an error.
     pub fn to_json(&self) -> serde_json::Result<String> {
         if self.units.is_si() {
             serde_json::to_string_pretty(self)
@@ -359,10 +362,10 @@ impl RunReport {
         }
     }
 
-    /// The report as a JSON value, in the units of the report.
+    /// Converts the report to a JSON value, in the units of the report.
     ///
     /// # Errors
-    /// Never, unless a number has no place in JSON.
+    /// Never, unless a number has no representation in JSON.
     pub fn to_value(&self) -> serde_json::Result<serde_json::Value> {
         let mut report = serde_json::to_value(self)?;
         if self.units.is_si() {

@@ -1,21 +1,21 @@
-//! A curve of which no more is kept than a picture shows, however many points it has.
+//! Curves thinned to the resolution of a picture.
 
 use serde::{Deserialize, Serialize};
 
-/// As many stretches of a curve as are kept: more than a picture has dots across.
+/// The largest number of stored segments of a curve, which exceeds the width of a picture in pixels.
 const MOST: usize = 4096;
 
-/// A curve whose points come in order. Stretches of it are kept by their lowest and highest points: as long as there are few
-/// points that is every one of them, and after that, whatever swings between two dots of a picture still fills them.
+/// A curve whose points come in order. It stores the lowest and the highest point of each segment. These are all points
+/// as long as there are few. Later, an oscillation within a pixel still covers its full range.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Thinned {
     stretches: Vec<Stretch>,
-    /// The points of a stretch, a power of two, and those that the last one has.
+    /// The number of points of a segment, a power of two, and the number of points in the last one.
     size: usize,
     filled: usize,
 }
 
-/// The lowest and the highest point, in the order in which they came.
+/// The lowest and the highest point, in order.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 struct Stretch([[f64; 2]; 2]);
 
@@ -47,7 +47,7 @@ impl Thinned {
         }
     }
 
-    /// The points, each once.
+    /// Returns the stored points, each once.
     pub fn points(&self) -> Vec<[f64; 2]> {
         let mut points: Vec<[f64; 2]> = self.stretches.iter().flat_map(|stretch| stretch.0).collect();
         points.dedup();
@@ -63,7 +63,7 @@ mod tests {
     fn few_points_are_all_kept_and_of_many_the_extremes() {
         let curve = |count: usize| {
             let mut curve = Thinned::default();
-            // It swings between any two dots, and has a peak of its own.
+            // A curve that oscillates within every pixel, and has a peak.
             (0..count).for_each(|k| curve.push([k as f64, if k == 777 { 5.0 } else { (k % 2) as f64 }]));
             curve.points()
         };

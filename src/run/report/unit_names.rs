@@ -1,4 +1,4 @@
-//! The units in which a report is told, as it says them.
+//! The names of the units of a report.
 
 use serde::Serialize;
 
@@ -8,15 +8,15 @@ use crate::base::units::{Quantity, UnitSystem};
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct UnitNames {
-    /// Of lengths.
+    /// The unit of lengths.
     pub length: NamedUnit,
-    /// Of stresses.
+    /// The unit of stresses.
     pub stress: NamedUnit,
-    /// Of forces, in two dimensions per depth.
+    /// The unit of forces, in two dimensions per depth.
     pub force: NamedUnit,
-    /// Of moments, in two dimensions per depth.
+    /// The unit of moments, in two dimensions per depth.
     pub moment: NamedUnit,
-    /// Of energies, in two dimensions per depth.
+    /// The unit of energies, in two dimensions per depth.
     pub energy: NamedUnit,
 }
 
@@ -26,12 +26,12 @@ pub struct UnitNames {
 pub struct NamedUnit {
     /// The name, such as `mm`.
     pub name: String,
-    /// How many SI units it is.
+    /// The factor to SI units.
     pub si: f64,
 }
 
 impl UnitNames {
-    /// Those of `units`.
+    /// Returns the names of `units`.
     pub fn of(units: &UnitSystem) -> Self {
         let named = |quantity| NamedUnit { name: units.name(quantity), si: units.to_si(quantity, 1.0) };
         UnitNames {

@@ -1,4 +1,4 @@
-//! Which unknowns a run has, and which it does without.
+//! The unknowns of a run, and the eliminated ones.
 
 use serde::Serialize;
 
@@ -7,44 +7,44 @@ use crate::body::model::Model;
 use crate::solver::formulation::Layout;
 use crate::solver::history::Method;
 
-/// Why condensed equations do without a contact node.
-const OUT_OF_REACH: &str = "at nodes out of reach: they join as soon as they would penetrate";
+/// The reason why a contact node is not in the working set.
+const OUT_OF_REACH: &str = "at nodes out of reach: they are added as soon as they would penetrate";
 
 /// The numbers of unknowns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Unknowns {
-    /// Displacements.
+    /// The number of displacements.
     pub u: usize,
-    /// Tangential contact forces along the first tangent.
+    /// The number of tangential contact forces along the first tangent.
     pub p_t: usize,
-    /// Tangential forces along second tangents, in three dimensions.
+    /// The number of tangential forces along second tangents, in three dimensions.
     pub p_o: usize,
-    /// Normal contact forces.
+    /// The number of normal contact forces.
     pub p_n: usize,
-    /// Distances, the slacks of the interior point method.
+    /// The number of distances, which are slacks of the interior point method.
     pub v_n: usize,
-    /// Friction reserves, the slacks of the interior point method: two for each `p_t` in two dimensions, one for each
-    /// cone in three.
+    /// The number of friction reserves, which are slacks of the interior point method: two for each `p_t` in two
+    /// dimensions, one for each cone in three.
     pub s: usize,
-    /// Multipliers of the interior point method, as many.
+    /// The number of multipliers of the interior point method, equal to that of the slacks.
     pub lambda: usize,
 }
 
-/// Unknowns that a scene does not need.
+/// Unknowns eliminated from the equations.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LeftOut {
-    /// The number of unknowns that are left out.
+    /// The number of eliminated unknowns.
     pub count: usize,
-    /// Of which kind: `"u"`, `"p_n"`, `"p_t and p_o"`.
+    /// The kind of the unknowns: `"u"`, `"p_n"`, `"p_t and p_o"`.
     pub unknown: &'static str,
     /// The reason, in words.
     pub reason: &'static str,
 }
 
 impl Unknowns {
-    /// The unknowns of `method` for those in `layout`.
+    /// Returns the unknowns of `method` for those in `layout`.
     pub fn new(layout: &Layout, method: Method) -> Self {
         let (u, p_n) = (layout.displacements(), layout.contacts());
         let with = |has: &dyn Fn(usize) -> bool| (0..p_n).filter(|&i| has(i)).count();
@@ -57,8 +57,8 @@ impl Unknowns {
 }
 
 impl LeftOut {
-    /// What a run of `model` does without, if its interior is `condensed` or not; condensed equations hold the contact nodes
-    /// `working_set` at first, or all.
+    /// Lists the unknowns that a run of `model` eliminates, with or without a `condensed` interior. Condensed equations
+    /// contain the contact nodes `working_set` at first, or all.
     pub fn all(model: &Model, condensed: bool, working_set: Option<&[usize]>) -> Vec<Self> {
         let Model { mesh, problem, contacts, contact_boundaries, .. } = model;
         let tangential = if mesh.dimension == 2 { "p_t" } else { "p_t and p_o" };
@@ -92,7 +92,7 @@ impl LeftOut {
             (
                 rough.map(|(contact, _)| mesh.dimension - 1 - free(contact)).sum(),
                 tangential,
-                "along directions in which supports, or a second obstacle, let nothing slide",
+                "along directions in which supports, or a second obstacle, prevent sliding",
             ),
         ];
         let present = counted.into_iter().filter(|(count, ..)| *count > 0);

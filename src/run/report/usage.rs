@@ -1,4 +1,4 @@
-//! What a run takes of the machine.
+//! The time and memory used by a run.
 
 use std::path::Path;
 
@@ -9,12 +9,12 @@ use crate::algebra::linear::RankUse;
 use crate::algebra::linear::built_in::ranks_used;
 use crate::base::memory::kilobytes;
 
-/// CPU time of this process so far, all threads, s.
+/// Returns the CPU time of this process so far, all threads, s.
 pub fn cpu_seconds() -> f64 {
     seconds(ClockId::ProcessCPUTime)
 }
 
-/// CPU time of the thread that calls, s.
+/// Returns the CPU time of the calling thread, s.
 pub fn thread_cpu_seconds() -> f64 {
     seconds(ClockId::ThreadCPUTime)
 }
@@ -24,16 +24,16 @@ fn seconds(clock: ClockId) -> f64 {
     time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
 }
 
-/// The largest resident memory of this process so far, bytes; `None` where the system does not tell.
+/// Returns the largest resident memory of this process so far, bytes; `None` if the system does not report it.
 pub fn peak_rss_bytes() -> Option<u64> {
     kilobytes(Path::new("/proc/self/status"), "VmHWM:")
 }
 
-/// What one of several processes took.
+/// The time and memory of one of several processes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RankRecord {
-    /// Its rank, from 0.
+    /// The rank of the process, from 0.
     pub rank: usize,
     /// CPU time, s.
     pub cpu_seconds: f64,
@@ -42,7 +42,7 @@ pub struct RankRecord {
 }
 
 impl RankRecord {
-    /// Those of all ranks, if there are several.
+    /// Returns the records of all ranks, if there are several.
     pub fn all() -> Vec<Self> {
         let record = |(rank, RankUse { cpu_seconds, peak_rss_bytes })| RankRecord { rank, cpu_seconds, peak_rss_bytes };
         ranks_used().into_iter().enumerate().map(record).collect()

@@ -1,4 +1,4 @@
-//! Whether a solution stays where its equations hold: small displacements, and gaps linearised in the undeformed state.
+//! Checks the assumptions of the equations: small displacements, and gaps linearised in the undeformed state.
 
 use serde::{Deserialize, Serialize};
 
@@ -15,62 +15,64 @@ use crate::solver::laws::ContactStatus;
 use crate::solver::problem::State;
 use crate::solver::uniqueness::{NeutralMotion, neutral_motions};
 
-/// The share of the body's size from which on displacements do not count as small. A body that turns by as much turns
-/// its normals by six degrees, and the squares of strains that are left out reach a percent.
+/// The displacement, relative to the body's size, above which displacements are not small. A rotation of this size
+/// turns normals by six degrees, and the neglected squares of strains reach a percent.
 pub const NOT_SMALL: f64 = 0.1;
 
-/// The share of a force on nodes beyond the end of the other body from which on it does not count as small.
+/// The share of a force on nodes beyond the end of the other body above which it is reported.
 const BEYOND_THE_END: f64 = 0.05;
 
-/// What facets do to the gaps that contact closes changes from node to node, and against that bodies are so many times stiffer than against the gaps
-/// themselves: 7 to 8 by the peaks of rings of 32 to 44 facets a quarter pressed into each other, and of pins in holes with 20 to 40.
+/// The ratio of the error of pressures to the error of gaps by facets, both relative. Facets change the gaps from node
+/// to node, and bodies are stiffer against that than against the gaps themselves: by 7 to 8 for the peaks of rings of
+/// 32 to 44 facets per quadrant pressed into each other, and of pins in holes with 20 to 40.
 const STIFFER: f64 = 7.0;
 
-/// The error of pressures by facets from which on it is told.
+/// The error of pressures by facets above which it is reported.
 const FACETED: f64 = 0.1;
 
-/// The share of what contact forces press in from which on it counts where an obstacle is on the way through an increment. Of one that rolls on, the
-/// friction of the whole way is then a few percent off at most.
+/// The depth of an obstacle's passage within an increment above which it is reported, relative to the indentation. For
+/// an obstacle that rolls on, the friction is then off by a few percent at most.
 const PASSES: f64 = 1.0;
 
-/// The share of friction from which on it is told that it is left out.
+/// The share of neglected friction above which it is reported.
 const LEFT_OUT: f64 = 0.01;
 
-/// The share of the facet in front of a node from which on its slip does not count as small.
+/// The slip of a node above which it is reported, relative to the size of the opposing facet.
 const ACROSS_FACETS: f64 = 0.25;
 
-/// Watches the converged increments of a history.
+/// Collects violated assumptions in the converged increments of a history.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Validity {
     /// The largest displacement, if there was any increment.
     pub largest: Option<LargestDisplacement>,
-    /// Where the linearised gaps were most wrong, if they were out of their range.
+    /// The largest error of the linearised gaps, if they were out of their range.
     pub range_left: Option<RangeLeft>,
-    /// The pair with most of its force beyond the end of the other body, if there are pairs, that share, and the time, s.
+    /// The pair with the largest share of its force beyond the end of the other body, that share, and the time, s;
+    /// `None` without pairs.
     pub beyond: Option<(usize, f64, f64)>,
-    /// Where a body has come furthest into another without a contact row, and the time, s.
+    /// The deepest penetration of a body into another one without a contact row, and the time, s.
     pub passed: Option<(Passed, f64)>,
-    /// What facets do to the gaps of each pair with curved boundaries, when it was pressed most.
+    /// The effect of facets on the gaps of each pair with curved boundaries, at its largest force.
     pub faceted: Vec<Faceted>,
-    /// The boundary with most of its friction left out, that share, and the time, s.
+    /// The boundary with the largest share of neglected friction, that share, and the time, s.
     pub friction_left_out: Option<(usize, f64, f64)>,
-    /// Where bodies slid furthest past each other, by the size of their facets, if they slid at all, and the time, s.
+    /// The largest slip of bodies relative to the size of their facets, if any, and the time, s.
     pub slid: Option<(Slid, f64)>,
-    /// The contact node that was deepest inside an obstacle that it does not meet, if one was, and the time, s.
+    /// The contact node deepest inside an obstacle that it does not meet, if any, and the time, s.
     pub overlap: Option<(Overlap, f64)>,
-    /// Where an obstacle is most different between nodes when contact forces were largest, if it is, and the time, s.
+    /// The largest deviation of an obstacle between nodes when contact forces were largest, if any, and the time, s.
     pub between: Option<(BetweenNodes, f64)>,
     /// The deepest passage of an obstacle within an increment.
     pub on_the_way: Option<OnTheWay>,
-    /// The end of the last increment, where the ways of obstacles are looked at: its time, s, and its state.
+    /// The end of the last increment, if the paths of obstacles are checked: its time, s, and its state.
     last: Option<(f64, State)>,
-    /// How far contact forces have pressed the body in, m.
+    /// The indentation by contact forces, m.
     pressed: f64,
-    /// The motion that the first equilibrium that is one of many leaves open, if there was any, and its time, s.
+    /// The unconstrained motion of the first non-unique equilibrium, if any, and its time, s.
     pub neutral: Option<(NeutralMotion, f64)>,
-    /// The contact node that touched the obstacle where that leant most against the node's normal, and the slope.
+    /// The contact node that touched the obstacle with the largest slope against the node's normal, and the slope.
     steepest: Option<(usize, f64)>,
-    /// Whether each contact node ever touched its obstacle.
+    /// `true` for each contact node that ever touched its obstacle.
     touched: Vec<bool>,
 }
 
@@ -87,7 +89,7 @@ pub struct LargestDisplacement {
 }
 
 impl Validity {
-    /// Before the first increment of `model`.
+    /// Begins with the first increment of `model`.
     pub fn new(model: &Model) -> Self {
         let touched = vec![false; model.contacts.len()];
         Validity {
@@ -109,7 +111,7 @@ impl Validity {
         }
     }
 
-    /// Whether it is one of `model`.
+    /// Returns `true` if the data belongs to `model`.
     pub(crate) fn fits(&self, model: &Model) -> bool {
         let contacts = model.contacts.len();
         let is_contact = |i: Option<usize>| i.is_none_or(|i| i < contacts);
@@ -127,7 +129,7 @@ impl Validity {
             && self.neutral.as_ref().is_none_or(|(motion, _)| motion.weights.len() == model.rigid_motions.len())
     }
 
-    /// Looks at the end of an increment; one that did not converge says nothing.
+    /// Examines the end of an increment. Increments that did not converge are ignored.
     pub fn see(&mut self, model: &Model, step: &IncrementView<'_>) {
         let IncrementView { record, increment, state, statuses } = step;
         if record.status != Status::Converged {
@@ -142,7 +144,7 @@ impl Validity {
         for (position, u) in model.mesh.nodes.iter().zip(&displaced) {
             let u = *u;
             let largest = self.largest.map_or(-1.0, |largest| largest.length);
-            // No length is above the sum of the components, which takes less time; NaN is above all.
+            // No length exceeds the sum of its components, which is faster to compute. NaN exceeds everything.
             if u.iter().map(|u| u.abs()).sum::<f64>() <= largest {
                 continue;
             }
@@ -153,7 +155,7 @@ impl Validity {
         }
         for (i, _) in statuses.iter().enumerate().filter(|(_, status)| **status != ContactStatus::Open) {
             self.touched[i] = true;
-            // Where an obstacle that passes is when it touches, not where it was at first.
+            // The slope is that of the moving obstacle when it touches.
             let slope = model.slope(i, record.time);
             if !slope.is_nan() && self.steepest.is_none_or(|(_, steepest)| slope >= steepest) {
                 self.steepest = Some((i, slope));
@@ -210,39 +212,40 @@ impl Validity {
         }
     }
 
-    /// The deepest passage of an obstacle within an increment, unless it is small.
+    /// Returns the deepest passage of an obstacle within an increment, unless it is small.
     pub(super) fn passage(&self) -> Option<OnTheWay> {
         self.on_the_way.filter(|found| found.distance.abs() > PASSES * self.pressed)
     }
 
-    /// The pairs whose facets change the gaps so much that pressures mean little.
+    /// Returns the pairs whose facets change the gaps so much that pressures mean little.
     fn faceted_gaps(&self) -> impl Iterator<Item = &Faceted> {
         self.faceted.iter().filter(|faceted| STIFFER * faceted.bulge > FACETED * faceted.closed)
     }
 
-    /// Whether facets change the gaps in front of `boundary` so much that warnings of its pressures would name the wrong cause.
+    /// Returns `true` if facets change the gaps in front of `boundary` so much that warnings of its pressures would
+    /// name the wrong cause.
     pub(super) fn has_faceted_gaps(&self, model: &Model, boundary: &str) -> bool {
         self.faceted_gaps().any(|faceted| model.pairs[faceted.pair].slave == boundary)
     }
 
-    /// The warnings that follow.
+    /// Returns the resulting warnings.
     pub fn warnings(&self, model: &Model) -> Vec<Warning> {
         let units = model.units();
         let unit = units.name(Quantity::Length);
         let mut warnings = Vec::new();
         let mut warn = |kind, message| warnings.push(Warning { kind, message });
         let mut boundaries = model.contact_boundaries.iter();
-        // Without a converged increment nothing is known of the contact.
+        // Without a converged increment, nothing is known of the contact.
         let untouched = boundaries.find(|boundary| !boundary.nodes.iter().any(|&i| self.touched[i]));
         if let (Some(boundary), Some(_)) = (untouched, self.largest) {
             let message = match boundary.pair.map(|k| &model.pairs[k].master.name) {
                 None => format!(
-                    "`{}` never touched its obstacle; `stickslip check` tells where that is and how it moves",
+                    "`{}` never touched its obstacle; `stickslip check` shows where the obstacle is and how it moves",
                     boundary.name
                 ),
                 Some(master) => {
                     format!(
-                        "`{}` never touched `{master}`; `stickslip check` tells how far apart they are",
+                        "`{}` never touched `{master}`; `stickslip check` shows how far apart they are",
                         boundary.name
                     )
                 }
@@ -252,14 +255,15 @@ impl Validity {
         if let Some((i, slope)) = self.steepest.filter(|(_, slope)| *slope > NOT_SMALL) {
             let message = if model.contacts[i].coupled().is_some() {
                 format!(
-                    "at the node {} the surface leans by {:.0} degrees against the direction of its contact; leave `direction` out",
+                    "at the node {} the surface is inclined by {:.0} degrees to the direction of its contact; \
+                     remove `direction`",
                     units.place(model.contacts[i].position),
                     slope.atan().to_degrees()
                 )
             } else {
                 format!(
-                    "at the node {} the obstacle leans by {:.0} degrees against the normal along which it presses; use \
-                 direction = \"nearest\", or another normal",
+                    "at the node {} the obstacle is inclined by {:.0} degrees to the normal along which it presses; \
+                     use direction = \"nearest\", or another normal",
                     units.place(model.contacts[i].position),
                     slope.atan().to_degrees()
                 )
@@ -271,8 +275,8 @@ impl Validity {
             && length > NOT_SMALL * size
         {
             let message = format!(
-                "displacements are taken as small, but the node {} moves by {:.2e} {unit} at t = {time} s, {:.0} % of \
-                 the body's size; are lengths in {unit}, moduli and tractions in {}?",
+                "displacements are assumed to be small, but the node {} moves by {:.2e} {unit} at t = {time} s, \
+                 {:.0} % of the body's size; are lengths in {unit}, moduli and tractions in {}?",
                 units.place(position),
                 units.of_si(Quantity::Length, length),
                 100.0 * length / size,
@@ -311,8 +315,9 @@ impl Validity {
         }
         if let Some((slid, time)) = self.slid.filter(|(slid, _)| slid.share > ACROSS_FACETS) {
             let message = format!(
-                "the contact node at {} has slid by {:.2e} {unit} at t = {time} s, {:.0} % of the facet in front of it, but stays in \
-                 front of the nodes that it met at first; pressures may be off by as much as they change over that distance",
+                "the contact node at {} has slid by {:.2e} {unit} at t = {time} s, {:.0} % of the opposing facet, \
+                 but remains paired with its initial nodes; pressures may be off by as much as they change over \
+                 that distance",
                 units.place(model.contacts[slid.contact].position),
                 units.of_si(Quantity::Length, slid.slip),
                 100.0 * slid.share
@@ -328,32 +333,32 @@ impl Validity {
     }
 }
 
-/// That a `share` of the friction of `boundary` is at nodes that supports hold.
+/// Describes that a `share` of the friction of `boundary` is at nodes constrained by supports.
 fn friction_left_out(boundary: &str, share: f64, time: f64) -> String {
     format!(
-        "at t = {time} s {:.0} % of the normal force of `{boundary}` times its friction is at nodes that supports hold along the direction in which \
-         what is in front of them moves: their friction is in no result; let the support end at some distance from the contact, or let the other \
-         side be the slave",
+        "at t = {time} s {:.0} % of the possible friction of `{boundary}` is neglected, because supports hold its \
+         nodes in the direction of sliding; end the support at some distance from the contact, or make the other \
+         side the slave",
         100.0 * share
     )
 }
 
-/// That a `share` of the force of a pair is beyond the end of the master.
+/// Describes that a `share` of the force of a pair is beyond the end of the master.
 fn beyond_the_end(pair: &Pair, share: f64, time: f64) -> String {
     let (slave, master) = (&pair.slave, &pair.master.name);
     let cure = if pair.mortar.overhangs()[1] {
-        format!("let the mesh of `{slave}` have nodes where `{master}` ends, or smaller elements there")
+        format!("give the mesh of `{slave}` nodes where `{master}` ends, or smaller elements there")
     } else {
-        format!("let `{master}` be the slave, or make the elements of `{slave}` smaller there")
+        format!("make `{master}` the slave, or the elements of `{slave}` smaller there")
     };
     format!(
-        "at t = {time} s {:.0} % of the force of `{slave}` on `{master}` is on nodes beyond the end of the other: they press where \
-         they are, and pull at its inner nodes; {cure}",
+        "at t = {time} s {:.0} % of the force of `{slave}` on `{master}` is on nodes beyond the end of `{master}`, \
+         which also pull at its inner nodes; {cure}",
         100.0 * share
     )
 }
 
-/// That a body has come into another.
+/// Describes that a body has penetrated another one.
 fn passed_through(model: &Model, passed: &Passed, time: f64) -> String {
     let Passed { node, bodies, depth, apart } = *passed;
     let (units, all) = (model.units(), model.mesh.bodies());
@@ -370,29 +375,29 @@ fn passed_through(model: &Model, passed: &Passed, time: f64) -> String {
     if let Some(pair) = model.pairs.iter().find(is_between) {
         let search = format!("{:.2e} {unit}", units.of_si(Quantity::Length, pair.mortar.search));
         return format!(
-            "at t = {time} s the node at {place} is {depth} inside the other side of `{}` against `{}`, and no contact holds it: nothing was in \
-             front of it within the search of {search}, and it was {apart} away; give contact[{}].search so that it is longer than every gap \
-             that closes",
+            "at t = {time} s the node at {place} is {depth} inside the other side of `{}` against `{}`, and no \
+             contact stops it: nothing was in front of it within the search distance of {search}, and it was \
+             {apart} away; set contact[{}].search larger than every gap that closes",
             pair.slave, pair.master.name, pair.contact
         );
     }
     format!(
-        "at t = {time} s the node at {place} of {} is {depth} inside {}, and no contact holds it: give a [[contact]] with `against` between \
-         boundaries of the two there",
+        "at t = {time} s the node at {place} of {} is {depth} inside {}, and no contact stops it; define a \
+         [[contact]] with `against` between the boundaries of the two there",
         all.told(bodies[0]),
         all.told(bodies[1])
     )
 }
 
-/// That facets change measured gaps.
+/// Describes that facets change measured gaps.
 fn faceted_gaps(model: &Model, faceted: &Faceted) -> String {
     let pair = &model.pairs[faceted.pair];
     let (units, share) = (model.units(), faceted.bulge / faceted.closed);
     let length = |x: f64| format!("{:.2e} {}", units.of_si(Quantity::Length, x), units.name(Quantity::Length));
     format!(
-        "the facets of `{}` and `{}` are chords of curved surfaces, and gaps between them differ by {} from those of the surfaces at half of \
-         the nodes, {:.1} % of the {} that contact closes: pressures may be off by about {:.0} %, forces by less; give contact[{}].gap, if it is known, use elements of second order, or at least {:.0} times as \
-         many along the curve",
+        "the facets of `{}` and `{}` are chords of curved surfaces, which changes gaps by {} (median), {:.1} % of \
+         the {} that contact closes: pressures may be off by about {:.0} %, forces by less; give contact[{}].gap \
+         if it is known, or use elements of second order, or at least {:.0} times as many along the curve",
         pair.slave,
         pair.master.name,
         length(faceted.bulge),
@@ -411,16 +416,16 @@ fn not_unique(model: &Model, neutral: &NeutralMotion, time: f64) -> Option<Strin
     let (motion, unit) = (motion.against(&units), units.name(Quantity::Length));
     let room = if room.is_finite() { format!("by {told:.2e} {unit}") } else { "by any distance".to_string() };
     Some(format!(
-        "at t = {time} s contact forces balance the loads, but nothing holds {motion}: displacements are \
-         one of many solutions, which may differ {room} before another node touches; stresses are the same in all; add a \
+        "at t = {time} s contact forces balance the loads, but nothing holds {motion}: displacements are one of \
+         many solutions, which may differ {room} before another node touches, with the same stresses; add a \
          support to make them unique"
     ))
 }
 
-/// How large `length` (m) is beside how far contact forces have `pressed` the body in (m).
+/// Describes the size of `length` (m) relative to the indentation `pressed` (m) by contact forces.
 fn beside(length: f64, pressed: f64) -> String {
     if pressed > 0.0 {
-        format!("{:.0} % of what contact forces press in", 100.0 * length / pressed)
+        format!("{:.0} % of the indentation", 100.0 * length / pressed)
     } else {
         "where nothing else presses".to_string()
     }
@@ -434,9 +439,11 @@ fn not_met(model: &Model, overlap: Overlap, time: f64, pressed: f64) -> String {
     let boundary = model.contact_boundaries.iter().find(|boundary| boundary.obstacles.contains(&obstacle));
     let own = boundary.is_some_and(|boundary| boundary.nodes.contains(&contact));
     let cure = match (own, boundary) {
-        (false, Some(boundary)) => format!("which is in front of `{}` only; list it for the node's boundary, too", boundary.name),
-        _ => "which it does not meet: of obstacles with different normals a node meets the one that was nearest at first; give \
-              these obstacles one `normal`, with direction = \"normal\", or each a boundary of its own"
+        (false, Some(boundary)) => {
+            format!("an obstacle of `{}` only; list it for the node's boundary too", boundary.name)
+        }
+        _ => "which it does not meet: of obstacles with different normals, a node meets only the nearest one at the \
+         beginning; give these obstacles one `normal`, with direction = \"normal\", or one boundary each"
             .to_string(),
     };
     format!(
@@ -451,9 +458,9 @@ fn between_nodes(model: &Model, between: &BetweenNodes, time: f64, pressed: f64)
     let units = model.units();
     let (unit, told) = (units.name(Quantity::Length), |x: f64| units.of_si(Quantity::Length, x));
     format!(
-        "the obstacle in front of `{boundary}` has details that are finer than the elements: between nodes, at {}, its distance at t = {time} s is \
-         {:.2e} {unit} off the distances at the nodes, {}; pressures may be as wrong; make the elements there, which are {:.2e} {unit} long, \
-         smaller than these details",
+        "the obstacle in front of `{boundary}` has details that are finer than the elements: between nodes, at {}, \
+         its distance at t = {time} s differs by {:.2e} {unit} from the distances at the nodes, {}, and pressures \
+         may be equally wrong; make the elements there, now {:.2e} {unit} long, smaller than these details",
         units.place(*position),
         told(*missed),
         beside(*missed, pressed),
@@ -461,13 +468,13 @@ fn between_nodes(model: &Model, between: &BetweenNodes, time: f64, pressed: f64)
     )
 }
 
-/// That an obstacle is elsewhere on the way through an increment.
+/// Describes that an obstacle passes a node within an increment.
 fn on_the_way(model: &Model, found: OnTheWay, pressed: f64) -> String {
     let OnTheWay { contact, time, distance } = found;
     let (units, does) = (model.units(), if distance < 0.0 { "goes through" } else { "leaves" });
     format!(
-        "on the way through the increment that ends at t = {time} s an obstacle {does} the contact node at {}, by {:.2e} {}, {}: \
-         increments tell of their ends only, and the friction of what is between is left out; take more of them",
+        "within the increment that ends at t = {time} s an obstacle {does} the contact node at {}, by {:.2e} {}, \
+         {}: friction between the ends of increments is neglected; take more increments",
         units.place(model.contacts[contact].position),
         units.of_si(Quantity::Length, distance.abs()),
         units.name(Quantity::Length),
@@ -480,15 +487,16 @@ fn out_of_range(model: &Model, left: &RangeLeft) -> String {
     let units = model.units();
     let (place, unit) = (units.place(position), units.name(Quantity::Length));
     let [linearised, exact] = [linearised, exact].map(|distance| units.of_si(Quantity::Length, distance));
-    let remedy =
-        "pressures may be as wrong; put the obstacle, in the scene, nearer to where it presses, or let it move less";
+    let remedy = "pressures may be equally wrong; place the obstacle of the scene nearer to where it presses, or let it move \
+         less";
     if exact.is_nan() {
         return format!("the obstacle is no longer in front of the contact node at {place} at t = {time} s: {remedy}");
     }
     let off =
         if share.is_finite() { format!(", off by {:.0} % of the indentation", 100.0 * share) } else { String::new() };
     format!(
-        "gaps are linearised in the undeformed state, and the contact leaves where that holds: at the node {place} at \
-         t = {time} s the distance is {exact:.2e} {unit}, not {linearised:.2e} {unit}{off}; {remedy}"
+        "gaps are linearised in the undeformed state, and the contact leaves the range of this approximation: at \
+         the node {place} at t = {time} s the distance is {exact:.2e} {unit}, not {linearised:.2e} {unit}{off}; \
+         {remedy}"
     )
 }

@@ -1,4 +1,4 @@
-//! What may make an answer wrong although every law holds: assumptions that a scene does not meet; and what makes it slow.
+//! Warnings: reasons why a result may be inaccurate although every law holds, and why a run is slow.
 
 use serde::Serialize;
 
@@ -18,52 +18,52 @@ use crate::solver::history::LinearAlgebra;
 pub struct Warning {
     /// The kind of the warning.
     pub kind: WarningKind,
-    /// The warning in words, with what to do.
+    /// The warning in words, with the cure.
     pub message: String,
 }
 
-/// What a warning is about.
+/// The kind of a warning.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum WarningKind {
-    /// Elements that lock, because a material hardly changes its volume.
+    /// Locking of elements, because a material is nearly incompressible.
     Locking,
-    /// A border of layers that runs through elements.
+    /// A border between layers that cuts elements.
     LayersThroughElements,
-    /// A load that acts on nothing but supports.
+    /// A load that acts only on constrained displacements.
     IdleLoad,
-    /// A coefficient of friction beyond what surfaces have.
+    /// A coefficient of friction larger than for real surfaces.
     LargeFriction,
-    /// A hole in a surface of triangles in front of a boundary.
+    /// A hole in a triangulated surface in front of a boundary.
     SurfaceHole,
     /// A boundary that never touches its obstacle.
     NoContact,
     /// Displacements that are not small.
     LargeDisplacements,
-    /// An obstacle that leans against the normal along which it presses.
+    /// An obstacle whose surface is inclined against the contact normal.
     LeaningObstacle,
     /// A contact that leaves the range of its linearised gaps.
     GapsOutOfRange,
     /// Contact forces on nodes beyond the end of the other body.
     BeyondTheEnd,
-    /// Bodies that pass through each other, where no contact row is between them.
+    /// Bodies that penetrate each other where no contact is defined.
     PassedThrough,
-    /// Facets of curved boundaries that change the measured gaps.
+    /// Facets of curved boundaries that falsify the measured gaps.
     FacetedGaps,
-    /// Friction of nodes that supports hold while something moves past them.
+    /// Neglected friction of constrained nodes while something slides past them.
     FrictionLeftOut,
-    /// Bodies that slide past each other's facets.
+    /// Bodies that slide across each other's facets.
     SlidAcrossFacets,
     /// A contact node inside an obstacle that it does not meet.
     ObstacleNotMet,
-    /// An obstacle with details that are finer than the elements.
+    /// An obstacle with details finer than the elements.
     ObstacleBetweenNodes,
-    /// An equilibrium that is one of many: contact leaves a motion of the body open.
+    /// A non-unique equilibrium: contact leaves a motion of the body unconstrained.
     NotUnique,
     /// A mesh that is too coarse for the body itself.
     CoarseMesh,
-    /// Stresses of a body that hardly changes its volume, far worse than its displacements.
+    /// Stresses of a nearly incompressible body that are much less accurate than its displacements.
     RoughStresses,
     /// A contact zone of a few nodes, or of isolated ones.
     ContactUnresolved,
@@ -75,34 +75,34 @@ pub enum WarningKind {
     SingularEdge,
     /// Elements that differ much in size at the end of the contact.
     UnevenElements,
-    /// A zone that sticks, known to one element.
+    /// A stick zone whose size is known to one element.
     StickZoneCoarse,
-    /// A mesh that is too coarse for tangential forces, which are small beside the normal ones.
+    /// A mesh that is too coarse for tangential forces much smaller than the normal ones.
     TangentialCoarse,
-    /// Zones of a few nodes that slip beside others that stick.
+    /// Narrow slip zones of a few nodes beside stick zones.
     SlipZoneCoarse,
-    /// Increments that change the work of friction much.
+    /// Increments too long for the friction work.
     IncrementsWork,
-    /// Increments that change the tangential forces much, or too few of them to tell.
+    /// Increments too long for the tangential forces, or too few for an estimate.
     IncrementsForce,
-    /// Gaps that are curved in time, which the exact path follows along chords.
+    /// Gaps curved in time, which the exact path follows along chords.
     CurvedGaps,
-    /// A quasi-static motion that ended, so that a jump took it on.
+    /// A quasi-static motion that ended and was continued by a jump.
     Jump,
-    /// Forces that are so small beside the stiffness and the displacements that rounding counts.
+    /// Forces so small compared with stiffness times displacements that rounding matters.
     Unbalanced,
-    /// A result that was asked for beside the history and could not be computed. The history itself is complete.
+    /// A requested additional result that could not be computed. The history itself is complete.
     NotComputed,
-    /// A BLAS that is several times slower than the processor could run one. Costs time and no accuracy.
+    /// A BLAS several times slower than possible on the processor. Costs time and no accuracy.
     SlowBlas,
-    /// Multigrid that stood still, so that a direct solver took over. Costs time and no accuracy.
+    /// Multigrid that stagnated, so that a direct solver took over. Costs time and no accuracy.
     MultigridGaveWay,
-    /// A process that has another body than rank 0, so that they do not share its stiffness. Costs memory and no accuracy.
+    /// A process with another body than rank 0, so that the stiffness is not distributed. Costs memory and no accuracy.
     RanksApart,
 }
 
 impl WarningKind {
-    /// Whether it is known only once the scene is solved; that elements lock is expected before.
+    /// Returns `true` if the warning is known only after the solution. Locking is also predicted before it.
     pub fn needs_the_solution(self) -> bool {
         match self {
             WarningKind::LayersThroughElements
@@ -145,26 +145,26 @@ impl WarningKind {
     }
 }
 
-/// A body that is too stiff by a smaller share is worth no warning.
+/// A smaller excess of stiffness by locking causes no warning.
 const LOCKING: f64 = 0.05;
 
-/// Beyond this share the estimate is known to be too small.
+/// Above this share, the estimate is known to be too small.
 const AT_LEAST: f64 = 1.0;
 
-/// Elements of half the size lock by so much less.
+/// The factor by which elements of half the size lock less.
 const HALVED: f64 = 2.64;
 
-/// The same of elements of second order, which at 0.499 are as good as B-bar elements.
+/// The Poisson's ratio up to which elements of second order are as good as B-bar elements.
 const QUADRATIC_LOCKING: f64 = 0.499;
 
-/// Coulomb's coefficient is hardly larger anywhere: soft rubber on dry asphalt comes to 1.5.
+/// The largest plausible coefficient of friction: soft rubber on dry asphalt reaches 1.5.
 const PLAUSIBLE: f64 = 2.0;
 
-/// Relative to the size of the body, what rounding leaves of the corners of an element.
+/// The rounding of the corners of an element, relative to the size of the body.
 const ROUNDING: f64 = 1e-9;
 
 impl Warning {
-    /// The warnings that a model deserves before it is solved.
+    /// Returns the warnings known before the solution of a model.
     pub fn of_model(model: &Model) -> Vec<Self> {
         let messages = [
             (WarningKind::LayersThroughElements, layers_through_elements(model)),
@@ -176,57 +176,61 @@ impl Warning {
         expected(model).into_iter().chain(found).collect()
     }
 
-    /// A warning that `result` could not be computed, although the history was solved.
+    /// Warns that `result` could not be computed, although the history was solved.
     pub fn of_missing(result: &str, why: &dyn std::error::Error) -> Self {
         let message = format!("{result} could not be computed: {why}; all other results are complete");
         Warning { kind: WarningKind::NotComputed, message }
     }
 
-    /// That the BLAS is slow, if it is, and what makes it faster.
+    /// Warns of a slow BLAS and names the cure.
     pub fn of_blas(blas: &Blas) -> Option<Self> {
         let cure = match blas.better_kernel {
             Some(better) if blas.selectable => {
-                format!("ask for the kernel {better}: the program by --blas-kernel, any other by {KERNEL_VARIABLE}")
+                format!("select the kernel {better} with --blas-kernel, or in other programs with {KERNEL_VARIABLE}")
             }
             Some(_) => "install an OpenBLAS that was built for several processors".to_string(),
             None => "install OpenBLAS, or BLIS or MKL".to_string(),
         };
         let message = format!(
-            "the BLAS in use is {blas}; factorisations take longer than they need, up to several times: {cure}"
+            "the BLAS in use is {blas}, which makes factorisations up to several times slower than necessary: {cure}"
         );
         blas.is_slow().then_some(Warning { kind: WarningKind::SlowBlas, message })
     }
 
-    /// That multigrid was `asked` for and stood still, if it is known `why`, or could not begin, so that another solver was `taken`.
+    /// Warns that multigrid was `asked` for and stagnated, for the reason `why` if known, or could not begin, so that
+    /// the solver `taken` replaced it.
     pub(super) fn of_multigrid(linear: &Statistics, asked: bool, taken: &str, why: Option<&str>) -> Option<Self> {
         if asked && taken != "multigrid" {
             let message = format!(
-                "multigrid cannot have two obstacles at a node, or contact rows that nodes share: {taken} solved"
+                "multigrid cannot treat two obstacles at a node, or contact rows shared by nodes: {taken} was used \
+                 instead"
             );
             return Some(Warning { kind: WarningKind::MultigridGaveWay, message });
         }
-        let why = why.unwrap_or("these matrices are not for it");
+        let why = why.unwrap_or("it does not suit these matrices");
         linear.instead.map(|instead| Warning {
             kind: WarningKind::MultigridGaveWay,
             message: format!(
-                "multigrid did not come to an end in 60 iterations, so that {instead} took over, which takes more memory: {why}; use \
-                 solver.linear = \"auto\""
+                "multigrid did not converge within 60 iterations, so {instead} took over, which needs more memory: \
+                 {why}; use solver.linear = \"auto\""
             ),
         })
     }
 
-    /// That rank 0 has the stiffness in one piece where several processes might share it: one of them has another body.
+    /// Warns that rank 0 has the whole stiffness although several processes might share it, because one of them has
+    /// another body.
     pub(super) fn of_ranks(model: &Model, linear: LinearAlgebra, ranks: usize) -> Option<Self> {
         let apart = ranks > 1
             && linear == LinearAlgebra::Multigrid
             && model.has_rows()
             && model.problem.stiffness().shared().is_none();
-        let message = "a process has another body than rank 0, or cannot read the scene, so that rank 0 has assembled alone, which takes more \
-                       memory there: start all with the same scene and options, and have all files at the same place";
+        let message = "a process has another body than rank 0, or cannot read the scene, so rank 0 has assembled \
+         the whole stiffness, which needs more memory there: start all processes with the same scene and options, \
+         and keep all files at the same paths";
         apart.then(|| Warning { kind: WarningKind::RanksApart, message: message.to_string() })
     }
 
-    /// That elements lock, if it makes the body too stiff by a `share` that counts.
+    /// Warns of locking if it makes the body too stiff by a significant `share`.
     pub(super) fn of_locking(model: &Model, share: f64) -> Option<Self> {
         let poisson = largest_poisson(model);
         let simplices = model.mesh.cells.iter().any(|cell| cell.kind.is_simplex());
@@ -242,14 +246,14 @@ impl Warning {
         let about = if share > AT_LEAST { "at least" } else { "about" };
         let [now, halved] = [share, share / HALVED].map(|share| 100.0 * share);
         let message = format!(
-            "expect the body to be {about} {now:.0} % too stiff: such elements hardly change their volume, least near nu = 0.5, and \
-             nu is {poisson:.6}; {cells}, or halve the elements for {about} {halved:.0} %"
+            "expect the body to be {about} {now:.0} % too stiff: its elements lock near nu = 0.5, and nu is \
+             {poisson:.6}; {cells}, or halve the elements for {about} {halved:.0} %"
         );
         (share > LOCKING).then_some(Warning { kind: WarningKind::Locking, message })
     }
 }
 
-/// What is expected of elements before they are solved with.
+/// Predicts locking before the solution.
 fn expected(model: &Model) -> Option<Warning> {
     if let Some(share) = expected_locking(model) {
         return Warning::of_locking(model, share);
@@ -259,7 +263,7 @@ fn expected(model: &Model) -> Option<Warning> {
     let plain = model.element() == Element::Bilinear && !model.is_thin();
     let locks = quadratic && plain && poisson > QUADRATIC_LOCKING + ROUNDING;
     let message = format!(
-        "nu is {poisson:.6}: elements of second order, too, may be too stiff; use mesh.element = \"nodal-volume\""
+        "nu is {poisson:.6}: elements of second order may be too stiff as well; use mesh.element = \"nodal-volume\""
     );
     locks.then_some(Warning { kind: WarningKind::Locking, message })
 }
@@ -283,13 +287,13 @@ fn layers_through_elements(model: &Model) -> Option<String> {
     let tops = model.description().material.tops();
     let (height, count) = tops.into_iter().map(|top| (top, cut(top))).find(|cut| cut.1 > 0)?;
     let axis = ["x", "y", "z"][up];
-    // A height is a sum of thicknesses; seven digits hide its rounding.
+    // A height is a sum of thicknesses. Seven digits hide its rounding.
     let height = model.units().of_si(Quantity::Length, height);
     let height: f64 = format!("{height:.6e}").parse().unwrap_or(height);
     let unit = model.units().name(Quantity::Length);
     Some(format!(
-        "the border between layers at {axis} = {height} {unit} goes through {count} elements, each of which is of one layer; \
-         let elements end there"
+        "the border between layers at {axis} = {height} {unit} cuts {count} elements, each of which takes the \
+         material of one layer; let elements end at the border"
     ))
 }
 
@@ -298,12 +302,12 @@ fn large_friction(model: &Model) -> Option<String> {
     let contacts = model.contact_boundaries.iter().map(|boundary| (largest(&boundary.nodes), &boundary.name));
     let (mu, name) = contacts.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(mu, _)| *mu > PLAUSIBLE)?;
     Some(format!(
-        "the friction of `{name}` is up to {mu}, and few surfaces have more than {PLAUSIBLE}: is it in percent? Where nothing is to slide, glue = true \
-         ties bodies to each other, and a [[support]] holds one"
+        "the friction of `{name}` is up to {mu}, but few surfaces exceed {PLAUSIBLE}: is it in percent? To prevent \
+         sliding, connect bodies with glue = true, or hold a body with a [[support]]"
     ))
 }
 
-/// That a surface of triangles has a hole in front of its boundary: the first such surface, by its largest hole.
+/// Describes the largest hole of the first triangulated surface with holes in front of its boundary.
 fn surface_hole(model: &Model) -> Option<String> {
     let units = model.units();
     model.contact_boundaries.iter().find_map(|contact| {
@@ -316,8 +320,9 @@ fn surface_hole(model: &Model) -> Option<String> {
                 count => format!("{count} holes"),
             };
             Some(format!(
-                "the surface of {} has {what} in front of `{}`, the largest {:.2e} {} long at {}: nothing presses there; a triangle may be \
-                 missing, or triangles on both sides of a crack may not have the same corners: close it in the file if the part is whole",
+                "the surface of {} has {what} in front of `{}`, the largest {:.2e} {} long at {}: nothing presses \
+                 there. A triangle may be missing, or triangles on both sides of a crack may have different \
+                 corners; close the hole in the file if the part has none",
                 model.obstacle_key(k),
                 contact.name,
                 units.of_si(Quantity::Length, largest.size),

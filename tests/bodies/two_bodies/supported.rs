@@ -156,6 +156,6 @@ fn friction_that_is_left_out_is_told() {
         report.warnings.into_iter().find(|warning| warning.kind == WarningKind::FrictionLeftOut).map(|w| w.message)
     };
     let message = warned("left").unwrap();
-    assert!(message.contains("% of the normal force of `bottom`"), "{message}");
+    assert!(message.contains("% of the possible friction of `bottom`"), "{message}");
     assert_eq!(warned("top"), None);
 }

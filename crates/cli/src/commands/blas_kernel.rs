@@ -1,6 +1,6 @@
-//! The kernel of the BLAS. OpenBLAS reads the variable that chooses it when it is loaded, before the program has a say; so
-//! where there is a better kernel, the program sets the variable and starts itself once more in its own place: with the same
-//! process number, arguments, files and environment.
+//! Chooses the kernel of the BLAS. OpenBLAS reads the environment variable for its kernel when it is loaded, before the
+//! program can set the variable. If a better kernel exists, the program therefore sets the variable and restarts itself
+//! in place: with the same process number, arguments, files and environment.
 
 use std::convert::Infallible;
 use std::env;
@@ -16,14 +16,14 @@ use stickslip::algebra::linear::blas::{Blas, KERNEL_VARIABLE, Vectors, kernel_na
 
 use super::Failure;
 
-/// Which kernel to run.
+/// The kernel to use.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Kernel {
-    /// The best one for the processor, unless the environment names one.
+    /// The best kernel for the processor, unless the environment names one.
     Auto,
-    /// The one that runs.
+    /// The kernel that OpenBLAS chose.
     Keep,
-    /// The one of this name.
+    /// The kernel of this name.
     Named(String),
 }
 
@@ -31,7 +31,7 @@ impl FromStr for Kernel {
     type Err = Infallible;
 
     fn from_str(text: &str) -> Result<Self, Infallible> {
-        // Names of kernels may be in capitals or not, and so may these. A variable that is empty says nothing.
+        // Case does not matter, as in the names of OpenBLAS. An empty variable counts as unset.
         Ok(match text.to_ascii_lowercase().as_str() {
             "" | "auto" => Kernel::Auto,
             "keep" => Kernel::Keep,
@@ -50,15 +50,15 @@ impl fmt::Display for Kernel {
     }
 }
 
-/// By this variable the program knows that it has started itself again: the number of its process, which stays the same,
-/// and the kernel that ran before. To other processes, such as its children, it says nothing.
+/// Environment variable that marks a restarted program. It holds the process number, which a restart does not change,
+/// and the kernel before the restart. Other processes, such as children, have another number and ignore it.
 const RESTARTED: &str = "STICKSLIP_RESTARTED";
 
-/// Sees to it that the kernel runs that is wanted, which may start the program again; so it is called before there is any thread.
-/// Gives the kernel that ran before that, if it has been done.
+/// Makes the wanted kernel run, if necessary by restarting the program. It must be called before any thread is started.
+/// Returns the kernel before the restart if the program has been restarted.
 ///
 /// # Errors
-/// A kernel that was named and that the library does not run.
+/// A named kernel that the library does not run.
 pub(super) fn choose(wanted: &Kernel) -> Result<Option<String>, Failure> {
     let Some(blas) = Blas::loaded().filter(|_| *wanted != Kernel::Keep) else { return Ok(None) };
     if let Some(before) = restarted_from() {
@@ -69,12 +69,10 @@ pub(super) fn choose(wanted: &Kernel) -> Result<Option<String>, Failure> {
         (Kernel::Named(name), _) if !name.eq_ignore_ascii_case(running) => {
             check(name, &blas)?;
             let error = restart(Some(name), running);
-            Err(Failure::Machine(miette::miette!(
-                "the program cannot start itself again for the kernel {name}: {error}"
-            )))
+            Err(Failure::Machine(miette::miette!("the program cannot restart itself for the kernel {name}: {error}")))
         }
         (Kernel::Auto, Some(better)) if blas.selectable && blas.kernel_asked.is_none() => {
-            // Where the system refuses it, the run is slow, and its report says so.
+            // If the system refuses the restart, the run is slow, and its report says so.
             restart(Some(better), running);
             Ok(None)
         }
@@ -82,14 +80,14 @@ pub(super) fn choose(wanted: &Kernel) -> Result<Option<String>, Failure> {
     }
 }
 
-/// What came of it.
+/// Checks the kernel after a restart.
 fn restarted(wanted: &Kernel, blas: &Blas, before: String) -> Result<Option<String>, Failure> {
     let running = blas.kernel.as_deref().unwrap_or_default();
     match wanted {
         Kernel::Named(name) if !name.eq_ignore_ascii_case(running) => Err(bad_kernel(&format!(
-            "--blas-kernel {name}: there is no such kernel; asked for it, the library runs {running}"
+            "--blas-kernel {name}: there is no such kernel; the library uses {running} instead"
         ))),
-        // A library that does not know the name may have taken a worse kernel than by itself. Now it is left alone.
+        // A library that does not know the name may now use a worse kernel than before. Restart without a name.
         Kernel::Auto if Vectors::of_kernel(running) < Vectors::of_kernel(&before) => {
             restart(None, "");
             Ok(None)
@@ -98,13 +96,13 @@ fn restarted(wanted: &Kernel, blas: &Blas, before: String) -> Result<Option<Stri
     }
 }
 
-/// An error if it is known that there can be no such kernel.
+/// Returns an error if such a kernel cannot exist.
 fn check(name: &str, blas: &Blas) -> Result<(), Failure> {
     if !blas.selectable {
         let help = "leave it out, or use auto or keep";
         return Err(Failure::Input(miette::miette!(
             help = help,
-            "--blas-kernel {name}: {blas}, takes no kernel by its name"
+            "--blas-kernel {name}: the BLAS ({blas}) has no selectable kernels"
         )));
     }
     if may_run_here(name) {
@@ -116,7 +114,7 @@ fn check(name: &str, blas: &Blas) -> Result<(), Failure> {
 
 fn bad_kernel(message: &str) -> Failure {
     let names: Vec<&str> = kernel_names().filter(|name| may_run_here(name)).collect();
-    let help = format!("names, as far as the library was built with them: {}", names.join(", "));
+    let help = format!("kernels, if the library was built with them: {}", names.join(", "));
     Failure::Input(miette::miette!(help = help, "{message}"))
 }
 
@@ -126,7 +124,7 @@ fn restarted_from() -> Option<String> {
     (process == std::process::id().to_string()).then(|| kernel.to_string())
 }
 
-/// Starts the program again in its own place, with `kernel` asked for, or none. Comes back only where that fails.
+/// Restarts the program in place, with `kernel` or with none. Returns only if the restart fails.
 fn restart(kernel: Option<&str>, running: &str) -> io::Error {
     let mut arguments = env::args_os();
     let name: OsString = arguments.next().unwrap_or_default();
@@ -140,7 +138,7 @@ fn restart(kernel: Option<&str>, running: &str) -> io::Error {
         };
         command.exec()
     };
-    // By its path, so that the system lists it under its name; if that has gone since, as the file that it is.
+    // The path makes the system list the program under its name. If that file has been removed, the open file is used.
     if let Ok(path) = env::current_exe() {
         replace(path);
     }

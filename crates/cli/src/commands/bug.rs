@@ -1,18 +1,18 @@
-//! A panic is a bug of this program: it is told as one, and what was written before stays.
+//! Reports a panic as a bug of this program. Files written before it remain.
 
 use std::backtrace::{Backtrace, BacktraceStatus};
 use std::panic::{self, AssertUnwindSafe};
 use std::sync::Mutex;
 
-/// Where the last panic was, and what it said.
+/// The place and the message of the last panic.
 static LAST: Mutex<Option<String>> = Mutex::new(None);
 
-/// Runs `command`; a panic in it becomes an error that says what to report.
+/// Runs `command` and turns a panic into an error that asks for a bug report.
 pub(super) fn caught<T>(command: impl FnOnce() -> T) -> Result<T, String> {
     let hook = panic::take_hook();
     panic::set_hook(Box::new(|info| {
         let mut words = info.to_string();
-        // Where RUST_BACKTRACE asks for it.
+        // Captured only if RUST_BACKTRACE is set.
         let backtrace = Backtrace::capture();
         if backtrace.status() == BacktraceStatus::Captured {
             words = format!("{words}\n{backtrace}");
@@ -21,7 +21,7 @@ pub(super) fn caught<T>(command: impl FnOnce() -> T) -> Result<T, String> {
             *last = Some(words);
         }
     }));
-    // What a panic leaves behind is not looked at again.
+    // Nothing that a panic may leave inconsistent is used again.
     let result = panic::catch_unwind(AssertUnwindSafe(command));
     panic::set_hook(hook);
     result.map_err(|_| {

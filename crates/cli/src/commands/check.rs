@@ -128,7 +128,7 @@ fn body(scene: &Scene, model: &Model) {
     let height = if model.mesh.dimension == 2 { "y" } else { "z" };
     let mut bottom = 0.0;
     for (layer, top) in layers.iter().zip(scene.description.material.tops()) {
-        // A height is a sum of thicknesses; fifteen digits hide its rounding.
+        // A height is a sum of thicknesses. Fifteen digits hide its rounding.
         let top = units.of_si(Quantity::Length, top);
         let top: f64 = format!("{top:.14e}").parse().unwrap_or(top);
         let (unit, young) = (units.name(Quantity::Length), modulus(layer.young));
@@ -153,7 +153,7 @@ fn body(scene: &Scene, model: &Model) {
     }
 }
 
-/// What the meshes of bodies in front of each other have in common.
+/// Prints how the meshes of opposing bodies match.
 fn pairs(model: &Model) {
     let units = model.units();
     let length = |x: f64| told(&units, Quantity::Length, x);
@@ -166,7 +166,7 @@ fn pairs(model: &Model) {
         }
         let largest = pair.mortar.rows.iter().flat_map(|row| &row.master).fold(0.0_f64, |m, (_, c)| m.max(*c));
         say!(
-            "             {:.0} % of it covered, gaps {} to {}, largest share of a master node {largest:.3}",
+            "             {:.0} % of the slave covered, gaps {} to {}, largest share of a master node {largest:.3}",
             100.0 * covered,
             length(least_gap),
             length(largest_gap)
@@ -174,11 +174,7 @@ fn pairs(model: &Model) {
         if !pair.glued && !pair.is_measured() {
             let least = pair.gaps.iter().copied().fold(f64::INFINITY, f64::min);
             let largest = pair.gaps.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            say!(
-                "             in place of these, gaps {} to {} when the history begins",
-                length(least),
-                length(largest)
-            );
+            say!("             replaced by gaps of {} to {} when the history begins", length(least), length(largest));
         }
     }
 }
@@ -213,14 +209,14 @@ fn contacts(scene: &Scene, model: &Model) {
             say!("             {}", frame(model, placed, given.direction));
         }
         if boundary.beyond > 0 {
-            say!("             {} nodes that no obstacle ever reaches stay open", boundary.beyond);
+            say!("             {} nodes remain open because no obstacle ever reaches them", boundary.beyond);
         }
     }
     pairs(model);
     let layout = Layout::new(&model.problem);
     say!("unknowns     {} displacements u", layout.displacements());
     match (layout.contacts(), layout.tangentials()) {
-        (0, _) => say!("             no contact: one linear solve an increment, one factorisation"),
+        (0, _) => say!("             no contact: one linear solve per increment, one factorisation"),
         (n, t) => {
             say!("             {n} normal forces p_n");
             let with = |has: &dyn Fn(usize) -> bool| (0..n).filter(|&i| has(i)).count();
@@ -240,7 +236,7 @@ fn contacts(scene: &Scene, model: &Model) {
 fn loads(scene: &Scene, model: &Model) {
     let units = model.units();
     for (load, sum) in scene.description.loads.iter().zip(model.forces_of_loads()) {
-        // A temperature has no resultant.
+        // A temperature load has no resultant.
         let sum = match load.action {
             Action::Temperature { .. } => String::new(),
             _ => format!(", in all {}", vector(&units, Quantity::Force, &sum[..model.mesh.dimension])),
@@ -254,7 +250,7 @@ fn loads(scene: &Scene, model: &Model) {
     }
 }
 
-/// What a support holds, and where it moves that to.
+/// Describes the constrained components of a support and their displacement at the end.
 fn holds(support: &Support, units: &UnitSystem, end: f64) -> String {
     let direction = |held: &Held| match held.direction {
         Direction::Axis(axis) => format!("{axis:?}").to_lowercase(),
@@ -270,9 +266,9 @@ fn holds(support: &Support, units: &UnitSystem, end: f64) -> String {
     format!("{held}, moved by {}; factor {factor}", vector(units, Quantity::Length, &to))
 }
 
-/// What a load does at factor 1.
+/// Describes a load at factor 1.
 fn acts(action: &Action, units: &UnitSystem) -> String {
-    // Where there are no other units a traction is told in N/m2, as it is meant.
+    // Without named units, a traction is printed in N/m2.
     let per_area = if units.is_si() { "N/m2".to_string() } else { units.name(Quantity::Stress) };
     let stress = |x: f64| units.number(Quantity::Stress, x);
     match action {
@@ -309,8 +305,8 @@ fn theorem(model: &Model) {
     let mut label = "theorem 3";
     if let Some(motion) = conditions.leaving.as_deref().and_then(|weights| named(model, weights)) {
         say!(
-            "{label:<12} (a) violated: {} moves no node towards an obstacle, \
-             so the loads have to keep it from that; or add a support",
+            "{label:<12} (a) violated: {} moves no node towards an obstacle, so the loads must prevent it; or add a \
+             support",
             motion.told(&model.units())
         );
         label = "";
@@ -324,12 +320,12 @@ fn theorem(model: &Model) {
         };
         say!(
             "{label:<12} (b) violated: the contact rows at {place}{others} depend on each other, so the contact \
-             forces there are not unique; turn a normal, or take away a contact or a support"
+             forces there are not unique; turn a normal, or remove a contact or a support"
         );
     }
 }
 
-/// Tells the first increment that no contact force can bring into balance.
+/// Prints the first increment that no contact force can balance.
 fn equilibrium(scene: &Scene, model: &Model) -> Result<(), ProblemError> {
     if model.rigid_motions.is_empty() {
         return Ok(());
@@ -340,8 +336,8 @@ fn equilibrium(scene: &Scene, model: &Model) -> Result<(), ProblemError> {
         let driven = rigid_equilibrium_with(&model.problem, mu.as_deref().unwrap_or(model.problem.mu()), &force)?;
         if let Some(motion) = driven.and_then(|weights| named(model, &weights)) {
             say!(
-                "NO BALANCE   first at t = {time} s: the loads drive {}, which no contact force within its \
-                 friction resists; change the loads or add a support",
+                "NO BALANCE   first at t = {time} s: the loads drive {}, and no contact force within the friction \
+                 limit resists; change the loads or add a support",
                 motion.told(&model.units())
             );
             break;

@@ -16,26 +16,27 @@ use super::progress::bar;
 use super::run::write_failure;
 use super::{Failure, interrupt};
 
-/// What names of exchange files end with.
+/// The name endings of exchange files.
 const ENDINGS: [&str; 4] = ["hdf5", "h5", "hdf", "dat"];
 
 #[derive(Args)]
 pub(super) struct CollectionArgs {
-    /// The folder: all its files that end with hdf5, h5, hdf or dat
+    /// Folder whose files ending with hdf5, h5, hdf or dat are solved
     folder: PathBuf,
-    /// Solve each problem in every way that there is, and compare these
+    /// Solve each problem with every available solver and compare the solvers
     #[arg(long)]
     compare: bool,
-    /// Write the table as collection.csv and collection.json, the performance profile as profile.csv and profile.svg into this
-    /// folder
+    /// Write the table (collection.csv, collection.json) and the performance profile (profile.csv, profile.svg) into
+    /// this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Print the table as one JSON object and nothing else
+    /// Print only the table, as one JSON object
     #[arg(long)]
     json: bool,
 }
 
-/// With `threads` files at a time. Exit status 1: a problem is not solved; 2: a file cannot be read; 3: the machine failed.
+/// Solves `threads` files at a time. Exit status 1: a problem is not solved; 2: a file cannot be read; 3: the machine
+/// failed.
 pub(super) fn collection(args: &CollectionArgs, threads: usize) -> Result<ExitCode, Failure> {
     interrupt::listen();
     let (files, others) = files(&args.folder)?;
@@ -57,7 +58,7 @@ pub(super) fn collection(args: &CollectionArgs, threads: usize) -> Result<ExitCo
     } else {
         say!("{}", collection.to_text().trim_end());
         let Collection { files, solved, cpu_seconds, .. } = &collection;
-        let others = if others == 0 { String::new() } else { format!(", {others} other files left out") };
+        let others = if others == 0 { String::new() } else { format!(", {others} other files ignored") };
         say!("\nverdict      {solved} of {files} problems solved, {cpu_seconds:.2} s CPU{others}");
     }
     if let Some(folder) = &args.out {
@@ -75,7 +76,7 @@ pub(super) fn collection(args: &CollectionArgs, threads: usize) -> Result<ExitCo
     })
 }
 
-/// The exchange files of a folder by name, and how many others there are.
+/// Returns the exchange files of a folder by name, and the number of other files.
 fn files(folder: &Path) -> Result<(Vec<PathBuf>, usize), Failure> {
     let entries = fs::read_dir(folder).map_err(|error| {
         Failure::Input(miette::miette!(
@@ -90,12 +91,12 @@ fn files(folder: &Path) -> Result<(Vec<PathBuf>, usize), Failure> {
     let (files, others): (Vec<_>, Vec<_>) = all.into_iter().partition(ours);
     if files.is_empty() {
         let help = "name a folder with files that end with hdf5, h5, hdf or dat";
-        return Err(Failure::Input(miette::miette!(help = help, "{}: there is no problem in it", folder.display())));
+        return Err(Failure::Input(miette::miette!(help = help, "{}: it contains no exchange file", folder.display())));
     }
     Ok((files, others.len()))
 }
 
-/// What becomes of a file; nothing where the way is none for its problem, or the command is to end.
+/// Solves a file. Returns `None` if the solver does not apply to its problem or the command is interrupted.
 fn row(path: &Path, way: Way) -> Option<Row> {
     if interrupt::requested() {
         return None;

@@ -28,50 +28,51 @@ use super::run::write_failure;
 
 #[derive(Args)]
 pub(super) struct CompareArgs {
-    /// The scene file (TOML)
+    /// Scene file (TOML)
     scene: PathBuf,
-    /// Put VALUE in place of what the scene says, e.g. contact.friction=0
+    /// Replace a value of the scene, e.g. contact.friction=0
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<Override>,
-    /// The algorithms
+    /// Solution methods
     #[arg(long, value_delimiter = ',', value_parser = ["bn", "ip", "events"], default_value = "bn,ip")]
     methods: Vec<String>,
-    /// Their settings
+    /// Settings of the methods
     #[arg(long, value_delimiter = ',', value_parser = ["default", "paper"], default_value = "default")]
     settings: Vec<String>,
-    /// The linear algebra; umfpack, condensed and faer, as far as they are built in, unless given
+    /// Linear solvers [default: umfpack, condensed and faer, as far as built in]
     #[arg(long, value_delimiter = ',')]
     solvers: Vec<LinearAlgebra>,
-    /// The first number of elements of each mesh, the others in the proportions of the scene, an eighth, a
-    /// quarter and half of the scene's unless given; or mesh files, where the scene has one: a.msh,b.msh
+    /// Meshes, each by its first number of elements, the other numbers in the proportions of the scene [default: an
+    /// eighth, a quarter and half of the scene's]; for a scene with a mesh file, mesh files: a.msh,b.msh
     #[arg(long, value_delimiter = ',')]
     meshes: Vec<MeshSize>,
-    /// The elements of each mesh: cells as mesh.cells has them, strains as mesh.element has them, or both:
+    /// Elements of each mesh: cell types as in mesh.cells, strains as in mesh.element, or both:
     /// triangle6,quadrilateral:b-bar
     #[arg(long, value_delimiter = ',')]
     elements: Vec<ElementChoice>,
-    /// Increments of the whole history; a quarter, half and all of the scene's unless given
+    /// Numbers of increments of the whole history [default: a quarter, half and all of the scene's]
     #[arg(long, value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..))]
     increments: Vec<u32>,
-    /// Increments of the reference, in those of the finest history; without meaning where the exact path is the reference
+    /// Increments of the reference, as a multiple of those of the finest history; unused if the exact path is the
+    /// reference
     #[arg(long, value_name = "TIMES", default_value_t = 8, value_parser = clap::value_parser!(u32).range(2..))]
     reference: u32,
-    /// How many histories are computed at a time, each on one thread; as many as there are threads unless given
+    /// Number of histories computed at a time, each on one thread [default: the number of threads]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
-    /// Write the tables as compare.csv, iterations.csv and meshes.csv, the charts, and all of it as
-    /// compare.md into this folder
+    /// Write the tables (compare.csv, iterations.csv, meshes.csv), the charts, and a summary of both (compare.md) into
+    /// this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Go on with a comparison that was ended on the way: histories that are done are not computed again
+    /// Resume an interrupted comparison: completed histories are not computed again
     #[arg(long, requires = "out")]
     resume: bool,
-    /// Print the runs as comma-separated values and nothing else
+    /// Print only the runs, as comma-separated values
     #[arg(long)]
     csv: bool,
 }
 
-/// The method of these names; that of the paper's interior point method starts from the safe point.
+/// Returns the method of these names. The paper's interior point method starts from the safe point.
 fn method(name: &str, setting: &str) -> Method {
     match (name, setting) {
         ("ip", "paper") => Method::paper_ip(Start::Safe),
@@ -82,8 +83,8 @@ fn method(name: &str, setting: &str) -> Method {
     }
 }
 
-/// Exit status 1: a history in a default setting, or a reference, did not converge. The settings of the paper may
-/// fail; the table tells.
+/// Exit status 1: a history in a default setting, or a reference, did not converge. The settings of the paper may fail,
+/// which the table shows.
 pub(super) fn compare(args: &CompareArgs, threads: usize) -> Result<ExitCode, Failure> {
     let scene = Scene::read(&args.scene, &args.overrides)?;
     let solvers = solvers(&args.solvers)?;
@@ -138,7 +139,7 @@ pub(super) fn compare(args: &CompareArgs, threads: usize) -> Result<ExitCode, Fa
     Ok(if sound { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
 
-/// The linear algebras that are compared.
+/// Returns the linear solvers to compare.
 fn solvers(given: &[LinearAlgebra]) -> Result<Vec<LinearAlgebra>, Failure> {
     if let Some(absent) = given.iter().find(|linear| !linear.is_built_in()) {
         let help = format!("leave it out, or use \"{}\" or \"condensed\"", LinearAlgebra::default());
@@ -156,7 +157,7 @@ fn plan(args: &CompareArgs, threads: usize, solvers: &[LinearAlgebra], scene: &S
     for &linear in solvers {
         for name in &args.methods {
             paths.extend(args.settings.iter().map(|setting| SolverPath { method: method(name, setting), linear }));
-            // The exact path has one setting.
+            // The exact path has only one setting.
             paths.dedup();
         }
     }
@@ -176,7 +177,7 @@ fn plan(args: &CompareArgs, threads: usize, solvers: &[LinearAlgebra], scene: &S
     plan
 }
 
-/// A mesh as fields of a table: its elements, if they were chosen, and its size, of numbers the number alone.
+/// Returns the table fields of a mesh: its elements if they were chosen, and its size.
 fn fields(mesh: &MeshChoice) -> [String; 2] {
     let elements = mesh.elements.map_or(String::new(), |elements| elements.to_string());
     let size = match &mesh.size {
@@ -186,17 +187,17 @@ fn fields(mesh: &MeshChoice) -> [String; 2] {
     [elements, size]
 }
 
-/// What a mesh takes and what it estimates of itself; NaN where that is nothing.
+/// The cost of a mesh and its error estimates. Values that do not apply are NaN.
 struct Told {
     /// CPU time, s.
     seconds: Option<f64>,
-    /// The nodes across the contact that bears most.
+    /// The nodes across the contact zone with the largest force.
     across: Option<usize>,
-    /// The error of the peak pressure.
+    /// The estimated error of the peak pressure.
     peak: f64,
-    /// The error in the energy norm.
+    /// The estimated error in the energy norm.
     norm: f64,
-    /// By what share elements that lock are too stiff.
+    /// The share by which locking makes the elements too stiff.
     locking: f64,
 }
 
@@ -212,16 +213,16 @@ fn told(comparison: &Comparison, result: &MeshResult) -> Told {
     }
 }
 
-/// The sums of the contact forces, the energy and the friction work, in `units`.
+/// Returns the sums of the contact forces, the energy and the friction work, in `units`.
 fn resultants(result: &MeshResult, units: &UnitSystem) -> [f64; 5] {
-    // + 0.0: the sum of no forces is -0.
+    // + 0.0 because the sum of no forces is -0.
     let sum = |forces: &[f64]| units.of_si(Quantity::Force, forces.iter().sum::<f64>() + 0.0);
     let End { p_n, p_t, p_o, energy, work, .. } = &result.end;
     let [energy, work] = [energy, work].map(|energy| units.of_si(Quantity::Energy, *energy));
     [sum(p_n), sum(p_t), sum(p_o), energy, work]
 }
 
-/// An argument as a shell takes it: brackets mean something there, too.
+/// Quotes an argument for a shell, to which brackets are special, too.
 fn quoted(argument: &str) -> String {
     let plain = |c: char| c.is_alphanumeric() || "-_./,:=+".contains(c);
     if argument.chars().all(plain) { argument.to_string() } else { format!("'{}'", argument.replace('\'', r"'\''")) }

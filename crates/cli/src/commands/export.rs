@@ -1,4 +1,4 @@
-//! `stickslip export`: an increment of a scene as a problem for other programs.
+//! `stickslip export`: writes one increment of a scene as a problem for other programs.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -17,13 +17,13 @@ use super::{Failure, SceneArgs, interrupt};
 pub(super) struct ExportArgs {
     #[command(flatten)]
     scene: SceneArgs,
-    /// The number of the increment, from 1; the last unless given
+    /// Number of the increment, from 1 [default: the last]
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(1..))]
     increment: Option<u32>,
-    /// With the unknowns of the body, or of its contacts alone
+    /// Unknowns of the problem: the displacements of the bodies too (global) or the contact forces alone (local)
     #[arg(long, value_enum, default_value = "global")]
     form: Form,
-    /// Write this FCLIB file
+    /// FCLIB file to write
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
 }
@@ -36,7 +36,7 @@ enum Form {
     Local,
 }
 
-/// Keeps one increment and the state before it, and then stops.
+/// Observer that keeps one increment and the state before it, and then stops the run.
 struct One {
     number: usize,
     before: Option<State>,
@@ -54,7 +54,7 @@ impl Observer for One {
     }
 }
 
-/// Exit status 1: the increment did not converge, and the file has the problem without a solution.
+/// Exit status 1: the increment did not converge, and the file contains the problem without a solution.
 pub(super) fn export_scene(args: &ExportArgs) -> Result<ExitCode, Failure> {
     interrupt::listen();
     destination(&args.out)?;

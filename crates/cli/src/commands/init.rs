@@ -1,4 +1,4 @@
-//! `stickslip init`: scenes to start from, which stand in `data/init`.
+//! `stickslip init`: prints example scenes from `data/init`.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -11,9 +11,9 @@ use super::{Failure, output};
 
 #[derive(Args)]
 pub(super) struct InitArgs {
-    /// What the body is
+    /// Kind of body
     kind: Kind,
-    /// Write the scene into this folder, and what it reads besides it
+    /// Write the scene and the files that it reads into this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -29,7 +29,7 @@ enum Kind {
 }
 
 impl Kind {
-    /// Names and texts of its files, the scene first.
+    /// Returns the names and texts of its files, the scene first.
     fn files(self) -> &'static [(&'static str, &'static str)] {
         match self {
             Kind::Block => &[("block.toml", include_str!("../../../../data/init/block.toml"))],
@@ -67,7 +67,7 @@ fn write(folder: &Path, files: &[(&str, &str)]) -> Result<(), Failure> {
     written(fs::create_dir_all(folder))?;
     for (k, (name, text)) in files.iter().enumerate() {
         if let Err(error) = write_file(folder, name, text) {
-            // All of them or none: what is there would be refused as somebody's when the disk has room again.
+            // All files are written or none: a later try would refuse to overwrite the files of an incomplete one.
             paths().take(k).for_each(|path| drop(fs::remove_file(path)));
             return written(Err(error));
         }

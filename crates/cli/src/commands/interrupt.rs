@@ -1,6 +1,6 @@
-//! Ctrl-C, SIGTERM, and SIGUSR1, which launchers of MPI pass on and otherwise leave the job alone: during the set-up, in which nobody
-//! looks for a request, it ends the program; later the first one asks the run to stop after the iteration at hand, and the second
-//! ends the program.
+//! Handles Ctrl-C, SIGTERM, and SIGUSR1, which launchers of MPI pass on without ending the job. During the set-up,
+//! which does not check for requests, a signal ends the program. Later, the first signal asks the run to stop after the
+//! current iteration, and the second one ends the program.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, LazyLock};
@@ -10,26 +10,26 @@ use signal_hook::flag;
 
 static REQUESTED: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
 
-/// Nobody has looked for a request so far.
+/// `true` until the program has first checked for a request.
 static UNSEEN: LazyLock<Arc<AtomicBool>> = LazyLock::new(|| Arc::new(AtomicBool::new(true)));
 
 const SIGNALS: [i32; 3] = [SIGINT, SIGTERM, SIGUSR1];
 
-/// The exit status that shells give to a program that Ctrl-C ended.
+/// The exit status that shells report for a program ended by Ctrl-C.
 const INTERRUPTED: i32 = 130;
 
-/// From now on these signals are requests.
+/// Turns these signals into requests.
 pub(super) fn listen() {
     for signal in SIGNALS {
-        // The order matters: a signal first sees whether anybody looks and whether another one came before, then leaves its mark.
-        // Where this is refused, the signal ends the program, as it does everywhere; that is no failure.
+        // The order matters: a signal first tests whether requests are checked and whether another signal came before,
+        // then sets its flag. If registration is refused, the signal ends the program as usual, which is no failure.
         let _ = flag::register_conditional_shutdown(signal, INTERRUPTED, Arc::clone(&UNSEEN))
             .and_then(|_| flag::register_conditional_shutdown(signal, INTERRUPTED, Arc::clone(&REQUESTED)))
             .and_then(|_| flag::register(signal, Arc::clone(&REQUESTED)));
     }
 }
 
-/// From now on these signals do nothing.
+/// Ignores these signals from now on.
 #[cfg(feature = "mpi")]
 pub(super) fn disregard() {
     for signal in SIGNALS {
@@ -37,7 +37,7 @@ pub(super) fn disregard() {
     }
 }
 
-/// Whether the run is to stop.
+/// Returns `true` if the run is to stop.
 pub(super) fn requested() -> bool {
     UNSEEN.store(false, Ordering::Relaxed);
     REQUESTED.load(Ordering::Relaxed)

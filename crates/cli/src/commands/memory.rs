@@ -1,27 +1,28 @@
-//! What the program does where memory is refused.
+//! Handles refused memory.
 
 pub(super) use stickslip::algebra::linear::process::exits;
 use stickslip::algebra::linear::process::{Last, memory_was_refused, say_last};
 
-/// A refusal that cannot be passed on, in words.
-pub(super) const MESSAGE: &str = "out of memory: some was refused that the program cannot do without";
+/// The message for a refused allocation that cannot be returned as an error.
+pub(super) const MESSAGE: &str = "out of memory: an allocation that the program needs was refused";
 pub(super) const HELP: &str = "use a coarser mesh, raise the memory limit, or use a machine with more memory";
 
-const NOTE: &str = "out of memory: some was refused that the program cannot do without; use a coarser mesh, raise the memory limit, or \
-                    use a machine with more memory\nwhat was written before is complete\n";
+const NOTE: &str = "out of memory: an allocation that the program needs was refused; use a coarser mesh, raise the memory limit, \
+                    or use a machine with more memory\nwhat was written before is complete\n";
 
-const ABORTED: &str = "a library of the program ended it; this may be for want of memory, otherwise please report it with the scene\n\
-                       what was written before is complete\n";
+const ABORTED: &str = "a library ended the program, possibly for lack of memory; otherwise please report it with \
+                       the scene\nwhat was written before is complete\n";
 
-/// The same in one JSON object, as `output` prints it.
-const JSON: &str = "{\n  \"schema_version\": 1,\n  \"status\": \"machine-failure\",\n  \"message\": \"out of memory: some was refused that \
-                    the program cannot do without\",\n  \"help\": \"use a coarser mesh, raise the memory limit, or use a machine with \
+/// The same message as one JSON object, in the format of `output`.
+const JSON: &str = "{\n  \"schema_version\": 1,\n  \"status\": \"machine-failure\",\n  \"message\": \"out of memory: an allocation that \
+                    the program needs was refused\",\n  \"help\": \"use a coarser mesh, raise the memory limit, or use a machine with \
                     more memory\"\n}\n";
 
-/// The exit status of a failure of the machine.
+/// The exit status of a machine failure.
 const STATUS: i32 = 3;
 
-/// From now on a refusal ends the program with a word and a status, with `json` on standard output, too.
+/// Makes a refused allocation end the program with a message and an exit status; with `json` the message is also
+/// printed on standard output.
 pub(super) fn end_in_order(json: bool) {
     let output = if json { JSON } else { "" };
     say_last(Last { out_of_memory: NOTE, output, aborted: ABORTED, status: STATUS });
@@ -29,17 +30,17 @@ pub(super) fn end_in_order(json: bool) {
     go_on_with_one_thread();
 }
 
-/// Whether what failed may have done so because memory was refused.
+/// Returns `true` if a failure may have been caused by refused memory.
 pub(super) fn is_short() -> bool {
     memory_was_refused()
 }
 
-/// A limit on what is mapped that leaves less, bytes, has no room for the threads of the BLAS, each of which maps 128 MiB as soon as it
-/// is started.
+/// If a limit on mapped memory leaves less than this, in bytes, the threads of the BLAS do not fit: each maps 128 MiB
+/// when it starts.
 #[cfg(feature = "blas")]
 const SCARCE: u64 = 1 << 30;
 
-/// Where a thread of the BLAS asks for memory for ever, or takes what is scarce, the program starts itself again without such threads.
+/// Restarts the program without BLAS threads if such a thread retries an allocation for ever or uses up scarce memory.
 #[cfg(feature = "blas")]
 fn go_on_with_one_thread() {
     use std::os::unix::process::CommandExt;
@@ -52,7 +53,7 @@ fn go_on_with_one_thread() {
     use super::output;
 
     const THREADS: &str = "OPENBLAS_NUM_THREADS";
-    // glibc maps 64 MiB for each thread to take its memory from, unless all take it from one place.
+    // glibc maps 64 MiB per thread for its allocations unless all threads share one arena.
     const ARENAS: &str = "MALLOC_ARENA_MAX";
     let one = std::env::var_os(THREADS).is_some_and(|threads| threads == "1");
     let several = || Blas::loaded().is_some_and(|blas| blas.library == "OpenBLAS" && blas.threads > Some(1));
@@ -66,10 +67,10 @@ fn go_on_with_one_thread() {
     let error = Command::new("/proc/self/exe").arg0(name).args(arguments).env(THREADS, "1").env(ARENAS, "1").exec();
     if blas_is_stuck() {
         output::note(&format!(
-            "out of memory: the BLAS has no room for its threads, and the program cannot start itself again: {error}\n\
-             set {THREADS}=1, or raise the memory limit"
+            "out of memory: the BLAS has no room for its threads, and the program cannot restart itself: \
+             {error}\nset {THREADS}=1, or raise the memory limit"
         ));
-        // At once: the usual end waits for those threads.
+        // Exit at once: the normal exit waits for those threads.
         signal_hook::low_level::exit(STATUS);
     }
 }

@@ -1,5 +1,5 @@
-//! What the program writes on standard output and standard error. Neither is a reason to stop a run: results may go to
-//! a folder all the same.
+//! Writes to standard output and standard error. A failure of either does not stop a run, whose results may also go to
+//! a folder.
 
 use std::fmt::Arguments;
 use std::io::{ErrorKind, Write, stderr, stdout};
@@ -12,11 +12,11 @@ use stickslip::scene::SceneError;
 
 use super::Failure;
 
-/// Whether something that belongs on standard output could not be written there.
+/// Set if a line could not be written on standard output.
 static FAILED: AtomicBool = AtomicBool::new(false);
 
-/// Prints a line on standard output. A reader who has gone, as in `stickslip ... | head`, has seen enough; after any
-/// other failure nothing more is printed, and the program will end with status 3.
+/// Prints a line on standard output. A reader that closes the pipe early, as in `stickslip ... | head`, is no failure.
+/// After any other failure nothing more is printed, and the program ends with status 3.
 pub(super) fn line(line: Arguments<'_>) {
     if failed() {
         return;
@@ -30,24 +30,24 @@ pub(super) fn line(line: Arguments<'_>) {
     }
 }
 
-/// The text without what would steer a terminal: names and titles come from files.
+/// Removes control characters, which steer a terminal: names and titles come from files.
 fn plain(text: &str) -> String {
     let steers = |c: char| c.is_control() && c != '\n' && c != '\t';
     text.chars().map(|c| if steers(c) { char::REPLACEMENT_CHARACTER } else { c }).collect()
 }
 
-/// Prints a line on standard error. There is nobody to tell if that fails.
+/// Prints a line on standard error. A failure to do so is ignored.
 pub(super) fn note(line: &str) {
-    // In one piece, as other processes may write there, too.
+    // One write per line, because other processes may write there too.
     let _ = stderr().write_all(format!("{line}\n").as_bytes());
 }
 
-/// Whether standard output has refused a line.
+/// Returns `true` if a line could not be written on standard output.
 pub(super) fn failed() -> bool {
     FAILED.load(Ordering::Relaxed)
 }
 
-/// Why there is no result, where the result is to be one JSON object.
+/// The reason why there is no result, printed in place of a JSON result.
 #[derive(Serialize)]
 struct JsonFailure<'a> {
     schema_version: u32,
@@ -63,15 +63,15 @@ struct JsonFailure<'a> {
 
 impl JsonFailure<'_> {
     fn print(&self) {
-        // The types leave nothing that JSON does not know.
+        // All fields can be represented in JSON.
         if let Ok(json) = serde_json::to_string_pretty(self) {
             line(format_args!("{json}"));
         }
     }
 }
 
-/// Tells why a command ended without a result, on standard error and, with `json`, on standard output; gives the exit
-/// status.
+/// Reports why a command ended without a result, on standard error and, with `json`, on standard output. Returns the
+/// exit status.
 pub(super) fn failure(failure: &Failure, json: bool) -> ExitCode {
     let (report, status, code) = match failure {
         Failure::Input(report) => (report, "bad-input", 2),
@@ -94,7 +94,7 @@ pub(super) fn failure(failure: &Failure, json: bool) -> ExitCode {
     ExitCode::from(code)
 }
 
-/// The scene file that could not be read.
+/// Returns the path of the scene file if it could not be read.
 fn unread(report: &miette::Report) -> Option<String> {
     match report.downcast_ref::<SceneError>()? {
         SceneError::Io { path, .. } => Some(path.clone()),
@@ -102,13 +102,13 @@ fn unread(report: &miette::Report) -> Option<String> {
     }
 }
 
-/// The same on standard output alone, for what has no place in a file.
+/// Prints a failure that has no position in a file, on standard output only.
 pub(super) fn failure_as_json(status: &str, message: &str) {
     let schema_version = stickslip::run::report::SCHEMA_VERSION;
     JsonFailure { schema_version, status, message: message.trim_end(), file: None, line: None, help: None }.print();
 }
 
-/// The file and the line (from 1) that an error points at.
+/// Returns the file and the line (from 1) of an error.
 fn place(error: &dyn Diagnostic) -> Option<(Option<String>, usize)> {
     let label = error.labels()?.next()?;
     let text = error.source_code()?.read_span(label.inner(), 0, 0).ok()?;

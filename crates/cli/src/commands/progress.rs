@@ -1,17 +1,17 @@
-//! What a person sees while increments are solved.
+//! The display of progress during a run.
 
 use std::io::{IsTerminal, stderr};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use stickslip::solver::history::IncrementRecord;
 
-/// Rows of the table of increments, on standard output, below a bar where there is a terminal.
+/// A table of increments on standard output, with a progress bar below it on a terminal.
 pub(super) struct Progress {
     bar: ProgressBar,
     rows: bool,
 }
 
-/// The columns: head and width.
+/// The columns: heading and width.
 const COLUMNS: [(&str, usize); 11] = [
     ("inc", 5),
     ("time", 9),
@@ -23,12 +23,13 @@ const COLUMNS: [(&str, usize); 11] = [
     ("stick", 6),
     ("slip", 6),
     ("s", 8),
-    // What is out of the ordinary.
+    // Remarks on unusual increments.
     ("", 0),
 ];
 
 impl Progress {
-    /// A display of `increments` increments, of which so many are `done`; without `rows`, only the bar.
+    /// Creates a display of `increments` increments, of which `done` are finished. Without `rows` it shows only the
+    /// bar.
     pub(super) fn new(increments: usize, done: usize, rows: bool) -> Self {
         let bar = bar(increments, "increments").with_position(done as u64);
         let progress = Progress { bar, rows };
@@ -36,7 +37,7 @@ impl Progress {
         progress
     }
 
-    /// Shows that the iteration of an increment has reached `theta`.
+    /// Shows the `theta` reached by an iteration.
     pub(super) fn iteration(&self, iteration: usize, theta: f64) {
         self.bar.set_message(format!("iteration {iteration}, Theta {theta:.1e}"));
     }
@@ -88,7 +89,7 @@ impl Progress {
     }
 }
 
-/// A bar of `length` steps on a terminal; nothing elsewhere.
+/// Creates a progress bar of `length` steps on a terminal, and an invisible one elsewhere.
 pub(super) fn bar(length: usize, unit: &str) -> ProgressBar {
     let interactive = stderr().is_terminal();
     let target = if interactive { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };

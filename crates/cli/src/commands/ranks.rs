@@ -1,5 +1,5 @@
-//! Several processes of this program, which a launcher of MPI has started side by side: rank 0 is the program, the others help it with
-//! the factorisations of MUMPS and the cycles of multigrid.
+//! Several processes of this program, started side by side by a launcher of MPI. Rank 0 runs the program; the others
+//! are workers for the factorisations of MUMPS and the cycles of multigrid.
 
 use std::env;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -12,20 +12,22 @@ use stickslip::solver::history::LinearAlgebra;
 
 use super::{Cli, Command, Failure, interrupt, memory, output, program, threads};
 
-/// What launchers tell of a process: Open MPI's mpirun, MPICH's, Slurm's srun with PMIx.
+/// Environment variables for the rank: of Open MPI's mpirun, of MPICH's, and of Slurm's srun with PMIx.
 const RANK: [&str; 3] = ["OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK"];
 
-/// The rank of this process, if a launcher has started it. MPI itself is not asked: to start it costs time.
+/// Returns the rank of this process if a launcher has started it. The rank comes from the environment, because starting
+/// MPI takes time.
 fn rank() -> Option<usize> {
     RANK.iter().find_map(|name| env::var(name).ok()?.parse().ok())
 }
 
-/// Whether a launcher has started this process to help another one, as far as the environment tells.
+/// Returns `true` if the environment says that a launcher has started this process as a worker.
 pub(super) fn may_help() -> bool {
     rank().is_some_and(|rank| rank > 0)
 }
 
-/// All that a process does which helps; none if MPI knows of no other one, as in a job of somebody else's that this program is started from.
+/// Runs this process as a worker. Returns `None` if MPI knows of no other process, e.g. if a job of another program has
+/// started this one.
 pub(super) fn help() -> Option<ExitCode> {
     let code = helped();
     if code.is_some() {
@@ -34,13 +36,13 @@ pub(super) fn help() -> Option<ExitCode> {
     code
 }
 
-/// Helps rank 0, whatever its command. What is wrong, rank 0 says in full.
+/// Works for rank 0 in any command. Rank 0 reports errors in full.
 fn helped() -> Option<ExitCode> {
-    // Arguments that cannot be read rank 0 is told of, or this process once it is known that it has none.
+    // Arguments that cannot be parsed are reported by rank 0, or by this process if it turns out to be the only one.
     let cli = program().try_get_matches().and_then(|matches| Cli::from_arg_matches(&matches)).ok();
-    // It may start the program once more, here as on rank 0.
+    // This may restart the program, as on rank 0.
     if cli.as_ref().is_some_and(|cli| cli.kernel_before().is_err()) {
-        output::note("a process that was started to help another one cannot choose the kernel of its BLAS");
+        output::note("a worker process cannot choose the kernel of its BLAS");
         return Some(ExitCode::from(2));
     }
     let failed = |error: &LinearError| {
@@ -52,7 +54,7 @@ fn helped() -> Option<ExitCode> {
         Ok((rank, _)) => rank,
         Err(error) => return failed(&error),
     };
-    // Whatever is to end in order, rank 0 sees to it; and it can only if its helpers are there.
+    // Rank 0 handles the signals. It can end in order only while its workers run.
     interrupt::disregard();
     memory::end_in_order(false);
     let count = threads::count(cli.as_ref().and_then(|cli| cli.threads));
@@ -61,11 +63,13 @@ fn helped() -> Option<ExitCode> {
     match ranks::agree(arguments()) {
         Ok(true) => {}
         Ok(false) => {
-            output::note(&format!("rank {rank} was started with other arguments than rank 0, whose are obeyed"));
+            output::note(&format!(
+                "rank {rank} was started with other arguments than rank 0; those of rank 0 are used"
+            ));
         }
         Err(error) => return failed(&error),
     }
-    // Each assembles rows of its own, of the body that rank 0 has.
+    // Each rank assembles its own rows of the body of rank 0.
     let mut body = || {
         let Command::Run(args) = &cli.as_ref()?.command else { return None };
         match args.body() {
@@ -82,14 +86,15 @@ fn helped() -> Option<ExitCode> {
     }
 }
 
-/// A number for the arguments of this process.
+/// Returns a hash of the arguments of this process.
 fn arguments() -> u64 {
     let mut hasher = DefaultHasher::new();
     env::args_os().skip(1).for_each(|argument| argument.hash(&mut hasher));
     hasher.finish()
 }
 
-/// On rank 0: how many processes there are, MPI being started if a launcher has been at work, whose other processes wait for that.
+/// Returns the number of processes, on rank 0. If a launcher has been used, it starts MPI, for which the other
+/// processes wait.
 pub(super) fn lead() -> Result<usize, Failure> {
     if rank().is_none() {
         return Ok(1);
@@ -98,27 +103,28 @@ pub(super) fn lead() -> Result<usize, Failure> {
     started.map_err(|error| Failure::Machine(miette::miette!("{error}")))
 }
 
-/// An error unless `linear`, if it is known already, has work for `count` processes.
+/// Returns an error if `linear`, where already known, cannot use `count` processes.
 pub(super) fn check(count: usize, linear: Option<LinearAlgebra>) -> Result<(), Failure> {
     match linear {
         Some(linear) if count > 1 && !linear.is_shared() => {
             let help = "use --solver mumps, in space multigrid, or auto, or start the program without the launcher";
             Err(Failure::Input(miette::miette!(
                 help = help,
-                "a launcher of MPI has started this program {count} times, and {linear} works in one process"
+                "a launcher of MPI has started {count} processes of this program, but {linear} uses only one"
             )))
         }
         _ => Ok(()),
     }
 }
 
-/// An error if a launcher has started `count` processes for a `command` that shares its work among processes or threads of its own.
+/// Returns an error if a launcher has started `count` processes for a `command` that uses processes or threads of its
+/// own.
 pub(super) fn refuse(command: &str, count: usize) -> Result<(), Failure> {
     if count == 1 {
         return Ok(());
     }
-    let help =
-        "start the program without the launcher: it takes all processors of the machine, or as many as --threads says";
+    let help = "start the program without the launcher: it uses all processors of the machine, or the number given by \
+         --threads";
     Err(Failure::Input(miette::miette!(
         help = help,
         "a launcher of MPI has started {command}, which has no use for ranks"

@@ -38,17 +38,17 @@ use pace::Pace;
 use resume::Left;
 use watcher::Watcher;
 
-/// Where the results go, and how they may be gone on with.
+/// Options for the results and for resuming a run.
 #[derive(Args)]
 struct ResultArgs {
     /// Write contact lines, records, plots and the report into this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Go on with the run that was ended in the folder of --out, whatever ended it; if none was, begin one
+    /// Resume the interrupted run in the folder of --out; start a new run if there is none
     #[arg(long, requires = "out")]
     resume: bool,
-    /// Leave the place from which --resume goes on so often: 0 for after each increment; unless given, as often as takes 2 % of the
-    /// time
+    /// Seconds between checkpoints for --resume (0: after every increment) [default: checkpoints take 2 % of the run
+    /// time]
     #[arg(long, value_name = "SECONDS", requires = "out", value_parser = seconds)]
     checkpoint_every: Option<Duration>,
 }
@@ -59,13 +59,13 @@ pub(super) struct RunArgs {
     scene: SceneArgs,
     #[command(flatten)]
     results: ResultArgs,
-    /// Print the report as one JSON object and nothing else
+    /// Print only the report, as one JSON object
     #[arg(long)]
     json: bool,
-    /// Tell up to how much friction the rates at the end are unique along the statuses there
+    /// Compute the friction coefficient up to which the rates at the end are unique for the contact statuses there
     #[arg(long)]
     uniqueness: bool,
-    /// Run a second time with a quarter of the increments, to tell what the increments leave in the tangential forces
+    /// Estimate the time-step error of the friction forces by a second run with a quarter of the increments
     #[arg(long)]
     companion: bool,
     #[command(flatten)]
@@ -73,7 +73,7 @@ pub(super) struct RunArgs {
 }
 
 impl RunArgs {
-    /// What a rank assembles its rows of, if that can be shared.
+    /// Returns the data from which a rank assembles its rows, if the assembly can be shared.
     #[cfg(feature = "mpi")]
     pub(super) fn body(&self) -> Result<Option<Body>, String> {
         let scene = self.scene.read().map_err(|error| error.to_string())?;
@@ -81,7 +81,7 @@ impl RunArgs {
     }
 }
 
-/// On `count` threads. `kernel_before`: the kernel of the BLAS before the program started itself again.
+/// Runs on `count` threads. `kernel_before`: the kernel of the BLAS before the program restarted itself.
 pub(super) fn run(args: &RunArgs, count: usize, kernel_before: Option<String>) -> Result<ExitCode, Failure> {
     interrupt::listen();
     let scene = args.scene.read()?;
@@ -119,7 +119,7 @@ pub(super) fn run(args: &RunArgs, count: usize, kernel_before: Option<String>) -
         print_blas(kernel_before.as_deref());
         say!("set-up       symbolic analysis");
     }
-    // Where somebody reads all records at once, and nowhere else, they are kept.
+    // Records are kept only if the report is printed whole.
     let keeps = args.json && folder.is_none();
     if keeps {
         Need::check_records(run.times().len() - done, Budget::of_process())?;
@@ -164,13 +164,10 @@ pub(super) fn run(args: &RunArgs, count: usize, kernel_before: Option<String>) -
             say!("uniqueness   {}", uniqueness::explain(critical, &mu));
         }
         if let Some(folder) = &folder {
-            let before = if is_written { "" } else { ": those of the run before, as this one has none" };
+            let before = if is_written { "" } else { ": those of the earlier run, because this one has none" };
             say!("results      {}{before}", folder.path().display());
             if let Some(now) = folder.moved_to() {
-                say!(
-                    "warning      the folder was moved while the run went on, and its results with it: {}",
-                    now.display()
-                );
+                say!("warning      the folder with the results was moved during the run to {}", now.display());
             }
         }
     }
@@ -181,14 +178,14 @@ pub(super) fn run(args: &RunArgs, count: usize, kernel_before: Option<String>) -
     })
 }
 
-/// The run that is asked for, from the place where it was `left` if it was begun before.
+/// Prepares the run, from the checkpoint `left` if it was interrupted before.
 fn prepared<'a>(args: &RunArgs, scene: &'a Scene, count: usize, left: Option<Checkpoint>) -> Result<Run<'a>, Failure> {
     let mut run = Run::prepared(scene, |model| threads::share_with_the_blas(model, count))?;
     if args.uniqueness {
         run = run.with_uniqueness()?;
     }
     if let (true, Method::Events { .. }) = (args.companion, scene.solver.method) {
-        let help = "leave --companion out";
+        let help = "remove --companion";
         return Err(Failure::Input(miette::miette!(
             help = help,
             "the exact path has no increments to compare with fewer"
@@ -216,18 +213,19 @@ fn open_folder(
     folder.map_err(|error| write_failure(&path, &error))
 }
 
-/// A number of seconds, 0 or more.
+/// Parses a number of seconds, 0 or more.
 fn seconds(text: &str) -> Result<Duration, String> {
     let seconds = text.parse().ok().and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
-    seconds.ok_or_else(|| "it is a number of seconds, 0 or more".to_string())
+    seconds.ok_or_else(|| "give a number of seconds, 0 or more".to_string())
 }
 
-/// Results cannot be written at all: the folder is to blame, unless the disk is.
+/// Reports that results cannot be written. A full disk is a failure of the machine; any other cause is an error of the
+/// input.
 pub(super) fn write_failure(path: &Path, error: &io::Error) -> Failure {
     match error.kind() {
         io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => disk_failure(path, error),
         _ => {
-            let help = "choose a folder that can be written with --out";
+            let help = "choose a writable folder with --out";
             Failure::Input(miette::miette!(help = help, "{}: results cannot be written: {error}", path.display()))
         }
     }
@@ -236,9 +234,9 @@ pub(super) fn write_failure(path: &Path, error: &io::Error) -> Failure {
 fn disk_failure(path: &Path, error: &io::Error) -> Failure {
     let help = match error.kind() {
         io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
-            "what was written before is complete; make room, and go on with --resume"
+            "what was written before is complete; free disk space, and continue with --resume"
         }
-        _ => "what was written before is complete; go on with --resume when that is mended",
+        _ => "what was written before is complete; correct the cause, and continue with --resume",
     };
     Failure::Machine(miette::miette!(help = help, "{}: results cannot be written: {error}", path.display()))
 }
@@ -262,7 +260,7 @@ fn print_head(scene: &Scene, run: &Run<'_>) {
     let Time { increments, kinks, .. } = &scene.time;
     if !kinks.is_empty() {
         let fewer = if kinks.len() > *increments { "; histories with fewer points have fewer" } else { "" };
-        say!("increments   {increments} equal ones, and {} more that end at kinks of histories{fewer}", kinks.len());
+        say!("increments   {increments} equal ones, and {} more to end at kinks of histories{fewer}", kinks.len());
     }
     say!("unknowns     {total} = {}{reduced}", present.collect::<Vec<_>>().join(" + "));
     let condenses = choice.linear.condenses();
@@ -275,11 +273,11 @@ fn print_head(scene: &Scene, run: &Run<'_>) {
     }
 }
 
-/// The BLAS, where there is something to say of it.
+/// Prints the kernel of the BLAS if there is a remark on it.
 fn print_blas(kernel_before: Option<&str>) {
     let Some(blas) = Blas::loaded() else { return };
     if let Some(before) = kernel_before {
-        say!("BLAS         {blas}, for which the program started itself again: the library had taken {before}");
+        say!("BLAS         {blas}, for which the program restarted itself: the library had chosen {before}");
     }
     if let Some(warning) = Warning::of_blas(&blas) {
         say!("warning      {}", warning.message);
@@ -292,7 +290,7 @@ fn print_verdict(report: &RunReport, increments: usize) {
     if !report.explanation.reason.is_empty() {
         say!("             {}", report.explanation.reason);
     }
-    // Where the first increment was interrupted nothing was reached yet.
+    // An interrupted first increment has reached nothing.
     if totals.converged == 0 && matches!(report.status, Status::Interrupted | Status::OutOfMemory) {
         return;
     }
@@ -320,7 +318,7 @@ fn print_verdict(report: &RunReport, increments: usize) {
         {
             say!("{kind:<12} {at}: ({}) {unit} on the body", components(force));
         }
-        say!("balance      all forces on the body leave {balance:.1e} of their sizes");
+        say!("balance      the forces on the body balance to {balance:.1e} of their sizes");
     }
     if let Some(largest) = &report.largest_displacement {
         let length = units.of_si(Quantity::Length, largest.length);
@@ -334,11 +332,11 @@ fn print_verdict(report: &RunReport, increments: usize) {
             (Some(PeakOf::Patches), Some(pressure)) => {
                 say!("pressed      by {pressure} at most, on a node with its neighbours");
             }
-            _ => say!("pressed      too few tetrahedra are across the contact for a peak pressure"),
+            _ => say!("pressed      too few tetrahedra across the contact for a peak pressure"),
         }
     }
     if let Some(error) = report.estimates.discretisation {
-        say!("mesh         its error is about {:.1} % in the energy norm", 100.0 * error);
+        say!("mesh         error about {:.1} % in the energy norm", 100.0 * error);
     }
     if let Some(IncrementError { friction_work, friction_work_corrected, work_error, force_error, .. }) =
         report.estimates.increments.filter(|found| found.friction_work > 0.0)
@@ -346,20 +344,21 @@ fn print_verdict(report: &RunReport, increments: usize) {
         let [work, corrected] = [friction_work, friction_work_corrected].map(|x| units.of_si(Quantity::Energy, x));
         let unit = units.name(Quantity::Energy);
         say!(
-            "friction     did a work of {work:.3e} {unit}, {:.1} % of it due to the increments: corrected {corrected:.3e} {unit}",
+            "friction     work {work:.3e} {unit}, {:.1} % of it due to the increments: corrected {corrected:.3e} \
+             {unit}",
             100.0 * work_error
         );
         if let Some(error) = force_error.filter(|error| *error > 0.0) {
-            say!("increments   they leave about {:.1} % in the tangential forces", 100.0 * error);
+            say!("increments   time-step error of the tangential forces about {:.1} %", 100.0 * error);
         }
     }
     if let Some(CompanionEstimate { increments, status, error, .. }) = report.estimates.companion {
         match error {
             Some(error) => say!(
-                "increments   they leave about {:.1} % in the tangential forces, by a run with {increments}",
+                "increments   time-step error of the tangential forces about {:.1} %, by a run with {increments}",
                 100.0 * error
             ),
-            None => say!("increments   what they leave cannot be told: a run with {increments} ended {status}"),
+            None => say!("increments   time-step error unknown: a run with {increments} ended {status}"),
         }
     }
     let (matrices, entries) = (totals.factorizations, totals.nnz_factors);

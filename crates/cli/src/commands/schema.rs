@@ -4,19 +4,19 @@ use clap::{Args, ValueEnum};
 
 #[derive(Args)]
 pub(super) struct SchemaArgs {
-    /// Of what
+    /// Kind of JSON document
     of: Of,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
 enum Of {
-    /// What `run --json` prints and run.json holds
+    /// Output of run --json, and run.json
     Run,
-    /// What `solve --json` and `judge --json` print
+    /// Output of solve --json and judge --json
     Problem,
-    /// What `collection --json` prints and collection.json holds
+    /// Output of collection --json, and collection.json
     Collection,
-    /// A scene, for editors that complete and check TOML
+    /// Scene files, for editors that complete and check TOML
     Scene,
 }
 

@@ -1,4 +1,4 @@
-//! What a shell and a manual know of the program, from the same description as `--help`.
+//! Completions and manual pages, generated from the same description as `--help`.
 
 use clap::{Args, Command};
 use clap_complete::Shell;
@@ -7,13 +7,13 @@ use super::Failure;
 
 #[derive(Args)]
 pub(super) struct CompletionsArgs {
-    /// The shell that is to complete the commands
+    /// Shell for which to complete commands
     shell: Shell,
 }
 
 #[derive(Args)]
 pub(super) struct ManArgs {
-    /// The command to explain; without one, the program
+    /// Command to describe [default: the program]
     command: Option<String>,
 }
 
@@ -24,7 +24,7 @@ pub(super) fn completions(args: &CompletionsArgs, mut program: Command) {
 }
 
 pub(super) fn man(args: &ManArgs, mut program: Command) -> Result<(), Failure> {
-    // Names of commands in their own pages begin with that of the program only once it is built.
+    // Only `build` puts the name of the program before the names of commands in their manual pages.
     program.build();
     let page = match &args.command {
         None => Some(program.clone()),

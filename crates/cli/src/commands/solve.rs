@@ -16,26 +16,26 @@ use super::run::write_failure;
 
 #[derive(Args)]
 pub(super) struct SolveArgs {
-    /// The problem: FCLIB (HDF5), or a text that Siconos has written
+    /// Problem file: FCLIB (HDF5) or Siconos text
     file: PathBuf,
-    /// Begin with the guess of this number, from 1, that the file holds
+    /// Start from the initial guess of this number in the file, from 1
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     guess: Option<u16>,
     /// Write the problem with the solution into this FCLIB file
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Print the report as one JSON object and nothing else
+    /// Print only the report, as one JSON object
     #[arg(long)]
     json: bool,
 }
 
 #[derive(Args)]
 pub(super) struct JudgeArgs {
-    /// The problem: FCLIB (HDF5), or a text that Siconos has written
+    /// Problem file: FCLIB (HDF5) or Siconos text
     file: PathBuf,
-    /// The solution, in an FCLIB file; unless given, the one beside the problem
+    /// FCLIB file with the solution [default: the solution in the problem file]
     solution: Option<PathBuf>,
-    /// Print the report as one JSON object and nothing else
+    /// Print only the report, as one JSON object
     #[arg(long)]
     json: bool,
 }
@@ -47,23 +47,27 @@ impl From<SolveError> for Failure {
             | SolveError::History(history::Error::Linear(LinearError::OutOfMemory { .. })) => {
                 (true, "raise the memory limit, or use a machine with more memory")
             }
-            SolveError::Reduction(_) => (false, "give the bodies what holds them, or the local problem"),
-            _ => (false, "mend the problem or the guess"),
+            SolveError::Reduction(_) => (false, "add supports to the bodies, or give the local problem"),
+            _ => (false, "correct the problem or the guess"),
         };
         let report = miette::miette!(help = help, "{error}");
         if of_memory { Failure::Machine(report) } else { Failure::Input(report) }
     }
 }
 
-/// Exit status 1: it is not solved.
+/// Exit status 1: the problem is not solved.
 pub(super) fn solve_file(args: &SolveArgs) -> Result<ExitCode, Failure> {
     let name = args.file.display().to_string();
     args.out.as_deref().map(destination).transpose()?;
     let mut file = ProblemFile::read(&args.file)?;
     let guess = args.guess.map(|number| file.guesses.get(usize::from(number) - 1).ok_or(number)).transpose();
     let guess = guess.map_err(|number| {
-        let help = "choose one of those that are there, or none";
-        Failure::Input(miette::miette!(help = help, "{name}: there is no guess {number}, but {}", file.guesses.len()))
+        let help = "choose one of the existing guesses, or none";
+        Failure::Input(miette::miette!(
+            help = help,
+            "{name}: there is no guess {number}, but only {}",
+            file.guesses.len()
+        ))
     })?;
     if !args.json {
         head(&name, &file);
@@ -83,15 +87,15 @@ pub(super) fn solve_file(args: &SolveArgs) -> Result<ExitCode, Failure> {
     Ok(status(report.status))
 }
 
-/// Exit status 1: it is no solution.
+/// Exit status 1: the solution violates a law.
 pub(super) fn judge_file(args: &JudgeArgs) -> Result<ExitCode, Failure> {
     let name = args.file.display().to_string();
     let file = ProblemFile::read(&args.file)?;
     let solution = match &args.solution {
         Some(path) => read_solution(path, &file.problem)?,
         None => file.solution.clone().ok_or_else(|| {
-            let help = "name a file with a solution behind it; a solution has u and r, of a global problem v, too, all of them written";
-            Failure::Input(miette::miette!(help = help, "{name}: there is no solution beside the problem"))
+            let help = "name a file that contains a solution: u and r, and for a global problem v, all of them written";
+            Failure::Input(miette::miette!(help = help, "{name}: the file contains no solution"))
         })?,
     };
     let errors = judge(&file.problem, &solution).map_err(|fault| {
@@ -144,12 +148,12 @@ fn tell(report: &ProblemReport, json: bool) -> Result<(), Failure> {
     }
     say!("{}", laws.to_string().trim_end());
     let verdict = if report.status == Verdict::Solved { "solved" } else { "not solved" };
-    say!("verdict      {verdict}: residual {:.1e}, where {TOLERANCE:.0e} is asked for", report.residual);
+    say!("verdict      {verdict}: residual {:.1e} (tolerance {TOLERANCE:.0e})", report.residual);
     for violation in violated {
         say!("             {violation}");
     }
     if report.status != Verdict::Solved && report.contacts > 0 {
-        say!("             the worst contact is number {}, from 0", report.errors.contact);
+        say!("             the worst contact has number {}, from 0", report.errors.contact);
     }
     if !report.stages.is_empty() {
         say!("took         {:.3} s CPU", report.cpu_seconds);
@@ -157,22 +161,22 @@ fn tell(report: &ProblemReport, json: bool) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Folder and name of a file that is to be written: a new one, or a file in whose place it goes.
+/// Returns folder and name of a file to be written. An existing file of that name is replaced.
 pub(super) fn destination(path: &Path) -> Result<(&Path, &str), Failure> {
     let refused = |help: &str, why: &str| {
         let help = help.to_string();
         Failure::Input(miette::miette!(help = help, "{}: {why}", path.display()))
     };
     let Some(name) = path.file_name().and_then(|name| name.to_str()) else {
-        return Err(refused("name a file", "it is no file that can be written"));
+        return Err(refused("name a file", "it is not a writable file"));
     };
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if !folder.is_dir() {
-        return Err(refused("make its folder, or name another one", "its folder is not there"));
+        return Err(refused("create the folder, or name another one", "its folder does not exist"));
     }
-    // A link would be replaced by the file, and so would a device.
+    // Replacing would destroy a link or a device.
     match path.symlink_metadata() {
-        Ok(there) if !there.is_file() => Err(refused("name a file", "what is there is no regular file")),
+        Ok(there) if !there.is_file() => Err(refused("name a file", "it exists and is no regular file")),
         _ => Ok((folder, name)),
     }
 }

@@ -21,18 +21,18 @@ use processes::{Ended, Processes};
 pub(super) struct SweepArgs {
     #[command(flatten)]
     scene: SceneArgs,
-    /// Vary a key over a list, as mesh.file=a.msh,b.msh, or a range from:to:count, as contact.friction=0.1:0.8:8; given
-    /// several times, every combination is run
+    /// Vary a key over a list (mesh.file=a.msh,b.msh) or a range from:to:count (contact.friction=0.1:0.8:8); with
+    /// several --vary, all combinations are run
     #[arg(long = "vary", value_name = "KEY=VALUES", required = true)]
     variations: Vec<Variation>,
-    /// How many variants run at a time; as many as there are processors unless given
+    /// Number of variants run at a time [default: the number of processors]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
-    /// Write the table as sweep.csv, sweep.json and sweep.txt, the chart as sweep.svg and the results of each variant into
-    /// this folder; what is there from an earlier try is kept
+    /// Write the table (sweep.csv, sweep.json, sweep.txt), the chart (sweep.svg) and the results of each variant into
+    /// this folder; complete results of an earlier try are kept
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Print the table as one JSON object and nothing else
+    /// Print only the table, as one JSON object
     #[arg(long)]
     json: bool,
 }
@@ -40,14 +40,14 @@ pub(super) struct SweepArgs {
 /// A variant to run.
 struct Task {
     values: Vec<String>,
-    /// All that `--set` takes for it.
+    /// The changes to the scene, as for `--set`.
     overrides: Vec<Override>,
     fingerprint: String,
-    /// The scene that runs.
+    /// The text of the changed scene.
     text: String,
 }
 
-/// The folder of the results of all variants; one that nobody asked for goes when the command ends.
+/// The folder of the results of all variants. A temporary one is removed when the command ends.
 struct Results {
     path: PathBuf,
     passes: bool,
@@ -56,7 +56,7 @@ struct Results {
 impl Drop for Results {
     fn drop(&mut self) {
         if self.passes {
-            // Nothing is lost but what the system removes some day.
+            // If this fails, only a temporary folder remains, which the system removes in time.
             let _ = fs::remove_dir_all(&self.path);
         }
     }
@@ -77,7 +77,7 @@ pub(super) fn sweep(args: &SweepArgs, cli: &Cli) -> Result<ExitCode, Failure> {
     let processes = Processes {
         scene: &args.scene.scene,
         folder: &results.path,
-        // Unless told, they share the processors.
+        // By default, the variants share the processors.
         threads: cli.threads.map_or_else(|| threads::count(None) / jobs, |count| count as usize).max(1),
         #[cfg(feature = "blas")]
         kernel: &cli.blas_kernel,
@@ -98,7 +98,7 @@ pub(super) fn sweep(args: &SweepArgs, cli: &Cli) -> Result<ExitCode, Failure> {
     let orders: Vec<&Task> = waiting.iter().map(|&k| &tasks[k]).collect();
     let ended = processes.run(&orders, jobs, &mut |Ended { order, outcome }| {
         let k = waiting[order];
-        // A result of a scene that has changed since is not of the scene that was asked for.
+        // The scene may have changed during the sweep. Then the result is not of the scene that was asked for.
         let same = one(args, &tasks[k].overrides).is_ok_and(|(now, _)| now == tasks[k].fingerprint);
         outcomes[k] = Some(match outcome {
             _ if !same => {
@@ -146,7 +146,7 @@ pub(super) fn sweep(args: &SweepArgs, cli: &Cli) -> Result<ExitCode, Failure> {
     })
 }
 
-/// Every variant, each a sound scene whose files can be read.
+/// Returns all variants. Each is a valid scene whose files can be read.
 fn tasks(args: &SweepArgs) -> Result<Vec<Task>, Failure> {
     let variants =
         combinations(&args.variations).map_err(|error| Failure::Input(miette::miette!("--vary: {error}")))?;
@@ -158,16 +158,16 @@ fn tasks(args: &SweepArgs) -> Result<Vec<Task>, Failure> {
     variants.into_iter().map(task).collect()
 }
 
-/// The fingerprint and the text of the scene with `overrides`.
+/// Returns the fingerprint and the text of the scene with `overrides`.
 fn one(args: &SweepArgs, overrides: &[Override]) -> Result<(String, String), Failure> {
     let scene = Scene::read(&args.scene.scene, overrides)?;
     Ok((origin(&scene)?.fingerprint(), scene.text().to_string()))
 }
 
-/// The tables of a sweep, by the kind of file.
+/// The file endings of the tables of a sweep.
 const TABLES: [&str; 4] = ["csv", "json", "txt", "svg"];
 
-/// An error, before anything runs, where something stands in the way of a table.
+/// Returns an error, before anything runs, if a table cannot be written.
 fn writable(folder: &Path) -> Result<(), Failure> {
     let tables = TABLES.map(|kind| folder.join(format!("sweep.{kind}")));
     match tables.iter().find(|table| table.is_dir()) {

@@ -1,14 +1,15 @@
-//! How many threads the program shares its work among.
+//! The number of threads of the program.
 
 use std::thread;
 
 use rayon::ThreadPoolBuilder;
 use stickslip::body::model::Model;
 
-/// The most that anybody is given.
+/// The largest number of threads allowed.
 pub(super) const MOST: u32 = 1024;
 
-/// Those that were asked for, by an option or by `OMP_NUM_THREADS`, or one for each processor that this process may use.
+/// Returns the number of threads from the option, from `OMP_NUM_THREADS`, or one for each processor available to this
+/// process.
 pub(super) fn count(wanted: Option<u32>) -> usize {
     let asked = || of_openmp(&std::env::var("OMP_NUM_THREADS").ok()?);
     match wanted.or_else(asked) {
@@ -17,42 +18,45 @@ pub(super) fn count(wanted: Option<u32>) -> usize {
     }
 }
 
-/// The processors that this process may use.
+/// Returns the number of processors available to this process.
 pub(super) fn processors() -> usize {
     thread::available_parallelism().map_or(1, Into::into)
 }
 
-/// The first of OpenMP's numbers, which are for nested regions; none where that is no number of threads.
+/// Returns the first number of `OMP_NUM_THREADS`; the others are for nested regions. `None` if it is no number of
+/// threads.
 fn of_openmp(text: &str) -> Option<u32> {
     let count = text.split(',').next()?.trim().parse().ok()?;
     (count > 0).then_some(MOST.min(count))
 }
 
-/// Gives the work of this process `count` threads, the present one among them.
+/// Starts `count` threads for this process, including the current one.
 pub(super) fn start(count: usize) {
-    // First, while there are no others: it can then end those that it does not need.
+    // Set before other threads are started, so that the BLAS can end the threads that it does not need.
     let_the_blas_have(1);
-    // It can only have been done before, and is then as it was.
+    // Fails only if the threads have been started before, in which case they remain.
     let _ = ThreadPoolBuilder::new().num_threads(count).use_current_thread().build_global();
 }
 
-/// Displacements of a solid body from which on the fronts of its factors are so large that products of theirs are worth sharing.
+/// The number of displacements of a solid body above which dense products in the factorisation are large enough for
+/// several threads.
 const LARGE: usize = 30_000;
 
-/// Lets the BLAS have its share of `count` threads for a run of `model`: all of them for large bodies in space, one for all others,
-/// whose fronts are small. There a second thread of OpenBLAS waits in a loop most of the time.
+/// Sets the number of BLAS threads for a run of `model`: `count` for large bodies in space, 1 for all others. Their
+/// dense products are small, and a second thread of OpenBLAS would mostly wait in a loop.
 pub(super) fn share_with_the_blas(model: &Model, count: usize) {
     let large = model.mesh.dimension == 3 && model.problem.displacements() >= LARGE;
     let_the_blas_have(if large { of_this_rank(count) } else { 1 });
 }
 
-/// Of `count` threads of this machine those that are left to each of its processes of MPI while all of them factor. What rank 0 does alone
-/// has all of them.
+/// Returns how many of the `count` threads of this machine each of its MPI processes gets while all of them factor.
+/// Work done on rank 0 alone uses all threads.
 pub(super) fn of_this_rank(count: usize) -> usize {
     (count / ranks_here()).max(1)
 }
 
-/// How many processes of MPI are on this machine: what launchers tell of it, Open MPI's mpirun, MPICH's and Slurm's, or all there are.
+/// Returns the number of MPI processes on this machine, from the variables of the launchers (Open MPI's mpirun,
+/// MPICH's, Slurm's); otherwise the number of all processes.
 fn ranks_here() -> usize {
     let told = |name: &&str| std::env::var(name).ok()?.parse().ok().filter(|count| *count > 0);
     let all = stickslip::algebra::linear::built_in::ranks();
@@ -64,7 +68,7 @@ fn ranks_here() -> usize {
 
 #[cfg(feature = "blas")]
 pub(super) fn let_the_blas_have(count: usize) {
-    // A library that has no word for it has one thread.
+    // A library without this setting has one thread.
     let _ = stickslip::algebra::linear::process::set_blas_threads(count);
 }
 

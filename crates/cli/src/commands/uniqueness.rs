@@ -1,26 +1,27 @@
-//! `stickslip run --uniqueness`: how far friction is from making the last increment ambiguous.
+//! `stickslip run --uniqueness`: how far the friction is from making the last increment non-unique.
 
 use stickslip::solver::uniqueness::CriticalFriction;
 
-/// What a critical friction means, in words; `mu` are the friction coefficients of all contact nodes.
+/// Explains a critical friction in words. `mu` are the friction coefficients of all contact nodes.
 pub(super) fn explain(critical: &CriticalFriction, mu: &[f64]) -> String {
     let factor = critical.factor;
     if critical.slipping == 0 {
-        return "no node slips with friction: more of it changes nothing along the present status".to_string();
+        return "no node slips with friction: more friction changes nothing for the present contact statuses"
+            .to_string();
     }
     if factor == 0.0 {
-        return "the rate problem is singular even without friction: nothing else stops a motion".to_string();
+        return "the rate problem is singular even without friction: nothing holds the body".to_string();
     }
     if factor == f64::INFINITY {
-        return "rates are unique along the present status however large the friction".to_string();
+        return "rates are unique for the present contact statuses, however large the friction".to_string();
     }
-    // Where all friction is alike, the coefficient says more than the factor.
+    // If all friction coefficients are equal, the critical coefficient is clearer than the factor.
     let mut rough = mu.iter().filter(|mu| **mu > 0.0);
     let coefficient = match rough.next() {
         Some(first) if rough.all(|mu| mu == first) => format!(" (mu {:.3})", factor * first),
         _ => String::new(),
     };
-    let times = format!("{factor:.3} times this friction along the present status{coefficient}");
+    let times = format!("{factor:.3} times this friction for the present contact statuses{coefficient}");
     if critical.regular() {
         format!("rates are unique up to {times}")
     } else {
@@ -38,7 +39,7 @@ mod tests {
         assert!(words(f64::INFINITY, 0, &[0.4]).starts_with("no node slips"));
         assert!(words(f64::INFINITY, 2, &[0.4, 0.4]).contains("however large"));
         assert!(words(0.0, 1, &[0.4]).contains("singular"));
-        let unique = "rates are unique up to 7.500 times this friction along the present status";
+        let unique = "rates are unique up to 7.500 times this friction for the present contact statuses";
         assert_eq!(words(7.5, 2, &[0.4, 0.0, 0.4]), format!("{unique} (mu 3.000)"));
         assert_eq!(words(7.5, 2, &[0.4, 0.3]), unique);
         let warning = words(0.5, 2, &[4.0, 4.0]);

@@ -1,42 +1,40 @@
-//! What a comparison says: the cheapest way to an error, BN beside IP, growth with the mesh.
+//! Summarises a comparison: the fastest way to an error, BN against IP, growth with the mesh.
 
 use super::{Comparison, MeshChoice, MeshResult, MeshSize, SolverPath, Trial, convergence};
 use stickslip::solver::history::{LinearAlgebra, Method, Start, Status};
 
-/// The errors in the contact forces that the answers are about.
+/// The contact force errors for which the fastest run is reported.
 const TARGETS: [f64; 2] = [1e-3, 1e-6];
 
-/// Below this order the error does not fall with the increments, and nothing can be said of more of them.
+/// Below this order, the error does not decrease with more increments, and no extrapolation is made.
 const LEAST_ORDER: f64 = 0.25;
 
-/// What a path would take for an error that none of its runs reaches.
+/// The extrapolated cost of an error that no run of a path reaches.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate {
     /// The path.
     pub path: SolverPath,
-    /// The order at which the error of its two finest runs falls.
+    /// The order of convergence between its two finest runs.
     pub order: f64,
-    /// The increments at that order.
+    /// The increments required at that order.
     pub increments: f64,
-    /// The CPU time of so many, s.
+    /// The CPU time for these increments, s.
     pub seconds: f64,
 }
 
-/// BN and IP on one linear algebra.
+/// BN against IP with one linear solver.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lead {
-    /// The linear algebra.
+    /// The linear solver.
     pub linear: LinearAlgebra,
-    /// The setting of both.
+    /// The setting of both methods.
     pub setting: &'static str,
-    /// Each mesh, and the CPU time of IP over that of BN: of all histories
-    /// that both got through.
+    /// Each mesh with the ratio of the CPU times of IP and BN, over all histories that both completed.
     pub ratios: Vec<(MeshChoice, f64)>,
 }
 
 impl Comparison {
-    /// The run on a mesh that takes least CPU time for an error in the contact forces of at most `target`, of the
-    /// paths that are `wanted`.
+    /// Returns the fastest run on a mesh with a contact force error of at most `target`, among the `wanted` paths.
     pub fn cheapest<'a>(
         &'a self,
         mesh: &'a MeshChoice,
@@ -48,8 +46,8 @@ impl Comparison {
         runs.min_by(|a, b| a.seconds.cpu.total_cmp(&b.seconds.cpu))
     }
 
-    /// The path that would take least for an error of `target` which no run on this mesh reaches, from the two
-    /// finest histories of each.
+    /// Returns the path that would be fastest for an error of `target` which no run on this mesh reaches, extrapolated
+    /// from the two finest histories of each path.
     pub fn estimate(&self, mesh: &MeshChoice, target: f64) -> Option<Estimate> {
         let of = |path| {
             let runs: Vec<&Trial> = self.on(mesh).filter(|run| run.path == path && run.errors.is_some()).collect();
@@ -63,7 +61,7 @@ impl Comparison {
         self.paths().into_iter().filter_map(of).min_by(|a, b| a.seconds.total_cmp(&b.seconds))
     }
 
-    /// BN beside IP on every linear algebra and in every setting in which both were run.
+    /// Compares BN with IP for every linear solver and setting in which both were run.
     pub fn leads(&self) -> Vec<Lead> {
         let bn = self.paths().into_iter().filter(|path| matches!(path.method, Method::Bn { .. } | Method::PaperBn));
         let lead = |bn: SolverPath| {
@@ -79,7 +77,7 @@ impl Comparison {
         bn.map(lead).filter(|lead| !lead.ratios.is_empty()).collect()
     }
 
-    /// The CPU time of path `a` over that of `b`, for the histories on a mesh that both got through.
+    /// Returns the ratio of the CPU times of paths `a` and `b`, over the histories on a mesh that both completed.
     fn ratio(&self, mesh: &MeshChoice, a: SolverPath, b: SolverPath) -> Option<f64> {
         let solved = |path| self.on(mesh).filter(move |run| run.path == path && run.status == Status::Converged);
         let partner = |run: &Trial| solved(b).find(|other| other.increments == run.increments);
@@ -88,8 +86,8 @@ impl Comparison {
         (of_b > 0.0).then_some(of_a / of_b)
     }
 
-    /// The power of the number of displacements with which the CPU time of a path grows from the coarsest mesh
-    /// to the finest, for the most increments.
+    /// Returns the exponent with which the CPU time of a path grows with the number of displacements, from the coarsest
+    /// mesh to the finest, for the most increments.
     pub fn growth(&self, path: SolverPath) -> Option<f64> {
         let [coarsest, .., finest] = &self.meshes[..] else { return None };
         let most = self.runs.iter().map(|run| run.increments).max()?;
@@ -99,7 +97,7 @@ impl Comparison {
         Some((seconds(finest)? / seconds(coarsest)?).ln() / size.ln())
     }
 
-    /// The answers in sentences: of several kinds of elements which mesh is the cheapest, otherwise which way to solve the scene.
+    /// Returns the summary in sentences: for several kinds of elements the fastest mesh, otherwise the fastest path.
     pub fn answers(&self) -> Vec<String> {
         if self.elements().len() > 1 {
             return convergence::answers(self);
@@ -153,7 +151,7 @@ impl Comparison {
     }
 }
 
-/// Two digits, in full unless very large.
+/// Formats two digits, without an exponent unless very large.
 fn round(x: f64) -> String {
     let magnitude = x.log10().floor();
     if !(-6.0..7.0).contains(&magnitude) {
@@ -181,7 +179,7 @@ impl Lead {
     }
 }
 
-/// Where something holds: at n = 10, 20; on a.msh, b.msh.
+/// Names meshes: `at n = 10, 20`; `on a.msh, b.msh`.
 fn at(meshes: &[&MeshChoice]) -> String {
     let names =
         |name: &dyn Fn(&MeshChoice) -> String| meshes.iter().map(|mesh| name(mesh)).collect::<Vec<_>>().join(", ");

@@ -1,4 +1,4 @@
-//! A scene on one mesh: its reference, and the histories measured against it.
+//! Solves a scene on one mesh: its reference, and the histories measured against it.
 
 use std::time::Instant;
 
@@ -17,13 +17,14 @@ use stickslip::solver::formulation::Layout;
 use stickslip::solver::history::{IncrementView, Method, Observer, SolverChoice, Status};
 use stickslip::solver::newton::IterationRecord;
 
-/// What the reference is computed with: the linear algebra that is estimated to take least time.
+/// Returns the solver of the reference: the linear solver with the least estimated time.
 fn reference_solver(method: Method, of_scene: &SolverChoice) -> SolverChoice {
     SolverChoice { method, linear: None, ..*of_scene }
 }
 
-/// Whether increments come to the exact path, the more there are: it is known where nodes slide along lines and friction stays, and
-/// what acts at the beginning it takes in proportion, where the first increment, however short, takes it at once.
+/// Returns `true` if the solution converges to the exact path for increasingly many increments. The exact path is known
+/// only if nodes slide along lines and friction is constant. It applies the actions at t = 0 in proportion, while the
+/// first increment, however short, applies them at once.
 fn has_exact_path(model: &Model) -> bool {
     let Model { problem, loading, .. } = model;
     let layout = Layout::new(problem);
@@ -38,19 +39,19 @@ pub(super) struct Study {
     scene: Scene,
     model: Model,
     mesh: MeshChoice,
-    /// Wall and CPU time of the model, s.
+    /// Wall and CPU time of building the model, s.
     built: [f64; 2],
     reference: Solved,
     end: End,
-    /// What the end of the reference tells of the mesh.
+    /// The error estimates of the mesh, from the end of the reference.
     estimates: Estimates,
 }
 
 impl Study {
-    /// `scene` on `mesh`, and its reference of so many increments, which `cells` may know.
+    /// Builds `scene` on `mesh` and solves its reference with this number of increments, unless `cells` has stored it.
     pub(super) fn new(scene: &Scene, mesh: MeshChoice, reference: usize, cells: &dyn Cells) -> Result<Self, RunError> {
-        // The gaps of obstacles that move are exact at the ends of the reference's increments, and so for all histories
-        // whose increments those divide.
+        // The gaps of moving obstacles are exact at the ends of the increments of the reference, and so for all
+        // histories whose increments are unions of these.
         let scene = scene.with(&mesh.overrides(&scene.description.mesh))?.with(&[increments_of(reference)])?;
         let (wall, cpu) = (Instant::now(), thread_cpu_seconds());
         let model = discretise(&scene)?;
@@ -67,17 +68,17 @@ impl Study {
         Ok(Study { scene, model, mesh, built, reference, end, estimates })
     }
 
-    /// Its mesh.
+    /// Returns the mesh.
     pub(super) fn mesh(&self) -> &MeshChoice {
         &self.mesh
     }
 
-    /// The units in which its results are told.
+    /// Returns the units for output.
     pub(super) fn units(&self) -> UnitSystem {
         self.model.units()
     }
 
-    /// The history by `path` in so many increments, which `cells` may know.
+    /// Returns the history by `path` in this number of increments, solved unless `cells` has stored it.
     pub(super) fn run(&self, path: SolverPath, increments: usize, cells: &dyn Cells) -> Result<Trial, RunError> {
         let Study { scene, model, mesh, built, .. } = self;
         let solved = Solved::or_kept(cells, &format!("{mesh}, {path}, {increments}"), &model.problem, || {
@@ -102,7 +103,7 @@ impl Study {
         })
     }
 
-    /// The mesh and its reference.
+    /// Returns the mesh and its reference.
     pub(super) fn result(self) -> MeshResult {
         let Solved { increments, status, seconds, .. } = self.reference;
         let problem = &self.model.problem;
@@ -120,7 +121,7 @@ impl Study {
     }
 }
 
-/// The exact path, or where that is not known, or is lost, so many increments.
+/// Solves the exact path; if it is unknown or ends early, solves this number of increments.
 fn solve_reference(scene: &Scene, model: &Model, built: [f64; 2], increments: usize) -> Result<Solved, RunError> {
     let end = scene.time.all().last().copied();
     let mut last = LastIncrement { model, end, watch: EstimateWatch::new(model) };
@@ -183,7 +184,7 @@ fn solve(
 }
 
 impl SolverPath {
-    /// The solver, with the tolerance and the limit of iterations of the scene's.
+    /// Returns the solver with the tolerance and the iteration limit of the scene.
     fn solver(self, of_scene: &SolverChoice) -> SolverChoice {
         let SolverChoice { max_iterations, tolerance, .. } = *of_scene;
         let SolverPath { method, linear } = self;
@@ -193,10 +194,10 @@ impl SolverPath {
     }
 }
 
-/// Watches the end of a history alone: errors are compared there.
+/// Observes only the end of a history, where errors are compared.
 struct LastIncrement<'a> {
     model: &'a Model,
-    /// The time at which the history ends, s.
+    /// The end of the history, s.
     end: Option<f64>,
     watch: EstimateWatch,
 }
@@ -209,7 +210,7 @@ impl LastIncrement<'_> {
     }
 }
 
-/// Keeps the iterations.
+/// Records the iterations.
 struct Recorder<'a, 'm> {
     /// The CPU time at the start of the increment, s.
     since: f64,
@@ -223,7 +224,7 @@ impl Observer for Recorder<'_, '_> {
     }
 
     fn iteration(&mut self, increment: usize, record: &IterationRecord) -> ControlFlow<()> {
-        // What was solved ahead and taken back comes again.
+        // Increments that were solved ahead and rolled back are solved again.
         while self.iterates.last().is_some_and(|last| last.increment > increment) {
             self.iterates.pop();
         }

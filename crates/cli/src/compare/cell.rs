@@ -1,4 +1,4 @@
-//! Histories of a comparison that are done, as they are kept for another time.
+//! Stored histories of a comparison.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,45 +8,45 @@ use stickslip::solver::checkpoint::Checkpoint;
 use stickslip::solver::history::Status;
 use stickslip::solver::problem::{ContactProblem, State};
 
-/// Keeps the histories of a comparison that are done, so that one that is ended goes on with the others. Histories that are computed at
-/// a time are kept by several threads.
+/// A store of finished histories, with which an interrupted comparison is resumed. It must accept calls from several
+/// threads.
 pub trait Cells: Sync {
-    /// What was kept under this name, which is that of a history among those of the scene.
+    /// Returns the history stored under this name, which is unique within the scene.
     fn kept(&self, _name: &str) -> Option<Checkpoint> {
         None
     }
-    /// Keeps a history.
+    /// Stores a history.
     fn keep(&self, _name: &str, _history: &Checkpoint) {}
 }
 
-/// Keeps nothing.
+/// A store that keeps nothing.
 impl Cells for () {}
 
-/// A history, solved.
+/// A solved history.
 #[derive(Serialize, Deserialize)]
 pub(super) struct Solved {
-    /// The increments asked for; 0 where that is the exact path.
+    /// The requested increments; 0 for the exact path.
     pub increments: usize,
     pub status: Status,
-    /// The increments that converged.
+    /// The number of increments that converged.
     pub converged: usize,
     pub iterations: usize,
     pub factorizations: usize,
     pub factor_entries: usize,
     pub factor_peak_bytes: f64,
     pub kkt: f64,
-    /// The state at its end.
+    /// The final state.
     pub state: State,
-    /// The friction work of the whole, J.
+    /// The total friction work, J.
     pub work: f64,
     pub seconds: Phases,
     pub iterates: Vec<Iterate>,
-    /// What its end has shown, of a reference.
+    /// For a reference, the data for its error estimates.
     pub seen: Option<Seen>,
 }
 
 impl Solved {
-    /// The history of this name: as it was kept if it was, or else as `solve` does.
+    /// Returns the history of this name from the store, or solves and stores it.
     pub(super) fn or_kept<E>(
         cells: &dyn Cells,
         name: &str,

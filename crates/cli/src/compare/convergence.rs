@@ -1,18 +1,18 @@
-//! How the error of the mesh falls with its size and with the time it takes, for each kind of elements, beside what each mesh
-//! estimates of its own error.
+//! Convergence of the mesh error with mesh size and with CPU time, for each kind of elements, beside the estimates of
+//! each mesh alone.
 
 use super::{Comparison, ElementChoice, MeshErrors, MeshResult};
 use stickslip::run::report::Estimates;
 use stickslip_output::{Axis, Chart, Curve, Dash, Line, Panel, Scale, told_apart};
 
-/// An error of the mesh.
+/// A measure of the mesh error.
 struct Measure {
-    /// What is wrong by it.
+    /// The name of the quantity.
     name: &'static str,
     error: fn(&MeshErrors) -> f64,
-    /// What the mesh tells of it by itself.
+    /// The estimate of this error by the mesh alone.
     estimate: Option<fn(&Estimates) -> Option<f64>>,
-    /// The errors that the answers are about.
+    /// The errors for which the cheapest mesh is reported.
     targets: [f64; 2],
 }
 
@@ -33,7 +33,7 @@ const MEASURES: [Measure; 4] = [
     },
 ];
 
-/// The cheapest mesh for each error, in sentences; only where elements are compared.
+/// Describes the cheapest mesh for each error; only if elements are compared.
 pub(super) fn answers(comparison: &Comparison) -> Vec<String> {
     let answer = |measure: &Measure, target: f64| {
         let name = measure.name;
@@ -44,7 +44,7 @@ pub(super) fn answers(comparison: &Comparison) -> Vec<String> {
             };
             comparison.meshes.iter().filter_map(move |result| Some((result, of(result)?)))
         };
-        // One that is right by chance is told by finer ones that are not.
+        // A coarse mesh may be accurate by chance. It counts only if all finer meshes reach the error too.
         let holds = |result: &MeshResult| {
             let finer = |(other, _): &(&MeshResult, (f64, f64))| {
                 other.mesh.elements == result.mesh.elements && other.displacements >= result.displacements
@@ -63,7 +63,7 @@ pub(super) fn answers(comparison: &Comparison) -> Vec<String> {
             (None, None) => format!("{head} there is nothing to compare with."),
         }
     };
-    // Without contact there are no forces to be wrong, nor pressures.
+    // Without contact there are no contact forces or pressures to compare.
     let there = |measure: &&Measure| {
         let errors = comparison.meshes.iter().filter_map(|result| result.errors.as_ref());
         errors.map(measure.error).any(|error| error > 0.0)
@@ -72,7 +72,7 @@ pub(super) fn answers(comparison: &Comparison) -> Vec<String> {
     answers.flat_map(|measure| measure.targets.map(|target| answer(measure, target))).collect()
 }
 
-/// The charts: the errors against the number of displacements and against CPU time.
+/// Returns the charts: errors against the number of displacements and against CPU time.
 pub(super) fn charts(comparison: &Comparison) -> Vec<(&'static str, &'static str, Chart)> {
     let displacements = |result: &MeshResult| Some(result.displacements as f64);
     let seconds = |result: &MeshResult| comparison.seconds(&result.mesh);
@@ -99,7 +99,7 @@ fn chart(comparison: &Comparison, label: &str, x: &dyn Fn(&MeshResult) -> Option
     }
 }
 
-/// The error with `elements`, kind `k`, and the estimate of it.
+/// Returns the curves of the error and of its estimate for `elements`, kind `k`.
 fn curves(
     comparison: &Comparison,
     measure: &Measure,

@@ -1,11 +1,11 @@
-//! How far a history is from its reference, and a mesh from the finest.
+//! Measures the distance of a history from its reference, and of a mesh from the finest.
 
 use super::tractions::{Interior, Tractions, relative};
 use stickslip::body::contact::ContactNode;
 use stickslip::body::model::Model;
 use stickslip::solver::problem::State;
 
-/// What a history comes to, SI.
+/// The results at the end of a history, SI.
 #[derive(Debug, Clone, PartialEq)]
 pub struct End {
     /// `p_n` at the end, n_c, N.
@@ -14,8 +14,8 @@ pub struct End {
     pub p_t: Vec<f64>,
     /// `p_o` at the end, n_c, N.
     pub p_o: Vec<f64>,
-    /// Work that friction has dissipated in the whole history, J, or J per m of depth; of an increment that was halved, that
-    /// of its parts.
+    /// The total work dissipated by friction, J, or J per m of depth. For a halved increment it is the sum over its
+    /// substeps.
     pub work: f64,
     /// `½ uᵀ K u` at the end, J, or J per m of depth.
     pub energy: f64,
@@ -25,37 +25,37 @@ pub struct End {
     pub tractions: Tractions,
 }
 
-/// The error of time stepping: the distance to a reference on the same mesh, relative to the reference.
-/// Forces are compared as tractions at the end of the history, in the L2 norm of the contact boundary.
+/// The error of time stepping: the distance to a reference on the same mesh, relative to the reference. Forces are
+/// compared as tractions at the end of the history, in the L2 norm of the contact boundary.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TimeErrors {
-    /// In `p_n`.
+    /// The error of `p_n`.
     pub p_n: f64,
-    /// In the tangential forces, relative to these alone.
+    /// The error of the tangential forces, relative to these alone.
     pub p_t: f64,
-    /// In all contact forces.
+    /// The error of all contact forces.
     pub forces: f64,
-    /// In the work that friction has dissipated in the whole history.
+    /// The error of the total work dissipated by friction.
     pub work: f64,
 }
 
-/// The error of the mesh: the distance to the finest mesh, relative to that.
+/// The error of the mesh: the distance to the finest mesh, relative to the finest mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeshErrors {
-    /// In `Σ p_n`.
+    /// The error of `Σ p_n`.
     pub sum_p_n: f64,
-    /// In the tangential resultant `(Σ p_t, Σ p_o)`, relative to `Σ p_n`: it may vanish.
+    /// The error of the tangential resultant `(Σ p_t, Σ p_o)`, relative to `Σ p_n` because the resultant may vanish.
     pub sum_p_t: f64,
-    /// In the strain energy.
+    /// The error of the strain energy.
     pub energy: f64,
-    /// In the largest contact pressure.
+    /// The error of the largest contact pressure.
     pub peak: f64,
-    /// In the tractions, L2 norm, without the rim of the contact boundary, see [`Tractions::interior`].
+    /// The error of the tractions, L2 norm, without the rim of the contact boundary, see [`Tractions::interior`].
     pub tractions: f64,
 }
 
 impl End {
-    /// A `state` of `model` after so much friction `work`.
+    /// Evaluates a `state` of `model` after the friction `work`.
     pub(super) fn new(model: &Model, state: &State, work: f64) -> Self {
         let told = |(i, contact): (usize, &ContactNode)| contact.in_frame([state.p_t[i], state.p_o[i]]);
         let (p_t, p_o) = model.contacts.iter().enumerate().map(told).map(|[p_t, p_o]| (p_t, p_o)).unzip();
@@ -71,11 +71,11 @@ impl End {
     }
 }
 
-/// A difference that is a smaller share of the normal forces, or of the strain energy, is what rounding leaves.
+/// Differences below this share of the normal forces, or of the strain energy, are rounding.
 const NOTHING: f64 = 1e-10;
 
 impl TimeErrors {
-    /// The errors of `end` against `reference`, both with the integration weights `l`.
+    /// Measures `end` against `reference`, both with the integration weights `l`.
     pub fn new(end: &End, reference: &End, weight: &[f64]) -> Self {
         let components = [(&end.p_n, &reference.p_n), (&end.p_t, &reference.p_t), (&end.p_o, &reference.p_o)];
         let [p_n, p_t, p_o] = components.map(|(p, exact)| {
@@ -99,13 +99,13 @@ fn square(p: &[f64], weight: &[f64]) -> f64 {
 }
 
 impl MeshErrors {
-    /// The error in the energy norm, √|ΔU / U|: that of a body that loads or supports alone deform. With an obstacle it is one up to the
-    /// work of contact forces over gaps.
+    /// Returns the error in the energy norm, √|ΔU / U|. This is exact for a body that only loads or supports deform.
+    /// With an obstacle it neglects the work of contact forces over gaps.
     pub fn norm(&self) -> f64 {
         self.energy.sqrt()
     }
 
-    /// The errors of `end` against the `finest` mesh, tractions `within` a part of the contact boundary only.
+    /// Measures `end` against the `finest` mesh; tractions only `within` a part of the contact boundary.
     pub fn new(end: &End, finest: &End, within: &Interior) -> Self {
         let sum = |forces: &[f64]| forces.iter().sum::<f64>();
         let apart = |of: fn(&End) -> &[f64]| sum(of(end)) - sum(of(finest));

@@ -1,4 +1,4 @@
-//! The meshes of a comparison: what they are called, and how a scene comes by them.
+//! The meshes of a comparison: their names and how to generate them from a scene.
 
 use std::fmt;
 use std::str::FromStr;
@@ -14,29 +14,29 @@ use stickslip::scene::Override;
 /// A mesh of a comparison.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MeshChoice {
-    /// Where it comes from and how fine it is.
+    /// Its origin and refinement.
     pub size: MeshSize,
-    /// Its elements; those of the scene without.
+    /// Its elements; `None` for those of the scene.
     pub elements: Option<ElementChoice>,
 }
 
-/// How fine a mesh is.
+/// The refinement of a mesh.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum MeshSize {
-    /// As that of the scene.
+    /// The mesh of the scene.
     Own,
-    /// So many elements in the first direction; the other numbers follow in the proportions of the scene.
+    /// A number of elements in the first direction. The other numbers follow in the proportions of the scene.
     Elements(usize),
-    /// From another file of Gmsh, named as in the scene.
+    /// Another Gmsh file, named as in the scene.
     File(String),
 }
 
-/// The elements of a mesh.
+/// The choice of elements of a mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ElementChoice {
-    /// Their cells; those of the scene without.
+    /// Their cell type; `None` for that of the scene.
     pub cells: Option<CellKind>,
-    /// Their strains.
+    /// Their strain formulation.
     pub element: Element,
 }
 
@@ -60,7 +60,7 @@ impl fmt::Display for MeshChoice {
 impl FromStr for MeshSize {
     type Err = String;
 
-    /// A number of elements, or the name of a file.
+    /// Parses a number of elements, or the name of a file.
     fn from_str(text: &str) -> Result<Self, String> {
         match text.parse() {
             Ok(0) => Err("a mesh has one element at least".to_string()),
@@ -72,7 +72,7 @@ impl FromStr for MeshSize {
 }
 
 impl fmt::Display for ElementChoice {
-    /// As it is parsed.
+    /// Writes it in the form in which it is parsed.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match (self.cells, self.element) {
             (None, element) => element.serialize(f),
@@ -89,8 +89,8 @@ impl fmt::Display for ElementChoice {
 impl FromStr for ElementChoice {
     type Err = String;
 
-    /// Cells as `mesh.cells` names them, strains as `mesh.element` does, or both with a colon between: `triangle6`, `b-bar`,
-    /// `quadrilateral:b-bar`. Cells alone have the strains of their displacements.
+    /// Parses cells as named by `mesh.cells`, strains as named by `mesh.element`, or both separated by a colon:
+    /// `triangle6`, `b-bar`, `quadrilateral:b-bar`. Cells alone take the strains of their displacements.
     fn from_str(text: &str) -> Result<Self, String> {
         fn named<'a, T: Deserialize<'a>>(text: &'a str) -> Result<T, serde::de::value::Error> {
             T::deserialize(text.into_deserializer())
@@ -109,9 +109,9 @@ impl FromStr for ElementChoice {
 }
 
 impl MeshChoice {
-    /// What puts it in the place of `mesh`.
+    /// Returns the overrides that replace `mesh` by it.
     pub(super) fn overrides(&self, mesh: &MeshSource) -> Vec<Override> {
-        // A key without a number means all bodies.
+        // A key without a number refers to all bodies.
         let key =
             |key: &str| if matches!(mesh, MeshSource::Bodies(_)) { format!("body.{key}") } else { key.to_string() };
         let mut overrides = match &self.size {
@@ -129,7 +129,7 @@ impl MeshChoice {
     }
 }
 
-/// Each of the `choices` once, if they can take the place of `mesh`.
+/// Returns each of the `choices` once, or an error if one cannot replace `mesh`.
 pub(super) fn each(mesh: &MeshSource, choices: &[MeshChoice]) -> Result<Vec<MeshChoice>, CompareError> {
     let mut each: Vec<MeshChoice> = Vec::new();
     let sources: Vec<&MeshSource> = match mesh {
@@ -151,7 +151,8 @@ pub(super) fn each(mesh: &MeshSource, choices: &[MeshChoice]) -> Result<Vec<Mesh
     if each.is_empty() { Err(CompareError::NoMesh) } else { Ok(each) }
 }
 
-/// The elements in the first direction, or along the contact zone, of the first of several bodies; none for a mesh that is what it is.
+/// Returns the number of elements in the first direction, or along the contact zone, of the first body. `None` for a
+/// mesh that cannot be refined.
 pub(super) fn first_elements(mesh: &MeshSource) -> Option<usize> {
     match mesh {
         MeshSource::Block { axes, .. } => Some(axes[0].iter().map(|segment| segment.elements).sum()),
@@ -161,7 +162,8 @@ pub(super) fn first_elements(mesh: &MeshSource) -> Option<usize> {
     }
 }
 
-/// What makes a mesh with `first` of them of this one, the other numbers in proportion.
+/// Returns the overrides that give the mesh `first` elements in the first direction, and the other numbers in
+/// proportion.
 fn refined(mesh: &MeshSource, first: usize) -> Vec<Override> {
     let share = first as f64 / first_elements(mesh).unwrap_or(first) as f64;
     match mesh {
@@ -173,7 +175,7 @@ fn refined(mesh: &MeshSource, first: usize) -> Vec<Override> {
     }
 }
 
-/// What makes a mesh with `share` of the elements along each axis of the one at `key`.
+/// Returns the overrides that multiply the elements along each axis of the mesh at `key` by `share`.
 fn scaled(mesh: &MeshSource, share: f64, key: &str) -> Vec<Override> {
     let scaled = |count: usize| ((share * count as f64).round() as i64).max(1);
     let value = |name: &str, count: usize| Override::value(&format!("{key}.{name}"), scaled(count));

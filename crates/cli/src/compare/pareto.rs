@@ -1,11 +1,11 @@
 //! The Pareto front of runs.
 
-/// Errors that differ by less count as equal: paths that make the same increments come to the same state but for
-/// their algebraic errors.
+/// Errors that differ by a smaller share count as equal: paths with the same increments reach the same state up to
+/// algebraic errors.
 const SAME: f64 = 0.01;
 
-/// The places of those `points` (time, error) that have a smaller error than all that take less time, in the order
-/// of growing time. Points that are not finite do not count.
+/// Returns the indices of the `points` (time, error) whose error is smaller than those of all faster points, in the
+/// order of increasing time. Points that are not finite are ignored.
 pub fn front(points: &[[f64; 2]]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..points.len()).filter(|&k| points[k].iter().all(|x| x.is_finite())).collect();
     order.sort_by(|&a, &b| {

@@ -1,4 +1,4 @@
-//! A comparison as charts: error against time, growth with the mesh, the error within an increment.
+//! Charts of a comparison: error against time, growth with the mesh, the error within an increment.
 
 use super::{Comparison, Iterate, MeshChoice, SolverPath, TimeErrors, Trial, convergence, front};
 use stickslip::algebra::linear::SparseLu;
@@ -12,7 +12,7 @@ const BLUE: [u8; 3] = [0, 90, 181];
 const RED: [u8; 3] = [200, 50, 32];
 const GREY: [u8; 3] = [195, 195, 195];
 
-/// The charts of a comparison, each with the stem of a file name and what it shows.
+/// Returns the charts of a comparison, each with the stem of its file name and a description.
 pub fn charts(comparison: &Comparison) -> Vec<(&'static str, &'static str, Chart)> {
     let forces = precision(comparison, "error of the contact forces", |errors| errors.forces);
     let work = precision(comparison, "error of the friction work", |errors| errors.work);
@@ -22,12 +22,12 @@ pub fn charts(comparison: &Comparison) -> Vec<(&'static str, &'static str, Chart
         ("growth", "CPU time against the size of the mesh", growth(comparison)),
         ("increment", "Error measure within an increment", increment(comparison)),
     ];
-    // Without friction there is no work to be wrong.
+    // Without friction there is no friction work to compare.
     if comparison.meshes.iter().all(|result| result.end.work == 0.0) {
         charts.retain(|(stem, ..)| *stem != "work");
     }
     if comparison.elements().len() > 1 {
-        // Times of different elements do not grow along one line.
+        // Times of different elements do not follow one curve.
         charts.retain(|(stem, ..)| *stem != "growth");
     }
     if comparison.meshes.len() > 1 {
@@ -36,7 +36,7 @@ pub fn charts(comparison: &Comparison) -> Vec<(&'static str, &'static str, Chart
     charts
 }
 
-/// An error of time stepping against time, on the coarsest mesh and on the finest.
+/// Plots an error of time stepping against time, on the coarsest mesh and on the finest.
 fn precision(comparison: &Comparison, label: &str, error: fn(&TimeErrors) -> f64) -> Chart {
     let meshes = match &comparison.meshes[..] {
         [coarsest, .., finest] => vec![&coarsest.mesh, &finest.mesh],
@@ -68,7 +68,7 @@ fn precision(comparison: &Comparison, label: &str, error: fn(&TimeErrors) -> f64
     }
 }
 
-/// A line needs two points: one alone becomes a short stroke.
+/// Replaces a single point by a short stroke, because a line needs two points.
 fn stroke(points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     match points[..] {
         [[time, error]] => vec![[0.75 * time, error], [1.33 * time, error]],
@@ -76,7 +76,7 @@ fn stroke(points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     }
 }
 
-/// Time against displacements, for the most increments.
+/// Plots time against displacements, for the most increments.
 fn growth(comparison: &Comparison) -> Chart {
     let most = comparison.runs.iter().map(|run| run.increments).max().unwrap_or(0);
     let point = |path: SolverPath, mesh: &MeshChoice, size: usize| {
@@ -95,8 +95,8 @@ fn growth(comparison: &Comparison) -> Chart {
     }
 }
 
-/// The error measure against the time since the last increment, on the finest mesh with the most increments: in
-/// an increment that takes all paths together as many iterations as most do, and in the one that takes most.
+/// Plots the error measure against the time since the last increment, on the finest mesh with the most increments: for
+/// an increment with a typical total number of iterations of all paths, and for the one with the most.
 fn increment(comparison: &Comparison) -> Chart {
     let finest = comparison.meshes.last().map(|result| &result.mesh);
     let most = comparison.runs.iter().map(|run| run.increments).max().unwrap_or(0);
@@ -137,7 +137,7 @@ fn is_drawn(curve: &Curve) -> bool {
     !curve.points.is_empty()
 }
 
-/// Colours tell the linear algebra, lines the method, markers the setting, or that it is the exact path.
+/// Styles a curve: colours show the linear solver, lines the method, markers the setting or the exact path.
 fn curve(path: SolverPath, points: Vec<[f64; 2]>) -> Curve {
     let colour = match path.linear {
         LinearAlgebra::Whole(SparseLu::Umfpack) => BLACK,

@@ -1,4 +1,4 @@
-//! Contact tractions on meshes of different size, compared point by point.
+//! Compares contact tractions on meshes of different size, point by point.
 
 use std::collections::HashMap;
 
@@ -8,37 +8,38 @@ use stickslip::body::estimate::ContactGraph;
 use stickslip::body::model::Model;
 use stickslip::solver::problem::{ProblemError, State};
 
-/// So many elements are left out at the rim of the contact boundary: edges and corners of the body are singular.
+/// The number of elements left out at the rim of the contact boundary, because tractions are singular at edges and
+/// corners of the body.
 const OUTERMOST: usize = 2;
 
-/// What rounding makes of a length, in lengths of an element.
+/// The rounding of a length, relative to the length of an element.
 const ROUNDING: f64 = 1e-9;
 
 /// The contact traction at a contact node.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TractionNode {
-    /// Where the node is, m.
+    /// The position of the node, m.
     pub position: [f64; 3],
     /// Its integration weight `l`, m or m².
     pub weight: f64,
     /// The traction of the body on the obstacle (32), in the directions of space, Pa.
     pub value: [f64; 3],
-    /// Whether the contact boundary ends there; where a symmetry plane cuts it, it goes on.
+    /// `true` if the contact boundary ends at the node. A symmetry plane is no such end.
     pub at_the_rim: bool,
 }
 
-/// Contact tractions on the contact boundaries.
+/// The contact tractions on all contact boundaries.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Tractions {
     nodes: Vec<TractionNode>,
-    /// Of two or three nodes each.
+    /// The segments (two nodes) or triangles (three nodes) between the nodes.
     pieces: Vec<Vec<usize>>,
 }
 
 /// The ends of a segment, or the corners of a triangle.
 type Corners = Vec<[f64; 3]>;
 
-/// Where tractions are compared.
+/// The region in which tractions are compared.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Interior {
     inside: Vec<Corners>,
@@ -46,7 +47,7 @@ pub struct Interior {
 }
 
 impl Interior {
-    /// Whether the point is there, its rim included.
+    /// Returns `true` if the point lies in the region or on its rim.
     fn holds(&self, x: [f64; 3]) -> bool {
         let nearest = |all: &[Corners]| all.iter().map(|corners| share(corners, x).1).fold(f64::INFINITY, f64::min);
         let element = self.inside.first().map_or(0.0, |corners| norm(minus(corners[1], corners[0])));
@@ -55,10 +56,11 @@ impl Interior {
 }
 
 impl Tractions {
-    /// The tractions at `nodes`. The `pieces` are the facets between these: segments, triangles, and what else there is cut into them.
+    /// Creates tractions at `nodes`. The `pieces` are the facets between these: segments or triangles, into which other
+    /// facets must be divided.
     ///
     /// # Errors
-    /// [`ProblemError`] where a piece has neither two nor three nodes, or one that is not there.
+    /// [`ProblemError`] if a piece has neither two nor three nodes, or a node that does not exist.
     pub fn new(nodes: Vec<TractionNode>, pieces: Vec<Vec<usize>>) -> Result<Self, ProblemError> {
         for (k, piece) in pieces.iter().enumerate() {
             if !(2..=3).contains(&piece.len()) {
@@ -79,12 +81,12 @@ impl Tractions {
         Ok(Tractions { nodes, pieces })
     }
 
-    /// The contact nodes, n_c.
+    /// Returns the contact nodes, n_c.
     pub fn nodes(&self) -> &[TractionNode] {
         &self.nodes
     }
 
-    /// The tractions of a `state` of `model`.
+    /// Returns the tractions of a `state` of `model`.
     pub(super) fn of(model: &Model, state: &State) -> Self {
         let force = |i: usize, k: usize| {
             let ([t, o], n) = (model.contacts[i].facing.tangents, model.contacts[i].facing.normal);
@@ -102,7 +104,7 @@ impl Tractions {
             let places: HashMap<usize, usize> = boundary.nodes.iter().map(|&i| (model.contacts[i].node, i)).collect();
             let facets = model.mesh.boundary(&boundary.name).map_or(&[][..], |boundary| &boundary.facets);
             for facet in facets.iter().flat_map(|facet| model.mesh.pieces_of(facet)) {
-                // A node that supports hold along the normal, or no obstacle reaches, is no contact node.
+                // A node is no contact node if supports constrain its normal displacement or no obstacle is in reach.
                 let Some(corners) = facet.iter().map(|node| places.get(node).copied()).collect::<Option<Vec<_>>>()
                 else {
                     continue;
@@ -129,8 +131,8 @@ impl Tractions {
         piece.iter().map(|&i| self.nodes[i].position).collect()
     }
 
-    /// The part of the boundary on which the tractions of finer meshes are compared with those of this one: without
-    /// the two outermost elements along its rim. All of it, if that leaves nothing.
+    /// Returns the part of the boundary on which the tractions of finer meshes are compared with these: without the two
+    /// outermost elements along the rim, or all of it if nothing else remains.
     pub fn interior(&self) -> Interior {
         let mut outer: Vec<bool> = self.nodes.iter().map(|node| node.at_the_rim).collect();
         for _ in 1..OUTERMOST {
@@ -149,9 +151,9 @@ impl Tractions {
         Interior { inside: corners(inside), outside: corners(outside) }
     }
 
-    /// The distance to the tractions of a `finer` mesh in the L2 norm of the part `within`, relative to the finer; at
-    /// the nodes of the finer, so that all meshes are asked at the same points, with these linear between their nodes. NaN where
-    /// one of the two has nothing there.
+    /// Returns the distance to the tractions of a `finer` mesh in the L2 norm of the part `within`, relative to the
+    /// finer tractions. The coarser tractions are interpolated linearly at the nodes of the finer mesh, so that all
+    /// meshes are evaluated at the same points. NaN if one of the two has no tractions there.
     pub fn distance(&self, finer: &Tractions, within: &Interior) -> f64 {
         let (mut difference, mut whole, mut points) = (0.0, 0.0, 0_usize);
         for &TractionNode { position, weight, value, .. } in &finer.nodes {
@@ -165,7 +167,7 @@ impl Tractions {
         if points == 0 { f64::NAN } else { relative(difference.sqrt(), whole.sqrt()) }
     }
 
-    /// The traction at the point of the boundary nearest to `x`.
+    /// Returns the traction at the point of the boundary nearest to `x`.
     fn at(&self, x: [f64; 3]) -> Option<[f64; 3]> {
         let shares = self.pieces.iter().map(|piece| (piece, share(&self.corners(piece), x)));
         let (piece, (shares, _)) = shares.min_by(|a, b| a.1.1.total_cmp(&b.1.1))?;
@@ -174,8 +176,8 @@ impl Tractions {
     }
 }
 
-/// The shares of the corners in the point of a segment or triangle near `x`, the nearest if `x` projects into it, and
-/// the distance of that point.
+/// Returns the weights of the corners at the point of a segment or triangle near `x`, which is the nearest point if `x`
+/// projects into it, and its distance from `x`.
 fn share(corners: &[[f64; 3]], x: [f64; 3]) -> (Vec<f64>, f64) {
     let reach = minus(x, corners[0]);
     let mut shares = match corners[1..] {
@@ -205,7 +207,7 @@ fn share(corners: &[[f64; 3]], x: [f64; 3]) -> (Vec<f64>, f64) {
     (shares, distance)
 }
 
-/// `|value| / scale`; nothing is no error, whatever it is compared with.
+/// Returns `|value| / scale`, and 0 if `value` is 0.
 pub(super) fn relative(value: f64, scale: f64) -> f64 {
     if value == 0.0 { 0.0 } else { value.abs() / scale.abs() }
 }
@@ -216,7 +218,7 @@ mod tests {
 
     use super::*;
 
-    /// n × n squares of a unit square, each in two triangles, with a traction linear in place.
+    /// Divides a unit square into n × n squares of two triangles each, with a traction that is linear in space.
     fn square(n: usize) -> Tractions {
         let at = |k: usize| k as f64 / n as f64;
         let positions: Vec<[f64; 3]> = (0..=n).flat_map(|j| (0..=n).map(move |i| [at(i), at(j), 0.0])).collect();
@@ -239,10 +241,10 @@ mod tests {
         let (coarse, mut fine) = (square(6), square(9));
         let within = coarse.interior();
         let held = coarse.nodes.iter().filter(|node| within.holds(node.position)).count();
-        // Of 7 × 7 nodes those in the middle 3 × 3.
+        // Of 7 × 7 nodes, the middle 3 × 3 remain.
         assert_eq!(held, 9);
         assert!(coarse.distance(&fine, &within) < 1e-14);
-        // Linear tractions are met wherever the finer nodes are; a rim that is wrong does not matter.
+        // Linear tractions are reproduced exactly at the finer nodes. An error at the rim has no influence.
         for node in &mut fine.nodes {
             if node.position.iter().take(2).any(|x| !(0.2..0.8).contains(x)) {
                 node.value = [9.0; 3];

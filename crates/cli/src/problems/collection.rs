@@ -1,4 +1,4 @@
-//! Whole folders of problems: a row for each file.
+//! Tables of whole folders of problems, with a row per file.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,44 +10,44 @@ use stickslip_output::Table;
 /// The results of a folder.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Collection {
-    /// The version of this layout.
+    /// The version of this format.
     pub schema_version: u32,
-    /// How many files there are.
+    /// The number of files.
     pub files: usize,
-    /// How many are solved, by any way.
+    /// The number of files solved by any solver.
     pub solved: usize,
-    /// CPU time of all, s.
+    /// The total CPU time, s.
     pub cpu_seconds: f64,
-    /// One for each file and way.
+    /// A row for each file and solver.
     pub rows: Vec<Row>,
 }
 
-/// What became of a file.
+/// The result of one file.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Row {
     /// The name of the file.
     pub file: String,
-    /// The way it was solved, see [`Way`](stickslip_exchange::Way).
+    /// The solver, see [`Way`](stickslip_exchange::Way).
     pub way: String,
-    /// `global` or `local`; empty where nothing was read.
+    /// `global` or `local`; empty if nothing was read.
     pub form: String,
-    /// 2 in the plane, 3 in space.
+    /// The number of dimensions: 2 in the plane, 3 in space.
     pub dimension: usize,
-    /// n_c, the number of contacts.
+    /// The number of contacts, n_c.
     pub contacts: usize,
-    /// n, the unknowns of the bodies; 0 of a local problem.
+    /// The number of unknowns of the bodies, n; 0 for a local problem.
     pub unknowns: usize,
     /// The verdict.
     pub status: Verdict,
-    /// The largest error, without units; none where nothing was solved.
+    /// The largest relative error; null if nothing was solved.
     pub residual: Option<f64>,
-    /// The last stage.
+    /// The last stage of the solution.
     pub stage: String,
-    /// Iterations of all stages.
+    /// The number of iterations of all stages.
     pub iterations: usize,
     /// CPU time, s.
     pub cpu_seconds: f64,
-    /// Why there is no residual.
+    /// The reason for a missing residual.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub message: String,
 }
@@ -69,7 +69,7 @@ const COLUMNS: [&str; 12] = [
 ];
 
 impl Row {
-    /// That of a problem that was solved by `way`.
+    /// Returns the row of a problem solved by `way`.
     pub fn of(report: &ProblemReport, way: &str) -> Self {
         Row {
             file: report.file.clone(),
@@ -87,7 +87,7 @@ impl Row {
         }
     }
 
-    /// That of a file that could not be read, or not be tried.
+    /// Returns the row of a file that could not be read or solved.
     pub fn failed(file: &str, way: &str, status: Verdict, message: String) -> Self {
         Row { file: file.to_string(), way: way.to_string(), status, message, ..Row::default() }
     }
@@ -98,7 +98,7 @@ impl Row {
 }
 
 impl Collection {
-    /// The collection of these rows; those of a file have its name.
+    /// Collects these rows. Rows of one file have the same name.
     pub fn new(rows: Vec<Row>) -> Self {
         let mut files: Vec<&str> = rows.iter().map(|row| row.file.as_str()).collect();
         files.sort_unstable();
@@ -109,7 +109,7 @@ impl Collection {
         Collection { schema_version: SCHEMA_VERSION, files: files.len(), solved, cpu_seconds, rows }
     }
 
-    /// As a table of aligned columns, one line for each row; messages follow below.
+    /// Formats the table with aligned columns, one line per row. Messages follow below.
     pub fn to_text(&self) -> String {
         let several = self.rows.iter().any(|row| row.way != self.rows[0].way);
         let way: &[&str] = if several { &["way"] } else { &[] };
@@ -142,7 +142,7 @@ impl Collection {
         text
     }
 
-    /// As CSV, one line for each row.
+    /// Formats the table as CSV, one line per row.
     pub fn to_csv(&self) -> String {
         let fields = |row: &Row| {
             vec![
@@ -163,7 +163,7 @@ impl Collection {
         csv_table(&COLUMNS, self.rows.iter().map(fields))
     }
 
-    /// The performance profile of the ways, by CPU time, over the files that were read.
+    /// Returns the performance profile of the solvers, by CPU time, over the files that were read.
     pub fn profile(&self) -> Profile {
         let mut profile = Profile::default();
         for row in self.rows.iter().filter(|row| row.status != Verdict::BadInput) {

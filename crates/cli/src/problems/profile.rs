@@ -1,4 +1,4 @@
-//! Performance profiles: which share of problems a solver solves within a multiple of the time of the best.
+//! Performance profiles: the share of problems that a solver solves within a multiple of the best time.
 //!
 //! E. D. Dolan, J. J. Moré: Benchmarking optimization software with performance profiles, Math. Program. 91 (2002), 201–213. With
 //! `t_ps`, the time that solver `s` takes for problem `p`, infinite where it does not solve it,
@@ -7,28 +7,28 @@
 //! ρ_s(τ) = share of the problems with t_ps ≤ τ min_s t_ps
 //! ```
 //!
-//! A single solver has nothing to be compared with; its profile tells the share of problems over the time itself.
+//! A single solver has no competitor. Its profile shows the share of problems against the time itself.
 
 use std::collections::BTreeMap;
 
 use stickslip::run::report::{csv_number, csv_table};
 use stickslip_output::{Axis, Chart, Curve, Dash, Line, Panel, Scale, told_apart};
 
-/// The least time that can be told from another, s.
+/// The smallest time that can be measured reliably, s.
 const LEAST: f64 = 1e-4;
 
-/// Times of solvers on problems.
+/// The times of solvers on problems.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Profile {
     solvers: Vec<String>,
-    /// By problem, then by solver: the time, s, where it was solved.
+    /// The time (s) by problem, then by solver; `None` if not solved.
     times: BTreeMap<String, Vec<Option<f64>>>,
 }
 
 const DASHES: [Dash; 4] = [Dash::Solid, Dash::Dashed, Dash::Dotted, Dash::DashDotted];
 
 impl Profile {
-    /// Takes in that `solver` took so many seconds for `problem`, or did not solve it.
+    /// Adds the time of `solver` for `problem`, s; `None` if not solved.
     pub fn add(&mut self, solver: &str, problem: &str, seconds: Option<f64>) {
         let place = self.solvers.iter().position(|known| known == solver).unwrap_or_else(|| {
             self.solvers.push(solver.to_string());
@@ -39,7 +39,7 @@ impl Profile {
         times[place] = seconds.map(|seconds| seconds.max(LEAST));
     }
 
-    /// Of each solver the points `[τ, ρ(τ)]` where its share grows, from τ = 1 on.
+    /// Returns for each solver the points `[τ, ρ(τ)]` at which its share increases, from τ = 1 on.
     pub fn curves(&self) -> Vec<(&str, Vec<[f64; 2]>)> {
         let all = self.times.len().max(1) as f64;
         let alone = self.solvers.len() < 2;
@@ -60,7 +60,7 @@ impl Profile {
         if self.solvers.len() < 2 { "CPU time, s" } else { "CPU time over that of the fastest" }
     }
 
-    /// As CSV: a line for each step of each curve.
+    /// Formats the curves as CSV, a line for each step.
     pub fn to_csv(&self) -> String {
         let header = ["solver", if self.solvers.len() < 2 { "cpu_seconds" } else { "ratio" }, "share"];
         let curves = self.curves();
@@ -70,7 +70,7 @@ impl Profile {
         csv_table(&header, rows)
     }
 
-    /// As steps in a chart.
+    /// Draws the curves as steps in a chart.
     pub fn chart(&self, title: &str) -> Chart {
         let curves = self.curves();
         let ends = curves.iter().flat_map(|(_, points)| points).map(|point| point[0]);

@@ -1,4 +1,4 @@
-//! What is told of a problem that was solved or judged.
+//! The report on a problem that was solved or judged.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,10 +11,10 @@ use stickslip_exchange::{Answer, Errors, Problem, ProblemFile, Stage};
 pub enum Verdict {
     /// All laws hold within the tolerance, by the independent error measure.
     Solved,
-    /// They do not; the errors tell by how much.
+    /// A law is violated. The errors show by how much.
     #[default]
     NotSolved,
-    /// The file holds no problem that can be read.
+    /// The file contains no readable problem.
     BadInput,
     /// The linear algebra could not go on.
     MachineFailure,
@@ -31,39 +31,39 @@ impl std::fmt::Display for Verdict {
     }
 }
 
-/// A problem, its verdict, and how that came about.
+/// A problem, its verdict, and the course of the solution.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct ProblemReport {
-    /// The version of this layout.
+    /// The version of this format.
     pub schema_version: u32,
     /// The file of the problem.
     pub file: String,
-    /// Its title, if it has one.
+    /// The title of the problem.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub title: Option<String>,
-    /// `global` or `local`.
+    /// The form of the problem: `global` or `local`.
     pub form: String,
-    /// 2 in the plane, 3 in space.
+    /// The number of dimensions: 2 in the plane, 3 in space.
     pub dimension: usize,
-    /// n_c, the number of contacts.
+    /// The number of contacts, n_c.
     pub contacts: usize,
-    /// n, the unknowns of the bodies; 0 of a local problem.
+    /// The number of unknowns of the bodies, n; 0 for a local problem.
     pub unknowns: usize,
     /// The verdict.
     pub status: Verdict,
-    /// The largest error that the verdict is about, without units.
+    /// The largest relative error of any law, on which the verdict depends.
     pub residual: f64,
     /// The violation of each law.
     pub errors: Errors,
-    /// What may make it another problem than the one that was meant.
+    /// Oddities of the problem that may be unintended.
     pub warnings: Vec<String>,
-    /// What was tried; nothing where a given solution is judged.
+    /// The stages of the solution; empty if a given solution is judged.
     pub stages: Vec<Stage>,
-    /// CPU time of the solution, s; 0 where a given one is judged.
+    /// CPU time of the solution, s; 0 if a given solution is judged.
     pub cpu_seconds: f64,
 }
 
-/// What is odd about `problem`.
+/// Lists the oddities of `problem`.
 fn warnings(problem: &Problem) -> Vec<String> {
     let triangular = matches!(problem, Problem::Global(problem) if problem.is_triangular());
     let half = "M has entries on one side of its diagonal alone, and is taken as it stands: where it is meant as half of a \
@@ -72,7 +72,7 @@ fn warnings(problem: &Problem) -> Vec<String> {
 }
 
 impl ProblemReport {
-    /// The report on a solution of the problem in `file`, called `name`, with these errors.
+    /// Reports on a given solution of the problem in `file`, called `name`, with these errors.
     pub fn judged(name: &str, file: &ProblemFile, errors: Errors) -> Self {
         let problem = &file.problem;
         ProblemReport {
@@ -92,7 +92,7 @@ impl ProblemReport {
         }
     }
 
-    /// The same on an answer that took so much CPU time.
+    /// Reports on an answer that took this CPU time.
     pub fn solved(name: &str, file: &ProblemFile, answer: &Answer, cpu_seconds: f64) -> Self {
         let stages = answer.stages.clone();
         ProblemReport { stages, cpu_seconds, ..Self::judged(name, file, answer.errors) }

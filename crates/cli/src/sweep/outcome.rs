@@ -1,4 +1,4 @@
-//! What came of a variant, read from the report of its run.
+//! The result of a variant, read from the report of its run.
 
 use std::collections::BTreeMap;
 
@@ -6,24 +6,24 @@ use serde::{Deserialize, Serialize};
 
 use stickslip::run::report::{LargestPressure, Resultant};
 
-/// What came of a variant.
+/// The result of a variant.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(from = "Report")]
 pub struct VariantResult {
-    /// The verdict, or why there is none: `bad-input`, `machine-failure`, `bug`.
+    /// The verdict, or the reason why there is none: `bad-input`, `machine-failure`, `bug`.
     pub status: String,
-    /// The text of the scene that ran; none without a report.
+    /// The text of the scene that was run; `None` without a report.
     #[serde(skip_serializing)]
     pub scene_text: Option<String>,
-    /// Why it ended early, in words; empty if it did not.
+    /// The reason why the run ended early; empty if it did not.
     pub reason: String,
-    /// The increments that converged.
+    /// The number of increments that converged.
     pub converged: usize,
-    /// Linear systems solved by the method.
+    /// The number of linear systems solved by the method.
     pub iterations: usize,
-    /// Wall time, s; none without a report.
+    /// Wall time, s; `None` without a report.
     pub seconds: Option<f64>,
-    /// The largest error of any law in any increment; none if that is not finite, or without increments.
+    /// The largest error of any law in any increment; `None` if it is not finite, or without increments.
     pub error: Option<f64>,
     /// The largest contact pressure of all increments.
     pub largest_pressure: Option<LargestPressure>,
@@ -33,7 +33,7 @@ pub struct VariantResult {
     pub boundaries: Vec<Resultant>,
 }
 
-/// What `run.json` has of it, or what is printed where there is no report.
+/// The part of `run.json` that is needed, or of the printed failure if there is no report.
 #[derive(Deserialize)]
 struct Report {
     status: String,
@@ -73,7 +73,7 @@ impl From<Report> for VariantResult {
         let Report { status, scene_text, reason, help, increments, totals, largest_pressure, warnings, boundaries } =
             report;
         let errors = increments.iter().flat_map(|increment| increment.kkt.values());
-        // None where one of them is no number, or there is none.
+        // `None` if there is no error, or one of them is no number.
         let error = errors.copied().collect::<Option<Vec<f64>>>().and_then(|all| all.into_iter().reduce(f64::max));
         VariantResult {
             reason: help.map_or(reason.clone(), |help| format!("{reason}; {help}")),
@@ -91,7 +91,7 @@ impl From<Report> for VariantResult {
 }
 
 impl VariantResult {
-    /// A variant without a report.
+    /// Returns the result of a variant without a report.
     pub fn failed(status: &str, reason: String) -> Self {
         VariantResult {
             status: status.to_string(),
@@ -107,17 +107,17 @@ impl VariantResult {
         }
     }
 
-    /// Whether every law held to the end.
+    /// Returns `true` if all increments converged.
     pub fn is_converged(&self) -> bool {
         self.status == "converged"
     }
 
-    /// Whether the machine is to blame, or the program: another try may end otherwise.
+    /// Returns `true` if the machine or the program failed, so that another try may succeed.
     pub fn is_of_the_machine(&self) -> bool {
         ["machine-failure", "out-of-memory", "bug"].contains(&self.status.as_str())
     }
 
-    /// Whether the same scene would end the same again.
+    /// Returns `true` if another run of the same scene would end the same way.
     pub fn is_final(&self) -> bool {
         self.status != "interrupted" && !self.is_of_the_machine()
     }

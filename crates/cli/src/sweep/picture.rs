@@ -1,17 +1,17 @@
-//! A sweep as a chart: the largest contact pressure over what was varied first.
+//! Charts of a sweep: the largest contact pressure over the key that varies first.
 
 use super::table::{Row, Sweep};
 use stickslip_output::{Axis, Chart, Curve, Dash, Line, Marker, Panel, Scale, told_apart};
 
 const DASHES: [Dash; 4] = [Dash::Solid, Dash::Dashed, Dash::Dotted, Dash::DashDotted];
 
-/// More curves than these nobody can tell apart: then there are points alone.
+/// More curves than this cannot be distinguished. Beyond it, only points are drawn.
 const MOST_CURVES: usize = 16;
 
 impl Sweep {
-    /// The largest contact pressure of each converged variant, or the iterations if nothing touches: over the first key
-    /// whose values are all numbers, with a curve for each combination of the others. Without such a key, over the places
-    /// of the first key's values in their list.
+    /// Plots the largest contact pressure of each converged variant, or the iterations if nothing touches. The abscissa
+    /// is the first key whose values are all numbers, with a curve for each combination of the other keys. Without such
+    /// a key, it is the position in the list of the first key's values.
     pub fn chart(&self) -> Chart {
         let is_number = |value: &String| value.parse().is_ok_and(f64::is_finite);
         let numeric = self.varied.iter().position(|variation| variation.values.iter().all(is_number));

@@ -1,4 +1,4 @@
-//! The results of all variants as one table.
+//! The table of all variants.
 
 use serde::{Serialize, Serializer};
 
@@ -9,40 +9,40 @@ use stickslip::run::report::{Resultant, SCHEMA_VERSION, UnitNames, csv_number, c
 use stickslip::scene::Scene;
 use stickslip_output::Table;
 
-/// All variants of a scene with what came of them.
+/// All variants of a scene with their results.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Sweep {
-    /// The version of these keys, that of reports.
+    /// The version of these keys, the same as for reports.
     pub schema_version: u32,
     /// The version of stickslip.
     pub program_version: &'static str,
-    /// The scene's title.
+    /// The title of the scene.
     pub title: String,
     /// The scene file.
     pub scene: String,
-    /// The units of the outcomes, which are those of the reports of the runs.
+    /// The units of the results, as in the reports of the runs.
     #[serde(skip_serializing_if = "UnitSystem::is_si", serialize_with = "by_name")]
     pub units: UnitSystem,
-    /// What was varied.
+    /// The varied keys.
     pub varied: Vec<Variation>,
-    /// A row for each combination, the last key of which changes first.
+    /// A row for each combination. The last key changes fastest.
     pub variants: Vec<Row>,
 }
 
-/// A variant and what came of it.
+/// A variant and its result.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Row {
     /// The values, in the order of [`Sweep::varied`].
     #[serde(serialize_with = "numbers_as_such")]
     pub values: Vec<String>,
-    /// The folder of its results, if there are any.
+    /// The folder of its results, if any.
     pub results: Option<String>,
-    /// What came of it.
+    /// The result.
     #[serde(flatten)]
     pub outcome: VariantResult,
 }
 
-/// A value as JSON has it.
+/// A value in its JSON type.
 #[derive(Serialize)]
 #[serde(untagged)]
 enum Plain<'a> {
@@ -62,9 +62,9 @@ fn numbers_as_such<S: Serializer>(values: &[String], serializer: S) -> Result<S:
 const COMPONENTS: [&str; 3] = ["f_x", "f_y", "f_z"];
 
 impl Sweep {
-    /// The sweep of `scene` over `varied`, with a row for each combination.
+    /// Creates the table of `scene` over `varied`, with a row for each combination.
     pub fn new(scene: &Scene, varied: Vec<Variation>, variants: Vec<Row>) -> Self {
-        // Without a force there is nothing that depends on it.
+        // Without any force, no unit depends on the dimension.
         let dimension = variants.iter().flat_map(|row| &row.outcome.boundaries).map(|on| on.force.len()).next();
         Sweep {
             schema_version: SCHEMA_VERSION,
@@ -77,7 +77,8 @@ impl Sweep {
         }
     }
 
-    /// The names of the boundaries with contact in any variant, each with the number of components of its force.
+    /// Returns the names of the boundaries with contact in any variant, each with the number of components of its
+    /// force.
     fn boundaries(&self) -> Vec<(&str, usize)> {
         let mut boundaries: Vec<(&str, usize)> = Vec::new();
         for resultant in self.variants.iter().flat_map(|row| &row.outcome.boundaries) {
@@ -90,7 +91,7 @@ impl Sweep {
         boundaries
     }
 
-    /// The table as comma-separated values, in the units of the sweep.
+    /// Formats the table as comma-separated values, in the units of the sweep.
     pub fn to_csv(&self) -> String {
         let boundaries = self.boundaries();
         let mut header: Vec<String> = self.varied.iter().map(|variation| variation.key.clone()).collect();
@@ -122,7 +123,7 @@ impl Sweep {
         csv_table(&header, self.variants.iter().map(row))
     }
 
-    /// The table for people, pressures in MPa where they would be in Pa, and below it why variants ended early.
+    /// Formats the table as text, pressures in MPa in place of Pa, followed by the reasons why variants ended early.
     pub fn to_text(&self) -> String {
         let boundaries = self.boundaries();
         let mut heads: Vec<String> = self.varied.iter().map(|variation| variation.key.clone()).collect();
@@ -157,24 +158,24 @@ impl Sweep {
         if reasons.is_empty() { table.to_string() } else { format!("{table}\n{reasons}") }
     }
 
-    /// A pressure of an outcome as people are told it.
+    /// Converts a pressure of a result to the unit of the text table.
     pub(super) fn pressure(&self, told: f64) -> f64 {
         self.units.of_pictures().of_si(Quantity::Stress, self.units.to_si(Quantity::Stress, told))
     }
 
-    /// The unit of these pressures.
+    /// Returns the unit of pressures in the text table.
     pub(super) fn pressure_unit(&self) -> String {
         self.units.of_pictures().name(Quantity::Stress)
     }
 
-    /// A variant in words: `contact.friction=0.3, mesh.file=a.msh`.
+    /// Names a variant: `contact.friction=0.3, mesh.file=a.msh`.
     fn name(&self, row: &Row) -> String {
         let pairs = self.varied.iter().zip(&row.values).map(|(variation, value)| format!("{}={value}", variation.key));
         pairs.collect::<Vec<_>>().join(", ")
     }
 }
 
-/// The resultant on the obstacle of a boundary.
+/// Returns the resultant on the obstacle of a boundary.
 fn on<'a>(outcome: &'a VariantResult, boundary: &str) -> Option<&'a Resultant> {
     outcome.boundaries.iter().find(|resultant| resultant.boundary == boundary)
 }

@@ -1,4 +1,4 @@
-//! What is varied, and every combination of it.
+//! Variations of keys, and all their combinations.
 
 use std::collections::HashSet;
 use std::str::FromStr;
@@ -7,37 +7,37 @@ use serde::Serialize;
 
 use stickslip::scene::{Override, OverrideSyntax};
 
-/// More variants than this are a slip of the pen.
+/// The largest number of variants; more are taken for a mistake.
 pub const MOST_VARIANTS: usize = 100_000;
 
-/// A key with the values that it takes one after the other.
+/// A key and its values.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Variation {
-    /// The key, as an [`Override`] takes it.
+    /// The key, in the syntax of an [`Override`].
     pub key: String,
-    /// The values, as an override takes them; two or more, all different.
+    /// The values, in the syntax of an override: two or more, all different.
     pub values: Vec<String>,
 }
 
-/// A combination of values: one of each variation.
+/// A combination of values, one of each variation.
 #[derive(Debug, Clone)]
 pub struct Variant {
     /// The values, in the order of the variations.
     pub values: Vec<String>,
-    /// What puts them into a scene.
+    /// The overrides that set the values in a scene.
     pub overrides: Vec<Override>,
 }
 
-/// Why something cannot be varied so.
+/// The reason why a variation is invalid.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum VariationError {
     /// It is not `key=values`.
     #[error(transparent)]
     Syntax(#[from] OverrideSyntax),
-    /// There is nothing to vary.
+    /// There is only one value.
     #[error("{0} has one value only; give several, a,b,c, or a range from:to:count, or use --set")]
     One(String),
-    /// A value stands there twice.
+    /// A value is given twice.
     #[error("{key} has the value {value} twice; give each once")]
     Twice {
         /// The key.
@@ -45,7 +45,7 @@ pub enum VariationError {
         /// The value.
         value: String,
     },
-    /// The ends or the count of a range make no range.
+    /// The ends or the count of a range are invalid.
     #[error("{0} is no range from:to:count of two finite numbers and a count from 2 to {MOST_VARIANTS}")]
     Range(String),
     /// A key is varied twice.
@@ -62,9 +62,9 @@ pub enum VariationError {
 impl FromStr for Variation {
     type Err = VariationError;
 
-    /// `key=a,b,c`, where commas within brackets and quotes do not count, or `key=from:to:count`.
+    /// Parses `key=a,b,c`, in which commas within brackets and quotes do not separate, or `key=from:to:count`.
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        // An override knows what a key looks like, and tells where there is none.
+        // Parsing as an override checks the key and reports a missing one.
         let _: Override = text.parse()?;
         let (key, given) = text.split_once('=').unwrap_or((text, ""));
         let (key, given) = (key.trim().to_string(), given.trim());
@@ -80,10 +80,10 @@ impl FromStr for Variation {
     }
 }
 
-/// What two values have in common if they are one.
+/// A canonical form of a value, by which duplicates are found.
 #[derive(PartialEq, Eq, Hash)]
 enum Value<'a> {
-    /// The bits of a number: 0.1 and 1e-1 are one, and so are 0 and -0.
+    /// The bits of a number: 0.1 and 1e-1 are equal, as are 0 and -0.
     Number(u64),
     Text(&'a str),
 }
@@ -95,7 +95,7 @@ impl<'a> Value<'a> {
     }
 }
 
-/// The parts of a list of values.
+/// Splits a list of values.
 fn listed(given: &str) -> Vec<String> {
     let (mut values, mut depth, mut quote) = (vec![String::new()], 0_usize, None);
     for c in given.chars() {
@@ -117,7 +117,7 @@ fn listed(given: &str) -> Vec<String> {
     values.into_iter().map(|value| value.trim().to_string()).filter(|value| !value.is_empty()).collect()
 }
 
-/// The values of `from:to:count`, equally spaced; none if it is nothing like that.
+/// Returns the values of `from:to:count`, equally spaced. `None` if the text is not of this form.
 fn range(given: &str) -> Result<Option<Vec<String>>, VariationError> {
     let [from, to, count] = given.split(':').map(str::trim).collect::<Vec<_>>()[..] else { return Ok(None) };
     let (Ok(from), Ok(to)) = (from.parse::<f64>(), to.parse::<f64>()) else { return Ok(None) };
@@ -126,14 +126,15 @@ fn range(given: &str) -> Result<Option<Vec<String>>, VariationError> {
     let count = count.ok_or_else(|| VariationError::Range(given.to_string()))?;
     let value = |k: usize| {
         let share = k as f64 / (count - 1) as f64;
-        // What rounding leaves at the end of 0.1 + 0.2 is nothing that anybody wants to read.
+        // Removes rounding errors, such as the last digits of 0.1 + 0.2.
         let rounded = format!("{:.14e}", from + share * (to - from));
         rounded.parse::<f64>().map_or(rounded, |value| (value + 0.0).to_string())
     };
     Ok(Some((0..count).map(value).collect()))
 }
 
-/// Whether two keys name the same value, or one holds the other's: a list without an index means all of its tables.
+/// Returns `true` if two keys name the same value, or one contains the other. A list without an index refers to all of
+/// its tables.
 fn overlap(a: &str, b: &str) -> bool {
     let parts = |segment: &str| {
         segment
@@ -146,7 +147,7 @@ fn overlap(a: &str, b: &str) -> bool {
     })
 }
 
-/// Every combination of the values of `variations`, the last of which changes first.
+/// Returns every combination of the values of `variations`. The last one changes fastest.
 ///
 /// # Errors
 /// [`VariationError::Again`], [`VariationError::Units`], [`VariationError::TooMany`], or [`VariationError::Syntax`] of a value.
@@ -195,7 +196,7 @@ mod tests {
         assert_eq!(values("load[0].traction=[0,-1e6], [0,-2e6]"), ["[0,-1e6]", "[0,-2e6]"]);
         assert_eq!(values("mesh.file=a.msh,'b,c.msh',\"d.msh\""), ["a.msh", "'b,c.msh'", "\"d.msh\""]);
         assert_eq!(values("material.young=1e9:-1e9:3"), ["1000000000", "0", "-1000000000"]);
-        // No three numbers are no range.
+        // Anything but three numbers is no range.
         assert_eq!(values("title=a:b:c,d"), ["a:b:c", "d"]);
     }
 

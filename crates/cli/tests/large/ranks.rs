@@ -88,8 +88,8 @@ fn every_scene_is_the_same_on_two_and_four_ranks() {
 fn other_commands_and_solvers_are_told_that_they_have_no_use_for_ranks() {
     let cube = path("cube");
     for (arguments, words) in [
-        (&["run", &cube][..], "has started this program 2 times, and umfpack works in one process"),
-        (&["run", &cube, "--solver", "condensed"], "and condensed works in one process"),
+        (&["run", &cube][..], "has started 2 processes of this program, but umfpack uses only one"),
+        (&["run", &cube, "--solver", "condensed"], "but condensed uses only one"),
         (&["sweep", &cube, "--vary", "time.increments=1,2"], "has started sweep, which has no use for ranks"),
         (&["compare", &cube], "has started compare, which has no use for ranks"),
         (&["run", "nowhere.toml", "--solver", SHARED[0].0], "the scene cannot be read"),
@@ -153,7 +153,7 @@ fn check_tells_what_ranks_take() {
         words.map(|words| words[words.iter().position(|word| word == "MB").unwrap() - 1].parse::<f64>().unwrap())
     };
     let (by_one, by_two) = (of(&one, SHARED[0].0).unwrap(), of(&two, SHARED[0].0).unwrap());
-    assert!(by_two < by_one && two.contains("by 2 processes; memory is that of the first one"), "{one}{two}");
+    assert!(by_two < by_one && two.contains("by 2 processes; the memory is that of the first one"), "{one}{two}");
     assert!(of(&one, "condensed").is_some() && of(&two, "condensed").is_none(), "{two}");
 }
 

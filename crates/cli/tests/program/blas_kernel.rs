@@ -76,13 +76,13 @@ fn a_kernel_that_the_user_chose_stays_and_is_told() {
         assert_eq!(blas["better_kernel"], better);
         assert!(blas.get("kernel_before").is_none() && warns(&report), "{blas}");
         let output = run(&scene, &[("OPENBLAS_CORETYPE", asked)], args);
-        let cure = format!("ask for the kernel {better}");
+        let cure = format!("select the kernel {better}");
         assert!(
             stdout(&output).contains("with the kernel Prescott") && stdout(&output).contains(&cure),
             "{}",
             stdout(&output)
         );
-        assert!(!stdout(&output).contains("started itself again"));
+        assert!(!stdout(&output).contains("restarted itself"));
     }
 }
 
@@ -109,7 +109,7 @@ fn the_program_starts_again_for_a_kernel_that_is_named() {
         assert_eq!(blas(&scene, environment, args)["kernel"], "Prescott");
     }
     let output = run(&scene, &[prescott], &["--blas-kernel", "HASWELL"]);
-    let told = "with the kernel Haswell, for which the program started itself again: the library had taken Prescott";
+    let told = "with the kernel Haswell, for which the program restarted itself: the library had chosen Prescott";
     assert!(stdout(&output).contains(told), "{}", stdout(&output));
     // What runs already needs no start.
     assert!(

@@ -76,7 +76,7 @@ fn check_tells_every_obstacle() {
         assert!(told.contains(words), "{words}{told}");
     }
     let told = check("obstacle = { kind = \"cylinder\", radius = 0.2, apex = [0.5, -1e-5] }");
-    assert!(told.contains("             4 nodes that no obstacle ever reaches stay open\n"), "{told}");
+    assert!(told.contains("             4 nodes remain open because no obstacle ever reaches them\n"), "{told}");
     assert!(check("obstacle = { kind = \"plane\" }").contains("mu = 0.4"));
 }
 
@@ -136,7 +136,9 @@ fn friction_beyond_what_surfaces_have_is_questioned() {
         ["check", "run"].map(|command| {
             let output = stickslip(&[command, &scene]);
             assert_exit(&output, 0);
-            stdout(&output).contains("warning      the friction of `bottom` is up to 40, and few surfaces have more than 2: is it in percent?")
+            stdout(&output).contains(
+                "warning      the friction of `bottom` is up to 40, but few surfaces exceed 2: is it in percent?",
+            )
         })
     };
     assert_eq!(questioned("friction = 40"), [true; 2]);

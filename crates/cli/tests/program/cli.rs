@@ -297,7 +297,7 @@ fn the_uniqueness_is_told_where_it_is_asked_for() {
     assert_exit(&output, 0);
     let start = "uniqueness   rates are unique up to ";
     let line = stdout(&output).lines().find(|line| line.starts_with(start)).unwrap();
-    assert!(line.contains(" times this friction along the present status (mu "), "{line}");
+    assert!(line.contains(" times this friction for the present contact statuses (mu "), "{line}");
 
     let out = folder.join("out");
     for options in [&["--json"][..], &["--json", "--method", "ip", "--solver", "condensed", "--out", &out]] {

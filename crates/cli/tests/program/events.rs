@@ -111,7 +111,10 @@ fn an_increment_that_leads_over_the_end_of_the_motion_is_told() {
     };
     for (method, increments) in [("bn", 6), ("bn", 300), ("ip", 30)] {
         let told: Vec<String> = jumps(method, increments, 3.0);
-        assert!(told.len() == 1 && told[0].contains("jump by 100 % of their largest between t = 2 s"), "{told:?}");
+        assert!(
+            told.len() == 1 && told[0].contains("jump by 100 % of their largest value between t = 2 s"),
+            "{told:?}"
+        );
     }
     let none: Vec<String> = jumps("bn", 60, 0.9);
     assert!(none.is_empty(), "{none:?}");

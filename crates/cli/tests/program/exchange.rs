@@ -50,7 +50,7 @@ fn a_problem_is_solved_and_its_file_judged() {
     let wrong = stickslip(&["judge", &problem("blocks.dat"), &out]);
     assert_exit(&wrong, 1);
     let text = stdout(&wrong);
-    assert!(text.contains("verdict      not solved") && text.contains("the worst contact is number"), "{text}");
+    assert!(text.contains("verdict      not solved") && text.contains("the worst contact has number"), "{text}");
     let other = stickslip(&["judge", &problem("printed.dat"), &out]);
     assert_exit(&other, 2);
     assert!(stderr(&other).replace("\n  │ ", " ").contains("it has 6 entries"), "{}", stderr(&other));
@@ -64,10 +64,10 @@ fn what_cannot_be_read_has_one_message() {
     let link = folder.join("link.hdf5");
     std::os::unix::fs::symlink(&bad, &link).unwrap();
     for (args, words) in [
-        (vec!["solve", &problem("local.hdf5"), "--out", &folder.join("none/x.hdf5")], "its folder is not there"),
-        (vec!["solve", &problem("local.hdf5"), "--out", &link], "what is there is no regular file"),
+        (vec!["solve", &problem("local.hdf5"), "--out", &folder.join("none/x.hdf5")], "its folder does not exist"),
+        (vec!["solve", &problem("local.hdf5"), "--out", &link], "it exists and is no regular file"),
         (vec!["solve", &bad], "line 2: expected the entries of a matrix"),
-        (vec!["judge", &problem("sliding.dat")], "there is no solution beside the problem"),
+        (vec!["judge", &problem("sliding.dat")], "the file contains no solution"),
         (vec!["judge", &problem("sliding.dat"), &bad], "it is neither HDF5 nor a text"),
         (vec!["solve", &folder.join("none.dat")], "the problem cannot be read"),
         (vec!["solve", &problem("local.hdf5"), "--guess", "2"], "there is no guess 2, but 1"),

@@ -78,7 +78,7 @@ fn a_folder_that_is_removed_is_told() {
     let output = child.wait_with_output().unwrap();
     assert_exit(&output, 3);
     let told = told(&output);
-    assert!(told.contains("removed") && !told.contains("make room"), "{told}");
+    assert!(told.contains("removed") && !told.contains("free disk space"), "{told}");
 }
 
 #[test]

@@ -101,7 +101,7 @@ fn all_faults(case: &Case, every: usize) -> usize {
                 Some(code) => {
                     let message = self::told(&output);
                     let is_told = if fault == "enospc" {
-                        code == 3 && message.contains("make room")
+                        code == 3 && message.contains("free disk space")
                     } else {
                         [2, 3].contains(&code)
                     };

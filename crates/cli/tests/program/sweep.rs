@@ -201,7 +201,7 @@ fn bad_variations_are_told_before_anything_runs() {
     fs::write(folder.join("file"), "").unwrap();
     let output = stickslip(&["sweep", &scene, "--vary", "contact.friction=0.1,0.2", "--out", &folder.join("file")]);
     assert_exit(&output, 2);
-    assert!(stderr(&output).contains("choose a folder"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("choose a writable folder"), "{}", stderr(&output));
 }
 
 /// Started, killed by `signal` once one variant is done, and started again.

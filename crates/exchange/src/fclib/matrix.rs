@@ -6,19 +6,20 @@ use crate::hdf5::File;
 use stickslip::algebra::sparse::Csc;
 use stickslip::base::input_error::InputError;
 
-/// Memory for an entry while a matrix is read, bytes: row and column as they are in the file, as places, and in columns; its value.
+/// Memory per entry while a matrix is read, bytes: row and column as stored in the file, as indices, and in columns;
+/// its value.
 const BYTES_OF_AN_ENTRY: u64 = 80;
-/// The same for a column or a row.
+/// Memory per column or row while a matrix is read, bytes.
 const BYTES_OF_A_LINE: u64 = 32;
 
-/// Whether the matrix at `path` is not there, or has no entry.
+/// Returns `true` if the matrix at `path` does not exist, or has no entry.
 pub(super) fn is_empty(file: &File<'_>, path: &str) -> Result<bool, InputError> {
     let nzmax = format!("{path}/nzmax");
     Ok(written(file, &nzmax)?.is_none() || one(file, &nzmax)? == 0)
 }
 
-/// An error unless the matrix at `path` says that it is one of `rows` × `columns`: these sizes are those of the vectors that it
-/// is between.
+/// Returns an error unless the matrix at `path` has the size `rows` × `columns`, which follows from the adjacent
+/// vectors.
 pub(super) fn has_sizes(file: &File<'_>, path: &str, rows: usize, columns: usize) -> Result<(), InputError> {
     for (name, expected) in [("m", rows), ("n", columns)] {
         let at = format!("{path}/{name}");
@@ -35,14 +36,14 @@ pub(super) fn has_sizes(file: &File<'_>, path: &str, rows: usize, columns: usize
     Ok(())
 }
 
-/// The `rows` × `columns` matrix at `path`.
+/// Reads the `rows` × `columns` matrix at `path`.
 pub(super) fn matrix(file: &File<'_>, path: &str, rows: usize, columns: usize) -> Result<Csc, InputError> {
     has_sizes(file, path, rows, columns)?;
     let at = |name: &str| format!("{path}/{name}");
     let fault =
         |name: &str, message: String, help: &str| InputError::new(format!("dataset {}", at(name)), message, help);
     let storage = one(file, &at("nz"))?;
-    // The first `count` values.
+    // Reads the first `count` values.
     let whole = |name: &str, count: usize| -> Result<Vec<usize>, InputError> {
         let values = need(file, &at(name))?.integers(count).map_err(|error| of_dataset(&at(name), &error))?;
         let checked = |(place, value): (usize, i64)| {
@@ -52,8 +53,8 @@ pub(super) fn matrix(file: &File<'_>, path: &str, rows: usize, columns: usize) -
         values.into_iter().enumerate().map(checked).collect()
     };
     let x_of = |count: usize| need(file, &at("x"))?.numbers(count).map_err(|error| of_dataset(&at("x"), &error));
-    // An error unless so many entries are there, and can be meant: several for each place of the matrix are no problem, but only a
-    // compressed dataset has more than its file has bytes.
+    // Returns an error unless this number of entries exists and is plausible. Several entries per position are allowed,
+    // but only a compressed dataset has more entries than its file has bytes.
     let has_entries = |names: &[&str], count: usize, why: &str| -> Result<(), InputError> {
         for name in names {
             let found = need(file, &at(name))?.count();

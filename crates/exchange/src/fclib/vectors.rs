@@ -1,16 +1,17 @@
-//! Datasets as FCLIB needs them: there, of the right length, finite. Nothing is read before its length is known to fit the problem.
+//! Datasets as FCLIB requires them: existing, of the right length, finite. Lengths are compared with the problem before
+//! anything is read.
 
 use crate::error::of_dataset;
 use crate::hdf5::{Dataset, File};
 use stickslip::base::input_error::InputError;
 
-/// The dataset at `path`, if it is there and something was written into it.
+/// Returns the dataset at `path` if it exists and was written.
 pub(super) fn written<'a>(file: &File<'a>, path: &str) -> Result<Option<Dataset<'a>>, InputError> {
     let dataset = file.dataset(path).map_err(|error| of_dataset(path, &error))?;
     Ok(dataset.filter(Dataset::is_written))
 }
 
-/// The dataset at `path`, which must be there.
+/// Returns the dataset at `path`, which must exist.
 pub(super) fn need<'a>(file: &File<'a>, path: &str) -> Result<Dataset<'a>, InputError> {
     match file.dataset(path).map_err(|error| of_dataset(path, &error))? {
         Some(dataset) => Ok(dataset),
@@ -18,12 +19,12 @@ pub(super) fn need<'a>(file: &File<'a>, path: &str) -> Result<Dataset<'a>, Input
     }
 }
 
-/// An error unless `dataset`, at `path`, has `expected` values, for the reason `why`.
+/// Returns an error unless `dataset`, at `path`, has `expected` values, for the reason `why`.
 pub(super) fn has_length(dataset: &Dataset<'_>, path: &str, expected: usize, why: &str) -> Result<(), InputError> {
     if dataset.count() == expected { Ok(()) } else { Err(length(path, expected, dataset.count(), why)) }
 }
 
-/// The one integer at `path`.
+/// Returns the one integer at `path`.
 pub(super) fn one(file: &File<'_>, path: &str) -> Result<i64, InputError> {
     let dataset = need(file, path)?;
     has_length(&dataset, path, 1, "it is one number")?;
@@ -33,18 +34,18 @@ pub(super) fn one(file: &File<'_>, path: &str) -> Result<i64, InputError> {
     }
 }
 
-/// All numbers of `dataset`, at `path`, which must be finite.
+/// Returns all numbers of `dataset`, at `path`, which must be finite.
 pub(super) fn numbers(dataset: &Dataset<'_>, path: &str) -> Result<Vec<f64>, InputError> {
     finite(path, dataset.numbers(dataset.count()).map_err(|error| of_dataset(path, &error))?)
 }
 
-/// The fault of the dataset at `path` that has `found` values where `expected` are needed, and why.
+/// Describes a wrong length of the dataset at `path`, with the reason `why` it must be `expected`.
 pub(super) fn length(path: &str, expected: usize, found: usize, why: &str) -> InputError {
     let message = format!("it has {found} values, but must have {expected}: {why}");
     InputError::new(format!("dataset {path}"), message, "mend the sizes, which contradict each other")
 }
 
-/// The `values`, if all of them are finite.
+/// Returns the `values` if all of them are finite.
 pub(super) fn finite(path: &str, values: Vec<f64>) -> Result<Vec<f64>, InputError> {
     match values.iter().position(|value| !value.is_finite()) {
         None => Ok(values),

@@ -1,4 +1,4 @@
-//! Problems as FCLIB files.
+//! Writes problems as FCLIB files.
 
 use super::{GLOBAL, LOCAL};
 use crate::hdf5::{self, Node};
@@ -7,10 +7,10 @@ use crate::{GlobalProblem, Info, Problem, ProblemFile, Solution};
 use stickslip::algebra::sparse::Csc;
 use stickslip::base::input_error::InputError;
 
-/// Guesses that are written: a group has room for their number, too.
+/// The largest number of guesses to write. The group also has an entry for their number.
 const GUESSES: usize = 15;
 
-/// The bytes of an FCLIB file.
+/// Returns the bytes of an FCLIB file.
 pub(crate) fn write(file: &ProblemFile) -> Result<Vec<u8>, InputError> {
     let mut children = Vec::new();
     let constraints = match &file.problem {
@@ -35,7 +35,7 @@ pub(crate) fn write(file: &ProblemFile) -> Result<Vec<u8>, InputError> {
     Ok(hdf5::write(&Node::Group(children)))
 }
 
-/// FCLIB's integers have 32 bits.
+/// Converts to FCLIB's integers, which have 32 bits.
 fn integer(number: usize) -> Result<i32, InputError> {
     i32::try_from(number).map_err(|_| {
         let message = format!("{number} is too large for the 32-bit integers of FCLIB");
@@ -47,7 +47,7 @@ fn one(number: usize) -> Result<Node, InputError> {
     Ok(Node::Integers(vec![integer(number)?]))
 }
 
-/// In compressed columns.
+/// Writes a matrix in compressed columns.
 fn matrix(matrix: &Csc) -> Result<Node, InputError> {
     let pattern = matrix.pattern();
     let mut starts = vec![0; pattern.columns() + 1];
@@ -122,7 +122,7 @@ fn local(problem: &LocalProblem, about: &Info) -> Result<Node, InputError> {
     ]))
 }
 
-/// A solution whose `v` ends with so many multipliers of constraints.
+/// Writes a solution whose `v` ends with this number of multipliers of constraints.
 fn solution(solution: &Solution, constraints: usize) -> Node {
     let Solution { v, r, u } = solution;
     let mut children = vec![("u".to_string(), Node::Numbers(u.clone())), ("r".to_string(), Node::Numbers(r.clone()))];

@@ -1,8 +1,8 @@
-//! Numbers at addresses: never beyond the end of what there is.
+//! Reads numbers at addresses, never beyond the end of the bytes.
 
 use super::Hdf5Error;
 
-/// How many bytes addresses and lengths take in a file.
+/// The lengths of addresses and lengths in a file, bytes.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sizes {
     pub(super) offsets: usize,
@@ -15,11 +15,11 @@ impl Default for Sizes {
     }
 }
 
-/// All bytes of a file, and a place in them, from which it reads to an end.
+/// All bytes of a file, with the range to be read.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Bytes<'a> {
     all: &'a [u8],
-    /// Where the addresses of the file count from.
+    /// The position of address 0.
     base: usize,
     place: usize,
     end: usize,
@@ -31,7 +31,7 @@ impl<'a> Bytes<'a> {
         Bytes { all, base, place: base, end: all.len(), sizes }
     }
 
-    /// The bytes from an address of the file on, to its end.
+    /// Returns the bytes from an address to the end of the file.
     pub(super) fn at(self, address: u64) -> Result<Self, Hdf5Error> {
         let place = usize::try_from(address).ok().and_then(|address| address.checked_add(self.base));
         match place {
@@ -40,24 +40,24 @@ impl<'a> Bytes<'a> {
         }
     }
 
-    /// The next `length` bytes alone.
+    /// Returns the next `length` bytes alone.
     pub(super) fn part(&mut self, length: usize) -> Result<Self, Hdf5Error> {
         let place = self.place;
         self.skip(length)?;
         Ok(Bytes { place, end: self.place, ..*self })
     }
 
-    /// The address of the next byte.
+    /// Returns the address of the next byte.
     pub(super) fn address(&self) -> u64 {
         (self.place - self.base) as u64
     }
 
-    /// How many bytes are left.
+    /// Returns the number of bytes left.
     pub(super) fn left(&self) -> usize {
         self.end - self.place
     }
 
-    /// How many bytes the file has.
+    /// Returns the length of the file, bytes.
     pub(super) fn file_length(&self) -> usize {
         self.all.len()
     }
@@ -79,7 +79,7 @@ impl<'a> Bytes<'a> {
         self.take(length).map(drop)
     }
 
-    /// An unsigned number of `size` bytes, at most eight.
+    /// Reads an unsigned number of `size` bytes, at most eight.
     pub(super) fn number(&mut self, size: usize) -> Result<u64, Hdf5Error> {
         Ok(self.take(size)?.iter().rev().fold(0, |number, byte| number << 8 | u64::from(*byte)))
     }
@@ -96,22 +96,22 @@ impl<'a> Bytes<'a> {
         Ok(self.number(4)? as usize)
     }
 
-    /// An address.
+    /// Reads an address.
     pub(super) fn offset(&mut self) -> Result<u64, Hdf5Error> {
         self.number(self.sizes.offsets)
     }
 
-    /// A length, which is at most that of the file where it is one of stored bytes.
+    /// Reads a length. A length of stored bytes must not exceed that of the file.
     pub(super) fn length(&mut self) -> Result<u64, Hdf5Error> {
         self.number(self.sizes.lengths)
     }
 
-    /// Whether `address` is the one that stands for none: all bits set.
+    /// Returns `true` if `address` is undefined: all bits set.
     pub(super) fn is_undefined(&self, address: u64) -> bool {
         address == u64::MAX >> (64 - 8 * self.sizes.offsets)
     }
 
-    /// An error unless this `signature` is next.
+    /// Returns an error unless this `signature` comes next.
     pub(super) fn expect(&mut self, signature: &[u8], what: &'static str) -> Result<(), Hdf5Error> {
         let at = self.place;
         if self.take(signature.len())? == signature { Ok(()) } else { Err(Hdf5Error::Damaged { at, what }) }

@@ -1,23 +1,23 @@
-//! Datasets in chunks, each of which may be compressed, as general tools write them.
+//! Datasets in chunks, possibly compressed, as written by general tools.
 
 use miniz_oxide::inflate::decompress_to_vec_zlib_with_limit;
 
 use super::Hdf5Error;
 use super::bytes::Bytes;
 
-/// Levels that a tree of chunks may have.
+/// The largest number of levels of a tree of chunks.
 const LEVELS: u8 = 8;
 
-/// A byte of deflated data stands for at most so many.
+/// The largest number of bytes that a byte of deflated data can expand to.
 const EXPANSION: usize = 1032;
 
-/// What is done to chunks, in the order of writing.
+/// The filters of chunks, in the order of writing.
 #[derive(Debug, Default)]
 pub(super) struct Filters(Vec<usize>);
 
 const DEFLATE: usize = 1;
 const SHUFFLE: usize = 2;
-/// Four bytes at the end of a chunk, which are left out.
+/// A checksum of four bytes at the end of a chunk, which is ignored.
 const CHECKSUM: usize = 3;
 
 impl Filters {
@@ -43,7 +43,7 @@ impl Filters {
         Ok(Filters(filters))
     }
 
-    /// What a chunk of `length` bytes was, before the filters that `mask` does not leave out.
+    /// Undoes the filters of a chunk of `length` bytes, except those excluded by `mask`.
     fn undo(
         &self,
         stored: &[u8],
@@ -53,7 +53,7 @@ impl Filters {
         here: &Bytes<'_>,
     ) -> Result<Vec<u8>, Hdf5Error> {
         let wrong = || here.damaged("a chunk is not as long as it should be");
-        // Nothing is reserved for what the bytes cannot hold.
+        // No memory is reserved for more than the bytes can contain.
         if length > stored.len().saturating_mul(EXPANSION) {
             return Err(wrong());
         }
@@ -73,31 +73,32 @@ impl Filters {
     }
 }
 
-/// The bytes of elements that were stored first bytes first.
+/// Returns the bytes of elements that were stored by byte position, all first bytes first.
 fn unshuffled(bytes: &[u8], size: usize) -> Vec<u8> {
     let count = bytes.len() / size;
     let whole = (0..count).flat_map(|k| (0..size).map(move |b| bytes[b * count + k]));
     whole.chain(bytes[count * size..].iter().copied()).collect()
 }
 
-/// Larger chunks are taken only where the dataset, or the file, is of that order of size. Chunks that fit the cache of HDF5 are of this
-/// size at most, unless somebody has asked for others.
+/// Larger chunks are accepted only if the dataset, or the file, is of similar size. Chunks within the default cache of
+/// HDF5 are at most this large.
 const USUAL_CHUNK: usize = 1 << 20;
-/// A dataset that may grow has chunks with room for a multiple of what it holds.
+/// A dataset that may grow has chunks with room for up to this multiple of its content.
 const ROOM_TO_GROW: usize = 16;
 
-/// How a dataset of one dimension is stored.
+/// The storage of a dataset of one dimension.
 pub(super) struct Chunks {
     tree: u64,
-    /// How many elements a chunk has.
+    /// The number of elements per chunk.
     elements: usize,
-    /// The bytes of an element.
+    /// The bytes per element.
     size: usize,
     filters: Filters,
 }
 
 impl Chunks {
-    /// The chunks of a dataset with elements of `size` bytes, whose layout goes on in `layout`; `None` where none was ever written.
+    /// Returns the chunks of a dataset with elements of `size` bytes, whose layout continues in `layout`. `None` if no
+    /// chunk was ever written.
     pub(super) fn read(mut layout: Bytes<'_>, filters: Filters, size: usize) -> Result<Option<Self>, Hdf5Error> {
         if layout.u8()? != 2 {
             return Err(Hdf5Error::Unsupported { what: "a dataset of several dimensions in chunks".to_string() });
@@ -110,7 +111,7 @@ impl Chunks {
         Ok(if layout.is_undefined(tree) { None } else { Some(Chunks { tree, elements, size, filters }) })
     }
 
-    /// The bytes of the first `count` elements, of which those that were not written have the bytes `fill`.
+    /// Returns the bytes of the first `count` elements. Elements that were not written have the bytes `fill`.
     pub(super) fn bytes(&self, file: Bytes<'_>, count: usize, fill: &[u8]) -> Result<Vec<u8>, Hdf5Error> {
         let Chunks { tree, elements, size, .. } = *self;
         let (chunk, needed) = (elements.saturating_mul(size), count.saturating_mul(size));
@@ -147,9 +148,9 @@ impl Chunks {
     }
 }
 
-/// A chunk as it stands in the file.
+/// A chunk as stored in the file.
 struct Stored<'a> {
-    /// Its first element.
+    /// The index of its first element.
     first: u64,
     mask: u64,
     bytes: &'a [u8],
@@ -177,7 +178,7 @@ fn collect<'a>(file: Bytes<'a>, address: u64, levels: u8, found: &mut Vec<Stored
         }
         let here = file.at(child)?;
         let bytes = file.at(child)?.take(stored)?;
-        // Chunks do not overlap, and each has a byte at least.
+        // Chunks do not overlap, and each has at least one byte.
         if found.len() >= file.file_length() {
             return Err(node.damaged("a dataset has chunks for ever"));
         }

@@ -1,4 +1,4 @@
-//! Datasets: what they are of, how they lie in the file, and their values.
+//! Datasets: their types, their storage, and their values.
 
 use std::borrow::Cow;
 
@@ -7,16 +7,16 @@ use super::bytes::Bytes;
 use super::chunks::{Chunks, Filters};
 use super::header::Message;
 
-/// Messages of object headers.
+/// The types of messages in object headers.
 const DATASPACE: usize = 0x01;
 const DATATYPE: usize = 0x03;
 const LAYOUT: usize = 0x08;
 const FILTERS: usize = 0x0b;
-/// What elements are that were not written; the older form of it.
+/// The fill value of unwritten elements, and its older form.
 const FILL: usize = 0x05;
 const OLD_FILL: usize = 0x04;
 
-/// What the elements of a dataset are.
+/// The kind of the elements of a dataset.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Kind {
     Integer { signed: bool },
@@ -29,28 +29,28 @@ enum Kind {
 #[derive(Debug, Clone, Copy)]
 struct Type {
     kind: Kind,
-    /// Bytes of an element.
+    /// The bytes per element.
     size: usize,
     big_endian: bool,
 }
 
-/// Where the values of a dataset are.
+/// The storage of the values of a dataset.
 enum Storage<'a> {
-    /// In a row.
+    /// Contiguous.
     Contiguous(&'a [u8]),
     Chunks(Chunks),
-    /// Nothing was ever written.
+    /// Never written.
     Nowhere,
 }
 
-/// A dataset, whose values are read when they are asked for.
+/// A dataset, whose values are read on request.
 pub(crate) struct Dataset<'a> {
     file: Bytes<'a>,
     element: Type,
-    /// How many elements there are.
+    /// The number of elements.
     count: usize,
     storage: Storage<'a>,
-    /// The bytes of an element that was not written, where somebody has said what it is.
+    /// The bytes of an unwritten element, if the file defines them.
     fill: Option<&'a [u8]>,
 }
 
@@ -73,7 +73,7 @@ impl Type {
             }
             Kind::Float => {
                 let fields = [body.u16()?, body.u16()?, body.number(4)? as usize, body.u32()?];
-                // Offset and precision; places and sizes of exponent and mantissa; bias: the formats of IEEE 754.
+                // The formats of IEEE 754: offset and precision; positions and sizes of exponent and mantissa; bias.
                 let ieee: [[usize; 4]; 2] = [[0, 64, 0x3400_0b34, 1023], [0, 32, 0x1700_0817, 127]];
                 bits & 0x40 == 0 && (size == 8 && fields == ieee[0] || size == 4 && fields == ieee[1])
             }
@@ -95,7 +95,7 @@ impl Type {
     }
 }
 
-/// The number of elements of a dataspace.
+/// Reads the number of elements of a dataspace.
 fn count(mut body: Bytes<'_>) -> Result<u64, Hdf5Error> {
     let version = body.u8()?;
     let rank = body.u8()?;
@@ -103,7 +103,7 @@ fn count(mut body: Bytes<'_>) -> Result<u64, Hdf5Error> {
         1 => body.skip(6)?,
         2 => {
             body.u8()?;
-            // Null: no element at all.
+            // A null dataspace has no elements.
             if body.u8()? == 2 {
                 return Ok(0);
             }
@@ -118,7 +118,7 @@ fn count(mut body: Bytes<'_>) -> Result<u64, Hdf5Error> {
     Ok(count)
 }
 
-/// The bytes of an element that was not written, of a dataset with these messages; `None` where nobody has said what it is.
+/// Returns the bytes of an unwritten element of a dataset with these messages. `None` if the file does not define them.
 fn fill<'a>(object: &[Message<'a>], size: usize) -> Result<Option<&'a [u8]>, Hdf5Error> {
     let sound = |kind| object.iter().find(|message| message.kind == kind && !message.shared);
     let (mut body, has_value) = match (sound(FILL), sound(OLD_FILL)) {
@@ -142,7 +142,7 @@ fn fill<'a>(object: &[Message<'a>], size: usize) -> Result<Option<&'a [u8]>, Hdf
 }
 
 impl<'a> Dataset<'a> {
-    /// The dataset with the messages of `object`.
+    /// Creates the dataset with the messages of `object`.
     pub(super) fn new(file: Bytes<'a>, object: &[Message<'a>]) -> Result<Self, Hdf5Error> {
         let get = |kind: usize, what: &'static str| {
             let message = object.iter().find(|message| message.kind == kind);
@@ -206,17 +206,17 @@ impl<'a> Dataset<'a> {
         Ok(Dataset { file, element, count, storage, fill: fill(object, element.size)? })
     }
 
-    /// How many elements there are.
+    /// Returns the number of elements.
     pub(crate) fn count(&self) -> usize {
         self.count
     }
 
-    /// Whether anything was ever written into it. A dataset without an element counts as written.
+    /// Returns `true` if the dataset was ever written. A dataset without elements counts as written.
     pub(crate) fn is_written(&self) -> bool {
         !matches!(self.storage, Storage::Nowhere)
     }
 
-    /// The bytes of the `first` elements: no others are looked at.
+    /// Returns the bytes of the `first` elements, without reading others.
     fn bytes(&self, first: usize) -> Result<Cow<'a, [u8]>, Hdf5Error> {
         let size = self.element.size;
         let first = first.min(self.count);
@@ -231,7 +231,7 @@ impl<'a> Dataset<'a> {
         }
     }
 
-    /// The `first` elements, each as its bytes with the lowest first.
+    /// Returns the bytes of the `first` elements, the lowest byte first.
     fn elements(&self, first: usize) -> Result<Vec<[u8; 8]>, Hdf5Error> {
         let Type { size, big_endian, .. } = self.element;
         let element = |bytes: &[u8]| {
@@ -247,14 +247,14 @@ impl<'a> Dataset<'a> {
         Ok(self.bytes(first)?.chunks_exact(size).map(element).collect())
     }
 
-    /// The integer of an element, which is taken to fit 64 bits with a sign.
+    /// Converts an element to an integer, which is assumed to fit 64 bits with a sign.
     fn integer(&self, signed: bool, bytes: [u8; 8]) -> i64 {
         let unused = 64 - 8 * self.element.size.min(8);
         let number = i64::from_le_bytes(bytes);
         if signed { number << unused >> unused } else { number }
     }
 
-    /// The `first` values of a dataset of integers.
+    /// Returns the `first` values of a dataset of integers.
     pub(crate) fn integers(&self, first: usize) -> Result<Vec<i64>, Hdf5Error> {
         match self.element.kind {
             Kind::Integer { signed } => {
@@ -264,7 +264,7 @@ impl<'a> Dataset<'a> {
         }
     }
 
-    /// The `first` values of a dataset of numbers; integers are numbers, too.
+    /// Returns the `first` values of a dataset of numbers, including integers.
     pub(crate) fn numbers(&self, first: usize) -> Result<Vec<f64>, Hdf5Error> {
         let single = |[a, b, c, d, ..]: [u8; 8]| f64::from(f32::from_le_bytes([a, b, c, d]));
         let number: &dyn Fn([u8; 8]) -> f64 = match self.element.kind {
@@ -276,7 +276,7 @@ impl<'a> Dataset<'a> {
         Ok(self.elements(first)?.into_iter().map(number).collect())
     }
 
-    /// The text of a dataset of one text of a fixed length, if it is one that is no longer than the file; what is not UTF-8 in it is
+    /// Returns the text of a dataset of one text of fixed length, if it is no longer than the file. Invalid UTF-8 is
     /// replaced.
     pub(crate) fn text(&self) -> Result<Option<String>, Hdf5Error> {
         if self.element.kind != Kind::Text || self.element.size.saturating_mul(self.count) > self.file.file_length() {
@@ -295,19 +295,20 @@ mod tests {
     use super::super::bytes::Sizes;
     use super::*;
 
-    /// A file, and the messages of a dataset in it: each with its kind, and where it is.
+    /// A file, and the messages of a dataset in it: each with its kind and its position.
     struct Made {
         bytes: Vec<u8>,
         messages: Vec<(usize, std::ops::Range<usize>)>,
     }
 
     impl Made {
-        /// A dataset of so many doubles in chunks of so many each, of which these are stored as they are, or packed by deflate.
+        /// Creates a dataset of `count` doubles in chunks of `elements` each, of which the `stored` ones are written,
+        /// plain or deflated.
         fn chunked(count: u64, elements: u32, stored: &[(u64, &[u8])], is_packed: bool, fill: Option<f64>) -> Self {
             let mut bytes = Vec::new();
             let mut places = Vec::new();
             for (_, chunk) in stored {
-                // A chunk that is there before need not be stored again.
+                // A chunk with the same bytes is not stored again.
                 let place = bytes.windows(chunk.len()).position(|window: &[u8]| window == *chunk);
                 places.push(place.unwrap_or(bytes.len()) as u64);
                 if place.is_none() {
@@ -355,7 +356,7 @@ mod tests {
         }
     }
 
-    /// Chunks that were never written hold what the dataset is filled with: zero unless it says so.
+    /// Unwritten chunks contain the fill value of the dataset, zero by default.
     #[test]
     fn missing_chunks_are_filled() {
         let chunk: Vec<u8> = [1.0_f64, 2.0].iter().flat_map(|x| x.to_le_bytes()).collect();
@@ -366,7 +367,7 @@ mod tests {
         for wrong in [[(0, &chunk[..]), (0, &chunk)], [(0, &chunk), (1, &chunk)]] {
             assert!(matches!(values(&wrong, None), Err(Hdf5Error::Damaged { .. })));
         }
-        // Nothing at all was written: the tree is nowhere.
+        // No chunk was written: the tree is undefined.
         for (fill, expected) in [(None, Err(Hdf5Error::NotWritten)), (Some(2.5), Ok(vec![2.5; 3]))] {
             let mut made = Made::chunked(3, 2, &[], false, fill);
             let layout = made.messages[2].1.start;
@@ -375,7 +376,7 @@ mod tests {
         }
     }
 
-    /// Of a dataset that grows ten-thousandfold when it is inflated nothing is inflated that is not asked for.
+    /// For a dataset that expands ten-thousandfold, only the requested part is inflated.
     #[test]
     fn only_what_is_asked_for_is_inflated() {
         let elements = 1 << 17;
@@ -386,7 +387,7 @@ mod tests {
         let start = std::time::Instant::now();
         assert_eq!(made.numbers(3).unwrap(), [0.0; 3]);
         assert!(start.elapsed().as_secs_f64() < 2.0, "all 8 GB were inflated");
-        // A chunk that is much larger than the dataset is refused before.
+        // A chunk much larger than the dataset is refused before it is inflated.
         let huge = Made::chunked(3, 1 << 28, &[(0, &packed)], true, None);
         let Err(Hdf5Error::Unsupported { what }) = huge.numbers(3) else { panic!() };
         assert!(what.contains("a dataset of 24 bytes in chunks of 2147483648 bytes"), "{what}");

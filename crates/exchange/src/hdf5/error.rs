@@ -1,23 +1,23 @@
-//! Why bytes are no HDF5 file, or not one that is read here.
+//! The reason why bytes are no readable HDF5 file.
 
 use stickslip::base::memory::in_words;
 
-/// Why bytes are no HDF5 file, or not one that is read here.
+/// The reason why bytes are no readable HDF5 file.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Hdf5Error {
     /// The bytes contradict the format, or end too early.
     #[error("the file is damaged at byte {at}: {what}")]
     Damaged {
-        /// Where, from 0.
+        /// The position, from 0.
         at: usize,
-        /// What is wrong there.
+        /// The error at this position.
         what: &'static str,
     },
-    /// A dataset was made, but nothing was ever written into it.
+    /// A dataset exists, but was never written.
     #[error("its values were never written")]
     NotWritten,
-    /// The values need more memory than there is.
+    /// The values need more memory than is available.
     #[error("its values need {} of memory, but {} are left", in_words(*.needed), in_words(*.room))]
     NoRoom {
         /// Bytes that are needed.
@@ -25,24 +25,24 @@ pub enum Hdf5Error {
         /// Bytes that are left.
         room: u64,
     },
-    /// A part of the format that exchange files do without.
+    /// A part of the format that exchange files do not need.
     #[error("{what} cannot be read here")]
     Unsupported {
-        /// Which part.
+        /// The name of this part.
         what: String,
     },
-    /// A dataset is of another type.
+    /// A dataset has another type.
     #[error("it holds {found}, but {expected} are needed")]
     Type {
-        /// What it holds.
+        /// The type found.
         found: String,
-        /// What it should hold.
+        /// The type needed.
         expected: &'static str,
     },
 }
 
 impl Hdf5Error {
-    /// What to do about it.
+    /// Returns the cure.
     pub fn help(&self) -> &'static str {
         match self {
             Hdf5Error::Damaged { .. } => "fetch or write the file again; h5dump tells how far it can be read",

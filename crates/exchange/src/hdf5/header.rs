@@ -1,31 +1,31 @@
-//! Object headers: the messages that say what an object is.
+//! Object headers: the messages that describe an object.
 
 use super::Hdf5Error;
 use super::bytes::Bytes;
 
-/// Blocks that the messages of one object may be spread over.
+/// The largest number of blocks with the messages of one object.
 const BLOCKS: usize = 64;
 
-/// Continues in another block.
+/// The message of a continuation block.
 const CONTINUATION: usize = 0x10;
 
 /// A message of an object header.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Message<'a> {
     pub(super) kind: usize,
-    /// Whether what it says stands elsewhere, as a named datatype does.
+    /// `true` if the content is stored elsewhere, as for a named datatype.
     pub(super) shared: bool,
     pub(super) body: Bytes<'a>,
 }
 
-/// The messages of the object whose header is at `address`.
+/// Returns the messages of the object whose header is at `address`.
 pub(super) fn messages(file: Bytes<'_>, address: u64) -> Result<Vec<Message<'_>>, Hdf5Error> {
     let mut head = file.at(address)?;
     let is_new = head.take(4)? == b"OHDR";
     if is_new { new(file, head) } else { old(file, file.at(address)?) }
 }
 
-/// Those of version 1.
+/// Reads a header of version 1.
 fn old<'a>(file: Bytes<'a>, mut head: Bytes<'a>) -> Result<Vec<Message<'a>>, Hdf5Error> {
     if head.u8()? != 1 {
         return Err(head.damaged("no object header is here"));
@@ -49,7 +49,7 @@ fn old<'a>(file: Bytes<'a>, mut head: Bytes<'a>) -> Result<Vec<Message<'a>>, Hdf
     Ok(found)
 }
 
-/// Those of version 2.
+/// Reads a header of version 2.
 fn new<'a>(file: Bytes<'a>, mut head: Bytes<'a>) -> Result<Vec<Message<'a>>, Hdf5Error> {
     if head.u8()? != 2 {
         return Err(head.damaged("an object header has no version that there is"));
@@ -83,7 +83,7 @@ fn new<'a>(file: Bytes<'a>, mut head: Bytes<'a>) -> Result<Vec<Message<'a>>, Hdf
     Ok(found)
 }
 
-/// Keeps `message`, or the block that it leads to.
+/// Keeps `message`, or the continuation block that it refers to.
 fn take<'a>(
     file: Bytes<'a>,
     blocks: &mut Vec<Bytes<'a>>,

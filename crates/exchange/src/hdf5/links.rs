@@ -1,24 +1,24 @@
-//! The names in a group, and where the objects are that they stand for.
+//! The names in a group, and the addresses of their objects.
 
 use super::Hdf5Error;
 use super::bytes::Bytes;
 use super::header::Message;
 
-/// Messages of object headers.
+/// The types of messages in object headers.
 const LINK_INFO: usize = 0x02;
 const LINK: usize = 0x06;
 const SYMBOL_TABLE: usize = 0x11;
 
-/// The kind of an entry in a symbol table that is a soft link.
+/// The type of a soft link in a symbol table.
 const SOFT: usize = 2;
 
-/// Levels that a tree of names may have.
+/// The largest number of levels of a tree of names.
 const LEVELS: u8 = 8;
 
-/// Names that a group may have: exchange files have a handful.
+/// The largest number of names in a group. Exchange files have only a few.
 const NAMES: usize = 10_000;
 
-/// The address of the object that `name` stands for in the group with these messages.
+/// Returns the address of the object `name` in the group with these messages.
 pub(super) fn find(file: Bytes<'_>, group: &[Message<'_>], name: &str) -> Result<Option<u64>, Hdf5Error> {
     for message in group {
         let mut body = message.body;
@@ -42,7 +42,7 @@ pub(super) fn find(file: Bytes<'_>, group: &[Message<'_>], name: &str) -> Result
     Ok(None)
 }
 
-/// The names of a symbol table stand in a local heap.
+/// Returns the local heap with the names of a symbol table.
 fn heap_data(file: Bytes<'_>, address: u64) -> Result<Bytes<'_>, Hdf5Error> {
     let mut heap = file.at(address)?;
     heap.expect(b"HEAP", "the names of a group are missing")?;
@@ -54,12 +54,12 @@ fn heap_data(file: Bytes<'_>, address: u64) -> Result<Bytes<'_>, Hdf5Error> {
     file.at(data)?.part(length)
 }
 
-/// A search through a tree of names.
+/// A search in a tree of names.
 struct Search<'a> {
     file: Bytes<'a>,
     names: Bytes<'a>,
     name: &'a [u8],
-    /// Names and branches met so far.
+    /// The number of names and branches visited so far.
     seen: usize,
 }
 
@@ -113,7 +113,7 @@ impl Search<'_> {
     }
 }
 
-/// The address in a link message, if it is a hard link called `name`.
+/// Returns the address in a link message if it is a hard link called `name`.
 fn link(mut body: Bytes<'_>, name: &str) -> Result<Option<u64>, Hdf5Error> {
     body.skip(1)?;
     let flags = body.u8()?;
@@ -132,12 +132,12 @@ fn link(mut body: Bytes<'_>, name: &str) -> Result<Option<u64>, Hdf5Error> {
     }
 }
 
-/// The error of a name that stands for another name, here or in another file.
+/// Returns the error for a name that refers to another name, here or in another file.
 fn elsewhere(name: &str) -> Hdf5Error {
     Hdf5Error::Unsupported { what: format!("the link {name} to another place") }
 }
 
-/// An error if the names of a group stand in a heap of their own, as those of large groups of new files do.
+/// Returns an error if the names of a group are in a fractal heap, as for large groups of new files.
 fn dense(mut body: Bytes<'_>) -> Result<(), Hdf5Error> {
     body.skip(1)?;
     let flags = body.u8()?;

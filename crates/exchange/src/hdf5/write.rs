@@ -1,22 +1,22 @@
-//! The oldest layout of HDF5: superblock of version 0, groups with symbol tables, contiguous datasets.
+//! Writes the oldest layout of HDF5: superblock of version 0, groups with symbol tables, contiguous datasets.
 
 use super::SIGNATURE;
 
-/// Half of the names that a list of a group has room for.
+/// Half of the capacity of a leaf of a group, in names.
 const HALF_A_LEAF: usize = 8;
-/// Half of the lists that a tree of a group has room for.
+/// Half of the capacity of the tree of a group, in leaves.
 const HALF_A_TREE: usize = 16;
-/// Names that a group may have here.
+/// The largest number of names in a group.
 const NAMES: usize = 2 * HALF_A_LEAF;
-/// Length of the superblock.
+/// The length of the superblock.
 const SUPERBLOCK: usize = 96;
-/// The address that stands for none.
+/// The undefined address.
 const NONE: u64 = u64::MAX;
 
-/// What is written: a group, or a dataset.
+/// A group or a dataset to write.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Node {
-    /// Names, at most 16 of them, and what they stand for.
+    /// At most 16 names with their objects.
     Group(Vec<(String, Node)>),
     /// 32-bit integers.
     Integers(Vec<i32>),
@@ -27,13 +27,13 @@ pub(crate) enum Node {
 }
 
 impl Node {
-    /// A group of these.
+    /// Creates a group.
     pub(crate) fn group<const N: usize>(children: [(&str, Node); N]) -> Self {
         Node::Group(children.map(|(name, node)| (name.to_string(), node)).into())
     }
 }
 
-/// The file whose root group is `root`.
+/// Returns the bytes of the file whose root group is `root`.
 pub(crate) fn write(root: &Node) -> Vec<u8> {
     let mut file = vec![0; SUPERBLOCK];
     let (header, table) = object(&mut file, root);
@@ -64,7 +64,7 @@ fn align(to: &mut Vec<u8>) {
     to.resize(to.len().next_multiple_of(8), 0);
 }
 
-/// Appends an object; its address, and where the tree and the names of a group are.
+/// Appends an object. Returns its address, and the addresses of the tree and the names of a group.
 fn object(file: &mut Vec<u8>, node: &Node) -> (u64, Option<[u64; 2]>) {
     match node {
         Node::Group(children) => {
@@ -97,7 +97,7 @@ fn object(file: &mut Vec<u8>, node: &Node) -> (u64, Option<[u64; 2]>) {
     }
 }
 
-/// The children of a group, and the tables that lead to them.
+/// Appends the children of a group, and the tables that refer to them.
 fn table(file: &mut Vec<u8>, children: &[(String, Node)]) -> [u64; 2] {
     let mut children: Vec<&(String, Node)> = children.iter().take(NAMES).collect();
     children.sort_by(|a, b| a.0.as_bytes().cmp(b.0.as_bytes()));
@@ -113,7 +113,7 @@ fn table(file: &mut Vec<u8>, children: &[(String, Node)]) -> [u64; 2] {
     let heap = file.len() as u64;
     file.extend(b"HEAP\0\0\0\0");
     put(file, 8, names.len() as u64);
-    // No free block.
+    // There is no free block.
     put(file, 8, 1);
     put(file, 8, heap + 32);
     file.extend(&names);
@@ -143,7 +143,7 @@ fn table(file: &mut Vec<u8>, children: &[(String, Node)]) -> [u64; 2] {
     [tree as u64, heap]
 }
 
-/// A dataset of one dimension, or a single element.
+/// Appends a dataset of one dimension, or of a single element.
 fn dataset(file: &mut Vec<u8>, count: Option<usize>, datatype: Vec<u8>, bytes: &[u8]) -> u64 {
     let address = if bytes.is_empty() { NONE } else { file.len() as u64 };
     file.extend(bytes);
@@ -152,7 +152,7 @@ fn dataset(file: &mut Vec<u8>, count: Option<usize>, datatype: Vec<u8>, bytes: &
     if let Some(count) = count {
         put(&mut space, 8, count as u64);
     }
-    // Space when it is needed, filled with zeros where nothing was written.
+    // Space is allocated when needed, and unwritten elements are zero.
     let fill = vec![2, 2, 2, 1, 0, 0, 0, 0];
     let mut layout = vec![3, 1];
     put(&mut layout, 8, address);
@@ -160,7 +160,7 @@ fn dataset(file: &mut Vec<u8>, count: Option<usize>, datatype: Vec<u8>, bytes: &
     header(file, &[(0x01, space), (0x03, datatype), (0x05, fill), (0x08, layout)])
 }
 
-/// An object header of version 1 with these messages.
+/// Appends an object header of version 1 with these messages.
 fn header(file: &mut Vec<u8>, messages: &[(u64, Vec<u8>)]) -> u64 {
     let mut body = Vec::new();
     for (kind, message) in messages {

@@ -3,20 +3,20 @@
 use super::Errors;
 use stickslip::solver::laws::coulomb::{direction, length, positive, project};
 
-/// What forces and velocities are compared with.
+/// The reference values of forces and velocities.
 pub(super) struct Scales {
     pub(super) force: f64,
     pub(super) velocity: f64,
 }
 
-/// `max` that lets NaN through.
+/// Raises `worst` to `value`; NaN remains.
 pub(super) fn raise(worst: &mut f64, value: f64) {
     if !worst.is_nan() && (value.is_nan() || value > *worst) {
         *worst = value;
     }
 }
 
-/// `|value|` relative to `scale`; an error where there is nothing to compare with is infinite.
+/// Returns `|value|` relative to `scale`. A nonzero value relative to 0 is infinite.
 pub(super) fn relative(value: f64, scale: f64) -> f64 {
     if value == 0.0 { 0.0 } else { value.abs() / scale }
 }

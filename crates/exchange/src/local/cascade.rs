@@ -1,6 +1,7 @@
-//! The cascade: what is tried on a local problem, from cheap to dear, until the independent measure says that it is solved.
+//! The cascade: the methods tried on a local problem, from cheap to expensive, until the independent measure shows that
+//! it is solved.
 //!
-//! Each island goes its own way. All that its stages have in common are the forces with the least natural map so far.
+//! Each island is solved separately. Its stages share only the forces with the smallest natural map so far.
 
 use super::interior::{Path, interior, plain};
 use super::islands::{Island, islands};
@@ -11,10 +12,10 @@ use super::scaled::ScaledContacts;
 use super::sweeps::sweep;
 use super::{LocalProblem, LocalProblemError};
 
-/// Solves `problem`, from a `guess` of its forces (n_c d) if there is one. That it was not solved is no error but a status.
+/// Solves `problem`, from a `guess` of its forces (n_c d) if given. Failure is reported by the status, not by an error.
 ///
 /// # Errors
-/// When the guess does not fit the problem or is not finite, or the tolerance is not above 0.
+/// When the guess does not fit the problem or is not finite, or the tolerance is not positive.
 pub fn solve(
     problem: &LocalProblem,
     settings: &CascadeSettings,
@@ -44,7 +45,7 @@ pub fn solve(
     Ok(Solved { r, u, status, errors, islands: islands.len(), stages })
 }
 
-/// A contact that approaches whatever the forces are, and not by rounding.
+/// Returns a contact that approaches whatever the forces are, beyond rounding.
 fn helpless(problem: &LocalProblem, tolerance: f64) -> Option<usize> {
     let least = -tolerance * problem.q().iter().fold(0.0_f64, |m, q| m.max(q.abs()));
     let d = problem.dimension();
@@ -55,7 +56,7 @@ fn helpless(problem: &LocalProblem, tolerance: f64) -> Option<usize> {
     (0..problem.contacts()).find(|&i| !held[i] && problem.q()[d * i] < least)
 }
 
-/// The best forces of one island; what was tried is added to the `records`.
+/// Returns the best forces of one island, and adds the stages tried to the `records`.
 fn forces(
     island: &Island,
     settings: &CascadeSettings,
@@ -93,7 +94,7 @@ fn forces(
     judge.into_forces()
 }
 
-/// Adds what a stage came to to the record of that stage.
+/// Adds the result of a stage to its record.
 fn note(records: &mut Vec<StageRecord>, stage: Stage, iterations: usize, judge: &Judge<'_>) {
     let (solved, residual) = (usize::from(judge.solved()), judge.error());
     match records.iter_mut().find(|record| record.stage == stage) {
@@ -107,17 +108,18 @@ fn note(records: &mut Vec<StageRecord>, stage: Stage, iterations: usize, judge: 
     }
 }
 
-/// Sweeps before the first stage: more find no more statuses.
+/// The number of sweeps before the first stage. More sweeps do not improve the statuses.
 const FIRST_SWEEPS: usize = 10;
-/// The paths of each stage of the interior point method. Of 240 problems of spheres, rocks, boxes, capsules, planks, arches and walls,
-/// most of them with a singular `W`, BN solves 137, the first path 62 more, those from elsewhere 21, those on the cone 2, and sweeps 3.
+/// The paths of each stage of the interior point method. Of 240 problems of spheres, rocks, boxes, capsules, planks,
+/// arches and walls, most of them with a singular `W`, BN solves 137, the first path 62 more, the paths from other
+/// starting points 21, the paths on the cone 2, and sweeps 3.
 const PATHS: [&[Path]; 3] = [
     &[plain(1.0)],
     &[plain(10.0), plain(100.0), plain(0.1)],
     &[plain(1.0).on_cone(), plain(10.0).on_cone(), plain(100.0).on_cone()],
 ];
 
-/// Tries one stage; how many iterations it took.
+/// Tries one stage. Returns its number of iterations.
 fn run(stage: Stage, judge: &mut Judge<'_>, settings: &CascadeSettings, guess: Option<&[f64]>) -> usize {
     let scaled = judge.scaled();
     let limit = settings.newton_iterations;
@@ -173,10 +175,11 @@ mod tests {
         solve(problem, &CascadeSettings::default(), None).unwrap()
     }
 
-    /// A block on two feet, 2 wide and with its centre 1 above the floor, unit mass and inertia, that comes down at speed `fall` and slides
-    /// at speed `slide`: normals, then tangents of the feet at (∓1, -1).
+    /// Returns a block on two feet, 2 wide and with its centre 1 above the floor, unit mass and inertia, which
+    /// approaches the floor at speed `fall` and slides at speed `slide`: normals, then tangents of the feet at (∓1,
+    /// -1).
     fn block(fall: f64, slide: f64, mu: f64) -> LocalProblem {
-        // Of a force along (x, y) at (a, b): the moment a y - b x.
+        // The moment of a force along (x, y) at (a, b) is a y - b x.
         let directions = [[0.0, 1.0, -1.0], [1.0, 0.0, 1.0], [0.0, 1.0, 1.0], [1.0, 0.0, 1.0]];
         let product = |i: usize, j: usize| (0..3).map(|k| directions[i][k] * directions[j][k]).sum::<f64>();
         let entries: Vec<_> = (0..16).map(|k| (k / 4, k % 4, product(k / 4, k % 4))).collect();
@@ -198,14 +201,15 @@ mod tests {
         assert_eq!((free.stages[0].stage, free.stages[0].iterations), (Stage::Free, 0));
     }
 
-    /// Three ways of a block by hand. Both feet hold: `W` of the tangents is singular, and their sum alone is known. They slide: the
-    /// moment of friction is on the front foot. Friction is so large that the block tips.
+    /// Three cases of a block, solved by hand. Both feet stick: `W` of the tangents is singular, and only the sum of
+    /// the tangential forces is known. Both slide: the moment of friction loads the front foot. With larger friction
+    /// the block tips.
     #[test]
     fn a_block_on_two_feet() {
         let holds = solved(&block(2.0, 1.0, 1.0));
         assert_eq!(holds.status, LocalStatus::Solved, "{holds:?}");
         assert!(holds.u.iter().all(|u| u.abs() < 1e-10), "{holds:?}");
-        // The moments of 2 r_N and r_T = -1 together: r_N2 - r_N1 = 1.
+        // Moments of 2 r_N and r_T = -1: r_N2 - r_N1 = 1.
         assert!((holds.r[0] - 0.5).abs() < 1e-9 && (holds.r[2] - 1.5).abs() < 1e-9, "{holds:?}");
         assert!((holds.r[1] + holds.r[3] + 1.0).abs() < 1e-9);
         let slides = solved(&block(2.0, 3.0, 0.5));
@@ -225,8 +229,8 @@ mod tests {
         assert_eq!(slides.u, [0.0, 3.0, 0.0, 3.0]);
     }
 
-    /// One row of `W` is 0, and its contact approaches: no force can stop it. And two contacts each of which needs the other's force
-    /// to be smaller than its own: no solution, but nothing that proves it.
+    /// First, a row of `W` is 0 and its contact approaches, so no force can stop it. Second, each of two contacts needs
+    /// the other's force to be smaller than its own: there is no solution, but no proof either.
     #[test]
     fn what_cannot_be_solved_is_not() {
         let helpless = solved(&problem(2, &[(0, 0, 1.0), (1, 1, 1.0)], &[-1.0, 0.0, -1.0, 0.0], &[0.5, 0.5]));
@@ -252,7 +256,7 @@ mod tests {
         let guessed = solve(&block, &settings, Some(&[0.5, -0.25, 1.5, -0.75])).unwrap();
         let stages: Vec<Stage> = guessed.stages.iter().map(|record| record.stage).collect();
         assert_eq!((guessed.status, stages), (LocalStatus::Solved, vec![Stage::Free, Stage::Guess]));
-        // A bad one does no harm.
+        // A bad guess does no harm.
         let misled = solve(&block, &settings, Some(&[-1e9, 3e7, 1e-9, 5.0])).unwrap();
         assert_eq!(misled.status, LocalStatus::Solved);
         let error = solve(&block, &settings, Some(&[1.0; 3])).unwrap_err();

@@ -1,8 +1,9 @@
-//! The error measure of a local problem: how far forces are from the exact law, judged from `(r, u)` alone.
+//! The error measure of a local problem: how well `(r, u)` satisfies the exact laws.
 //!
-//! It shares nothing with the solvers but the problem itself, in its own units: no scaling, no projection of theirs, no
-//! merit function. Forces are compared with `F = max |r|`, velocities with `V`, the larger of `max |u|` and `max |q|`,
-//! so that every error is a number without a unit. With `ρ = r / F` and `υ = u / V` they are, the largest over all contacts:
+//! It shares only the problem with the solvers, in its own units: no scaling, no projection of theirs, no merit
+//! function. Forces are compared with `F = max |r|`, velocities with `V`, the larger of `max |u|` and `max |q|`, so
+//! that every error is a number without a unit. With `ρ = r / F` and `υ = u / V`, each error is the largest over all
+//! contacts of
 //!
 //! ```text
 //! equilibrium   |u - W r - q| / V                       where u is given; otherwise u is W r + q, summed in twice the precision
@@ -12,81 +13,81 @@
 //! natural map   |(min(ρ_N, υ_N), ρ_T - Π(ρ_T - υ_T))|   Π projects on the disk of radius μ (ρ_N)₊
 //! ```
 //!
-//! The natural map is 0 exactly where all laws hold; a residual of [`SOLVED`] counts as solved. Without friction there is no law
-//! for the tangents but `r_T = 0`.
+//! The natural map is 0 exactly if all laws hold. A residual of [`SOLVED`] counts as solved. Without friction, the only
+//! law of the tangents is `r_T = 0`.
 
 use serde::{Deserialize, Serialize};
 
 use super::LocalProblem;
 use stickslip::algebra::sparse::DoubleDouble;
 
-/// The natural map at which a problem counts as solved.
+/// The natural map below which a problem counts as solved.
 pub const SOLVED: f64 = 1e-10;
 
 /// The violation of each law, the largest over all contacts, without units.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct LocalErrors {
-    /// `|u - W r - q|`, relative to the largest velocity; 0 where no `u` is given.
+    /// `|u - W r - q|`, relative to the largest velocity; 0 without a given `u`.
     pub equilibrium: f64,
     /// Penetration, tension, or a pressure across a gap.
     pub normal: f64,
     /// The force beyond Coulomb's cone.
     pub cone: f64,
-    /// Slip without full friction against it.
+    /// Slip without full friction opposing it.
     pub dissipation: f64,
-    /// The residual of all laws in one.
+    /// The combined residual of all laws.
     pub natural_map: f64,
-    /// The contact where the natural map is largest; 0 where there is no error at all.
+    /// The contact where the natural map is largest; 0 without any error.
     pub contact: usize,
 }
 
 impl LocalErrors {
-    /// The largest of the natural map and of what `u` misses equilibrium by.
+    /// Returns the larger of the natural map and the error of equilibrium.
     pub fn worst(&self) -> f64 {
         larger(self.natural_map, self.equilibrium)
     }
 
-    /// Whether the laws hold within `tolerance`; never of a number that is none.
+    /// Returns `true` if the laws hold within `tolerance`, and `false` if an error is NaN.
     pub fn within(&self, tolerance: f64) -> bool {
         self.worst() <= tolerance
     }
 }
 
-/// The larger of two numbers, of which one that is none is the largest.
+/// Returns the larger of two numbers; NaN is the largest.
 fn larger(a: f64, b: f64) -> f64 {
     if a.is_nan() || a > b { a } else { b }
 }
 
-/// The errors of forces `r`, with the velocities that follow from them.
+/// Returns the errors of forces `r`, with the velocities that follow from them.
 pub(super) fn measure(problem: &LocalProblem, r: &[f64]) -> LocalErrors {
     judged(problem, r).1
 }
 
-/// The velocities that follow from forces `r`, and the errors.
+/// Returns the velocities that follow from forces `r`, and the errors.
 pub(super) fn judged(problem: &LocalProblem, r: &[f64]) -> (Vec<f64>, LocalErrors) {
     let u = velocities(problem, r);
     let errors = of_laws(problem, r, &u);
     (u, errors)
 }
 
-/// The errors of forces `r` and velocities `u`, wherever these come from.
+/// Returns the errors of given forces `r` and velocities `u`.
 pub(super) fn measure_given(problem: &LocalProblem, r: &[f64], u: &[f64]) -> LocalErrors {
     let velocity = larger(largest(u), largest(problem.q()));
     let missed = velocities(problem, r).iter().zip(u).fold(0.0, |m, (exact, u)| larger((exact - u).abs(), m));
     LocalErrors { equilibrium: over(missed, velocity), ..of_laws(problem, r, u) }
 }
 
-/// The largest size.
+/// Returns the largest magnitude.
 fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |m, value| larger(value.abs(), m))
 }
 
-/// `value / scale`, where nothing is 0 of nothing.
+/// Returns `value / scale`; 0 / 0 is 0.
 fn over(value: f64, scale: f64) -> f64 {
     if value == 0.0 { 0.0 } else { value / scale }
 }
 
-/// The errors of the laws.
+/// Returns the errors of the laws.
 fn of_laws(problem: &LocalProblem, r: &[f64], u: &[f64]) -> LocalErrors {
     let (force, velocity) = (largest(r), larger(largest(u), largest(problem.q())));
     let mut errors = LocalErrors::default();
@@ -109,7 +110,7 @@ fn of_laws(problem: &LocalProblem, r: &[f64], u: &[f64]) -> LocalErrors {
     errors
 }
 
-/// `W r + q`, in twice the working precision: where forces are large and cancel, little else is left of it.
+/// Returns `W r + q`, in twice the working precision, because large forces may cancel almost completely.
 fn velocities(problem: &LocalProblem, r: &[f64]) -> Vec<f64> {
     let mut sums = vec![DoubleDouble::default(); r.len()];
     problem.delassus().entries().for_each(|(row, column, w)| sums[row].add_product(w, r[column]));
@@ -125,7 +126,7 @@ struct LocalContact {
     natural_map: f64,
 }
 
-/// Those of a force and a velocity without units.
+/// Returns the errors of a force and a velocity without units.
 fn contact(r_n: f64, r_t: [f64; 2], u_n: f64, u_t: [f64; 2], mu: f64) -> LocalContact {
     let size = |[a, b]: [f64; 2]| a.hypot(b);
     let normal = if r_n < u_n { r_n } else { u_n };
@@ -148,7 +149,7 @@ mod tests {
     use super::*;
     use stickslip::algebra::sparse::Csc;
 
-    /// Two unit masses that fall on a floor at 2 and slide at 3 and 0.5; friction holds the second.
+    /// Returns two unit masses that fall on a floor at 2 and slide at 3 and 0.5. Friction stops the second.
     fn masses() -> LocalProblem {
         let delassus = Csc::from_triplets(4, 4, &[(0, 0, 1.0), (1, 1, 1.0), (2, 2, 1.0), (3, 3, 1.0)]).unwrap();
         LocalProblem::new(2, delassus, vec![-2.0, 3.0, -2.0, 0.5], vec![0.5; 2]).unwrap()
@@ -162,16 +163,17 @@ mod tests {
         assert_eq!(masses().errors(&FORCES, Some(&[0.0, 2.0, 0.0, 0.0])).unwrap(), LocalErrors::default());
     }
 
-    /// Forces and velocities that break one law each, with the error worked out by hand: forces are compared with 2, velocities with 3.
+    /// Forces and velocities that violate one law each, with the error calculated by hand. Forces are compared with 2,
+    /// velocities with 3.
     #[test]
     fn each_law_is_missed() {
         let of = |r: [f64; 4], u: Option<[f64; 4]>| masses().errors(&r, u.as_ref().map(|u| &u[..])).unwrap();
         let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-15, "{a} {b}");
-        // A pressure that is too small lets it in; one that is too large is there although the mass flies off.
+        // A pressure too small lets the mass penetrate. A pressure too large acts although the mass separates.
         near(of([1.7, -0.85, 2.0, -0.5], None).normal, 0.1);
         near(of([2.0, -1.0, 2.5, -0.5], None).normal, 0.5 / 3.0);
         near(of([-0.5, 0.0, 2.0, -0.5], Some([0.0; 4])).normal, 0.25);
-        // More friction than there is; less than slip asks for; none at all.
+        // More friction than possible; less than slip requires; none at all.
         near(of([2.0, -1.2, 2.0, -0.5], None).cone, 0.1);
         near(of([2.0, -0.8, 2.0, -0.5], None).dissipation, 0.1);
         near(of([2.0, 0.0, 2.0, -0.5], None).dissipation, 0.5);
@@ -179,9 +181,9 @@ mod tests {
         near(along.dissipation, 1.0);
         assert_eq!(along.contact, 0);
         assert_eq!(of([2.0, -1.0, 2.0, 0.0], None).contact, 1);
-        // Velocities that are not those of the forces.
+        // Velocities that do not follow from the forces.
         near(of(FORCES, Some([0.0, 2.0, 0.0, 0.3])).equilibrium, 0.1);
-        // Whatever law is missed, the natural map sees it.
+        // The natural map detects every violation.
         for r in
             [[1.7, -0.85, 2.0, -0.5], [2.0, -0.8, 2.0, -0.5], [2.0, -1.2, 2.0, -0.5], [2.0, 1.0, 2.0, -0.5], [0.0; 4]]
         {
@@ -189,7 +191,8 @@ mod tests {
         }
     }
 
-    /// Forces 1e9 and velocities 1e-9 times as large: powers of two, so that it is the same to the last bit.
+    /// Forces 1e9 and velocities 1e-9 times as large, approximated by powers of two so that results agree to the last
+    /// bit.
     #[test]
     fn errors_have_no_unit() {
         let (force, velocity) = (2.0_f64.powi(30), 2.0_f64.powi(-30));
@@ -209,12 +212,12 @@ mod tests {
         assert_eq!(error.to_string(), "u: there are 3, but must be 4, one for each direction of each contact in mu");
         let nan = LocalErrors { natural_map: f64::NAN, ..LocalErrors::default() };
         assert!(!nan.within(1.0) && nan.worst().is_nan());
-        // Sums that overflow are no solution either.
+        // Sums that overflow are no solution.
         let entries = [(0, 0, 1e300), (1, 1, 1.0)];
         let huge =
             LocalProblem::new(2, Csc::from_triplets(2, 2, &entries).unwrap(), vec![-1.0, 0.0], vec![0.5]).unwrap();
         assert!(!huge.errors(&[1e300, 0.0], None).unwrap().within(SOLVED));
-        // Where W r and q cancel, what is left is exact.
+        // If W r and q cancel, the remainder is exact.
         let r = [1.0 + f64::EPSILON, 0.0];
         let one = LocalProblem::new(
             2,

@@ -1,33 +1,34 @@
-//! Factors of a matrix whose entries are named one by one: dense, or sparse where it is large and most of it is 0.
+//! Factors of a matrix given entry by entry: dense, or sparse if it is large and mostly 0.
 
 use faer::Mat;
 
 use stickslip::algebra::linear::{LinearError, LinearSolver, Lu, SparseLu};
 use stickslip::algebra::sparse::Csc;
 
-/// Takes an entry `(row, column, value)`.
+/// Receives an entry `(row, column, value)`.
 pub(super) type Add<'a> = dyn FnMut(usize, usize, f64) + 'a;
 
-/// The factors.
+/// The factors of a matrix.
 pub(super) enum Factors {
-    /// Of all entries.
+    /// Factors of a dense matrix.
     Dense(Lu),
-    /// Of those that are not 0.
+    /// Factors of a sparse matrix.
     Sparse(Box<dyn LinearSolver>),
 }
 
-/// Below this order a dense factorisation takes a few milliseconds.
+/// A dense factorisation below this order takes a few milliseconds.
 const SMALL: usize = 300;
-/// The largest share of entries with which the sparse one is faster, its factors being fuller than the matrix.
+/// The share of nonzero entries below which sparse factors are faster. Factors have more entries than the matrix.
 const SPARSE: f64 = 0.1;
-/// The largest order of a dense matrix, 1.2 GB: beyond, a sparse one or none.
+/// The largest order of a dense matrix, 1.2 GB. Larger matrices need sparse factors.
 const LARGEST: usize = 12_000;
 
 impl Factors {
-    /// Factors the matrix of this `order` with the entries that `visit` names, those of one place added up.
+    /// Factors the matrix of this `order` with the entries that `visit` passes on. Entries at the same position are
+    /// added.
     ///
     /// # Errors
-    /// When it is singular, holds numbers that are not finite, or is too large.
+    /// When it is singular, has numbers that are not finite, or is too large.
     pub(super) fn new(order: usize, visit: &dyn Fn(&mut Add<'_>)) -> Result<Self, LinearError> {
         if order > SMALL && SparseLu::default().is_built_in() {
             let mut count = 0_usize;
@@ -44,7 +45,7 @@ impl Factors {
         Lu::new(matrix, &vec![1.0; order]).map(Factors::Dense)
     }
 
-    /// `x` of `b`; what the factors do not give is not finite.
+    /// Returns the solution for `b`, with NaN if the factors fail.
     pub(super) fn solve(&mut self, b: &[f64]) -> Vec<f64> {
         match self {
             Factors::Dense(lu) => lu.solve(b),
@@ -59,7 +60,7 @@ impl Factors {
     }
 }
 
-/// Sparse factors of `count` entries.
+/// Factors `count` entries as a sparse matrix.
 fn sparse(order: usize, count: usize, visit: &dyn Fn(&mut Add<'_>)) -> Result<Box<dyn LinearSolver>, LinearError> {
     let mut entries = Vec::with_capacity(count);
     visit(&mut |row, column, value| {
@@ -78,7 +79,7 @@ fn sparse(order: usize, count: usize, visit: &dyn Fn(&mut Add<'_>)) -> Result<Bo
 mod tests {
     use super::*;
 
-    /// `2 x_k - x_(k - 1) - x_(k + 1)`, in pieces that add up, and not symmetric.
+    /// Adds `2 x_k - x_(k - 1) - x_(k + 1)` in several parts, not symmetric.
     fn chain(order: usize, add: &mut Add<'_>) {
         for k in 0..order {
             add(k, k, 1.0);
@@ -109,7 +110,7 @@ mod tests {
             let of_one = |add: &mut Add<'_>| (1..order).for_each(|k| add(k, k, 1.0));
             assert!(matches!(Factors::new(order, &of_one), Err(LinearError::Singular { .. })));
         }
-        // Full, as far as is asked.
+        // Counts as a full matrix, by its number of entries.
         let all = |add: &mut Add<'_>| (0..20_000_000).for_each(|k| add(k % 3, k % 7, 1.0));
         assert!(matches!(Factors::new(LARGEST + 1, &all), Err(LinearError::OutOfMemory { .. })));
     }

@@ -1,11 +1,12 @@
 //! The predictor–corrector interior point method for the exact law of a local problem.
 //!
-//! The equations are those of `cone`, at all contacts; the path leads from far inside along products `τ` that go to zero, with `σ` after
-//! Mehrotra, and the matrix has the proximal term of BN, tiny and constant. The start is cold: a force that would stop the largest free
-//! velocity at every contact. What it ends with is good to a few digits, and BN finishes it.
+//! The equations of `cone` are solved at all contacts. The path starts far inside the cones and follows products `τ`
+//! that go to zero, with `σ` after Mehrotra. The matrix has a tiny constant proximal term, as in BN. The start is cold:
+//! a force that would stop the largest free velocity at every contact. The result is accurate to a few digits, and BN
+//! completes it.
 //!
-//! The law is not monotone, and so a path may come to a dead end. Others, from further inside (`reach`) or with the cone kept
-//! exactly at every step (`on_cone`), which is slower, often do not.
+//! The law is not monotone, so a path may come to a dead end. Other paths often succeed: from further inside (`reach`),
+//! or with the cone equation satisfied at every step (`on_cone`), which is slower.
 
 mod cone;
 
@@ -15,43 +16,43 @@ use super::scaled::ScaledContacts;
 use super::system::FactoredMatrix;
 use cone::{Missing, Unknowns};
 
-/// The share of the way to the border that a step may go.
+/// The share of the distance to the boundary that a step may cover.
 const SHARE: f64 = 0.99;
-/// A step that is shorter has jammed, and is taken centred instead.
+/// A shorter step has jammed, and a centred step is taken instead.
 const JAMMED: f64 = 0.1;
-/// So much of what the cone left must be left after a step that keeps it.
+/// The share of the cone's reserve that must remain after a step on the cone.
 const LEFT: f64 = 0.01;
-/// Such a step is made shorter by this factor until it is kept, at most so many times.
+/// The factor by which such a step is shortened until enough remains, and the largest number of reductions.
 const SHORTER: (f64, usize) = (0.8, 30);
-/// The proximal term: enough where forces are not unique, too little to be felt elsewhere.
+/// The proximal term: sufficient if forces are not unique, negligible otherwise.
 const PROXIMAL: f64 = 1e-9;
-/// A natural map at which BN takes over.
+/// The natural map at which BN takes over.
 const HANDOVER: f64 = 1e-8;
-/// A dead end: so many iterations without an error below 0.9 of the least.
+/// The number of iterations without an error below 0.9 of the least, after which a path is a dead end.
 const PATIENCE: usize = 15;
 
-/// How a path is followed.
+/// The way in which a path is followed.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Path {
-    /// How far inside it begins, as a multiple of what the data say.
+    /// The starting distance inside the cones, as a multiple of the value estimated from the data.
     reach: f64,
-    /// Whether what the cone leaves is what the forces say at every point, and not only at the end.
+    /// `true` if the cone equation holds at every point, and not only at the end.
     on_cone: bool,
 }
 
-/// A path that comes to the cone at its end only.
+/// Returns a path that satisfies the cone equation only at its end.
 pub(super) const fn plain(reach: f64) -> Path {
     Path { reach, on_cone: false }
 }
 
 impl Path {
-    /// The path that keeps to the cone.
+    /// Returns the same path with the cone equation satisfied at every step.
     pub(super) const fn on_cone(self) -> Path {
         Path { on_cone: true, ..self }
     }
 }
 
-/// Follows `path`, at most `limit` iterations; the best forces on it, and how many iterations it took.
+/// Follows `path` for at most `limit` iterations. Returns the best forces on it, and the number of iterations.
 pub(super) fn interior(judge: &mut Judge<'_>, path: Path, limit: usize) -> (Vec<f64>, usize) {
     let scaled = judge.scaled();
     let mut points = start(scaled, path.reach);
@@ -73,7 +74,7 @@ pub(super) fn interior(judge: &mut Judge<'_>, path: Path, limit: usize) -> (Vec<
     (best, iterations)
 }
 
-/// The cold start, by the root of the largest energy `q² / W` of any contact: the same in whatever units.
+/// Returns the cold start, from the root of the largest energy `q² / W` of any contact, which does not depend on units.
 fn start(scaled: &ScaledContacts, reach: f64) -> Vec<Unknowns> {
     let mut root = 0.0_f64;
     for (k, law) in scaled.laws().iter().enumerate() {
@@ -86,14 +87,14 @@ fn start(scaled: &ScaledContacts, reach: f64) -> Vec<Unknowns> {
     scaled.laws().iter().map(of_contact).collect()
 }
 
-/// The forces of all contacts.
+/// Returns the forces of all contacts.
 fn forces(scaled: &ScaledContacts, points: &[Unknowns]) -> Vec<f64> {
     let mut r = vec![0.0; scaled.rows()];
     points.iter().enumerate().for_each(|(k, point)| scaled.put(k, point.r, &mut r));
     r
 }
 
-/// One iteration: a predictor, a corrector, and the step; none where the matrix is singular or nothing can be done.
+/// Performs one iteration: predictor, corrector, step. Returns `None` if the matrix is singular or no step is possible.
 fn advance(scaled: &ScaledContacts, points: &[Unknowns], on_cone: bool) -> Option<Vec<Unknowns>> {
     let laws = scaled.laws();
     let (blocks, sizes): (Vec<Linear>, Vec<[f64; 2]>) =
@@ -111,7 +112,7 @@ fn advance(scaled: &ScaledContacts, points: &[Unknowns], on_cone: bool) -> Optio
     };
     let all = missing(scaled, points);
 
-    // The predictor aims at the solution itself.
+    // The predictor aims at the solution.
     let predicted = solve(&all);
     let beta = mean_product(scaled, points, &predicted, 0.0);
     let reach = largest_step(scaled, points, &predicted).min(1.0);
@@ -126,7 +127,7 @@ fn advance(scaled: &ScaledContacts, points: &[Unknowns], on_cone: bool) -> Optio
     let mut direction = solve(&aimed);
     let mut step = (SHARE * largest_step(scaled, points, &direction)).min(1.0);
     if step < JAMMED {
-        // A predictor that gets nowhere tells nothing of the second order. Without it, σ = 1.
+        // A very short predictor step does not predict the second order. The centred step omits it, with σ = 1.
         let mut centred = all;
         for missing in &mut centred {
             missing.products = missing.products.map(|product| product + beta);
@@ -141,7 +142,7 @@ fn advance(scaled: &ScaledContacts, points: &[Unknowns], on_cone: bool) -> Optio
     next.iter().all(|point| point.r.iter().all(|r| r.is_finite())).then_some(next)
 }
 
-/// The longest step that keeps all forces inside their cones, with what these leave then.
+/// Returns the longest step that keeps all forces inside their cones, with the reserve of the cones after it.
 fn shortened(
     scaled: &ScaledContacts,
     points: &[Unknowns],
@@ -165,14 +166,14 @@ fn shortened(
     None
 }
 
-/// What is missing at all contacts.
+/// Returns the residuals at all contacts.
 fn missing(scaled: &ScaledContacts, points: &[Unknowns]) -> Vec<Missing> {
     let u: Vec<f64> = scaled.velocities(&forces(scaled, points));
     let own = |k: usize| -> Vector3 { scaled.at(k, &u) };
     points.iter().zip(scaled.laws()).enumerate().map(|(k, (point, law))| point.missing(law, own(k))).collect()
 }
 
-/// The mean product of all pairs a step `t` ahead.
+/// Returns the mean product of all pairs after a step `t`.
 fn mean_product(scaled: &ScaledContacts, points: &[Unknowns], direction: &[Unknowns], t: f64) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for ((point, direction), law) in points.iter().zip(direction).zip(scaled.laws()) {
@@ -183,7 +184,7 @@ fn mean_product(scaled: &ScaledContacts, points: &[Unknowns], direction: &[Unkno
     sum / count
 }
 
-/// The step at which the first member of a pair becomes 0.
+/// Returns the step at which the first member of a pair becomes 0.
 fn largest_step(scaled: &ScaledContacts, points: &[Unknowns], direction: &[Unknowns]) -> f64 {
     let mut largest = f64::INFINITY;
     for ((point, direction), law) in points.iter().zip(direction).zip(scaled.laws()) {

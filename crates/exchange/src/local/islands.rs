@@ -1,25 +1,25 @@
-//! Contacts that feel each other, directly or through others: the islands, which are problems of their own.
+//! Islands: groups of contacts that influence each other, directly or through others, which are separate problems.
 
 use super::LocalProblem;
 use stickslip::algebra::sparse::Csc;
 use stickslip::algebra::union_find::UnionFind;
 
-/// Some contacts of a problem, as a problem.
+/// A group of contacts, as a problem.
 pub(super) struct Island {
-    /// Which contacts of the whole problem.
+    /// The indices of its contacts in the whole problem.
     pub contacts: Vec<usize>,
     /// Their problem.
     pub problem: LocalProblem,
 }
 
 impl Island {
-    /// What stands at these contacts in `whole`.
+    /// Returns the values of `whole` at these contacts.
     pub(super) fn read(&self, whole: &[f64]) -> Vec<f64> {
         let d = self.problem.dimension();
         self.contacts.iter().flat_map(|&i| whole[d * i..d * (i + 1)].iter().copied()).collect()
     }
 
-    /// Puts `own` where it stands in `whole`.
+    /// Writes `own` to these contacts in `whole`.
     pub(super) fn write(&self, own: &[f64], whole: &mut [f64]) {
         let d = self.problem.dimension();
         for (own, &i) in own.chunks(d).zip(&self.contacts) {
@@ -28,13 +28,13 @@ impl Island {
     }
 }
 
-/// The islands of `problem`, each with its contacts in ascending order. Entries of `W` that are 0 tie nothing together.
+/// Returns the islands of `problem`, each with its contacts in ascending order. Zero entries of `W` connect nothing.
 pub(super) fn islands(problem: &LocalProblem) -> Vec<Island> {
     let (d, n) = (problem.dimension(), problem.contacts());
     let entries = || problem.delassus().entries().filter(|entry| entry.2 != 0.0);
     let mut sets = UnionFind::new(n);
     entries().for_each(|(row, column, _)| sets.join(row / d, column / d));
-    // Islands by their least contacts, and the place of each contact in its own.
+    // Islands in the order of their first contacts, and the index of each contact in its island.
     let (mut contacts, mut island_of) = (Vec::<Vec<usize>>::new(), vec![(0, 0); n]);
     for i in 0..n {
         let least = sets.least(i);
@@ -69,7 +69,8 @@ mod tests {
 
     #[test]
     fn contacts_are_taken_apart_and_put_together() {
-        // The second contact feels the fourth, in one direction only; an entry of 0 ties the first to nothing.
+        // The second contact is influenced by the fourth, in one direction only. A zero entry connects the first
+        // contact to nothing.
         let entries = [(0, 0, 1.0), (2, 2, 2.0), (4, 4, 3.0), (6, 6, 4.0), (3, 7, 0.5), (1, 5, 0.0), (5, 5, 6.0)];
         let q: Vec<f64> = (0..8).map(f64::from).collect();
         let delassus = Csc::from_triplets(8, 8, &entries).unwrap();

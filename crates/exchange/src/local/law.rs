@@ -1,7 +1,7 @@
 //! The laws of one contact as an equation `F(r, u) = 0`, and its linearisation.
 //!
-//! With `ρ`, the stiffness of the contact, the trial forces `n = r_N - ρ u_N` and `t = r_T - ρ u_T`, and the friction disk of the
-//! trial radius `μ n₊` (Alart and Curnier):
+//! `ρ` is the stiffness of the contact. With the trial forces `n = r_N - ρ u_N` and `t = r_T - ρ u_T`, and the friction
+//! disk of the trial radius `μ n₊` (Alart and Curnier):
 //!
 //! ```text
 //! F_N = r_N - n₊,   F_T = r_T - Π(t),   Π(t) = t where |t| ≤ μ n₊, otherwise μ n₊ e,   e = t / |t|
@@ -18,10 +18,10 @@
 //!
 //! with `κ = μ n / |t|` and `P = 1 - e eᵀ`, which vanishes in the plane.
 
-/// A matrix on the directions of one contact, those that it does not have being 0.
+/// A matrix for the directions of one contact; rows and columns of missing directions are 0.
 pub(super) type Block = [[f64; 3]; 3];
 
-/// What stands at a contact: normal, then tangents; 0 where it has none.
+/// The values at a contact: normal, then tangents; 0 for missing directions.
 pub(super) type Vector3 = [f64; 3];
 
 /// One contact.
@@ -29,18 +29,18 @@ pub(super) type Vector3 = [f64; 3];
 pub(super) struct LocalContact {
     /// `μ`.
     pub mu: f64,
-    /// How many tangents it has; none without friction.
+    /// The number of tangents; 0 without friction.
     pub tangents: usize,
-    /// `ρ`, one over the largest entry on its diagonal of `W`.
+    /// `ρ`, one over the largest diagonal entry of its block of `W`.
     pub stiffness: f64,
 }
 
 /// `dF = A du + B dr`.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Linear {
-    /// By velocities.
+    /// The derivative by velocities.
     pub by_u: Block,
-    /// By forces.
+    /// The derivative by forces.
     pub by_r: Block,
 }
 
@@ -48,20 +48,20 @@ pub(super) struct Linear {
 pub(super) const UNIT: Block = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 impl LocalContact {
-    /// A contact whose block of `W` is `diagonal`.
+    /// Creates a contact whose block of `W` is `diagonal`.
     pub(super) fn new(mu: f64, tangents: usize, diagonal: &Block) -> Self {
         let compliance = (0..=tangents).map(|k| diagonal[k][k]).fold(0.0, f64::max);
         let stiffness = if compliance > 0.0 { 1.0 / compliance } else { 1.0 };
         LocalContact { mu, tangents, stiffness }
     }
 
-    /// `(n, t)`.
+    /// Returns `(n, t)`.
     fn trial(&self, r: Vector3, u: Vector3) -> (f64, [f64; 2]) {
         let [n, a, b] = [0, 1, 2].map(|k| r[k] - self.stiffness * u[k]);
         (n, [a, b])
     }
 
-    /// `F`.
+    /// Returns `F`.
     pub(super) fn residual(&self, r: Vector3, u: Vector3) -> Vector3 {
         let (n, [a, b]) = self.trial(r, u);
         if n <= 0.0 {
@@ -75,7 +75,7 @@ impl LocalContact {
         [sticking[0], r[1] - radius * (a / reach), r[2] - radius * (b / reach)]
     }
 
-    /// `A` and `B`.
+    /// Returns `A` and `B`.
     pub(super) fn linearize(&self, r: Vector3, u: Vector3) -> Linear {
         let (n, [a, b]) = self.trial(r, u);
         let (mut by_u, mut by_r) = ([[0.0; 3]; 3], [[0.0; 3]; 3]);
@@ -106,7 +106,7 @@ impl LocalContact {
 mod tests {
     use super::*;
 
-    /// In every case the linearisation is the derivative.
+    /// The linearisation is the derivative in every case.
     #[test]
     fn linearisation_is_the_derivative() {
         let diagonal = [[0.5, 0.0, 0.0], [0.0, 0.4, 0.0], [0.0, 0.0, 0.3]];

@@ -1,29 +1,29 @@
 //! Algorithm BN on a local problem: Newton's method on the laws `F(r, W r + q) = 0` of all contacts.
 //!
-//! The linearisation is that of `law`, `(A W + B) dr = -F`, with the proximal term `ε D` added to `W` in the matrix alone: where `W` is
-//! singular many forces make the same velocities, and the step is then about the shortest of those that lead there. `ε` falls tenfold
-//! after each full step and grows tenfold after one that had to be shortened three times. The merit is `½ Σ |F_i|² / ρ_i`, an energy,
-//! which is the same whatever the units of a contact.
+//! The linearisation of `law` gives `(A W + B) dr = -F`. The proximal term `ε D` is added to `W` in the matrix only. If
+//! `W` is singular, many forces lead to the same velocities, and the step is then about the shortest of those that lead
+//! there. `ε` is divided by ten after each full step and multiplied by ten after a step that was shortened three times.
+//! The merit is `½ Σ |F_i|² / ρ_i`, an energy, which does not depend on the units of a contact.
 
 use super::judge::Judge;
 use super::law::Linear;
 use super::scaled::ScaledContacts;
 use super::system::FactoredMatrix;
 
-/// The least `ε`, with which it begins, and the largest: small beside 1, which would be as stiff again as the contact itself. The rounding
-/// of an equation, 1e-16, moves forces that are not unique by that over `ε`: below 1e-6 it decides about statuses, and the same problem
-/// in other units takes another number of iterations.
+/// The smallest `ε`, which is also the initial one, and the largest. It must be small compared with 1, which would
+/// double the stiffness of the contact. The rounding of an equation, 1e-16, moves non-unique forces by 1e-16 / `ε`.
+/// Below 1e-6 this decides about statuses, and the same problem in other units takes another number of iterations.
 const PROXIMAL: [f64; 2] = [1e-6, 0.1];
-/// The demanded share of the possible decrease (12).
+/// The required share of the possible decrease (12).
 const SIGMA: f64 = 0.1;
-/// Steps are halved so often, at most: after that the step is taken whatever the merit.
+/// The largest number of halvings of a step, after which it is accepted whatever the merit.
 const HALVINGS: usize = 6;
-/// After so many iterations without a better merit the statuses go round in a circle.
+/// The number of iterations without a better merit after which the statuses are cycling.
 const PATIENCE: usize = 10;
-/// One step more, below this, would only move the last digits.
+/// A merit below which another step would change only the last digits.
 const POLISHED: f64 = 1e-12;
 
-/// A point with what belongs to it.
+/// A point with its merit and residuals.
 struct Point {
     r: Vec<f64>,
     u: Vec<f64>,
@@ -43,13 +43,13 @@ impl Point {
         Point { r, u, f, merit }
     }
 
-    /// The point a `step` along `(dr, du)`.
+    /// Returns the point after a `step` along `(dr, du)`.
     fn ahead(&self, scaled: &ScaledContacts, step: f64, dr: &[f64], du: &[f64]) -> Self {
         let along = |x: &[f64], dx: &[f64]| x.iter().zip(dx).map(|(x, dx)| x + step * dx).collect();
         Point::new(scaled, along(&self.r, dr), along(&self.u, du))
     }
 
-    /// The direction, with an `ε` that grows until there is one.
+    /// Returns the direction, with `ε` increased until the matrix can be factored.
     fn direction(&self, scaled: &ScaledContacts, proximal: &mut f64) -> Option<Vec<f64>> {
         let at =
             |(k, law): (usize, &super::law::LocalContact)| law.linearize(scaled.at(k, &self.r), scaled.at(k, &self.u));
@@ -70,7 +70,7 @@ impl Point {
     }
 }
 
-/// Iterates from `start` until the judge calls a point solved, at most `limit` times; how many iterations it took.
+/// Iterates from `start` until the judge accepts a point, at most `limit` times. Returns the number of iterations.
 pub(super) fn newton(judge: &mut Judge<'_>, start: Vec<f64>, limit: usize) -> usize {
     let scaled = judge.scaled();
     let [least, largest] = PROXIMAL;
@@ -86,13 +86,13 @@ pub(super) fn newton(judge: &mut Judge<'_>, start: Vec<f64>, limit: usize) -> us
         let du = scaled.delassus.mul(&dr);
         let (mut step, mut halvings) = (1.0, 0);
         let mut ahead = point.ahead(scaled, step, &dr, &du);
-        // Not a number is no decrease.
+        // NaN is no decrease.
         let falls = |ahead: &Point, step: f64| ahead.merit <= (1.0 - 2.0 * SIGMA * step) * point.merit;
         while halvings < HALVINGS && !falls(&ahead, step) {
             (step, halvings) = (0.5 * step, halvings + 1);
             ahead = point.ahead(scaled, step, &dr, &du);
         }
-        // Velocities that are added up step by step would drift away from their forces.
+        // Velocities summed step by step would drift away from their forces.
         let u = scaled.velocities(&ahead.r);
         point = Point::new(scaled, ahead.r, u);
         error = judge.offer(&point.r);

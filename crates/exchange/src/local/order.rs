@@ -1,16 +1,17 @@
-//! An order of contacts that does not depend on the one they came in.
+//! An order of contacts that does not depend on their input order.
 //!
-//! Sweeps depend on the order of the contacts, and rounding of every sum does: the same problem with its rows permuted would take
-//! other iterations. So contacts are sorted by what is theirs (friction, free velocity, compliance), and those that are equal by what
-//! their neighbours are, as Weisfeiler and Leman tell the nodes of a graph apart. Numbers are compared to nine digits of the largest: their
-//! rounding, which is another in other units, decides nothing. What is left of ties are mirror images.
+//! Sweeps depend on the order of the contacts, and so does the rounding of every sum. Without sorting, the same problem
+//! with permuted rows would take other iterations. Contacts are therefore sorted by their own data (friction, free
+//! velocity, compliance), and equal ones by the data of their neighbours, as in the Weisfeiler–Leman refinement of
+//! graphs. Numbers are compared to nine digits of the largest, so that rounding, which changes with units, has no
+//! influence. Remaining ties are mirror images.
 
 use super::LocalProblem;
 
-/// Rounds in which neighbours are asked, at most: each tells contacts apart by neighbours one step further away.
+/// The largest number of refinements. Each includes neighbours one step further away.
 const ROUNDS: usize = 4;
 
-/// The contacts of `problem`, sorted.
+/// Returns the contacts of `problem`, sorted.
 pub(super) fn canonical(problem: &LocalProblem) -> Vec<usize> {
     let d = problem.dimension();
     let mut rows = vec![Vec::new(); problem.q().len()];
@@ -49,16 +50,17 @@ pub(super) fn canonical(problem: &LocalProblem) -> Vec<usize> {
     order
 }
 
-/// Digits that count, of the largest number.
+/// The significant digits relative to the largest number.
 const DIGITS: f64 = 1e9;
 
-/// Numbers to these digits, as integers.
+/// Rounds numbers to these digits, as integers.
 fn digits<'a>(values: impl Iterator<Item = &'a f64> + Clone) -> impl Fn(f64) -> i64 {
     let largest = values.fold(0.0_f64, |m, value| m.max(value.abs()));
     move |x| if largest > 0.0 { (x / largest * DIGITS).round() as i64 } else { 0 }
 }
 
-/// Contacts sorted by their keys, and how many different ones there are; the `rank` of a contact is that of its key.
+/// Sorts contacts by their keys. Returns their order and the number of different keys; `rank` receives the rank of each
+/// contact's key.
 fn sorted<K: Ord>(rank: &mut [usize], key: impl Fn(usize) -> K) -> (Vec<usize>, usize) {
     let mut keyed: Vec<(K, usize)> = (0..rank.len()).map(|i| (key(i), i)).collect();
     keyed.sort_by(|a, b| a.0.cmp(&b.0));
@@ -77,7 +79,8 @@ mod tests {
     use super::*;
     use stickslip::algebra::sparse::Csc;
 
-    /// A chain of contacts that are alike but for their neighbours, with `order[k]` the number of the one in place `k`.
+    /// Returns a chain of contacts that differ only by their neighbours, where `order[k]` is the number of the contact
+    /// at position `k`.
     fn chain(order: [usize; 5]) -> LocalProblem {
         let place = |i: usize| order.iter().position(|k| *k == i).unwrap();
         let mut entries = Vec::new();

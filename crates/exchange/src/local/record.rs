@@ -1,4 +1,4 @@
-//! What the cascade is told, and what it tells.
+//! The settings and the results of the cascade.
 
 use std::fmt;
 
@@ -6,16 +6,16 @@ use serde::{Deserialize, Serialize};
 
 use super::{LocalErrors, SOLVED};
 
-/// How long the stages are tried, 0 leaving one out, and what counts as solved.
+/// The limits of the stages, 0 to omit a stage, and the tolerance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CascadeSettings {
-    /// The natural map, without units, at which a problem is solved; [`SOLVED`].
+    /// The natural map, without units, below which a problem counts as solved; [`SOLVED`].
     pub tolerance: f64,
-    /// The most iterations of BN, each time that it is called; 50. Without them the other stages have no finish.
+    /// The largest number of iterations of BN per call; 50. Without BN the other stages cannot finish.
     pub newton_iterations: usize,
-    /// The most iterations on each path of the interior point method; 60.
+    /// The largest number of iterations on each path of the interior point method; 60.
     pub interior_iterations: usize,
-    /// The most Gauss–Seidel sweeps of the rescue; 1280.
+    /// The largest number of Gauss–Seidel sweeps of the last stage; 1280.
     pub sweeps: usize,
 }
 
@@ -25,23 +25,23 @@ impl Default for CascadeSettings {
     }
 }
 
-/// What was tried.
+/// A stage of the cascade.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Stage {
-    /// No forces at all: nothing approaches.
+    /// Zero forces: nothing approaches.
     Free,
-    /// BN from a guess that was handed over.
+    /// BN from a given guess.
     Guess,
     /// BN after a few Gauss–Seidel sweeps.
     Newton,
     /// The interior point method, finished by BN.
     Interior,
-    /// The same on paths from further inside, or nearer to the border.
+    /// The interior point method on paths from further inside, or nearer to the boundary.
     InteriorElsewhere,
-    /// The same on paths that keep to the cone.
+    /// The interior point method on paths that satisfy the cone equation at every step.
     InteriorOnCone,
-    /// Many Gauss–Seidel sweeps, with BN every now and then.
+    /// Many Gauss–Seidel sweeps, with BN at intervals.
     Sweeps,
 }
 
@@ -59,16 +59,16 @@ impl fmt::Display for Stage {
     }
 }
 
-/// What a stage came to, over all islands that it was tried on.
+/// The result of a stage over all islands on which it was tried.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct StageRecord {
     /// The stage.
     pub stage: Stage,
-    /// The islands that it was tried on: contacts that feel each other.
+    /// The number of islands (groups of contacts that influence each other) on which it was tried.
     pub islands: usize,
-    /// Of these, those that it solved.
+    /// The number of islands that it solved.
     pub solved: usize,
-    /// Iterations, each with a matrix factored; of [`Stage::Sweeps`] the sweeps with them.
+    /// The number of iterations, each with a factorisation; for [`Stage::Sweeps`] including the sweeps.
     pub iterations: usize,
     /// The largest natural map of these islands at its end, each in its own scales.
     pub residual: f64,
@@ -80,34 +80,34 @@ pub struct StageRecord {
 pub enum LocalStatus {
     /// The natural map is within the tolerance.
     Solved,
-    /// It is not; whether there is a solution is not known.
+    /// The natural map exceeds the tolerance; a solution may or may not exist.
     NotSolved,
-    /// There is none: nothing can stop the contact of this number, which approaches while its normal row of `W` is 0.
+    /// No solution exists: nothing can stop this contact, which approaches while its normal row of `W` is 0.
     Unsolvable {
-        /// The contact.
+        /// The number of the contact.
         contact: usize,
     },
 }
 
-/// What [`solve`](super::solve) has found.
+/// The result of [`solve`](super::solve).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solved {
-    /// `r`, n_c d: the solution, or the forces with the least natural map that were found.
+    /// `r`, n_c d: the solution, or otherwise the forces with the smallest natural map.
     pub r: Vec<f64>,
     /// `u = W r + q`, n_c d.
     pub u: Vec<f64>,
-    /// The verdict, by `errors` alone.
+    /// The verdict, from `errors` alone.
     pub status: LocalStatus,
-    /// The measure of `r`.
+    /// The errors of `r`.
     pub errors: LocalErrors,
-    /// How many islands there are.
+    /// The number of islands.
     pub islands: usize,
-    /// The stages that were tried, in their order.
+    /// The stages that were tried, in order.
     pub stages: Vec<StageRecord>,
 }
 
 impl Solved {
-    /// The iterations of all stages.
+    /// Returns the iterations of all stages.
     pub fn iterations(&self) -> usize {
         self.stages.iter().map(|record| record.iterations).sum()
     }

@@ -1,44 +1,44 @@
-//! The contacts of one island in numbers of order one: what all methods work on.
+//! The contacts of one island scaled to numbers of order one, for all methods.
 //!
-//! With powers of two `d_i` for each contact and `v` for all, `r = v d r'`, `u = (v / d) u'` turn `u = W r + q` into
-//! `u' = (d W d) r' + (d / v) q`, whose diagonal and largest free velocity are near one. The laws stay as they are, because they hold
-//! contact by contact and do not change when all forces, or all velocities, of a contact are multiplied by one number; and nothing
-//! is rounded. A contact without friction has its normal row alone.
+//! With powers of two `d_i` for each contact and `v` for all, `r = v d r'` and `u = (v / d) u'` transform `u = W r + q`
+//! into `u' = (d W d) r' + (d / v) q`, whose diagonal and largest free velocity are near one. The laws do not change,
+//! because they hold for each contact and for any common factor of its forces or velocities. Powers of two cause no
+//! rounding. A contact without friction has only its normal row.
 
 use super::LocalProblem;
 use super::law::{Block, LocalContact, Vector3};
 use super::order::canonical;
 use stickslip::algebra::sparse::Csr;
 
-/// `u' = W' r' + q'` of some contacts that touch no other.
+/// The problem `u' = W' r' + q'` of some contacts that influence no others.
 pub(super) struct ScaledContacts {
-    /// The contacts of the problem, in an order that does not depend on theirs.
+    /// The contacts of the problem, in an order that does not depend on the input order.
     contacts: Vec<usize>,
     dimension: usize,
-    /// Row of the normal of each contact, and behind the last.
+    /// The normal row of each contact, followed by the number of rows.
     first: Vec<usize>,
     laws: Vec<LocalContact>,
     /// `W'`.
     pub delassus: Csr,
-    /// Its blocks on the diagonal.
+    /// The diagonal blocks of `W'`.
     pub diagonal: Vec<Block>,
     /// `q'`.
     pub q: Vec<f64>,
-    /// `v d`, the unit of the forces of each contact.
+    /// `v d`, the force unit of each contact.
     force: Vec<f64>,
 }
 
-/// The power of two next to `x`, or 1 of what has none.
+/// Returns the power of two next to `x`, or 1 if there is none.
 fn power_of_two(x: f64) -> f64 {
     if x > 0.0 && x.is_finite() { x.log2().round().clamp(-1000.0, 1000.0).exp2() } else { 1.0 }
 }
 
 impl ScaledContacts {
-    /// All contacts of `problem`.
+    /// Scales all contacts of `problem`.
     pub(super) fn new(problem: &LocalProblem) -> Self {
         let d = problem.dimension();
         let contacts = canonical(problem);
-        // Where the directions of each contact are, in the new order; a contact without friction has no tangents.
+        // The positions of each contact's directions in the new order. A contact without friction has no tangents.
         let (mut first, mut place, mut source) = (vec![0], vec![None; problem.q().len()], Vec::new());
         for &contact in &contacts {
             let size = if problem.mu()[contact] > 0.0 { d } else { 1 };
@@ -92,41 +92,41 @@ impl ScaledContacts {
         scaled
     }
 
-    /// How many rows there are.
+    /// Returns the number of rows.
     pub(super) fn rows(&self) -> usize {
         self.q.len()
     }
 
-    /// The rows of contact `k`.
+    /// Returns the rows of contact `k`.
     pub(super) fn range(&self, k: usize) -> std::ops::Range<usize> {
         self.first[k]..self.first[k + 1]
     }
 
-    /// The law of each contact.
+    /// Returns the law of each contact.
     pub(super) fn laws(&self) -> &[LocalContact] {
         &self.laws
     }
 
-    /// What stands at contact `k` in `x`.
+    /// Returns the values of `x` at contact `k`.
     pub(super) fn at(&self, k: usize, x: &[f64]) -> Vector3 {
         let mut own = [0.0; 3];
         own.iter_mut().zip(&x[self.range(k)]).for_each(|(to, from)| *to = *from);
         own
     }
 
-    /// Puts `own` at contact `k` of `x`.
+    /// Writes `own` to contact `k` of `x`.
     pub(super) fn put(&self, k: usize, own: Vector3, x: &mut [f64]) {
         x[self.range(k)].iter_mut().zip(own).for_each(|(to, from)| *to = from);
     }
 
-    /// `u' = W' r' + q'`.
+    /// Returns `u' = W' r' + q'`.
     pub(super) fn velocities(&self, r: &[f64]) -> Vec<f64> {
         let mut u = self.delassus.mul(r);
         u.iter_mut().zip(&self.q).for_each(|(u, q)| *u += q);
         u
     }
 
-    /// The forces of the problem of `r'`; those that a contact does not have are 0.
+    /// Returns the forces of the problem for `r'`; forces in missing directions are 0.
     pub(super) fn write(&self, r: &[f64]) -> Vec<f64> {
         let mut whole = vec![0.0; self.dimension * self.contacts.len()];
         for (k, &contact) in self.contacts.iter().enumerate() {
@@ -137,7 +137,7 @@ impl ScaledContacts {
         whole
     }
 
-    /// `r'` of forces of the problem.
+    /// Returns `r'` for forces of the problem.
     pub(super) fn read(&self, whole: &[f64]) -> Vec<f64> {
         let of_contact = |k: usize| {
             let start = self.dimension * self.contacts[k];
@@ -152,7 +152,7 @@ mod tests {
     use super::*;
     use stickslip::algebra::sparse::Csc;
 
-    /// Three contacts of which the second has no friction, in large and small units.
+    /// Returns three contacts, the second without friction, in large and small units.
     fn example() -> LocalProblem {
         let size = |row: usize| [3e4, 7e-6, 1e2][row / 2];
         let entry = |i: usize, j: usize| if i == j { 2.0 } else { 0.1 / (1.0 + (i + 2 * j) as f64) };
@@ -177,7 +177,7 @@ mod tests {
         assert_eq!(scaled.read(&scaled.write(&r)), r);
     }
 
-    /// `u' = (v / d) u` but for the order of sums, and the tangent of the contact without friction is not there.
+    /// `u' = (v / d) u` up to the order of sums. The tangent of the contact without friction is missing.
     #[test]
     fn velocities_are_those_of_the_problem() {
         let problem = example();
@@ -189,7 +189,7 @@ mod tests {
         let own = scaled.velocities(&r);
         for (k, &contact) in scaled.contacts.iter().enumerate() {
             for (c, row) in scaled.range(k).enumerate() {
-                // r' u' is r u over the square of one number.
+                // r' u' is r u divided by the square of a common number.
                 let unit = scaled.force[k] * u[2 * contact + c] / own[row];
                 let first = scaled.force[0] * u[2 * scaled.contacts[0]] / own[0];
                 assert!((unit / first - 1.0).abs() < 1e-13, "{unit} {first}");

@@ -1,19 +1,20 @@
-//! The problem of one contact, `u = W r + q` with a block `W`, by formulas.
+//! Solves the problem of one contact, `u = W r + q` with a block `W`, by formulas.
 //!
-//! Open, where `q_N ≥ 0`, and held, where `r = -W⁻¹ q` lies in the cone. Otherwise the contact slips: with `u_N = 0` the normal force
-//! is `r_N = -(q_N + W_NT r_T) / W_NN`, what is left of the tangential rows is `u_T = A r_T + b`, and friction against it,
-//! `u_T = -λ r_T` with `λ ≥ 0`, makes `r_T(λ) = -(A + λ)⁻¹ b`. The one number λ follows from `|r_T| = μ r_N`, whose difference is
-//! positive at 0, where the force is beyond the cone, and negative for large λ, where no friction is left.
+//! The contact is open if `q_N ≥ 0`, and sticks if `r = -W⁻¹ q` lies in the cone. Otherwise it slips. With `u_N = 0`
+//! the normal force is `r_N = -(q_N + W_NT r_T) / W_NN`, the tangential rows become `u_T = A r_T + b`, and opposing
+//! friction, `u_T = -λ r_T` with `λ ≥ 0`, gives `r_T(λ) = -(A + λ)⁻¹ b`. The single unknown λ follows from `|r_T| = μ
+//! r_N`. The difference of both sides is positive at 0, where the force is outside the cone, and negative for large λ,
+//! where no friction is left.
 
 use super::law::{Block, LocalContact, Vector3};
 
-/// Halvings of an interval are enough when it is as short as rounding.
+/// The number of bisections, enough to reduce an interval to rounding.
 const STEPS: usize = 100;
 
-/// A determinant, of the square of the trace, that is little more than the rounding of its terms.
+/// A determinant, relative to the square of the trace, that is hardly larger than the rounding of its terms.
 const SINGULAR: f64 = 1e-10;
 
-/// The force of a contact with the block `w` of `W` and the velocity `q` that it has without its force.
+/// Returns the force of a contact with the block `w` of `W` and the velocity `q` without this force.
 pub(super) fn force(law: &LocalContact, w: &Block, q: Vector3) -> Vector3 {
     if q[0] >= 0.0 || w[0][0] <= 0.0 {
         return [0.0; 3];
@@ -35,14 +36,15 @@ pub(super) fn force(law: &LocalContact, w: &Block, q: Vector3) -> Vector3 {
     };
     let beyond = |t: [f64; 2]| t[0].hypot(t[1]) - law.mu * normal(t);
     let whole = |t: [f64; 2]| [normal(t), t[0], t[1]];
-    // Where no motion but of one direction can be stopped the block is singular, and what is held there is held by a little slip.
+    // If only motion in one direction can be stopped, the block is singular, and sticking is replaced by a very small
+    // slip.
     let trace = a[0][0] + a[1][1];
     let regular = law.tangents == 1 || a[0][0] * a[1][1] - a[0][1] * a[1][0] > SINGULAR * trace * trace;
     let held = friction(if regular { 0.0 } else { SINGULAR * trace.abs() });
     if beyond(held) <= 0.0 {
         return whole(held);
     }
-    // Where the matrix is regular and friction small: λ at which |r_T| is below any force of this contact.
+    // λ for which the matrix is regular and |r_T| is below any force of this contact.
     let (mut low, mut high) = (0.0, 1.0 / law.stiffness);
     for _ in 0..STEPS {
         if beyond(friction(high)) <= 0.0 {
@@ -51,7 +53,7 @@ pub(super) fn force(law: &LocalContact, w: &Block, q: Vector3) -> Vector3 {
         (low, high) = (high, 4.0 * high);
     }
     for _ in 0..STEPS {
-        // Between numbers far apart the middle is that of their sizes.
+        // The geometric mean if the ends differ by orders of magnitude.
         let middle = if low > 0.0 && high > 4.0 * low { (low * high).sqrt() } else { 0.5 * (low + high) };
         if middle <= low || middle >= high {
             break;
@@ -61,7 +63,7 @@ pub(super) fn force(law: &LocalContact, w: &Block, q: Vector3) -> Vector3 {
     let t = friction(high);
     let n = normal(t).max(0.0);
     let reach = t[0].hypot(t[1]);
-    // On the rim of the cone to the last digit.
+    // Moves the force to the boundary of the cone, to the last digit.
     let share = if reach > 0.0 { law.mu * n / reach } else { 0.0 };
     [n, share * t[0], share * t[1]]
 }
@@ -70,7 +72,7 @@ pub(super) fn force(law: &LocalContact, w: &Block, q: Vector3) -> Vector3 {
 mod tests {
     use super::*;
 
-    /// A mass that falls on a floor: held, sliding, flying off; and one that slides without friction.
+    /// A mass that falls on a floor: sticking, sliding, separating; and one that slides without friction.
     #[test]
     fn a_mass_on_a_floor() {
         let unit = crate::local::law::UNIT;
@@ -82,7 +84,7 @@ mod tests {
         assert!(slips.iter().zip([2.0, -0.6, 0.8]).all(|(a, b)| (a - b).abs() < 1e-14), "{slips:?}");
     }
 
-    /// Blocks of any kind, semidefinite ones and not symmetric ones too: the force is on the law.
+    /// The force satisfies the law for blocks of any kind, including semidefinite and asymmetric ones.
     #[test]
     fn the_law_holds() {
         let mut seed = 7_u32;
@@ -102,12 +104,12 @@ mod tests {
                     *w = factor.iter().map(|f| f[k] * f[l]).sum::<f64>() + turn;
                 }
             }
-            // A contact that is turned by its own pressure is none.
+            // A block without a clearly positive normal compliance belongs to no contact.
             if w[0][0] < 1e-2 {
                 continue;
             }
             let law = LocalContact::new(1.5 * random().abs(), tangents, &w);
-            // In the range of a singular block, from forces that there might be.
+            // In the range of a singular block, from possible forces.
             let from = [random(), random(), if tangents == 2 { random() } else { 0.0 }];
             let q = [0, 1, 2].map(|k| w[k].iter().zip(from).map(|(w, r)| w * r).sum::<f64>());
             let r = force(&law, &w, q);

@@ -1,11 +1,12 @@
-//! Gauss–Seidel sweeps: one contact after the other is solved exactly, the others being held.
+//! Gauss–Seidel sweeps: each contact in turn is solved exactly with the others fixed.
 //!
-//! They converge for most problems, slowly; but which contacts open, stick and slip they find soon, and at no cost beside a factorisation.
+//! They converge for most problems, though slowly. They find open, sticking and slipping contacts soon, at a cost far
+//! below a factorisation.
 
 use super::scaled::ScaledContacts;
 use super::single;
 
-/// `sweeps` sweeps over all contacts, from `r` on.
+/// Performs `sweeps` sweeps over all contacts, starting from `r`.
 pub(super) fn sweep(scaled: &ScaledContacts, r: &mut [f64], sweeps: usize) {
     for _ in 0..sweeps {
         for (k, law) in scaled.laws().iter().enumerate() {

@@ -1,18 +1,19 @@
 //! The linear systems of all methods: `(A (W + ε D) + B) x = b` with blocks `A` and `B` of one contact each.
 //!
-//! `D` is the compliance `1/ρ` of each contact; `ε`, the proximal term, makes the matrix regular where `W` is not. It stands in this matrix
-//! alone and in no equation, so that what an iteration converges to is not changed by it. A contact whose `A` is 0 is left out.
+//! `D` is the compliance `1/ρ` of each contact. The proximal term `ε` makes the matrix regular if `W` is not. It
+//! appears only in this matrix and in no equation, so it does not change the limit of an iteration. Contacts with `A =
+//! 0` are eliminated.
 
 use super::factors::{Add, Factors};
 use super::law::Linear;
 use super::scaled::ScaledContacts;
 use stickslip::algebra::linear::LinearError;
 
-/// Factors of one matrix.
+/// The factors of one matrix.
 pub(super) struct FactoredMatrix<'a> {
     scaled: &'a ScaledContacts,
     blocks: &'a [Linear],
-    /// Place of each row in the matrix that is factored; none of a contact that is left out.
+    /// The index of each row in the factored matrix; `None` for an eliminated contact.
     places: Vec<Option<usize>>,
     factors: Factors,
 }
@@ -21,7 +22,7 @@ impl<'a> FactoredMatrix<'a> {
     /// Factors the matrix of these `blocks` with the `proximal` term `ε`.
     ///
     /// # Errors
-    /// When it is singular, or holds numbers that are not finite.
+    /// When it is singular, or has numbers that are not finite.
     pub(super) fn new(scaled: &'a ScaledContacts, blocks: &'a [Linear], proximal: f64) -> Result<Self, LinearError> {
         let (mut places, mut order) = (vec![None; scaled.rows()], 0);
         for (k, block) in blocks.iter().enumerate() {
@@ -54,9 +55,9 @@ impl<'a> FactoredMatrix<'a> {
         Ok(FactoredMatrix { scaled, blocks, places, factors })
     }
 
-    /// `x` of `b`.
+    /// Returns the solution for `b`.
     pub(super) fn solve(&mut self, b: &[f64]) -> Vec<f64> {
-        // What is left out is known: x = b there.
+        // For an eliminated contact the solution is known: x = b.
         let mut x: Vec<f64> =
             b.iter().zip(&self.places).map(|(b, place)| if place.is_some() { 0.0 } else { *b }).collect();
         let known = x.iter().any(|x| *x != 0.0);
@@ -87,7 +88,7 @@ mod tests {
     use crate::local::law::UNIT;
     use stickslip::algebra::sparse::Csc;
 
-    /// With blocks of all kinds, one contact being left out: `(A (W + ε D) + B) x = b`.
+    /// Solves `(A (W + ε D) + B) x = b` with blocks of all kinds and one eliminated contact.
     #[test]
     fn the_solution_solves_the_system() {
         let entries: Vec<_> = (0..81).map(|k| (k / 9, k % 9, 1.0 / (1.0 + (k / 9 + k % 9) as f64))).collect();

@@ -3,7 +3,7 @@
 use super::words::Words;
 use stickslip::base::input_error::InputError;
 
-/// The entries of a matrix with so many `rows` and `columns`.
+/// Reads the entries of a matrix with this number of `rows` and `columns`.
 pub(super) fn read(words: &mut Words<'_>, rows: usize, columns: usize) -> Result<Vec<(usize, usize, f64)>, InputError> {
     let help = "mend the sizes, which contradict each other";
     let blocks = words.count("the number of blocks")?;

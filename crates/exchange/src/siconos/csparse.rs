@@ -3,10 +3,10 @@
 use super::words::Words;
 use stickslip::base::input_error::InputError;
 
-/// Words that a head may have: the name, the version and the date of CSparse.
+/// The largest number of words in a head: the name, the version and the date of CSparse.
 const HEAD: usize = 40;
 
-/// The entries of a matrix that Siconos says has so many `rows` and `columns`.
+/// Reads the entries of a matrix with the `rows` and `columns` stated by Siconos.
 pub(super) fn read(words: &mut Words<'_>, rows: usize, columns: usize) -> Result<Vec<(usize, usize, f64)>, InputError> {
     words.count("where a sparse matrix comes from")?;
     let (mut triplets, mut sizes) = (false, String::new());
@@ -41,7 +41,7 @@ fn colon(words: &mut Words<'_>) -> Result<(), InputError> {
     }
 }
 
-/// Lines of `row column : value`.
+/// Reads lines of `row column : value`.
 fn triplets(words: &mut Words<'_>, count: usize) -> Result<Vec<(usize, usize, f64)>, InputError> {
     let mut entries = Vec::new();
     for _ in 0..count {
@@ -52,7 +52,7 @@ fn triplets(words: &mut Words<'_>, count: usize) -> Result<Vec<(usize, usize, f6
     Ok(entries)
 }
 
-/// `col j : locations a to b`, and lines of `row : value` below.
+/// Reads `col j : locations a to b`, and lines of `row : value` below.
 fn by_columns(words: &mut Words<'_>, count: usize, columns: usize) -> Result<Vec<(usize, usize, f64)>, InputError> {
     words.word("the norm of a sparse matrix")?;
     words.word("the norm of a sparse matrix")?;

@@ -2,10 +2,10 @@
 
 use stickslip::base::input_error::InputError;
 
-/// The words that are left of a text.
+/// The remaining words of a text.
 pub(super) struct Words<'a> {
     lines: std::iter::Enumerate<std::str::Lines<'a>>,
-    /// What is left of the line.
+    /// The remaining words of the line.
     here: std::str::SplitWhitespace<'a>,
     /// The line of the last word, from 1.
     line: usize,
@@ -16,12 +16,12 @@ impl<'a> Words<'a> {
         Words { lines: text.lines().enumerate(), here: "".split_whitespace(), line: 1 }
     }
 
-    /// The line of the last word.
+    /// Returns the line of the last word, from 1.
     pub(super) fn line(&self) -> usize {
         self.line
     }
 
-    /// What is wrong in the line of the last word.
+    /// Describes an error in the line of the last word.
     pub(super) fn fault(&self, message: &str, help: &str) -> InputError {
         InputError::new(format!("line {}", self.line), message, help)
     }
@@ -36,20 +36,20 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// The next word, which is `what`.
+    /// Reads the next word; `what` names it in errors.
     pub(super) fn word(&mut self, what: &str) -> Result<&'a str, InputError> {
         let word = self.next();
         word.ok_or_else(|| self.fault(&format!("the text ends before {what}"), "write the file again, it was cut off"))
     }
 
-    /// A number of things, which is `what`.
+    /// Reads a whole number, 0 or more; `what` names it in errors.
     pub(super) fn count(&mut self, what: &str) -> Result<usize, InputError> {
         let word = self.word(what)?;
         word.parse()
             .map_err(|_| self.fault(&format!("expected {what}, found `{word}`"), "give a whole number, 0 or more"))
     }
 
-    /// A number, which is `what`.
+    /// Reads a number; `what` names it in errors.
     pub(super) fn number(&mut self, what: &str) -> Result<f64, InputError> {
         let word = self.word(what)?;
         match word.parse::<f64>() {
@@ -58,7 +58,7 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// So many numbers; room is made as they come.
+    /// Reads `count` numbers. Memory grows with the words.
     pub(super) fn numbers(&mut self, what: &str, count: usize) -> Result<Vec<f64>, InputError> {
         let mut numbers = Vec::new();
         for _ in 0..count {
@@ -67,7 +67,7 @@ impl<'a> Words<'a> {
         Ok(numbers)
     }
 
-    /// So many numbers of things.
+    /// Reads `count` whole numbers, 0 or more.
     pub(super) fn counts(&mut self, what: &str, count: usize) -> Result<Vec<usize>, InputError> {
         let mut counts = Vec::new();
         for _ in 0..count {
@@ -80,12 +80,12 @@ impl<'a> Words<'a> {
         self.here.clone().chain(self.lines.clone().flat_map(|(_, line)| line.split_whitespace()))
     }
 
-    /// Whether the next words are these.
+    /// Returns `true` if the next words are these.
     pub(super) fn begin_with(&self, words: &[String]) -> bool {
         self.left().take(words.len()).eq(words.iter().map(String::as_str))
     }
 
-    /// Whether no more than `count` words are left.
+    /// Returns `true` if at most `count` words are left.
     pub(super) fn are_at_most(&self, count: usize) -> bool {
         self.left().take(count.saturating_add(1)).count() <= count
     }

@@ -1,17 +1,17 @@
 //! The numbers along an axis.
 
-/// How the numbers of an axis are laid out.
+/// The scale of an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scale {
-    /// Evenly.
+    /// Linear.
     Linear,
-    /// Evenly, with whole numbers only.
+    /// Linear, with whole numbers only.
     Integers,
-    /// By powers of ten.
+    /// Logarithmic, with powers of ten.
     Decades,
 }
 
-/// The range of an axis and its ticks, in the numbers of [`Scale::place`].
+/// The range of an axis and its ticks, in the values of [`Scale::place`].
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Ticks {
     pub from: f64,
@@ -22,26 +22,26 @@ pub(crate) struct Ticks {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Tick {
     pub value: f64,
-    /// The number at it; none at a minor tick.
+    /// The number at the tick; `None` at a minor tick.
     pub label: Option<String>,
 }
 
 impl Tick {
-    /// The length that is drawn, px.
+    /// Returns the length to draw, px.
     pub(crate) fn length(&self) -> f64 {
         if self.label.is_some() { 6.0 } else { 3.0 }
     }
 }
 
 impl Ticks {
-    /// Where a value is between the ends of the axis.
+    /// Returns the position of a value between the ends of the axis, from 0 to 1.
     pub(crate) fn share(&self, value: f64) -> f64 {
         (value - self.from) / (self.to - self.from)
     }
 }
 
 impl Scale {
-    /// The place of a value, which grows evenly along the axis; `None` if it has none.
+    /// Returns the value transformed to the linear coordinate of the axis; `None` if it has none.
     pub(crate) fn place(self, value: f64) -> Option<f64> {
         match self {
             Scale::Linear | Scale::Integers => Some(value),
@@ -49,8 +49,8 @@ impl Scale {
         }
     }
 
-    /// An axis for `values`, with about `most` labels and at least the share `margin` free at either
-    /// end (half a step between whole numbers). Zero is not crossed for the sake of a margin.
+    /// Returns the ticks for `values`, with about `most` labels and at least the share `margin` free at either end
+    /// (half a step between whole numbers). A margin does not extend the axis across zero.
     pub(crate) fn ticks(self, values: impl Iterator<Item = f64>, margin: f64, most: f64) -> Ticks {
         let places = values.filter_map(|value| self.place(value));
         let (low, high) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
@@ -70,7 +70,7 @@ impl Scale {
     }
 }
 
-/// The share of an axis that an end moves to become a labelled tick.
+/// An end of the axis moves to a labelled tick if the distance is less than this share of the axis.
 const NEAR: f64 = 0.05;
 
 fn linear(low: f64, high: f64, margin: f64, most: f64) -> Ticks {
@@ -79,7 +79,7 @@ fn linear(low: f64, high: f64, margin: f64, most: f64) -> Ticks {
     let to = if high <= 0.0 { (high + room).min(0.0) } else { high + room };
     let (step, parts) = step(to - from, most);
     let minor = step / parts as f64;
-    // An end that is a tick but for rounding stays; one that is almost a labelled tick goes there.
+    // An end that coincides with a tick up to rounding stays. An end close to a labelled tick moves there.
     let (first, last) = ((from / minor + 1e-6).floor() as i64, (to / minor - 1e-6).ceil() as i64);
     let near = |ticks: i64| ticks as f64 * minor <= NEAR * (to - from);
     let (below, above) = (first.rem_euclid(parts), (-last).rem_euclid(parts));
@@ -108,8 +108,8 @@ fn decades(low: f64, high: f64, margin: f64, most: f64) -> Ticks {
     Ticks { from, to, all: (from as i64..=to as i64).map(tick).collect() }
 }
 
-/// The step 1, 2 or 5 times a power of ten that divides `span` into at most about `most` parts, and
-/// into how many parts minor ticks divide the step.
+/// Returns the step (1, 2 or 5 times a power of ten) that divides `span` into at most about `most` parts, and the
+/// number of parts into which minor ticks divide the step.
 fn step(span: f64, most: f64) -> (f64, i64) {
     let least = span / most.max(1.0);
     let power = 10.0_f64.powf(least.log10().floor());
@@ -121,13 +121,13 @@ fn step(span: f64, most: f64) -> (f64, i64) {
     }
 }
 
-/// `k` steps in figures, with the digits that the step calls for.
+/// Formats `k` steps with as many digits as the step requires.
 fn number(k: i64, step: f64) -> String {
     if k == 0 {
         return "0".into();
     }
     let value = k as f64 * step;
-    // The slack absorbs that 0.001 is no binary number.
+    // The slack absorbs the rounding of numbers such as 0.001.
     let exponent = |x: f64| (x.abs().log10() + 1e-9).floor() as i32;
     let text = if exponent(step) < -4 || exponent(value) > 4 {
         format!("{value:.*e}", (exponent(value) - exponent(step)).max(0) as usize)

@@ -1,4 +1,4 @@
-//! A folder before a run writes there: whose it is, and what was left in it.
+//! A result folder before a run writes to it: its lock and the state left by an earlier run.
 
 use std::io::{self, Read};
 use std::path::Path;
@@ -16,7 +16,7 @@ use stickslip::scene::Origin;
 use stickslip::solver::checkpoint::{Checkpoint, CheckpointError};
 use stickslip::solver::history::Status;
 
-/// A folder that is locked, before anything is written there.
+/// A locked folder to which nothing has been written yet.
 #[derive(Debug)]
 pub struct Claim {
     place: Locked,
@@ -24,11 +24,12 @@ pub struct Claim {
 }
 
 impl Claim {
-    /// Makes the folder if need be, and locks it: nobody else writes there as long as this lives, or the folder that comes of it.
+    /// Creates the folder if necessary, and locks it against other runs as long as this value, or the result folder
+    /// made from it, exists.
     ///
     /// # Errors
-    /// When the folder cannot be made or written, when another run writes there ([`io::ErrorKind::ResourceBusy`]), and when it holds files
-    /// with the names of results that no run wrote.
+    /// When the folder cannot be created or written, when another run writes there ([`io::ErrorKind::ResourceBusy`]),
+    /// and when it contains files with the names of results that no run wrote.
     pub fn new(path: &Path) -> io::Result<Self> {
         let place = Locked::open(path, may_take)?;
         refuse_folders(&place.directory)?;
@@ -46,12 +47,12 @@ impl Claim {
         Ok(Claim { place, kept: kept.map(|(kept, checkpoint)| (checkpoint, kept)) })
     }
 
-    /// Where the folder is.
+    /// Returns the path of the folder.
     pub fn path(&self) -> &Path {
         self.place.directory.path()
     }
 
-    /// The report that is there.
+    /// Opens the report in the folder.
     ///
     /// # Errors
     /// When there is none.
@@ -59,24 +60,25 @@ impl Claim {
         self.place.directory.read("run.json")
     }
 
-    /// Where a run was left here, if one was; what it was of; its linear algebra, by its word; and its verdict, if it came to
-    /// its end.
+    /// Returns the checkpoint of an earlier run, if any, with the identification of the run, the name of its linear
+    /// solver, and its verdict if it has finished.
     pub fn left(&self) -> Option<(&Checkpoint, &Origin, &str, Option<Status>)> {
         let (checkpoint, kept) = self.kept.as_ref()?;
         Some((checkpoint, &kept.origin, &kept.linear, kept.ended))
     }
 
-    /// The first of the files of a run that came to its end here that is gone, or shorter than the run has left it.
+    /// Returns the first file of a finished run that is missing, or shorter than the run has left it.
     pub fn lacks(&self) -> Option<&str> {
         let (_, kept) = self.kept.as_ref().filter(|(_, kept)| kept.ended.is_some())?;
         let is_short = |name: &str, length| self.place.directory.length(name).map_or(true, |now| now < length);
         kept.files.iter().find(|(name, length)| is_short(name, *length)).map(|(name, _)| name.as_str())
     }
 
-    /// The folder of a new run of `model`. How files are called is settled here, before anything is solved. `origin` and `linear` say
-    /// what may go on from it.
+    /// Creates the result folder of a new run of `model`. File names are fixed here, before anything is solved.
+    /// `origin` and `linear` identify the runs that may resume it.
     ///
     /// # Errors
+    /// When the disk refuses.
     /// When the disk refuses.
     pub fn begin(
         self,
@@ -112,10 +114,11 @@ impl Claim {
         })
     }
 
-    /// The folder of the run of `model` that was left here: its tables as they were at the checkpoint.
+    /// Reopens the result folder of the interrupted run of `model`, with its tables truncated to the checkpoint.
     ///
     /// # Errors
-    /// When the disk refuses, and [`CheckpointError::Damaged`] when a table is shorter than it was, or not there.
+    /// When the disk refuses, and [`CheckpointError::Damaged`] when a table is missing or shorter than at the
+    /// checkpoint.
     pub fn resume(self, model: &Model, probes: Vec<ProbeTable>) -> io::Result<ResultFolder> {
         let Claim { mut place, kept } = self;
         let (_, Kept { origin, linear, files, fields, .. }) = kept.ok_or_else(damaged)?;
@@ -133,7 +136,7 @@ impl Claim {
             probes.into_iter().zip(names).map(|(probe, name)| Ok((probe, table(&format!("probe_{name}.csv"))?)));
         let probes = probes.collect::<io::Result<_>>()?;
         let lists = [table(lists::FILES[0])?, table(lists::FILES[1])?, table(lists::FILES[2])?];
-        // What it says is no longer true from here on.
+        // From here on the report is out of date.
         place.directory.remove("run.json")?;
         let fields = Series::resumed(fields, &mut place)?;
         Ok(ResultFolder {
@@ -161,8 +164,8 @@ fn damaged() -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, CheckpointError::Damaged)
 }
 
-/// An error where files with the names of results are there, and no run wrote them. Runs of earlier versions left no marker, but
-/// this table.
+/// Returns an error if files with the names of results exist that no run wrote. Runs of earlier versions left no
+/// marker, but are recognised by this table.
 fn may_take(directory: &Directory) -> io::Result<()> {
     refuse_folders(directory)?;
     let names = directory.names()?;
@@ -177,7 +180,7 @@ fn may_take(directory: &Directory) -> io::Result<()> {
     Err(io::Error::new(io::ErrorKind::AlreadyExists, message))
 }
 
-/// An error where a folder has the name of a file of results.
+/// Returns an error if a folder has the name of a result file.
 fn refuse_folders(directory: &Directory) -> io::Result<()> {
     let names = directory.names()?;
     let Some((name, _)) = names.iter().find(|(name, is_folder)| *is_folder && (is_ours(name) || name == CHECKPOINT))

@@ -1,9 +1,8 @@
-//! A folder that holds what one run writes: locked, and published whole.
+//! A folder for the files of one run: locked, and published all at once.
 //!
-//! What is new is written under hidden names and takes the place of what was there by renaming, all at once when there is
-//! something to see. So a reader never meets half a file, nor a mixture of two runs; and whatever ends the process, the next one
-//! can go on from what it finds. Files are named relative to the folder that was opened, and none is followed to where a
-//! link points.
+//! New files are written under hidden names. They replace older files by renaming, all at once when the first results
+//! are complete. So a reader never sees half a file or a mixture of two runs, and the next process can resume, however
+//! this one ends. File names are relative to the opened folder, and links are never followed.
 
 use std::fs::{self, File};
 use std::io::{self, Write};
@@ -17,30 +16,30 @@ use rustix::fs::{
 };
 use rustix::io::Errno;
 
-/// The file that says that a folder is one of results. Whoever writes there holds its lock.
+/// The file that marks a result folder. The writing process holds its lock.
 pub(super) const MARKER: &str = ".stickslip";
 
 const READ: Mode = Mode::from_raw_mode(0o666);
 
-/// A folder, by a handle that stays with it if it is moved.
+/// A folder, by a handle that remains valid if the folder is moved.
 #[derive(Debug)]
 pub(super) struct Directory {
     path: PathBuf,
     handle: OwnedFd,
 }
 
-/// That of a run: nobody else writes there as long as it lives.
+/// The folder of a run, locked against other writers.
 #[derive(Debug)]
 pub(super) struct Locked {
     pub directory: Directory,
     /// The marker, locked.
     _marker: File,
-    /// Whether the folder, and whether the marker, was not there before.
+    /// `true` if the folder, and `true` if the marker, did not exist before.
     is_new: [bool; 2],
-    /// What is written, and not yet under its name.
+    /// Files written under their hidden names only.
     staged: Vec<String>,
     is_published: bool,
-    /// What was written since the last time that all was brought to the disk.
+    /// Files written since the last synchronisation with the disk.
     unsynced: Vec<String>,
 }
 
@@ -55,7 +54,7 @@ impl Directory {
         &self.path
     }
 
-    /// Where it is now, if it was moved from there while it was open.
+    /// Returns the present path if the folder was moved while open.
     pub(super) fn moved_to(&self) -> Option<PathBuf> {
         let own = fstat(&self.handle).ok()?;
         if own.st_nlink == 0 || stat(&self.path).is_ok_and(|at| (at.st_dev, at.st_ino) == (own.st_dev, own.st_ino)) {
@@ -64,7 +63,7 @@ impl Directory {
         fs::read_link(format!("/proc/self/fd/{}", self.handle.as_raw_fd())).ok()
     }
 
-    /// Takes the folder for its handle alone. Some file systems know no locks of folders.
+    /// Locks the folder by its handle only. Some file systems cannot lock folders.
     pub(super) fn lock(&self) -> io::Result<()> {
         match flock(&self.handle, FlockOperation::NonBlockingLockExclusive) {
             Err(Errno::WOULDBLOCK) => Err(busy()),
@@ -72,7 +71,7 @@ impl Directory {
         }
     }
 
-    /// The names of all that is there, and whether each is a folder.
+    /// Returns the names of all entries, each with `true` for a folder.
     pub(super) fn names(&self) -> io::Result<Vec<(String, bool)>> {
         let mut names = Vec::new();
         for entry in Dir::read_from(&self.handle)? {
@@ -89,7 +88,7 @@ impl Directory {
         Ok(names)
     }
 
-    /// A new file, in the place of what had this name.
+    /// Creates a file and replaces an existing one.
     pub(super) fn create(&self, name: &str) -> io::Result<File> {
         plain(name)?;
         self.remove(name)?;
@@ -98,7 +97,7 @@ impl Directory {
         Ok(file.into())
     }
 
-    /// A file that is there, or a new one where `creates`, for reading and writing.
+    /// Opens an existing file, or creates it if `creates`, for reading and writing.
     pub(super) fn edit(&self, name: &str, creates: bool) -> io::Result<File> {
         plain(name)?;
         let create = if creates { OFlags::CREATE } else { OFlags::empty() };
@@ -106,41 +105,41 @@ impl Directory {
         self.opened(name, flags)
     }
 
-    /// A file that is there, for reading.
+    /// Opens an existing file for reading.
     pub(super) fn read(&self, name: &str) -> io::Result<File> {
         plain(name)?;
         let flags = OFlags::RDONLY | OFlags::NOFOLLOW | OFlags::NONBLOCK | OFlags::CLOEXEC;
         self.opened(name, flags)
     }
 
-    /// Opens a file, and nothing else of that name.
+    /// Opens a regular file; fails for any other type of entry.
     fn opened(&self, name: &str, flags: OFlags) -> io::Result<File> {
         let file: File = match openat(&self.handle, name, flags, READ) {
-            // A link; a pipe that nobody reads.
+            // A link, a pipe without a reader, or a folder.
             Err(Errno::LOOP | Errno::NXIO | Errno::ISDIR) => return Err(self.in_the_way(name)),
             opened => opened.map_err(|error| self.explain(error.into()))?.into(),
         };
         if file.metadata()?.is_file() { Ok(file) } else { Err(self.in_the_way(name)) }
     }
 
-    /// The error where something has the name of a file of results, and is none.
+    /// Returns the error for an entry with the name of a result file that is no regular file.
     pub(super) fn in_the_way(&self, name: &str) -> io::Error {
         let message = format!("{} is there, but is no file: remove it", self.path.join(name).display());
         io::Error::new(io::ErrorKind::AlreadyExists, message)
     }
 
-    /// The bytes of a file.
+    /// Returns the length of a file, bytes.
     pub(super) fn length(&self, name: &str) -> io::Result<u64> {
         Ok(self.read(name)?.metadata()?.len())
     }
 
-    /// Gives a file another name, in the place of what had that.
+    /// Renames a file and replaces an existing one.
     pub(super) fn rename(&self, from: &str, to: &str) -> io::Result<()> {
         plain(to)?;
         renameat(&self.handle, from, &self.handle, to).map_err(|error| self.explain(error.into()))
     }
 
-    /// Removes a file, if it is there.
+    /// Removes a file if it exists.
     pub(super) fn remove(&self, name: &str) -> io::Result<()> {
         match unlinkat(&self.handle, name, AtFlags::empty()) {
             Err(Errno::NOENT) => Ok(()),
@@ -148,24 +147,24 @@ impl Directory {
         }
     }
 
-    /// Writes a whole file; a reader never sees half of it.
+    /// Writes a whole file. A reader never sees half of it.
     pub(super) fn write(&self, name: &str, write: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
         let partial = partial(name);
         let written = self.create(&partial).and_then(|mut file| write(&mut file));
         let written = written.and_then(|()| self.rename(&partial, name));
         if written.is_err() {
-            // What is left of a failed write is of no use; that it stays is no second error.
+            // The remains of a failed write are useless. A failure to remove them is no second error.
             let _ = self.remove(&partial);
         }
         written
     }
 
-    /// Brings the names of files to the disk.
+    /// Writes the names of files to the disk.
     pub(super) fn sync(&self) -> io::Result<()> {
         ignore_unsupported(fsync(&self.handle).map_err(io::Error::from))
     }
 
-    /// An error that tells if the folder is gone.
+    /// Extends an error if the folder has been removed.
     fn explain(&self, error: io::Error) -> io::Error {
         if fstat(&self.handle).is_ok_and(|stat| stat.st_nlink == 0) {
             return io::Error::new(io::ErrorKind::NotFound, "the folder was removed while results were written");
@@ -175,8 +174,8 @@ impl Directory {
 }
 
 impl Locked {
-    /// Opens the folder, makes it if need be, and locks it; `may_take` says whether the names there allow it where no run has
-    /// written yet.
+    /// Opens the folder, creates it if necessary, and locks it. `may_take` decides whether a folder without a marker
+    /// may be used, by the names in it.
     pub(super) fn open(path: &Path, may_take: impl FnOnce(&Directory) -> io::Result<()>) -> io::Result<Self> {
         if path.exists() && !path.is_dir() {
             return Err(io::ErrorKind::NotADirectory.into());
@@ -196,10 +195,10 @@ impl Locked {
         let marker = directory.edit(MARKER, true)?;
         match flock(&marker, FlockOperation::NonBlockingLockExclusive) {
             Err(Errno::WOULDBLOCK) => return Err(busy()),
-            // Some network file systems know no locks.
+            // Some network file systems have no locks.
             locked => ignore_unsupported(locked.map_err(io::Error::from))?,
         }
-        // Whoever had it may have removed it in between.
+        // Its earlier owner may have removed it in the meantime.
         let here = statat(&directory.handle, MARKER, AtFlags::SYMLINK_NOFOLLOW).map(|stat| stat.st_ino);
         if here != fstat(&marker).map(|stat| stat.st_ino) {
             return Err(busy());
@@ -217,15 +216,15 @@ impl Locked {
         Ok(locked)
     }
 
-    /// Removes what an earlier run had not published when it was ended.
+    /// Removes unpublished files of an earlier run that was interrupted.
     fn sweep(&mut self) -> io::Result<()> {
         let names = self.directory.names()?;
         let left = names.iter().filter(|(name, is_folder)| !is_folder && is_partial(name));
         left.into_iter().try_for_each(|(name, _)| self.directory.remove(name))
     }
 
-    /// From now on all is written under its own name, and what `is_old` is removed: first what `is_head`, by which readers know
-    /// that what is there is whole, or which files belong together.
+    /// Publishes all files under their own names and removes those for which `is_old`. Files for which `is_head` are
+    /// removed first, because by these readers know that a result is complete, or which files belong together.
     pub(super) fn publish(&mut self, is_head: impl Fn(&str) -> bool, is_old: impl Fn(&str) -> bool) -> io::Result<()> {
         if std::mem::replace(&mut self.is_published, true) {
             return Ok(());
@@ -245,17 +244,17 @@ impl Locked {
         Ok(())
     }
 
-    /// Whether what is written has its name.
+    /// Returns `true` if the files have been published.
     pub(super) fn is_published(&self) -> bool {
         self.is_published
     }
 
-    /// Goes on with what is published already.
+    /// Continues with files that are already published.
     pub(super) fn go_on(&mut self) {
         self.is_published = true;
     }
 
-    /// A file that grows.
+    /// Creates a file that grows.
     pub(super) fn table(&mut self, name: &str) -> io::Result<File> {
         plain(name)?;
         if self.is_published {
@@ -272,7 +271,7 @@ impl Locked {
         Ok(())
     }
 
-    /// Writes whole files, each from what stands beside its name, in as many threads as there are.
+    /// Writes whole files in parallel, each from the value beside its name.
     pub(super) fn write_each<T: Sync>(
         &mut self,
         files: &[(String, T)],
@@ -285,7 +284,7 @@ impl Locked {
         Ok(())
     }
 
-    /// Writes a whole file, under its name if that is published.
+    /// Writes a whole file, under its own name if the folder is published.
     fn put(&self, name: &str, write: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
         plain(name)?;
         if self.is_published {
@@ -294,7 +293,7 @@ impl Locked {
         write(&mut self.directory.create(&partial(name))?)
     }
 
-    /// Remembers what is still to be brought to the disk, and to its name.
+    /// Records that a file must still be synchronised and published.
     fn note(&mut self, name: &str) {
         let lists = [Some(&mut self.unsynced), (!self.is_published).then_some(&mut self.staged)];
         for list in lists.into_iter().flatten() {
@@ -304,7 +303,7 @@ impl Locked {
         }
     }
 
-    /// Brings all whole files to the disk that were written since the last time.
+    /// Writes all whole files to the disk that were written since the last synchronisation.
     pub(super) fn sync_files(&mut self) -> io::Result<()> {
         for name in std::mem::take(&mut self.unsynced) {
             let name = if self.staged.contains(&name) { partial(&name) } else { name };
@@ -315,12 +314,12 @@ impl Locked {
 }
 
 impl Drop for Locked {
-    /// What was never published goes, and the folder with it if nothing else was ever there.
+    /// Removes unpublished files, and the folder if it is new and otherwise empty.
     fn drop(&mut self) {
         if self.is_published {
             return;
         }
-        // There is nobody to tell, and the next run removes the same.
+        // An error cannot be reported here, and the next run removes the same files.
         let _ = self.sweep();
         if self.is_new[1] {
             let _ = self.directory.remove(MARKER);
@@ -336,7 +335,7 @@ fn busy() -> io::Error {
     io::Error::new(io::ErrorKind::ResourceBusy, message)
 }
 
-/// The name under which a file is written.
+/// Returns the hidden name under which a file is written.
 fn partial(name: &str) -> String {
     format!(".{name}.partial")
 }
@@ -345,7 +344,7 @@ fn is_partial(name: &str) -> bool {
     name.starts_with('.') && name.ends_with(".partial")
 }
 
-/// An error for a name that would leave the folder.
+/// Returns an error for a name that would leave the folder.
 fn plain(name: &str) -> io::Result<()> {
     if name.is_empty() || name == "." || name == ".." || name.contains(['/', '\0']) {
         return Err(io::Error::new(io::ErrorKind::InvalidInput, format!("`{name}` is no name of a file")));
@@ -353,7 +352,7 @@ fn plain(name: &str) -> io::Result<()> {
     Ok(())
 }
 
-/// Some file systems have no such thing as a lock, or nothing to bring to a disk.
+/// Ignores the error of file systems without locks or synchronisation.
 pub(super) fn ignore_unsupported(done: io::Result<()>) -> io::Result<()> {
     match done {
         Err(error) if matches!(error.kind(), io::ErrorKind::Unsupported | io::ErrorKind::InvalidInput) => Ok(()),
@@ -361,18 +360,18 @@ pub(super) fn ignore_unsupported(done: io::Result<()>) -> io::Result<()> {
     }
 }
 
-/// A folder with tables of several runs: nobody else writes there as long as this lives.
+/// A folder with tables of several runs, locked against other writers as long as this value exists.
 #[derive(Debug)]
 pub struct FolderLock {
-    /// It has the lock.
+    /// Holds the lock.
     _directory: Directory,
 }
 
 impl FolderLock {
-    /// Makes the folder if need be, and locks it.
+    /// Creates the folder if necessary, and locks it.
     ///
     /// # Errors
-    /// When the folder cannot be made, and when another command writes there ([`io::ErrorKind::ResourceBusy`]).
+    /// When the folder cannot be created, and when another command writes there ([`io::ErrorKind::ResourceBusy`]).
     pub fn new(path: &Path) -> io::Result<Self> {
         fs::create_dir_all(path)?;
         let directory = Directory::open(path)?;
@@ -381,7 +380,7 @@ impl FolderLock {
     }
 }
 
-/// Writes a whole file into a folder; a reader never sees half of it.
+/// Writes a whole file into a folder. A reader never sees half of it.
 ///
 /// # Errors
 /// When the disk refuses.

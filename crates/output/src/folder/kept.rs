@@ -1,20 +1,20 @@
-//! What a folder needs to go on from a checkpoint.
+//! The data with which a result folder resumes from a checkpoint.
 
 use serde::{Deserialize, Serialize};
 
 use stickslip::scene::Origin;
 use stickslip::solver::history::Status;
 
-/// What a folder needs to go on from a checkpoint.
+/// The data with which a result folder resumes from a checkpoint.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Kept {
     pub origin: Origin,
-    /// The linear algebra, by its word.
+    /// The name of the linear solver.
     pub linear: String,
-    /// The tables that grow, and at the end of the run all its files, with what they held, bytes.
+    /// The growing tables, and at the end of the run all its files, each with its length, bytes.
     pub files: Vec<(String, u64)>,
     /// The files of fields, each with its time, s.
     pub fields: Vec<(f64, String)>,
-    /// The verdict, if the run has come to its end.
+    /// The verdict, if the run has finished.
     pub ended: Option<Status>,
 }

@@ -1,27 +1,27 @@
 //! The names of the files that a run writes.
 
-/// The file from which a run goes on.
+/// The checkpoint file, from which a run resumes.
 pub(super) const CHECKPOINT: &str = ".checkpoint";
 
-/// What fields belong together.
+/// The file that lists the fields of all increments.
 pub(super) const SERIES: &str = "fields.pvd";
 
-/// The file of all fields at the end of an increment.
+/// Returns the name of the file of all fields at the end of an increment.
 pub(super) fn fields(index: usize) -> String {
     format!("fields_{index:04}.vtu")
 }
 
-/// The same of one rank.
+/// Returns the name of the file of one rank's fields.
 pub(super) fn piece(index: usize, rank: i32) -> String {
     format!("fields_{index:04}_{rank}.vtu")
 }
 
-/// The file that names those of the ranks.
+/// Returns the name of the file that lists the files of all ranks.
 pub(super) fn pieces(index: usize) -> String {
     format!("fields_{index:04}.pvtu")
 }
 
-/// The number of the increment in the name of any of these three.
+/// Returns the number of the increment in any of these three names.
 pub(super) fn increment_of_fields(name: &str) -> Option<&str> {
     let rest = name.strip_prefix("fields_")?;
     let (number, rank) = match rest.strip_suffix(".vtu") {
@@ -31,12 +31,12 @@ pub(super) fn increment_of_fields(name: &str) -> Option<&str> {
     (is_number(number) && is_digits(rank)).then_some(number)
 }
 
-/// Whether a file of this name says that what is there is whole, or which files belong together.
+/// Returns `true` for a file by which readers know that a result is complete, or which files belong together.
 pub(super) fn is_head(name: &str) -> bool {
     ["run.json", CHECKPOINT, SERIES].contains(&name) || names_pieces(name)
 }
 
-/// Whether a file of this name names those of the ranks.
+/// Returns `true` for a file that lists the files of the ranks.
 pub(super) fn names_pieces(name: &str) -> bool {
     name.strip_suffix(".pvtu").is_some() && increment_of_fields(name).is_some()
 }
@@ -49,7 +49,7 @@ fn is_number(text: &str) -> bool {
     text.len() >= 4 && is_digits(text)
 }
 
-/// Whether a run writes a file of this name.
+/// Returns `true` for the name of a result file.
 pub(super) fn is_ours(name: &str) -> bool {
     let line = |name: &str| {
         let stem = name.strip_suffix(".csv").or_else(|| name.strip_suffix(".svg"))?;

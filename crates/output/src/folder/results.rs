@@ -1,4 +1,4 @@
-//! What a run writes, and when.
+//! The files written by a run, and when.
 
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
@@ -25,45 +25,45 @@ use stickslip::solver::checkpoint::Checkpoint;
 use stickslip::solver::events::Event;
 use stickslip::solver::history::{IncrementRecord, IncrementView, Status};
 
-/// A folder that takes the results of one run: `increments.csv` and `forces.csv` grow line by line, contact lines
-/// and plots come as they are reached, `run.json` at the end. What was there of an earlier run stays until the first increment is
-/// done.
+/// The result folder of one run. `increments.csv` and `forces.csv` grow line by line, contact lines and plots are added
+/// during the run, and `run.json` is written at the end. Results of an earlier run remain until the first increment is
+/// finished.
 #[derive(Debug)]
 pub struct ResultFolder {
     pub(super) place: Locked,
-    /// The units of what is written.
+    /// The units of the files.
     pub(super) units: UnitSystem,
     pub(super) increments: Table,
     pub(super) forces: Table,
-    /// The table of events, from the first one on.
+    /// The table of events, created at the first event.
     pub(super) events: Option<Table>,
-    /// Boundaries with contact, and how the names of their files end.
+    /// The boundaries with contact, each with the ending of its file names.
     pub(super) boundaries: Vec<(String, String)>,
     /// The probes, each with its table.
     pub(super) probes: Vec<(ProbeTable, Table)>,
-    /// The lists of the report.
+    /// The lists of the report that grow with the increments.
     pub(super) lists: [Table; 3],
     pub(super) fields: Series,
-    /// Whether there is a place from which this run can be taken up.
+    /// `true` if a checkpoint exists from which this run can be resumed.
     pub(super) can_be_taken_up: bool,
-    /// What a run must be to go on from here, with its linear algebra by its word.
+    /// The identification of this run and the name of its linear solver, which a resumed run must match.
     pub(super) of: (Origin, String),
 }
 
 impl ResultFolder {
-    /// Where the results are.
+    /// Returns the path of the folder.
     pub fn path(&self) -> &Path {
         self.place.directory.path()
     }
 
-    /// Where they are by now, if somebody has moved the folder in the meantime.
+    /// Returns the present path if the folder has been moved in the meantime.
     pub fn moved_to(&self) -> Option<PathBuf> {
         self.place.directory.moved_to()
     }
 
-    /// Takes the record of an increment, and the forces at its end if it converged: those on the obstacles, and what else acts on
-    /// the body. The results of an earlier run go. What else is written of the increment comes before this, so that of what is
-    /// listed all is there, whatever ends the program.
+    /// Adds the record of an increment and, if it converged, the forces at its end: contact forces on the obstacles and
+    /// other forces on the body. Results of an earlier run are removed. All other files of the increment must be
+    /// written before, so that the files of every listed increment exist, however the program ends.
     ///
     /// # Errors
     /// When the disk refuses.
@@ -82,13 +82,13 @@ impl ResultFolder {
         of_increments.append(&lists::line(record, &self.units)?)?;
         self.increments.append(&increments::line(record, &self.units))?;
         if record.status == Status::Interrupted {
-            // It has reached nothing.
+            // An interrupted increment has reached nothing.
             return Ok(());
         }
         self.place.publish(is_head, is_ours)
     }
 
-    /// Leaves the place from which the run can be taken up. All that was written so far is brought to the disk before.
+    /// Writes a checkpoint, after synchronising everything written so far with the disk.
     ///
     /// # Errors
     /// When the disk refuses.
@@ -115,20 +115,20 @@ impl ResultFolder {
         self.place.directory.sync()
     }
 
-    /// All tables that grow.
+    /// Returns all growing tables.
     fn tables(&self) -> impl Iterator<Item = &Table> {
         let probes = self.probes.iter().map(|(_, table)| table);
         [&self.increments, &self.forces].into_iter().chain(&self.events).chain(probes).chain(&self.lists)
     }
 
-    /// Brings all that was written to the disk.
+    /// Writes all files to the disk.
     fn sync(&mut self) -> io::Result<()> {
         self.tables().try_for_each(|table| directory::ignore_unsupported(table.sync()))?;
         self.place.sync_files()?;
         self.place.directory.sync()
     }
 
-    /// Appends a contact node that changes its status in increment `index` to `events.csv`.
+    /// Appends the change of status of a contact node in increment `index` to `events.csv`.
     ///
     /// # Errors
     /// When the disk refuses.
@@ -142,8 +142,8 @@ impl ResultFolder {
         self.events.insert(Table::new("events.csv", file, &header)?).append(&line)
     }
 
-    /// Writes a contact line as CSV and, in two dimensions, as a plot, `contact_NNNN.csv` and `contact_NNNN.svg`; with
-    /// the boundary's name behind the number if there are several, made fit for a file.
+    /// Writes a contact line as CSV and, in two dimensions, as a plot, `contact_NNNN.csv` and `contact_NNNN.svg`. With
+    /// several boundaries, the name of the boundary, adapted to file names, follows the number.
     ///
     /// # Errors
     /// When the disk refuses.
@@ -156,7 +156,7 @@ impl ResultFolder {
         Ok(())
     }
 
-    /// Writes a contact line at the end of part `part` of its increment, `contact_NNNN-P.csv`.
+    /// Writes a contact line at the end of substep `part` of its increment, `contact_NNNN-P.csv`.
     ///
     /// # Errors
     /// When the disk refuses.
@@ -167,7 +167,7 @@ impl ResultFolder {
         )
     }
 
-    /// Appends what the points of a probe have come to at the end of `step` to `probe_NAME.csv`.
+    /// Appends the values at the points of a probe at the end of `step` to `probe_NAME.csv`.
     ///
     /// # Errors
     /// When the disk refuses.
@@ -183,9 +183,9 @@ impl ResultFolder {
         self.write(&format!("deformed_{:04}.svg", body.index), &body.to_svg(title).map_err(io::Error::other)?)
     }
 
-    /// Writes the report, whose lists are here, as `run.json`, after what it shows of the history as `forces.svg` and
-    /// `iterations.svg`; and brings all to the disk. A run that has not come to its end can be taken up all the same. Where a run was
-    /// interrupted before it had anything, and an earlier one had, nothing is written: tells whether it was.
+    /// Writes the charts `forces.svg` and `iterations.svg`, then the report with the stored lists as `run.json`, and
+    /// writes all to the disk. An interrupted run can still be resumed. Returns `false` and writes nothing if the run
+    /// was interrupted before its first results and results of an earlier run exist.
     ///
     /// # Errors
     /// When the disk refuses.
@@ -213,15 +213,15 @@ impl ResultFolder {
         Ok(true)
     }
 
-    /// The report as it was written.
+    /// Opens the written report.
     ///
     /// # Errors
-    /// When it is not there.
+    /// When it does not exist.
     pub fn report(&self) -> io::Result<impl Read> {
         self.place.directory.read("run.json")
     }
 
-    /// Writes the picture of a contact surface, `contact_NNNN.svg` as for a line.
+    /// Writes the picture of a contact surface, `contact_NNNN.svg`, named as for a line.
     ///
     /// # Errors
     /// When the disk refuses.
@@ -230,9 +230,9 @@ impl ResultFolder {
         self.write(&format!("{name}.svg"), &surface.to_svg(title).map_err(io::Error::other)?)
     }
 
-    /// Writes the fields at the end of increment `index`, at `time` (s), as `fields_NNNN.vtu`; or where ranks share the body, the part of each as
-    /// `fields_NNNN_R.vtu`, and `fields_NNNN.pvtu`, which names these. Then the series of all so far as `fields.pvd`. So none ever names a file
-    /// that is not there.
+    /// Writes the fields at the end of increment `index`, at `time` (s), as `fields_NNNN.vtu`. If ranks share the body,
+    /// it writes the part of each as `fields_NNNN_R.vtu`, and `fields_NNNN.pvtu`, which lists these. The series
+    /// `fields.pvd` is written last, so no file lists one that does not exist.
     ///
     /// # Errors
     /// When the disk refuses.
@@ -240,7 +240,7 @@ impl ResultFolder {
         self.fields.add(&mut self.place, index, time, grid)
     }
 
-    /// Writes a whole file; a reader never sees half of it.
+    /// Writes a whole file. A reader never sees half of it.
     ///
     /// # Errors
     /// When the disk refuses.
@@ -248,7 +248,8 @@ impl ResultFolder {
         self.place.write(name, |file| file.write_all(text.as_bytes()))
     }
 
-    /// The name of the files of a contact boundary in an increment; the boundary is named if there are several.
+    /// Returns the name of the files of a contact boundary in an increment. It contains the boundary if there are
+    /// several.
     fn contact_name(&self, index: usize, part: Option<usize>, boundary: Option<&str>) -> String {
         let file = boundary.and_then(|name| self.boundaries.iter().find(|(boundary, _)| boundary == name));
         let boundary = file.map_or(String::new(), |(_, file)| format!("_{file}"));

@@ -1,4 +1,4 @@
-//! The files of fields: one for an increment, or where ranks share the body one for each of them, and the series of all.
+//! The files of fields: one per increment, or one per rank if ranks share the body, and the list of all increments.
 
 use std::collections::BTreeSet;
 use std::fmt::Display;
@@ -10,13 +10,13 @@ use super::names::{self, SERIES};
 use crate::vtu::Grid;
 use crate::{pvd, pvtu};
 
-/// What stands for each increment, with its time, s.
+/// The listed file of each increment, with its time, s.
 #[derive(Debug, Default)]
 pub(super) struct Series(Vec<(f64, String)>);
 
 impl Series {
-    /// That of a run which goes on. What was written after its checkpoint goes, what names files before these: other ranks have other parts, which
-    /// must not be taken for those of the same whole.
+    /// Resumes a series. Files written after the checkpoint are removed, lists of files before the files: other ranks
+    /// write other parts, which must not be mixed with the old ones.
     pub(super) fn resumed(files: Vec<(f64, String)>, place: &mut Locked) -> io::Result<Self> {
         let series = Series(files);
         let kept: BTreeSet<&str> = series.0.iter().filter_map(|(_, name)| names::increment_of_fields(name)).collect();
@@ -31,12 +31,12 @@ impl Series {
         Ok(series)
     }
 
-    /// What stands for each increment, with its time, s.
+    /// Returns the listed file of each increment, with its time, s.
     pub(super) fn files(&self) -> &[(f64, String)] {
         &self.0
     }
 
-    /// Writes the fields at the end of increment `index`, at `time` (s). No text is ever there as a whole.
+    /// Writes the fields at the end of increment `index`, at `time` (s), without holding a whole text in memory.
     pub(super) fn add(&mut self, place: &mut Locked, index: usize, time: f64, grid: &Grid) -> io::Result<()> {
         let pieces: Vec<(String, i32)> =
             grid.ranks().into_iter().map(|rank| (names::piece(index, rank), rank)).collect();
@@ -72,7 +72,7 @@ mod tests {
     use super::*;
     use crate::part::tests::squares;
 
-    /// What is there of fields, ascending.
+    /// Returns the existing files of fields, ascending.
     fn there(place: &Locked) -> Vec<String> {
         let mut names: Vec<String> = place.directory.names().unwrap().into_iter().map(|(name, _)| name).collect();
         names.retain(|name| name.starts_with("fields"));
@@ -102,7 +102,7 @@ mod tests {
         };
         assert_eq!(there(&place), sorted(&[&series_and_first, &second]));
 
-        // The checkpoint is of the first increment: the second is done again, by one process.
+        // The checkpoint is after the first increment. The second one is solved again, by one process.
         let mut series = Series::resumed(kept.clone(), &mut place).unwrap();
         assert_eq!(there(&place), sorted(&[&series_and_first]));
         let text = || std::fs::read_to_string(path.join(SERIES)).unwrap();
@@ -111,7 +111,7 @@ mod tests {
         assert_eq!(there(&place), sorted(&[&series_and_first, &[names::fields(2)]]));
         assert!(text().contains("fields_0001.pvtu") && text().contains("fields_0002.vtu"), "{}", text());
 
-        // And the other way round.
+        // The reverse case.
         let mut series = Series::resumed(kept, &mut place).unwrap();
         series.add(&mut place, 2, 1.0, &shared).unwrap();
         assert_eq!(there(&place), sorted(&[&series_and_first, &second]));
@@ -126,7 +126,7 @@ mod tests {
         place.go_on();
         let mut series = Series::default();
         series.add(&mut place, 1, 0.5, &squares()).unwrap();
-        // No file takes the place of a folder.
+        // A file does not replace a folder.
         std::fs::create_dir(path.join(names::piece(2, 2))).unwrap();
         series.add(&mut place, 2, 1.0, &squares()).unwrap_err();
         assert!(!path.join(names::pieces(2)).exists());

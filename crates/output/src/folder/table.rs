@@ -7,22 +7,22 @@ use std::io::{self, Seek, SeekFrom, Write};
 pub(super) struct Table {
     name: String,
     file: File,
-    /// The bytes of the whole lines.
+    /// The length of the complete lines, bytes.
     length: u64,
 }
 
 impl Table {
-    /// A new one in an empty file.
+    /// Creates a table in an empty file.
     pub(super) fn new(name: &str, file: File, header: &str) -> io::Result<Self> {
         let mut table = Table { name: name.to_string(), file, length: 0 };
         table.append(header)?;
         Ok(table)
     }
 
-    /// One that goes on behind so many bytes of a file, which must be there.
+    /// Resumes a table after this number of bytes, which must exist.
     pub(super) fn cut(name: &str, mut file: File, length: u64) -> io::Result<Self> {
         if file.metadata()?.len() < length {
-            let message = "it is shorter than when the run was left; run without --resume to begin anew";
+            let message = "it is shorter than when the run was left; run without --resume to start a new run";
             return Err(io::Error::new(io::ErrorKind::InvalidData, message));
         }
         file.set_len(length)?;
@@ -42,7 +42,7 @@ impl Table {
     pub(super) fn append(&mut self, lines: &str) -> io::Result<()> {
         let written = self.file.write_all(lines.as_bytes());
         if written.is_err() {
-            // A full disk may have taken part of them; what stands before is kept.
+            // A full disk may have taken part of the lines. The earlier ones are kept.
             let _ = self.file.set_len(self.length).and_then(|()| self.file.seek(SeekFrom::Start(self.length)));
         } else {
             self.length += lines.len() as u64;
@@ -50,7 +50,7 @@ impl Table {
         written
     }
 
-    /// Brings the lines to the disk.
+    /// Writes the lines to the disk.
     pub(super) fn sync(&self) -> io::Result<()> {
         self.file.sync_data()
     }

@@ -1,22 +1,22 @@
-//! What the colours, the markers and the arrows of a map mean.
+//! The key of a map: its colours, markers and arrows.
 
 use super::view::View;
 use super::{BLACK, GREY, HELD, LABEL_SIZE, THIN, WHITE, WIDTH, arrow};
 use crate::colours::draw_bar;
 use crate::svg::{Anchor, Colour, Marker, Svg, text_width};
 
-/// Between the surface and the bar, px.
+/// The distance between the surface and the bar, px.
 const GAP: f64 = 30.0;
 
 impl View {
-    /// The bar of colours to the right of the surface.
+    /// Draws the colour bar to the right of the surface.
     pub(super) fn draw_colours(&self, svg: &mut Svg) {
         let ([_, bottom], [right, top]) = (self.at(self.low), self.at(self.high));
         let label = format!("σₙ, normal, {}", self.stress);
         draw_bar(svg, right + GAP, [top, bottom], self.most_pressure, &label);
     }
 
-    /// A row above the surface: what the colours, the markers and the arrows mean.
+    /// Draws a row above the surface that explains the colours, the markers and the arrows.
     pub(super) fn draw_legend(&self, svg: &mut Svg) {
         let mut entries = vec![(Sample::Patch(WHITE), "open".to_string())];
         if self.held {
@@ -52,7 +52,7 @@ impl View {
     }
 }
 
-/// What an entry of the legend shows.
+/// The sample of a legend entry.
 enum Sample {
     Patch(Colour),
     Marker(Marker),
@@ -69,7 +69,7 @@ impl Sample {
     }
 }
 
-/// The largest 1, 2 or 5 times a power of ten up to `most`.
+/// Returns the largest 1, 2 or 5 times a power of ten up to `most`.
 fn round_stress(most: f64) -> f64 {
     let power = 10.0_f64.powf(most.log10().floor());
     [5.0, 2.0].map(|k| k * power).into_iter().find(|&k| k <= most).unwrap_or(power)

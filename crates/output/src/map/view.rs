@@ -1,4 +1,4 @@
-//! Which part of a contact surface is shown, where it is in the picture, and the frame around it.
+//! The visible part of a contact surface, its position in the picture, and the frame around it.
 
 use super::{BLACK, LABEL_SIZE, NUMBER_SIZE, SurfaceNode, THIN, WIDTH};
 use crate::ContactSurface;
@@ -6,41 +6,41 @@ use crate::chart::axis::{Scale, Tick};
 use crate::svg::{Anchor, Colour, Svg};
 use stickslip::base::units::Quantity;
 
-/// Left of the surface: the axis label and the numbers.
+/// The space left of the surface, for the axis label and the numbers.
 const LEFT: f64 = 92.0;
-/// Right of it: the colours and their numbers.
+/// The space right of the surface, for the colour bar.
 const RIGHT: f64 = 150.0;
 const TOP: f64 = 104.0;
 const BELOW: f64 = 64.0;
 const MOST_HEIGHT: f64 = 720.0;
 
-/// Where there is no surface.
+/// The colour outside the surface.
 const OUTSIDE: Colour = [236, 236, 236];
-/// The least width or height of the frame, in the other.
+/// The smallest ratio of the sides of the frame.
 const NARROWEST: f64 = 0.25;
-/// The longest arrow, in distances between nodes.
+/// The longest arrow, relative to the distance between nodes.
 const ARROW: f64 = 0.9;
-/// Arrows that are shorter say nothing (px); where nodes are closer, some have none.
+/// The smallest useful size of the longest arrow, px. If nodes are closer, some have no arrow.
 const SHORTEST: f64 = 24.0;
 
-/// What is shown, and how large.
+/// The visible part and its scale.
 pub(super) struct View {
     /// The names of the units of lengths and stresses.
     length: String,
     pub(super) stress: String,
-    /// The lowest and the highest coordinates.
+    /// The lowest and the highest visible coordinates.
     pub(super) low: [f64; 2],
     pub(super) high: [f64; 2],
-    /// The size of that in the picture, px.
+    /// The size of the visible part in the picture, px.
     pub(super) size: [f64; 2],
     pub(super) most_pressure: f64,
     pub(super) most_traction: f64,
     pub(super) friction: bool,
-    /// Whether supports hold a node.
+    /// `true` if supports constrain a node.
     pub(super) held: bool,
     /// The length of the longest arrow, px.
     pub(super) arrow: f64,
-    /// Whether nodes are far enough apart for markers.
+    /// `true` if nodes are far enough apart for markers.
     pub(super) markers: bool,
 }
 
@@ -61,7 +61,7 @@ impl View {
         let spacing = (shown_area / shown as f64).sqrt();
         let most = |value: fn(&SurfaceNode) -> f64| surface.nodes.iter().map(value).fold(0.0, f64::max);
         let most_traction = most(|node| node.traction[0].hypot(node.traction[1]));
-        // A little of what is around it, with room for arrows.
+        // A margin around the contact, with room for arrows.
         let margin = 0.08 * (high[0] - low[0]).max(high[1] - low[1]);
         let rubbed = surface.nodes.iter().filter(|node| node.pressure > 0.0 && most_traction > 0.0);
         let tip =
@@ -70,7 +70,7 @@ impl View {
         let [lowest, highest] = bounds(&mut tips.chain([low, high]));
         let low = [0, 1].map(|c| (low[c] - margin).min(lowest[c] - 0.25 * margin));
         let high = [0, 1].map(|c| (high[c] + margin).max(highest[c] + 0.25 * margin));
-        // More around a narrow contact, for the numbers along its side.
+        // A larger margin beside a narrow contact, for the numbers along its side.
         let narrowest = NARROWEST * (high[0] - low[0]).max(high[1] - low[1]);
         let widened = [0, 1].map(|c| 0.5 * (narrowest - (high[c] - low[c])).max(0.0));
         let low = [0, 1].map(|c| low[c] - widened[c]);
@@ -94,28 +94,28 @@ impl View {
         }
     }
 
-    /// Where a place is in the picture.
+    /// Returns the position of a point in the picture.
     pub(super) fn at(&self, place: [f64; 2]) -> [f64; 2] {
         let share = |c: usize| (place[c] - self.low[c]) / (self.high[c] - self.low[c]);
         [self.left() + share(0) * self.size[0], TOP + (1.0 - share(1)) * self.size[1]]
     }
 
-    /// Surface and colours stand in the middle of the picture.
+    /// Returns the left side of the surface. Surface and colour bar are centred in the picture.
     fn left(&self) -> f64 {
         LEFT + 0.5 * (WIDTH - LEFT - RIGHT - self.size[0])
     }
 
-    /// Whether something of the figure with these corners is in the frame.
+    /// Returns `true` if any part of the figure with these corners is in the frame.
     pub(super) fn shows(&self, corners: &[[f64; 2]]) -> bool {
         (0..2).all(|c| corners.iter().any(|p| p[c] >= self.low[c]) && corners.iter().any(|p| p[c] <= self.high[c]))
     }
 
-    /// The height of the picture, px.
+    /// Returns the height of the picture, px.
     pub(super) fn end(&self) -> f64 {
         TOP + self.size[1] + BELOW
     }
 
-    /// What `draw` draws, as far as it is in the frame.
+    /// Draws the part of `draw` that is inside the frame.
     pub(super) fn draw_inside(&self, svg: &mut Svg, draw: impl FnOnce(&mut Svg)) {
         let ([left, bottom], [right, top]) = (self.at(self.low), self.at(self.high));
         svg.within([left, top], self.size, |svg| {
@@ -142,7 +142,7 @@ impl View {
         svg.text([left - 70.0, 0.5 * (top + bottom)], &self.axis(axes[1]), LABEL_SIZE, Anchor::Upwards);
     }
 
-    /// An axis in words.
+    /// Describes an axis.
     fn axis(&self, axis: [f64; 3]) -> String {
         let name = match axis {
             [1.0, 0.0, 0.0] => "x".into(),
@@ -153,7 +153,7 @@ impl View {
         format!("{name}, {}", self.length)
     }
 
-    /// The ticks along axis `c` within the frame: a label each `room` px or so, but two at least.
+    /// Returns the ticks along axis `c` within the frame: a label about every `room` px, but at least two.
     fn ticks(&self, c: usize, room: f64) -> Vec<Tick> {
         let range = self.low[c]..=self.high[c];
         let ticks = |most: f64| {
@@ -162,7 +162,8 @@ impl View {
         };
         let labels = |ticks: &[Tick]| ticks.iter().filter(|tick| tick.label.is_some()).count();
         let most = self.size[c] / room;
-        // Steps are 1, 2 or 5 times a power of ten: one that is asked to go five times into a range goes twice at least.
+        // Steps are 1, 2 or 5 times a power of ten. A step requested to fit five times into a range fits at least
+        // twice.
         [2.0, 3.0, 4.0, 5.0]
             .map(|least| ticks(most.max(least)))
             .into_iter()

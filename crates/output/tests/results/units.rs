@@ -172,7 +172,7 @@ fn a_modulus_in_the_wrong_unit_is_warned_of() {
     let overrides: Vec<_> = overrides.iter().map(|text| text.parse().unwrap()).collect();
     let scene = Scene::parse("s.toml", &block_in_mm(), &overrides).unwrap();
     let report = Run::new(&scene).unwrap().solve(&mut ()).unwrap();
-    let message = report.warnings.iter().find(|warning| warning.message.contains("taken as small")).unwrap();
+    let message = report.warnings.iter().find(|warning| warning.message.contains("assumed to be small")).unwrap();
     assert!(message.message.contains("are lengths in mm, moduli and tractions in MPa?"), "{}", message.message);
     assert!(message.message.contains(") mm moves by "), "{}", message.message);
 }

@@ -1,14 +1,14 @@
-//! Histories in words: their points, and their kinks within increments.
+//! Describes histories: their points, and their kinks within increments.
 
 use stickslip::base::timeline::equal_increments;
 use stickslip::base::units::UnitSystem;
 use stickslip::body::description::Kinks;
 use stickslip::scene::{Scene, Time};
 
-/// More points than this are shortened.
+/// Histories with more points than this are shortened.
 const SHOWN: usize = 8;
 
-/// `1 at 0 s, 2 at 1 s`; long lists are shortened.
+/// Formats points as `1 at 0 s, 2 at 1 s`. Long lists are shortened.
 pub(super) fn points<const N: usize>(history: &[[f64; N]], value: impl Fn(&[f64]) -> String) -> String {
     shortened(history.iter().map(|point| format!("{} at {} s", value(&point[1..]), point[0])).collect())
 }
@@ -21,7 +21,8 @@ fn shortened(mut words: Vec<String>) -> String {
     words.join(", ")
 }
 
-/// The kinks of the histories of `scene` at which none of its equal increments ends: `the kink of the load on top at 1 s`.
+/// Lists the kinks of the histories of `scene` that do not coincide with the end of an increment: `the kink of the load
+/// on top at 1 s`.
 pub(super) fn between(scene: &Scene, units: &UnitSystem) -> Vec<String> {
     let Time { end, increments, .. } = scene.time;
     let in_words = |found: Kinks<'_>| {

@@ -1,10 +1,10 @@
-//! Meshes and bodies in words.
+//! Describes meshes and bodies.
 
 use stickslip::base::units::Quantity;
 use stickslip::body::mesh::{HalfPlane, MeshSource, Segment};
 use stickslip::body::model::Model;
 
-/// How the mesh of `model`, or of one of its bodies, is made.
+/// Describes how the mesh of `model`, or of one of its bodies, is made.
 pub(super) fn made(source: &MeshSource, model: &Model) -> String {
     let units = model.units();
     let length = |x: f64| units.text(Quantity::Length, x);
@@ -34,7 +34,7 @@ pub(super) fn made(source: &MeshSource, model: &Model) -> String {
             format!("half-plane {width} x {height}, ({contact_elements} + {outer_elements}) x {layers}")
         }
         MeshSource::Gmsh { file, scale } => {
-            // A forgotten scale is seen here. Six digits hide the rounding of a difference.
+            // The extent reveals a forgotten scale. Six digits hide the rounding of a difference.
             let extent = |x: &f64| {
                 let told = units.of_si(Quantity::Length, *x);
                 let rounded: f64 = format!("{told:.5e}").parse().unwrap_or(told);
@@ -51,7 +51,7 @@ pub(super) fn made(source: &MeshSource, model: &Model) -> String {
     }
 }
 
-/// The bodies of a mesh, if there may be several, with their nodes and elements.
+/// Lists the bodies of a mesh, if there may be several, with their nodes and elements.
 pub(super) fn bodies(source: &MeshSource, model: &Model) -> Vec<String> {
     let mut lines = Vec::new();
     let bodies = model.mesh.bodies();

@@ -1,4 +1,4 @@
-//! Obstacles in words.
+//! Describes obstacles.
 
 use stickslip::algebra::vector::Vector;
 use stickslip::base::units::Quantity;
@@ -8,7 +8,7 @@ use stickslip::body::model::Model;
 use super::histories::points;
 use super::words::{number, told, vector};
 
-/// Along which normals the gaps of an obstacle are measured, and which slip is positive.
+/// Describes the normals along which the gaps of an obstacle are measured, and the positive slip direction.
 pub(super) fn frame(model: &Model, obstacle: &PlacedObstacle, direction: GapDirection) -> String {
     let rounded = |c: &f64| format!("{c:.6}").parse().unwrap_or(*c) + 0.0;
     let vector = |x: [f64; 3]| {
@@ -28,7 +28,7 @@ pub(super) fn frame(model: &Model, obstacle: &PlacedObstacle, direction: GapDire
     }
 }
 
-/// The motions of an obstacle, point by point.
+/// Lists the points of the motion of an obstacle.
 pub(super) fn motions(model: &Model, obstacle: &Obstacle) -> Vec<String> {
     let mut motions = Vec::new();
     let units = model.units();
@@ -46,7 +46,7 @@ pub(super) fn motions(model: &Model, obstacle: &Obstacle) -> Vec<String> {
     motions
 }
 
-/// A shape and where it is.
+/// Describes a shape and its position.
 pub(super) fn shape(model: &Model, given: &Obstacle, placed: &PlacedObstacle) -> String {
     let units = model.units();
     let place = |x: &Vector| units.place(x.components());

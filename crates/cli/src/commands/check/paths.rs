@@ -1,4 +1,4 @@
-//! What a run takes of time and memory, by each linear algebra.
+//! Lists the time and the memory of a run by each linear solver.
 
 use stickslip::algebra::linear::built_in::ranks;
 use stickslip::base::memory::{Budget, in_words};
@@ -9,7 +9,8 @@ use stickslip::scene::Scene;
 use stickslip::solver::history::LinearAlgebra;
 use stickslip::solver::initial_working_set::InitialWorkingSet;
 
-/// The memory of the run that `scene` asks for, and beside it what all ways are estimated to take, and from which size on each is out.
+/// Lists the memory of the run of `scene`, the estimates of all linear solvers, and the size above which each needs too
+/// much memory.
 pub(super) fn paths(scene: &Scene, model: &Model, budget: Option<Budget>) -> Result<Vec<String>, RunError> {
     let (method, increments) = (scene.solver.method, model.times().len());
     let unsuited = unsuited(model, method);
@@ -43,16 +44,13 @@ pub(super) fn paths(scene: &Scene, model: &Model, budget: Option<Budget>) -> Res
     }
     if ranks > 1 {
         lines.push(format!(
-            "             by {ranks} processes; memory is that of the first one, and each needs its own"
+            "             by {ranks} processes; the memory is that of the first one, and each needs its own"
         ));
     }
     if let (Some(why), true) = (unsuited, LinearAlgebra::Multigrid.is_built_in()) {
-        lines.push(format!("             \"auto\" leaves multigrid: {why}"));
+        lines.push(format!("             \"auto\" does not consider multigrid: {why}"));
         if scene.solver.linear == Some(LinearAlgebra::Multigrid) {
-            lines.push(
-                "             a direct solver may have to take over, with the time and memory that it needs"
-                    .to_string(),
-            );
+            lines.push("             a direct solver may have to take over, with its own time and memory".to_string());
         }
     }
     Ok(lines)

@@ -1,4 +1,4 @@
-//! The histories of a comparison that is not done yet, in a folder of their own beside its tables.
+//! Stores the finished histories of an unfinished comparison in a folder beside its tables.
 
 use std::fs;
 use std::io;
@@ -9,18 +9,18 @@ use stickslip::solver::checkpoint::Checkpoint;
 use stickslip_cli::compare::Cells;
 use stickslip_output::{FolderLock, write_file};
 
-/// They go when the tables are written.
+/// The name of the folder, which is removed once the tables are written.
 const FOLDER: &str = ".cells";
 
 pub(super) struct CellFolder {
     path: PathBuf,
-    /// What the names of files are made of, so that a history of another scene is never found.
+    /// Part of the file names, so that a history of another scene is never found.
     origin: Origin,
     _alone: FolderLock,
 }
 
 impl CellFolder {
-    /// That of the results in `out`: as it was left if the comparison `resumes`, otherwise empty.
+    /// Opens the store of the results in `out`. It is emptied unless the comparison `resumes`.
     pub(super) fn open(out: &Path, origin: Origin, resumes: bool) -> io::Result<Self> {
         let cells = CellFolder { path: out.join(FOLDER), origin, _alone: FolderLock::new(out)? };
         if !resumes {
@@ -30,7 +30,7 @@ impl CellFolder {
         Ok(cells)
     }
 
-    /// Removes them all.
+    /// Removes the store.
     pub(super) fn remove(&self) -> io::Result<()> {
         match fs::remove_dir_all(&self.path) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
@@ -45,7 +45,7 @@ impl Cells for CellFolder {
         Checkpoint::from_bytes(&bytes).ok()
     }
 
-    /// What cannot be kept is solved again another time; a disk that refuses is told when the tables are written.
+    /// A history that cannot be stored is solved again next time. Disk errors are reported when the tables are written.
     fn keep(&self, name: &str, history: &Checkpoint) {
         if let Ok(bytes) = history.to_bytes() {
             let _ = write_file(&self.path, &self.origin.fingerprint_of(name), bytes);

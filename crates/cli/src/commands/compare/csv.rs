@@ -1,14 +1,14 @@
-//! A comparison as comma-separated values.
+//! Writes a comparison as comma-separated values.
 
 use stickslip::run::report::csv_table;
 use stickslip_cli::compare::{Comparison, MeshResult, Phases, SolverPath, Trial};
 
 use super::{Told, fields, resultants, told};
 
-/// What tells a run: [`named_path`].
+/// The columns that identify a run: [`named_path`].
 const OF_RUN: [&str; 6] = ["method", "setting", "solver", "elements", "mesh", "increments"];
 
-/// What is told of it.
+/// The columns of the results of a run.
 const RUN_COLUMNS: [&str; 23] = [
     "status",
     "converged",
@@ -71,7 +71,7 @@ fn named_path(run: &Trial) -> Vec<String> {
     names.into_iter().chain(fields(&run.mesh)).chain([run.increments.to_string()]).collect()
 }
 
-/// Empty fields for what is not known.
+/// Returns the fields of `numbers`, empty if unknown.
 fn numbers<const N: usize>(numbers: Option<[f64; N]>) -> [String; N] {
     numbers.unwrap_or([f64::NAN; N]).map(|number| if number.is_nan() { String::new() } else { format!("{number:.4e}") })
 }

@@ -1,4 +1,4 @@
-//! A comparison as tables that a person reads.
+//! Formats a comparison as text tables.
 
 use std::fmt::Write;
 
@@ -9,7 +9,7 @@ use stickslip_output::Table;
 
 use super::{Told, fields, resultants, told};
 
-/// What a person reads, but for the answers; runs on some of the `meshes` only.
+/// Formats all tables except the answers, for runs on the given `meshes` only.
 pub(super) fn tables(comparison: &Comparison, meshes: &[MeshResult]) -> String {
     let mut text = String::new();
     for result in meshes {
@@ -58,7 +58,7 @@ fn runs_table(comparison: &Comparison, mesh: &MeshChoice) -> Table {
     table
 }
 
-/// An error with two digits; what is below the tolerance is no more than that.
+/// Formats an error with two digits, or as below the tolerance.
 fn shown(error: f64, tolerance: f64) -> String {
     match error {
         _ if error.is_nan() => "-".into(),
@@ -68,7 +68,7 @@ fn shown(error: f64, tolerance: f64) -> String {
 }
 
 fn meshes_table(comparison: &Comparison) -> Table {
-    // In two dimensions there is no p_o.
+    // Plane problems have no p_o.
     let in_space = comparison.meshes.iter().any(|result| result.end.p_o.iter().any(|p_o| *p_o != 0.0));
     let sums = ["sum p_n", "sum p_t", "sum p_o"].map(|sum| (sum, Quantity::Force));
     let energies = ["energy", "friction work"].map(|energy| (energy, Quantity::Energy));
@@ -91,7 +91,7 @@ fn meshes_table(comparison: &Comparison) -> Table {
     table
 }
 
-/// The errors of the meshes beside what each estimates by itself.
+/// Returns the errors of the meshes beside the estimates of each mesh alone.
 fn estimates_table(comparison: &Comparison) -> Table {
     let heads = ["n_u", "CPU, s", "d peak", "estimated", "across", "d norm", "estimated", "d sum p_n", "locking"];
     let mut table = Table::new(&heads_of_mesh(comparison).into_iter().chain(heads).collect::<Vec<_>>());
@@ -111,7 +111,7 @@ fn estimates_table(comparison: &Comparison) -> Table {
     table
 }
 
-/// Elements are a column of their own where they were chosen.
+/// Returns the headings of the mesh columns, with one for elements if these were chosen.
 fn heads_of_mesh(comparison: &Comparison) -> Vec<&'static str> {
     if comparison.elements() == [None] { vec!["mesh"] } else { vec!["elements", "mesh"] }
 }

@@ -12,15 +12,15 @@ use stickslip::solver::newton::IterationRecord;
 
 use super::super::{Failure, interrupt, threads};
 
-/// The error of tangential forces that is worth a run by default.
+/// The default error of the tangential forces.
 const ERROR: f64 = 0.05;
 
 #[derive(Args)]
 pub(super) struct IncrementArgs {
-    /// The number of increments, in place of time.increments, or auto: as many as leave an error of --to
+    /// Number of increments, replaces time.increments; auto: as many as the error of --to requires
     #[arg(long, value_name = "N|auto")]
     increments: Option<Increments>,
-    /// With --increments auto, the error of tangential forces to come to, as a share; 0.05 unless given
+    /// Error of the tangential forces that --increments auto is to reach, as a share [default: 0.05]
     #[arg(long, value_name = "ERROR", requires = "increments", value_parser = share)]
     to: Option<f64>,
 }
@@ -49,21 +49,18 @@ fn share(text: &str) -> Result<f64, String> {
 }
 
 impl IncrementArgs {
-    /// `scene` with the increments that were asked for, and how these were chosen, if they were; on `count` threads.
+    /// Returns `scene` with the wanted increments, and how they were chosen if they were; on `count` threads.
     pub(super) fn of(&self, scene: Scene, count: usize) -> Result<(Scene, Option<ChosenIncrements>), Failure> {
         let with = |number: i64| scene.with(&[Override::value("time.increments", number)]);
-        let help = "leave it out, or say --increments auto";
+        let help = "remove it, or give --increments auto";
         if let (Some(_), None | Some(Increments::Number(_))) = (self.to, self.increments) {
-            return Err(Failure::Input(miette::miette!(
-                help = help,
-                "--to is the error that --increments auto comes to"
-            )));
+            return Err(Failure::Input(miette::miette!(help = help, "--to is the error for --increments auto")));
         }
         match self.increments {
             None => Ok((scene, None)),
             Some(Increments::Number(number)) => Ok((with(i64::from(number))?, None)),
             Some(Increments::Auto) if matches!(scene.solver.method, Method::Events { .. }) => {
-                let help = "give the number of times at which to look at it, or leave --increments out";
+                let help = "give the number of times for output, or remove --increments";
                 Err(Failure::Input(miette::miette!(help = help, "the exact path has no increments to choose")))
             }
             Some(Increments::Auto) => {
@@ -75,18 +72,18 @@ impl IncrementArgs {
     }
 }
 
-/// How the increments were chosen, in words.
+/// Explains how the increments were chosen.
 pub(super) fn explain(chosen: &ChosenIncrements) -> String {
     let ChosenIncrements { asked, tried, error, increments } = chosen;
     let found = match error {
-        Some(error) => format!("leave about {:.1} % in the tangential forces", 100.0 * error),
-        None => "leave what cannot be told".to_string(),
+        Some(error) => format!("have a time-step error of about {:.1} % in the tangential forces", 100.0 * error),
+        None => "have an unknown time-step error".to_string(),
     };
     let then = if increments > tried { format!("; {increments} for {:.1} %", 100.0 * asked) } else { String::new() };
     format!("auto: {tried} {found}{then}")
 }
 
-/// Stops on Ctrl-C.
+/// Observer that stops on Ctrl-C.
 struct UntilInterrupted;
 
 impl Observer for UntilInterrupted {

@@ -1,15 +1,15 @@
-//! How often a run leaves the place from which it can be taken up.
+//! The interval between checkpoints.
 
 use std::io;
 use std::time::{Duration, Instant};
 
-/// The share of the time that checkpoints may take.
+/// Checkpoints may take one part in this many of the run time.
 const SHARE: u32 = 50;
 
-/// What the first one is expected to take.
+/// The expected duration of the first checkpoint.
 const FIRST: Duration = Duration::from_millis(20);
 
-/// After so long each, or as often as takes one part in fifty of the time.
+/// A fixed interval, or one for which checkpoints take 1/[`SHARE`] of the run time.
 pub(super) struct Pace {
     every: Option<Duration>,
     last: Instant,
@@ -25,7 +25,7 @@ impl Pace {
         self.last.elapsed() >= self.every.unwrap_or(SHARE * self.cost)
     }
 
-    /// Leaves one, and takes the time.
+    /// Writes a checkpoint and measures its duration.
     pub(super) fn keep(&mut self, keep: impl FnOnce() -> io::Result<()>) -> io::Result<()> {
         let start = Instant::now();
         let kept = keep();

@@ -1,4 +1,4 @@
-//! `stickslip run --resume`: what was left in the folder, and whether this scene may go on from it.
+//! `stickslip run --resume`: reads what an earlier run has left in the folder and checks that this scene may resume it.
 
 use std::io::{self, BufRead, BufReader, Read};
 use std::process::ExitCode;
@@ -12,27 +12,28 @@ use stickslip_output::{Claim, ResultFolder};
 use super::super::Failure;
 use super::RunArgs;
 
-/// What a run finds in its folder.
+/// What an earlier run has left in the folder.
 pub(super) enum Left {
-    /// It has been solved to its end.
+    /// A finished run.
     Ended(Status),
-    /// It can be taken up, with the linear algebra that it had.
+    /// An interrupted run that can be resumed, with its linear solver.
     Underway { checkpoint: Checkpoint, linear: LinearAlgebra },
 }
 
 impl Left {
-    /// What `claim` has for a scene of this `origin`, if the run is to go on from there; an error where something has changed.
+    /// Returns what `claim` holds for a scene of this `origin`. Returns an error if something has changed since.
     pub(super) fn of(claim: &Claim, origin: &Origin, args: &RunArgs) -> Result<Option<Self>, Failure> {
         let Some((checkpoint, earlier, linear, ended)) = claim.left() else {
             if args.results.resume && !args.json {
-                say!("resume       nothing was left to go on from: the run begins");
+                say!("resume       no earlier run was found: a new run begins");
             }
             return Ok(None);
         };
         if !args.results.resume {
             if ended.is_none() && !args.json {
                 say!(
-                    "unfinished   a run was left here after {} increments: --resume goes on with it, this run takes its place",
+                    "unfinished   an earlier run was interrupted here after {} increments: --resume would continue \
+                     it, this run replaces it",
                     checkpoint.increments()
                 );
             }
@@ -41,20 +42,21 @@ impl Left {
         let changes = origin.changes_since(earlier);
         let linear = linear.parse::<LinearAlgebra>().ok().filter(|linear| linear.is_built_in());
         let Some(linear) = linear.filter(|_| changes.is_empty()) else {
-            let help = "run without --resume to begin anew; what is there then goes when the first increment is done";
+            let help = "run without --resume to start a new run; it replaces the existing results after its first \
+             increment";
             let what =
-                if changes.is_empty() { "this build lacks its linear algebra".to_string() } else { changes.join("; ") };
+                if changes.is_empty() { "this build lacks its linear solver".to_string() } else { changes.join("; ") };
             return Err(Failure::Input(miette::miette!(
                 help = help,
-                "the run in {} is another: {what}",
+                "the run in {} is a different one: {what}",
                 claim.path().display()
             )));
         };
         if let Some(status) = ended {
             if let Some(name) = claim.lacks() {
                 return Err(Failure::Input(miette::miette!(
-                    help = "run without --resume to begin anew",
-                    "the run in {} is complete, but {name} is gone, or shorter than the run left it",
+                    help = "run without --resume to start a new run",
+                    "the run in {} is complete, but {name} is missing or was shortened",
                     claim.path().display()
                 )));
             }
@@ -67,18 +69,18 @@ impl Left {
     }
 }
 
-/// Tells of a run that has come to its end before, by its own report.
+/// Repeats the report of a run that has already finished.
 pub(super) fn told_again(claim: &Claim, args: &RunArgs, status: Status) -> Result<ExitCode, Failure> {
     if args.json {
         print(claim.report().map_err(|error| unreadable(&error))?)?;
     } else {
-        say!("resume       nothing is left to do: the run here is complete");
+        say!("resume       nothing to do: the run here is complete");
         say!("\nverdict      {status}\nresults      {}", claim.path().display());
     }
     Ok(if status == Status::Converged { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
 
-/// Prints a report, as a folder has it or as it is.
+/// Prints a report as JSON, either from the folder or from memory.
 pub(super) fn print_json(report: &RunReport, folder: Option<&ResultFolder>) -> Result<(), Failure> {
     if let Some(folder) = folder {
         return print(folder.report().map_err(|error| unreadable(&error))?);
@@ -96,6 +98,6 @@ fn print(report: impl Read) -> Result<(), Failure> {
 }
 
 fn unreadable(error: &io::Error) -> Failure {
-    let help = "run without --resume to begin anew";
+    let help = "run without --resume to start a new run";
     Failure::Machine(miette::miette!(help = help, "run.json cannot be read: {error}"))
 }

@@ -1,4 +1,4 @@
-//! What a run shows and writes while it goes on.
+//! Displays and writes results during a run.
 
 use std::io;
 
@@ -19,22 +19,22 @@ use super::super::interrupt;
 use super::super::progress::Progress;
 use super::pace::Pace;
 
-/// Feeds the display and the folder of results.
+/// Observer that updates the display and the result folder.
 pub(super) struct Watcher<'a> {
     pub model: &'a Model,
     pub title: &'a str,
     pub output: &'a Output,
-    /// Increments whose contact lines are written, ascending.
+    /// The increments whose contact lines are written, ascending.
     pub wanted: Vec<usize>,
     pub folder: Option<ResultFolder>,
     pub progress: Progress,
-    /// When checkpoints are left.
+    /// The interval between checkpoints.
     pub pace: Pace,
     pub failed_write: Option<io::Error>,
 }
 
 impl Watcher<'_> {
-    /// Takes the body as it is before the first increment.
+    /// Writes the body before the first increment.
     pub(super) fn start(&mut self, undeformed: &RecordedIncrement) {
         if self.wanted.first() == Some(&0) {
             let data = undeformed.data();
@@ -43,7 +43,7 @@ impl Watcher<'_> {
         }
     }
 
-    /// Writes what is wanted of some increments only.
+    /// Writes the files that exist for selected increments only.
     fn write(&mut self, step: &IncrementView<'_>) -> io::Result<()> {
         let Some(folder) = &mut self.folder else { return Ok(()) };
         for line in ContactLine::all(self.model, step) {
@@ -70,7 +70,8 @@ impl Watcher<'_> {
         if converged {
             self.probe(step)?;
         }
-        // What a failed increment reached is worth a look, too; one that was interrupted has reached nothing.
+        // The state reached by a failed increment helps to find the cause. An interrupted increment has reached
+        // nothing.
         let is_failure = !converged && step.record.status != Status::Interrupted;
         if is_failure || converged && self.is_wanted(step) { self.write(step) } else { Ok(()) }
     }
@@ -81,12 +82,12 @@ impl Watcher<'_> {
 }
 
 impl Observer for Watcher<'_> {
-    /// Not earlier: what the analysis frees should go back to the system.
+    /// Only now, so that memory freed by the analysis returns to the system.
     fn ready(&mut self) {
         linear::process::keep_freed_memory();
     }
 
-    /// What is written is there before the next increment is begun.
+    /// All files of an increment are complete before the next increment begins.
     fn waits_for(&mut self, index: usize) -> bool {
         self.folder.is_some() && self.wanted.binary_search(&index).is_ok()
     }

@@ -1,7 +1,7 @@
-//! Variants as processes of this program, several at a time.
+//! Runs variants as processes of this program, several at a time.
 //!
-//! Processes and not threads: the CPU time, the peak memory and the BLAS of a run are those of its process, and one that
-//! runs out of memory ends alone.
+//! Separate processes are used because CPU time, peak memory and BLAS settings belong to a process, and because a
+//! variant that runs out of memory then ends without the others.
 
 use std::fs::{self, File};
 use std::io;
@@ -17,52 +17,52 @@ use super::super::blas_kernel::Kernel;
 use super::super::interrupt;
 use super::Task;
 
-/// How long nothing is looked at while all processes work.
+/// The pause between two checks while all processes are busy.
 const PAUSE: Duration = Duration::from_millis(10);
 
-/// The environment that tells a BLAS, before it has been told by the program, how many threads to start.
+/// Environment variables for the number of threads that a BLAS starts when it is loaded.
 const BLAS_THREADS: [&str; 4] = ["OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS"];
 
-/// What runs the variants of a scene.
+/// Runs the variants of a scene.
 pub(super) struct Processes<'a> {
     /// The scene file.
     pub scene: &'a Path,
-    /// Where the results go, a folder for each fingerprint.
+    /// The folder of all results, with a folder for each fingerprint.
     pub folder: &'a Path,
     /// The threads of each process.
     pub threads: usize,
-    /// The kernel of the BLAS of each.
+    /// The BLAS kernel of each process.
     #[cfg(feature = "blas")]
     pub kernel: &'a Kernel,
 }
 
-/// A process that has ended.
+/// A finished process.
 pub(super) struct Ended {
-    /// Which of the orders it was.
+    /// The index of its task in the orders.
     pub order: usize,
     pub outcome: VariantResult,
 }
 
-/// A process at work.
+/// A running process.
 struct Running {
     order: usize,
     child: Child,
-    /// Where it prints its report, or why there is none.
+    /// The file for its report or its error message.
     printed: PathBuf,
 }
 
 impl Processes<'_> {
-    /// The folder of a result that is complete.
+    /// Returns the folder of a complete result.
     fn whole(&self, fingerprint: &str) -> PathBuf {
         self.folder.join(fingerprint)
     }
 
-    /// The folder of a result of this process while it grows: another sweep in the same folder has its own.
+    /// Returns the folder of a growing result of this process. Another sweep in the same folder uses its own.
     fn partial(&self, fingerprint: &str) -> PathBuf {
         self.folder.join(format!(".{fingerprint}.{}", std::process::id()))
     }
 
-    /// Removes what sweeps that were killed have left half done, as far as the system tells which those are.
+    /// Removes incomplete results of sweeps that were killed, as far as the system can identify them.
     pub(super) fn tidy(&self) {
         let processes = Path::new("/proc");
         let entries = fs::read_dir(self.folder).into_iter().flatten().filter_map(Result::ok);
@@ -77,24 +77,25 @@ impl Processes<'_> {
         }
     }
 
-    /// The result of an earlier try, if it is complete and of the scene of `task`: folders can be renamed.
+    /// Returns the result of an earlier try if it is complete and of the scene of `task`; a renamed folder may hold
+    /// another scene.
     pub(super) fn kept(&self, task: &Task) -> Option<VariantResult> {
         let outcome = read(&self.whole(&task.fingerprint).join("run.json"))?;
         (outcome.is_final() && outcome.scene_text.as_ref() == Some(&task.text)).then_some(outcome)
     }
 
-    /// Keeps the results of a variant for good, if they are final; what came of it.
+    /// Keeps the results of a variant if they are final. Returns the outcome.
     pub(super) fn keep(&self, task: &Task, outcome: VariantResult) -> VariantResult {
         let (partial, whole) = (self.partial(&task.fingerprint), self.whole(&task.fingerprint));
         if !outcome.is_final() || !partial.join("run.json").is_file() {
             return outcome;
         }
-        // Something that has no complete report is no result.
+        // A folder without a complete report is no result.
         if self.kept(task).is_none() {
             remove(&whole);
         }
         match fs::rename(&partial, &whole) {
-            // Another sweep may have been faster.
+            // Another sweep may have finished first.
             Err(error) if self.kept(task).is_none() => {
                 VariantResult::failed("machine-failure", format!("the results cannot be kept: {error}"))
             }
@@ -102,8 +103,8 @@ impl Processes<'_> {
         }
     }
 
-    /// Runs the variants of all `orders`, `jobs` at a time, and tells of each when it has
-    /// ended. Ctrl-C ends all of them at once.
+    /// Runs the variants of all `orders`, `jobs` at a time, and calls `tell` when each has ended. Ctrl-C ends all of
+    /// them at once.
     pub(super) fn run(&self, orders: &[&Task], jobs: usize, tell: &mut dyn FnMut(Ended)) -> io::Result<()> {
         let mut running: Vec<Running> = Vec::new();
         let mut next = 0;
@@ -129,7 +130,7 @@ impl Processes<'_> {
                         at_work.push(process);
                         continue;
                     }
-                    // One that a Ctrl-C of the terminal has reached, too.
+                    // Ctrl-C in the terminal may have ended this process too.
                     Ok(Some(_)) if interrupt::requested() => {
                         at_work.push(process);
                         continue;
@@ -164,7 +165,7 @@ impl Processes<'_> {
 
     fn stop(&self, running: Vec<Running>, orders: &[&Task]) {
         for mut process in running {
-            // One that has ended already cannot be ended.
+            // Fails harmlessly if the process has already ended.
             let _ = process.child.kill().and_then(|()| process.child.wait());
             self.clear(&process, orders);
         }
@@ -180,7 +181,7 @@ fn read(report: &Path) -> Option<VariantResult> {
     serde_json::from_str(&fs::read_to_string(report).ok()?).ok()
 }
 
-/// Removes a file or a folder, if it is there. What stays is no harm.
+/// Removes a file or a folder if it exists. Failures are ignored.
 fn remove(path: &Path) {
     let _ = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
 }

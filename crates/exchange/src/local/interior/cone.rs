@@ -1,6 +1,7 @@
 //! The exact law of one contact as equations of an interior point method.
 //!
-//! With `v`, the distance velocity, `ρ = μ r_N`, `e = r_T / ρ`, what the cone leaves, `s`, and the slip per friction, `λ`:
+//! The unknowns are the distance velocity `v`, `ρ = μ r_N`, `e = r_T / ρ`, the reserve of the cone `s`, and the slip
+//! per friction `λ`:
 //!
 //! | row | equation |
 //! | --- | --- |
@@ -9,20 +10,21 @@
 //! | cone | `s - ρ (1 - e²) = 0` |
 //! | products | `r_N v = τ`, `s λ = τ` |
 //!
-//! with `r_N, v, s, λ > 0` and `τ → 0`. (`ρ² - r_T² ≥ 0` divided by `ρ`: undivided, it has no gradient at the tip of the cone.) A step solves, with right-hand
-//! sides `b`, after `dv`, `ds` and `dλ` have gone out,
+//! with `r_N, v, s, λ > 0` and `τ → 0`. (The cone equation is `ρ² - r_T² ≥ 0` divided by `ρ`; undivided, it has no
+//! gradient at the tip of the cone.) A step with right-hand sides `b`, after elimination of `dv`, `ds` and `dλ`, solves
 //!
 //! ```text
 //! r_N du_N + v dr_N = b_rv - r_N b_v
 //! s du_T + (2 λ s / ρ) (dr_T - μ e dr_N) + 4 λ e (e·dr_T) - 2 λ μ (1 + e²) e dr_N = s b_T - 2 e (b_sλ - λ b_s)
 //! ```
 //!
-//! which is `A du + B dr = b`, each row divided by its largest coefficient. A contact without friction has the first alone.
+//! This is `A du + B dr = b`, with each row divided by its largest coefficient. A contact without friction has only the
+//! first row.
 
 use crate::local::law::{Linear, LocalContact, UNIT, Vector3};
 use stickslip::algebra::vector::dot;
 
-/// The unknowns of a contact, or a change of them.
+/// The unknowns of a contact, or their change.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Unknowns {
     pub r: Vector3,
@@ -31,29 +33,29 @@ pub(super) struct Unknowns {
     pub lambda: f64,
 }
 
-/// What is missing in each equation, as the right-hand side of a step.
+/// The residuals of the equations, as right-hand side of a step.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Missing {
     pub gap: f64,
     pub slip: [f64; 2],
     pub cone: f64,
-    /// Of `r_N v` and of `s λ`.
+    /// The residuals of `r_N v` and of `s λ`.
     pub products: [f64; 2],
 }
 
 impl Unknowns {
-    /// Far inside, with pressure `force` and distance `velocity`.
+    /// Returns a point far inside the cone, with pressure `force` and distance `velocity`.
     pub(super) fn start(law: &LocalContact, force: f64, velocity: f64) -> Self {
         let (s, lambda) = if law.tangents > 0 { (law.mu * force, velocity / law.mu) } else { (0.0, 0.0) };
         Unknowns { r: [force, 0.0, 0.0], v: velocity, s, lambda }
     }
 
-    /// The pairs whose products go to zero.
+    /// Returns the pairs whose products go to zero.
     pub(super) fn pairs(&self, law: &LocalContact) -> impl Iterator<Item = (f64, f64)> {
         [(self.r[0], self.v), (self.s, self.lambda)].into_iter().take(if law.tangents > 0 { 2 } else { 1 })
     }
 
-    /// A `step` along a direction.
+    /// Returns the point after a `step` along a direction.
     pub(super) fn ahead(&self, step: f64, direction: &Self) -> Self {
         Unknowns {
             r: [0, 1, 2].map(|k| self.r[k] + step * direction.r[k]),
@@ -63,19 +65,19 @@ impl Unknowns {
         }
     }
 
-    /// `ρ` and `e`.
+    /// Returns `ρ` and `e`.
     fn friction(&self, law: &LocalContact) -> (f64, [f64; 2]) {
         let rho = law.mu * self.r[0];
         (rho, [self.r[1] / rho, self.r[2] / rho])
     }
 
-    /// `ρ (1 - e²)`, what the cone leaves.
+    /// Returns `ρ (1 - e²)`, the reserve of the cone.
     pub(super) fn room(&self, law: &LocalContact) -> f64 {
         let (rho, e) = self.friction(law);
         rho * (1.0 - dot(e, e))
     }
 
-    /// What is missing at the velocity `u` where `τ = 0`.
+    /// Returns the residuals at the velocity `u` for `τ = 0`.
     pub(super) fn missing(&self, law: &LocalContact, u: Vector3) -> Missing {
         let mut missing = Missing { gap: u[0] - self.v, products: [-self.r[0] * self.v, 0.0], ..Missing::default() };
         if law.tangents > 0 {
@@ -87,7 +89,7 @@ impl Unknowns {
         missing
     }
 
-    /// `A` and `B`, and what the normal row and the tangential ones were divided by.
+    /// Returns `A` and `B`, and the divisors of the normal and the tangential rows.
     pub(super) fn linearize(&self, law: &LocalContact) -> (Linear, [f64; 2]) {
         let (mut by_u, mut by_r, mut sizes) = ([[0.0; 3]; 3], [[0.0; 3]; 3], [1.0; 2]);
         sizes[0] = (self.r[0] / law.stiffness).max(self.v);
@@ -108,7 +110,7 @@ impl Unknowns {
         (Linear { by_u, by_r }, sizes)
     }
 
-    /// The right-hand side on the forces.
+    /// Returns the right-hand side of the reduced system.
     pub(super) fn reduce(&self, law: &LocalContact, sizes: [f64; 2], missing: &Missing) -> Vector3 {
         let normal = (missing.products[0] - self.r[0] * missing.gap) / sizes[0];
         if law.tangents == 0 {
@@ -120,8 +122,8 @@ impl Unknowns {
         [normal, a, b]
     }
 
-    /// The whole direction, of changes `dr` of force and `du` of velocity. What is small beside its partner comes from the product: as
-    /// a difference of large numbers most of its digits would be lost.
+    /// Returns the complete direction, from changes `dr` of force and `du` of velocity. The smaller member of a pair is
+    /// calculated from the product, because the difference of large numbers would lose most of its digits.
     pub(super) fn recover(&self, law: &LocalContact, missing: &Missing, dr: Vector3, du: Vector3) -> Self {
         let v =
             if self.r[0] > self.v { (missing.products[0] - self.v * dr[0]) / self.r[0] } else { du[0] + missing.gap };
@@ -138,7 +140,7 @@ impl Unknowns {
 mod tests {
     use super::*;
 
-    /// A direction takes away, to first order, all that is missing.
+    /// A direction removes all residuals to first order.
     #[test]
     fn a_small_step_takes_away_its_share() {
         let w = [[1.0, 0.2, 0.1], [0.3, 0.8, -0.1], [0.1, -0.2, 0.9]];
@@ -155,7 +157,7 @@ mod tests {
             let missing = point.missing(&law, velocity(&point));
             let (Linear { by_u, by_r }, sizes) = point.linearize(&law);
             let rhs = point.reduce(&law, sizes, &missing);
-            // (A W + B) dr = b by Cramer's rule, with 1 on the diagonal of what is not there.
+            // Solves (A W + B) dr = b by Cramer's rule, with 1 on the diagonal of missing directions.
             let mut matrix = UNIT;
             for k in 0..=tangents {
                 for l in 0..=tangents {
