@@ -49,17 +49,19 @@ pub use self::faer::FaerLu;
 pub use choice::{SparseCholesky, SparseLu};
 pub use cholesky::{Cholesky, Reduced};
 pub use dense::Lu;
-pub use dense::{Dense, times_transposed};
+pub use dense::{Dense};
+pub(crate) use dense::times_transposed;
 pub use direct::{RefinedSolver, Statistics};
 pub use error::LinearError;
 #[cfg(feature = "mpi")]
 pub use help::{RankRows, help};
-pub use kernel::null_space_of;
+pub(crate) use kernel::null_space_of;
 #[cfg(feature = "petsc")]
 pub use multigrid::{Contact, Form, Grid, Multigrid, share};
 #[cfg(feature = "mumps")]
 pub use mumps::Mumps;
-pub use refine::{SolveInfo, backward_error, componentwise_error};
+pub use refine::{SolveInfo, backward_error};
+pub(crate) use refine::componentwise_error;
 #[cfg(feature = "umfpack")]
 pub use umfpack::{Strategy, Umfpack};
 #[cfg(feature = "umfpack")]
@@ -152,7 +154,7 @@ pub struct Iterated {
 
 /// The resources used by one MPI process.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RankUse {
+pub(crate) struct RankUse {
     /// The CPU time, s.
     pub cpu_seconds: f64,
     /// The peak resident memory, bytes.

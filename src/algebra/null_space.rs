@@ -2,14 +2,14 @@
 
 /// The tolerance relative to unit rows: far above rounding and far below one element relative to the size of the
 /// body.
-pub const NEGLIGIBLE: f64 = 1e-10;
+pub(crate) const NEGLIGIBLE: f64 = 1e-10;
 
 /// Returns the combinations of `motions` unit directions that no row constrains: an orthonormal basis of the null
 /// space of the matrix with the given `rows`, each of length `motions`.
 ///
 /// Processes one row at a time: rotates the remaining basis until only one member has a nonzero product with the row,
 /// and removes that member.
-pub fn null_space(motions: usize, rows: impl IntoIterator<Item = Vec<f64>>) -> Vec<Vec<f64>> {
+pub(crate) fn null_space(motions: usize, rows: impl IntoIterator<Item = Vec<f64>>) -> Vec<Vec<f64>> {
     let mut basis: Vec<Vec<f64>> =
         (0..motions).map(|k| (0..motions).map(|j| f64::from(u8::from(j == k))).collect()).collect();
     for row in rows {

@@ -41,7 +41,7 @@ impl InputError {
 ///
 /// # Errors
 /// [`InputError`] of `key`.
-pub fn ensure(sound: bool, key: &str, value: &impl Debug, must: &str, help: &str) -> Result<(), InputError> {
+pub(crate) fn ensure(sound: bool, key: &str, value: &impl Debug, must: &str, help: &str) -> Result<(), InputError> {
     if sound {
         return Ok(());
     }
@@ -76,7 +76,7 @@ pub fn positive(key: &str, value: f64, help: &str) -> Result<(), InputError> {
 ///
 /// # Errors
 /// [`InputError`] of `key`.
-pub fn not_huge(key: &str, numbers: impl IntoIterator<Item = f64>) -> Result<(), InputError> {
+pub(crate) fn not_huge(key: &str, numbers: impl IntoIterator<Item = f64>) -> Result<(), InputError> {
     match numbers.into_iter().find(|x| x.is_finite() && x.abs() > LARGEST) {
         None => Ok(()),
         Some(x) => {

@@ -14,7 +14,7 @@ const STRAIGHT: f64 = 1e-6;
 ///
 /// # Errors
 /// [`InputError`] of `key` if there is no point, if a number is not finite or too large, or if times do not increase.
-pub fn check_points<const N: usize>(key: &str, value: &str, points: &[[f64; N]]) -> Result<(), InputError> {
+pub(crate) fn check_points<const N: usize>(key: &str, value: &str, points: &[[f64; N]]) -> Result<(), InputError> {
     let name = key.rsplit('.').next().unwrap_or(key);
     if points.is_empty() {
         let [first, last] = ["0", "1"].map(|x| format!("[{}]", [x; N].join(", ")));
@@ -37,7 +37,7 @@ pub fn check_points<const N: usize>(key: &str, value: &str, points: &[[f64; N]])
 ///
 /// # Errors
 /// [`InputError`] of `key` if there is none, or if they do not increase from 0.
-pub fn check_times(key: &str, times: &[f64]) -> Result<(), InputError> {
+pub(crate) fn check_times(key: &str, times: &[f64]) -> Result<(), InputError> {
     if times.is_empty() {
         return Err(InputError::new(key, format!("{key} is empty"), "give the end of each increment, s"));
     }
@@ -96,7 +96,7 @@ pub fn kinks_between<const N: usize>(ends: &[f64], history: &[[f64; N]]) -> Vec<
 
 /// Adds further `times` (s) to the `ends` of increments, except those that would make an increment as short as
 /// rounding.
-pub fn with_further_ends(ends: &[f64], times: impl IntoIterator<Item = f64>) -> Vec<f64> {
+pub(crate) fn with_further_ends(ends: &[f64], times: impl IntoIterator<Item = f64>) -> Vec<f64> {
     let mut further: Vec<f64> = times.into_iter().filter(|&t| increment_at(ends, t).is_some()).collect();
     further.sort_by(f64::total_cmp);
     further.dedup_by(|next, kept| {

@@ -12,7 +12,8 @@ pub use armijo::Armijo;
 pub use bn::Bn;
 pub use end::{Measure, StopCriterion};
 pub use ip::{Centring, Ip, IpSettings};
-pub use predictor_corrector::{PredictorCorrector, PredictorCorrectorSettings};
+pub(crate) use predictor_corrector::PredictorCorrectorSettings;
+pub(crate) use predictor_corrector::PredictorCorrector;
 
 use crate::algebra::linear::LinearError;
 use crate::algebra::sparse::SystemMatrix;

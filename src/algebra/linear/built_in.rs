@@ -29,7 +29,7 @@ pub fn mumps() -> Box<dyn LinearSolver> {
 }
 
 /// Returns the resources used by each MPI process; empty if there is only one.
-pub fn ranks_used() -> Vec<RankUse> {
+pub(crate) fn ranks_used() -> Vec<RankUse> {
     #[cfg(feature = "mpi")]
     {
         super::ranks::used()
@@ -65,7 +65,7 @@ pub fn faer() -> Box<dyn LinearSolver> {
 }
 
 /// Creates a placeholder for multigrid if the positions of the unknowns are not known.
-pub fn without_grid() -> Box<dyn LinearSolver> {
+pub(crate) fn without_grid() -> Box<dyn LinearSolver> {
     Box::new(absent::Absent("grid of the unknowns, which multigrid needs"))
 }
 

@@ -38,7 +38,7 @@ mod lu;
 use blocks::Blocks;
 use local::Local;
 pub use lu::Lu;
-pub use lu::times_transposed;
+pub(crate) use lu::times_transposed;
 
 /// A dense solver that eliminates the contact rows node by node.
 #[derive(Default)]

@@ -27,7 +27,7 @@ const FIRST_BLOCK: usize = 7;
 ///
 /// # Errors
 /// As [`Cholesky::factor`]; [`LinearError::Singular`] if `k` is indefinite.
-pub fn null_space_of(k: &Symmetric) -> Result<Vec<Vec<f64>>, LinearError> {
+pub(crate) fn null_space_of(k: &Symmetric) -> Result<Vec<Vec<f64>>, LinearError> {
     let n = k.order();
     // A displacement without stiffness is a mode of its own.
     let diagonal: Vec<f64> = k.diagonal().iter().map(|d| if *d > 0.0 { *d } else { 1.0 }).collect();

@@ -54,7 +54,7 @@ pub fn blas_is_stuck() -> bool {
 
 /// Makes the parallel regions of CHOLMOD that this thread reaches run in it; other threads are unaffected. Does
 /// nothing in a build without CHOLMOD.
-pub fn keep_openmp_in_this_thread() {
+pub(crate) fn keep_openmp_in_this_thread() {
     #[cfg(feature = "blas")]
     set_openmp(&Library::this(), 1);
 }

@@ -95,7 +95,7 @@ fn from_residual(a: &SystemMatrix, scale: f64, x: &[f64], r: &[f64], s: &[f64]) 
 
 /// Computes [`backward_error`] of `x` from its residual `r`, the scale `s` of the residual, the largest entry of the
 /// matrix, and the largest entry of each row, which is computed only if it is needed.
-pub fn componentwise_error(
+pub(crate) fn componentwise_error(
     x: &[f64],
     r: &[f64],
     s: &[f64],

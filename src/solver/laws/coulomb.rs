@@ -28,14 +28,14 @@ pub fn project(q: [f64; 2], radius: f64) -> [f64; 2] {
 }
 
 /// Returns the normal row of (19): `-min(p_n, r (g - w_n))`.
-pub fn normal_residual(p_n: f64, w_n: f64, gap: f64, r: f64) -> f64 {
+pub(crate) fn normal_residual(p_n: f64, w_n: f64, gap: f64, r: f64) -> f64 {
     -p_n.min(r * (gap - w_n))
 }
 
 /// Returns the tangential rows of (19): `-p_T + Π(p_T + r Δw_T)` with the radius `μ (pressure)₊`; in (19) the
 /// pressure is `p_n`. They are computed along and across `p_T`: across `p_T` only the slip contributes, even if it is
 /// below the rounding of `p_T / r`.
-pub fn tangential_residual(p: [f64; 2], pressure: f64, slip: [f64; 2], mu: f64, r: f64) -> [f64; 2] {
+pub(crate) fn tangential_residual(p: [f64; 2], pressure: f64, slip: [f64; 2], mu: f64, r: f64) -> [f64; 2] {
     let (q, radius) = (trial(p, slip, r), mu * positive(pressure));
     let (size, reach) = (length(p), length(q));
     if reach <= radius {
@@ -92,7 +92,7 @@ pub enum TangentialCase {
 /// The distance of `|q|` below `μ p_n`, as a share of it, from which a node counts as sticking. A node that slipped
 /// starts every new increment exactly on that border. The paper's counts are only reproduced if it keeps slipping
 /// there in its old direction. The share is well above rounding and far below the effect of any load.
-pub const SLIP_BORDER: f64 = 1e-9;
+pub(crate) const SLIP_BORDER: f64 = 1e-9;
 
 /// The largest change of slip row coefficients, which are of order one, for which the rows are kept. The factors are
 /// then reused, and Newton's step gains as many more digits.
@@ -146,7 +146,7 @@ pub fn tangential_case(p: [f64; 2], pressure: f64, slip: [f64; 2], mu: f64, r: f
 
 /// A sum of two terms at the start of a direction, and its rate along the direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct DirectionalDerivative {
+pub(crate) struct DirectionalDerivative {
     /// The value of the sum.
     pub value: f64,
     /// The sum of the absolute values of the terms, relative to which rounding is judged.
@@ -169,12 +169,12 @@ impl DirectionalDerivative {
 
 /// Returns the normal case into which a direction leads, from `p_n + r (w_n - g)`: the branch of the directional
 /// derivative (20).
-pub fn normal_case_ahead(trial: DirectionalDerivative) -> NormalCase {
+pub(crate) fn normal_case_ahead(trial: DirectionalDerivative) -> NormalCase {
     if trial.ahead() > 0.0 { NormalCase::Closed } else { NormalCase::Open }
 }
 
 /// Returns the tangential case into which a direction leads, from the pressure and both components of `q`.
-pub fn tangential_case_ahead(
+pub(crate) fn tangential_case_ahead(
     pressure: DirectionalDerivative,
     q: [DirectionalDerivative; 2],
     mu: f64,

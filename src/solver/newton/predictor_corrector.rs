@@ -23,7 +23,7 @@ const JAMMED: f64 = 0.1;
 
 /// The stopping test of the predictor–corrector method.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PredictorCorrectorSettings {
+pub(crate) struct PredictorCorrectorSettings {
     /// The tolerance of the error measure.
     pub tolerance: f64,
     /// The limit of iterations.
@@ -32,7 +32,7 @@ pub struct PredictorCorrectorSettings {
 
 /// The predictor–corrector method with its workspace.
 #[derive(Default)]
-pub struct PredictorCorrector {
+pub(crate) struct PredictorCorrector {
     work: Workspace,
     /// The iterate before the last step.
     before: Vec<f64>,

@@ -26,7 +26,7 @@ fn parallelism(order: usize) -> Par {
 }
 
 /// Returns `L Lᵀ` for the lower triangle `l`, m × m, column by column. The result has both triangles.
-pub fn times_transposed(l: &[f64], m: usize) -> Vec<f64> {
+pub(crate) fn times_transposed(l: &[f64], m: usize) -> Vec<f64> {
     let l = MatRef::from_column_major_slice(l, m, m);
     let mut product = vec![0.0; m * m];
     let to = MatMut::from_column_major_slice_mut(&mut product, m, m);
