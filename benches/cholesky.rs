@@ -7,9 +7,8 @@
 
 mod common;
 
-use std::time::Instant;
-
 use common::block;
+use std::time::Instant;
 use stickslip::algebra::linear::{self, Cholesky, FactorInfo, LinearError};
 use stickslip::algebra::sparse::Symmetric;
 use stickslip_output::Table;
@@ -63,7 +62,7 @@ fn main() {
 }
 
 /// The displacements that a row of `C_n` or `C_t` reaches.
-fn contact_displacements(problem: &stickslip::solver::problem::ContactProblem) -> Vec<usize> {
+fn contact_displacements(problem: &stickslip::solver::ContactProblem) -> Vec<usize> {
     let rows = (0..problem.contacts()).flat_map(|i| problem.c_n().row(i).iter().chain(problem.c_t().row(i)));
     let mut last: Vec<usize> = rows.map(|&(unknown, _)| unknown).collect();
     last.sort_unstable();

@@ -9,17 +9,16 @@
 
 mod common;
 
-use std::time::Instant;
-
 use common::run::Elements;
 use common::{Who, compare, prune, scene};
+use std::time::Instant;
 use stickslip::algebra::linear::{self, LinearSolver, RefinedSolver, Strategy, Umfpack, backward_error};
 use stickslip::algebra::sparse::Csc;
-use stickslip::base::units::Scaling;
-use stickslip::body::model::Model;
+use stickslip::base::Scaling;
+use stickslip::body::Model;
 use stickslip::run::report::peak_rss_bytes;
 use stickslip::solver::formulation::{Bdiff, FormulationScaling};
-use stickslip::solver::problem::{Increment, State};
+use stickslip::solver::{Increment, State};
 use stickslip_output::Table;
 
 const ITERATIONS: usize = 5;

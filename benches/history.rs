@@ -10,7 +10,7 @@ mod common;
 
 use common::{Naive, Who, block, compare};
 use stickslip::algebra::linear::{self, LinearSolver, Umfpack};
-use stickslip::base::units::Scaling;
+use stickslip::base::Scaling;
 use stickslip::run::report::cpu_seconds;
 use stickslip::solver::history::{self, HistorySettings, Method, Observer, Status, SystemSolver};
 use stickslip_output::Table;

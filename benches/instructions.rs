@@ -8,11 +8,10 @@ mod common;
 
 use common::block;
 use stickslip::algebra::linear::{self, Dense, RefinedSolver, SparseCholesky};
-use stickslip::body::model::Model;
+use stickslip::body::Model;
 use stickslip::run::discretise;
-use stickslip::solver::condensation::Condensed;
 use stickslip::solver::formulation::{Bdiff, FormulationScaling};
-use stickslip::solver::problem::{ContactProblem, Increment, State};
+use stickslip::solver::{Condensed, ContactProblem, Increment, State};
 
 /// What callgrind counts: everything called from here, see the Makefile.
 #[inline(never)]

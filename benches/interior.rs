@@ -10,14 +10,13 @@
 
 mod common;
 
-use std::time::Instant;
-
 use common::block;
+use std::time::Instant;
 use stickslip::algebra::linear::{self, FactorInfo, LinearSolver, RefinedSolver, Umfpack, backward_error};
 use stickslip::algebra::sparse::SystemMatrix;
-use stickslip::body::model::Model;
+use stickslip::body::Model;
+use stickslip::solver::Increment;
 use stickslip::solver::formulation::{Constrained, FormulationScaling, InteriorPoint, NewtonSystem, Partition};
-use stickslip::solver::problem::Increment;
 use stickslip_output::Table;
 
 const PRODUCTS: [f64; 3] = [1.0, 1e-4, 1e-8];

@@ -9,8 +9,7 @@
 
 use stickslip::algebra::sparse::{Csr, Symmetric};
 use stickslip::solver::history::{self, HistorySettings, Method, SystemSolver};
-use stickslip::solver::loading::{LoadCase, Loading};
-use stickslip::solver::problem::{ContactProblem, Parts};
+use stickslip::solver::{ContactProblem, LoadCase, Loading, Parts};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let entries = [(0, 0, 2.0), (1, 0, 1.5), (1, 1, 2.0)];

@@ -4,17 +4,14 @@
 
 #![allow(clippy::print_stdout)]
 
-use std::sync::Arc;
-
 use std::ops::ControlFlow;
+use std::sync::Arc;
 use stickslip::algebra::linear::{FactorInfo, LinearError, LinearSolver};
 use stickslip::algebra::sparse::{Csc, Csr, Pattern, Symmetric};
 use stickslip::run::Run;
 use stickslip::scene::Scene;
 use stickslip::solver::history::{self, HistorySettings, Method, Observer, SystemSolver};
-use stickslip::solver::loading::{LoadCase, Loading};
-use stickslip::solver::newton::LinearSystem;
-use stickslip::solver::problem::{ContactProblem, Parts};
+use stickslip::solver::{ContactProblem, LinearSystem, LoadCase, Loading, Parts};
 
 /// Gauss and Jordan, in a dense matrix.
 #[derive(Default)]

@@ -5,13 +5,12 @@
 #[path = "../tests/common/hertz.rs"]
 mod hertz;
 
-use std::error::Error;
-
 use hertz::Hertz;
-use stickslip::body::model::Model;
+use std::error::Error;
+use stickslip::body::Model;
 use stickslip::run::{Recording, Run};
 use stickslip::scene::{Override, Scene};
-use stickslip::solver::problem::State;
+use stickslip::solver::State;
 use stickslip_output::{Axis, Chart, Curve, Dash, Line, Marker, Panel, Scale, write_file};
 
 const YOUNG: f64 = 210e9;

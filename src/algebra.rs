@@ -1,8 +1,10 @@
 //! `A x = b`: sparse matrices, linear solvers behind one trait, and small helpers of both.
 
-pub mod jobs;
+pub(crate) mod jobs;
 pub mod linear;
-pub mod null_space;
+pub(crate) mod null_space;
 pub mod sparse;
-pub mod union_find;
+pub(crate) mod union_find;
 pub mod vector;
+pub use jobs::{keep_in_this_thread, parallel_map};
+pub use union_find::UnionFind;

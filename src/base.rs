@@ -1,8 +1,14 @@
 //! What every room stands on: errors of input, formulas, histories in time, units, and how much memory is left.
 
-pub mod formula;
-pub mod input;
-pub mod input_error;
-pub mod memory;
-pub mod timeline;
-pub mod units;
+pub(crate) mod formula;
+pub(crate) mod input;
+pub(crate) mod input_error;
+pub(crate) mod memory;
+pub(crate) mod timeline;
+pub(crate) mod units;
+pub use formula::{Formula, FormulaError, FormulaUnits};
+pub use input::{Contents, read_bytes, with_contents};
+pub use input_error::{InputError, finite, positive};
+pub use memory::{Budget, Source, in_words, kilobytes};
+pub use timeline::{equal_increments, kinks, kinks_between, within};
+pub use units::{LengthUnit, Quantity, Scaling, StressUnit, UnitSystem, Units};

@@ -8,20 +8,34 @@
 //! - contact (4): `w_n = C_n u ≤ g`, `p_n ≥ 0`, `p_n (w_n - g) = 0`;
 //! - friction, backward Euler (8): `|p_t| ≤ μ p_n`, dissipating most against `w_t - w̄_t`, `w_t = C_t u`.
 //!
-//! Data flows one way, from room to room:
+//! # Start here
+//!
+//! | you have | you want | begin with |
+//! | --- | --- | --- |
+//! | a scene, a TOML file | forces, pressures, slip, their errors | [`Scene::read`], [`Run::new`], [`Run::solve`]: a [`RunReport`] |
+//! | a mesh and loads in Rust | the same | [`body::Description`], [`body::Model::build`], [`Run::of`] |
+//! | matrices `K`, `C_n`, `C_t` | states and records | [`ContactProblem::new`], [`solver::Loading`], [`solver::history::run`] |
+//! | a time loop of your own | one increment after the other | [`solver::history::Stepper`] |
+//! | a linear solver of your own | BN and IP on it | the trait [`LinearSolver`] |
+//! | a method of your own | histories, verdicts, checkpoints for it | the trait [`solver::history::IncrementSolver`] |
+//!
+//! # The rooms
+//!
+//! Data flows one way. Each room uses only the rooms below it.
 //!
 //! | room | what it does |
 //! | --- | --- |
+//! | [`run`] | the door to all of it: a scene or a model in, a report out |
 //! | [`scene`] | reads TOML into a description of bodies, loads and contacts |
 //! | [`body`] | meshes, finite elements and contact geometry: from a description to matrices |
 //! | [`solver`] | the paper: contact laws, Algorithms BN and IP, histories of increments; it knows no mesh |
 //! | [`algebra`] | sparse matrices and linear solvers |
-//! | [`run`] | the door to all of it: a scene or a model in, a report out |
-//! | [`base`] | what every room stands on |
+//! | [`base`] | errors of input, units, histories in time: every room uses it |
+//!
+//! Files, pictures and the program are crates of their own: `stickslip-output`, `stickslip-exchange`, `stickslip-cli`.
 //!
 //! ```
-//! use stickslip::run::Run;
-//! use stickslip::scene::Scene;
+//! use stickslip::{Run, Scene};
 //!
 //! let text = include_str!("../data/scenes/block.toml");
 //! let scene = Scene::parse("block.toml", text, &["mesh.elements=[10,10]".parse()?])?;
@@ -37,6 +51,12 @@ pub mod body;
 pub mod run;
 pub mod scene;
 pub mod solver;
+
+pub use algebra::linear::LinearSolver;
+pub use run::report::RunReport;
+pub use run::{Recording, Run};
+pub use scene::Scene;
+pub use solver::ContactProblem;
 
 /// The README, whose Rust is compiled and run with the examples of the documentation.
 #[cfg(doctest)]

@@ -2,7 +2,7 @@
 //!
 //! ```
 //! use stickslip::solver::history::{Method, SolverChoice};
-//! use stickslip::body::model::Model;
+//! use stickslip::body::Model;
 //! use stickslip::run::{Recording, Run};
 //! use stickslip::scene::Scene;
 //!
@@ -22,7 +22,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-pub mod auto;
+pub(crate) mod auto;
 mod companion;
 mod discretise;
 mod error;
@@ -54,7 +54,6 @@ pub use suited::{Unsuited, unsuited};
 use crate::algebra::linear::RefinedSolver;
 use crate::base::memory::Budget;
 use crate::body::model::Model;
-use crate::run::auto::{Choice, Done, Faster, factorizations};
 use crate::run::report::{
     CompanionEstimate, Estimates, Facts, Leap, Measured, RankRecord, RunReport, Warning, cpu_seconds, peak_rss_bytes,
 };
@@ -69,6 +68,8 @@ use crate::solver::initial_working_set::{self, InitialWorkingSet};
 use crate::solver::laws::{ContactStatus, KktScales};
 use crate::solver::problem::State;
 use crate::solver::uniqueness::{self, CriticalFriction};
+use auto::factorizations;
+pub use auto::{AvailableSolvers, Choice, Done, Faster, Path};
 use companion::{Companion, Quiet};
 use leaps::Leaps;
 use suited::{gave_way, means};

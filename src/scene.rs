@@ -124,7 +124,7 @@ impl Scene {
     pub fn read(path: &Path, overrides: &[Override]) -> Result<Self, SceneError> {
         let text = crate::base::input::text_or_pipe(path).map_err(|error| {
             let io = SceneError::Io { path: path.display().to_string(), error };
-            let bytes = crate::base::input::bytes(path).unwrap_or_default();
+            let bytes = crate::base::input::read_bytes(path).unwrap_or_default();
             SceneError::other(&path.display().to_string(), &bytes).unwrap_or(io)
         })?;
         Self::parse(&path.display().to_string(), &text, overrides)
@@ -170,7 +170,7 @@ impl Scene {
     /// # Errors
     /// The file that cannot be read, and why.
     pub fn contents(&self) -> Result<Contents, SceneError> {
-        let read = |path: PathBuf| match crate::base::input::bytes(&path) {
+        let read = |path: PathBuf| match crate::base::input::read_bytes(&path) {
             Ok(bytes) => Ok((path, bytes)),
             Err(error) => Err(SceneError::Io { path: path.display().to_string(), error }),
         };

@@ -1,14 +1,25 @@
 //! The paper: contact problems as matrices, the laws, Algorithms BN and IP, and histories of increments. It knows no mesh.
 
-pub mod checkpoint;
-pub mod condensation;
+pub(crate) mod checkpoint;
+pub(crate) mod condensation;
 pub mod events;
 pub mod formulation;
 pub mod history;
-pub mod initial_working_set;
+pub(crate) mod initial_working_set;
 pub mod laws;
-pub mod loading;
-pub mod newton;
-pub mod problem;
-pub mod solvability;
-pub mod uniqueness;
+pub(crate) mod loading;
+pub(crate) mod newton;
+pub(crate) mod problem;
+pub(crate) mod solvability;
+pub(crate) mod uniqueness;
+pub use checkpoint::{Checkpoint, CheckpointError};
+pub use condensation::{Condensation, Condensed};
+pub use initial_working_set::{AFFORDABLE, InitialWorkingSet, working_set};
+pub use loading::{FrictionHistory, GapCorrection, LoadCase, Loading, Motion};
+pub use newton::{
+    Armijo, Bn, Centring, Ip, IpSettings, Iteration, IterationRecord, LinearSystem, Measure, MethodResult,
+    StopCriterion, Termination,
+};
+pub use problem::{ContactProblem, Increment, Parts, ProblemError, State};
+pub use solvability::{Conditions, rigid_equilibrium, rigid_equilibrium_with};
+pub use uniqueness::{CriticalFriction, NeutralMotion, critical_friction};

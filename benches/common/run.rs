@@ -1,19 +1,17 @@
 //! A whole run of the block, a strip, the cube or a plate in a process of its own, so that CPU time and memory are its
 //! own.
 
+use super::{Naive, scene};
+use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::process::Command;
 use std::str::FromStr;
-
-use serde::{Deserialize, Serialize};
 use stickslip::algebra::linear::{self, LinearSolver};
-use stickslip::base::units::Scaling;
-use stickslip::run::auto::{AvailableSolvers, Choice};
+use stickslip::base::Scaling;
 use stickslip::run::report::{cpu_seconds, peak_rss_bytes};
+use stickslip::run::{AvailableSolvers, Choice};
+use stickslip::solver::InitialWorkingSet;
 use stickslip::solver::history::{self, HistorySettings, Method, Observer, Status, SystemSolver};
-use stickslip::solver::initial_working_set::InitialWorkingSet;
-
-use super::{Naive, scene};
 
 /// How many elements a body has.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

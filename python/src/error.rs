@@ -5,8 +5,8 @@ use pyo3::exceptions::{PyMemoryError, PyOSError, PyRuntimeError, PyValueError};
 use stickslip::algebra::linear::LinearError;
 use stickslip::run::RunError;
 use stickslip::scene::SceneError as Refused;
+use stickslip::solver::ProblemError;
 use stickslip::solver::history::Error as HistoryError;
-use stickslip::solver::problem::ProblemError;
 
 pyo3::import_exception!(stickslip._errors, SceneError);
 

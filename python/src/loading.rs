@@ -1,15 +1,12 @@
 //! Histories from tables: a row for each increment.
 
-use std::collections::BTreeMap;
-use std::iter::once;
-
-use numpy::PyUntypedArrayMethods;
-use pyo3::prelude::*;
-use stickslip::solver::loading::{FrictionHistory, GapCorrection, LoadCase, Loading, Motion};
-use stickslip::solver::problem::{ContactProblem, ProblemError};
-
 use crate::arrays::{Rows, expect_length, rows};
 use crate::error::of_problem;
+use numpy::PyUntypedArrayMethods;
+use pyo3::prelude::*;
+use std::collections::BTreeMap;
+use std::iter::once;
+use stickslip::solver::{ContactProblem, FrictionHistory, GapCorrection, LoadCase, Loading, Motion, ProblemError};
 
 /// What drives a history whose increments end at `times`.
 #[derive(FromPyObject)]

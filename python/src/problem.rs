@@ -1,26 +1,21 @@
 //! A problem of matrices: solved, and the judge of anybody's answer.
 
-use std::sync::Arc;
-
-use numpy::PyArray1;
-use pyo3::exceptions::PyValueError;
-use pyo3::prelude::*;
-use pyo3::types::PyDict;
-use stickslip::run::RunError;
-use stickslip::run::auto::{AvailableSolvers, Choice};
-use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, SolverChoice, SystemSolver};
-use stickslip::solver::initial_working_set::{self, InitialWorkingSet};
-use stickslip::solver::laws::{KktErrors, KktScales, statuses};
-use stickslip::solver::loading::Loading;
-use stickslip::solver::problem::{ContactProblem, Increment, Parts, State};
-use stickslip_exchange::{Info, Way};
-
 use crate::arrays::{Compressed, Exported, Rows, Vector, export_lower, export_map, map, rows, symmetric};
 use crate::error::of_problem;
 use crate::foreign::Raised;
 use crate::loading::Tables;
 use crate::recorder::{Keep, Recorder, codes};
 use crate::solve::{Algebra, detached, method, watched};
+use numpy::PyArray1;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::sync::Arc;
+use stickslip::run::{AvailableSolvers, Choice, RunError};
+use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, SolverChoice, SystemSolver};
+use stickslip::solver::laws::{KktErrors, KktScales, statuses};
+use stickslip::solver::{self, ContactProblem, Increment, InitialWorkingSet, Loading, Parts, State};
+use stickslip_exchange::{Info, Way};
 
 /// A body against rigid obstacles: K, `C_n`, `C_t`, `C_o`, mu, l and the free motions.
 #[pyclass(frozen, module = "stickslip._core")]
@@ -112,7 +107,7 @@ fn prepared(
     };
     let mut reach = InitialWorkingSet::default();
     if !solver.method.is_of_paper() {
-        reach = initial_working_set::working_set(problem, loading, times, initial_working_set::AFFORDABLE, condensing)?;
+        reach = solver::working_set(problem, loading, times, solver::AFFORDABLE, condensing)?;
     }
     let linear = if let Some(linear) = solver.linear {
         linear

@@ -1,16 +1,14 @@
 //! Keeps what happens, and asks Python whether to go on.
 
-use std::time::{Duration, Instant};
-
+use crate::arrays::table;
+use crate::foreign::Raised;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
+use stickslip::solver::IterationRecord;
 use stickslip::solver::history::{IncrementRecord, IncrementView, Observer};
 use stickslip::solver::laws::ContactStatus;
-use stickslip::solver::newton::IterationRecord;
-
-use crate::arrays::table;
-use crate::foreign::Raised;
 
 /// 0 open, 1 stick, 2 slip, as in the VTU files.
 pub(crate) fn codes(statuses: &[ContactStatus]) -> impl Iterator<Item = u8> + '_ {

@@ -1,23 +1,21 @@
 //! A scene, discretised.
 
-use std::sync::Arc;
-
-use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
-use pyo3::exceptions::PyValueError;
-use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict};
-use stickslip::body::mesh::{Boundary, Cell, CellKind, Mesh};
-use stickslip::body::model::Model;
-use stickslip::run::{Run, discretise};
-use stickslip::scene::{Contents, Override, OverrideSyntax, Scene, with_contents};
-use stickslip::solver::history::SolverChoice;
-
 use crate::arrays::{Vector, rows, table};
 use crate::error::{of_problem, of_run, of_scene};
 use crate::foreign::Raised;
 use crate::problem::Problem;
 use crate::recorder::{Keep, Recorder};
 use crate::solve::{Algebra, detached, watched};
+use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+use std::sync::Arc;
+use stickslip::body::Model;
+use stickslip::body::mesh::{Boundary, Cell, CellKind, Mesh};
+use stickslip::run::{Run, discretise};
+use stickslip::scene::{Contents, Override, OverrideSyntax, Scene, with_contents};
+use stickslip::solver::history::SolverChoice;
 
 /// The kinds of cells by the names of meshio.
 const KINDS: [(&str, CellKind); 7] = [

@@ -1,21 +1,19 @@
 //! A run from Python: its method and linear algebra, its signals, its exceptions.
 
+use crate::error::of_run;
+use crate::foreign::{Foreign, Raised};
+use crate::recorder::Recorder;
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::PyString;
 use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::process;
 use std::sync::OnceLock;
-
-use pyo3::exceptions::{PyRuntimeError, PyValueError};
-use pyo3::prelude::*;
-use pyo3::types::PyString;
-use stickslip::algebra::jobs::keep_in_this_thread;
+use stickslip::algebra::keep_in_this_thread;
 use stickslip::run::RunError;
 use stickslip::solver::formulation::NewtonSystem;
 use stickslip::solver::history::{LinearAlgebra, Method, Start, SystemSolver};
-
-use crate::error::of_run;
-use crate::foreign::{Foreign, Raised};
-use crate::recorder::Recorder;
 
 /// The linear algebra that was asked for.
 pub(crate) enum Algebra {

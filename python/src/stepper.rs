@@ -1,22 +1,17 @@
 //! One increment after the other, for time loops in Python.
 
-use std::sync::{Arc, Mutex};
-
-use pyo3::exceptions::PyRuntimeError;
-use pyo3::prelude::*;
-use pyo3::types::PyDict;
-use stickslip::run::RunError;
-use stickslip::run::auto::{AvailableSolvers, Choice};
-use stickslip::solver::history::{self, SolverChoice, SystemSolver};
-use stickslip::solver::initial_working_set::InitialWorkingSet;
-use stickslip::solver::loading::Loading;
-use stickslip::solver::problem::ContactProblem;
-
 use crate::foreign::Raised;
 use crate::loading::Tables;
 use crate::problem::{Options, Problem, exported};
 use crate::recorder::{Keep, Recorder};
 use crate::solve::{Algebra, watched};
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::sync::{Arc, Mutex};
+use stickslip::run::{AvailableSolvers, Choice, RunError};
+use stickslip::solver::history::{self, SolverChoice, SystemSolver};
+use stickslip::solver::{ContactProblem, InitialWorkingSet, Loading};
 
 /// So many increments are expected of somebody who goes step by step: enough for what is kept to be worth it.
 const EXPECTED: usize = 100;

@@ -15,7 +15,7 @@ use crate::algebra::linear::process::keep_openmp_in_this_thread;
 ///
 /// # Errors
 /// The first error of `work` in the order of `tasks`. No task begins after an error.
-pub fn run<T: Sync, R: Send, E: Send>(
+pub fn parallel_map<T: Sync, R: Send, E: Send>(
     tasks: &[T],
     jobs: usize,
     work: impl Fn(&T) -> Result<R, E> + Sync,
@@ -76,9 +76,9 @@ mod tests {
                 assert_eq!(rayon::current_num_threads(), 1);
                 Ok::<u64, Infallible>(n * n)
             };
-            assert_eq!(run(&tasks, jobs, work).unwrap(), squares, "{jobs}");
+            assert_eq!(parallel_map(&tasks, jobs, work).unwrap(), squares, "{jobs}");
         }
-        assert_eq!(run(&[], 4, |n: &u64| Ok::<u64, Infallible>(*n)).unwrap(), [0; 0]);
+        assert_eq!(parallel_map(&[], 4, |n: &u64| Ok::<u64, Infallible>(*n)).unwrap(), [0; 0]);
     }
 
     /// Shared work of a job stays in its thread.
@@ -89,13 +89,13 @@ mod tests {
             let (left, right) = rayon::join(|| thread::current().id(), || thread::current().id());
             Ok::<bool, Infallible>(left == here && right == here)
         };
-        assert_eq!(run(&[1, 2, 3, 4], 2, work).unwrap(), [true; 4]);
+        assert_eq!(parallel_map(&[1, 2, 3, 4], 2, work).unwrap(), [true; 4]);
     }
 
     #[test]
     fn a_panic_is_what_it_was() {
         let work = |n: &u32| if *n == 7 { panic!("seven is odd") } else { Ok::<u32, Infallible>(*n) };
-        let panic = std::panic::catch_unwind(|| run(&[6, 7, 8], 2, work)).unwrap_err();
+        let panic = std::panic::catch_unwind(|| parallel_map(&[6, 7, 8], 2, work)).unwrap_err();
         assert_eq!(panic.downcast_ref(), Some(&"seven is odd"));
     }
 
@@ -107,7 +107,7 @@ mod tests {
             if *n >= 3 { Err(*n) } else { Ok(*n) }
         };
         let tasks: Vec<usize> = (0..100).collect();
-        assert_eq!(run(&tasks, 1, work).unwrap_err(), 3);
+        assert_eq!(parallel_map(&tasks, 1, work).unwrap_err(), 3);
         assert_eq!(count.load(Ordering::Relaxed), 4);
     }
 }

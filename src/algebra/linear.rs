@@ -48,8 +48,8 @@ mod versions;
 pub use self::faer::FaerLu;
 pub use choice::{SparseCholesky, SparseLu};
 pub use cholesky::{Cholesky, Reduced};
+pub use dense::Dense;
 pub use dense::Lu;
-pub use dense::{Dense};
 pub(crate) use dense::times_transposed;
 pub use direct::{RefinedSolver, Statistics};
 pub use error::LinearError;
@@ -60,8 +60,8 @@ pub(crate) use kernel::null_space_of;
 pub use multigrid::{Contact, Form, Grid, Multigrid, share};
 #[cfg(feature = "mumps")]
 pub use mumps::Mumps;
-pub use refine::{SolveInfo, backward_error};
 pub(crate) use refine::componentwise_error;
+pub use refine::{SolveInfo, backward_error};
 #[cfg(feature = "umfpack")]
 pub use umfpack::{Strategy, Umfpack};
 #[cfg(feature = "umfpack")]

@@ -63,12 +63,12 @@ impl Formula {
     /// [`FormulaError`], with its position in the text.
     ///
     /// ```
-    /// use stickslip::base::formula::Formula;
+    /// use stickslip::base::Formula;
     ///
     /// let formula = Formula::parse("1 - x^2 / 2")?;
     /// assert_eq!(formula.at([2.0, 0.0, 0.0]), -1.0);
     /// assert_eq!(Formula::parse("2x").unwrap_err().to_string(), "an operator is missing before `x`, at character 2");
-    /// # Ok::<(), stickslip::base::formula::FormulaError>(())
+    /// # Ok::<(), stickslip::base::FormulaError>(())
     /// ```
     pub fn parse(text: &str) -> Result<Self, FormulaError> {
         let units = FormulaUnits { length: 1.0, value: 1.0 };
@@ -79,11 +79,11 @@ impl Formula {
     /// of the place in these units.
     ///
     /// ```
-    /// use stickslip::base::formula::{Formula, FormulaUnits};
+    /// use stickslip::base::{Formula, FormulaUnits};
     ///
     /// let square = Formula::parse("x^2")?.written_in(FormulaUnits { length: 1e-3, value: 1e6 });
     /// assert_eq!(square.at([0.003, 0.0, 0.0]), 9e6);
-    /// # Ok::<(), stickslip::base::formula::FormulaError>(())
+    /// # Ok::<(), stickslip::base::FormulaError>(())
     /// ```
     #[must_use]
     pub fn written_in(self, units: FormulaUnits) -> Self {

@@ -38,7 +38,7 @@ pub fn with_contents<T>(contents: Contents, work: impl FnOnce() -> T) -> T {
 ///
 /// # Errors
 /// If the file cannot be read, is no regular file, or is too large.
-pub fn bytes(path: &Path) -> io::Result<Vec<u8>> {
+pub fn read_bytes(path: &Path) -> io::Result<Vec<u8>> {
     if let Some(bytes) = IN_MEMORY.with_borrow(|contents| contents.get(path).cloned()) {
         return Ok(bytes);
     }
@@ -64,12 +64,12 @@ fn whole(path: &Path) -> io::Result<Vec<u8>> {
 
 /// Reads the text of the file at `path`, as [`bytes`] does.
 pub(crate) fn text(path: &Path) -> io::Result<String> {
-    of_utf8(bytes(path)?)
+    of_utf8(read_bytes(path)?)
 }
 
 /// Reads the text of a file or a pipe, for paths named on the command line.
 pub(crate) fn text_or_pipe(path: &Path) -> io::Result<String> {
-    of_utf8(if is_pipe(path)? { whole(path)? } else { bytes(path)? })
+    of_utf8(if is_pipe(path)? { whole(path)? } else { read_bytes(path)? })
 }
 
 fn of_utf8(bytes: Vec<u8>) -> io::Result<String> {
@@ -96,16 +96,16 @@ mod tests {
     #[test]
     fn files_in_memory_are_read_in_place_of_those_on_the_disk_while_the_work_lasts() {
         let (own, other) = (Path::new("Cargo.toml"), Path::new("rustfmt.toml"));
-        let on_disk = [bytes(own).unwrap(), bytes(other).unwrap()];
+        let on_disk = [read_bytes(own).unwrap(), read_bytes(other).unwrap()];
         let contents = |text: &str| Contents::from([(own.to_path_buf(), text.as_bytes().to_vec())]);
         with_contents(contents("outer"), || {
-            assert_eq!(bytes(own).unwrap(), b"outer");
-            assert_eq!(bytes(other).unwrap(), on_disk[1]);
+            assert_eq!(read_bytes(own).unwrap(), b"outer");
+            assert_eq!(read_bytes(other).unwrap(), on_disk[1]);
             let panicked =
                 std::panic::catch_unwind(|| with_contents(contents("inner"), || panic!("{}", text(own).unwrap())));
             assert_eq!(panicked.unwrap_err().downcast_ref::<String>().unwrap(), "inner");
             assert_eq!(text(own).unwrap(), "outer");
         });
-        assert_eq!(bytes(own).unwrap(), on_disk[0]);
+        assert_eq!(read_bytes(own).unwrap(), on_disk[0]);
     }
 }

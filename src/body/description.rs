@@ -1,31 +1,5 @@
 //! The input of a model as Rust values: mesh, materials, supports, contacts, loads and increments. A scene file is read
 //! into the same values.
-//!
-//! ```
-//! use stickslip::body::contact::Obstacle;
-//! use stickslip::body::description::{Axis, Description, Load};
-//! use stickslip::body::fem::Material;
-//! use stickslip::solver::history::{Method, SolverChoice, Status};
-//! use stickslip::body::mesh::MeshSource;
-//! use stickslip::body::model::Model;
-//! use stickslip::run::Run;
-//! use stickslip::base::timeline::equal_increments;
-//!
-//! let steel = Material::new(210e9, 0.3);
-//! let description = Description::new(MeshSource::block([1.0, 1.0], [10, 10]), steel, equal_increments(2.0, 4))
-//!     .support("left", &[Axis::X, Axis::Y])
-//!     .contact("bottom", 0.4, Obstacle::plane(1e-5))
-//!     .load(Load::new("top", &[0.0, -10e6]).over(&[[0.0, 0.0], [1.0, 1.0], [2.0, 1.0]]))
-//!     .load(Load::new("right", &[-10e6, 0.0]).over(&[[0.0, 0.0], [1.0, 1.0], [2.0, 0.0]]));
-//! let model = Model::build(&description)?;
-//! let report = Run::of(&model, model.times().to_vec(), SolverChoice::new(Method::BN))?.solve(&mut ())?;
-//! assert_eq!(report.status, Status::Converged);
-//!
-//! // What is wrong is named by its key.
-//! let mirror = description.contact("right", -0.4, Obstacle::plane(0.0));
-//! assert!(Model::build(&mirror).unwrap_err().to_string().starts_with("contact[1].friction: "));
-//! # Ok::<(), stickslip::run::RunError>(())
-//! ```
 
 mod check;
 mod field;
@@ -55,6 +29,32 @@ use crate::body::mesh::MeshSource;
 
 /// One or several elastic bodies with supports, contacts, springs, loads and increments.
 /// [`Model::build`](crate::body::model::Model::build) and [`Description::check`] check the values.
+///
+/// ```
+/// use stickslip::body::contact::Obstacle;
+/// use stickslip::body::{Axis, Description, Load};
+/// use stickslip::body::fem::Material;
+/// use stickslip::solver::history::{Method, SolverChoice, Status};
+/// use stickslip::body::mesh::MeshSource;
+/// use stickslip::body::Model;
+/// use stickslip::run::Run;
+/// use stickslip::base::equal_increments;
+///
+/// let steel = Material::new(210e9, 0.3);
+/// let description = Description::new(MeshSource::block([1.0, 1.0], [10, 10]), steel, equal_increments(2.0, 4))
+///     .support("left", &[Axis::X, Axis::Y])
+///     .contact("bottom", 0.4, Obstacle::plane(1e-5))
+///     .load(Load::new("top", &[0.0, -10e6]).over(&[[0.0, 0.0], [1.0, 1.0], [2.0, 1.0]]))
+///     .load(Load::new("right", &[-10e6, 0.0]).over(&[[0.0, 0.0], [1.0, 1.0], [2.0, 0.0]]));
+/// let model = Model::build(&description)?;
+/// let report = Run::of(&model, model.times().to_vec(), SolverChoice::new(Method::BN))?.solve(&mut ())?;
+/// assert_eq!(report.status, Status::Converged);
+///
+/// // What is wrong is named by its key.
+/// let mirror = description.contact("right", -0.4, Obstacle::plane(0.0));
+/// assert!(Model::build(&mirror).unwrap_err().to_string().starts_with("contact[1].friction: "));
+/// # Ok::<(), stickslip::run::RunError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Description {
     /// The mesh.

@@ -28,7 +28,7 @@ pub enum RunError {
         /// The available memory and the source of this limit.
         budget: Budget,
     },
-    /// The uniqueness was requested, but [`crate::solver::uniqueness`] cannot compute it here.
+    /// The uniqueness was requested, but the analysis of uniqueness cannot compute it here.
     #[error(
         "the uniqueness can be computed only for nodes that slide along a line: in a plane, friction turns with the \
          slip"

@@ -28,7 +28,7 @@ impl Origin {
     /// # Errors
     /// The file that cannot be read, and the reason.
     pub fn new(scene: &Scene, program: &str) -> Result<Self, (PathBuf, io::Error)> {
-        let hashed = |file: PathBuf| match input::bytes(&file) {
+        let hashed = |file: PathBuf| match input::read_bytes(&file) {
             Ok(bytes) => Ok((file, hash([&bytes[..]]))),
             Err(error) => Err((file, error)),
         };

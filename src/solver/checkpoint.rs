@@ -1,35 +1,4 @@
 //! Checkpoints: snapshots from which a history can be resumed in another process.
-//!
-//! ```
-//! use stickslip::solver::history::Observer;
-//! use stickslip::solver::checkpoint::Checkpoint;
-//! use stickslip::run::Run;
-//! use stickslip::scene::Scene;
-//!
-//! /// Keeps the checkpoint after the second increment, as if the program were ended there.
-//! #[derive(Default)]
-//! struct Keep(Vec<u8>);
-//!
-//! impl Observer for Keep {
-//!     fn rest(&mut self, here: &dyn Fn() -> Checkpoint) {
-//!         let checkpoint = here();
-//!         if checkpoint.increments() == 2 {
-//!             self.0 = checkpoint.to_bytes().unwrap_or_default();
-//!         }
-//!     }
-//! }
-//!
-//! let set = ["mesh.elements=[6,6]".parse()?, "time.increments=4".parse()?];
-//! let scene = Scene::parse("block.toml", include_str!("../../data/scenes/block.toml"), &set)?;
-//! let mut keep = Keep::default();
-//! let whole = Run::new(&scene)?.solve(&mut keep)?;
-//!
-//! let checkpoint = Checkpoint::from_bytes(&keep.0)?;
-//! let rest = Run::new(&scene)?.from(checkpoint).solve(&mut ())?;
-//! assert_eq!(rest.increments.len(), 2); // the third and the fourth
-//! assert_eq!(rest.boundaries, whole.boundaries); // to the last bit
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -40,6 +9,37 @@ const MAGIC: &[u8] = b"stickslip checkpoint 2\n";
 /// A snapshot between two increments of a history, from which the history continues to the same bits.
 ///
 /// Each layer of a run stores a part of its own: first the history, then its observers.
+///
+/// ```
+/// use stickslip::solver::history::Observer;
+/// use stickslip::solver::Checkpoint;
+/// use stickslip::run::Run;
+/// use stickslip::scene::Scene;
+///
+/// /// Keeps the checkpoint after the second increment, as if the program were ended there.
+/// #[derive(Default)]
+/// struct Keep(Vec<u8>);
+///
+/// impl Observer for Keep {
+///     fn rest(&mut self, here: &dyn Fn() -> Checkpoint) {
+///         let checkpoint = here();
+///         if checkpoint.increments() == 2 {
+///             self.0 = checkpoint.to_bytes().unwrap_or_default();
+///         }
+///     }
+/// }
+///
+/// let set = ["mesh.elements=[6,6]".parse()?, "time.increments=4".parse()?];
+/// let scene = Scene::parse("block.toml", include_str!("../../data/scenes/block.toml"), &set)?;
+/// let mut keep = Keep::default();
+/// let whole = Run::new(&scene)?.solve(&mut keep)?;
+///
+/// let checkpoint = Checkpoint::from_bytes(&keep.0)?;
+/// let rest = Run::new(&scene)?.from(checkpoint).solve(&mut ())?;
+/// assert_eq!(rest.increments.len(), 2); // the third and the fourth
+/// assert_eq!(rest.boundaries, whole.boundaries); // to the last bit
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Checkpoint {
     increments: usize,

@@ -1,22 +1,4 @@
 //! Static condensation (33)–(35): the problem on the contact displacements alone, and the recovery of the interior.
-//!
-//! With the contact displacements `u_c` and the interior `u_r`,
-//!
-//! ```text
-//! [ K_rr K_rc ] [u_r]   [f_r]         S u_c = f̃_c,  S = K_cc - K_cr K_rr⁻¹ K_rc,
-//! [ K_cr K_cc ] [u_c] = [f_c - Cᵀ p]                f̃_c = f_c - Cᵀ p - K_cr K_rr⁻¹ f_r.
-//! ```
-//!
-//! `K` never changes. It is factored once with `u_c` last, so that the factors contain `S = L_cc L_ccᵀ`; see
-//! [`Cholesky`]. This stiffness form is accurate for slender bodies, where the compliance form `C K⁻¹ Cᵀ` loses half
-//! the digits. The interior part of each load case is also computed only once. An increment therefore needs the
-//! interior only at its end, in [`Condensed::state`].
-//!
-//! If contact rows couple displacements of several nodes, `OwnBasis` changes the displacements of the condensed
-//! problem, so that each node can be eliminated separately.
-//!
-//! If only contact holds a body, `K` is singular. Then `ρ`, usually the diagonal of `K`, is added to the contact
-//! block and subtracted again, `S = L_cc L_ccᵀ - ρ`, which changes nothing else.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -27,6 +9,24 @@ use crate::solver::loading::{LoadCase, Loading};
 use crate::solver::problem::{ContactProblem, OwnBasis, Parts, State};
 
 /// The factorisation with which a body is condensed.
+///
+/// With the contact displacements `u_c` and the interior `u_r`,
+///
+/// ```text
+/// [ K_rr K_rc ] [u_r]   [f_r]         S u_c = f̃_c,  S = K_cc - K_cr K_rr⁻¹ K_rc,
+/// [ K_cr K_cc ] [u_c] = [f_c - Cᵀ p]                f̃_c = f_c - Cᵀ p - K_cr K_rr⁻¹ f_r.
+/// ```
+///
+/// `K` never changes. It is factored once with `u_c` last, so that the factors contain `S = L_cc L_ccᵀ`; see
+/// [`Cholesky`]. This stiffness form is accurate for slender bodies, where the compliance form `C K⁻¹ Cᵀ` loses half
+/// the digits. The interior part of each load case is also computed only once. An increment therefore needs the
+/// interior only at its end, in [`Condensed::state`].
+///
+/// If contact rows couple displacements of several nodes, `OwnBasis` changes the displacements of the condensed
+/// problem, so that each node can be eliminated separately.
+///
+/// If only contact holds a body, `K` is singular. Then `ρ`, usually the diagonal of `K`, is added to the contact
+/// block and subtracted again, `S = L_cc L_ccᵀ - ρ`, which changes nothing else.
 #[derive(Clone)]
 pub struct Condensation {
     cholesky: SparseCholesky,

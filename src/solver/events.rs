@@ -30,8 +30,8 @@
 //! ```
 //! use stickslip::solver::events::{Equations, SegmentEnd, ExactPath};
 //! use stickslip::algebra::linear::RefinedSolver;
-//! use stickslip::solver::loading::{LoadCase, Loading};
-//! use stickslip::solver::problem::{ContactProblem, Parts};
+//! use stickslip::solver::{LoadCase, Loading};
+//! use stickslip::solver::{ContactProblem, Parts};
 //! use stickslip::algebra::sparse::{Csr, Symmetric};
 //!
 //! // A node on two springs of 2 N/m, 0.25 m above a floor, pressed with 1 N and pulled along it with 0.6 N; friction 0.5.

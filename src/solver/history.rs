@@ -18,8 +18,8 @@
 //!
 //! ```
 //! use stickslip::solver::history::{self, HistorySettings, Method, Status, SystemSolver};
-//! use stickslip::solver::loading::{LoadCase, Loading};
-//! use stickslip::solver::problem::{ContactProblem, Parts};
+//! use stickslip::solver::{LoadCase, Loading};
+//! use stickslip::solver::{ContactProblem, Parts};
 //! use stickslip::algebra::sparse::{Csr, Symmetric};
 //!
 //! // A node on two springs of 2 N/m, pressed on a floor with 1 N and pulled along it with 0.1 N; friction 0.3.

@@ -1,13 +1,4 @@
 //! The initial working set: the contact nodes that loads and obstacles can probably bring into contact.
-//!
-//! `S` of a condensed body is dense on all contact displacements, so that a node far from its obstacle costs as much
-//! as a closed one. Let `ū(t)` be the displacements of the body under its loads without contact forces, and
-//! `d_i = min_t g_i(t) - (C_n ū(t))_i` over the ends of increments. The nodes with `d_i ≤ 0` would penetrate. They
-//! are in the set, and as many others, the nearest ones: a round obstacle touches fewer nodes than it would
-//! penetrate, a lever brings more. The set is therefore an estimate and no bound. It affects only the start of the
-//! solution, not the result, see [`HistorySettings::working_set`].
-//!
-//! [`HistorySettings::working_set`]: crate::solver::history::HistorySettings::working_set
 
 use std::sync::Arc;
 
@@ -45,6 +36,15 @@ pub struct InitialWorkingSet {
 ///
 /// # Errors
 /// If memory is short for the factors of `K`, which are needed if there are loads.
+///
+/// `S` of a condensed body is dense on all contact displacements, so that a node far from its obstacle costs as much
+/// as a closed one. Let `ū(t)` be the displacements of the body under its loads without contact forces, and
+/// `d_i = min_t g_i(t) - (C_n ū(t))_i` over the ends of increments. The nodes with `d_i ≤ 0` would penetrate. They
+/// are in the set, and as many others, the nearest ones: a round obstacle touches fewer nodes than it would
+/// penetrate, a lever brings more. The set is therefore an estimate and no bound. It affects only the start of the
+/// solution, not the result, see [`HistorySettings::working_set`].
+///
+/// [`HistorySettings::working_set`]: crate::solver::history::HistorySettings::working_set
 pub fn working_set(
     problem: &ContactProblem,
     loading: &Loading,

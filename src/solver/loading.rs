@@ -34,13 +34,13 @@ pub struct Motion {
 /// The external forces and gaps of a history.
 ///
 /// ```
-/// use stickslip::solver::loading::{LoadCase, Loading};
+/// use stickslip::solver::{LoadCase, Loading};
 ///
 /// // 2 N on the first of two displacements, raised over a second; one node, 1 mm from its obstacle.
 /// let load = LoadCase::new(vec![2.0, 0.0], vec![[0.0, 0.0], [1.0, 1.0]])?;
 /// let loading = Loading::new(vec![load], vec![1e-3])?;
 /// assert_eq!((loading.cases()[0].factor(0.5), loading.gaps_at(0.5)), (0.5, vec![1e-3]));
-/// # Ok::<(), stickslip::solver::problem::ProblemError>(())
+/// # Ok::<(), stickslip::solver::ProblemError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Loading {

@@ -12,8 +12,8 @@ pub use armijo::Armijo;
 pub use bn::Bn;
 pub use end::{Measure, StopCriterion};
 pub use ip::{Centring, Ip, IpSettings};
-pub(crate) use predictor_corrector::PredictorCorrectorSettings;
 pub(crate) use predictor_corrector::PredictorCorrector;
+pub(crate) use predictor_corrector::PredictorCorrectorSettings;
 
 use crate::algebra::linear::LinearError;
 use crate::algebra::sparse::SystemMatrix;

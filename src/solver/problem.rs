@@ -1,12 +1,4 @@
 //! The discrete frictional contact problem: algebra only, no mesh.
-//!
-//! With the unknowns `u`, `p_T = (p_t, p_o)`, `p_n` and in the conventions of the paper:
-//! equilibrium `K u + C_nᵀ p_n + C_tᵀ p_t + C_oᵀ p_o = f` (15); contact `w_n = C_n u ≤ g`, `p_n ≥ 0`,
-//! `p_n (w_n - g) = 0` (4); friction `|p_T| ≤ μ p_n`, dissipating most against the slip increment
-//! `w_T - w̄_T` with `w_T = (C_t u, C_o u)` (8).
-//!
-//! A contact node has two tangents in three dimensions (any orthonormal pair), one in two, and fewer if supports
-//! leave less freedom: a row of `C_t` or `C_o` without such freedom is empty.
 
 mod check;
 mod contact_stiffness;
@@ -29,7 +21,7 @@ use crate::base::units::Scaling;
 /// A body against rigid obstacles, in SI units. [`ContactProblem::new`] has checked its parts.
 ///
 /// ```
-/// use stickslip::solver::problem::{ContactProblem, Parts, ProblemError};
+/// use stickslip::solver::{ContactProblem, Parts, ProblemError};
 /// use stickslip::algebra::sparse::{Csr, Symmetric};
 ///
 /// // A node on two springs, above a floor that it meets along -y; friction 0.3.
@@ -43,6 +35,14 @@ use crate::base::units::Scaling;
 /// assert_eq!(error.to_string(), "mu[0] is -0.3, but must be 0 or more");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+///
+/// With the unknowns `u`, `p_T = (p_t, p_o)`, `p_n` and in the conventions of the paper:
+/// equilibrium `K u + C_nᵀ p_n + C_tᵀ p_t + C_oᵀ p_o = f` (15); contact `w_n = C_n u ≤ g`, `p_n ≥ 0`,
+/// `p_n (w_n - g) = 0` (4); friction `|p_T| ≤ μ p_n`, dissipating most against the slip increment
+/// `w_T - w̄_T` with `w_T = (C_t u, C_o u)` (8).
+///
+/// A contact node has two tangents in three dimensions (any orthonormal pair), one in two, and fewer if supports
+/// leave less freedom: a row of `C_t` or `C_o` without such freedom is empty.
 #[derive(Debug, Clone)]
 pub struct ContactProblem {
     parts: Parts,

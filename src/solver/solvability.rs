@@ -1,16 +1,4 @@
 //! Checks before solving, to see if a problem can be expected to have a solution.
-//!
-//! Theorem 3 of the paper has three conditions, which [`Conditions`] checks as far as possible:
-//!
-//! - (a) `K u = 0` and `C_n u ≤ 0` only for `u = 0`: no rigid motion takes the body away from every
-//!   obstacle;
-//! - (b) the columns of `[C_nᵀ C_tᵀ]`, in three dimensions of `[C_nᵀ C_tᵀ C_oᵀ]`, are linearly independent;
-//! - the Jacobian of `H_I` (25) is regular everywhere in `Ω₊₊` (28). That depends on points which only the iteration
-//!   visits, and cannot be checked in advance.
-//!
-//! Then Algorithm IP with the partition (F, G) is well defined and drives `H_I` to 0.
-//!
-//! If (a) fails, the existence of a solution depends on the load: see [`rigid_equilibrium`].
 
 mod cone;
 mod free;
@@ -29,6 +17,18 @@ pub(crate) use free::Load;
 pub(crate) use landing::{Landing, NEARBY, is_carried_without_strain, landing};
 
 /// The violations of the conditions (a) and (b) of Theorem 3.
+///
+/// Theorem 3 of the paper has three conditions, checked here as far as possible:
+///
+/// - (a) `K u = 0` and `C_n u ≤ 0` only for `u = 0`: no rigid motion takes the body away from every
+///   obstacle;
+/// - (b) the columns of `[C_nᵀ C_tᵀ]`, in three dimensions of `[C_nᵀ C_tᵀ C_oᵀ]`, are linearly independent;
+/// - the Jacobian of `H_I` (25) is regular everywhere in `Ω₊₊` (28). That depends on points which only the iteration
+///   visits, and cannot be checked in advance.
+///
+/// Then Algorithm IP with the partition (F, G) is well defined and drives `H_I` to 0.
+///
+/// If (a) fails, the existence of a solution depends on the load: see [`rigid_equilibrium`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Conditions {
     /// A motion that violates (a), if there is one: the weights of the problem's `rigid_modes`.

@@ -1,18 +1,5 @@
 //! The uniqueness of a solution: rigid motions that lead to other solutions ([`NeutralMotion`]), and the friction
 //! that can make it ambiguous along the present statuses ([`critical_friction`]).
-//!
-//! Multiply the friction at the slipping nodes by `κ` and keep every status. A small change of the
-//! load then changes a solution by `(du, dp_t, dp_n)` with
-//!
-//! - everywhere `K du + C_nᵀ dp_n + C_tᵀ dp_t = df`;
-//! - open nodes: `dp_n = dp_t = 0`; closed ones: `C_n du = dg`; sticking ones: `C_t du = 0`;
-//! - slipping ones: `-dp_t + κ μ s dp_n = 0`, with `s` the sign of `p_t`.
-//!
-//! That matrix is `J(κ) = J_0 + κ J_1`, and `J_1 x` is `μ_i s_i dp_n,i` in the slip rows and 0 elsewhere. Let `T v`
-//! be the normal forces of the slipping nodes if the tangential forces `μ_i s_i v_i` act there and the other rows of
-//! `J_0` are 0. Eliminating with `J_0` leaves `dp_n = κ T dp_n`: `J(κ)` is singular if and only if `1/κ` is an
-//! eigenvalue of `T`, or `J_0` is singular. `κ_c` is the smallest such `κ ≥ 0`. With all nodes slipping and
-//! `W = C K⁻¹ Cᵀ`, `T = -W_nn⁻¹ W_nt diag(μ s)` (Klarbring, Ing.-Arch. 60, 1990, for one node).
 
 mod neutral;
 
@@ -71,6 +58,19 @@ struct Slider {
 /// # Errors
 /// If an array does not fit the problem, or if the linear solver fails, for example for lack of memory. A singular
 /// matrix is no error.
+///
+/// Multiply the friction at the slipping nodes by `κ` and keep every status. A small change of the
+/// load then changes a solution by `(du, dp_t, dp_n)` with
+///
+/// - everywhere `K du + C_nᵀ dp_n + C_tᵀ dp_t = df`;
+/// - open nodes: `dp_n = dp_t = 0`; closed ones: `C_n du = dg`; sticking ones: `C_t du = 0`;
+/// - slipping ones: `-dp_t + κ μ s dp_n = 0`, with `s` the sign of `p_t`.
+///
+/// That matrix is `J(κ) = J_0 + κ J_1`, and `J_1 x` is `μ_i s_i dp_n,i` in the slip rows and 0 elsewhere. Let `T v`
+/// be the normal forces of the slipping nodes if the tangential forces `μ_i s_i v_i` act there and the other rows of
+/// `J_0` are 0. Eliminating with `J_0` leaves `dp_n = κ T dp_n`: `J(κ)` is singular if and only if `1/κ` is an
+/// eigenvalue of `T`, or `J_0` is singular. `κ_c` is the smallest such `κ ≥ 0`. With all nodes slipping and
+/// `W = C K⁻¹ Cᵀ`, `T = -W_nn⁻¹ W_nt diag(μ s)` (Klarbring, Ing.-Arch. 60, 1990, for one node).
 pub fn critical_friction(
     problem: &ContactProblem,
     increment: &Increment<'_>,

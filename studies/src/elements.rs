@@ -3,13 +3,11 @@
 use std::collections::BTreeSet;
 use std::f64::consts::PI;
 use std::sync::Arc;
-
-use stickslip::base::formula::Formula;
+use stickslip::base::Formula;
 use stickslip::body::contact::{Obstacle, Shape};
-use stickslip::body::description::{Axis, Description, Load, Support};
 use stickslip::body::fem::{Material, Plane};
 use stickslip::body::mesh::{CellKind, MeshSource, Segment};
-use stickslip::body::model::Model;
+use stickslip::body::{Axis, Description, Load, Model, Support};
 use stickslip::run::report::cpu_seconds;
 use stickslip::run::{Recording, Run};
 use stickslip::solver::history::{LinearAlgebra, Method, SolverChoice, Status};

@@ -6,11 +6,9 @@ mod increments;
 mod locking;
 
 use std::fmt;
-
-use stickslip::base::input_error::InputError;
-use stickslip::body::description::Description;
+use stickslip::base::InputError;
 use stickslip::body::mesh::CellKind;
-use stickslip::body::model::{Model, ModelError};
+use stickslip::body::{Description, Model, ModelError};
 use stickslip::run::report::RunReport;
 use stickslip::run::{Run, RunError};
 use stickslip::scene::{OverrideSyntax, SceneError};

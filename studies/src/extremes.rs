@@ -6,14 +6,12 @@ mod vary;
 
 pub use picture::charts;
 
-use std::time::Instant;
-
 use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
+use std::time::Instant;
 use stickslip::algebra::linear::LinearError;
-use stickslip::body::model::{Model, ModelError};
-use stickslip::run::discretise;
-use stickslip::run::{Run, RunError};
+use stickslip::body::{Model, ModelError};
+use stickslip::run::{Run, RunError, discretise};
 use stickslip::scene::{Override, OverrideSyntax, Scene, SceneError};
 use stickslip::solver::history::{self, HistoryOutcome, Method, SolverChoice, Status};
 use stickslip::solver::laws::KktErrors;

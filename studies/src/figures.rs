@@ -3,14 +3,13 @@
 
 mod picture;
 
+use crate::tables::{PaperError, PaperMethod, PaperTable};
 use std::ops::ControlFlow;
-use stickslip::body::model::Model;
+use stickslip::body::Model;
 use stickslip::run::discretise;
 use stickslip::run::report::ContactLine;
+use stickslip::solver::IterationRecord;
 use stickslip::solver::history::{HistoryOutcome, IncrementRecord, IncrementView, Observer, Status};
-use stickslip::solver::newton::IterationRecord;
-
-use crate::tables::{PaperError, PaperMethod, PaperTable};
 
 /// The friction coefficient of all figures.
 pub const MU: f64 = 0.4;

@@ -1,12 +1,10 @@
 //! The paper's tables, computed again: mean counts of linear systems and line searches per increment.
 
-use std::time::Instant;
-
 use clap::ValueEnum;
 use serde::Serialize;
-use stickslip::body::model::ModelError;
-use stickslip::run::discretise;
-use stickslip::run::{Run, RunError};
+use std::time::Instant;
+use stickslip::body::ModelError;
+use stickslip::run::{Run, RunError, discretise};
 use stickslip::scene::{Override, Scene, SceneError};
 use stickslip::solver::history::{IncrementRecord, LinearAlgebra, Method, SolverChoice, Start, Status};
 

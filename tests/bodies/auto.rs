@@ -2,14 +2,11 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common::{Keep, block};
-use stickslip::body::model::Model;
-use stickslip::run::auto::{AvailableSolvers, Choice, Done};
-use stickslip::run::discretise;
-use stickslip::run::{Run, Unsuited, unsuited};
+use stickslip::body::Model;
+use stickslip::run::{AvailableSolvers, Choice, Done, Run, Unsuited, discretise, unsuited};
 use stickslip::scene::Scene;
 use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, SystemSolver};
-use stickslip::solver::initial_working_set::InitialWorkingSet;
-use stickslip::solver::problem::State;
+use stickslip::solver::{InitialWorkingSet, State};
 
 const STRIP: [&str; 2] = ["mesh.size=[1000,4]", "mesh.elements=[1000,4]"];
 

@@ -2,13 +2,10 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use std::f64::consts::PI;
-
-use stickslip::base::formula::Formula;
-use stickslip::base::units::{LengthUnit, Quantity, StressUnit, Units};
-use stickslip::body::description::{Action, Axis, Bed, Description, Field, Load, Support, Where};
+use stickslip::base::{Formula, LengthUnit, Quantity, StressUnit, Units};
 use stickslip::body::fem::{Elasticity, Element, Material, Plane, gradients, strain_at};
 use stickslip::body::mesh::{CellKind, Geometry, MeshSource, fine_quadrature, shape};
-use stickslip::body::model::Model;
+use stickslip::body::{Action, Axis, Bed, Description, Field, Load, Model, Support, Where};
 use stickslip::run::report::RunReport;
 use stickslip::run::{Recording, Run};
 use stickslip::solver::history::{Method, SolverChoice, Status};

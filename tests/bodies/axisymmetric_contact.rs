@@ -6,17 +6,15 @@ use crate::common::hertz::Hertz;
 use crate::common::{Keep, difference};
 use crate::second_order_contact::hertz::{alternating, graded, keep_zone};
 use stickslip::algebra::linear::{SparseCholesky, SparseLu};
-use stickslip::base::formula::Formula;
+use stickslip::base::Formula;
 use stickslip::body::contact::{ContactNode, Obstacle, Place, Shape};
-use stickslip::body::description::{Axis, Description, Load, Support};
 use stickslip::body::fem::{Element, Material, Plane};
 use stickslip::body::mesh::{Cell, CellKind, Mesh};
-use stickslip::body::model::Model;
-use stickslip::run::Run;
-use stickslip::run::discretise;
+use stickslip::body::{Axis, Description, Load, Model, Support};
+use stickslip::run::{Run, discretise};
 use stickslip::scene::Scene;
+use stickslip::solver::State;
 use stickslip::solver::history::{HistoryOutcome, LinearAlgebra, Method, Observer, SolverChoice, Status};
-use stickslip::solver::problem::State;
 
 /// A cylinder of radius and height 1 on its base under a parabola.
 fn cylinder(cells: &str, n: usize, element: &str, poisson: f64, friction: f64) -> Scene {

@@ -3,13 +3,12 @@
 #![allow(clippy::unwrap_used)]
 
 use std::ops::ControlFlow;
-use stickslip::run::discretise;
-use stickslip::run::{RecordedIncrement, Recording, Run, RunError};
+use stickslip::run::{RecordedIncrement, Recording, Run, RunError, discretise};
 use stickslip::scene::Scene;
-use stickslip::solver::checkpoint::{Checkpoint, CheckpointError};
 use stickslip::solver::history::{
     self, HistorySettings, IncrementView, LinearAlgebra, Method, Observer, Status, SystemSolver,
 };
+use stickslip::solver::{Checkpoint, CheckpointError};
 
 /// Keeps all checkpoints, as bytes, and all increments.
 #[derive(Default)]

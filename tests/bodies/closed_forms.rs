@@ -3,12 +3,11 @@
 
 use crate::common;
 use stickslip::algebra::sparse::{Csr, Symmetric};
-use stickslip::base::units::Scaling;
+use stickslip::base::Scaling;
 use stickslip::run::discretise;
 use stickslip::scene::Scene;
 use stickslip::solver::history::{self, HistorySettings, Method, Status, SystemSolver};
-use stickslip::solver::loading::{LoadCase, Loading};
-use stickslip::solver::problem::{ContactProblem, Parts};
+use stickslip::solver::{ContactProblem, LoadCase, Loading, Parts};
 
 /// A block pressed on a foundation, free to widen: uniform stress, whatever the mesh.
 fn compressed(plane: &str, friction: f64) -> Scene {

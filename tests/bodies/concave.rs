@@ -2,21 +2,19 @@
 
 #![allow(clippy::unwrap_used)]
 
+use crate::common::Keep;
 use std::f64::consts::PI;
 use std::sync::Arc;
-
-use crate::common::Keep;
 use stickslip::algebra::vector::{cross, dot, minus, norm, unit};
 use stickslip::body::contact::{
     DeformedNode, GapDirection, Obstacle, ObstacleMotion, Place, PlacedObstacle, Rotation, Shape, range_left,
 };
-use stickslip::body::description::{Axis, Description};
 use stickslip::body::fem::Material;
 use stickslip::body::mesh::{Mesh, MeshSource, block};
-use stickslip::body::model::Model;
+use stickslip::body::{Axis, Description, Model};
 use stickslip::run::Run;
+use stickslip::solver::State;
 use stickslip::solver::history::{Method, SolverChoice, Status};
-use stickslip::solver::problem::State;
 
 fn nearest(shape: Shape, normal: &[f64]) -> Obstacle {
     Obstacle {
@@ -261,7 +259,7 @@ fn a_cone_is_its_gaps() {
         (4.0 * state.p_n.iter().sum::<f64>(), state.u)
     };
     let (force, u) = pressed(Shape::Cone { apex: [0.0, 0.0, 2.4].into(), half_angle, axis: None });
-    let formula = stickslip::base::formula::Formula::parse("sqrt(x^2 + y^2) / tan(1.45)").unwrap();
+    let formula = stickslip::base::Formula::parse("sqrt(x^2 + y^2) / tan(1.45)").unwrap();
     let (same, v) = pressed(Shape::Formula(formula));
     assert!((force / same - 1.0).abs() < 1e-9 && u.iter().zip(&v).all(|(a, b)| (a - b).abs() < 1e-9 * delta));
     let exact = 2.0 * young / (1.0 - poisson * poisson) * delta * delta * half_angle.tan() / PI;

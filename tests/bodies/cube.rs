@@ -2,13 +2,12 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
-use std::f64::consts::FRAC_1_SQRT_2;
-use std::path::Path;
-
 use crate::common;
 use crate::common::Keep;
+use std::f64::consts::FRAC_1_SQRT_2;
+use std::path::Path;
+use stickslip::body::Model;
 use stickslip::body::contact::ContactNode;
-use stickslip::body::model::Model;
 use stickslip::run::discretise;
 use stickslip::scene::Scene;
 use stickslip::solver::formulation::FormulationScaling;
@@ -235,7 +234,7 @@ fn a_slab_is_plane() {
 
 /// Contact forces as vectors, of each increment.
 fn forces(model: &Model, keep: &Keep) -> Vec<Vec<[f64; 3]>> {
-    let of = |state: &stickslip::solver::problem::State| {
+    let of = |state: &stickslip::solver::State| {
         let force = |(i, contact): (usize, &ContactNode)| {
             let (n, [t, o]) = (contact.facing.normal, contact.facing.tangents);
             [0, 1, 2].map(|c| state.p_n[i] * n[c] + state.p_t[i] * t[c] + state.p_o[i] * o[c])

@@ -3,22 +3,18 @@
 
 #![allow(clippy::unwrap_used)]
 
-use miette::Diagnostic;
-use stickslip::base::formula::Formula;
-use stickslip::base::timeline::equal_increments;
-use stickslip::body::contact::{GapDirection, Obstacle, Place, Rotation, Shape};
-use stickslip::body::description::{Axis, Description, Load};
-use stickslip::body::fem::{Element, Layer, Material, MaterialGroup, Plane};
-use stickslip::body::mesh::{CellKind, HalfPlane, MeshSource, Segment};
-use stickslip::body::model::{Model, ModelError};
-use stickslip::run::Run;
-use stickslip::run::discretise;
-use stickslip::scene::{Scene, SceneError};
-use stickslip::solver::history::{Method, SolverChoice, Status};
-
 use crate::common;
 use crate::common::edit;
 use crate::common::faults::BLOCK;
+use miette::Diagnostic;
+use stickslip::base::{Formula, equal_increments};
+use stickslip::body::contact::{GapDirection, Obstacle, Place, Rotation, Shape};
+use stickslip::body::fem::{Element, Layer, Material, MaterialGroup, Plane};
+use stickslip::body::mesh::{CellKind, HalfPlane, MeshSource, Segment};
+use stickslip::body::{Axis, Description, Load, Model, ModelError};
+use stickslip::run::{Run, discretise};
+use stickslip::scene::{Scene, SceneError};
+use stickslip::solver::history::{Method, SolverChoice, Status};
 
 /// The paper's block as data/scenes/block.toml has it, with fewer elements.
 pub fn paper_block() -> Description {

@@ -1,19 +1,16 @@
 //! What a report says of its own mesh. doc/estimates.md has the figures, which `--nocapture` prints.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
+use crate::common::hertz::Hertz;
 use stickslip::algebra::vector::Vector;
 use stickslip::body::contact::{Obstacle, Place, Shape};
-use stickslip::body::description::{Action, Axis, Description, Where};
-use stickslip::body::estimate::{ContactEstimate, peak_error};
 use stickslip::body::fem::{Element, Material};
 use stickslip::body::mesh::{CellKind, HalfPlane, MeshSource};
-use stickslip::body::model::Model;
+use stickslip::body::{Action, Axis, ContactEstimate, Description, Model, Where, peak_error};
 use stickslip::run::Run;
 use stickslip::run::report::{RunReport, WarningKind};
 use stickslip::scene::Scene;
 use stickslip::solver::history::{Method, SolverChoice, Status};
-
-use crate::common::hertz::Hertz;
 
 const YOUNG: f64 = 210e9;
 const NU: f64 = 0.3;

@@ -4,14 +4,12 @@
 
 use super::fronts::{divided, pushed, solved};
 use crate::common::BELT;
-use stickslip::base::formula::Formula;
+use stickslip::base::Formula;
 use stickslip::body::contact::Obstacle;
-use stickslip::body::description::{Axis, Description, Load};
 use stickslip::body::fem::Material;
 use stickslip::body::mesh::MeshSource;
-use stickslip::body::model::Model;
-use stickslip::run::discretise;
-use stickslip::run::{Recording, Run};
+use stickslip::body::{Axis, Description, Load, Model};
+use stickslip::run::{Recording, Run, discretise};
 use stickslip::scene::Scene;
 use stickslip::solver::history::{LinearAlgebra, Method, SolverChoice, Status};
 

@@ -2,22 +2,19 @@
 
 #![allow(clippy::unwrap_used)]
 
-use std::sync::Arc;
-
 use crate::common;
 use crate::common::{BELT, Keep, difference};
+use std::sync::Arc;
 use stickslip::algebra::vector::{minus, norm};
 use stickslip::body::contact::{ContactNode, GapDirection, Obstacle, Place, Shape};
-use stickslip::body::description::{Axis, Contact, Description, Load};
 use stickslip::body::fem::Material;
 use stickslip::body::mesh::{Boundary, Geometry, Mesh, MeshSource, Notes, block};
-use stickslip::body::model::Model;
-use stickslip::run::Run;
-use stickslip::run::discretise;
+use stickslip::body::{Axis, Contact, Description, Load, Model};
 use stickslip::run::report::{LeftOut, Resultant};
+use stickslip::run::{Run, discretise};
 use stickslip::scene::Scene;
+use stickslip::solver::State;
 use stickslip::solver::history::{Method, SolverChoice, Status};
-use stickslip::solver::problem::State;
 
 const PLANE: &str = "kind = \"plane\", motion = { translation = [[0, 0, 0], [1, 0, 0], [2, 0.5, 0]] }";
 

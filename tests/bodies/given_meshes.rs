@@ -2,12 +2,10 @@
 
 #![allow(clippy::unwrap_used)]
 
-use miette::Diagnostic;
-use stickslip::body::description::Description;
-use stickslip::body::mesh::{Boundary, Cell, CellKind, Mesh, MeshFault, block};
-use stickslip::body::model::Model;
-
 use super::description::{paper_block, refused};
+use miette::Diagnostic;
+use stickslip::body::mesh::{Boundary, Cell, CellKind, Mesh, MeshFault, block};
+use stickslip::body::{Description, Model};
 
 /// A block by its arrays, with the facets of its boundaries turned and in disorder, is the block.
 #[test]

@@ -2,13 +2,11 @@
 
 #![allow(clippy::unwrap_used)]
 
-use std::path::Path;
-
 use miette::Diagnostic;
-use stickslip::body::description::{Axis, Description};
+use std::path::Path;
 use stickslip::body::fem::{Material, MaterialGroup};
 use stickslip::body::mesh::{Cell, CellKind, Mesh, MeshFault, MeshFileError, Notes, block, from_gmsh, gmsh};
-use stickslip::body::model::{Model, ModelError};
+use stickslip::body::{Axis, Description, Model, ModelError};
 
 fn read(name: &str, scale: f64) -> Mesh {
     gmsh(&Path::new(env!("CARGO_MANIFEST_DIR")).join("data/meshes").join(name), scale).unwrap()

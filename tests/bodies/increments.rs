@@ -6,8 +6,7 @@ use stickslip::run::Run;
 use stickslip::run::report::{RunReport, WarningKind};
 use stickslip::scene::Scene;
 use stickslip::solver::history::{self, HistorySettings, IncrementError, Method, SystemSolver};
-use stickslip::solver::loading::{LoadCase, Loading};
-use stickslip::solver::problem::{ContactProblem, Parts};
+use stickslip::solver::{ContactProblem, LoadCase, Loading, Parts};
 
 const PUNCH: &str = include_str!("../../data/scenes/punch.toml");
 const BLOCK: &str = include_str!("../../data/scenes/block.toml");
@@ -83,10 +82,8 @@ fn a_node_that_sticks_where_it_touches_though_its_increment_has_it_slide() {
     let problem = ContactProblem::new(Parts { c_t, mu: vec![3.0], ..Parts::new(stiffness, c_n) }).unwrap();
     let load = LoadCase::new(vec![1.0, -1.0], vec![[0.0, 0.0], [1.0, 1.0]]).unwrap();
     let loading = Loading::new(vec![load], vec![0.4]).unwrap();
-    let settings = HistorySettings {
-        estimates_error: true,
-        ..HistorySettings::new(&problem, &loading, Method::BN).unwrap()
-    };
+    let settings =
+        HistorySettings { estimates_error: true, ..HistorySettings::new(&problem, &loading, Method::BN).unwrap() };
     let outcome = history::run(&problem, &loading, &[1.0], &settings, SystemSolver::default(), &mut ()).unwrap();
     assert!((outcome.state.p_t[0] - 0.6).abs() < 1e-12, "{:?}", outcome.state);
     let found = outcome.increment_error.unwrap();

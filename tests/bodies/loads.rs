@@ -1,18 +1,16 @@
 //! Loads, supports and springs against closed forms, and the balance of all forces.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
+use crate::common::rings::ring;
 use stickslip::algebra::vector::norm;
-use stickslip::base::formula::Formula;
+use stickslip::base::Formula;
 use stickslip::body::contact::{Obstacle, Shape};
-use stickslip::body::description::{Action, Axis, Bed, Description, Field, Load, Support, Where};
 use stickslip::body::fem::{Material, Plane};
 use stickslip::body::mesh::{Mesh, MeshSource};
-use stickslip::body::model::Model;
+use stickslip::body::{Action, Axis, Bed, Description, Field, Load, Model, Support, Where};
 use stickslip::run::report::RunReport;
 use stickslip::run::{Recording, Run};
 use stickslip::solver::history::{Method, SolverChoice, Status};
-
-use crate::common::rings::ring;
 
 const BOTH: [Axis; 2] = [Axis::X, Axis::Y];
 

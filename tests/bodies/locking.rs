@@ -3,12 +3,10 @@
 
 use crate::common;
 use crate::common::solve;
-use stickslip::body::description::{Axis, Description, Load};
 use stickslip::body::fem::{Dofs, Elasticity, Element, Material, assemble, element_stiffness, facet_load};
 use stickslip::body::mesh::{CellKind, Geometry, MeshSource, block};
-use stickslip::body::model::Model;
-use stickslip::run::Run;
-use stickslip::run::discretise;
+use stickslip::body::{Axis, Description, Load, Model};
+use stickslip::run::{Run, discretise};
 use stickslip::solver::history::{SolverChoice, Status};
 
 /// A quadrilateral without parallel sides.

@@ -1,20 +1,16 @@
 //! The error of the mesh in the energy norm beside what a run says of it. doc/estimates.md has the figures, which `--nocapture` prints.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
-use std::f64::consts::PI;
-
+use super::estimates::solved;
 use crate::common::solve;
-use stickslip::base::formula::Formula;
-use stickslip::body::description::{Action, Axis, Description, Field, Load, Support};
-use stickslip::body::estimate::ElementEstimate;
+use std::f64::consts::PI;
+use stickslip::base::Formula;
 use stickslip::body::fem::{Elasticity, Element, Material, Plane, assemble, gradients, strain_at};
 use stickslip::body::mesh::{Cell, CellKind, Geometry, Mesh, MeshSource, block, fine_quadrature, shape};
-use stickslip::body::model::Model;
+use stickslip::body::{Action, Axis, Description, ElementEstimate, Field, Load, Model, Support};
 use stickslip::run::Run;
 use stickslip::run::report::{Warning, WarningKind};
 use stickslip::solver::history::SolverChoice;
-
-use super::estimates::solved;
 
 /// A block that is bent by tractions that are linear over its height: the exact strain energy is `∫ σ² / 2E`, in plane strain with
 /// `E / (1 - ν²)`. That of the mesh is smaller by half the square of the error, and the estimate meets it to an eighth.

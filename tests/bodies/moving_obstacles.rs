@@ -4,7 +4,7 @@
 use crate::common;
 use crate::common::{BELT, Keep};
 use std::ops::ControlFlow;
-use stickslip::body::model::Model;
+use stickslip::body::Model;
 use stickslip::run::discretise;
 use stickslip::scene::Scene;
 use stickslip::solver::history::{LinearAlgebra, Method, Status, SystemSolver};

@@ -1,17 +1,15 @@
 //! What elements are worth near ν = 1/2 beyond forces: stresses, contact pressures, and bending with compressible materials.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
+use super::axisymmetric_bodies::ring;
 use std::ops::ControlFlow;
 use stickslip::body::contact::Obstacle;
-use stickslip::body::description::{Action, Axis, Probe, Support};
 use stickslip::body::fem::{Element, Material};
 use stickslip::body::mesh::CellKind;
-use stickslip::body::model::Model;
+use stickslip::body::{Action, Axis, Model, Probe, Support};
 use stickslip::run::report::{ProbeTable, WarningKind};
 use stickslip::run::{Recording, Run};
 use stickslip::solver::history::{IncrementView, Observer, SolverChoice};
-
-use super::axisymmetric_bodies::ring;
 
 const YOUNG: f64 = 6e6;
 /// Inner and outer radius of a tube, its height and its interference with the bore, m.

@@ -5,10 +5,9 @@
 use stickslip::algebra::vector::{minus, norm};
 use stickslip::body::fem::{cell_volume, gradients};
 use stickslip::body::mesh::{Geometry, fine_quadrature, shape};
-use stickslip::body::model::{Balance, Model};
-use stickslip::run::discretise;
+use stickslip::body::{Balance, Model};
 use stickslip::run::report::{RunReport, WarningKind};
-use stickslip::run::{Recording, Run};
+use stickslip::run::{Recording, Run, discretise};
 use stickslip::scene::Scene;
 use stickslip::solver::history::{LinearAlgebra, SolverChoice, Status};
 

@@ -2,13 +2,12 @@
 
 #![allow(clippy::unwrap_used)]
 
-use std::f64::consts::{FRAC_1_SQRT_2, PI};
-
 use crate::common;
 use crate::common::BELT;
 use miette::Diagnostic;
+use std::f64::consts::{FRAC_1_SQRT_2, PI};
 use stickslip::algebra::vector::{Vector, cross, minus, norm, plus, unit};
-use stickslip::base::formula::Formula;
+use stickslip::base::Formula;
 use stickslip::body::contact::{
     Facing, GapDirection, Obstacle, ObstacleError, ObstacleMotion, Place, PlacedObstacle, Rotation, Shape,
 };

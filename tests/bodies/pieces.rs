@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-use stickslip::base::units::{LengthUnit, StressUnit, Units};
+use stickslip::base::{LengthUnit, StressUnit, Units};
 use stickslip::body::mesh::{
     Body, Boundary, Cell, CellKind, Geometry, HalfPlane, Mesh, MeshError, MeshFault, MeshSource, block,
 };
@@ -173,7 +173,7 @@ fn what_makes_no_bodies_is_refused() {
 
 #[test]
 fn bodies_in_other_units() {
-    use stickslip::body::description::Description;
+    use stickslip::body::Description;
     use stickslip::body::fem::Material;
     let description = Description::new(two(), Material::new(1.0, 0.3), vec![1.0]);
     let told = description.given_in(Units::new(LengthUnit::Millimetre, StressUnit::Megapascal));

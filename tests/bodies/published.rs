@@ -2,20 +2,17 @@
 //! `doc/verification.md` has the figures, which `--nocapture` prints.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
+use crate::common;
+use crate::common::rings::ring;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
-
-use stickslip::base::formula::Formula;
+use stickslip::base::Formula;
 use stickslip::body::contact::{GapDirection, Obstacle, Place, Shape};
-use stickslip::body::description::{Action, Axis, Description};
 use stickslip::body::fem::{Material, Plane};
 use stickslip::body::mesh::MeshSource;
-use stickslip::body::model::Model;
+use stickslip::body::{Action, Axis, Description, Model};
 use stickslip::run::{RecordedIncrement, Recording, Run};
 use stickslip::solver::history::{LinearAlgebra, Method, SolverChoice, Status};
 use stickslip::solver::laws::ContactStatus;
-
-use crate::common;
-use crate::common::rings::ring;
 
 const YOUNG: f64 = 210e9;
 const NU: f64 = 0.3;

@@ -4,9 +4,8 @@
 
 use crate::common::faults::{BLOCK, InputError, line_of, located, verify, verify_all};
 use crate::common::{block, edit};
-use stickslip::body::description::Probe;
-use stickslip::run::Run;
-use stickslip::run::discretise;
+use stickslip::body::Probe;
+use stickslip::run::{Run, discretise};
 use stickslip::scene::Scene;
 
 const OUTPUT: &[InputError] = &[

@@ -4,8 +4,8 @@
 #![allow(clippy::unwrap_used, clippy::float_cmp)]
 
 use miette::Diagnostic;
+use stickslip::body::Load;
 use stickslip::body::contact::{Friction, Obstacle, Shape};
-use stickslip::body::description::Load;
 use stickslip::body::fem::Plane;
 use stickslip::body::mesh::{CellKind, MeshSource, Segment};
 use stickslip::scene::{Override, Scene, SceneError};

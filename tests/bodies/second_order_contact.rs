@@ -9,16 +9,15 @@ mod tables;
 use crate::common::{Keep, difference};
 use std::ops::ControlFlow;
 use stickslip::algebra::linear::{SparseCholesky, SparseLu};
+use stickslip::body::Model;
 use stickslip::body::contact::ContactNode;
-use stickslip::body::model::Model;
-use stickslip::run::Run;
-use stickslip::run::discretise;
 use stickslip::run::report::ContactLine;
+use stickslip::run::{Run, discretise};
 use stickslip::scene::Scene;
+use stickslip::solver::State;
 use stickslip::solver::history::{
     HistoryOutcome, IncrementView, LinearAlgebra, Method, Observer, SolverChoice, Status,
 };
-use stickslip::solver::problem::State;
 
 /// A block of the given cells on its base under a formula of the gap on its top; `more` are further tables.
 pub(super) fn pressed(cells: &str, elements: &str, friction: f64, formula: &str, more: &str) -> Scene {
@@ -90,11 +89,11 @@ pub(super) fn pushed(cells: &str, elements: &str) -> (Scene, Model, Vec<f64>) {
     // Springs hold it, and contact does.
     scene.description.supports.clear();
     let axes = if cells == "triangle6" { vec![0.02; 2] } else { vec![0.02; 3] };
-    scene.description.springs.push(stickslip::body::description::Bed::Axes {
-        at: stickslip::body::description::Where::Boundary("bottom".into()),
-        stiffness: axes,
-    });
-    let times = stickslip::base::timeline::equal_increments(3.0, 6);
+    scene
+        .description
+        .springs
+        .push(stickslip::body::Bed::Axes { at: stickslip::body::Where::Boundary("bottom".into()), stiffness: axes });
+    let times = stickslip::base::equal_increments(3.0, 6);
     scene.description.times.clone_from(&times);
     let model = Model::build(&scene.description).unwrap();
     (scene, model, times)

@@ -2,19 +2,17 @@
 
 #![allow(clippy::unwrap_used)]
 
-use stickslip::base::units::UnitSystem;
-use stickslip::body::description::{Axis, Description};
+use super::scene_bodies::TWO;
+use crate::common::{self, edit};
+use stickslip::base::UnitSystem;
 use stickslip::body::fem::{
     Dofs, Elasticity, Element, Material, RigidMotion, Tie, assemble, overlaps, rigid_motions, unresisted_motions,
 };
 use stickslip::body::mesh::{Body, CellKind, Mesh, MeshSource, block};
-use stickslip::body::model::Model;
+use stickslip::body::{Axis, Description, Model};
 use stickslip::run::discretise;
 use stickslip::scene::Scene;
 use stickslip::solver::history::{HistoryOutcome, Status};
-
-use super::scene_bodies::TWO;
-use crate::common::{self, edit};
 
 fn joined(bodies: Vec<Body>) -> Mesh {
     Mesh::clone(&MeshSource::Bodies(bodies).build().unwrap())

@@ -2,12 +2,11 @@
 
 #![allow(clippy::unwrap_used)]
 
-use stickslip::body::model::Model;
+use stickslip::body::Model;
 use stickslip::run::{Recording, discretise};
 use stickslip::scene::Scene;
 use stickslip::solver::history::{self, Error, HistorySettings, LinearAlgebra, Method, Status, Stepper};
-use stickslip::solver::loading::{LoadCase, Loading};
-use stickslip::solver::problem::ContactProblem;
+use stickslip::solver::{ContactProblem, LoadCase, Loading};
 
 const BLOCK: &str = include_str!("../../data/scenes/block.toml");
 

@@ -2,15 +2,14 @@
 
 #![allow(clippy::unwrap_used)]
 
-use std::fmt::Write as _;
-
 use crate::common::scratch::Scratch;
 use crate::common::{Keep, run};
-use stickslip::body::model::Model;
+use std::fmt::Write as _;
+use stickslip::body::Model;
 use stickslip::run::discretise;
 use stickslip::scene::Scene;
+use stickslip::solver::State;
 use stickslip::solver::history::Status;
-use stickslip::solver::problem::State;
 
 pub type Triangle = [[f64; 3]; 3];
 

@@ -2,16 +2,14 @@
 
 #![allow(clippy::unwrap_used)]
 
-use std::f64::consts::PI;
-
 use crate::common::faults::{line_of, verify};
 use crate::common::scratch::Scratch;
-use stickslip::base::formula::Formula;
+use std::f64::consts::PI;
+use stickslip::base::Formula;
 use stickslip::body::contact::{Facing, Obstacle, ObstacleMotion, Place, PlacedObstacle, Rotation, Shape};
 use stickslip::body::mesh::{Mesh, block};
-use stickslip::run::Run;
-use stickslip::run::discretise;
 use stickslip::run::report::{Warning, WarningKind};
+use stickslip::run::{Run, discretise};
 use stickslip::scene::Scene;
 use stickslip::solver::history::Status;
 

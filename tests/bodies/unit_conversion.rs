@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common::edit;
-use stickslip::base::units::{LengthUnit, StressUnit, Units};
-use stickslip::body::description::Description;
+use stickslip::base::{LengthUnit, StressUnit, Units};
+use stickslip::body::Description;
 use stickslip::run::discretise;
 use stickslip::scene::Scene;
 

@@ -2,24 +2,22 @@
 
 #![allow(clippy::unwrap_used)]
 
-use std::sync::Arc;
-
 use crate::common;
 use crate::common::rings::ring;
 use crate::common::scratch::Scratch;
 use crate::estimates::solved;
 use crate::surfaces::{Triangle, ascii};
+use std::sync::Arc;
 use stickslip::algebra::vector::Vector;
-use stickslip::base::formula::Formula;
+use stickslip::base::Formula;
 use stickslip::body::contact::{GapDirection, Obstacle, Place, Shape};
-use stickslip::body::description::{Axis, Description};
 use stickslip::body::fem::Material;
 use stickslip::body::mesh::{Mesh, MeshSource, block};
-use stickslip::body::model::Model;
+use stickslip::body::{Axis, Description, Model};
 use stickslip::run::report::{RunReport, Warning, WarningKind};
 use stickslip::run::{Recording, Run};
+use stickslip::solver::State;
 use stickslip::solver::history::{Method, SolverChoice};
-use stickslip::solver::problem::State;
 
 const TIMES: [f64; 8] = [0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0];
 

@@ -3,15 +3,14 @@
 // The figures of doc/verification.md, with --nocapture.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
-use std::f64::consts::PI;
-
 use crate::common;
 use crate::common::Keep;
 use crate::common::convergence::{self, order};
 use crate::common::hertz::Hertz;
+use std::f64::consts::PI;
 use std::ops::ControlFlow;
+use stickslip::body::Model;
 use stickslip::body::fem::{Dofs, assemble};
-use stickslip::body::model::Model;
 use stickslip::run::discretise;
 use stickslip::run::report::Resultant;
 use stickslip::scene::Scene;

@@ -1,7 +1,7 @@
 //! Contact forces beside those of an exact stress, and the order in which errors fall.
 
 use stickslip::algebra::vector::norm;
-use stickslip::body::model::Model;
+use stickslip::body::Model;
 
 /// Points of the midpoint rule along a side of a facet: the edge of the contact runs through it anywhere.
 const POINTS: usize = 20;

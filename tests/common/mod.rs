@@ -13,14 +13,13 @@ pub mod vtu;
 
 use std::io::Write;
 use std::ops::ControlFlow;
-
 use stickslip::algebra::linear::RefinedSolver;
 use stickslip::algebra::sparse::{Csc, Symmetric, SystemMatrix};
-use stickslip::body::model::Model;
+use stickslip::body::Model;
 use stickslip::run::Run;
 use stickslip::scene::Scene;
 use stickslip::solver::history::{HistoryOutcome, LinearAlgebra, Method, Observer, SolverChoice};
-use stickslip::solver::problem::{ContactProblem, Increment, Parts, State};
+use stickslip::solver::{ContactProblem, Increment, Parts, State};
 
 /// Says that the running test has tested nothing, and why; standard output would be hidden.
 pub fn skipped(why: &str) {

@@ -1,11 +1,10 @@
 //! Two blocks, one on the other.
 
 use stickslip::algebra::vector::Vector;
-use stickslip::base::timeline::equal_increments;
-use stickslip::body::description::{Axis, Description, Load};
+use stickslip::base::equal_increments;
 use stickslip::body::fem::{Material, MaterialGroup};
 use stickslip::body::mesh::{Body, MeshSource};
-use stickslip::body::model::Model;
+use stickslip::body::{Axis, Description, Load, Model};
 use stickslip::run::Run;
 use stickslip::solver::history::{HistoryOutcome, LinearAlgebra, Method, SolverChoice, Status};
 

@@ -1,8 +1,7 @@
 //! Random contact problems in three dimensions, without a mesh.
 
 use stickslip::algebra::sparse::{Csr, Symmetric};
-use stickslip::solver::loading::{LoadCase, Loading};
-use stickslip::solver::problem::{ContactProblem, Parts};
+use stickslip::solver::{ContactProblem, LoadCase, Loading, Parts};
 
 /// Splitmix64, in [0, 1).
 pub struct Random(pub u64);

@@ -4,16 +4,15 @@
 use std::ops::ControlFlow;
 use stickslip::algebra::linear::RefinedSolver;
 use stickslip::algebra::sparse::{Csc, Csr, MatrixError, Symmetric};
-use stickslip::base::units::Scaling;
+use stickslip::base::Scaling;
 use stickslip::solver::history::{
     self, HistorySettings, IncrementView, LinearAlgebra, Method, Observer, Start, Status, SystemSolver,
 };
 use stickslip::solver::laws::{KktErrors, KktScales, statuses};
-use stickslip::solver::loading::{GapCorrection, LoadCase, Loading, Motion};
-use stickslip::solver::newton::LinearSystem;
-use stickslip::solver::problem::{ContactProblem, Increment, Parts, State};
-use stickslip::solver::solvability::rigid_equilibrium;
-use stickslip::solver::uniqueness::critical_friction;
+use stickslip::solver::{
+    ContactProblem, GapCorrection, Increment, LinearSystem, LoadCase, Loading, Motion, Parts, State, critical_friction,
+    rigid_equilibrium,
+};
 
 /// A node on two springs, pressed on a floor and pushed along it.
 fn parts() -> Parts {

@@ -3,14 +3,14 @@
 
 use crate::common;
 use crate::common::{Keep, difference};
-use stickslip::body::model::Model;
+use stickslip::body::Model;
 use stickslip::run::discretise;
 use stickslip::scene::Scene;
+use stickslip::solver::State;
 use stickslip::solver::formulation::NewtonSystem;
 use stickslip::solver::history::{
     self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Start, Status, SystemSolver,
 };
-use stickslip::solver::problem::State;
 
 fn block(n: usize, mu: f64, increments: usize) -> (Model, Vec<f64>) {
     let overrides =

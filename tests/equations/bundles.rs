@@ -3,14 +3,13 @@
 
 use crate::common::difference;
 use std::ops::ControlFlow;
-use stickslip::body::model::Model;
+use stickslip::body::Model;
 use stickslip::run::discretise;
 use stickslip::scene::Scene;
 use stickslip::solver::history::{
     self, HistoryOutcome, HistorySettings, IncrementRecord, IncrementView, LinearAlgebra, Method, Observer, Status,
 };
-use stickslip::solver::newton::IterationRecord;
-use stickslip::solver::problem::State;
+use stickslip::solver::{IterationRecord, State};
 
 const BLOCK: &str = include_str!("../../data/scenes/block.toml");
 

@@ -4,7 +4,7 @@
 
 use crate::neutral::{agreed, solve};
 use std::ops::ControlFlow;
-use stickslip::body::model::Model;
+use stickslip::body::Model;
 use stickslip::run::discretise;
 use stickslip::run::report::Resultant;
 use stickslip::scene::Scene;

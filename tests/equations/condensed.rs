@@ -4,12 +4,11 @@
 
 use crate::common::Keep;
 use stickslip::algebra::linear::{LinearError, SparseCholesky};
-use stickslip::body::model::Model;
+use stickslip::body::Model;
 use stickslip::run::discretise;
 use stickslip::scene::Scene;
-use stickslip::solver::condensation::Condensed;
 use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, SystemSolver};
-use stickslip::solver::problem::State;
+use stickslip::solver::{Condensed, State};
 
 const BLOCK: &str = include_str!("../../data/scenes/block.toml");
 const SUPPORT: &str = "[[support]]\nboundary = \"left\"\nfix = [\"x\", \"y\"]\n";

@@ -1,15 +1,13 @@
 //! Coulomb's disk: friction in two tangential directions.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
-use std::ops::Range;
-
 use crate::common::random::{self, Random};
-use stickslip::base::units::Scaling;
+use std::ops::Range;
+use stickslip::base::Scaling;
 use stickslip::solver::formulation::{Bdiff, FormulationScaling};
 use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, Method, Status, SystemSolver};
 use stickslip::solver::laws::{ContactStatus, KktErrors, KktScales, statuses};
-use stickslip::solver::loading::{LoadCase, Loading};
-use stickslip::solver::problem::{ContactProblem, Increment, Parts, State};
+use stickslip::solver::{ContactProblem, Increment, LoadCase, Loading, Parts, State};
 
 const TIMES: [f64; 5] = [0.2, 0.4, 0.6, 0.8, 1.0];
 

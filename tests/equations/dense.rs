@@ -2,16 +2,14 @@
 #![allow(clippy::unwrap_used)]
 
 use std::sync::Arc;
-
 use stickslip::algebra::linear::{Dense, LinearError, RefinedSolver, SparseCholesky, backward_error};
 use stickslip::algebra::sparse::{Csc, DenseSymmetric, Pattern, SystemMatrix};
-use stickslip::body::model::Model;
+use stickslip::body::Model;
 use stickslip::run::discretise;
 use stickslip::scene::Scene;
-use stickslip::solver::condensation::Condensed;
 use stickslip::solver::formulation::{Bdiff, Constrained, FormulationScaling, InteriorPoint, NewtonSystem, Partition};
 use stickslip::solver::laws::coulomb::{NormalCase, TangentialCase};
-use stickslip::solver::problem::ContactProblem;
+use stickslip::solver::{Condensed, ContactProblem};
 
 const BLOCK: &str = include_str!("../../data/scenes/block.toml");
 

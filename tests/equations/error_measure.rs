@@ -7,7 +7,7 @@ use stickslip::run::discretise;
 use stickslip::solver::history::Status;
 use stickslip::solver::laws::ContactStatus::{Open, Slip, Stick};
 use stickslip::solver::laws::{KktErrors, KktScales};
-use stickslip::solver::problem::{ContactProblem, Increment, Parts, ProblemError, State};
+use stickslip::solver::{ContactProblem, Increment, Parts, ProblemError, State};
 
 /// Every component at most 1e-10 in every increment.
 #[test]

@@ -4,17 +4,15 @@
 
 use crate::common::random::Random;
 use stickslip::algebra::sparse::{Csr, Symmetric};
-use stickslip::base::timeline::equal_increments;
-use stickslip::body::model::Model;
+use stickslip::base::equal_increments;
+use stickslip::body::Model;
 use stickslip::run::discretise;
 use stickslip::scene::Scene;
-use stickslip::solver::checkpoint::Checkpoint;
 use stickslip::solver::events::NodeStatus;
 use stickslip::solver::history::{
     self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Observer, Status, SystemSolver,
 };
-use stickslip::solver::loading::{LoadCase, Loading, Motion};
-use stickslip::solver::problem::{ContactProblem, Parts};
+use stickslip::solver::{Checkpoint, ContactProblem, LoadCase, Loading, Motion, Parts};
 
 const BLOCK: &str = include_str!("../../data/scenes/block.toml");
 const PUNCH: &str = include_str!("../../data/scenes/punch.toml");

@@ -5,11 +5,11 @@
 use crate::common;
 use crate::common::{Keep, difference};
 use stickslip::algebra::linear::SparseLu;
-use stickslip::body::model::Model;
+use stickslip::body::Model;
 use stickslip::run::discretise;
 use stickslip::scene::Scene;
+use stickslip::solver::State;
 use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, SystemSolver};
-use stickslip::solver::problem::State;
 
 type Settings = fn(&Model) -> HistorySettings;
 

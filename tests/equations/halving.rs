@@ -3,7 +3,7 @@
 
 use crate::common;
 use crate::common::Keep;
-use stickslip::body::model::Model;
+use stickslip::body::Model;
 use stickslip::run::discretise;
 use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, Method, Status, SystemSolver};
 

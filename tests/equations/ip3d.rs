@@ -1,19 +1,17 @@
 //! The interior point method with the exact cone, for friction in two tangential directions.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
-use std::ops::Range;
-
 use crate::common;
 use crate::common::random::{self, Random};
+use std::ops::Range;
 use stickslip::algebra::linear::RefinedSolver;
 use stickslip::algebra::sparse::{Csr, Symmetric};
-use stickslip::base::units::Scaling;
+use stickslip::base::Scaling;
 use stickslip::run::discretise;
 use stickslip::scene::Scene;
 use stickslip::solver::formulation::{ConeSystem, FormulationScaling, InteriorPoint, NewtonSystem};
 use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, Method, Start, Status, SystemSolver};
-use stickslip::solver::loading::{LoadCase, Loading};
-use stickslip::solver::problem::{ContactProblem, Increment, Parts};
+use stickslip::solver::{ContactProblem, Increment, LoadCase, Loading, Parts};
 
 const TIMES: [f64; 5] = [0.2, 0.4, 0.6, 0.8, 1.0];
 

@@ -5,12 +5,11 @@
 use crate::common;
 use crate::common::random;
 use stickslip::algebra::linear::RefinedSolver;
-use stickslip::body::model::Model;
-use stickslip::run::Run;
-use stickslip::run::discretise;
+use stickslip::body::Model;
+use stickslip::run::{Run, discretise};
+use stickslip::solver::Increment;
 use stickslip::solver::formulation::{Constrained, FormulationScaling, InteriorPoint, NewtonSystem, Partition};
 use stickslip::solver::history::{Method, SolverChoice, Start, Status};
-use stickslip::solver::problem::Increment;
 
 /// A small block in which a node has friction, one has none, and one cannot slide.
 fn model() -> Model {

@@ -3,8 +3,8 @@
 
 use crate::common;
 use stickslip::run::discretise;
+use stickslip::solver::Increment;
 use stickslip::solver::formulation::{Bdiff, FormulationScaling};
-use stickslip::solver::problem::Increment;
 
 /// Contact cases by their choice of (p_n, gap left, p_t, slip) in units of force and length. Every
 /// choice stays clear of the borders between cases, so that a small step does not change them.

@@ -3,12 +3,11 @@
 #![allow(clippy::unwrap_used)]
 
 use stickslip::algebra::sparse::{Csr, Symmetric};
-use stickslip::body::model::Model;
+use stickslip::body::Model;
 use stickslip::run::discretise;
 use stickslip::scene::Scene;
 use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status};
-use stickslip::solver::loading::{LoadCase, Loading};
-use stickslip::solver::problem::{ContactProblem, Parts};
+use stickslip::solver::{ContactProblem, LoadCase, Loading, Parts};
 
 /// A block under a load, on an obstacle that it touches in the middle of its bottom, and nothing else.
 fn on_top(elements: &str, obstacle: &str, load: &str) -> Model {

@@ -1,19 +1,16 @@
 //! A method of one's own in the history loop, whole and condensed.
 #![allow(clippy::unwrap_used)]
 
+use crate::common;
 use std::cell::RefCell;
 use std::rc::Rc;
-
-use crate::common;
 use stickslip::algebra::linear::{LinearError, RefinedSolver};
 use stickslip::algebra::sparse::SystemMatrix;
 use stickslip::run::discretise;
 use stickslip::solver::history::{
     self, Algorithm, HistorySettings, IncrementSolver, LinearAlgebra, Method, Observe, Status, SystemSolver, Task,
 };
-use stickslip::solver::loading::Loading;
-use stickslip::solver::newton::MethodResult;
-use stickslip::solver::problem::{ContactProblem, State};
+use stickslip::solver::{ContactProblem, Loading, MethodResult, State};
 
 /// BN, and a diary of the displacements that each increment has.
 struct Diary {

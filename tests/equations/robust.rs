@@ -4,13 +4,13 @@
 
 use crate::common;
 use crate::common::random::Random;
+use stickslip::body::Model;
 use stickslip::body::fem::{Elasticity, Element, RigidMotion, assemble};
-use stickslip::body::model::Model;
 use stickslip::run::discretise;
 use stickslip::scene::Scene;
+use stickslip::solver::Loading;
 use stickslip::solver::formulation::{Layout, SlackLayout};
 use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, Method, Status, SystemSolver};
-use stickslip::solver::loading::Loading;
 
 const SUPPORT: &str = "[[support]]\nboundary = \"left\"\nfix = [\"x\", \"y\"]\n";
 

@@ -3,10 +3,8 @@
 
 use crate::uniqueness::{posed, posed_critical};
 use stickslip::algebra::linear::{RefinedSolver, SparseCholesky};
-use stickslip::solver::condensation::Condensed;
 use stickslip::solver::laws::{ContactStatus, KktScales};
-use stickslip::solver::problem::{ContactProblem, Increment, State};
-use stickslip::solver::uniqueness::critical_friction;
+use stickslip::solver::{Condensed, ContactProblem, Increment, State, critical_friction};
 
 /// The sign of the determinant of J(κ), written down row by row and eliminated with pivots: equilibrium, then for each node the rows of
 /// its tangential and its normal force.

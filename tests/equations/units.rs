@@ -3,12 +3,12 @@
 
 use proptest::prelude::*;
 use std::ops::ControlFlow;
-use stickslip::base::units::Scaling;
+use stickslip::base::Scaling;
 use stickslip::run::discretise;
 use stickslip::scene::{Override, Scene};
+use stickslip::solver::State;
 use stickslip::solver::history::{self, HistorySettings, IncrementView, Method, Observer, Status, SystemSolver};
 use stickslip::solver::laws::ContactStatus;
-use stickslip::solver::problem::State;
 
 /// A unit of stress (Pa) and one of length (m): what a scene's numbers are multiples of.
 #[derive(Debug, Clone, Copy)]

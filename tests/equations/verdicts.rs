@@ -2,11 +2,11 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common;
-use stickslip::body::model::Model;
+use stickslip::body::Model;
 use stickslip::run::discretise;
 use stickslip::scene::Scene;
 use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status};
-use stickslip::solver::solvability::rigid_equilibrium;
+use stickslip::solver::rigid_equilibrium;
 
 fn solve(overrides: &[&str]) -> HistoryOutcome {
     let scene = common::block(&[&["mesh.elements=[10,10]", "time.increments=10"], overrides].concat());

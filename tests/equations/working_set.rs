@@ -5,17 +5,14 @@ use crate::common::random::Random;
 use crate::common::{self, Keep, difference};
 use stickslip::algebra::linear::SparseCholesky;
 use stickslip::algebra::sparse::{Csr, Symmetric};
-use stickslip::body::model::Model;
-use stickslip::run::discretise;
+use stickslip::body::Model;
 use stickslip::run::report::LeftOut;
-use stickslip::run::{Recording, Run};
+use stickslip::run::{Recording, Run, discretise};
 use stickslip::scene::Scene;
 use stickslip::solver::history::{
     self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, SystemSolver, WorkingSet,
 };
-use stickslip::solver::initial_working_set;
-use stickslip::solver::loading::{LoadCase, Loading, Motion};
-use stickslip::solver::problem::{ContactProblem, Parts};
+use stickslip::solver::{ContactProblem, LoadCase, Loading, Motion, Parts, working_set};
 
 /// Runs `method` on condensed equations that hold the nodes `first`, or all.
 fn condensed(scene: &Scene, model: &Model, method: Method, first: Option<Vec<usize>>) -> (HistoryOutcome, Keep) {
@@ -37,9 +34,7 @@ fn solve(
 }
 
 fn within_reach(problem: &ContactProblem, loading: &Loading, times: &[f64], affordable: f64) -> Option<Vec<usize>> {
-    initial_working_set::working_set(problem, loading, times, affordable, Some(SparseCholesky::default()))
-        .unwrap()
-        .nodes
+    working_set(problem, loading, times, affordable, Some(SparseCholesky::default())).unwrap().nodes
 }
 
 /// Some of `n` nodes, one at least, each with this probability.

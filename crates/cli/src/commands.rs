@@ -30,12 +30,11 @@ mod sweep;
 mod threads;
 mod uniqueness;
 
-use std::path::{Path, PathBuf};
-use std::process::ExitCode;
-
 use clap::error::{ContextKind, ContextValue};
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
-use stickslip::body::model::ModelError;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use stickslip::body::ModelError;
 use stickslip::run::RunError;
 use stickslip::scene::{Origin, Override, Scene, SceneError};
 use stickslip_exchange::ExchangeError;

@@ -18,8 +18,18 @@ mod pareto;
 mod picture;
 mod tractions;
 
+use cases::Study;
+use mesh::first_elements;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::sync::{Mutex, PoisonError};
+use stickslip::algebra::linear::blas::Blas;
+use stickslip::algebra::parallel_map;
+use stickslip::base::UnitSystem;
+use stickslip::run::RunError;
+use stickslip::run::report::Estimates;
+use stickslip::scene::Scene;
+use stickslip::solver::history::{LinearAlgebra, Method, Status};
 
 pub use answers::{Estimate, Lead};
 pub use cell::Cells;
@@ -28,19 +38,6 @@ pub use mesh::{ElementChoice, MeshChoice, MeshSize};
 pub use pareto::front;
 pub use picture::charts;
 pub use tractions::{Interior, TractionNode, Tractions};
-
-use serde::{Deserialize, Serialize};
-
-use cases::Study;
-use mesh::first_elements;
-
-use stickslip::algebra::jobs;
-use stickslip::algebra::linear::blas::Blas;
-use stickslip::base::units::UnitSystem;
-use stickslip::run::RunError;
-use stickslip::run::report::Estimates;
-use stickslip::scene::Scene;
-use stickslip::solver::history::{LinearAlgebra, Method, Status};
 
 /// A combination of method and linear solver.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -255,7 +252,7 @@ pub fn compute(
     let reference = plan.reference * increments.last().copied().unwrap_or(1);
     let progress = Mutex::new(progress);
     let tell = |what: String| progress.lock().unwrap_or_else(PoisonError::into_inner)(what);
-    let studies = jobs::run(&meshes, plan.jobs, |mesh| {
+    let studies = parallel_map(&meshes, plan.jobs, |mesh| {
         tell(format!("{mesh}, reference with {reference} increments"));
         Study::new(scene, mesh.clone(), reference, cells)
     })?;
@@ -264,7 +261,7 @@ pub fn compute(
     for study in &studies {
         tasks.extend(plan.paths.iter().flat_map(|&path| increments.iter().map(move |&number| (study, path, number))));
     }
-    let trials = jobs::run(&tasks, plan.jobs, |&(study, path, increments)| {
+    let trials = parallel_map(&tasks, plan.jobs, |&(study, path, increments)| {
         tell(format!("{}, {path}, {increments} increments", study.mesh()));
         study.run(path, increments, cells)
     })?;

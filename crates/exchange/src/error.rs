@@ -1,9 +1,8 @@
 //! The reason why a file contains no readable problem.
 
-use std::io;
-
 use super::Hdf5Error;
-use stickslip::base::input_error::InputError;
+use std::io;
+use stickslip::base::InputError;
 
 /// The reason why a file contains no readable problem.
 #[derive(Debug, thiserror::Error)]

@@ -4,8 +4,8 @@ use super::global::Parts;
 use super::reduction::{Reduction, ReductionError};
 use super::{GlobalProblem, Info, Problem, ProblemFile, Solution};
 use stickslip::algebra::sparse::Csc;
-use stickslip::base::input_error::InputError;
-use stickslip::solver::problem::{ContactProblem, Increment, State};
+use stickslip::base::InputError;
+use stickslip::solver::{ContactProblem, Increment, State};
 
 /// Exports one increment of `problem` in space of `dimension` (2 or 3), from `before` to `state`, as a global problem.
 ///
@@ -20,8 +20,7 @@ pub fn export(
     info: Info,
 ) -> Result<ProblemFile, InputError> {
     let help = "give the state and the increment of this problem";
-    let refused =
-        |error: stickslip::solver::problem::ProblemError| InputError::new("increment", error.to_string(), help);
+    let refused = |error: stickslip::solver::ProblemError| InputError::new("increment", error.to_string(), help);
     problem.equilibrium(increment.force, state).map_err(refused)?;
     problem.equilibrium(increment.force, before).map_err(refused)?;
     let (n, n_c) = (problem.displacements(), problem.contacts());

@@ -23,7 +23,7 @@ use super::{GlobalProblem, Info, Problem, ProblemFile, Solution};
 use crate::local::LocalProblem;
 use matrix::{has_sizes, is_empty, matrix};
 use stickslip::algebra::sparse::Csc;
-use stickslip::base::input_error::InputError;
+use stickslip::base::InputError;
 use vectors::{length, need, numbers, one, written};
 
 const GLOBAL: &str = "fclib_global";

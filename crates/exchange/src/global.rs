@@ -1,11 +1,9 @@
 //! The global problem: the unknowns of bodies, and the forces between them.
 
-use super::Problem;
-use super::Solution;
+use super::{Problem, Solution};
 use stickslip::algebra::sparse::{Csc, Csr, Symmetric};
-use stickslip::base::input_error::InputError;
-use stickslip::solver::loading::{LoadCase, Loading, Motion};
-use stickslip::solver::problem::{ContactProblem, Parts as ContactParts, ProblemError};
+use stickslip::base::InputError;
+use stickslip::solver::{ContactProblem, LoadCase, Loading, Motion, Parts as ContactParts, ProblemError};
 
 /// The problem `M v = f + H r`, `u = Hᵀ v + w` with the laws of contact and friction. It is valid, because
 /// [`GlobalProblem::new`] checks it.
@@ -152,7 +150,7 @@ impl GlobalProblem {
         if self.is_triangular() { None } else { Symmetric::from_csc(self.m()).ok() }
     }
 
-    /// Converts the problem to the notation of [`stickslip::solver::problem`], with the loading of one increment that
+    /// Converts the problem to the notation of [`stickslip::ContactProblem`], with the loading of one increment that
     /// ends at t = 1. Returns `None` if `M` is not symmetric.
     ///
     /// # Errors

@@ -24,12 +24,10 @@ pub(super) use dataset::Dataset;
 pub use error::Hdf5Error;
 pub(super) use write::{Node, write};
 
-use std::cell::Cell;
-
 use bytes::{Bytes, Sizes};
 use header::{Message, messages};
-
-use stickslip::base::memory::Budget;
+use std::cell::Cell;
+use stickslip::base::Budget;
 
 /// The first bytes of every superblock.
 const SIGNATURE: &[u8] = b"\x89HDF\r\n\x1a\n";

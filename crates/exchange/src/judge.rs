@@ -15,13 +15,12 @@
 
 mod laws;
 
-use serde::{Deserialize, Serialize};
-
 use super::{GlobalProblem, Problem, Solution};
 use crate::local::{LocalErrors, SOLVED};
 use laws::{Scales, laws, raise, relative};
+use serde::{Deserialize, Serialize};
 use stickslip::algebra::sparse::DoubleDouble;
-use stickslip::base::input_error::InputError;
+use stickslip::base::InputError;
 
 /// The tolerance: a problem counts as solved if no error exceeds it.
 pub const TOLERANCE: f64 = SOLVED;

@@ -7,7 +7,7 @@
 //! ```
 //!
 //! Rows of `u` and `r` are ordered contact by contact, the normal first. In the notation of
-//! [`stickslip::solver::problem`], `K = M`, `H = [-C_nᵀ, C_tᵀ, C_oᵀ]`, `r_N = p_n`, `r_T = -p_T` and `w = (g, -w̄_T)`,
+//! [`stickslip::ContactProblem`], `K = M`, `H = [-C_nᵀ, C_tᵀ, C_oᵀ]`, `r_N = p_n`, `r_T = -p_T` and `w = (g, -w̄_T)`,
 //! so `u_N` is the gap and `u_T` the slip increment.
 //!
 //! | file | content |
@@ -15,7 +15,7 @@
 //! | `hdf5.rs` | bytes of HDF5 |
 //! | `fclib.rs` | FCLIB's groups and datasets, read and written |
 //! | `siconos.rs` | the text of Siconos |
-//! | `global.rs`, `reduction.rs` | the global problem, as a [`ContactProblem`](stickslip::solver::problem::ContactProblem) and as a local one |
+//! | `global.rs`, `reduction.rs` | the global problem, as a [`ContactProblem`](stickslip::solver::ContactProblem) and as a local one |
 //! | `judge.rs` | the error measure of any solution |
 //! | `solve.rs` | from a problem to a solution with its verdict |
 //! | `export.rs` | an increment of ours as a problem for other programs |
@@ -43,7 +43,9 @@ mod reduction;
 mod siconos;
 mod solve;
 
+use crate::local::LocalProblem;
 use std::path::Path;
+use stickslip::base::read_bytes;
 
 pub use error::ExchangeError;
 pub use export::{export, export_local};
@@ -52,9 +54,6 @@ pub use hdf5::Hdf5Error;
 pub use judge::{Errors, Law, TOLERANCE, judge};
 pub use reduction::{Reduction, ReductionError};
 pub use solve::{Answer, SolveError, Stage, Way, solve, solve_by};
-
-use crate::local::LocalProblem;
-use stickslip::base::input;
 
 /// A problem with the other content of its file.
 #[derive(Debug, Clone)]
@@ -141,7 +140,7 @@ impl ProblemFile {
     /// [`ExchangeError`] with the invalid line or dataset, and the cure.
     pub fn read(path: &Path) -> Result<Self, ExchangeError> {
         let name = path.display().to_string();
-        let bytes = input::bytes(path).map_err(|error| ExchangeError::Io { file: name.clone(), error })?;
+        let bytes = read_bytes(path).map_err(|error| ExchangeError::Io { file: name.clone(), error })?;
         Self::from_bytes(&name, &bytes)
     }
 
@@ -175,7 +174,7 @@ impl ProblemFile {
 /// As [`ProblemFile::read`], and when the file has no solution, or one of another problem.
 pub fn read_solution(path: &Path, problem: &Problem) -> Result<Solution, ExchangeError> {
     let name = path.display().to_string();
-    let bytes = input::bytes(path).map_err(|error| ExchangeError::Io { file: name.clone(), error })?;
+    let bytes = read_bytes(path).map_err(|error| ExchangeError::Io { file: name.clone(), error })?;
     if !hdf5::is_hdf5(&bytes) {
         return Err(ExchangeError::Unknown { file: name });
     }

@@ -7,7 +7,7 @@
 //! ```
 //!
 //! Rows are ordered contact by contact, the normal first, then the one tangent of the plane or the two of space. In the
-//! notation of [`stickslip::solver::problem`], `r_N = p_n`, `r_T = -p_T`, `u_N = g - w_n` and `u_T = w_T - w̄_T`.
+//! notation of [`stickslip::ContactProblem`], `r_N = p_n`, `r_T = -p_T`, `u_N = g - w_n` and `u_T = w_T - w̄_T`.
 //!
 //! `W` may be semidefinite, singular or not symmetric. If rigid bodies touch in more places than they have motions,
 //! their contact forces are not unique. [`solve`] tries several methods until the independent [measure](LocalErrors)

@@ -19,7 +19,7 @@ use super::global::Parts;
 use super::{GlobalProblem, Info, Problem, ProblemFile};
 use crate::local::LocalProblem;
 use stickslip::algebra::sparse::Csc;
-use stickslip::base::input_error::InputError;
+use stickslip::base::InputError;
 use words::Words;
 
 /// A matrix whose size has not been confirmed yet.

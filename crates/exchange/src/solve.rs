@@ -4,16 +4,15 @@
 //! this fails, or `M` is not symmetric, the problem is reduced to its contacts and solved by the cascade for local
 //! problems. The result is the best of all stages, and only [`judge`] decides if it is a solution.
 
-use serde::{Deserialize, Serialize};
-
 use super::judge::judge;
 use super::reduction::{Reduction, ReductionError};
 use super::{Errors, GlobalProblem, Problem, Solution};
 use crate::local::{self, CascadeSettings, LocalProblem, LocalProblemError};
+use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
-use stickslip::base::input_error::InputError;
+use stickslip::base::InputError;
+use stickslip::solver::State;
 use stickslip::solver::history::{self, HistorySettings, IncrementView, Method, Observer, SystemSolver};
-use stickslip::solver::problem::State;
 
 /// The tolerance of BN, strict enough for the laws to hold in any units.
 const WHOLE_TOLERANCE: f64 = 1e-13;

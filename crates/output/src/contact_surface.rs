@@ -1,9 +1,9 @@
 //! Views of a contact surface in space at the end of an increment, along its normal.
 
 use stickslip::algebra::vector::{across, axis, axis_across, cross, dot, norm, plus, unit};
-use stickslip::base::units::UnitSystem;
+use stickslip::base::UnitSystem;
+use stickslip::body::Model;
 use stickslip::body::contact::ContactBoundary;
-use stickslip::body::model::Model;
 use stickslip::solver::history::IncrementView;
 use stickslip::solver::laws::ContactStatus;
 

@@ -1,15 +1,13 @@
 //! Pictures of the deformed body: its cells, or in space its visible surface, with magnified displacements, on the
 //! outline of the undeformed body.
 
-use std::collections::BTreeMap;
-
 use super::colours::{draw_bar, shade};
 use super::svg::{Anchor, Colour, Dash, Line, PlotError, Svg, expect_finite};
+use std::collections::BTreeMap;
 use stickslip::algebra::vector::{cross, dot, minus, norm, unit};
-use stickslip::base::units::{Quantity, UnitSystem};
-use stickslip::body::model::Model;
-use stickslip::run::report::deformation;
-use stickslip::run::report::von_mises;
+use stickslip::base::{Quantity, UnitSystem};
+use stickslip::body::Model;
+use stickslip::run::report::{deformation, von_mises};
 use stickslip::solver::history::IncrementView;
 
 /// The picture of the body at the end of an increment.

@@ -1,7 +1,6 @@
 //! Estimates the disk space for the results of a run before the run.
 
-use stickslip::body::description::{Probe, ProbePlace};
-use stickslip::body::model::Model;
+use stickslip::body::{Model, Probe, ProbePlace};
 use stickslip::scene::Scene;
 
 /// Bytes per increment: its record in a hidden file and in `run.json`, and its line in `increments.csv`.

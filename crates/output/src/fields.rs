@@ -3,12 +3,9 @@
 use super::part::RANK;
 use super::vtu::{Field, Grid, Values};
 use stickslip::algebra::vector::{across, dot, norm, plus, unit};
-use stickslip::body::estimate::ElementEstimate;
 use stickslip::body::mesh::Cell;
-use stickslip::body::model::Model;
-use stickslip::run::report::contact_points as points;
-use stickslip::run::report::deformation;
-use stickslip::run::report::{principal_stresses, von_mises};
+use stickslip::body::{ElementEstimate, Model};
+use stickslip::run::report::{contact_points as points, deformation, principal_stresses, von_mises};
 use stickslip::solver::history::IncrementView;
 use stickslip::solver::laws::ContactStatus;
 

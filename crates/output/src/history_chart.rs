@@ -2,10 +2,8 @@
 
 use super::chart::{Axis, Chart, Curve, Panel, Scale};
 use super::svg::{Dash, Line, Marker};
-use stickslip::base::units::Quantity;
-use stickslip::run::report::RunReport;
-use stickslip::run::report::Thinned;
-use stickslip::run::report::{ForceCurves, HistoryCurves};
+use stickslip::base::Quantity;
+use stickslip::run::report::{ForceCurves, HistoryCurves, RunReport, Thinned};
 
 const BLACK: [u8; 3] = [0, 0, 0];
 const COMPONENTS: [(&str, [u8; 3], Dash); 3] = [

@@ -1,11 +1,10 @@
 //! The comma-separated tables that grow with the increments: a line per increment, and a line per force.
 
-use stickslip::base::units::UnitSystem;
-use stickslip::body::model::Model;
+use stickslip::base::UnitSystem;
+use stickslip::body::Model;
 use stickslip::run::report::csv::{self, number};
 use stickslip::run::report::quantities::cell;
-use stickslip::run::report::{Acting, BalanceRecord};
-use stickslip::run::report::{ComponentSums, ForceRecord, OnObstacle, Resultant};
+use stickslip::run::report::{Acting, BalanceRecord, ComponentSums, ForceRecord, OnObstacle, Resultant};
 use stickslip::solver::events::Event;
 use stickslip::solver::history::IncrementRecord;
 

@@ -1,14 +1,11 @@
 //! The lists of a report with one or more entries per increment. They are written during the run, so that millions of
 //! increments do not fill the memory.
 
+use serde::Serialize;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, BufWriter, Write};
-
-use serde::Serialize;
-
-use stickslip::base::units::UnitSystem;
-use stickslip::run::report::RunReport;
-use stickslip::run::report::quantities;
+use stickslip::base::UnitSystem;
+use stickslip::run::report::{RunReport, quantities};
 
 /// The keys of the lists in a report.
 const KEYS: [&str; 3] = ["increments", "forces", "reactions"];

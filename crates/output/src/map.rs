@@ -4,12 +4,11 @@
 mod key;
 mod view;
 
-use std::collections::BTreeMap;
-
 use super::colours::shade;
 use super::svg::{Anchor, Colour, Dash, Line, Marker, PlotError, Svg, expect_finite};
 use crate::{ContactSurface, SurfaceNode};
-use stickslip::base::units::Quantity;
+use std::collections::BTreeMap;
+use stickslip::base::Quantity;
 use stickslip::solver::laws::ContactStatus;
 use view::View;
 

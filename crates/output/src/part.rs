@@ -1,8 +1,7 @@
 //! Parts of a grid: the cells of each rank, if several share the body.
 
-use std::collections::BTreeSet;
-
 use super::vtu::{Field, Grid, Values};
+use std::collections::BTreeSet;
 
 /// The field with the rank of each cell.
 pub(super) const RANK: &str = "rank";
@@ -61,7 +60,7 @@ fn taken<T: Copy>(values: &[T], components: usize, places: &[usize]) -> Vec<T> {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use stickslip::base::units::UnitSystem;
+    use stickslip::base::UnitSystem;
 
     /// 3 x 2 squares, each with a number of its own, as their points have; the ranks 0 and 2 have cells.
     pub(crate) fn squares() -> Grid {

@@ -2,7 +2,7 @@
 
 use super::chart::{Axis, Chart, Curve, Panel, Scale};
 use super::svg::{Dash, Line, Marker, PlotError};
-use stickslip::base::units::{Quantity, UnitSystem};
+use stickslip::base::{Quantity, UnitSystem};
 use stickslip::run::report::{ContactLine, ContactPoint};
 use stickslip::solver::laws::ContactStatus;
 

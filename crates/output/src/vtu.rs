@@ -3,12 +3,10 @@
 //! Arrays are base64 within the XML, uncompressed, little-endian: a 64-bit count of bytes, then the
 //! values. The format: VTK file formats, "XML file formats", type `UnstructuredGrid`, version 1.0.
 
-use std::fmt;
-
 use base64::display::Base64Display;
 use base64::engine::general_purpose::STANDARD;
-
-use stickslip::base::units::{Quantity, UnitSystem};
+use std::fmt;
+use stickslip::base::{Quantity, UnitSystem};
 use stickslip::run::report::quantities;
 
 /// The values of a field.

@@ -1,12 +1,11 @@
 //! Formulas: expressions whose values are known, written with as few brackets as the rules ask for, and broken texts.
 
-use stickslip::base::formula::Formula;
-
 use super::said;
 use crate::corpus::Corpus;
 use crate::mutate::mutated;
 use crate::pool::Verdict;
 use crate::random::Random;
+use stickslip::base::Formula;
 
 type One = (&'static str, fn(f64) -> f64);
 type Two = (&'static str, fn(f64, f64) -> f64);

@@ -1,17 +1,14 @@
 //! The same body told otherwise: in other units, in a mirror, with its nodes in another order.
 
-use std::collections::BTreeMap;
-
-use stickslip::body::description::Description;
-use stickslip::body::mesh::{Mesh, MeshSource};
-use stickslip::body::model::Model;
-use stickslip::run::Run;
-use stickslip::scene::Scene;
-
 use super::case::Case;
 use super::solved::Solved;
 use super::{Telling, parsed};
 use crate::random::Random;
+use std::collections::BTreeMap;
+use stickslip::body::mesh::{Mesh, MeshSource};
+use stickslip::body::{Description, Model};
+use stickslip::run::Run;
+use stickslip::scene::Scene;
 
 /// By place, in parts of the body's size: the contact forces there, normal and tangential.
 pub(super) type Places = BTreeMap<[i64; 3], [f64; 2]>;

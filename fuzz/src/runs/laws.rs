@@ -5,11 +5,10 @@
 //! loads cancel, with what rounding leaves of their terms.
 
 use stickslip::algebra::sparse::Csr;
-use stickslip::body::model::Model;
+use stickslip::body::Model;
 use stickslip::run::RecordedIncrement;
 use stickslip::solver::history::{Method, SolverChoice, Status};
-use stickslip::solver::loading::Loading;
-use stickslip::solver::problem::State;
+use stickslip::solver::{Loading, State};
 
 /// A law that is met by so many tolerances is met: the scales here are not quite those of the library.
 const SLACK: f64 = 2.0;

@@ -1,12 +1,11 @@
 //! A scene, solved and judged.
 
-use stickslip::body::model::Model;
+use super::laws;
+use stickslip::body::Model;
 use stickslip::run::report::RunReport;
 use stickslip::run::{RecordedIncrement, Recording, Run};
 use stickslip::scene::Scene;
 use stickslip::solver::history::{Method, SolverChoice, Status};
-
-use super::laws;
 
 /// What a run is and what it gave.
 pub(super) struct Solved {

@@ -19,10 +19,10 @@ impl Description {
     /// reported in `units`.
     ///
     /// ```
-    /// use stickslip::body::description::Description;
+    /// use stickslip::body::Description;
     /// use stickslip::body::fem::Material;
     /// use stickslip::body::mesh::MeshSource;
-    /// use stickslip::base::units::{LengthUnit, StressUnit, Units};
+    /// use stickslip::base::{LengthUnit, StressUnit, Units};
     ///
     /// let plate = Description::new(MeshSource::block([200.0, 50.0], [20, 5]), Material::new(210e3, 0.3), vec![1.0]);
     /// let plate = plate.given_in(Units::new(LengthUnit::Millimetre, StressUnit::Megapascal));

@@ -126,7 +126,8 @@ impl fmt::Display for ElementKind {
 /// invalid mesh; with line or element numbers.
 pub fn gmsh(path: &Path, scale: f64) -> Result<Mesh, MeshFileError> {
     let name = path.display().to_string();
-    let bytes = crate::base::input::bytes(path).map_err(|error| MeshFileError::Io { path: name.clone(), error })?;
+    let bytes =
+        crate::base::input::read_bytes(path).map_err(|error| MeshFileError::Io { path: name.clone(), error })?;
     from_gmsh(&name, &bytes, scale)
 }
 

@@ -150,7 +150,7 @@ impl HistorySettings {
 pub struct SolverChoice {
     /// The algorithm with its named set of constants.
     pub method: Method,
-    /// The linear solver; `None` lets [`crate::run::auto`] choose.
+    /// The linear solver; `None` lets [`crate::run::Choice`] choose.
     pub linear: Option<LinearAlgebra>,
     /// The limit of iterations in an increment.
     pub max_iterations: usize,

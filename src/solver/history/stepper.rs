@@ -23,8 +23,8 @@ use std::time::Instant;
 ///
 /// ```
 /// use stickslip::solver::history::{HistorySettings, Method, Status, Stepper, SystemSolver};
-/// use stickslip::solver::loading::{LoadCase, Loading};
-/// use stickslip::solver::problem::{ContactProblem, Parts};
+/// use stickslip::solver::{LoadCase, Loading};
+/// use stickslip::solver::{ContactProblem, Parts};
 /// use stickslip::algebra::sparse::{Csr, Symmetric};
 ///
 /// // A node on a spring of 2 N/m, a metre from a wall, pulled with 3 N, then with 4 N.

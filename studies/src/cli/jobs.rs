@@ -3,7 +3,7 @@
 use std::thread;
 
 use indicatif::{ProgressBar, ProgressStyle};
-use stickslip::algebra::jobs;
+use stickslip::algebra::parallel_map;
 
 /// The number of jobs: as many as there are processors, unless told.
 pub(super) fn count(wanted: Option<u16>) -> usize {
@@ -19,7 +19,7 @@ pub(super) fn run<T: Sync, R: Send, E: Send>(
     work: impl Fn(&T) -> Result<R, E> + Sync,
 ) -> Result<Vec<R>, E> {
     let bar = bar(tasks.len());
-    let results = jobs::run(tasks, jobs, |task| {
+    let results = parallel_map(tasks, jobs, |task| {
         bar.set_message(describe(task));
         let result = work(task);
         bar.inc(1);

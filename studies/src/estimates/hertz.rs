@@ -1,13 +1,11 @@
 //! Cylinders and spheres on bodies that are large beside the contact, with the apex anywhere in an element.
 
+use super::{EstimateError, Row, Subject, Task, solved};
 use std::f64::consts::PI;
-
 use stickslip::body::contact::{Obstacle, Place, Shape};
-use stickslip::body::description::{Axis, Description};
 use stickslip::body::fem::Material;
 use stickslip::body::mesh::{CellKind, MeshSource};
-
-use super::{EstimateError, Row, Subject, Task, solved};
+use stickslip::body::{Axis, Description};
 
 const YOUNG: f64 = 210e9;
 const NU: f64 = 0.3;

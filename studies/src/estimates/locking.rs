@@ -1,11 +1,10 @@
 //! Blocks that are clamped and pressed, and beams that are clamped and bent, against fine meshes with B-bar.
 
+use super::{EstimateError, Row, Subject, Task, solved};
 use stickslip::body::contact::Obstacle;
-use stickslip::body::description::{Action, Axis, Description, Field};
 use stickslip::body::fem::{Element, Material};
 use stickslip::body::mesh::{CellKind, MeshSource};
-
-use super::{EstimateError, Row, Subject, Task, solved};
+use stickslip::body::{Action, Axis, Description, Field};
 
 const YOUNG: f64 = 1e9;
 

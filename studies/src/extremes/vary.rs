@@ -1,16 +1,14 @@
 //! What is different from element to element or node to node in a scene of the suite, and how well
 //! conditioned it is.
 
+use super::ExtremeError;
 use serde::Deserialize;
 use stickslip::algebra::linear::{LinearError, RefinedSolver};
 use stickslip::body::fem::{Elasticity, Element, assemble};
-use stickslip::body::model::{Model, ModelError};
+use stickslip::body::{Model, ModelError};
 use stickslip::scene::Scene;
 use stickslip::solver::formulation::{Bdiff, FormulationScaling};
-use stickslip::solver::loading::Loading;
-use stickslip::solver::problem::{ContactProblem, Parts};
-
-use super::ExtremeError;
+use stickslip::solver::{ContactProblem, Loading, Parts};
 
 /// What is varied at random.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]

@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use stickslip::run::Run;
 use stickslip::solver::history::{IncrementView, Observer, Status};
 use stickslip::solver::laws::KktScales;
-use stickslip::solver::problem::{ContactProblem, Increment, State};
+use stickslip::solver::{ContactProblem, Increment, State};
 use stickslip_studies::extremes::{self, SuiteMethod};
 
 /// Twice the working precision, by fused multiplication.

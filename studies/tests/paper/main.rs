@@ -11,11 +11,10 @@ mod table_block;
 mod table_punch;
 
 use std::ops::ControlFlow;
-use stickslip::body::model::Model;
-use stickslip::run::Run;
-use stickslip::run::discretise;
+use stickslip::body::Model;
+use stickslip::run::{Run, discretise};
+use stickslip::solver::State;
 use stickslip::solver::history::{HistoryOutcome, IncrementView, LinearAlgebra, Observer};
-use stickslip::solver::problem::State;
 use stickslip_studies::tables::{PaperMethod, PaperTable};
 
 /// The states at the ends of all increments.

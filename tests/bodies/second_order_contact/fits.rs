@@ -3,8 +3,8 @@
 use super::{Lines, solve};
 use crate::common::rings::ring;
 use stickslip::algebra::vector::norm;
+use stickslip::body::Model;
 use stickslip::body::mesh::{Mesh, MeshSource, block};
-use stickslip::body::model::Model;
 use stickslip::run::discretise;
 use stickslip::scene::Scene;
 use stickslip::solver::history::SolverChoice;

@@ -3,9 +3,9 @@
 
 use super::{Lines, pressed, solve, sums};
 use std::collections::HashMap;
+use stickslip::body::Model;
 use stickslip::body::fem::Element;
 use stickslip::body::mesh::{Boundary, Cell, CellKind, Mesh, MeshSource};
-use stickslip::body::model::Model;
 use stickslip::run::discretise;
 use stickslip::scene::Scene;
 use stickslip::solver::history::{LinearAlgebra, SolverChoice};
@@ -232,7 +232,7 @@ fn hertz_with_friction_has_one_core() {
     for (mut scene, depth, around) in [line(8), line(16), sphere] {
         let contact = &mut scene.description.contacts[0];
         contact.against = contact.obstacles()[0].clone().approaching(&[[0.0, 0.0], [1.0, depth]]).into();
-        let times = stickslip::base::timeline::equal_increments(1.0, 4);
+        let times = stickslip::base::equal_increments(1.0, 4);
         scene.description.times.clone_from(&times);
         let model = Model::build(&scene.description).unwrap();
         let mut lines = Lines(&model, Vec::new());

@@ -3,10 +3,9 @@
 use super::{Lines, pressed, pushed, solve};
 use std::ops::ControlFlow;
 use stickslip::algebra::vector::dot;
-use stickslip::body::model::Model;
-use stickslip::run::Run;
-use stickslip::run::discretise;
+use stickslip::body::Model;
 use stickslip::run::report::{ContactLine, Resultant};
+use stickslip::run::{Run, discretise};
 use stickslip::solver::history::{IncrementView, Observer, SolverChoice};
 
 /// Looks at tables.

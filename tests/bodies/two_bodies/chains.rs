@@ -3,12 +3,11 @@
 use crate::common::pairs::{solved, solver};
 use crate::common::{Keep, difference};
 use stickslip::algebra::linear::{SparseCholesky, SparseLu};
-use stickslip::base::timeline::equal_increments;
+use stickslip::base::equal_increments;
 use stickslip::body::contact::{Obstacle, SlaveReason};
-use stickslip::body::description::{Axis, Description, Load, Opposite, Slave, Support};
 use stickslip::body::fem::{Material, MaterialGroup};
 use stickslip::body::mesh::{Body, MeshSource};
-use stickslip::body::model::Model;
+use stickslip::body::{Axis, Description, Load, Model, Opposite, Slave, Support};
 use stickslip::run::Run;
 use stickslip::run::report::WarningKind;
 use stickslip::solver::history::{LinearAlgebra, Method, SolverChoice, Status};

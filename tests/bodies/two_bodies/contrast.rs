@@ -3,10 +3,9 @@
 use crate::common::pairs::{Side, bodies, pushed};
 use crate::common::{Keep, difference};
 use stickslip::algebra::linear::{SparseCholesky, SparseLu};
-use stickslip::base::timeline::equal_increments;
-use stickslip::body::description::Description;
+use stickslip::base::equal_increments;
 use stickslip::body::mesh::MeshSource;
-use stickslip::body::model::Model;
+use stickslip::body::{Description, Model};
 use stickslip::run::Run;
 use stickslip::solver::history::{LinearAlgebra, Method, SolverChoice, Status};
 

@@ -3,10 +3,9 @@
 use super::whole;
 use stickslip::algebra::linear::SparseLu;
 use stickslip::body::contact::SlaveReason;
-use stickslip::body::description::{Axis, Description, Load, Opposite, Slave, Support};
 use stickslip::body::fem::Material;
 use stickslip::body::mesh::{Body, Mesh, MeshSource, block};
-use stickslip::body::model::Model;
+use stickslip::body::{Axis, Description, Load, Model, Opposite, Slave, Support};
 use stickslip::run::report::{RunReport, WarningKind};
 use stickslip::solver::history::{LinearAlgebra, Method};
 

@@ -1,13 +1,11 @@
 //! Hertz: two elastic cylinders, half of each.
 
-use std::f64::consts::PI;
-
 use crate::common::convergence::{distance, order};
 use crate::common::hertz::Hertz;
 use crate::common::pairs::{Side, bodies, solved};
 use crate::common::round::Round;
-use stickslip::body::description::{Axis, Description, Load, Opposite};
-use stickslip::body::model::Model;
+use std::f64::consts::PI;
+use stickslip::body::{Axis, Description, Load, Model, Opposite};
 use stickslip::solver::history::{HistoryOutcome, LinearAlgebra, Method, SolverChoice};
 
 const RADII: [f64; 2] = [1.0, 0.5];

@@ -2,9 +2,8 @@
 
 use super::patch::mesh;
 use crate::common::pairs::bodies;
-use stickslip::body::description::{Axis, Description, Load, Support};
 use stickslip::body::mesh::{CellKind, MeshSource};
-use stickslip::body::model::Model;
+use stickslip::body::{Axis, Description, Load, Model, Support};
 use stickslip::run::Run;
 use stickslip::run::report::WarningKind;
 use stickslip::solver::history::{Method, SolverChoice, Status};

@@ -1,13 +1,12 @@
 //! What contact rows do not hold apart, and what facets of curved boundaries do to gaps: told by warnings.
 
-use std::f64::consts::FRAC_PI_2;
-
 use super::whole;
 use crate::common::round::moved;
+use std::f64::consts::FRAC_PI_2;
 use stickslip::algebra::linear::SparseLu;
-use stickslip::body::description::{Axis, Description, Opposite, Support};
 use stickslip::body::fem::{Material, Plane};
 use stickslip::body::mesh::{Body, Mesh, MeshSource, block};
+use stickslip::body::{Axis, Description, Opposite, Support};
 use stickslip::run::report::{RunReport, WarningKind};
 use stickslip::solver::history::{LinearAlgebra, Method};
 

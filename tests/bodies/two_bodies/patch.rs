@@ -4,10 +4,9 @@ use crate::common::pairs::{Side, bodies, paired, solved, solver};
 use std::ops::ControlFlow;
 use stickslip::algebra::linear::SparseCholesky;
 use stickslip::body::contact::ContactNode;
-use stickslip::body::description::{Action, Axis, Description, Load, Opposite, Support, Where};
 use stickslip::body::fem::{Material, MaterialGroup, Plane};
 use stickslip::body::mesh::{Body, CellKind, MeshSource, Segment};
-use stickslip::body::model::Model;
+use stickslip::body::{Action, Axis, Description, Load, Model, Opposite, Support, Where};
 use stickslip::run::report::{ContactLine, ContactPoint};
 use stickslip::solver::history::{IncrementView, LinearAlgebra, Method, Observer};
 

@@ -3,15 +3,14 @@
 use crate::common::pairs::{Side, bodies, paired};
 use crate::common::random::Random;
 use std::ops::ControlFlow;
-use stickslip::base::timeline::equal_increments;
-use stickslip::body::description::{Axis, Description, FirstGap, Load, Opposite};
+use stickslip::base::equal_increments;
 use stickslip::body::fem::{Dofs, assemble, facet_load};
 use stickslip::body::mesh::MeshSource;
-use stickslip::body::model::Model;
+use stickslip::body::{Axis, Description, FirstGap, Load, Model, Opposite};
 use stickslip::run::Run;
+use stickslip::solver::State;
 use stickslip::solver::history::{IncrementView, Method, Observer, SolverChoice, Status};
 use stickslip::solver::laws::ContactStatus;
-use stickslip::solver::problem::State;
 
 /// Two blocks with a random gap or interference, pressed and pushed to and fro.
 fn scene(random: &mut Random) -> Description {
@@ -40,7 +39,7 @@ fn scene(random: &mut Random) -> Description {
     let gap = 1e-4 * random.sign();
     let opposite = description.contacts[0].opposite().unwrap().clone();
     description.contacts[0].against =
-        stickslip::body::description::Against::Boundary(Opposite { gap: FirstGap::Uniform(gap), ..opposite });
+        stickslip::body::Against::Boundary(Opposite { gap: FirstGap::Uniform(gap), ..opposite });
     let pressure = softer * (2e-4 + 1e-3 * random.next());
     let (push, aside) = (0.6 * pressure * random.sign(), 0.3 * pressure * random.sign());
     let axes: &[Axis] = if space { &[Axis::X, Axis::Y, Axis::Z] } else { &[Axis::X, Axis::Y] };
@@ -72,7 +71,7 @@ impl Judge<'_> {
         let mut left = stiffness.times(&unknowns).unwrap();
         let mut size = 0.0_f64;
         for load in &self.model.description().loads {
-            let stickslip::body::description::Action::Traction { boundary, traction } = &load.action else { panic!() };
+            let stickslip::body::Action::Traction { boundary, traction } = &load.action else { panic!() };
             let t: Vec<f64> = traction.iter().map(|t| t.uniform().unwrap()).collect();
             let t = [t[0], t[1], t.get(2).copied().unwrap_or_default()];
             let points = load.history.clone().unwrap();

@@ -1,14 +1,12 @@
 //! A steel roller on an aluminium block (NAFEMS, Konter 2006, benchmark 1): R = 50 mm, 200 mm × 200 mm, 35 kN/mm; by Hertz a = 6.21 mm and
 //! 3585.37 MPa.
 
-use std::f64::consts::PI;
-
 use crate::common::pairs::{Side, bodies, solved};
 use crate::common::round::{Round, lines};
-use stickslip::base::timeline::equal_increments;
-use stickslip::body::description::{Action, Axis, Description, Load, Opposite, Where};
+use std::f64::consts::PI;
+use stickslip::base::equal_increments;
 use stickslip::body::mesh::{Boundary, Cell, CellKind, Mesh};
-use stickslip::body::model::Model;
+use stickslip::body::{Action, Axis, Description, Load, Model, Opposite, Where};
 use stickslip::solver::history::{HistoryOutcome, LinearAlgebra, Method, SolverChoice};
 
 const RADIUS: f64 = 0.05;

@@ -4,9 +4,8 @@ use crate::common::convergence::{distance, order};
 use crate::common::hertz::Hertz;
 use crate::common::pairs::{Side, bodies, solved};
 use crate::common::round::Round;
-use stickslip::body::description::{Axis, Description, Load, Opposite};
 use stickslip::body::fem::{Material, Plane};
-use stickslip::body::model::Model;
+use stickslip::body::{Axis, Description, Load, Model, Opposite};
 use stickslip::solver::history::{LinearAlgebra, Method, SolverChoice};
 
 const RADII: [f64; 2] = [1.0, 0.5];

@@ -1,14 +1,12 @@
 //! Cattaneo and Mindlin: cylinders of the same material, pressed together and then sheared.
 
-use std::f64::consts::PI;
-
 use crate::common::convergence::{distance, order};
 use crate::common::hertz::Hertz;
 use crate::common::pairs::{Side, bodies, solved};
 use crate::common::round::Round;
-use stickslip::base::timeline::equal_increments;
-use stickslip::body::description::{Axis, Description, Load, Opposite};
-use stickslip::body::model::Model;
+use std::f64::consts::PI;
+use stickslip::base::equal_increments;
+use stickslip::body::{Axis, Description, Load, Model, Opposite};
 use stickslip::solver::history::{HistoryOutcome, LinearAlgebra, Method, SolverChoice};
 
 const YOUNG: f64 = 210e9;

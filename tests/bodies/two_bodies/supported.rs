@@ -3,11 +3,11 @@
 use super::whole;
 use crate::common::round::moved;
 use stickslip::algebra::linear::{SparseCholesky, SparseLu};
-use stickslip::base::timeline::equal_increments;
+use stickslip::base::equal_increments;
 use stickslip::body::contact::Obstacle;
-use stickslip::body::description::{Axis, Description, Load, Opposite, Support};
 use stickslip::body::fem::{Material, Plane};
 use stickslip::body::mesh::{Body, CellKind, Mesh, MeshSource, block};
+use stickslip::body::{Axis, Description, Load, Opposite, Support};
 use stickslip::run::report::{RunReport, WarningKind};
 use stickslip::solver::history::{LinearAlgebra, Method};
 
@@ -135,7 +135,7 @@ fn a_plane_of_symmetry_stays_one() {
         .support("lower:front", &[Axis::Y])
         .support("upper:front", &[Axis::Y])
         .load(Load::new("upper:top", &[0.0, 0.0, -1e7]));
-    let model = stickslip::body::model::Model::build(&body).unwrap();
+    let model = stickslip::body::Model::build(&body).unwrap();
     for contact in &model.contacts {
         let held = (0..2).filter(|&c| contact.position[c] == 0.0).count();
         assert_eq!(contact.tangents.iter().filter(|row| row.is_empty()).count(), held, "{:?}", contact.position);

@@ -1,10 +1,9 @@
 //! The same bodies in other numbers.
 
 use crate::common::pairs::{Side, solver};
-use stickslip::base::timeline::equal_increments;
-use stickslip::body::description::{Axis, Description, Load};
+use stickslip::base::equal_increments;
 use stickslip::body::mesh::MeshSource;
-use stickslip::body::model::Model;
+use stickslip::body::{Axis, Description, Load, Model};
 use stickslip::run::Run;
 use stickslip::solver::history::{LinearAlgebra, Method, Status};
 

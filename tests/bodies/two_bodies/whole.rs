@@ -1,7 +1,6 @@
 //! Runs to their reports.
 
-use stickslip::body::description::Description;
-use stickslip::body::model::Model;
+use stickslip::body::{Description, Model};
 use stickslip::run::Run;
 use stickslip::run::report::{RunReport, WarningKind};
 use stickslip::solver::history::{LinearAlgebra, Method, SolverChoice, Status};

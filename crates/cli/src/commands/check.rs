@@ -6,30 +6,24 @@ mod obstacles;
 mod paths;
 mod words;
 
-use std::collections::BTreeSet;
-
-use clap::Args;
-use stickslip::base::memory::{Budget, in_words};
-use stickslip::base::units::{Quantity, UnitSystem};
-use stickslip::body::contact::Friction;
-use stickslip::body::description::{Action, Bed, Direction, Field, Held, Support, Where};
-use stickslip::body::fem::{Element, Material, Plane, RigidMotion};
-use stickslip::body::mesh::{CellKind, MeshSource};
-use stickslip::body::model::Model;
-use stickslip::run::report::{PairRecord, Warning};
-use stickslip::run::{RunError, discretise};
-use stickslip::scene::Scene;
-use stickslip::solver::formulation::Layout;
-use stickslip::solver::history;
-use stickslip::solver::problem::ProblemError;
-use stickslip::solver::solvability::{Conditions, rigid_equilibrium_with};
-use stickslip_output::bytes_on_disk;
-
 use super::{Failure, SceneArgs};
+use clap::Args;
 use histories::points;
 use mesh::{bodies, made};
 use obstacles::{frame, motions, shape};
 use paths::paths;
+use std::collections::BTreeSet;
+use stickslip::base::{Budget, Quantity, UnitSystem, in_words};
+use stickslip::body::contact::Friction;
+use stickslip::body::fem::{Element, Material, Plane, RigidMotion};
+use stickslip::body::mesh::{CellKind, MeshSource};
+use stickslip::body::{Action, Bed, Direction, Field, Held, Model, Support, Where};
+use stickslip::run::report::{PairRecord, Warning};
+use stickslip::run::{RunError, discretise};
+use stickslip::scene::Scene;
+use stickslip::solver::formulation::Layout;
+use stickslip::solver::{Conditions, ProblemError, history, rigid_equilibrium_with};
+use stickslip_output::bytes_on_disk;
 use words::{listed, number, told, vector};
 
 #[derive(Args)]

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
-use stickslip::algebra::jobs;
+use stickslip::algebra::parallel_map;
 use stickslip::run::report::thread_cpu_seconds;
 use stickslip_cli::problems::{Collection, ProblemReport, Row, Verdict};
 use stickslip_exchange::{ProblemFile, Way, solve_by};
@@ -43,7 +43,7 @@ pub(super) fn collection(args: &CollectionArgs, threads: usize) -> Result<ExitCo
     let ways: &[Way] = if args.compare { &Way::ALL } else { &[Way::Default] };
     let tasks: Vec<(&PathBuf, Way)> = files.iter().flat_map(|file| ways.iter().map(move |way| (file, *way))).collect();
     let bar = bar(tasks.len(), "problems");
-    let rows = jobs::run(&tasks, threads, |(path, way)| {
+    let rows = parallel_map(&tasks, threads, |(path, way)| {
         let row = row(path, *way);
         bar.inc(1);
         Ok::<_, Infallible>(row)

@@ -4,13 +4,16 @@ mod cells;
 mod csv;
 mod tables;
 
+use super::progress::bar;
+use super::run::write_failure;
+use super::{Failure, origin};
+use cells::CellFolder;
+use clap::Args;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-
-use clap::Args;
 use stickslip::algebra::linear::{self, SparseLu};
-use stickslip::base::units::{Quantity, UnitSystem};
+use stickslip::base::{Quantity, UnitSystem};
 use stickslip::run::report::Estimates;
 use stickslip::scene::{Override, Scene};
 use stickslip::solver::history::{LinearAlgebra, Method, Start, Status};
@@ -18,13 +21,7 @@ use stickslip_cli::compare::{
     self, Cells, CompareError, Comparison, ElementChoice, End, MeshChoice, MeshResult, MeshSize, Plan, SolverPath,
 };
 use stickslip_output::write_file;
-
-use super::{Failure, origin};
-use cells::CellFolder;
 use tables::tables;
-
-use super::progress::bar;
-use super::run::write_failure;
 
 #[derive(Args)]
 pub(super) struct CompareArgs {

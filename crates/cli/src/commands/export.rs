@@ -1,17 +1,15 @@
 //! `stickslip export`: writes one increment of a scene as a problem for other programs.
 
-use std::path::PathBuf;
-use std::process::ExitCode;
-
-use clap::{Args, ValueEnum};
-use std::ops::ControlFlow;
-use stickslip::run::{RecordedIncrement, Run};
-use stickslip::solver::history::{IncrementView, Observer, Status};
-use stickslip::solver::problem::State;
-use stickslip_exchange::{Info, export, export_local};
-
 use super::solve::{destination, write};
 use super::{Failure, SceneArgs, interrupt};
+use clap::{Args, ValueEnum};
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use stickslip::run::{RecordedIncrement, Run};
+use stickslip::solver::State;
+use stickslip::solver::history::{IncrementView, Observer, Status};
+use stickslip_exchange::{Info, export, export_local};
 
 #[derive(Args)]
 pub(super) struct ExportArgs {

@@ -48,7 +48,7 @@ fn go_on_with_one_thread() {
 
     use stickslip::algebra::linear::blas::Blas;
     use stickslip::algebra::linear::process::blas_is_stuck;
-    use stickslip::base::memory::Budget;
+    use stickslip::base::Budget;
 
     use super::output;
 

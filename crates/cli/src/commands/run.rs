@@ -5,38 +5,36 @@ mod pace;
 mod resume;
 mod watcher;
 
+use super::progress::Progress;
+use super::{Failure, SceneArgs, interrupt, origin, output, threads, uniqueness};
+use clap::Args;
+use increments::{IncrementArgs, explain};
+use pace::Pace;
+use resume::Left;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
-
-use clap::Args;
 use stickslip::algebra::linear::blas::Blas;
-use stickslip::base::memory::Budget;
-use stickslip::base::units::Quantity;
-use stickslip::body::estimate::PeakOf;
-#[cfg(feature = "mpi")]
-use stickslip::body::model::Body;
-use stickslip::body::model::Model;
+use stickslip::base::{Budget, Quantity};
+use stickslip::body::{Model, PeakOf};
 use stickslip::run::report::{
     Acting, BalanceRecord, CompanionEstimate, ComponentSums, LeftOut, ProbeTable, RankRecord, Resultant, RunReport,
     Unknowns, Warning,
 };
 use stickslip::run::{Need, Run};
 use stickslip::scene::{Origin, Scene, Time};
-use stickslip::solver::checkpoint::Checkpoint;
+use stickslip::solver::Checkpoint;
 use stickslip::solver::formulation::{Layout, NewtonSystem};
 use stickslip::solver::history::{IncrementError, Method, Status, WorkingSet};
 use stickslip_output::{Claim, ResultFolder};
+use watcher::Watcher;
 
-use super::progress::Progress;
+#[cfg(feature = "mpi")]
+use stickslip::body::Body;
+
 #[cfg(feature = "mpi")]
 use super::ranks;
-use super::{Failure, SceneArgs, interrupt, origin, output, threads, uniqueness};
-use increments::{IncrementArgs, explain};
-use pace::Pace;
-use resume::Left;
-use watcher::Watcher;
 
 /// Options for the results and for resuming a run.
 #[derive(Args)]

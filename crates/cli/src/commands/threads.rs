@@ -1,9 +1,8 @@
 //! The number of threads of the program.
 
-use std::thread;
-
 use rayon::ThreadPoolBuilder;
-use stickslip::body::model::Model;
+use std::thread;
+use stickslip::body::Model;
 
 /// The largest number of threads allowed.
 pub(super) const MOST: u32 = 1024;

@@ -1,6 +1,6 @@
 //! `stickslip run --uniqueness`: how far the friction is from making the last increment non-unique.
 
-use stickslip::solver::uniqueness::CriticalFriction;
+use stickslip::solver::CriticalFriction;
 
 /// Explains a critical friction in words. `mu` are the friction coefficients of all contact nodes.
 pub(super) fn explain(critical: &CriticalFriction, mu: &[f64]) -> String {

@@ -1,21 +1,19 @@
 //! Solves a scene on one mesh: its reference, and the histories measured against it.
 
-use std::time::Instant;
-
 use super::cell::{Cells, Solved};
 use super::errors::{End, TimeErrors};
 use super::mesh::MeshChoice;
 use super::{Iterate, MeshResult, Phases, SolverPath, Trial};
 use std::ops::ControlFlow;
-use stickslip::base::units::UnitSystem;
-use stickslip::body::model::Model;
-use stickslip::run::discretise;
+use std::time::Instant;
+use stickslip::base::UnitSystem;
+use stickslip::body::Model;
 use stickslip::run::report::{EstimateWatch, Estimates, thread_cpu_seconds};
-use stickslip::run::{Run, RunError};
+use stickslip::run::{Run, RunError, discretise};
 use stickslip::scene::{Override, Scene};
+use stickslip::solver::IterationRecord;
 use stickslip::solver::formulation::Layout;
 use stickslip::solver::history::{IncrementView, Method, Observer, SolverChoice, Status};
-use stickslip::solver::newton::IterationRecord;
 
 /// Returns the solver of the reference: the linear solver with the least estimated time.
 fn reference_solver(method: Method, of_scene: &SolverChoice) -> SolverChoice {

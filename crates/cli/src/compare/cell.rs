@@ -1,12 +1,10 @@
 //! Stored histories of a comparison.
 
-use serde::{Deserialize, Serialize};
-
 use super::{Iterate, Phases};
+use serde::{Deserialize, Serialize};
 use stickslip::run::report::Seen;
-use stickslip::solver::checkpoint::Checkpoint;
 use stickslip::solver::history::Status;
-use stickslip::solver::problem::{ContactProblem, State};
+use stickslip::solver::{Checkpoint, ContactProblem, State};
 
 /// A store of finished histories, with which an interrupted comparison is resumed. It must accept calls from several
 /// threads.

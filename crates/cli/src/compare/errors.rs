@@ -1,9 +1,9 @@
 //! Measures the distance of a history from its reference, and of a mesh from the finest.
 
 use super::tractions::{Interior, Tractions, relative};
+use stickslip::body::Model;
 use stickslip::body::contact::ContactNode;
-use stickslip::body::model::Model;
-use stickslip::solver::problem::State;
+use stickslip::solver::State;
 
 /// The results at the end of a history, SI.
 #[derive(Debug, Clone, PartialEq)]

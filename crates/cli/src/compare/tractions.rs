@@ -1,12 +1,10 @@
 //! Compares contact tractions on meshes of different size, point by point.
 
 use std::collections::HashMap;
-
 use stickslip::algebra::vector::{dot, minus, norm};
 use stickslip::body::contact::ContactNode;
-use stickslip::body::estimate::ContactGraph;
-use stickslip::body::model::Model;
-use stickslip::solver::problem::{ProblemError, State};
+use stickslip::body::{ContactGraph, Model};
+use stickslip::solver::{ProblemError, State};
 
 /// The number of elements left out at the rim of the contact boundary, because tractions are singular at edges and
 /// corners of the body.

@@ -1,10 +1,9 @@
 //! The table of all variants.
 
-use serde::{Serialize, Serializer};
-
 use super::outcome::VariantResult;
 use super::variation::Variation;
-use stickslip::base::units::{Quantity, UnitSystem};
+use serde::{Serialize, Serializer};
+use stickslip::base::{Quantity, UnitSystem};
 use stickslip::run::report::{Resultant, SCHEMA_VERSION, UnitNames, csv_number, csv_table};
 use stickslip::scene::Scene;
 use stickslip_output::Table;

@@ -4,7 +4,7 @@
 
 use std::ops::ControlFlow;
 use stickslip::algebra::linear::{SparseCholesky, SparseLu};
-use stickslip::base::units::UnitSystem;
+use stickslip::base::UnitSystem;
 use stickslip::run::discretise;
 use stickslip::scene::Scene;
 use stickslip::solver::history::{

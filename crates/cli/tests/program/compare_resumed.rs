@@ -3,9 +3,8 @@
 
 use std::collections::HashMap;
 use std::sync::Mutex;
-
 use stickslip::scene::Scene;
-use stickslip::solver::checkpoint::Checkpoint;
+use stickslip::solver::Checkpoint;
 use stickslip::solver::history::{LinearAlgebra, Method};
 use stickslip_cli::compare::{self, Cells, Comparison, MeshSize, Plan, SolverPath};
 

@@ -5,8 +5,7 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
-
-use stickslip::base::units::Quantity;
+use stickslip::base::Quantity;
 use stickslip::run::report::{column_quantity, key_quantity};
 
 fn page(name: &str) -> String {

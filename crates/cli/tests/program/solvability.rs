@@ -3,11 +3,11 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common;
+use stickslip::body::Model;
 use stickslip::body::fem::RigidMotion;
-use stickslip::body::model::Model;
 use stickslip::run::discretise;
 use stickslip::scene::Scene;
-use stickslip::solver::solvability::{Conditions, rigid_equilibrium};
+use stickslip::solver::{Conditions, rigid_equilibrium};
 
 /// A free block on a rigid floor, pressed down by 10 MN and pushed to the right by `push` MN, with
 /// more tables and more contacts.

@@ -2,16 +2,14 @@
 
 #![allow(clippy::unwrap_used)]
 
-use std::fs;
-use std::path::Path;
-
-use serde_json::Value;
-use stickslip::base::units::{LengthUnit, StressUnit, UnitSystem, Units};
-use stickslip::run::report::UnitNames;
-
 use super::documented_units::documented_keys;
 use crate::common::edit;
 use crate::program::{Folder, assert_exit, csv, json, small, stderr, stdout, stickslip};
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+use stickslip::base::{LengthUnit, StressUnit, UnitSystem, Units};
+use stickslip::run::report::UnitNames;
 
 const CUBE: &str = include_str!("../../../../data/scenes/cube.toml");
 const UNITS: &str = "[units]\nlength = \"mm\"\nstress = \"MPa\"\n\n[mesh]";

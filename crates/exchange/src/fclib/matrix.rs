@@ -4,7 +4,7 @@ use super::vectors::{finite, has_length, length, need, one, written};
 use crate::error::of_dataset;
 use crate::hdf5::File;
 use stickslip::algebra::sparse::Csc;
-use stickslip::base::input_error::InputError;
+use stickslip::base::InputError;
 
 /// Memory per entry while a matrix is read, bytes: row and column as stored in the file, as indices, and in columns;
 /// its value.

@@ -3,7 +3,7 @@
 
 use crate::error::of_dataset;
 use crate::hdf5::{Dataset, File};
-use stickslip::base::input_error::InputError;
+use stickslip::base::InputError;
 
 /// Returns the dataset at `path` if it exists and was written.
 pub(super) fn written<'a>(file: &File<'a>, path: &str) -> Result<Option<Dataset<'a>>, InputError> {

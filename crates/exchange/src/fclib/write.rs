@@ -5,7 +5,7 @@ use crate::hdf5::{self, Node};
 use crate::local::LocalProblem;
 use crate::{GlobalProblem, Info, Problem, ProblemFile, Solution};
 use stickslip::algebra::sparse::Csc;
-use stickslip::base::input_error::InputError;
+use stickslip::base::InputError;
 
 /// The largest number of guesses to write. The group also has an entry for their number.
 const GUESSES: usize = 15;

@@ -1,6 +1,6 @@
 //! The reason why bytes are no readable HDF5 file.
 
-use stickslip::base::memory::in_words;
+use stickslip::base::in_words;
 
 /// The reason why bytes are no readable HDF5 file.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

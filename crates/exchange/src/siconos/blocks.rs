@@ -1,7 +1,7 @@
 //! Sparse matrices of dense blocks: compressed rows of blocks.
 
 use super::words::Words;
-use stickslip::base::input_error::InputError;
+use stickslip::base::InputError;
 
 /// Reads the entries of a matrix with this number of `rows` and `columns`.
 pub(super) fn read(words: &mut Words<'_>, rows: usize, columns: usize) -> Result<Vec<(usize, usize, f64)>, InputError> {

@@ -1,7 +1,7 @@
 //! Sparse matrices as CSparse prints them: triplets, or columns with their rows.
 
 use super::words::Words;
-use stickslip::base::input_error::InputError;
+use stickslip::base::InputError;
 
 /// The largest number of words in a head: the name, the version and the date of CSparse.
 const HEAD: usize = 40;

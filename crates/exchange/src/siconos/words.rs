@@ -1,6 +1,6 @@
 //! The words of a text, with their lines.
 
-use stickslip::base::input_error::InputError;
+use stickslip::base::InputError;
 
 /// The remaining words of a text.
 pub(super) struct Words<'a> {

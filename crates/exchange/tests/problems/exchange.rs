@@ -1,19 +1,17 @@
 //! Exchange files: what is read of them, what is refused, and increments of scenes that come back from them.
+use crate::common;
 use std::fs;
 use std::path::{Path, PathBuf};
-
 use stickslip::algebra::sparse::Csc;
 use stickslip::run::{Recording, Run};
+use stickslip::solver::State;
 use stickslip::solver::history::Status;
 use stickslip::solver::laws::{KktErrors, KktScales};
-use stickslip::solver::problem::State;
 use stickslip_exchange::local::LocalProblem;
 use stickslip_exchange::{
     Answer, Errors, ExchangeError, GlobalProblem, Info, Parts, Problem, ProblemFile, Solution, Way, export,
     export_local, judge, solve, solve_by,
 };
-
-use crate::common;
 
 fn problems() -> Vec<PathBuf> {
     let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("data/problems");

@@ -4,7 +4,7 @@ use crate::common::random::draw;
 use proptest::prelude::*;
 use stickslip::algebra::sparse::{Csc, Csr, Symmetric};
 use stickslip::solver::laws::{KktErrors, KktScales};
-use stickslip::solver::problem::{ContactProblem, Increment, Parts, State};
+use stickslip::solver::{ContactProblem, Increment, Parts, State};
 use stickslip_exchange::local::{CascadeSettings, LocalProblem, LocalStatus, SOLVED, Solved, solve};
 
 /// A problem as plain numbers.

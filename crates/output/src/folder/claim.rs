@@ -1,8 +1,5 @@
 //! A result folder before a run writes to it: its lock and the state left by an earlier run.
 
-use std::io::{self, Read};
-use std::path::Path;
-
 use super::directory::{Directory, Locked};
 use super::kept::Kept;
 use super::names::{CHECKPOINT, is_ours};
@@ -10,11 +7,13 @@ use super::results::ResultFolder;
 use super::series::Series;
 use super::table::Table;
 use crate::{file_names, increments, lists};
-use stickslip::body::model::Model;
+use std::io::{self, Read};
+use std::path::Path;
+use stickslip::body::Model;
 use stickslip::run::report::ProbeTable;
 use stickslip::scene::Origin;
-use stickslip::solver::checkpoint::{Checkpoint, CheckpointError};
 use stickslip::solver::history::Status;
+use stickslip::solver::{Checkpoint, CheckpointError};
 
 /// A locked folder to which nothing has been written yet.
 #[derive(Debug)]

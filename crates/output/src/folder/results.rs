@@ -1,27 +1,21 @@
 //! The files written by a run, and when.
 
-use std::io::{self, Read, Write};
-use std::path::{Path, PathBuf};
-
 use super::directory::{self, Locked};
 use super::kept::Kept;
 use super::names::{CHECKPOINT, is_head, is_ours};
 use super::series::Series;
 use super::table::Table;
-use crate::ContactSurface;
 use crate::deformed::DeformedBody;
 use crate::history_chart::history_charts;
 use crate::vtu::Grid;
-use crate::{increments, lists, plot};
-use stickslip::base::units::UnitSystem;
-use stickslip::body::model::Model;
-use stickslip::run::report::BalanceRecord;
-use stickslip::run::report::ContactLine;
-use stickslip::run::report::ForceRecord;
-use stickslip::run::report::ProbeTable;
-use stickslip::run::report::RunReport;
+use crate::{ContactSurface, increments, lists, plot};
+use std::io::{self, Read, Write};
+use std::path::{Path, PathBuf};
+use stickslip::base::UnitSystem;
+use stickslip::body::Model;
+use stickslip::run::report::{BalanceRecord, ContactLine, ForceRecord, ProbeTable, RunReport};
 use stickslip::scene::Origin;
-use stickslip::solver::checkpoint::Checkpoint;
+use stickslip::solver::Checkpoint;
 use stickslip::solver::events::Event;
 use stickslip::solver::history::{IncrementRecord, IncrementView, Status};
 

@@ -4,7 +4,7 @@ use super::{BLACK, LABEL_SIZE, NUMBER_SIZE, SurfaceNode, THIN, WIDTH};
 use crate::ContactSurface;
 use crate::chart::axis::{Scale, Tick};
 use crate::svg::{Anchor, Colour, Svg};
-use stickslip::base::units::Quantity;
+use stickslip::base::Quantity;
 
 /// The space left of the surface, for the axis label and the numbers.
 const LEFT: f64 = 92.0;
@@ -175,7 +175,7 @@ impl View {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use stickslip::base::units::UnitSystem;
+    use stickslip::base::UnitSystem;
     use stickslip::solver::laws::ContactStatus;
 
     /// A strip of facets along y, of which the middle ones are pressed.

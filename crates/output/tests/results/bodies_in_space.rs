@@ -3,10 +3,9 @@
 use crate::common::pairs::{Side, bodies, paired, solved, solver};
 use std::ops::ControlFlow;
 use stickslip::algebra::linear::{SparseCholesky, SparseLu};
-use stickslip::base::timeline::equal_increments;
-use stickslip::body::description::{Axis, Description, Load};
+use stickslip::base::equal_increments;
 use stickslip::body::mesh::MeshSource;
-use stickslip::body::model::Model;
+use stickslip::body::{Axis, Description, Load, Model};
 use stickslip::run::report::ContactLine;
 use stickslip::solver::history::{IncrementView, LinearAlgebra, Method, Observer};
 use stickslip_output::ContactSurface;

@@ -3,7 +3,7 @@
 
 use crate::common;
 use std::ops::ControlFlow;
-use stickslip::body::model::Model;
+use stickslip::body::Model;
 use stickslip::run::discretise;
 use stickslip::solver::history::{IncrementView, Observer, Status};
 use stickslip::solver::laws::ContactStatus;

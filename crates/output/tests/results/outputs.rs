@@ -4,11 +4,9 @@
 
 use crate::common;
 use std::ops::ControlFlow;
-use stickslip::body::description::Probe;
-use stickslip::body::model::Model;
-use stickslip::run::discretise;
+use stickslip::body::{Model, Probe};
 use stickslip::run::report::{ContactLine, ProbeTable, ProbeValue};
-use stickslip::run::{RecordedIncrement, Recording, Run};
+use stickslip::run::{RecordedIncrement, Recording, Run, discretise};
 use stickslip::scene::Scene;
 use stickslip::solver::history::{self, HistorySettings, IncrementView, Method, Observer, Status, SystemSolver};
 use stickslip::solver::laws::KktErrors;

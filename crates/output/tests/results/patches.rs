@@ -1,20 +1,17 @@
 //! Pressures of nodes and of patches on tetrahedra that are no regular ones. doc/estimates.md has the figures, which `--nocapture` prints.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
+use crate::common::hertz::Hertz;
+use crate::common::random::Random;
 use std::ops::ControlFlow;
 use stickslip::body::contact::{Obstacle, Place, Shape};
-use stickslip::body::description::{Axis, Description};
-use stickslip::body::estimate::PeakOf;
 use stickslip::body::fem::Material;
 use stickslip::body::mesh::{CellKind, Mesh, MeshSource};
-use stickslip::body::model::Model;
+use stickslip::body::{Axis, Description, Model, PeakOf};
 use stickslip::run::Run;
 use stickslip::run::report::{ContactLine, RunReport, WarningKind};
 use stickslip::solver::history::{IncrementView, Method, Observer, SolverChoice, Status};
 use stickslip_output::fields;
-
-use crate::common::hertz::Hertz;
-use crate::common::random::Random;
 
 const YOUNG: f64 = 210e9;
 const NU: f64 = 0.3;

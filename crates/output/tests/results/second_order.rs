@@ -7,14 +7,13 @@ use crate::common::solve;
 use miette::Diagnostic;
 use std::ops::ControlFlow;
 use stickslip::algebra::vector::{cross, dot, minus, norm};
+use stickslip::body::Model;
 use stickslip::body::fem::{
     Dofs, Elasticity, Element, assemble, body_force, element_stiffness, facet_load, facet_normals, facet_weights,
     thermal_forces, traction,
 };
 use stickslip::body::mesh::{Cell, CellKind, Geometry, Mesh, MeshFault, MeshSource, block, from_gmsh};
-use stickslip::body::model::Model;
-use stickslip::run::Run;
-use stickslip::run::discretise;
+use stickslip::run::{Run, discretise};
 use stickslip::scene::Scene;
 use stickslip::solver::history::Status;
 use stickslip_output::{Grid, fields};

@@ -2,21 +2,18 @@
 
 #![allow(clippy::unwrap_used)]
 
-use std::fs;
-use std::path::Path;
-
 use crate::common::edit;
 use crate::common::faults::BLOCK;
 use crate::common::vtu::{Array, Piece};
+use std::fs;
 use std::ops::ControlFlow;
-use stickslip::base::units::{LengthUnit, Quantity, StressUnit, UnitSystem, Units};
-use stickslip::body::description::{Action, Description, Field};
-use stickslip::body::model::Model;
-use stickslip::run::discretise;
-use stickslip::run::{Recording, Run};
+use std::path::Path;
+use stickslip::base::{LengthUnit, Quantity, StressUnit, UnitSystem, Units};
+use stickslip::body::{Action, Description, Field, Model};
+use stickslip::run::{Recording, Run, discretise};
 use stickslip::scene::Scene;
+use stickslip::solver::State;
 use stickslip::solver::history::{IncrementView, Observer, Status};
-use stickslip::solver::problem::State;
 use stickslip_output::{Grid, fields};
 
 /// The paper's block in mm and MPa.

@@ -2,14 +2,12 @@
 
 #![allow(clippy::unwrap_used)]
 
-use std::fs;
-
 use crate::common;
 use crate::common::vtu::{HEXAHEDRON, Piece, QUAD, TETRA, WEDGE, values};
+use std::fs;
 use std::ops::ControlFlow;
-use stickslip::body::model::Model;
-use stickslip::run::Run;
-use stickslip::run::discretise;
+use stickslip::body::Model;
+use stickslip::run::{Run, discretise};
 use stickslip::scene::{Origin, Scene};
 use stickslip::solver::history::{self, HistorySettings, IncrementView, LinearAlgebra, Method, Observer, SystemSolver};
 use stickslip_output::{Claim, Grid, ResultFolder, fields};

@@ -45,7 +45,7 @@ type Corners = [[f64; 3]; 3];
 /// Reads the corners of all triangles of the file at `path`, in the unit of the file.
 pub(super) fn corners(path: &Path) -> Result<Vec<Corners>, SurfaceError> {
     let file = path.display().to_string();
-    let bytes = crate::base::input::bytes(path).map_err(|error| SurfaceError::Io { file: file.clone(), error })?;
+    let bytes = crate::base::input::read_bytes(path).map_err(|error| SurfaceError::Io { file: file.clone(), error })?;
     parse(&file, &bytes)
 }
 

@@ -1,8 +1,7 @@
 //! Describes histories: their points, and their kinks within increments.
 
-use stickslip::base::timeline::equal_increments;
-use stickslip::base::units::UnitSystem;
-use stickslip::body::description::Kinks;
+use stickslip::base::{UnitSystem, equal_increments};
+use stickslip::body::Kinks;
 use stickslip::scene::{Scene, Time};
 
 /// Histories with more points than this are shortened.

@@ -1,8 +1,8 @@
 //! Describes meshes and bodies.
 
-use stickslip::base::units::Quantity;
+use stickslip::base::Quantity;
+use stickslip::body::Model;
 use stickslip::body::mesh::{HalfPlane, MeshSource, Segment};
-use stickslip::body::model::Model;
 
 /// Describes how the mesh of `model`, or of one of its bodies, is made.
 pub(super) fn made(source: &MeshSource, model: &Model) -> String {

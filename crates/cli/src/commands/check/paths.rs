@@ -1,13 +1,12 @@
 //! Lists the time and the memory of a run by each linear solver.
 
 use stickslip::algebra::linear::built_in::ranks;
-use stickslip::base::memory::{Budget, in_words};
-use stickslip::body::model::Model;
-use stickslip::run::auto::{AvailableSolvers, Choice, Path};
-use stickslip::run::{Need, RunError, unsuited};
+use stickslip::base::{Budget, in_words};
+use stickslip::body::Model;
+use stickslip::run::{AvailableSolvers, Choice, Need, Path, RunError, unsuited};
 use stickslip::scene::Scene;
+use stickslip::solver::InitialWorkingSet;
 use stickslip::solver::history::LinearAlgebra;
-use stickslip::solver::initial_working_set::InitialWorkingSet;
 
 /// Lists the memory of the run of `scene`, the estimates of all linear solvers, and the size above which each needs too
 /// much memory.

@@ -1,6 +1,6 @@
 //! Formats numbers and names for `check`.
 
-use stickslip::base::units::{Quantity, UnitSystem};
+use stickslip::base::{Quantity, UnitSystem};
 
 /// Joins names to `a`, `a and b` or `a, b and c`.
 pub(super) fn listed(mut names: Vec<String>) -> String {

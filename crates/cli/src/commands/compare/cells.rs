@@ -1,11 +1,9 @@
 //! Stores the finished histories of an unfinished comparison in a folder beside its tables.
 
-use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
-
+use std::{fs, io};
 use stickslip::scene::Origin;
-use stickslip::solver::checkpoint::Checkpoint;
+use stickslip::solver::Checkpoint;
 use stickslip_cli::compare::Cells;
 use stickslip_output::{FolderLock, write_file};
 

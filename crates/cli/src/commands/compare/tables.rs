@@ -1,13 +1,11 @@
 //! Formats a comparison as text tables.
 
+use super::{Told, fields, resultants, told};
 use std::fmt::Write;
-
-use stickslip::base::units::Quantity;
+use stickslip::base::Quantity;
 use stickslip::solver::history::Status;
 use stickslip_cli::compare::{Comparison, MeshChoice, MeshErrors, MeshResult, Phases};
 use stickslip_output::Table;
-
-use super::{Told, fields, resultants, told};
 
 /// Formats all tables except the answers, for runs on the given `meshes` only.
 pub(super) fn tables(comparison: &Comparison, meshes: &[MeshResult]) -> String {

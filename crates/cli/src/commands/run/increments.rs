@@ -1,16 +1,14 @@
 //! `stickslip run --increments`.
 
-use std::str::FromStr;
-
+use super::super::{Failure, interrupt, threads};
 use clap::Args;
 use std::ops::ControlFlow;
+use std::str::FromStr;
 use stickslip::run::increments_for;
 use stickslip::run::report::ChosenIncrements;
 use stickslip::scene::{Override, Scene};
+use stickslip::solver::IterationRecord;
 use stickslip::solver::history::{Method, Observer};
-use stickslip::solver::newton::IterationRecord;
-
-use super::super::{Failure, interrupt, threads};
 
 /// The default error of the tangential forces.
 const ERROR: f64 = 0.05;

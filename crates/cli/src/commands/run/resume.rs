@@ -1,16 +1,14 @@
 //! `stickslip run --resume`: reads what an earlier run has left in the folder and checks that this scene may resume it.
 
-use std::io::{self, BufRead, BufReader, Read};
-use std::process::ExitCode;
-
-use stickslip::run::report::RunReport;
-use stickslip::scene::Origin;
-use stickslip::solver::checkpoint::Checkpoint;
-use stickslip::solver::history::{LinearAlgebra, Status};
-use stickslip_output::{Claim, ResultFolder};
-
 use super::super::Failure;
 use super::RunArgs;
+use std::io::{self, BufRead, BufReader, Read};
+use std::process::ExitCode;
+use stickslip::run::report::RunReport;
+use stickslip::scene::Origin;
+use stickslip::solver::Checkpoint;
+use stickslip::solver::history::{LinearAlgebra, Status};
+use stickslip_output::{Claim, ResultFolder};
 
 /// What an earlier run has left in the folder.
 pub(super) enum Left {

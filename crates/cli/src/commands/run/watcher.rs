@@ -1,23 +1,19 @@
 //! Displays and writes results during a run.
 
-use std::io;
-
-use std::ops::ControlFlow;
-use stickslip::algebra::linear;
-use stickslip::body::model::Model;
-use stickslip::run::report::{BalanceRecord, ContactLine, ForceRecord};
-use stickslip::run::{Ledger, RecordedIncrement};
-use stickslip::scene::Output;
-use stickslip::solver::checkpoint::Checkpoint;
-use stickslip::solver::events::Event;
-use stickslip::solver::history::{IncrementRecord, IncrementView, Observer, Status};
-use stickslip::solver::newton::IterationRecord;
-use stickslip_output::ContactSurface;
-use stickslip_output::{DeformedBody, ResultFolder, fields};
-
 use super::super::interrupt;
 use super::super::progress::Progress;
 use super::pace::Pace;
+use std::io;
+use std::ops::ControlFlow;
+use stickslip::algebra::linear;
+use stickslip::body::Model;
+use stickslip::run::report::{BalanceRecord, ContactLine, ForceRecord};
+use stickslip::run::{Ledger, RecordedIncrement};
+use stickslip::scene::Output;
+use stickslip::solver::events::Event;
+use stickslip::solver::history::{IncrementRecord, IncrementView, Observer, Status};
+use stickslip::solver::{Checkpoint, IterationRecord};
+use stickslip_output::{ContactSurface, DeformedBody, ResultFolder, fields};
 
 /// Observer that updates the display and the result folder.
 pub(super) struct Watcher<'a> {
