@@ -74,7 +74,7 @@ fn between(height: impl Fn(f64) -> f64, mut one: (f64, f64), mut other: (f64, f6
 mod tests {
     use super::crossing;
 
-    /// A line that leans by 30 degrees over a plane, a parabola, a roof and a step that it does not see.
+    /// A line that leans by 30 degrees over a plane, a parabola, a roof and a step outside its path.
     #[test]
     fn the_places_where_a_line_ends() {
         let (sin, cos) = (0.5, 0.75_f64.sqrt());
@@ -90,7 +90,7 @@ mod tests {
         assert!(met(0.0, &|x| 1.0 + 2.0 * x).is_nan());
         assert!(close(met(0.0, &|x| 1.0 - 2.0 * x), 1.0 / (cos + 1.0)));
         assert!(close(met(0.0, &|x| (x - 0.25).abs()), 0.25 / (cos + 0.5)));
-        // Beyond 1 there is nothing, neither for the first step nor in truth.
+        // There is no surface beyond 1, neither for the first step nor at the intersection.
         let ends = |h: f64| move |x: f64| if x < 1.0 { h - x } else { f64::NAN };
         assert!(close(met(0.0, &ends(2.0)), 2.0 / (cos + 0.5)) && met(0.0, &ends(9.0)).is_nan());
         assert!(crossing(|s| 1.0 + s, 0.0).is_nan() && crossing(|_| f64::NAN, 1.0).is_nan());

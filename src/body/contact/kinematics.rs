@@ -148,9 +148,10 @@ impl ContactBoundary {
     }
 }
 
-/// Creates the contact nodes of `met`, nodes of `boundary` in front of obstacles. A node that supports hold along the
-/// normal carries no contact force and is left out. Held displacements of the ends of its edge are left out of its
-/// rows.
+/// Creates the contact nodes of `met`, nodes of `boundary` in front of obstacles.
+///
+/// A node that supports hold along the normal carries no contact force and is left out. Held displacements of the ends
+/// of its edge are left out of its rows.
 pub fn contact_nodes(
     mesh: &Mesh,
     dofs: &Dofs,

@@ -12,6 +12,7 @@ use crate::solver::problem::error::expect_length;
 use crate::solver::problem::{ProblemError, State};
 
 /// A force and its moment about the origin at the reference positions of the nodes; in two dimensions per m of depth.
+///
 /// For a body of revolution, forces are those of the full circumference, the component along x is the sum of the radial
 /// forces, and there is no moment.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
