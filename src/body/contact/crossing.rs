@@ -13,9 +13,9 @@ const ROUNDING: f64 = 2.0 * f64::EPSILON;
 
 /// Returns the distance along a line at which it meets a surface. `height` is the signed distance of the surface from a
 /// point of the line along the surface's own direction: positive before the surface, negative behind it. `closing` is
-/// the cosine of the angle between both directions. Of several intersections the result is the one that the iteration
-/// reaches, whose steps would end on a level surface. NaN if the line leads away from the surface or off it, where the
-/// height is NaN.
+/// the cosine of the angle between both directions. If there are several intersections, the result is the one that the
+/// iteration reaches, with steps that would end on a level surface. NaN if the line leads away from the surface or off
+/// it, where the height is NaN.
 pub(super) fn crossing(height: impl Fn(f64) -> f64, closing: f64) -> f64 {
     let (mut here, mut above) = (0.0, height(0.0));
     if closing <= GRAZING || above.is_nan() {

@@ -68,10 +68,9 @@ pub struct Balance {
     /// The force of the obstacles on the body. Forces between bodies cancel, except for the moment of friction across a
     /// gap.
     pub contact: Wrench,
-    /// The sum of all forces and moments, the residual, relative to the sum of the magnitudes of the forces on the
-    /// nodes.
+    /// The residual of all forces and moments, relative to the sum of the magnitudes of the forces on the nodes.
     pub closure: f64,
-    /// The sum of all forces without moments, relative to the sum of the magnitudes.
+    /// The residual of all forces without moments, relative to the sum of the magnitudes.
     pub force_closure: f64,
     /// The sum of the magnitudes of the forces on the nodes, N.
     pub size: f64,
