@@ -50,7 +50,7 @@ impl ElementEstimate {
     }
 
     /// Estimates both errors for displacements of the right length, with the `factors` of `Model::thermal_factors` and
-    /// the nodes of contacts with only one node pressed.
+    /// the closed contact nodes without a closed neighbour, `pressed`.
     pub fn new(model: &Model, factors: &[f64], displacements: &[[f64; 3]], pressed: &[usize]) -> Self {
         let strains = Strains::new(model, factors, displacements);
         if strains.are_rounding(displacements) {

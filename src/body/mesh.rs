@@ -69,8 +69,10 @@ pub struct Cell {
 }
 
 /// The nodes of a boundary facet in order: an edge in two dimensions from end to end, a triangle or a quadrilateral in
-/// three dimensions all around. The body is on the left of an edge; a face is counterclockwise seen from outside. In
-/// cells of second order a node between corners is listed between them: an edge has three nodes, a triangle six.
+/// three dimensions all around.
+///
+/// The body is on the left of an edge; a face is counterclockwise seen from outside. In cells of second order a node
+/// between corners is listed between them: an edge has three nodes, a triangle six.
 pub type Facet = Vec<usize>;
 
 /// A named part of the boundary.

@@ -30,7 +30,7 @@ pub enum SceneError {
         path: String,
         /// The kind of the file.
         what: &'static str,
-        /// The use of such a file.
+        /// The advice for such a file.
         help: &'static str,
     },
     /// A value or the syntax of the scene is wrong.

@@ -18,9 +18,10 @@ pub fn relative(row: &MortarRow, glued: bool) -> Relative {
     Relative { node: row.node, own, others: beside.chain(row.master.iter().copied()).collect(), tied: glued }
 }
 
-/// Creates the contact nodes of the pair `pair` from its `rows`. `gap` (m) is the gap of each row; `relative` marks the
-/// nodes with relative displacements in this pair. Normals are those of the rows; the first tangent is that of an
-/// obstacle with their mean normal, turned with the normal.
+/// Creates the contact nodes of the pair `pair` from its `rows`.
+///
+/// `gap` (m) is the gap of each row; `relative` marks the nodes with relative displacements in this pair. Normals are
+/// those of the rows; the first tangent is that of an obstacle with their mean normal, turned with the normal.
 pub fn coupled_nodes(
     mesh: &Mesh,
     dofs: &Dofs,

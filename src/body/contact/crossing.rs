@@ -13,9 +13,9 @@ const ROUNDING: f64 = 2.0 * f64::EPSILON;
 
 /// Returns the distance along a line at which it meets a surface. `height` is the signed distance of the surface from a
 /// point of the line along the surface's own direction: positive before the surface, negative behind it. `closing` is
-/// the cosine of the angle between both directions. Of several intersections the result is the one that the iteration
-/// reaches, whose steps would end on a level surface. NaN if the line leads away from the surface or off it, where the
-/// height is NaN.
+/// the cosine of the angle between both directions. If there are several intersections, the result is the one that the
+/// iteration reaches, with steps that would end on a level surface. NaN if the line leads away from the surface or off
+/// it, where the height is NaN.
 pub(super) fn crossing(height: impl Fn(f64) -> f64, closing: f64) -> f64 {
     let (mut here, mut above) = (0.0, height(0.0));
     if closing <= GRAZING || above.is_nan() {
@@ -74,7 +74,7 @@ fn between(height: impl Fn(f64) -> f64, mut one: (f64, f64), mut other: (f64, f6
 mod tests {
     use super::crossing;
 
-    /// A line that leans by 30 degrees over a plane, a parabola, a roof and a step that it does not see.
+    /// A line that leans by 30 degrees over a plane, a parabola, a roof and a step outside its path.
     #[test]
     fn the_places_where_a_line_ends() {
         let (sin, cos) = (0.5, 0.75_f64.sqrt());
@@ -90,7 +90,7 @@ mod tests {
         assert!(met(0.0, &|x| 1.0 + 2.0 * x).is_nan());
         assert!(close(met(0.0, &|x| 1.0 - 2.0 * x), 1.0 / (cos + 1.0)));
         assert!(close(met(0.0, &|x| (x - 0.25).abs()), 0.25 / (cos + 0.5)));
-        // Beyond 1 there is nothing, neither for the first step nor in truth.
+        // There is no surface beyond 1, neither for the first step nor at the intersection.
         let ends = |h: f64| move |x: f64| if x < 1.0 { h - x } else { f64::NAN };
         assert!(close(met(0.0, &ends(2.0)), 2.0 / (cos + 0.5)) && met(0.0, &ends(9.0)).is_nan());
         assert!(crossing(|s| 1.0 + s, 0.0).is_nan() && crossing(|_| f64::NAN, 1.0).is_nan());

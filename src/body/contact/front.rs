@@ -33,7 +33,7 @@ pub struct Unclear {
     pub why: (&'static str, &'static str),
 }
 
-/// A normal counts as pointing out of the body if its cosine with the node's normal exceeds this tolerance for
+/// A normal counts as pointing out of the body if its cosine with the node's outward normal exceeds this, to allow for
 /// rounding.
 const ALONG: f64 = 1e-9;
 
@@ -48,9 +48,10 @@ impl Meeting {
     }
 }
 
-/// Returns the obstacle that is nearest to a node at `x` (m) at time `t` (s), and the gap, m. The result is the
-/// obstacle `met` first, unless one of the `others` is nearer. If an obstacle is not in front of the node, its gap is
-/// the size of the boundary.
+/// Returns the obstacle that is nearest to a node at `x` (m) at time `t` (s), and the gap, m.
+///
+/// The result is the obstacle `met` first, unless one of the `others` is nearer. If an obstacle is not in front of the
+/// node, its gap is the size of the boundary.
 pub fn nearest(
     obstacles: &[(PlacedObstacle, ObstacleMotion)],
     (met, facing): (usize, &Facing),
@@ -70,10 +71,12 @@ pub fn nearest(
 }
 
 /// Returns the nodes of `boundary` that an obstacle of `obstacles` reaches between 0 and the end, each with the
-/// obstacle that it meets. Among the obstacles that the node's outside faces, this is the nearest at the beginning of
-/// the history. If none reaches the node then, it is the one that comes nearest at `times` (s) or at a kink of a
-/// motion. Among obstacles with the same normal, a node meets the nearest at each time. Nodes that no obstacle ever
-/// reaches are left out; they stay open.
+/// obstacle that it meets.
+///
+/// Among the obstacles that the node's outside faces, this is the nearest at the beginning of the history. If none
+/// reaches the node then, it is the one that comes nearest at `times` (s) or at a kink of a motion. Among obstacles
+/// with the same normal, a node meets the nearest at each time. Nodes that no obstacle ever reaches are left out; they
+/// stay open.
 ///
 /// # Errors
 /// A node that no obstacle reaches and whose distance from one is undefined, or a node inside an obstacle that has

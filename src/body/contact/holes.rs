@@ -8,8 +8,9 @@ use crate::algebra::vector::{dot, minus, plus};
 use crate::body::mesh::{Boundary, Mesh};
 
 /// Returns the holes of `obstacle`, if that is a surface of triangles, that are in front of `boundary` at 0 or at
-/// `times` (s) as the obstacle moves by `motion`. Holes that another part of the surface hides from the boundary are
-/// left out.
+/// `times` (s) as the obstacle moves by `motion`.
+///
+/// Holes that another part of the surface hides from the boundary are left out.
 pub fn holes_in_front_of(
     mesh: &Mesh,
     boundary: &Boundary,

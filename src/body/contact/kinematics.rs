@@ -12,8 +12,8 @@
 //!
 //! each along the normal or the tangent of its own node; gaps `g̃` and tangential motions of the obstacle are formed in
 //! the same way. `w̃ ≤ g̃` keeps every node out of the obstacle; in front of a plane it keeps a whole straight facet
-//! out. If normals turn along the edge, the normal of m for all three nodes would count a share of a displacement, the
-//! height of the arc between them, as a gap.
+//! out. If normals turn along the edge and the normal of m were used for all three nodes, the height of the arc between
+//! them, as a share of a displacement, would appear as a gap.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -148,9 +148,10 @@ impl ContactBoundary {
     }
 }
 
-/// Creates the contact nodes of `met`, nodes of `boundary` in front of obstacles. A node that supports hold along the
-/// normal carries no contact force and is left out. Held displacements of the ends of its edge are left out of its
-/// rows.
+/// Creates the contact nodes of `met`, nodes of `boundary` in front of obstacles.
+///
+/// A node that supports hold along the normal carries no contact force and is left out. Held displacements of the ends
+/// of its edge are left out of its rows.
 pub fn contact_nodes(
     mesh: &Mesh,
     dofs: &Dofs,

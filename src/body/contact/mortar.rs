@@ -217,9 +217,10 @@ impl Mortar {
         self.segments.len()
     }
 
-    /// Returns the least gap at the integration points after the nodes of `mesh` have moved by `u` (m). If it is
-    /// negative, facets overlap by this amount although the law, which is imposed in a weighted mean, holds. `None`
-    /// without integration points.
+    /// Returns the least gap at the integration points after the nodes of `mesh` have moved by `u` (m).
+    ///
+    /// If it is negative, facets overlap by this amount although the law, which is imposed in a weighted mean, holds.
+    /// `None` without integration points.
     pub fn least_gap(&self, mesh: &Mesh, u: &[[f64; 3]]) -> Option<GapAt> {
         cover::least_gap(mesh, [&self.facets[0], &self.facets[1]], &self.segments, u)
     }

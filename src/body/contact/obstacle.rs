@@ -68,10 +68,11 @@ impl PlacedObstacle {
         }
     }
 
-    /// Places the obstacle `given`, which is valid, in front of `boundary`. The default normal is the mean outward
-    /// normal of the boundary. The default first tangent is, in two dimensions, the normal turned by +90°, which is +x
-    /// above a foundation; in three dimensions, the projection on the tangent plane of x, or of another axis that is
-    /// closer to that plane. The second tangent is normal × first tangent.
+    /// Places the obstacle `given`, which is valid, in front of `boundary`.
+    ///
+    /// The default normal is the mean outward normal of the boundary. The default first tangent is, in two dimensions,
+    /// the normal turned by +90°, which is +x above a foundation; in three dimensions, the projection on the tangent
+    /// plane of x, or of another axis that is closer to that plane. The second tangent is normal × first tangent.
     ///
     /// # Errors
     /// If there is no mean normal, the shape does not suit the dimension, or a file cannot be used.
@@ -203,7 +204,9 @@ impl PlacedObstacle {
 
     /// Returns the distance (m) from `x` (m), transformed to the obstacle at rest with the reference position
     /// `reference`, to the nearest point, negative inside, and the unit vector of its direction; for a field of gaps,
-    /// along its normal. NaN beyond the rim of a bounded surface.
+    /// along its normal.
+    ///
+    /// NaN beyond the rim of a bounded surface.
     pub fn nearest(&self, x: [f64; 3], reference: [f64; 3]) -> (f64, [f64; 3]) {
         match self.surface {
             Surface::Formula(_) | Surface::Table(_) => (self.distance(x, self.normal, reference), self.normal),

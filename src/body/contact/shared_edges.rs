@@ -6,11 +6,12 @@ use super::kinematics::ContactNode;
 use crate::algebra::vector::{cross, norm, unit};
 use crate::body::fem::Dofs;
 
-/// Restricts the tangents of nodes in contact with two obstacles, for example on an edge of the body. If such a node
-/// touches both, it can slide only along the edge, and friction in other directions would make the equations dependent.
-/// It therefore has one tangent, along the edge, at the obstacle that is nearer at first (among those with friction,
-/// `mu`, n_c). A node that is not free in all three directions, or meets more obstacles, as in a corner, carries no
-/// friction.
+/// Restricts the tangents of nodes in contact with two obstacles, for example on an edge of the body.
+///
+/// If such a node touches both, it can slide only along the edge, and friction in other directions would make the
+/// equations dependent. It therefore has one tangent, along the edge, at the obstacle that is nearer at first (among
+/// those with friction, `mu`, n_c). A node that is not free in all three directions, or meets more obstacles, as in a
+/// corner, carries no friction.
 pub fn share_edges(contacts: &mut [ContactNode], mu: &[f64], dofs: &Dofs) {
     let mut at_node: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     for (i, contact) in contacts.iter().enumerate() {

@@ -167,7 +167,7 @@ impl Tree {
 mod tests {
     use super::*;
 
-    /// Boxes in a row are found by their number, and few others are looked at.
+    /// Boxes in a row are found by their number, and few others are examined.
     #[test]
     fn what_is_near_is_found_and_little_else() {
         let n = 1000;

@@ -280,13 +280,13 @@ pub(super) fn nearest_of(&[a, b, c]: &[[f64; 3]; 3], x: [f64; 3]) -> ([f64; 3], 
 mod tests {
     use super::*;
 
-    /// Two triangles over the unit square at z = 1, seen from below.
+    /// Returns two triangles over the unit square at z = 1, facing down.
     fn ceiling() -> Triangles {
         let [a, b, c, d] = [[0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 1.0, 1.0], [0.0, 1.0, 1.0]];
         Triangles::new(vec![[a, c, b], [a, d, c], [a, a, b]]).unwrap()
     }
 
-    /// The unit cube, seen from outside.
+    /// Returns the unit cube, facing outwards.
     fn cube() -> Triangles {
         let at = |k: usize| [k & 1, k >> 1 & 1, k >> 2 & 1].map(|c| c as f64);
         let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];

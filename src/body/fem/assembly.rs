@@ -15,8 +15,9 @@ use crate::body::mesh::Mesh;
 const TOGETHER: usize = 4096;
 
 /// Assembles `K`, the stiffness of `mesh` for the free unknowns of `dofs`, N/m; in two dimensions per unit depth, for a
-/// body of revolution over the full circumference. All elements have the formulation `element`; `material` returns the
-/// law of each cell.
+/// body of revolution over the full circumference.
+///
+/// All elements have the formulation `element`; `material` returns the law of each cell.
 ///
 /// # Errors
 /// [`InvertedElement`] for the first inverted or degenerate element.

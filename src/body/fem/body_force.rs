@@ -30,9 +30,10 @@ pub fn body_force(mesh: &Mesh, force: impl Fn(usize, [f64; 3]) -> [f64; 3]) -> N
 }
 
 /// Computes the forces `∫ Bᵀ D ε dV` (N; in two dimensions per unit depth, for a body of revolution over the full
-/// circumference) of the stress-free `strain` with all nodes held. `strain` is a function of cell and position, without
-/// shear and equal along all axes, like thermal strain. In plane stress (`thin`) the expansion normal to the plane is
-/// free.
+/// circumference) of the stress-free `strain` with all nodes held.
+///
+/// `strain` is a function of cell and position, without shear and equal along all axes, like thermal strain. In plane
+/// stress (`thin`) the expansion normal to the plane is free.
 pub fn thermal_forces(
     mesh: &Mesh,
     element: Element,

@@ -43,8 +43,9 @@ impl Dofs {
     }
 
     /// Numbers the free components of each node, which is held along the directions `held`: unit vectors, in two
-    /// dimensions in the plane. Dependent directions are ignored. Nodes on the axis of a body of revolution are also
-    /// held along x.
+    /// dimensions in the plane.
+    ///
+    /// Dependent directions are ignored. Nodes on the axis of a body of revolution are also held along x.
     pub fn holding(mesh: &Mesh, mut held: impl FnMut(usize) -> Vec<[f64; 3]>) -> Self {
         let dimension = mesh.dimension;
         let mut dofs = Dofs {
@@ -107,8 +108,10 @@ impl Dofs {
     }
 
     /// Returns the unknowns of `node` along the axes of its frame: x, y and, in three dimensions, z, unless an oblique
-    /// support holds the node. A component is `None` if a support holds it or the node is tied to others. The unknowns
-    /// of a [`super::Relative`] node are relative.
+    /// support holds the node.
+    ///
+    /// A component is `None` if a support holds it or the node is tied to others. The unknowns of a [`super::Relative`]
+    /// node are relative.
     pub fn node(&self, node: usize) -> &[Option<usize>] {
         &self.numbers[self.dimension * node..self.dimension * (node + 1)]
     }

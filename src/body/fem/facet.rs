@@ -97,8 +97,10 @@ fn place(kind: CellKind, k: usize) -> usize {
 }
 
 /// Computes `∫ N_a dA` for each node of a facet: its share of the length (m, half of an edge) or of the area (m²), in a
-/// body of revolution over the full circumference. The result is exact for edges, triangles and flat quadrilaterals,
-/// and for straight facets of second order. The corners of a flat triangle of six nodes have 0.
+/// body of revolution over the full circumference.
+///
+/// The result is exact for edges, triangles and flat quadrilaterals, and for straight facets of second order. The
+/// corners of a flat triangle of six nodes have 0.
 pub fn facet_weights(mesh: &Mesh, facet: &[usize]) -> Vec<f64> {
     let nodes = facet.len();
     if nodes <= mesh.dimension && mesh.geometry == Geometry::Cartesian {

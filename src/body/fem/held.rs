@@ -26,7 +26,7 @@ impl HeldRows {
     /// those of the mesh.
     ///
     /// # Errors
-    /// [`InvertedElement`] for the first element that is not sound.
+    /// [`InvertedElement`] for the first inverted or degenerate element.
     pub fn beside(
         mesh: &Mesh,
         dofs: &Dofs,

@@ -55,7 +55,7 @@ impl NodalVolumes {
     /// are [`Element::NodalVolume`].
     ///
     /// # Errors
-    /// [`InvertedElement`] for the first element that is not sound.
+    /// [`InvertedElement`] for the first inverted or degenerate element.
     pub fn new(mesh: &Mesh, element: Element, material: impl Fn(usize) -> Elasticity) -> Result<Self, InvertedElement> {
         let mut all = NodalVolumes::default();
         if element != Element::NodalVolume {

@@ -20,8 +20,10 @@ const INSIDE: f64 = 1e-6;
 type Bounds = [(f64, f64); 3];
 
 /// Finds, for each pair of `bodies` of `mesh` for which `apart` returns `true`, the first node of one body inside a
-/// cell of the other. `apart` is called with the smaller number first. Bodies that intersect without a node inside each
-/// other are not found.
+/// cell of the other.
+///
+/// `apart` is called with the smaller number first. Bodies that intersect without a node inside each other are not
+/// found.
 pub fn overlaps(mesh: &Mesh, bodies: &Bodies, apart: impl Fn(usize, usize) -> bool) -> Vec<Overlap> {
     let bounds: Vec<Bounds> = (0..bodies.count()).map(|k| mesh.bounds_of(bodies.nodes(k))).collect();
     let mut found = Vec::new();

@@ -162,10 +162,11 @@ impl fmt::Display for RigidMotion {
 /// A linear form of displacements, `Σ c_k · u(x_k)`, as nodes and their coefficients.
 pub type Tie = Vec<(usize, [f64; 3])>;
 
-/// Computes the rigid motions of `mesh` that the fixed components of `dofs` leave free. A fully supported body has
-/// none; a body without supports has three in two dimensions, six in three dimensions, and one if it is a body of
-/// revolution, the translation along its axis. Translations are first, then rotations about one coordinate axis each,
-/// if there are such; body by body.
+/// Computes the rigid motions of `mesh` that the fixed components of `dofs` leave free.
+///
+/// A fully supported body has none; a body without supports has three in two dimensions, six in three dimensions, and
+/// one if it is a body of revolution, the translation along its axis. Translations are first, then rotations about one
+/// coordinate axis each, if there are such; body by body.
 pub fn rigid_motions(mesh: &Mesh, dofs: &Dofs) -> Vec<RigidMotion> {
     unresisted_motions(mesh, dofs, &[], &[])
 }

@@ -9,8 +9,9 @@ use crate::body::mesh::{CellKind, Geometry, Jacobian, shape};
 const FLAT: f64 = 1e-12;
 
 /// Computes the gradients `∂N_a/∂(x, y, z)` (1/m) at a reference point of the cell with `nodes` (m), and the
-/// determinant of the Jacobian `∂(x, y, z)/∂(ξ, η, ζ)` (m^d), d the dimension. `None` if the cell is inverted or
-/// degenerate: the determinant is not positive, within rounding.
+/// determinant of the Jacobian `∂(x, y, z)/∂(ξ, η, ζ)` (m^d), d the dimension.
+///
+/// `None` if the cell is inverted or degenerate: the determinant is not positive, within rounding.
 pub fn gradients(kind: CellKind, point: [f64; 3], nodes: &[[f64; 3]]) -> Option<(Vec<[f64; 3]>, f64)> {
     let Jacobian { local, rows, cofactors, determinant: det } = Jacobian::new(kind, point, nodes);
     let sound = det > FLAT * rows.iter().map(|&row| norm(row)).product::<f64>();
@@ -85,7 +86,7 @@ impl CellPoint {
 mod tests {
     use super::*;
 
-    /// A reference cell, bent; those of the plane stay in it.
+    /// Returns a distorted reference cell; plane cells remain plane.
     fn distorted(kind: CellKind) -> Vec<[f64; 3]> {
         let bent = |[x, y, z]: [f64; 3]| [x + 0.2 * y * y + 0.1 * z, y - 0.3 * x + 0.1 * x * y, z + 0.2 * x * y * z];
         (0..kind.nodes()).map(|k| bent(kind.reference_node(k))).collect()

@@ -6,8 +6,9 @@ use super::strain::{Element, strain_columns};
 use crate::body::mesh::{CellKind, Geometry, quadrature_of};
 
 /// Computes the stiffness `∫ Bᵀ D B` of a cell with `nodes` (m), N/m; in two dimensions per unit depth, for a body of
-/// revolution over the full circumference. Unknowns are `(u_x, u_y)` or `(u_x, u_y, u_z)` node by node. `None` if the
-/// element is inverted or degenerate.
+/// revolution over the full circumference.
+///
+/// Unknowns are `(u_x, u_y)` or `(u_x, u_y, u_z)` node by node. `None` if the element is inverted or degenerate.
 pub fn element_stiffness(
     kind: CellKind,
     geometry: Geometry,

@@ -6,8 +6,9 @@ use super::strain::{Element, Strain, strain_columns};
 use crate::body::mesh::{CellKind, Geometry, quadrature_of};
 
 /// Computes the stress `(σ_xx, σ_yy, σ_zz, τ_xy, τ_yz, τ_zx)` (Pa) at the centre of a cell with `nodes` (m) and their
-/// `displacements` (m); see [`Elasticity::stress`] for two dimensions. In a body of revolution `σ_zz` is the hoop
-/// stress. `None` if the element is inverted or degenerate.
+/// `displacements` (m); see [`Elasticity::stress`] for two dimensions.
+///
+/// In a body of revolution `σ_zz` is the hoop stress. `None` if the element is inverted or degenerate.
 pub fn centre_stress(
     kind: CellKind,
     geometry: Geometry,
@@ -41,8 +42,9 @@ pub fn cell_volume(kind: CellKind, geometry: Geometry, nodes: &[[f64; 3]]) -> Op
 }
 
 /// Computes the strains `(ε_xx, ε_yy, ε_zz, γ_xy, γ_yz, γ_zx)` at the integration points of a cell, as in
-/// [`centre_stress`], each with the volume (m³; in two dimensions the area, m²) of its point. `None` if the element is
-/// inverted or degenerate.
+/// [`centre_stress`], each with the volume (m³; in two dimensions the area, m²) of its point.
+///
+/// `None` if the element is inverted or degenerate.
 pub fn strains(
     kind: CellKind,
     geometry: Geometry,

@@ -9,6 +9,7 @@ use super::{Boundary, Cell, Geometry, Mesh, MeshFault, Notes};
 
 impl Mesh {
     /// Creates a mesh of `nodes` (m; z = 0 in two dimensions) and `cells`, whose kind determines the dimension.
+    ///
     /// `groups` are the names of the material groups, to which the group numbers of cells refer; if it is empty, there
     /// is one group `body`. Facets of `boundaries` may have any orientation and order: they are oriented with their
     /// outside on the right and, in two dimensions, ordered consecutively.

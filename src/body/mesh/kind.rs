@@ -239,7 +239,7 @@ impl CellKind {
         }
     }
 
-    /// The name of the kind.
+    /// Returns the name of the kind.
     pub fn name(self) -> &'static str {
         self.properties().name
     }
@@ -254,7 +254,7 @@ impl CellKind {
         self.properties().functions == Functions::Quadratic
     }
 
-    /// The dimension, 2 or 3.
+    /// Returns the dimension, 2 or 3.
     pub fn dimension(self) -> usize {
         self.properties().dimension
     }

@@ -2,10 +2,11 @@
 
 use super::{CellKind, Geometry};
 
-/// Returns the points and weights of the rule for the stiffness of a cell with straight edges. Squares and cubes have
-/// two Gauss points of weight 1 along each axis, exact for cubic polynomials in each of [ξ, η, ζ]; triangles and
-/// tetrahedra have their centre, exact for linear polynomials; those of second order have three and four points, exact
-/// for quadratic polynomials.
+/// Returns the points and weights of the rule for the stiffness of a cell with straight edges.
+///
+/// Squares and cubes have two Gauss points of weight 1 along each axis, exact for cubic polynomials in each of
+/// [ξ, η, ζ]; triangles and tetrahedra have their centre, exact for linear polynomials; those of second order have
+/// three and four points, exact for quadratic polynomials.
 pub fn quadrature(kind: CellKind) -> Vec<([f64; 3], f64)> {
     (kind.properties().rule)()
 }

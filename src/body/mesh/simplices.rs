@@ -12,8 +12,10 @@ const TETRAHEDRA: [[usize; 4]; 6] =
 
 impl Mesh {
     /// Divides each quadrilateral into two triangles, each hexahedron into six tetrahedra and each quadrilateral facet
-    /// into two triangles. Cells and facets are divided along the diagonals at their node with the least number, so
-    /// that neighbours match in a structured mesh whose node numbers grow along every axis, such as [`super::block`].
+    /// into two triangles.
+    ///
+    /// Cells and facets are divided along the diagonals at their node with the least number, so that neighbours match
+    /// in a structured mesh whose node numbers grow along every axis, such as [`super::block`].
     #[must_use]
     pub fn into_simplices(mut self) -> Mesh {
         self.cells = self.cells.iter().flat_map(divided).collect();

@@ -12,6 +12,7 @@ use crate::solver::problem::error::expect_length;
 use crate::solver::problem::{ProblemError, State};
 
 /// A force and its moment about the origin at the reference positions of the nodes; in two dimensions per m of depth.
+///
 /// For a body of revolution, forces are those of the full circumference, the component along x is the sum of the radial
 /// forces, and there is no moment.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -67,10 +68,9 @@ pub struct Balance {
     /// The force of the obstacles on the body. Forces between bodies cancel, except for the moment of friction across a
     /// gap.
     pub contact: Wrench,
-    /// The sum of all forces and moments, the residual, relative to the sum of the magnitudes of the forces on the
-    /// nodes.
+    /// The residual of all forces and moments, relative to the sum of the magnitudes of the forces on the nodes.
     pub closure: f64,
-    /// The sum of all forces without moments, relative to the sum of the magnitudes.
+    /// The residual of all forces without moments, relative to the sum of the magnitudes.
     pub force_closure: f64,
     /// The sum of the magnitudes of the forces on the nodes, N.
     pub size: f64,

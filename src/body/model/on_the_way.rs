@@ -36,8 +36,10 @@ impl Model {
     }
 
     /// Finds the node that an obstacle penetrates or leaves furthest within the increment between two times (s) with
-    /// their states; a node that the obstacle leaves touches it at both ends. A motion in one direction along any path
-    /// does neither, since the obstacle stays between the two positions of the node.
+    /// their states; a node that the obstacle leaves touches it at both ends.
+    ///
+    /// A motion in one direction along any path does neither, since the obstacle stays between the two positions of the
+    /// node.
     pub fn on_the_way(&self, times: [f64; 2], states: [&State; 2]) -> Option<OnTheWay> {
         let mut worst: Option<OnTheWay> = None;
         for boundary in self.contact_boundaries.iter().filter(|boundary| self.may_pass(boundary)) {

@@ -63,7 +63,7 @@ impl Pairs {
         let mut pairs = Pairs::default();
         let mut tied: BTreeSet<usize> = BTreeSet::new();
         let mut taken: BTreeSet<usize> = BTreeSet::new();
-        // Slaves that the description names are fixed first.
+        // Boundaries whose contact does not choose the slave automatically are slaves in any case.
         let chosen = |opposite: &Opposite| opposite.slave == Slave::Automatic;
         let named = description.contacts.iter().filter(|contact| !contact.opposite().is_some_and(chosen));
         let mut slaves: BTreeSet<String> = named.map(|contact| contact.boundary.clone()).collect();

@@ -61,9 +61,10 @@ impl Model {
         (0..self.pairs.len()).filter_map(of_pair).collect()
     }
 
-    /// Returns the largest share of missing friction of the contact boundaries, with the number of the boundary. The
-    /// share is that of the possible friction at nodes that supports hold along a direction in which the opposite side
-    /// moves past them; `mu` are the friction coefficients of the nodes.
+    /// Returns the largest share of missing friction of the contact boundaries, with the number of the boundary.
+    ///
+    /// The share is that of the possible friction at nodes that supports hold along a direction in which the opposite
+    /// side moves past them; `mu` are the friction coefficients of the nodes.
     pub fn friction_left_out(&self, state: &State, mu: &[f64]) -> Option<(usize, f64)> {
         if !self.passed_by.contains(&true) {
             return None;
@@ -92,8 +93,10 @@ impl Model {
     }
 
     /// Returns the largest share, over all pairs, of the normal force on nodes beyond the end of the other body, with
-    /// the number of the pair. The row of such a node extrapolates the displacement of the other body beyond its end:
-    /// it presses the nodes at the end with more than the whole force and pulls the nodes behind them.
+    /// the number of the pair.
+    ///
+    /// The row of such a node extrapolates the displacement of the other body beyond its end: it presses the nodes at
+    /// the end with more than the whole force and pulls the nodes behind them.
     pub fn beyond_the_end(&self, state: &State) -> Option<(usize, f64)> {
         let share = |k: usize| {
             let (mut all, mut beyond) = (0.0, 0.0);

@@ -43,8 +43,9 @@ impl Model {
     }
 
     /// Returns the slope of the obstacle in front of contact node `i` at time `t` (s), relative to the node's normal:
-    /// the tangent of the angle. In front of a body, the slope is that of the node's surface if a direction is given,
-    /// otherwise NaN.
+    /// the tangent of the angle.
+    ///
+    /// In front of a body, the slope is that of the node's surface if a direction is given, otherwise NaN.
     pub fn slope(&self, i: usize, t: f64) -> f64 {
         let contact = &self.contacts[i];
         let Some((k, facing)) = self.met(i, t) else { return self.slope_in_pair(i) };

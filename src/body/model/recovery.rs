@@ -130,8 +130,9 @@ impl Model {
     }
 
     /// Returns the traction (Pa) of the body on the obstacle at each contact node, along the coordinate axes, if
-    /// boundaries with contact are of second order. Otherwise `None`: the traction is then the contact force divided by
-    /// the node's weight (32).
+    /// boundaries with contact are of second order.
+    ///
+    /// Otherwise `None`: the traction is then the contact force divided by the node's weight (32).
     pub fn recovered_tractions(&self, state: &State) -> Option<Vec<[f64; 3]>> {
         let Recovery { mass, ends, plain } = self.recovery.as_ref()?;
         // Pressures are treated as scalars since normals turn along the boundary, friction as a vector since tangents

@@ -11,8 +11,10 @@ use crate::solver::problem::error::expect_length;
 
 impl Model {
     /// Computes the stress `(σ_xx, σ_yy, σ_zz, τ_xy, τ_yz, τ_zx)` (Pa) at the centre of every cell, for the
-    /// displacements of all nodes (m) at time `t` (s). `σ_zz` is that of plane strain, 0 in plane stress, and the hoop
-    /// stress in a body of revolution. Thermal strains are subtracted.
+    /// displacements of all nodes (m) at time `t` (s).
+    ///
+    /// `σ_zz` is that of plane strain, 0 in plane stress, and the hoop stress in a body of revolution. Thermal strains
+    /// are subtracted.
     ///
     /// # Errors
     /// If `displacements` does not have one entry for each node of the mesh.

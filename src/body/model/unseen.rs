@@ -67,9 +67,10 @@ impl Model {
         (0..self.obstacles.len()).map(|k| self.pressed_in(k, t, state)).fold(0.0, f64::max)
     }
 
-    /// Returns the contact node that is deepest inside an obstacle that it does not meet at time `t` (s). The obstacle
-    /// belongs to its boundary, or is a bounded one that has come from another boundary. Depths within the error of a
-    /// solution or rounding do not count.
+    /// Returns the contact node that is deepest inside an obstacle that it does not meet at time `t` (s).
+    ///
+    /// The obstacle belongs to its boundary, or is a bounded one that has come from another boundary. Depths within the
+    /// error of a solution or rounding do not count.
     pub fn overlap(&self, t: f64, state: &State) -> Option<Overlap> {
         if self.obstacles.len() < 2 {
             return None;
@@ -113,10 +114,11 @@ impl Model {
     }
 
     /// Returns the point of a contact facet at which the distance of the obstacle differs most from the interpolated
-    /// nodal distances, at time `t` (s). On a facet with a closed node, the measure is the difference; on any other
-    /// facet, the depth of the point inside the obstacle. Arcs that follow from the normals at the nodes are
-    /// subtracted: arcs of the obstacle, which the nodes resolve as far as possible, and arcs that straight facets cut
-    /// off a curved boundary.
+    /// nodal distances, at time `t` (s).
+    ///
+    /// On a facet with a closed node, the measure is the difference; on any other facet, the depth of the point inside
+    /// the obstacle. Arcs that follow from the normals at the nodes are subtracted: arcs of the obstacle, which the
+    /// nodes resolve as far as possible, and arcs that straight facets cut off a curved boundary.
     pub fn between_nodes(&self, t: f64, state: &State, statuses: &[ContactStatus]) -> Option<BetweenNodes> {
         let curved = |boundary: &&ContactBoundary| {
             self.obstacles[boundary.obstacles.clone()].iter().any(|(obstacle, _)| !obstacle.is_plane())

@@ -51,10 +51,12 @@ impl fmt::Display for SlaveReason {
 }
 
 impl Mortar {
-    /// Computes the rows of two boundaries and chooses the slave. The criteria in order: the boundary that supports do
-    /// not hold; the boundary without nodes beyond the end of the other; the boundary with more nodes in front of the
-    /// other, since the law applies at the slave nodes; if the numbers are about equal, the softer one by the Young's
-    /// moduli `young` (Pa). A boundary that is `taken`, as the slave of another contact, is avoided.
+    /// Computes the rows of two boundaries and chooses the slave.
+    ///
+    /// The criteria in order: the boundary that supports do not hold; the boundary without nodes beyond the end of the
+    /// other; the boundary with more nodes in front of the other, since the law applies at the slave nodes; if the
+    /// numbers are about equal, the softer one by the Young's moduli `young` (Pa). A boundary that is `taken`, as the
+    /// slave of another contact, is avoided.
     ///
     /// # Errors
     ///
