@@ -43,7 +43,7 @@ fn starting_scenes_run() {
 
         let again = stickslip(&["init", kind, "--out", &into]);
         assert_exit(&again, 2);
-        assert!(stderr(&again).contains("is there already"), "{}", stderr(&again));
+        assert!(stderr(&again).contains("already exists"), "{}", stderr(&again));
     }
 }
 

@@ -108,7 +108,7 @@ fn what_is_done_is_kept() {
         assert_exit(&output, 0);
         let head = match known {
             0 => format!("variants     {all}\n"),
-            _ => format!("variants     {all}, {known} of them known from before\n"),
+            _ => format!("variants     {all}, {known} of them already complete\n"),
         };
         assert!(stdout(&output).contains(&head), "{head}{}", stdout(&output));
         results(&folder).0
@@ -171,7 +171,7 @@ fn failures_are_rows() {
     assert_eq!(results(&folder).0.len(), 2);
     let again = stickslip(&arguments);
     assert_exit(&again, 1);
-    assert!(stdout(&again).contains("4, 2 of them known"), "{}", stdout(&again));
+    assert!(stdout(&again).contains("4, 2 of them already"), "{}", stdout(&again));
 }
 
 #[test]
@@ -241,7 +241,7 @@ fn killed(signal: &str) {
     let short = ["--vary", "time.increments=2,4", "--vary", "contact.friction=0.1,0.3"];
     let output = stickslip(&sweep(&scene, &out, &short));
     assert_exit(&output, 0);
-    assert!(stdout(&output).contains("4, 2 of them known"), "{}", stdout(&output));
+    assert!(stdout(&output).contains("4, 2 of them already"), "{}", stdout(&output));
     assert_eq!((results(&folder).0.len(), results(&folder).1.len()), (4, 0));
 }
 

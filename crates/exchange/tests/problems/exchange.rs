@@ -352,7 +352,7 @@ fn every_fault_has_its_words() {
     };
     let double = [0x11, 0x20, 63, 0, 8, 0, 0, 0];
     assert!(with(&double, &[0x13, 0, 0, 0]).contains("text"), "{}", with(&double, &[0x13, 0, 0, 0]));
-    assert!(with(b"mu\0", b"nu\0").contains("dataset fclib_global/vectors/mu: it is not there"));
+    assert!(with(b"mu\0", b"nu\0").contains("dataset fclib_global/vectors/mu: it is missing"));
     assert!(with(b"fclib_global", b"fclib_GLOBAL").contains("neither fclib_global nor fclib_local"));
     for (text, words) in [
         ("", "line 1: the text ends before the dimension"),

@@ -12,7 +12,7 @@ use stickslip_output::{Claim, ResultFolder};
 use super::super::Failure;
 use super::RunArgs;
 
-/// What an earlier run has left in the folder.
+/// The state left in the folder by an earlier run.
 pub(super) enum Left {
     /// A finished run.
     Ended(Status),
