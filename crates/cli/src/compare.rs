@@ -179,21 +179,22 @@ pub struct Comparison {
 pub enum CompareError {
     /// Numbers of elements were requested for a scene whose mesh comes from a file.
     #[error("the mesh of the scene comes from a file, so it has no numbers of elements to change")]
-    #[diagnostic(help("name mesh files (--meshes coarse.msh,fine.msh), or leave the meshes out"))]
+    #[diagnostic(help("name mesh files (--meshes coarse.msh,fine.msh), or remove --meshes"))]
     FixedMesh,
     /// Cell types were requested for a scene whose mesh file determines them.
-    #[error("the cells of the scene's mesh are what they are")]
+    #[error("the cell types of the scene's mesh cannot be changed")]
     #[diagnostic(help(
-        "other cells need a scene with mesh.kind = \"block\"; strains alone (--elements bilinear,b-bar) go with every mesh"
+        "other cell types need a scene with mesh.kind = \"block\"; strains alone (--elements bilinear,b-bar) work \
+         with every mesh"
     ))]
     FixedCells,
     /// Mesh files were named for a scene that generates its mesh.
-    #[error("the scene makes its mesh itself, so it takes no mesh file")]
+    #[error("the scene generates its mesh, so it takes no mesh file")]
     #[diagnostic(help("give numbers of elements (--meshes 20,40), or a scene with mesh.kind = \"gmsh\""))]
     NoMeshFile,
     /// There is no mesh to compare on.
     #[error("the plan has no meshes")]
-    #[diagnostic(help("name one at least"))]
+    #[diagnostic(help("name at least one"))]
     NoMesh,
     /// A mesh of the plan could not be built, or a run ended without a report.
     #[error(transparent)]

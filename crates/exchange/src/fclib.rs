@@ -49,7 +49,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<ProblemFile, InputError> {
         (false, true) => (Problem::Local(local(&file)?), LOCAL),
         (false, false) => {
             let (message, help) =
-                ("neither fclib_global nor fclib_local is there", "name a file that holds an FCLIB problem");
+                ("there is neither fclib_global nor fclib_local", "name a file with an FCLIB problem");
             return Err(InputError::new("groups", message, help));
         }
     };
@@ -75,10 +75,10 @@ pub(super) fn read_solution(bytes: &[u8], problem: &Problem) -> Result<Solution,
     solution(&open(bytes)?, "solution", problem)?.ok_or_else(|| {
         let help = "name a file with a solution, such as `stickslip solve --out` writes";
         let what = match problem {
-            Problem::Global(_) => "v, u and r are not all there",
-            Problem::Local(_) => "r and u are not both there",
+            Problem::Global(_) => "v, u and r do not all exist",
+            Problem::Local(_) => "r and u do not both exist",
         };
-        InputError::new("group solution", format!("{what}, or nothing was written into them"), help)
+        InputError::new("group solution", format!("{what}, or were never written"), help)
     })
 }
 
@@ -106,7 +106,7 @@ impl<'a, const N: usize> Vectors<'a, N> {
         let datasets: Vec<Dataset<'a>> = paths.iter().map(|path| need(file, path)).collect::<Result<_, _>>()?;
         match datasets.try_into() {
             Ok(datasets) => Ok(Vectors { paths, datasets }),
-            Err(_) => Err(InputError::new(group, "it has other vectors", "write those of FCLIB")),
+            Err(_) => Err(InputError::new(group, "it has unexpected vectors", "write the vectors of FCLIB")),
         }
     }
 
@@ -169,7 +169,7 @@ fn global(file: &File<'_>) -> Result<GlobalProblem, InputError> {
     let entries: Vec<_> =
         m.entries().chain(g.entries().flat_map(|(i, j, x)| [(i, n + j, -x), (n + j, i, x)])).collect();
     let wrong = |error: stickslip::algebra::sparse::MatrixError| {
-        InputError::new("group fclib_global", error.to_string(), "mend the matrices")
+        InputError::new("group fclib_global", error.to_string(), "correct the matrices")
     };
     let m = Csc::from_triplets(all, all, &entries).map_err(wrong)?;
     let h = Csc::from_triplets(all, w.len(), &h.entries().collect::<Vec<_>>()).map_err(wrong)?;

@@ -61,11 +61,7 @@ const fn law(name: &'static str, demands: &'static str, violation: &'static str)
 }
 
 const LAWS: [Law; 6] = [
-    law(
-        "equilibrium",
-        "forces and velocities belong to each other",
-        "forces and velocities do not belong to each other",
-    ),
+    law("equilibrium", "forces and velocities are consistent", "forces and velocities are not consistent"),
     law("velocities", "u = H'v + w", "the relative velocities are not those of the bodies"),
     law(
         "normal",
@@ -73,7 +69,7 @@ const LAWS: [Law; 6] = [
         "a contact penetrates, pulls, or presses across a gap",
     ),
     law("cone", "|r_T| <= mu r_N", "friction is larger than mu times the pressure"),
-    law("dissipation", "slip is against full friction", "a contact slips without full friction against the slip"),
+    law("dissipation", "full friction opposes slip", "a contact slips without full friction opposing it"),
     law("natural_map", "all laws of a contact", "the laws of a contact are violated"),
 ];
 

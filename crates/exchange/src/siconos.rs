@@ -43,7 +43,7 @@ impl Unsized {
     }
 }
 
-const SIZES: &str = "mend the sizes, which contradict each other";
+const SIZES: &str = "correct the sizes, which contradict each other";
 
 /// Reads the problem in `text`.
 pub(super) fn read(text: &str) -> Result<ProblemFile, InputError> {

@@ -139,7 +139,7 @@ pub(super) fn compare(args: &CompareArgs, threads: usize) -> Result<ExitCode, Fa
 /// Returns the linear solvers to compare.
 fn solvers(given: &[LinearAlgebra]) -> Result<Vec<LinearAlgebra>, Failure> {
     if let Some(absent) = given.iter().find(|linear| !linear.is_built_in()) {
-        let help = format!("leave it out, or use \"{}\" or \"condensed\"", LinearAlgebra::default());
+        let help = format!("remove it, or use \"{}\" or \"condensed\"", LinearAlgebra::default());
         return Err(Failure::Input(miette::miette!(help = help, "--solvers: {absent} is not in this build")));
     }
     if !given.is_empty() {

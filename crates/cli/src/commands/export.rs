@@ -74,11 +74,11 @@ pub(super) fn export_scene(args: &ExportArgs) -> Result<ExitCode, Failure> {
     };
     let (model, record) = (run.model(), &found.record);
     if record.index < number {
-        let help = "export that one, or mend the scene";
+        let help = "export that one, or correct the scene";
         let (index, status) = (record.index, record.status);
         return Err(Failure::Input(miette::miette!(
             help = help,
-            "increment {number} is not reached: increment {index} ended {status}"
+            "increment {number} was not reached: increment {index} ended {status}"
         )));
     }
     let before = one.before.unwrap_or_else(|| State::zero(&model.problem));

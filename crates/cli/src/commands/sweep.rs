@@ -91,7 +91,7 @@ pub(super) fn sweep(args: &SweepArgs, cli: &Cli) -> Result<ExitCode, Failure> {
     let waiting: Vec<usize> = (0..tasks.len()).filter(|&k| outcomes[k].is_none()).collect();
     if !args.json {
         let kept = tasks.len() - waiting.len();
-        let kept = if kept == 0 { String::new() } else { format!(", {kept} of them known from before") };
+        let kept = if kept == 0 { String::new() } else { format!(", {kept} of them already complete") };
         say!("{}\nvariants     {}{kept}", first.title, tasks.len());
     }
     let bar = bar(waiting.len(), "variants");
@@ -102,7 +102,7 @@ pub(super) fn sweep(args: &SweepArgs, cli: &Cli) -> Result<ExitCode, Failure> {
         let same = one(args, &tasks[k].overrides).is_ok_and(|(now, _)| now == tasks[k].fingerprint);
         outcomes[k] = Some(match outcome {
             _ if !same => {
-                VariantResult::failed("bad-input", "the scene, or a file of it, changed while it ran".to_string())
+                VariantResult::failed("bad-input", "the scene, or a file of it, changed during the run".to_string())
             }
             outcome => processes.keep(&tasks[k], outcome),
         });
@@ -130,7 +130,7 @@ pub(super) fn sweep(args: &SweepArgs, cli: &Cli) -> Result<ExitCode, Failure> {
         say!("\n{}", sweep.to_text().trim_end());
     }
     if interrupt::requested() && !args.json {
-        say!("interrupted  the same command with the same --out goes on from here");
+        say!("interrupted  repeat the command with the same --out to continue");
     }
     if let Some(folder) = &args.out {
         write(folder, &sweep, &json)?;

@@ -63,7 +63,7 @@ impl FromStr for MeshSize {
     /// Parses a number of elements, or the name of a file.
     fn from_str(text: &str) -> Result<Self, String> {
         match text.parse() {
-            Ok(0) => Err("a mesh has one element at least".to_string()),
+            Ok(0) => Err("a mesh has at least one element".to_string()),
             Ok(n) => Ok(MeshSize::Elements(n)),
             Err(_) if text.is_empty() => Err("give a number of elements, or a mesh file".to_string()),
             Err(_) => Ok(MeshSize::File(text.to_string())),

@@ -1,4 +1,4 @@
-//! The program, run on scenes in folders that go with the test.
+//! Runs the program on scenes in temporary folders.
 #![allow(dead_code, clippy::unwrap_used)]
 
 use std::fs;
@@ -12,7 +12,7 @@ use crate::common::edit;
 
 pub const BLOCK: &str = include_str!("../../../../data/scenes/block.toml");
 
-/// A folder of its own for a test, gone when the test ends.
+/// A folder for one test, removed when the test ends.
 pub struct Folder(pub PathBuf);
 
 impl Folder {
@@ -24,7 +24,7 @@ impl Folder {
         Folder(path)
     }
 
-    /// A folder with the scene `text` in it, and the path of the scene.
+    /// Creates a folder with the scene `text` in it. Returns the folder and the path of the scene.
     pub fn with_scene(text: &str) -> (Self, String) {
         let folder = Folder::new();
         let path = folder.join("scene.toml");
@@ -36,7 +36,7 @@ impl Folder {
         self.0.join(name).display().to_string()
     }
 
-    /// All names but those that every folder of results has, and nobody looks at.
+    /// Returns all names except the hidden ones of every result folder.
     pub fn names(&self, folder: &str) -> Vec<String> {
         let entries = fs::read_dir(self.0.join(folder)).unwrap();
         let mut names: Vec<String> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
@@ -52,12 +52,12 @@ impl Drop for Folder {
     }
 }
 
-/// The block with 4 × 4 elements and 4 increments: 40 displacements, 4 contact nodes that can move.
+/// Returns the block with 4 × 4 elements and 4 increments: 40 displacements, 4 contact nodes that can move.
 pub fn small() -> String {
     edit(&edit(BLOCK, "[100, 100]", "[4, 4]"), "increments = 40", "increments = 4")
 }
 
-/// `text` without its tables from `from` to `to`.
+/// Returns `text` without its tables from `from` to `to`.
 pub fn without(text: &str, from: &str, to: &str) -> String {
     [&text[..text.find(from).unwrap()], &text[text.find(to).unwrap()..]].concat()
 }
@@ -66,16 +66,16 @@ pub fn stickslip(args: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_stickslip")).args(args).output().unwrap()
 }
 
-/// Sends a signal, such as `INT`, by the shell: the smallest Debian has no program `kill`.
+/// Sends a signal, such as `INT`, by the shell, because the smallest Debian has no program `kill`.
 pub fn send(signal: &str, process: u32) {
     assert!(Command::new("sh").args(["-c", &format!("kill -{signal} {process}")]).status().unwrap().success());
 }
 
-/// The processes that `parent` has started and that have not ended.
+/// Returns the running children of `parent`.
 pub fn children(parent: u32) -> Vec<u32> {
     let is_child = |id: &u32| {
         let stat = fs::read_to_string(format!("/proc/{id}/stat")).unwrap_or_default();
-        // Behind the name, which is in parentheses, are the state and the parent.
+        // The state and the parent follow the name, which is in parentheses.
         let fields = stat.rsplit_once(") ").map(|(_, fields)| fields);
         fields.and_then(|fields| fields.split(' ').nth(1)).is_some_and(|id| id == parent.to_string())
     };
@@ -96,7 +96,7 @@ pub fn assert_exit(output: &Output, code: i32) {
     assert_eq!(output.status.code(), Some(code), "{}{}", stdout(output), stderr(output));
 }
 
-/// Standard output as the one JSON object that it must be.
+/// Parses standard output, which must be one JSON object.
 pub fn json(output: &Output) -> Value {
     let values: Vec<Value> =
         serde_json::Deserializer::from_str(stdout(output)).into_iter().collect::<Result<_, _>>().unwrap();
@@ -121,7 +121,7 @@ pub fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("not a finite number: {value}"))
 }
 
-/// The header and the rows of a CSV file, every row as long as the header.
+/// Returns the header and the rows of a CSV file, and checks that every row is as long as the header.
 pub fn csv(path: &Path) -> (String, Vec<Vec<String>>) {
     let text = fs::read_to_string(path).unwrap();
     assert!(text.ends_with('\n'));

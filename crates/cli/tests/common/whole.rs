@@ -1,4 +1,4 @@
-//! Folders of results: whether each file in them is whole, and whether two have the same results.
+//! Checks that the files of result folders are complete, and that two folders have the same results.
 #![allow(dead_code, clippy::unwrap_used)]
 
 use std::collections::BTreeMap;
@@ -7,7 +7,8 @@ use std::path::Path;
 
 use serde_json::Value;
 
-/// What differs from one run of the same scene to another: times, and what a run that was taken up factors once more.
+/// Values that differ between runs of the same scene: times, and counts that include the additional factorisations of a
+/// resumed run.
 const OF_THE_RUN: [&str; 10] = [
     "cpu_seconds",
     "wall_seconds",
@@ -21,7 +22,7 @@ const OF_THE_RUN: [&str; 10] = [
     "faster_solver",
 ];
 
-/// The files of a folder that are meant to be seen, by name.
+/// Returns the visible files of a folder, by name.
 pub fn files(folder: &Path) -> BTreeMap<String, String> {
     let entries = fs::read_dir(folder).into_iter().flatten().map(|entry| entry.unwrap());
     let named = entries.map(|entry| (entry.file_name().into_string().unwrap(), entry.path()));
@@ -29,14 +30,14 @@ pub fn files(folder: &Path) -> BTreeMap<String, String> {
     seen.map(|(name, path)| (name, fs::read_to_string(path).unwrap())).collect()
 }
 
-/// Panics unless each file is whole: tables of whole lines, pictures and reports to their end; and unless the report, if it is
-/// there, and the table of increments tell of the same.
+/// Panics unless each file is complete: tables end with a whole line, pictures and reports with their end. The report,
+/// if it exists, and the table of increments must agree.
 #[track_caller]
 pub fn assert_whole(folder: &Path) {
     are_whole(&files(folder));
 }
 
-/// The same of what a power cut has left in the middle of a write: the last line of a table may be there in part.
+/// Checks the same after a power cut during a write, which may leave part of a table's last line.
 #[track_caller]
 pub fn assert_whole_but_for_a_line(folder: &Path) {
     let mut files = files(folder);
@@ -73,7 +74,7 @@ fn are_whole(files: &BTreeMap<String, String>) {
     }
 }
 
-/// The results of a folder, without what differs from run to run.
+/// Returns the results of a folder, without values that differ from run to run.
 pub fn results(folder: &Path) -> BTreeMap<String, String> {
     let mut files = files(folder);
     for (name, text) in &mut files {
@@ -84,7 +85,7 @@ pub fn results(folder: &Path) -> BTreeMap<String, String> {
                 serde_json::to_string_pretty(&report).unwrap()
             }
             "increments.csv" => {
-                // The four times.
+                // Drops the four times.
                 let kept = |line: &str| {
                     let fields = line.split(',').enumerate().filter(|(k, _)| !(16..20).contains(k));
                     fields.map(|(_, field)| field).collect::<Vec<_>>().join(",")
@@ -111,7 +112,7 @@ fn leave_out(value: &mut Value) {
     }
 }
 
-/// Panics unless both folders have the same results, to the last letter.
+/// Panics unless both folders have identical results.
 #[track_caller]
 pub fn assert_same(one: &Path, other: &Path) {
     let (one, other) = (results(one), results(other));

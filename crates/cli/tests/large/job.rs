@@ -1,5 +1,5 @@
-//! The program as several processes of MPI, more of them than processors. A hang is the failure to be expected here, so that every job has a
-//! minute.
+//! Runs the program as several MPI processes, more of them than processors. The expected failure is a hang, so every
+//! job is limited to a minute.
 
 use std::fs::{self, File};
 use std::os::unix::fs::PermissionsExt;
@@ -16,7 +16,7 @@ use crate::program::Folder;
 pub const PROGRAM: &str = env!("CARGO_BIN_EXE_stickslip");
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// Jobs one after the other: ranks that wait for each other on few processors are slow enough.
+/// Runs jobs one after the other, because ranks waiting for each other on few processors are slow.
 fn alone() -> MutexGuard<'static, ()> {
     static ALONE: Mutex<()> = Mutex::new(());
     ALONE.lock().unwrap_or_else(PoisonError::into_inner)
@@ -30,7 +30,7 @@ pub struct Job {
     _alone: MutexGuard<'static, ()>,
 }
 
-/// How it ended.
+/// The end of a job.
 pub struct Ended {
     pub folder: Folder,
     pub status: Option<i32>,
@@ -43,13 +43,13 @@ impl Job {
         Job::start_in(Folder::new(), count, PROGRAM, arguments)
     }
 
-    /// `arguments` for `program`, and `OUT` in them stands for the folder of the results.
+    /// Starts `program` with `arguments`, in which `OUT` is replaced by the result folder.
     pub fn start_in(folder: Folder, count: usize, program: &str, arguments: &[&str]) -> Self {
         let alone = alone();
         let out = folder.join("out");
         let mut command = Command::new("mpirun");
         without_ours(&mut command);
-        // As root, with more processes than processors, which then make room for each other.
+        // Allows to run as root, with more processes than processors, which then yield to each other.
         for name in [
             "ALLOW_RUN_AS_ROOT",
             "ALLOW_RUN_AS_ROOT_CONFIRM",
@@ -59,7 +59,7 @@ impl Job {
             command.env(format!("OMPI_{name}"), "1");
         }
         command.env("OMPI_MCA_hwloc_base_binding_policy", "none");
-        // What cargo has set for the tests is not for the launcher.
+        // Variables that cargo sets for the tests would affect the launcher.
         command.env_remove("LD_LIBRARY_PATH").stdin(Stdio::null());
         command.args(["-n", &count.to_string(), program]);
         command.args(arguments.iter().map(|argument| if *argument == "OUT" { out.as_str() } else { argument }));
@@ -73,7 +73,7 @@ impl Job {
         fs::read_to_string(self.folder.join("stdout")).unwrap()
     }
 
-    /// Waits until `there` is something.
+    /// Waits until `there` returns a value.
     pub fn when<T>(&mut self, there: impl Fn(&Self) -> Option<T>) -> T {
         loop {
             if let Some(there) = there(self) {
@@ -85,13 +85,13 @@ impl Job {
         }
     }
 
-    /// Waits until so many increments are told.
+    /// Waits until this number of increments is reported.
     pub fn reaches(&mut self, increments: usize) {
         let mark = format!("\n{increments:5}  ");
         self.when(|job| job.output().contains(&mark).then_some(()));
     }
 
-    /// The process numbers of the ranks.
+    /// Returns the process numbers of the ranks.
     pub fn ranks(&mut self, count: usize) -> Vec<u32> {
         let launcher = self.launcher.id();
         let ranks = |_: &Job| {
@@ -129,13 +129,13 @@ impl Ended {
         serde_json::from_str(&fs::read_to_string(self.out().join("run.json")).unwrap()).unwrap()
     }
 
-    /// An error message without its line breaks.
+    /// Returns the error message without its line breaks.
     pub fn told(&self) -> String {
         self.error.split_whitespace().filter(|word| *word != "│").collect::<Vec<_>>().join(" ")
     }
 }
 
-/// A script that lets the other ranks run with other `arguments` than rank 0.
+/// Returns a script that runs the other ranks with other `arguments` than rank 0.
 pub fn other_ranks_with(folder: &Folder, arguments: &str) -> String {
     let script = folder.join("differ");
     let text =
@@ -145,21 +145,21 @@ pub fn other_ranks_with(folder: &Folder, arguments: &str) -> String {
     script
 }
 
-/// What MPI has set in this process, where tests have solved by it, is not for others.
+/// Removes the variables that MPI has set in this process if other tests have used it.
 pub fn without_ours(command: &mut Command) {
     for (name, _) in std::env::vars().filter(|(name, _)| ["OMPI_", "PMIX_"].iter().any(|of| name.starts_with(of))) {
         command.env_remove(name);
     }
 }
 
-/// A variable of a process.
+/// Returns an environment variable of a process.
 fn environment(pid: u32, name: &str) -> Option<String> {
     let all = fs::read(format!("/proc/{pid}/environ")).ok()?;
     let text = String::from_utf8_lossy(&all).into_owned();
     text.split('\0').find_map(|pair| Some(pair.strip_prefix(name)?.strip_prefix('=')?.to_string()))
 }
 
-/// CPU seconds of a process.
+/// Returns the CPU time of a process, s.
 pub fn cpu(pid: u32) -> f64 {
     let stat = fs::read_to_string(format!("/proc/{pid}/stat")).unwrap();
     let fields: Vec<&str> = stat.rsplit(") ").next().unwrap().split_whitespace().collect();

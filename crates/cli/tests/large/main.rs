@@ -1,5 +1,5 @@
-//! What stands behind the features `mumps` and `petsc`: other ways to the same answers. Neither is on by default: see `make mumps` and
-//! `make petsc`.
+//! Tests of the features `mumps` and `petsc`, which lead to the same results by other solvers. Neither is on by
+//! default: see `make mumps` and `make petsc`.
 
 #![cfg(any(feature = "mumps", feature = "petsc"))]
 #![allow(clippy::unwrap_used, clippy::print_stdout)]

@@ -1,4 +1,4 @@
-//! Multigrid is another way to the same answer: every scene of the project, reduced, against the direct solver of this build.
+//! Multigrid gives the same results: every scene of the project, reduced, against the direct solver of this build.
 
 use crate::scenes::{SCENES, assert_same_forces, iterations, report};
 

@@ -1,4 +1,4 @@
-//! MUMPS in one process: every scene of the project, reduced, as UMFPACK solves it.
+//! MUMPS in one process gives the same results as UMFPACK: every scene of the project, reduced.
 
 use crate::scenes::{SCENES, assert_same_forces, iterations, report};
 
@@ -15,7 +15,7 @@ fn every_scene_is_what_umfpack_says() {
     }
 }
 
-/// An order by minimum degree, which MUMPS takes where it has no METIS and is given no order, fills 1.7 times as much.
+/// The minimum degree ordering, which MUMPS uses without METIS or a given ordering, has 1.7 times the fill.
 #[test]
 fn factors_are_as_small_as_those_of_umfpack() {
     for (name, change, bound) in

@@ -1,4 +1,4 @@
-//! The fields of a body that ranks share, a file for each rank: together they are what one process writes.
+//! The fields of a body shared by ranks, in a file per rank: together they equal those of one process.
 
 use std::collections::HashMap;
 use std::fs;
@@ -10,7 +10,7 @@ use crate::program::Folder;
 use crate::scenes::path;
 use crate::whole::assert_whole;
 
-/// A run of a scene with these changes.
+/// Runs a scene with these changes.
 fn run(folder: Folder, count: usize, name: &str, solver: &str, changes: &[&str]) -> Ended {
     let scene = path(name);
     let changes: Vec<&str> = changes.iter().flat_map(|change| ["--set", change]).collect();
@@ -20,12 +20,12 @@ fn run(folder: Folder, count: usize, name: &str, solver: &str, changes: &[&str])
     ended
 }
 
-/// A small cube, whose fields are written at the end of its one increment.
+/// Runs a small cube, whose fields are written at the end of its one increment.
 fn cube(folder: Folder, count: usize) -> Ended {
     run(folder, count, "cube", "multigrid", &["mesh.elements=[5,5,5]", "time.increments=1"])
 }
 
-/// Files of fields, ascending.
+/// Returns the files of fields, ascending.
 fn of_fields(ended: &Ended) -> Vec<String> {
     let mut names = ended.folder.names("out");
     names.retain(|name| name.starts_with("fields"));
@@ -96,7 +96,7 @@ fn pieces_together_are_the_fields_of_one_process() {
             assert_same_arrays(&piece.point, &whole.point, &points);
             assert_same_arrays(&piece.cell, &whole.cell, &cells);
             assert!(values(&piece.cell, "rank").1.iter().all(|of| *of == rank as f64));
-            // METIS deals nodes evenly, and a border is one layer of cells.
+            // METIS distributes nodes evenly, and a border is one layer of cells.
             assert!(cells.len() * count < 125 * 2 && cells.len() * count * 3 > 125, "{} of {count}", cells.len());
         }
         assert!(of_cell.iter().all(|times| *times == 1), "each cell is in one piece");

@@ -1,4 +1,4 @@
-//! The program as several processes of MPI: what it solves, and how it ends.
+//! The program as several MPI processes: its results, and how it ends.
 
 use std::fs::{self, File};
 use std::io::Write;
@@ -15,7 +15,8 @@ use crate::program::Folder;
 use crate::scenes::{INCREMENTS, SCENES, assert_same_forces, iterations, path, report};
 use crate::whole::assert_whole;
 
-/// What ranks share, each with the part of the forces by which it may differ from another run, and the iterations of an increment.
+/// The solvers that ranks share, each with the relative difference of forces allowed between runs, and the iterations
+/// of an increment.
 const SHARED: &[(&str, f64, u64)] = &[
     #[cfg(feature = "mumps")]
     ("mumps", 1e-11, 0),
@@ -42,7 +43,7 @@ fn long(solver: &str) -> Vec<&str> {
     [&LONG[..], &["--solver", solver]].concat()
 }
 
-/// The same, ended by nothing.
+/// Returns the report of an uninterrupted run.
 fn whole() -> Value {
     let overrides = ["mesh.elements=[9,9,9]".parse().unwrap(), "time.increments=12".parse().unwrap()];
     let scene = stickslip::scene::Scene::read(path("cube").as_ref(), &overrides).unwrap();
@@ -50,7 +51,7 @@ fn whole() -> Value {
     serde_json::from_str(&report.to_json().unwrap()).unwrap()
 }
 
-/// What was written is whole, and the run goes on from there to its end.
+/// Checks that the files are complete, and that the run can be resumed to its end.
 fn goes_on(ended: Ended, solver: &str, tolerance: f64) {
     assert_whole(&ended.out());
     let ended = Job::start_in(ended.folder, 2, PROGRAM, &long(solver)).end();
@@ -104,7 +105,7 @@ fn other_commands_and_solvers_are_told_that_they_have_no_use_for_ranks() {
     assert_eq!(ended.output.matches("\nmesh").count(), 1, "{}", ended.output);
 }
 
-/// Started from a job of another program's, which is the one that the launcher's variables are about.
+/// Started from a job of another program, to which the launcher's variables belong.
 #[test]
 fn a_rank_of_another_programs_job_works_for_itself() {
     for (solver, rank) in [("umfpack", "PMI_RANK"), (SHARED[0].0, "OMPI_COMM_WORLD_RANK")] {
@@ -137,7 +138,7 @@ fn a_rank_with_another_command_helps_all_the_same() {
     assert_eq!(ended.report()["totals"]["ranks"].as_array().unwrap().len(), 2);
 }
 
-/// Each takes its share, and other ways than those that they can share are none.
+/// Each process takes its share, and solvers that cannot be shared are not offered.
 #[test]
 fn check_tells_what_ranks_take() {
     let cube = path("cube");
@@ -168,7 +169,8 @@ fn auto_takes_what_ranks_can_share() {
     assert!(report["solver_choice"].as_str().unwrap().contains("2 processes"), "{}", report["solver_choice"]);
 }
 
-/// What the choice needed of the stiffness goes before its rows come: where rank 0 keeps all of it, it takes 260 MB.
+/// The stiffness for the choice of the solver is dropped before the rows are assembled. If rank 0 kept all of it, that
+/// would take 260 MB.
 #[cfg(feature = "petsc")]
 #[test]
 fn auto_shares_a_stiffness_for_multigrid() {
@@ -220,7 +222,7 @@ fn a_rank_that_is_killed_ends_the_job_and_leaves_what_was_reached() {
     }
 }
 
-/// Limits the memory of rank 1.
+/// Returns a script that limits the memory of rank 1.
 fn limited(folder: &Folder, kilobytes: u64) -> String {
     let script = folder.join("limited");
     let mut file = File::create(&script).unwrap();
@@ -234,7 +236,8 @@ fn limited(folder: &Folder, kilobytes: u64) -> String {
 fn memory_that_one_rank_is_refused_is_told() {
     for &(solver, ..) in SHARED {
         let mut steps = Vec::new();
-        // From where MPI starts, but the BLAS has not what it takes for itself, to enough. With less Open MPI itself ends by a signal.
+        // From a limit at which MPI starts but the BLAS lacks memory, up to a sufficient one. Below it, Open MPI itself
+        // is ended by a signal.
         for kilobytes in [420_000, 520_000, 540_000, 560_000, 580_000, 600_000, 620_000, 640_000, 660_000, 2_000_000] {
             let folder = Folder::new();
             let program = limited(&folder, kilobytes);

@@ -1,10 +1,10 @@
-//! Every scene of the project, reduced, and what a run of it says.
+//! Every scene of the project, reduced, and the report of its run.
 
 use serde_json::Value;
 use stickslip::run::Run;
 use stickslip::scene::{Override, Scene};
 
-/// Each with what reduces it.
+/// The scenes, each with the overrides that reduce it.
 pub const SCENES: [(&str, &[&str]); 20] = [
     ("block", &["mesh.elements=[20,20]"]),
     ("boxed", &[]),
@@ -28,14 +28,14 @@ pub const SCENES: [(&str, &[&str]); 20] = [
     ("wedge", &[]),
 ];
 
-/// What is changed in all of them.
+/// The override for all scenes.
 pub const INCREMENTS: &str = "time.increments=4";
 
 pub fn path(name: &str) -> String {
     format!("{}/data/scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"))
 }
 
-/// The report of a scene with these changes, solved by `linear`.
+/// Returns the report of a scene with these overrides, solved by `linear`.
 pub fn report(name: &str, overrides: &[&str], linear: &str) -> Value {
     let linear = format!("solver.linear={linear:?}");
     let overrides: Vec<Override> =
@@ -45,7 +45,7 @@ pub fn report(name: &str, overrides: &[&str], linear: &str) -> Value {
     serde_json::from_str(&report.to_json().unwrap()).unwrap()
 }
 
-/// Iterations of each increment.
+/// Returns the iterations of each increment.
 pub fn iterations(report: &Value) -> Vec<u64> {
     report["increments"].as_array().unwrap().iter().map(|record| record["iterations"].as_u64().unwrap()).collect()
 }
@@ -54,7 +54,7 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or(0.0)
 }
 
-/// The same verdict, and the same sums of forces to `tolerance` of the larger one.
+/// Checks for equal verdicts, and for equal sums of forces to `tolerance` of the larger one.
 pub fn assert_same_forces(name: &str, report: &Value, expected: &Value, tolerance: f64) {
     assert_eq!(report["status"], expected["status"], "{name}");
     let end = |report: &Value, key: &str| number(&report["final"][key]);

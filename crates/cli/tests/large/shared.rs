@@ -1,4 +1,4 @@
-//! A stiffness whose rows are assembled where they stay: it takes the less of each process the more there are.
+//! A stiffness assembled in distributed rows: the more processes, the less memory each needs.
 
 use serde_json::Value;
 
@@ -6,7 +6,8 @@ use crate::job::{Ended, Job, PROGRAM, other_ranks_with};
 use crate::program::Folder;
 use crate::scenes::{assert_same_forces, iterations, path};
 
-/// A cube with so many elements along each side, in one increment, by multigrid on one thread.
+/// Returns the arguments for a cube with this number of elements per side, in one increment, by multigrid on one
+/// thread.
 fn cube(elements: usize) -> Vec<String> {
     let changes = [format!("mesh.elements=[{elements},{elements},{elements}]"), "time.increments=1".to_string()];
     let options = ["--solver", "multigrid", "--threads", "1", "--out", "OUT"].map(str::to_string);
@@ -21,7 +22,7 @@ fn run(count: usize, program: &str, folder: Folder, arguments: &[String]) -> End
     ended
 }
 
-/// The peak of each process, MB.
+/// Returns the peak memory of each process, MB.
 fn peaks(report: &Value) -> Vec<f64> {
     let peak = |of: &Value| of["peak_rss_bytes"].as_f64().unwrap() * 1e-6;
     match report["totals"]["ranks"].as_array() {
@@ -40,8 +41,8 @@ fn memory_of_each_rank_falls_with_their_number() {
         assert!(iterations(shared).iter().zip(iterations(&one)).all(|(by, expected)| by.abs_diff(expected) <= 1));
     }
     assert_eq!((peaks(&two).len(), peaks(&four).len()), (2, 4));
-    // Some 60 MB are of the program and its libraries, whatever it does. What is shared costs more than what one has: two processes of this
-    // small body save an eighth each, four a half.
+    // The program and its libraries always take about 60 MB. Sharing has an overhead: for this small body, two
+    // processes save an eighth each, four a half.
     let beyond = |report: &Value| largest(report) - 60.0;
     assert!(beyond(&two) < 0.95 * beyond(&one) && beyond(&four) < 0.6 * beyond(&one));
 }

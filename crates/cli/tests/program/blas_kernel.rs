@@ -1,4 +1,4 @@
-//! The kernel of OpenBLAS: the program runs the one that it should, whoever chose it, and says which.
+//! The kernel of OpenBLAS: the program uses and reports the right one, however it was chosen.
 
 #![cfg(feature = "blas")]
 #![allow(clippy::unwrap_used)]
@@ -17,14 +17,14 @@ use stickslip::algebra::linear::blas::{Blas, Vectors, better_kernel, kernel_name
 use crate::common::skipped;
 use crate::program::{Folder, assert_exit, json, send, small, stderr, stdout};
 
-/// The program without what the environment of the tests says of kernels.
+/// Returns the program without kernel variables in its environment.
 fn stickslip() -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));
     command.env_remove("OPENBLAS_CORETYPE").env_remove("STICKSLIP_BLAS_KERNEL");
     command
 }
 
-/// Whether there are kernels to choose among. Elsewhere there is nothing to test, which is said.
+/// Returns `true` if kernels can be selected. Otherwise the tests print that they are skipped.
 fn selectable() -> bool {
     let selectable = Blas::loaded().unwrap().selectable && Vectors::of_processor() >= Some(Vectors::Avx2);
     if !selectable {
@@ -37,14 +37,15 @@ fn run(scene: &str, environment: &[(&str, &str)], args: &[&str]) -> Output {
     stickslip().args(["run", scene]).args(args).envs(environment.iter().copied()).output().unwrap()
 }
 
-/// What `run.json` says of the BLAS.
+/// Returns the entry of `run.json` for the BLAS.
 fn blas(scene: &str, environment: &[(&str, &str)], args: &[&str]) -> Value {
     let output = run(scene, environment, &[&["--json"], args].concat());
     assert_exit(&output, 0);
     json(&output)["blas"].clone()
 }
 
-/// The report of a run that started again, for a kernel that is still none of the best; none where there are no kernels to choose among.
+/// Returns the report of a run that restarted for a kernel that is still not the best; `None` if kernels cannot be
+/// selected.
 pub fn started_again() -> Option<Value> {
     let (_folder, scene) = Folder::with_scene(&small());
     let environment = [("OPENBLAS_CORETYPE", "Prescott")];
@@ -94,7 +95,7 @@ fn the_program_starts_again_for_a_kernel_that_is_named() {
     let (_folder, scene) = Folder::with_scene(&small());
     let prescott = ("OPENBLAS_CORETYPE", "Prescott");
     let ours = |name| ("STICKSLIP_BLAS_KERNEL", name);
-    // The option goes before our variable, and both before that of OpenBLAS.
+    // The option takes precedence over our variable, and both over that of OpenBLAS.
     for (environment, args) in [
         (&[prescott][..], &["--blas-kernel", "HASWELL"][..]),
         (&[prescott, ours("haswell")], &[]),
@@ -111,7 +112,7 @@ fn the_program_starts_again_for_a_kernel_that_is_named() {
     let output = run(&scene, &[prescott], &["--blas-kernel", "HASWELL"]);
     let told = "with the kernel Haswell, for which the program restarted itself: the library had chosen Prescott";
     assert!(stdout(&output).contains(told), "{}", stdout(&output));
-    // What runs already needs no start.
+    // The running kernel needs no restart.
     assert!(
         blas(&scene, &[("OPENBLAS_CORETYPE", "Haswell")], &["--blas-kernel", "HASWELL"]).get("kernel_before").is_none()
     );
@@ -131,20 +132,20 @@ fn a_kernel_that_there_is_none_of_is_status_2() {
             assert_eq!(json(&output)["status"], "bad-input");
         }
     }
-    // Nor is one asked for that would end the program in the middle.
+    // A kernel that would crash the program is never requested.
     for kernel in kernel_names().filter(|kernel| !may_run_here(kernel)) {
         let output = run(&scene, &[], &["--blas-kernel", kernel]);
         assert_exit(&output, 2);
         assert!(stderr(&output).contains("this processor cannot run it"), "{}", stderr(&output));
     }
     assert_exit(&run(&scene, &[], &["--blas-kernel", "KEEP"]), 0);
-    // What solves nothing needs none.
+    // Commands that solve nothing need no kernel.
     let checked = stickslip().args(["check", &scene, "--blas-kernel", "Pentium9"]).output().unwrap();
     assert_exit(&checked, 0);
 }
 
-/// A library that says of OpenBLAS' kernel what an OpenBLAS would that does not know this processor: `first`, until it is asked for
-/// another one; of those it knows `known` only, and falls back to Prescott.
+/// Builds a library that reports kernels like an OpenBLAS that does not know this processor: `first`, until another one
+/// is requested. It knows only the kernels `known`, and falls back to Prescott for others.
 fn old_openblas(folder: &Folder, first: &str, known: &str) -> PathBuf {
     let source = r#"
 use std::ffi::{c_char, CString};
@@ -186,7 +187,7 @@ fn an_openblas_that_does_not_know_the_processor_is_put_right_once() {
     let kept = report(&["--blas-kernel", "keep"]);
     assert_eq!((&kept["blas"]["kernel"], &kept["blas"]["better_kernel"]), (&"Prescott".into(), &better.into()));
     assert!(warns(&kept) && kept["blas"].get("kernel_asked").is_none());
-    // Each kernel rounds in its own way: results agree to that. Exit statuses are those of the run.
+    // Each kernel rounds differently, and results agree to rounding. Exit statuses are those of the run.
     for sum in ["sum_p_n", "sum_p_t"] {
         let [kept, put_right] = [&kept, &put_right].map(|report| report["final"][sum].as_f64().unwrap());
         assert!((kept - put_right).abs() <= 1e-12 * kept.abs(), "{sum}: {kept} {put_right}");
@@ -194,7 +195,7 @@ fn an_openblas_that_does_not_know_the_processor_is_put_right_once() {
     assert_exit(&with_old(&["run", &folder.join("none.toml")]), 2);
     assert_exit(&with_old(&["run", &scene, "--set", "solver.max_iterations=1"]), 1);
 
-    // One that does not know the name, and falls further back for it, is left as it was, and nobody asks again.
+    // A library that falls back further for an unknown name is restarted without a name, only once.
     let old = old_openblas(&folder, "Sandybridge", "none");
     let output = stickslip().env("LD_PRELOAD", &old).args(["run", &scene, "--json"]).output().unwrap();
     assert_exit(&output, 0);
@@ -203,7 +204,7 @@ fn an_openblas_that_does_not_know_the_processor_is_put_right_once() {
     assert!(left.get("kernel_asked").is_none() && left.get("kernel_before").is_none() && warns(&report), "{left}");
 }
 
-/// The scene comes by standard input, the results go to a folder whose name is no text, and all of it passes through the second start.
+/// The scene comes from standard input, and the name of the result folder is not UTF-8. Both survive the restart.
 #[test]
 fn everything_is_passed_on() {
     if !selectable() {
@@ -256,7 +257,7 @@ fn ctrl_c_reaches_the_program_that_started_again() {
     assert_eq!((&report["blas"]["kernel"], &report["blas"]["kernel_before"]), (&"Haswell".into(), &"Prescott".into()));
 }
 
-/// A sweep starts again once; its processes find the kernel in their environment.
+/// A sweep restarts once. Its processes find the kernel in their environment.
 #[test]
 fn the_processes_of_a_sweep_have_its_kernel() {
     if !selectable() {
@@ -280,13 +281,13 @@ fn the_processes_of_a_sweep_have_its_kernel() {
     }
 }
 
-/// A comparison says what its times were taken with.
+/// A comparison reports the kernel for its times.
 #[test]
 fn a_comparison_names_the_kernel() {
     let (folder, scene) = Folder::with_scene(&small());
     let out = folder.join("out");
     let more = ["--methods", "bn", "--solvers", "condensed", "--meshes", "4", "--increments", "1", "--reference", "2"];
-    // That of this process.
+    // Compares with the kernel of this process.
     let mut program = Command::new(env!("CARGO_BIN_EXE_stickslip"));
     let output = program.args(["compare", &scene, "--blas-kernel", "keep", "--out", &out]).args(more).output().unwrap();
     assert_exit(&output, 0);

@@ -1,6 +1,6 @@
-//! `stickslip check`: what a scene is, without solving it.
+//! `stickslip check`: describes a scene without solving it.
 
-// Values that were given are read back exactly.
+// Given values are read back exactly.
 #![allow(clippy::unwrap_used, clippy::float_cmp)]
 
 use std::path::Path;
@@ -33,7 +33,7 @@ fn check_explains_without_solving() {
     assert_eq!(folder.names(""), ["scene.toml"]);
 }
 
-/// Elements by their names, and no locking where nothing locks.
+/// Elements have the right names, and no locking is reported where nothing locks.
 #[test]
 fn check_names_nodal_volumes() {
     let text = edit(&small(), "poisson = 0.3", "poisson = 0.4999");
@@ -47,7 +47,7 @@ fn check_names_nodal_volumes() {
     assert!(plain.contains("use mesh.element = \"nodal-volume\""), "{plain}");
     assert!(averaged.contains("linear triangles with nodal volumes, 25 nodes"), "{averaged}");
     assert!(!averaged.contains("too stiff"), "{averaged}");
-    // Above 0.499 cells of second order, too.
+    // Above 0.499, cells of second order lock too.
     let (plain, averaged) = (told("triangle6", "bilinear"), told("triangle6", "nodal-volume"));
     assert!(plain.contains("quadratic triangles, 81 nodes") && plain.contains("may be too stiff"), "{plain}");
     assert!(plain.contains("use mesh.element = \"nodal-volume\""), "{plain}");
@@ -55,7 +55,8 @@ fn check_names_nodal_volumes() {
     assert!(!averaged.contains("too stiff"), "{averaged}");
 }
 
-/// Several obstacles are told one by one, with how many nodes meet each, and how many are beyond the reach of all.
+/// Several obstacles are listed one by one, with the number of nodes that meet each, and the number beyond the reach of
+/// all.
 #[test]
 fn check_tells_every_obstacle() {
     let check = |obstacle: &str| {
@@ -80,7 +81,8 @@ fn check_tells_every_obstacle() {
     assert!(check("obstacle = { kind = \"plane\" }").contains("mu = 0.4"));
 }
 
-/// Every point of a motion is told as that of a load is, and which of them no increment meets.
+/// Every point of a motion is listed like that of a load, and points that coincide with no end of an increment are
+/// reported.
 #[test]
 fn check_tells_histories() {
     let motion = "gap = 1e-5, approach = [[0, 0], [1, 1e-5], [2, 0]], motion = { \
@@ -108,7 +110,7 @@ fn check_tells_histories() {
     let told = check(&edit(&text, "increments = 4", "increments = 7"));
     assert_eq!(told.matches("further ends: the kink of ").count(), 5, "{told}");
 
-    // Ten points, of which three are left out.
+    // Of ten points, three are omitted.
     let many: Vec<String> = (0..10).map(|k| format!("[{}, {}e-6]", 0.2 * f64::from(k), k % 2)).collect();
     let told = check(&edit(&small(), "gap = 1e-5", &format!("gap = 1e-5, approach = [{}]", many.join(", "))));
     assert!(told.contains("1e-6 m at 1 s, (3 more), 1e-6 m at 1.8 s"), "{told}");
@@ -128,7 +130,7 @@ fn check_tells_the_size_of_a_mesh_file() {
     }
 }
 
-/// A coefficient of friction in percent is questioned before a run and in it, and nothing is refused.
+/// A coefficient of friction in percent causes a warning before and during a run, but no refusal.
 #[test]
 fn friction_beyond_what_surfaces_have_is_questioned() {
     let questioned = |friction: &str| {
@@ -146,7 +148,7 @@ fn friction_beyond_what_surfaces_have_is_questioned() {
     assert_eq!(questioned("friction = 1.5"), [false; 2]);
 }
 
-/// What the reader of a mesh has left out or turned is told.
+/// Changes made while a mesh is read are reported.
 #[test]
 fn check_tells_what_was_changed_in_a_mesh_file() {
     let upright = |line: &str| match line.split_whitespace().collect::<Vec<_>>()[..] {

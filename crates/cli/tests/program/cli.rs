@@ -1,6 +1,6 @@
-//! The program as a user meets it: output, and the files it leaves.
+//! The program from a user's view: its output and its files.
 
-// Values that were given are read back exactly.
+// Given values are read back exactly.
 #![allow(clippy::unwrap_used, clippy::float_cmp)]
 
 use std::fs;
@@ -49,7 +49,8 @@ fn a_good_run_fills_its_folder() {
     let written: Value = serde_json::from_str(&fs::read_to_string(out.join("run.json")).unwrap()).unwrap();
     assert_eq!(written, json(&output));
 
-    // The forces of each increment, which at the end are those of the contact nodes and balance the loads and the wall.
+    // The forces of each increment. The final ones agree with those of the contact nodes and balance the loads and the
+    // wall.
     let (header, forces) = csv(&out.join("forces.csv"));
     assert_eq!(header, "index,time,boundary,f_x,f_y,m_z,sum_p_n,sum_p_t,kind,balance");
     let kinds: Vec<&str> = forces.iter().map(|row| row[8].as_str()).collect();
@@ -66,18 +67,18 @@ fn a_good_run_fills_its_folder() {
     assert_eq!((number(&end["force"][0]), number(&end["moment"][0])), (value(&forces[3], 3), value(&forces[3], 5)));
     assert_eq!(written["forces"][3]["force"], end["force"]);
     assert!(number(&written["increments"][1]["friction_work"]) > 0.0);
-    // Four elements along the contact are few, and so are four increments.
+    // Four elements along the contact and four increments are few.
     assert_eq!(self::kinds(&written), ["contact-unresolved", "increments-work"]);
 }
 
-/// The kinds of the warnings of a report.
-/// The kinds of its warnings, whatever the BLAS of the machine.
+/// Returns the kinds of the warnings of a report, without those of the machine's BLAS.
 fn kinds(report: &Value) -> Vec<&str> {
     let kinds = report["warnings"].as_array().unwrap().iter().map(|warning| warning["kind"].as_str().unwrap());
     kinds.filter(|kind| *kind != "slow-blas").collect()
 }
 
-/// Those that are not of the mesh in the contact, nor of the increments: the scenes here have a few elements, and few increments.
+/// Returns the kinds without those of the contact mesh and of the increments: the scenes here have few elements and few
+/// increments.
 fn kinds_but_of_the_mesh(report: &Value) -> Vec<&str> {
     let of_the_mesh = [
         "contact-unresolved",
@@ -92,7 +93,7 @@ fn kinds_but_of_the_mesh(report: &Value) -> Vec<&str> {
     others.filter(|kind| !kind.starts_with("increments-")).collect()
 }
 
-/// What may make an answer wrong although every law holds is told beside the verdict and in the report, and costs no exit status.
+/// Warnings appear beside the verdict and in the report, and do not change the exit status.
 #[test]
 fn warnings() {
     let layers = "poisson = 0.3\nlayers = [[0.3, 70e9, 0.3]]";
@@ -114,7 +115,7 @@ fn warnings() {
         let report = report(&scene, 0);
         let mut told = report["warnings"].as_array().unwrap().iter().filter(|warning| warning["kind"] == kind);
         assert!(told.any(|warning| warning["message"].as_str().unwrap().contains(words)), "{}", report["warnings"]);
-        // A wedge is left sideways, too.
+        // The contact also leaves a wedge sideways.
         let more = (kind == "leaning-obstacle").then_some("gaps-out-of-range");
         let others = kinds_but_of_the_mesh(&report).into_iter().filter(|other| *other != kind);
         assert!(others.eq(more), "{}", report["warnings"]);
@@ -125,8 +126,8 @@ fn warnings() {
     }
 }
 
-/// A block on the crest of a cylinder is balanced, but may turn: until its next node touches, 1 / 32 m below, its far corners go
-/// four times as far.
+/// A block on the crest of a cylinder is in equilibrium, but may turn. Until its next node touches, 1 / 32 m below, its
+/// far corners move four times as far.
 #[test]
 fn a_solution_that_is_one_of_many_is_told() {
     let scene = r#"
@@ -141,13 +142,13 @@ time = { end = 1, increments = 2 }
     let message = told["message"].as_str().unwrap();
     assert!(message.contains("at t = 0.5 s") && message.contains("a rotation about (0.5, 0) m"), "{message}");
     assert!(message.contains("differ by 1.27e-1 m"), "{message}");
-    // With a support there is one only.
+    // With a support the solution is unique.
     let held = format!("{scene}support = [{{ boundary = \"left\", fix = [\"x\"] }}]\n");
     assert_eq!(kinds_but_of_the_mesh(&self::report(&held, 0)), [""; 0]);
 }
 
-/// A support turns a body by 1e-3 m, and a few newtons on it are lost in the rounding of its stiffness. What did not converge is in
-/// balance with nothing, and needs no warning.
+/// A support rotates a body by 1e-3 m, so a few newtons on it are lost in the rounding of its stiffness. An increment
+/// that did not converge is not balanced anyway, and needs no warning.
 #[test]
 fn forces_that_are_lost_in_rounding_are_told() {
     let turned = |young: &str| {
@@ -179,7 +180,7 @@ time = { end = 1, increments = 1 }
     assert_eq!((report["status"].as_str(), kinds(&report)), (Some("no-equilibrium"), Vec::new()));
 }
 
-/// Planes that touch from the start: nothing is indented, and what rounding leaves of gaps is no error of theirs.
+/// Planes that touch from the start: there is no indentation, and the rounding of gaps is no error.
 #[test]
 fn planes_that_touch_have_no_warning() {
     let touching = edit(&small(), "gap = 1e-5", "normal = [0.001, -1]");
@@ -229,8 +230,8 @@ fn the_report_has_every_field() {
     let totals = &report["totals"];
     let iterations: u64 = increments.iter().map(|increment| count(&increment["iterations"])).sum();
     assert_eq!(count(&totals["iterations"]), iterations);
-    // One for the interior's answer to the loads, one for where open nodes set out to, and one an iteration unless the last
-    // still serves; one pattern serves the whole run.
+    // One for the interior's response to the loads, one for the initial gaps of open nodes, and one per iteration
+    // unless the last one is reused. One pattern serves the whole run.
     assert!((3..=iterations + 2).contains(&count(&totals["factorizations"])), "{totals}");
     assert_eq!(count(&totals["symbolic_analyses"]), 1);
     assert!(number(&totals["cpu_seconds"]) > 0.0 && number(&totals["wall_seconds"]) > 0.0);
@@ -241,7 +242,7 @@ fn the_report_has_every_field() {
     assert!(number(&end["sum_p_t"]).abs() <= 0.4 * number(&end["sum_p_n"]) * (1.0 + 1e-9));
 }
 
-/// A report tells by which version of what it was made, and from which scene: its text alone makes the same run again.
+/// A report names the program version and contains the scene. Its text alone repeats the run.
 #[test]
 fn a_report_can_be_run_again() {
     let (_folder, scene) = Folder::with_scene(&small());
@@ -286,7 +287,8 @@ fn the_version_names_the_solver_in_use() {
     }
 }
 
-/// Pulled away from the wall, the block is in some danger; pushed towards it, as the scene says, in none.
+/// If the block is pulled away from the wall, uniqueness is in danger. If it is pushed towards the wall, as in the
+/// scene, it is not.
 #[test]
 fn the_uniqueness_is_told_where_it_is_asked_for() {
     let (folder, scene) = Folder::with_scene(&small());
@@ -313,7 +315,7 @@ fn the_uniqueness_is_told_where_it_is_asked_for() {
 
     let output = stickslip(&["run", &scene, "--json"]);
     assert!(json(&output).get("critical_friction").is_none());
-    // Without friction an infinite factor, which JSON does not have; without an increment, nothing.
+    // Without friction the factor is infinite, which JSON cannot represent. Without an increment there is none.
     let output = stickslip(&["run", &scene, "--set", "contact.friction=0.0", "--json", "--uniqueness"]);
     assert!(json(&output)["critical_friction"]["factor"].is_null());
     let output = stickslip(&["run", &scene, "--set", "solver.max_iterations=1", "--json", "--uniqueness"]);
@@ -321,7 +323,7 @@ fn the_uniqueness_is_told_where_it_is_asked_for() {
     assert!(json(&output).get("critical_friction").is_none());
 }
 
-/// A file in the place of the command is answered with the command.
+/// A file in place of a command causes a suggestion of the command.
 #[test]
 fn a_file_without_a_command() {
     for (file, tip) in [
@@ -338,7 +340,7 @@ fn a_file_without_a_command() {
     }
 }
 
-/// What is chosen is told, and solves as if it had been named.
+/// The chosen linear solver is reported, and gives the same results as if it had been named.
 #[test]
 fn the_linear_algebra_is_chosen_where_that_is_asked_for() {
     let (_folder, scene) = Folder::with_scene(&small());

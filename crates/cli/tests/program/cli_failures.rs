@@ -1,6 +1,6 @@
-//! The program when something is wrong: exit status, message, and the files that are left.
+//! Failures of the program: exit status, message, and the remaining files.
 
-// Values that were given are read back exactly.
+// Given values are read back exactly.
 #![allow(clippy::unwrap_used, clippy::float_cmp)]
 
 use std::fs;
@@ -109,7 +109,7 @@ fn bad_input_is_status_2_and_nothing_is_written() {
     }
 }
 
-/// Where the result is to be JSON, so is the fault: message, place and remedy.
+/// If the result is to be JSON, so is the error: message, position and cure.
 #[test]
 fn a_fault_as_json_has_its_place() {
     let text = edit(&small(), "\"top\"", "\"roof\"");
@@ -122,7 +122,7 @@ fn a_fault_as_json_has_its_place() {
     assert!(failure["help"].as_str().unwrap().contains("top"), "{failure}");
 }
 
-/// Before the first long wait a person sees what is being read and done: here a mesh file that is not one.
+/// Before the first long wait, the program prints what it reads and does; here an invalid mesh file.
 #[test]
 fn the_title_comes_before_the_set_up() {
     let text = small();
@@ -135,7 +135,7 @@ fn the_title_comes_before_the_set_up() {
     assert_eq!(lines, ["Elastic block on a frictional foundation", "set-up       mesh, stiffness, contact"]);
 }
 
-/// A method with one tangent a node is refused where nodes slide in a plane, before anything is solved.
+/// A method with one tangent per node is refused before solving if nodes slide in a plane.
 #[test]
 fn a_method_of_the_plane_in_space_is_status_2() {
     let cube = edit(include_str!("../../../../data/scenes/cube.toml"), "[10, 10, 10]", "[2, 2, 2]");
@@ -170,7 +170,7 @@ fn a_folder_that_cannot_be_made_is_status_2() {
     assert_eq!(fs::read_to_string(&scene).unwrap(), small());
 }
 
-/// Nor does a full disk behind standard output or standard error: the files of the run are all there.
+/// A full disk for standard output or standard error does not stop a run. All files of the run exist.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_standard_output_or_error_does_not_stop_a_run() {
@@ -210,7 +210,7 @@ fn foreign_files_are_left_alone() {
     assert_eq!(folder.names(""), ["run.json", "scene.toml"]);
 }
 
-/// Ctrl-C ends the run after the iteration at hand, with what was reached on disk.
+/// Ctrl-C ends the run after the current iteration, with the results so far on disk.
 #[test]
 fn an_interrupted_run_keeps_its_increments() {
     let (folder, scene) = Folder::with_scene(&small());
@@ -232,13 +232,13 @@ fn an_interrupted_run_keeps_its_increments() {
     let report: serde_json::Value =
         serde_json::from_str(&fs::read_to_string(folder.join("results/run.json")).unwrap()).unwrap();
     assert_eq!(report["status"], "interrupted");
-    // Every increment before the last line is a good one.
+    // Every increment except the last line has converged.
     let text = fs::read_to_string(folder.join("results/increments.csv")).unwrap();
     let verdicts: Vec<&str> = text.lines().skip(1).map(|line| line.split(',').nth(2).unwrap()).collect();
     let (last, before) = verdicts.split_last().unwrap();
     assert!(before.iter().all(|verdict| *verdict == "converged"), "{verdicts:?}");
     assert!(["converged", "interrupted"].contains(last));
-    // What was not reached has no forces and no contact table.
+    // Increments that were not reached have no forces and no contact table.
     let converged = verdicts.iter().filter(|verdict| **verdict == "converged").count();
     let forces = fs::read_to_string(folder.join("results/forces.csv")).unwrap();
     assert_eq!(forces.lines().filter(|line| line.contains(",contact,")).count(), converged);
@@ -246,7 +246,7 @@ fn an_interrupted_run_keeps_its_increments() {
     assert!(!folder.names("results").contains(&format!("contact_{:04}.csv", converged + 1)));
 }
 
-/// A verdict that is not "converged" names the law, the node and what to try.
+/// A verdict other than "converged" names the law, the node and the cure.
 #[test]
 fn a_failure_names_the_law_and_the_place() {
     let (_folder, scene) = Folder::with_scene(&small());
@@ -261,7 +261,7 @@ fn a_failure_names_the_law_and_the_place() {
     }
 }
 
-/// Minutes of work are not begun for results that have no place.
+/// The run is refused before the work if its results cannot be written.
 #[test]
 fn where_results_cannot_go_is_told_before_the_work() {
     let (folder, scene) = Folder::with_scene(&small());
@@ -279,14 +279,14 @@ fn where_results_cannot_go_is_told_before_the_work() {
     assert!(stdout(&output).is_empty() && stderr(&output).contains("--out"), "{}", stderr(&output));
 }
 
-/// Some editors write a mark before the text.
+/// Some editors write a byte order mark before the text.
 #[test]
 fn a_byte_order_mark_is_no_text() {
     let (_folder, scene) = Folder::with_scene(&format!("\u{feff}{}", small()));
     assert_exit(&stickslip(&["check", &scene]), 0);
 }
 
-/// Titles and names come from files, and a terminal obeys control characters.
+/// Titles and names come from files, and may contain control characters for terminals.
 #[test]
 fn what_a_scene_says_does_not_steer_the_terminal() {
     let (_folder, scene) = Folder::with_scene(&small());
@@ -295,13 +295,13 @@ fn what_a_scene_says_does_not_steer_the_terminal() {
     assert!(stdout(&output).contains("a\u{fffd}[31mb\u{fffd}"), "{}", stdout(&output));
 }
 
-/// The scene that is not there is named where a program looks for it.
+/// A missing scene file is named in the place where a program looks for it.
 #[test]
 fn the_file_that_cannot_be_read_is_named_in_json() {
     assert_eq!(json(&stickslip(&["run", "no such scene.toml", "--json"]))["file"], "no such scene.toml");
 }
 
-/// What the cargo features leave out is named, with what there is in its place.
+/// An error names the missing cargo feature and the available alternatives.
 #[cfg(not(feature = "umfpack"))]
 #[test]
 fn a_backend_that_is_not_built_in() {
@@ -314,7 +314,7 @@ fn a_backend_that_is_not_built_in() {
     }
 }
 
-/// What is compared unless it is named is what this build has.
+/// The default solvers of a comparison are those of this build.
 #[test]
 fn compare_takes_what_is_built_in() {
     let (_folder, scene) = Folder::with_scene(&small());

@@ -1,5 +1,5 @@
-//! The comparison of errors and times: its errors are those one computes by hand, the friction work is what the
-//! loads do beyond the strain energy, time stepping is of first order, and the cheapest run is the cheapest.
+//! The comparison of errors and times: errors agree with those calculated by hand, the friction work is the work of the
+//! loads minus the strain energy, time stepping is of first order, and the fastest run is identified.
 #![allow(clippy::unwrap_used)]
 
 use std::ops::ControlFlow;
@@ -29,7 +29,7 @@ fn close(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-14 * b.abs()
 }
 
-/// Contact nodes along x, a metre apart, each with the weight 1 m.
+/// Returns contact nodes along x, a metre apart, each with the weight 1 m.
 fn end(p_n: &[f64], p_t: &[f64], work: f64) -> End {
     let node = |(i, (n, t)): (usize, (&f64, &f64))| TractionNode {
         position: [i as f64, 0.0, 0.0],
@@ -45,13 +45,13 @@ fn end(p_n: &[f64], p_t: &[f64], work: f64) -> End {
 #[test]
 fn errors_of_time_stepping_are_those_computed_by_hand() {
     let (run, reference) = (end(&[3.0, 4.0], &[0.5, 0.0], 8.0), end(&[3.0, 2.0], &[1.0, 0.0], 10.0));
-    // Squares of tractions times weights: 2² / 4 of 3² / 1 + 2² / 4, and 0.5² / 1 of 1² / 1.
+    // Squares of tractions times weights: 2² / 4 relative to 3² / 1 + 2² / 4, and 0.5² / 1 relative to 1² / 1.
     let errors = TimeErrors::new(&run, &reference, &[1.0, 4.0]);
     assert!(close(errors.p_n, (1.0_f64 / 10.0).sqrt()));
     assert!(close(errors.p_t, 0.5));
     assert!(close(errors.forces, (1.25_f64 / 11.0).sqrt()));
     assert!(close(errors.work, 0.2));
-    // No friction is no error.
+    // Zero friction has no error.
     let frictionless = end(&[3.0, 2.0], &[0.0; 2], 0.0);
     let errors = TimeErrors::new(&frictionless, &frictionless, &[1.0, 4.0]);
     assert_eq!(errors, TimeErrors { p_n: 0.0, p_t: 0.0, forces: 0.0, work: 0.0 });
@@ -59,10 +59,10 @@ fn errors_of_time_stepping_are_those_computed_by_hand() {
 
 #[test]
 fn errors_of_a_mesh_are_those_computed_by_hand() {
-    // Seven nodes; the two outermost elements at both ends, nodes 0, 1, 5 and 6, are left out.
+    // Of seven nodes, the two outermost elements at both ends, with nodes 0, 1, 5 and 6, are omitted.
     let coarse = end(&[9.0, 9.0, 1.0, 2.0, 3.0, 9.0, 9.0], &[0.0; 7], 0.0);
     let within = coarse.tractions.interior();
-    // Twice as fine: x/2 everywhere, so that it is 1, 1.5, 2 in the nodes 2, 3, 4.
+    // A mesh twice as fine with x/2 everywhere, so the values at nodes 2, 3, 4 are 1, 1.5, 2.
     let mut fine = end(&[0.0; 13], &[0.0; 13], 0.0);
     let mut nodes = fine.tractions.nodes().to_vec();
     for (i, node) in nodes.iter_mut().enumerate() {
@@ -71,11 +71,11 @@ fn errors_of_a_mesh_are_those_computed_by_hand() {
     }
     let pieces = (1..nodes.len()).map(|i| vec![i - 1, i]).collect();
     fine.tractions = Tractions::new(nodes, pieces).unwrap();
-    // In x = 2, 2.5, 3, 3.5 and 4 there are 1, 1.5, 2, 2.5 and 3 for 1, 1.25, 1.5, 1.75 and 2.
+    // At x = 2, 2.5, 3, 3.5 and 4 the values are 1, 1.5, 2, 2.5 and 3 in place of 1, 1.25, 1.5, 1.75 and 2.
     let [apart, whole] = [[0.0, 0.25, 0.5, 0.75, 1.0], [1.0, 1.25, 1.5, 1.75, 2.0_f64]].map(|all| all.map(|x| x * x));
     let expected = (apart.iter().sum::<f64>() / whole.iter().sum::<f64>()).sqrt();
     assert!(close(coarse.tractions.distance(&fine.tractions, &within), expected));
-    // A mesh is linear between its nodes, wherever they are.
+    // A mesh is linear between its nodes, whatever their spacing.
     let pieces = [[0, 1], [1, 2], [2, 4], [4, 5], [5, 6]].map(Vec::from).to_vec();
     let wider = Tractions::new(coarse.tractions.nodes().to_vec(), pieces).unwrap();
     assert!(close(wider.distance(&fine.tractions, &within), expected));
@@ -85,7 +85,7 @@ fn errors_of_a_mesh_are_those_computed_by_hand() {
     fine.energy = 8.0;
     let mut errors = MeshErrors::new(&coarse, &fine, &within);
     assert!(close(errors.sum_p_n, 3.0 / 39.0) && close(errors.sum_p_t, 13.0 / 39.0) && close(errors.energy, 0.25));
-    // With (13, 5) instead of (0, 0) as the tangential resultant.
+    // The tangential resultant is (13, 5) in place of (0, 0).
     fine.p_o[3] = 5.0;
     errors.sum_p_t = MeshErrors::new(&coarse, &fine, &within).sum_p_t;
     assert!(close(errors.sum_p_t, 13.0_f64.hypot(5.0) / 39.0));
@@ -100,17 +100,17 @@ fn the_front_holds_what_no_cheaper_run_reaches() {
     assert!(front(&[]).is_empty());
 }
 
-/// A mesh with so many elements in the first direction.
+/// Returns a mesh with this number of elements in the first direction.
 fn wide(elements: usize) -> MeshChoice {
     MeshSize::Elements(elements).into()
 }
 
-/// Meshes with so many elements in the first direction.
+/// Returns meshes with these numbers of elements in the first direction.
 fn elements(counts: &[usize]) -> Vec<MeshChoice> {
     counts.iter().copied().map(wide).collect()
 }
 
-/// What the external forces do.
+/// Observer that sums the work of the external forces.
 struct External {
     work: f64,
     force: Vec<f64>,
@@ -190,7 +190,7 @@ fn time_stepping_is_of_first_order_on_every_path() {
     let order = (first.p_t / last.p_t).log2() / 4.0;
     assert!((0.8..1.3).contains(&order), "{first:?} {last:?}: order {order}");
     assert!(first.work > 3.0 * middle.work && middle.work > 3.0 * last.work, "{first:?} {middle:?} {last:?}");
-    // The error is that of the increments, whatever solves them.
+    // The error depends on the increments, not on the solver.
     for path in [ip, CONDENSED] {
         let other = errors(path, 80);
         for (a, b) in [(other.p_n, middle.p_n), (other.p_t, middle.p_t), (other.work, middle.work)] {
@@ -217,7 +217,7 @@ fn in_three_dimensions_both_tangents_count() {
         assert_eq!(contacts, [2 * 3, 4 * 5]);
         for result in &comparison.meshes {
             let End { p_n, p_t, p_o, tractions, .. } = &result.end;
-            // The tractions, in the directions of space, carry the same forces: the wall is below.
+            // The tractions, in the directions of space, add up to the same forces. The wall is below.
             let sum = |k: usize| tractions.nodes().iter().map(|node| node.value[k] * node.weight).sum::<f64>();
             let force = |p: &[f64]| p.iter().sum::<f64>();
             assert!((sum(2) / -force(p_n) - 1.0).abs() < 1e-12);
@@ -233,7 +233,7 @@ fn in_three_dimensions_both_tangents_count() {
     }
 }
 
-/// A run of `seconds` with the error `forces` in its contact forces.
+/// Returns a run of `seconds` with the contact force error `forces`.
 pub fn run(path: SolverPath, mesh: usize, increments: usize, seconds: f64, forces: f64) -> Trial {
     Trial {
         path,
@@ -252,7 +252,7 @@ pub fn run(path: SolverPath, mesh: usize, increments: usize, seconds: f64, force
     }
 }
 
-/// A mesh with so many elements in each direction.
+/// Returns a mesh with this number of elements in each direction.
 pub fn mesh(n: usize) -> MeshResult {
     MeshResult {
         mesh: wide(n),
@@ -299,13 +299,14 @@ fn the_cheapest_run_is_the_cheapest() {
     assert_eq!(comparison.cheapest(&wide(10), 1e-4, |_| true), None);
     assert_eq!(comparison.front(&wide(10)), [&comparison.runs[4], &comparison.runs[5]]);
 
-    // A quarter for twice the increments: order 2, and a hundredth of the error takes ten times as long.
+    // A quarter of the error for twice the increments is order 2. A hundredth of the error then takes ten times as
+    // long.
     let Estimate { path, order, increments, seconds } = comparison.estimate(&wide(10), 1e-5).unwrap();
     assert_eq!(path, CONDENSED);
     assert!(close(order, 2.0) && (increments / 200.0 - 1.0).abs() < 1e-12 && (seconds / 8.0 - 1.0).abs() < 1e-12);
     assert_eq!(comparison.estimate(&wide(100), 1e-12), None);
 
-    // The exact path is neither.
+    // The exact path is neither BN nor IP.
     comparison.runs.push(run(EVENTS, 10, 10, 4.0, 0.0));
     let leads = comparison.leads();
     assert_eq!(leads.len(), 1);

@@ -1,4 +1,4 @@
-//! Kinds of elements compared: errors beside estimates, and the mesh that is recommended.
+//! Comparisons of elements: errors beside estimates, and the recommended mesh.
 #![allow(clippy::unwrap_used)]
 
 use stickslip::scene::Scene;
@@ -7,7 +7,8 @@ use stickslip_cli::compare::{self, Comparison, MeshChoice, MeshErrors, MeshResul
 use super::compare::{CONDENSED, by_hand, mesh, run};
 use crate::program::{Folder, assert_exit, csv, stickslip};
 
-/// A roller pressed into a block whose elements change: the error of each mesh against the finest, beside what it estimates by itself.
+/// A roller pressed into a block of several kinds of elements: the error of each mesh against the finest, beside its
+/// own estimate.
 #[test]
 fn elements_are_compared_with_their_estimates() {
     let text = "mesh = { kind = 'block', size = [[0.3, 0.7], 1], elements = [[6, 4], 8], grading = [[1, 4], 0.1] }
@@ -52,7 +53,7 @@ fn elements_are_compared_with_their_estimates() {
     assert!(answers[0].starts_with("Mesh for an error of 1e-2 in the normal force: the cheapest is "), "{answers:?}");
 }
 
-/// A coarse mesh that is right by chance is not recommended: finer ones of its elements tell that it is.
+/// A coarse mesh that is accurate by chance is not recommended if finer meshes of its elements are worse.
 #[test]
 fn a_mesh_is_recommended_where_finer_ones_keep_its_error() {
     let results = [
@@ -78,7 +79,7 @@ fn a_mesh_is_recommended_where_finer_ones_keep_its_error() {
          1.00e-3.",
     ];
     assert_eq!(comparison.answers(), expected);
-    // Where the finer ones are as good it is the cheapest.
+    // If the finer meshes are as good, it is the cheapest.
     for result in &mut comparison.meshes[1..3] {
         result.errors.as_mut().unwrap().sum_p_n = 1e-3;
     }
@@ -86,7 +87,7 @@ fn a_mesh_is_recommended_where_finer_ones_keep_its_error() {
     assert!(answers.iter().all(|answer| answer.contains("the cheapest is triangle, n = 10, 100")), "{answers:?}");
 }
 
-/// Of a scene without contact there is the error in the energy norm, and nothing is said of forces that there are not.
+/// Without contact, the error in the energy norm is compared, and forces are not mentioned.
 #[test]
 fn elements_are_compared_without_contact() {
     let (folder, scene) = Folder::with_scene(

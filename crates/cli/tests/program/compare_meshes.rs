@@ -1,4 +1,4 @@
-//! Meshes from files, compared.
+//! Comparisons of meshes from files.
 
 #![allow(clippy::unwrap_used)]
 
@@ -11,7 +11,7 @@ use stickslip_cli::compare::{self, CompareError, MeshChoice, MeshSize, Plan, Sol
 
 use crate::program::{Folder, assert_exit, small, stderr, stdout, stickslip};
 
-/// A scene with a mesh from a file, in a folder with three of them: 4, 8 and 16 elements a side.
+/// Creates a scene with a mesh from a file, in a folder with three mesh files: 4, 8 and 16 elements per side.
 fn from_files() -> (Folder, String) {
     let (folder, scene) = Folder::with_scene(
         "mesh = { kind = 'gmsh', file = '8.msh' }
@@ -29,7 +29,7 @@ fn from_files() -> (Folder, String) {
     (folder, scene)
 }
 
-/// A square of n × n quadrilaterals with the boundaries `bottom` and `top`, as Gmsh writes it.
+/// Returns a square of n × n quadrilaterals with the boundaries `bottom` and `top`, in Gmsh's format.
 fn square(n: usize) -> String {
     let node = |i: usize, j: usize| j * (n + 1) + i + 1;
     let mut lines = vec!["$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n3".to_string()];
@@ -55,7 +55,7 @@ fn square(n: usize) -> String {
     lines.join("\n")
 }
 
-/// Meshes from files go by their names, from coarse to fine, however they are given.
+/// Meshes from files are named by their files, from coarse to fine, whatever their order.
 #[test]
 fn meshes_from_files_go_by_their_names() {
     let (folder, file) = from_files();

@@ -1,4 +1,4 @@
-//! Comparisons that are ended on the way, and go on: histories that were done are not computed again.
+//! Interrupted comparisons are resumed: finished histories are not computed again.
 #![allow(clippy::unwrap_used)]
 
 use std::collections::HashMap;
@@ -8,7 +8,7 @@ use stickslip::solver::Checkpoint;
 use stickslip::solver::history::{LinearAlgebra, Method};
 use stickslip_cli::compare::{self, Cells, Comparison, MeshSize, Plan, SolverPath};
 
-/// Keeps histories in memory, as bytes, and counts.
+/// A store that keeps histories in memory, as bytes, and counts them.
 #[derive(Default)]
 struct Kept {
     of: Mutex<HashMap<String, Vec<u8>>>,
@@ -27,7 +27,7 @@ impl Cells for Kept {
 }
 
 impl Kept {
-    /// How many histories were computed since this was asked last.
+    /// Returns the number of histories computed since the last call.
     fn computed(&self) -> usize {
         std::mem::take(&mut self.computed.lock().unwrap())
     }
@@ -53,10 +53,10 @@ fn what_is_kept_is_not_computed_again() {
     let kept = Kept::default();
     let whole = compared(text, &[4, 8], &[2, 4], &kept);
     assert_eq!(kept.computed(), 2 + 2 * 2 * 2);
-    // Times included, which no two computations share; but for what building the meshes took.
+    // Times agree too, although they differ between computations; only the time for building meshes is new.
     let again = compared(text, &[4, 8], &[2, 4], &kept);
     assert_eq!((kept.computed(), &again), (0, &whole));
-    // What is damaged, or not there, is computed.
+    // Damaged or missing histories are computed again.
     let mut names: Vec<String> = kept.of.lock().unwrap().keys().cloned().collect();
     names.sort();
     kept.of.lock().unwrap().remove(&names[0]);
@@ -69,7 +69,7 @@ fn what_is_kept_is_not_computed_again() {
     for (one, other) in mended.meshes.iter().zip(&whole.meshes) {
         assert_eq!((&one.end, one.errors, &one.estimates), (&other.end, other.errors, &other.estimates));
     }
-    // More of it takes what is new only; another reference is another reference.
+    // A larger comparison computes only new histories. Another reference is a new history.
     compared(text, &[4, 8], &[1, 2, 4], &kept);
     assert_eq!(kept.computed(), 4);
     compared(text, &[4, 8], &[8], &kept);
@@ -85,7 +85,7 @@ mod program {
 
     use crate::program::{Folder, assert_exit, stderr};
 
-    /// Killed when some histories are done, it goes on with the others; a scene that has changed begins anew.
+    /// A comparison killed after some histories is resumed with the others. A changed scene is computed anew.
     #[test]
     fn a_comparison_that_is_killed_goes_on() {
         let (folder, scene) = Folder::with_scene(include_str!("../../../../data/scenes/block.toml"));

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-/// What the program says and writes in three dimensions.
+/// The output of the program in three dimensions.
 #[test]
 fn the_program_in_space() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cube");

@@ -1,4 +1,4 @@
-//! What `stickslip check` tells of the disk, beside what a run takes there.
+//! The disk space predicted by `stickslip check`, compared with that of a run.
 
 #![allow(clippy::unwrap_used)]
 
@@ -10,7 +10,7 @@ use stickslip_output::bytes_on_disk;
 
 use crate::program::{Folder, assert_exit, stdout, stickslip};
 
-/// What the files of a folder have, bytes.
+/// Returns the size of the files of a folder, bytes.
 fn size(folder: &str) -> u64 {
     fs::read_dir(folder).unwrap().map(|file| file.unwrap().metadata().unwrap().len()).sum()
 }

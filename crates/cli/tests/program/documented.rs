@@ -1,4 +1,4 @@
-//! What the documentation and the help say can be typed as it stands.
+//! Commands in the documentation and the help can be typed as printed.
 
 #![allow(clippy::unwrap_used)]
 
@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use crate::program::{stdout, stickslip};
 
-/// The pages of the root and of doc.
+/// Returns the pages of the root and of doc.
 fn pages() -> Vec<(PathBuf, String)> {
     let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
     let doc = fs::read_dir(root.join("doc")).unwrap().map(|entry| entry.unwrap().path());
@@ -16,7 +16,7 @@ fn pages() -> Vec<(PathBuf, String)> {
     pages.map(|path| (path.clone(), fs::read_to_string(path).unwrap())).collect()
 }
 
-/// A shell such as zsh takes brackets for a pattern of file names, and stops where there is no such file.
+/// A shell such as zsh takes brackets for a file name pattern, and stops if there is no such file.
 #[test]
 fn brackets_are_quoted() {
     let helps = ["run", "check", "compare"].map(|command| {
@@ -34,7 +34,7 @@ fn brackets_are_quoted() {
     }
 }
 
-/// Links from page to page, to scenes and to pictures lead somewhere.
+/// Links to pages, scenes and pictures are valid.
 #[test]
 fn links_lead_to_files() {
     for (page, text) in pages() {
@@ -45,7 +45,7 @@ fn links_lead_to_files() {
     }
 }
 
-/// With `-save` Gmsh writes what it has read, whatever else it is told: of a geometry no mesh, of a mesh the mesh.
+/// With `-save`, Gmsh writes its input whatever the other options: a mesh for a mesh, but no mesh for a geometry.
 #[test]
 fn gmsh_is_told_to_make_a_mesh() {
     let all = pages();

@@ -1,4 +1,4 @@
-//! The units that the documents give to the numbers of a run.
+//! The documented units of the numbers of a run.
 
 #![allow(clippy::unwrap_used)]
 
@@ -12,7 +12,7 @@ fn page(name: &str) -> String {
     fs::read_to_string(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("doc").join(name)).unwrap()
 }
 
-/// The rows of a table of a page, from its header on: what stands in quotes in the first cell, and the cells.
+/// Returns the rows of a table of a page, from its header on: the quoted words of the first cell, and the cells.
 fn rows(page: &str, header: &str) -> Vec<(Vec<String>, Vec<String>)> {
     let table = &page[page.find(header).unwrap_or_else(|| panic!("no table {header}"))..];
     let lines = table.lines().skip(2).take_while(|line| line.starts_with('|'));
@@ -36,7 +36,7 @@ fn quantity(unit: &str) -> Quantity {
     }
 }
 
-/// Each documented key of a report with its unit.
+/// Returns each documented key of a report with its unit.
 pub fn documented_keys() -> BTreeMap<String, String> {
     let mut units = BTreeMap::new();
     for (keys, cells) in rows(&page("results.md"), "| key | unit |") {
@@ -49,14 +49,14 @@ pub fn documented_keys() -> BTreeMap<String, String> {
     units
 }
 
-/// What the documents call m, N, N m, J and Pa is converted, and nothing else.
+/// The numbers documented in m, N, N m, J and Pa are converted, and no others.
 #[test]
 fn every_documented_number_has_its_quantity() {
     let keys = documented_keys();
     assert!(keys.len() > 80, "{}", keys.len());
     for (key, unit) in &keys {
         let name = key.rsplit('.').next().unwrap().trim_end_matches("[]");
-        // What `units` says are names and factors, which stay.
+        // Names and factors below `units` are not converted.
         if !key.starts_with("units") {
             assert_eq!(key_quantity(name), quantity(unit), "{key}");
         }

@@ -1,4 +1,4 @@
-//! The exact path in time by the program: its table of events, and jumps.
+//! The exact path in the program: its table of events, and jumps.
 
 #![allow(clippy::unwrap_used)]
 
@@ -6,8 +6,9 @@ use std::fs;
 
 use crate::program::{Folder, assert_exit, json, small, stickslip};
 
-/// A beam that is pressed against a wall at 45 degrees and then drawn along it. It is much softer across its axis than along it, and so
-/// moves off the wall where it slides one way: friction above 1 leaves it no quasi-static way on.
+/// A beam that is pressed against a wall at 45 degrees and then drawn along it. The beam is much softer across its axis
+/// than along it, so it moves off the wall when it slides in one direction. With friction above 1 no quasi-static
+/// motion continues.
 pub const OBLIQUE_BEAM: &str = r#"
 [mesh]
 kind = "block"
@@ -38,7 +39,7 @@ increments = 5
 method = "events"
 "#;
 
-/// The columns of a table of events, but the place, and each line.
+/// Returns the columns of a table of events without the position, and each line.
 fn events(folder: &Folder) -> Vec<Vec<String>> {
     let table = fs::read_to_string(folder.join("out/events.csv")).unwrap();
     table.lines().map(|line| line.split(',').map(str::to_string).collect()).collect()
@@ -76,9 +77,9 @@ fn a_lost_path_tells_how_far_friction_is_beyond_its_critical_value_and_may_jump(
         assert_exit(&run, 1);
         let report = json(&run);
         assert_eq!(report["status"], "no-continuation");
-        // As much along the wall as into it: p_t = 3 p_n when f_t is three times f_n, half of the way to the end.
+        // At half of the time, f_t is three times f_n, and p_t = 3 p_n.
         assert!((report["exact_path"]["lost"]["time"].as_f64().unwrap() - 2.0).abs() < 1e-9);
-        // k_nn = k_tt where axial stiffness is all there is, and k_tn nearly as large.
+        // With axial stiffness only, k_nn = k_tt, and k_tn is nearly as large.
         let critical = 3.0 * report["critical_friction"]["factor"].as_f64().unwrap();
         assert!((1.0..1.05).contains(&critical), "{critical}");
 
@@ -96,8 +97,8 @@ fn a_lost_path_tells_how_far_friction_is_beyond_its_critical_value_and_may_jump(
     }
 }
 
-/// Increments of BN and IP lead over the end of the quasi-static motion however short they are, and it is told. With less friction there is no
-/// such end.
+/// Increments of BN and IP, however short, lead across the end of the quasi-static motion, which is reported. With less
+/// friction there is no such end.
 #[test]
 fn an_increment_that_leads_over_the_end_of_the_motion_is_told() {
     let (_folder, scene) = Folder::with_scene(OBLIQUE_BEAM);

@@ -36,7 +36,7 @@ fn a_ring_shrunk_on_a_shaft() {
 #[test]
 fn a_roller_in_a_groove() {
     let report = report("groove.toml", &["time.increments=4"]);
-    // Equilibrium alone: down, and with all the friction there is.
+    // Only equilibrium is known: pressed down, with full friction.
     let pressed = &report["forces"][1];
     close(&pressed["sum_p_n"], 4e4 * 2.0 / 2.0_f64.sqrt() / (1.0 + 0.2), 1e-4);
     close(&report["forces"][3]["force"][0], 1.6e4, 1e-9);
@@ -65,7 +65,7 @@ fn a_bracket_on_a_wall() {
 fn a_blade_in_its_slot() {
     let report = report("dovetail.toml", &["time.increments=3"]);
     let end = &report["boundaries"][0];
-    // All of it slips: equilibrium along the pull.
+    // Everything slips: equilibrium along the pull.
     close(&end["sum_p_n"], 5400.0 / (0.6 + 0.3 * 0.8), 2e-3);
     for c in 0..3 {
         let [disc, blade] = [&end["force"][c], &end["opposite"]["force"][c]].map(number);
@@ -74,6 +74,6 @@ fn a_blade_in_its_slot() {
     close(&end["force"][1], -5400.0, 1e-10);
     let half = &report["forces"][1];
     close(&half["force"][1], -2700.0, 1e-10);
-    // Friction turns round and holds the blade in.
+    // Friction reverses and holds the blade in.
     assert!(number(&half["sum_p_n"]) > 5300.0 && number(&half["sum_p_o"]) > 0.0 && number(&end["sum_p_o"]) < 0.0);
 }

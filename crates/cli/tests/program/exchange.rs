@@ -1,4 +1,4 @@
-//! `stickslip solve`, `judge`, `collection` and `export`, as they are called.
+//! `stickslip solve`, `judge`, `collection` and `export`, as called by a user.
 
 #![allow(clippy::unwrap_used)]
 
@@ -13,7 +13,7 @@ fn problem(name: &str) -> String {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("data/problems").join(name).display().to_string()
 }
 
-/// A name that stands for another name is no damage.
+/// A name that refers to another name is no damage.
 #[test]
 fn a_link_to_another_place_is_told() {
     let folder = Folder::new();
@@ -22,7 +22,7 @@ fn a_link_to_another_place_is_told() {
     let lists: Vec<usize> = (0..bytes.len()).filter(|at| bytes[*at..].starts_with(b"SNOD")).collect();
     assert!(!lists.is_empty());
     for list in lists {
-        // Each entry of a list of names has 40 bytes; the kind stands behind two addresses.
+        // Each entry of a list of names has 40 bytes; its type follows two addresses.
         (0..usize::from(bytes[list + 6])).for_each(|entry| bytes[list + 8 + 40 * entry + 16] = 2);
     }
     fs::write(&linked, bytes).unwrap();
@@ -46,7 +46,7 @@ fn a_problem_is_solved_and_its_file_judged() {
     assert!(!stdout(&judged).contains("stage "), "{}", stdout(&judged));
     assert_exit(&stickslip(&["judge", &problem("global.hdf5"), &out]), 0);
 
-    // The solution of another problem is none of this.
+    // The solution of another problem is no solution of this one.
     let wrong = stickslip(&["judge", &problem("blocks.dat"), &out]);
     assert_exit(&wrong, 1);
     let text = stdout(&wrong);
@@ -111,7 +111,7 @@ fn a_folder_is_told_row_by_row() {
     );
 }
 
-/// The last increment of a scene goes out, comes in, and is solved.
+/// The last increment of a scene is exported, read and solved.
 #[test]
 fn an_increment_is_exported() {
     let (folder, scene) = Folder::with_scene(&small());
@@ -131,7 +131,7 @@ fn an_increment_is_exported() {
     assert!([1, 2].contains(&output.status.code().unwrap()), "{}", stderr(&output));
 }
 
-/// h5dump sees what FCLIB documents.
+/// h5dump shows the documented content of FCLIB.
 #[test]
 fn hdf5_tools_read_what_is_written() {
     let (folder, scene) = Folder::with_scene(&small());
@@ -202,7 +202,7 @@ int main(int n, char **path) {
 }
 "#;
 
-/// FCLIB's own reader takes the file, and finds its solution in equilibrium.
+/// FCLIB's own reader accepts the file, and its solution is in equilibrium.
 #[test]
 fn fclib_reads_what_is_written() {
     let (folder, scene) = Folder::with_scene(&small());

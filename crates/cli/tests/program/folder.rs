@@ -1,4 +1,4 @@
-//! Whose a folder of results is, and what may stand in it.
+//! The ownership of a result folder, and the files allowed in it.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used)]
@@ -13,12 +13,12 @@ use super::resume::{Case, told};
 use crate::program::{assert_exit, small, stdout, without};
 use crate::whole::{assert_whole, files};
 
-/// A run that takes a while.
+/// Returns a run that takes a while.
 fn long() -> Case {
     Case::new(&small().replace("[4, 4]", "[20, 20]").replace("increments = 4", "increments = 400"), &[])
 }
 
-/// One that has written into `out`.
+/// Starts a run that has written into `out`.
 fn underway(case: &Case) -> Child {
     let child = case.command("out", &[]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     while !case.path("out/increments.csv").exists() {
@@ -54,7 +54,7 @@ fn links_are_not_followed_and_the_results_before_stay_until_there_are_others() {
     let case = Case::new(&small(), &[]);
     assert_exit(&case.command("out", &[]).output().unwrap(), 0);
     let before = files(&case.path("out"));
-    // Nothing holds this one: it fails before its first increment, and says so in place of the results before.
+    // Nothing holds this body: the run fails before its first increment, and its report replaces the earlier results.
     let hopeless = Case::new("mesh = { kind = 'block', elements = [2, 2] }", &[]);
     let output = hopeless.command("x", &[]).output().unwrap();
     assert_exit(&output, 2);
@@ -137,7 +137,7 @@ fn what_is_no_file_is_named() {
             fs::remove_file(aside).unwrap();
         }
     }
-    // Nobody writes into it, so that who reads it waits for ever.
+    // Nothing writes into the pipe, so a reader waits for ever.
     pipe("mesh.msh");
     let mesh = format!("[mesh]\nkind = \"gmsh\"\nfile = {:?}\n\n", case.path("mesh.msh"));
     let of_a_pipe = Case::new(&[without(&small(), "[mesh]", "[material]"), mesh].concat(), &[]);

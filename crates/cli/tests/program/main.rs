@@ -1,4 +1,4 @@
-//! The program, as it is called.
+//! Tests of the program as called by a user.
 
 #[path = "../../../../tests/common/mod.rs"]
 mod common;

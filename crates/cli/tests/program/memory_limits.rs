@@ -1,5 +1,5 @@
-//! Too little memory: under every limit, and whichever request for memory is refused, a run ends by itself, soon, with an
-//! honest status.
+//! Too little memory: with any limit, and whichever allocation is refused, a run ends soon, on its own, and with a
+//! correct status.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
@@ -10,17 +10,17 @@ use std::time::{Duration, Instant};
 
 use crate::program::{Folder, send, small};
 
-/// How a process ended.
+/// The end of a process.
 struct Ended {
-    /// None: by a signal, or not within the time.
+    /// The exit code; `None` after a signal or a timeout.
     code: Option<i32>,
     words: String,
 }
 
-/// A run may take so long, the slowest machine and a busy one included.
+/// The longest allowed time of a run, on slow and busy machines too.
 const TIME: Duration = Duration::from_secs(60);
 
-/// Runs `command` with its words in a file of `folder`.
+/// Runs `command` with its output in a file of `folder`.
 fn ended(command: Command, folder: &Folder) -> Ended {
     ended_within(TIME, command, folder)
 }
@@ -49,7 +49,7 @@ fn ended_within(time: Duration, mut command: Command, folder: &Folder) -> Ended 
     }
 }
 
-/// The program under a limit of its address space, MB.
+/// Returns the program with a limit of its address space, MB.
 fn limited(megabytes: usize, arguments: &[&str]) -> Command {
     let mut command = Command::new("sh");
     let script = format!("ulimit -v {}; exec \"$0\" \"$@\"", 1000 * megabytes);
@@ -57,8 +57,8 @@ fn limited(megabytes: usize, arguments: &[&str]) -> Command {
     command
 }
 
-/// Returns `false` if the limit is too small for the system to load the libraries of the program, before there is a program. OpenBLAS 0.3.29
-/// does not come back from being loaded then: it asks for its buffers for ever, in a C program without any function, too.
+/// Returns `false` if the limit is too small for the system to load the libraries of the program. OpenBLAS 0.3.29 does
+/// not return from loading then: it requests its buffers for ever, even in a C program without any function.
 fn libraries_load(megabytes: usize, folder: &Folder) -> bool {
     ended_within(Duration::from_secs(5), limited(megabytes, &["--version"]), folder).code == Some(0)
 }
@@ -93,7 +93,7 @@ fn check_tells_the_need_and_whose_limit_it_is() {
     let check = ended(limited(4000, &["check", &scene]), &folder);
     assert_eq!(check.code, Some(0), "{}", check.words);
     let line = check.words.lines().find(|line| line.starts_with("memory       about ")).unwrap();
-    // Whatever else the machine has: less than 4 GB are left of that limit.
+    // Less than 4 GB are left of that limit, whatever the machine has.
     assert!(line.ends_with(" leaves") && !line.contains("hardly"), "{line}");
     let large = ended(limited(2000, &["run", &scene, "--set", "mesh.elements=[4000,4000]"]), &folder);
     assert_eq!(large.code, Some(3), "{}", large.words);
@@ -104,8 +104,8 @@ fn check_tells_the_need_and_whose_limit_it_is() {
     assert!(many.words.contains("the records of so many increments need 4.0 GB"), "{}", many.words);
 }
 
-/// Many triangles in one place, each a body by itself: what is in the same place is not compared with all that is there, in time or in
-/// memory.
+/// Many triangles at one position, each a body of its own: coincident nodes are not all compared with each other, in
+/// time or in memory.
 #[test]
 fn a_stack_of_nodes_is_told_soon() {
     use std::fmt::Write;
@@ -129,7 +129,7 @@ fn a_stack_of_nodes_is_told_soon() {
     assert!(check.words.contains("both have a node at"), "{}", check.words);
 }
 
-/// The first Ctrl-C ends a set-up, in which nobody looks for one.
+/// The first Ctrl-C ends a set-up, which does not check for requests.
 #[test]
 fn a_set_up_is_interrupted_by_the_first_request() {
     let (folder, scene) = Folder::with_scene(&small());
@@ -151,30 +151,30 @@ fn a_set_up_is_interrupted_by_the_first_request() {
     assert!(!std::fs::read_to_string(&words).unwrap().contains("verdict"));
 }
 
-/// The library that refuses memory, compiled into `folder`; none where there is no compiler of C.
+/// Compiles the library that refuses memory into `folder`.
 fn refusing(folder: &Folder) -> String {
     let source = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/program/faults/malloc.c");
     let library = folder.join("malloc.so");
-    // The compiler is there: it is what links these tests.
+    // The compiler exists, because it links these tests.
     let compiled = Command::new("cc").args(["-O1", "-shared", "-fPIC", "-o", &library, source]).status().unwrap();
     assert!(compiled.success());
     library
 }
 
-/// A small run whose requests for memory are counted, with more `arguments`.
+/// Returns a small run whose allocations are counted, with more `arguments`.
 fn counted(library: &str, scene: &str, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));
     command.args(["run", scene, "--set", "mesh.elements=[3,3]", "--set", "time.increments=1", "--threads", "1"]);
     command.args(arguments).env("LD_PRELOAD", library).env("OPENBLAS_NUM_THREADS", "1").env("MALLOC_ARENA_MAX", "1");
-    // To start again would be another process, with a count of its own.
+    // A restart would be another process, with its own count.
     command.env("STICKSLIP_BLAS_KERNEL", "keep");
     command
 }
 
-/// Before `main` libraries take memory for themselves: so many requests at most, of some thousand in all.
+/// The largest number of allocations by libraries before `main`, of some thousand in all.
 const BEFORE: usize = 45;
 
-/// Refuses requests for memory in every way: each `step`-th of them.
+/// Refuses each `step`-th allocation in turn, alone or with all later ones.
 fn refuse(step: usize) {
     let (folder, scene) = Folder::with_scene(&small());
     let library = refusing(&folder);

@@ -1,4 +1,4 @@
-//! Names that a mesh file gives its boundaries, in the files of results.
+//! Boundary names of a mesh file, in the names of result files.
 
 #![allow(clippy::unwrap_used)]
 
@@ -6,7 +6,7 @@ use std::fs;
 
 use crate::program::{Folder, assert_exit, stickslip};
 
-/// Runs a square whose left side is called `name`, and tells the names of its results and the table of forces.
+/// Runs a square whose left side is called `name`. Returns the names of its results and the table of forces.
 fn results(name: &str) -> (Vec<String>, String) {
     let mesh = include_str!("../../../../data/meshes/square_triangles.msh").replace("\"left\"", &format!("\"{name}\""));
     let scene = format!(
@@ -33,7 +33,7 @@ fn a_comma_stays_within_its_field() {
     assert!(line.starts_with("1,1,\"le,ft\",0,0,"), "{line}");
 }
 
-/// No name leads out of the folder, is too long for it, or takes another's place.
+/// No name leaves the folder, is too long for it, or replaces another.
 #[test]
 fn files_are_called_what_a_folder_takes() {
     let long = "l".repeat(300);

@@ -1,4 +1,4 @@
-//! The files that a scene asks for.
+//! The output files requested by a scene.
 
 #![allow(clippy::unwrap_used)]
 
@@ -20,7 +20,7 @@ to = [1, 1]
 points = 3
 ";
 
-/// Each increment of the small block, with everything on.
+/// Every increment of the small block, with all outputs.
 #[test]
 fn a_scene_gets_what_it_asks_for() {
     let text = small().replace("times = [1.0, 2.0]", "times = [0.0, 0.5]");
@@ -56,7 +56,7 @@ fn a_scene_gets_what_it_asks_for() {
     assert!(header.ends_with(",friction_work,strain_energy"));
     assert!(increments.iter().all(|row| row.last().unwrap().parse::<f64>().unwrap() > 0.0));
 
-    // Another run leaves nothing of it.
+    // Another run removes all of them.
     let (_other, plain) = Folder::with_scene(&small());
     assert_exit(&stickslip(&["run", &plain, "--out", &out]), 0);
     let names = folder.names("out");
@@ -64,7 +64,7 @@ fn a_scene_gets_what_it_asks_for() {
     assert_eq!(names.len(), 4 + 5);
 }
 
-/// The parts of a halved increment, whose contact nodes are wanted.
+/// The substeps of a halved increment for which contact nodes are requested.
 #[test]
 fn parts_of_increments_are_written() {
     let (folder, scene) = Folder::with_scene(&small());
@@ -100,8 +100,8 @@ fn a_probe_beside_the_body_is_told_by_check_and_run() {
     assert!(!folder.0.join("out").exists());
 }
 
-/// Where several obstacles are in front of a boundary, the force on each is told, and which of them each node meets; where there is
-/// one, nothing is.
+/// With several obstacles in front of a boundary, the force on each and the obstacle that each node meets are reported.
+/// With one obstacle, neither is.
 #[test]
 fn several_obstacles_are_told_apart() {
     let rollers = "[{ kind = \"cylinder\", radius = 50.0, apex = [0.5, 0] }, { kind = \"plane\", gap = 1e-5 }]";

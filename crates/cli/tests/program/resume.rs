@@ -1,4 +1,4 @@
-//! Runs that are ended somewhere, and taken up again: the results are those of a run that nothing has ended.
+//! Interrupted and resumed runs: the results agree with those of an uninterrupted run.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
@@ -14,7 +14,7 @@ use crate::common::random::Random;
 use crate::program::{Folder, assert_exit, small, stderr, stdout};
 use crate::whole::{assert_same, assert_whole, assert_whole_but_for_a_line, files};
 
-/// What lets calls fail, compiled once.
+/// Returns the library that makes calls fail, compiled once.
 fn shim() -> &'static Path {
     static SHIM: OnceLock<PathBuf> = OnceLock::new();
     SHIM.get_or_init(|| {
@@ -27,7 +27,7 @@ fn shim() -> &'static Path {
     })
 }
 
-/// Standard error without its line breaks.
+/// Returns standard error without its line breaks.
 pub fn told(output: &Output) -> String {
     stderr(output).replace("\n  │ ", " ")
 }
@@ -55,7 +55,7 @@ impl Case {
         command
     }
 
-    /// A run that nothing ends; gives the number of calls that change a file.
+    /// Runs without interruption. Returns the number of calls that change a file.
     fn whole(&self, out: &str) -> u64 {
         let count = self.path("count");
         let output = self.command(out, &[]).env("LD_PRELOAD", shim()).env("FAULT_COUNT", &count).output().unwrap();
@@ -64,7 +64,7 @@ impl Case {
         fs::read_to_string(count).unwrap().trim().parse().unwrap()
     }
 
-    /// A run whose call `at` fails in this way.
+    /// Runs with the failure `fault` of call `at`.
     fn failing(&self, out: &str, at: u64, fault: &str, lasts: bool) -> Output {
         let mut command = self.command(out, &[]);
         command.env("LD_PRELOAD", shim()).env("FAULT_AT", at.to_string()).env("FAULT", fault);
@@ -75,8 +75,9 @@ impl Case {
     }
 }
 
-/// Every call that changes a file is the last one of a run, or fails once, or is the first of those that fail from then on. What is left is
-/// whole, be it of the run before or of this one; the run goes on from it, and another begins there.
+/// For every call that changes a file, the run ends with it, or the call fails once, or all calls from it on fail. The
+/// remaining files are complete, whether of the earlier run or of this one. The run can be resumed from them, and a new
+/// run can start there.
 fn all_faults(case: &Case, every: usize) -> usize {
     let calls = case.whole("whole");
     let earlier = Case::new(&small().replace("friction = 0.4", "friction = 0.2"), &[]);
@@ -96,7 +97,7 @@ fn all_faults(case: &Case, every: usize) -> usize {
             let told = format!("{out}: {:?}\n{}{}", output.status, stdout(&output), stderr(&output));
             match output.status.code() {
                 None => assert!(["kill", "torn"].contains(&fault), "{told}"),
-                // Nothing that is of use failed.
+                // Nothing of importance failed.
                 Some(0) => assert_same(&case.path("whole"), &place),
                 Some(code) => {
                     let message = self::told(&output);
@@ -108,7 +109,7 @@ fn all_faults(case: &Case, every: usize) -> usize {
                     assert!(is_told && message.contains("cannot be written"), "{told}");
                 }
             }
-            // While old files go and new ones take their names, there is no report.
+            // There is no report while old files are removed and new ones renamed.
             if fault == "torn" {
                 assert_whole_but_for_a_line(&place);
             } else if place.join("run.json").exists() || fault != "kill" {
@@ -141,13 +142,13 @@ fn every_call_that_fails_leaves_a_folder_that_the_next_run_takes_up() {
     }
 }
 
-/// How many increments the table in a folder has.
+/// Returns the number of increments in the table of a folder.
 fn listed(folder: &Path) -> usize {
     fs::read_to_string(folder.join("increments.csv")).map_or(0, |table| table.lines().count().saturating_sub(1))
 }
 
-/// Kills a run after times at random, of up to that of a run that nothing ends, and goes on with it until it is done; gives how
-/// often it was killed. No more than one increment is solved again.
+/// Kills a run at random times, up to the duration of an uninterrupted run, and resumes it until it is finished.
+/// Returns the number of kills. At most one increment is solved again.
 fn killed_until_done(case: &Case, out: &str, random: &mut Random) -> usize {
     let start = Instant::now();
     case.whole("whole");
@@ -216,7 +217,7 @@ fn a_run_that_was_another_is_not_gone_on_with() {
     let output = case.command("left", &["--resume"]).output().unwrap();
     assert_exit(&output, 0);
     assert!(stdout(&output).contains("resume       after"), "{}", stdout(&output));
-    // It is complete: nothing is left to do, and the same is told.
+    // The run is complete: there is nothing to do, and the same report is printed.
     let report = fs::read_to_string(case.path("left/run.json")).unwrap();
     let output = case.command("left", &["--resume", "--json"]).output().unwrap();
     assert_exit(&output, 0);
@@ -231,7 +232,7 @@ fn checkpoints_that_are_damaged_and_tables_that_are_cut_are_told() {
         assert!(case.failing(name, 75, "kill", false).status.code().is_none());
         assert!(case.path(name).join(".checkpoint").exists());
     };
-    // A checkpoint of which something is missing is none: the run begins anew.
+    // An incomplete checkpoint is ignored: a new run begins.
     left("cut");
     let bytes = fs::read(case.path("cut/.checkpoint")).unwrap();
     fs::write(case.path("cut/.checkpoint"), &bytes[..bytes.len() / 2]).unwrap();

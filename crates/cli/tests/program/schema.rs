@@ -1,4 +1,4 @@
-//! The contracts: JSON Schemas of scenes and runs, and the keys that doc/results.md documents.
+//! The contracts: JSON Schemas of scenes and runs, and the keys documented in doc/results.md.
 
 #![allow(clippy::unwrap_used)]
 
@@ -19,7 +19,7 @@ fn schema(of: &str) -> Value {
     json(&output)
 }
 
-/// The keywords that are checked.
+/// The keywords that the validator checks.
 const CHECKED: [&str; 16] = [
     "type",
     "enum",
@@ -38,14 +38,14 @@ const CHECKED: [&str; 16] = [
     "anyOf",
     "oneOf",
 ];
-/// Those that say nothing of values, and `allOf`.
+/// Keywords without meaning for validation, and `allOf`.
 const REMARKS: [&str; 9] =
     ["$schema", "$id", "$defs", "$comment", "title", "description", "default", "format", "allOf"];
 
-/// As much of a validator as the two schemas need: the faults of `value`, each with its place.
+/// A validator sufficient for the two schemas. Returns the errors of `value`, each with its position.
 fn faults(root: &Value, schema: &Value, value: &Value, at: &str) -> Vec<String> {
     let mut found = Vec::new();
-    // A keyword that is not checked below, and is no remark, would pass everything.
+    // A keyword that is neither checked below nor a remark would accept everything.
     for keyword in schema.as_object().into_iter().flatten().map(|(keyword, _)| keyword) {
         let is_known = CHECKED.contains(&keyword.as_str()) || REMARKS.contains(&keyword.as_str());
         assert!(is_known, "the schema has the keyword `{keyword}`, which is not checked");
@@ -132,7 +132,7 @@ fn parts(schema: &Value) -> impl Iterator<Item = &Value> {
     schema.get("allOf").and_then(Value::as_array).into_iter().flatten()
 }
 
-/// Every key that a schema knows, with its path; `[]` for the elements of a list.
+/// Collects every key of a schema, with its path; `[]` stands for the elements of a list.
 fn keys(root: &Value, schema: &Value, at: &str, into: &mut BTreeSet<String>) {
     for (key, schema) in schema.get("properties").and_then(Value::as_object).into_iter().flatten() {
         let path = if at.is_empty() { key.clone() } else { format!("{at}.{key}") };
@@ -149,7 +149,7 @@ fn keys(root: &Value, schema: &Value, at: &str, into: &mut BTreeSet<String>) {
     either.chain(parts(schema)).for_each(|schema| keys(root, schema, at, into));
 }
 
-/// Every key of a JSON value, with its path.
+/// Collects every key of a JSON value, with its path.
 fn keys_of(value: &Value, at: &str, into: &mut BTreeSet<String>) {
     for (key, value) in value.as_object().into_iter().flatten() {
         let path = if at.is_empty() { key.clone() } else { format!("{at}.{key}") };
@@ -162,7 +162,7 @@ fn keys_of(value: &Value, at: &str, into: &mut BTreeSet<String>) {
 /// A ball under the middle of a face, and a plane under the rest.
 const ON_A_BALL: &str = "[{ kind = \"sphere\", radius = 50, apex = [0.5, 0.5, 0] }, { kind = \"plane\", gap = 1e-5 }]";
 
-/// The block and another one on it, both held by their tops.
+/// Returns the block with another one on it, both supported at their tops.
 fn two_bodies() -> String {
     let one = |name: &str, at: &str| {
         format!(
@@ -175,7 +175,7 @@ fn two_bodies() -> String {
     [&one("lower", "[0, 0]"), &one("upper", "[0, 1]"), between, "[time]\nend = 1\nincrements = 1\n"].concat()
 }
 
-/// Changes of the block with which increments are halved.
+/// Changes of the block that make increments be halved.
 const HALVED: [&str; 12] = [
     "--setting",
     "default",
@@ -191,7 +191,7 @@ const HALVED: [&str; 12] = [
     "contact.friction=0.8",
 ];
 
-/// A plate on soft springs: a ball presses it down near its right end, which comes up against a plane that few nodes seem to reach.
+/// A plate on soft springs. A ball presses down its right end, which meets a plane that few nodes seem to reach.
 const LEVER: &str = r#"
 [mesh]
 kind = "block"
@@ -219,13 +219,13 @@ end = 1.0
 increments = 2
 "#;
 
-/// A block that only its friction holds, pressed and then pushed beyond that.
+/// Returns a block held only by friction, pressed and then pushed beyond the friction limit.
 fn lost_path() -> String {
     let on_the_plane = edit(&without(&small(), "[[support]]", "[[contact]]"), "gap = 1e-5", "gap = 0.0");
     edit(&on_the_plane, "[[0, 0], [1, 1], [2, 0]]", "[[0, 0], [1, 0], [2, 1]]")
 }
 
-/// Reports of many kinds: plane and in space, failed, with warnings, with everything that has to be asked for.
+/// Returns reports of many kinds: in the plane and in space, failed, with warnings, with all optional results.
 fn reports() -> Vec<Value> {
     let cube = edit(include_str!("../../../../data/scenes/cube.toml"), "[10, 10, 10]", "[2, 2, 2]");
     let json_of = |scene: &str, args: &[&str]| {
@@ -266,7 +266,7 @@ fn reports() -> Vec<Value> {
     ]
 }
 
-/// One that tells all that there is to tell of a BLAS, where that can be had.
+/// A report with all entries for a BLAS, if available.
 #[cfg(feature = "umfpack")]
 use crate::blas_kernel::started_again;
 
@@ -290,7 +290,7 @@ fn reports_are_as_their_schema_says() {
     let excused = |key: &str| {
         key.starts_with("range_left")
             || (key.starts_with("blas") && started_again.is_none())
-            // Processes of MPI, which tests/large has.
+            // MPI processes, which tests/large covers.
             || key.starts_with("totals.ranks")
             || (key == "totals.krylov_iterations" && cfg!(not(feature = "petsc")))
     };
@@ -300,7 +300,7 @@ fn reports_are_as_their_schema_says() {
     assert!(faults(&schema, &schema, &broken, "run").len() > 5);
 }
 
-/// The table of doc/results.md has every key, and no other.
+/// The table of doc/results.md contains exactly the keys of reports.
 #[test]
 fn every_key_of_a_report_is_documented() {
     let page =
@@ -315,7 +315,7 @@ fn every_key_of_a_report_is_documented() {
     assert_eq!(once, known);
 }
 
-/// What is told of problems of exchange files is as its schema says, and every key of that is met.
+/// Reports on exchange files follow their schema, and every key of the schema occurs.
 #[test]
 fn problems_are_told_as_their_schemas_say() {
     let file = |name: &str| {
@@ -377,15 +377,15 @@ fn scenes_are_as_their_schema_says() {
     }
 }
 
-/// The words that an error of the reader lists.
+/// Returns the words that an error of the reader lists.
 fn expected(error: &str) -> BTreeSet<&str> {
     let list = error.split_once("expected ").unwrap_or_else(|| panic!("{error}")).1;
-    // The table it speaks of is no part of the list.
+    // The name of the table is no part of the list.
     let list = list.split(" in `").next().unwrap();
     list.split('`').skip(1).step_by(2).collect()
 }
 
-/// The schema knows the keys that the reader knows, table by table: what the reader says of a key that it does not.
+/// The schema has the same keys as the reader, table by table, as listed in the reader's error for an unknown key.
 #[test]
 fn the_schema_of_scenes_has_the_keys_of_the_reader() {
     let schema = schema("scene");

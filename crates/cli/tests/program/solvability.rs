@@ -1,5 +1,4 @@
-//! What is told about a problem before it is solved: the conditions of Theorem 3 and the balance of
-//! a rigid body.
+//! The analysis of a problem before its solution: the conditions of Theorem 3 and the balance of a rigid body.
 #![allow(clippy::unwrap_used)]
 
 use crate::common;
@@ -9,8 +8,8 @@ use stickslip::run::discretise;
 use stickslip::scene::Scene;
 use stickslip::solver::{Conditions, rigid_equilibrium};
 
-/// A free block on a rigid floor, pressed down by 10 MN and pushed to the right by `push` MN, with
-/// more tables and more contacts.
+/// Returns a free block on a rigid floor, pressed down by 10 MN and pushed to the right by `push` MN, with more tables
+/// and more contacts.
 fn text(push: f64, contacts: &[&str], tables: &str) -> String {
     format!(
         r#"
@@ -37,19 +36,19 @@ const LEFT: &str = r#"{ boundary = "left", friction = 0.4, obstacle = { kind = "
 const RIGHT: &str = r#"{ boundary = "right", friction = 0.4, obstacle = { kind = "plane" } }"#;
 const TOP: &str = r#"{ boundary = "top", friction = 0.4, obstacle = { kind = "plane" } }"#;
 const SLANTED: &str = r#"{ boundary = "left", friction = 0.4, obstacle = { kind = "plane", normal = [-0.8, -0.6] } }"#;
-/// Leaves the nodes of the floor only their vertical displacements.
+/// Leaves only vertical displacements of the floor nodes.
 const SLIDE: &str = r#"support = [{ boundary = "bottom", fix = ["x"] }]"#;
 
 fn named(model: &Model, weights: &[f64]) -> String {
     RigidMotion::combination(&model.rigid_motions, weights).unwrap().to_string()
 }
 
-/// The motion that violates (a), in words, and the places of nodes that violate (b).
+/// Returns the motion that violates (a), in words, and the positions of nodes that violate (b).
 fn violations(scene: &Scene) -> (Option<String>, Vec<[f64; 2]>) {
     let model = discretise(scene).unwrap();
     let conditions = Conditions::of(&model.problem);
     assert_eq!(conditions.hold(), conditions.leaving.is_none() && conditions.dependent.is_empty());
-    // The motion does what it is said to do.
+    // The motion has the stated property.
     if let Some(weights) = &conditions.leaving {
         let motion = RigidMotion::combination(&model.rigid_motions, weights).unwrap();
         let w_n = model.problem.c_n().times(&motion.displacements(&model.mesh, &model.dofs)).unwrap();
@@ -62,14 +61,14 @@ fn violations(scene: &Scene) -> (Option<String>, Vec<[f64; 2]>) {
     )
 }
 
-/// The motion that the load at the end drives, in words.
+/// Returns the motion driven by the final load, in words.
 fn driven(scene: &Scene) -> Option<String> {
     let model = discretise(scene).unwrap();
     let force = model.loading.force_at(1.0, &model.problem).unwrap();
     let weights = rigid_equilibrium(&model.problem, &force).unwrap()?;
     let motion = RigidMotion::combination(&model.rigid_motions, &weights).unwrap();
     let u = motion.displacements(&model.mesh, &model.dofs);
-    // The load works, and no edge of a friction cone can work against it.
+    // The load does work, and no edge of a friction cone can work against it.
     assert!(u.iter().zip(&force).map(|(u, f)| u * f).sum::<f64>() > 0.0);
     let (w_n, w_t) = (model.problem.c_n().times(&u).unwrap(), model.problem.c_t().times(&u).unwrap());
     assert!(w_n.iter().zip(&w_t).zip(model.problem.mu()).all(|((n, t), mu)| n + mu * t.abs() <= 1e-12));
@@ -86,7 +85,7 @@ fn the_block_meets_the_conditions() {
 fn a_body_that_only_contact_holds_may_leave() {
     let leaving = |contacts: &[&str], tables: &str| violations(&on_the_floor(0.0, contacts, tables)).0;
     assert_eq!(leaving(NOTHING, "").unwrap(), "a translation along (0, 1)");
-    // Out of a corner; along two walls; out of nothing when all sides are taken.
+    // Out of a corner; along two walls; none if all sides are constrained.
     assert!(leaving(&[RIGHT], "").unwrap().starts_with("a translation along (-0.7"));
     assert_eq!(leaving(&[TOP], "").unwrap().replace('-', ""), "a translation along (1, 0)");
     assert_eq!(leaving(&[TOP, LEFT, RIGHT], ""), None);
@@ -97,7 +96,7 @@ fn a_body_that_only_contact_holds_may_leave() {
     assert_eq!(leaving(&[TOP], &guided("x")), None);
 }
 
-/// Two obstacles at a node stop it in two directions, which is one too many if a support stops one.
+/// Two obstacles at a node stop it in two directions, which is one too many if a support stops one of them.
 #[test]
 fn rows_of_a_corner_depend_if_it_is_held_in_one_direction() {
     assert_eq!(violations(&on_the_floor(0.0, &[SLANTED], "")).1, [[0.0; 2]; 0]);
@@ -105,7 +104,7 @@ fn rows_of_a_corner_depend_if_it_is_held_in_one_direction() {
     assert_eq!(violations(&on_the_floor(0.0, &[SLANTED], SLIDE)).1, [[0.0; 2]; 2]);
 }
 
-/// A pull along the guide does no work on lifting off: what rounding leaves of the motion along the guide is none.
+/// A pull along the guide does no work for lifting off, in spite of the rounding of the motion along the guide.
 #[test]
 fn a_pull_along_a_guide_lifts_nothing() {
     let guided = "support = [{ boundary = \"left\", fix = [\"x\"] }]";
@@ -124,7 +123,7 @@ fn friction_resists_up_to_its_limit() {
     for push in [0.0, 3.9, -3.9, 4.0] {
         assert_eq!(driven(&on_the_floor(push, NOTHING, "")), None, "{push}");
     }
-    // It slides and lifts at the angle of friction: against a pure sliding, friction would work.
+    // It slides and lifts at the angle of friction, because friction would work against pure sliding.
     assert_eq!(driven(&on_the_floor(4.1, NOTHING, "")).unwrap(), "a translation along (0.928477, 0.371391)");
     assert_eq!(driven(&on_the_floor(-4.1, NOTHING, "")).unwrap(), "a translation along (-0.928477, 0.371391)");
     assert_eq!(driven(&on_the_floor(4.1, &[RIGHT], "")), None);
@@ -132,7 +131,7 @@ fn friction_resists_up_to_its_limit() {
         Scene::parse("floor.toml", &text(push, NOTHING, ""), &[format!("contact.friction={mu}").parse().unwrap()])
     };
     assert_eq!(driven(&with_friction("0", 1e-3).unwrap()).unwrap(), "a translation along (1, 0)");
-    // What does not slide tips over: 10 MN on half the width, 1 m, against the push on half the height.
+    // A block that does not slide tips over: 10 MN at half the width, 1 m, against the push at half the height.
     assert_eq!(driven(&with_friction("10", 19.9).unwrap()), None);
     assert!(driven(&with_friction("10", 20.1).unwrap()).unwrap().starts_with("a rotation about "));
 }
@@ -151,7 +150,7 @@ fn check_tells_it() {
     let free = check("free", &text(8.0, NOTHING, ""));
     assert!(free.contains("\ntheorem 3    (a) violated: a translation along (0, 1) moves no node towards"), "{free}");
     assert!(!free.contains("(b)") && !free.contains("holds:"), "{free}");
-    // 0.5 of 8 MN are the limit; the next increment ends at 0.6.
+    // The limit is 0.5 of 8 MN; the next increment ends at 0.6.
     assert!(
         free.contains("\nNO BALANCE   first at t = 0.6 s: the loads drive a translation along (0.928477, 0.371391),"),
         "{free}"
@@ -159,7 +158,7 @@ fn check_tells_it() {
     let weak = check("weak", &text(4.0, NOTHING, ""));
     assert!(weak.contains("(a) violated") && !weak.contains("NO BALANCE"), "{weak}");
 
-    // With half of the friction at the end the limit falls from 4 MN to 2 MN, and the push meets it at 2/3 s.
+    // With half of the friction at the end the limit falls from 4 MN to 2 MN, and the push reaches it at 2/3 s.
     let worn =
         text(4.0, NOTHING, "").replace("friction = 0.4", "friction_history = [[0, 1], [1, 0.5]], friction = 0.4");
     let worn = check("worn", &worn);

@@ -1,4 +1,4 @@
-//! How a newcomer starts: scenes from the program, completions for a shell, pages of the manual.
+//! First steps of a new user: example scenes, completions for a shell, manual pages.
 
 #![allow(clippy::unwrap_used)]
 
@@ -8,7 +8,7 @@ use std::path::Path;
 
 use crate::program::{Folder, assert_exit, csv, stderr, stdout, stickslip};
 
-/// Every starting scene solves, deserves no warning but of what its mesh leaves open, and leaves the constants to the program.
+/// Every example scene converges, has warnings only of mesh errors, and uses the default constants.
 #[test]
 fn starting_scenes_run() {
     for (kind, files) in [
@@ -32,7 +32,7 @@ fn starting_scenes_run() {
         let run = stickslip(&["run", scene.to_str().unwrap(), "--set", "time.increments=4"]);
         assert_exit(&run, 0);
         let warned = stdout(&run).lines().filter(|line| line.starts_with("warning")).all(|line| {
-            // So few increments are too few, and say so.
+            // The few increments cause warnings too.
             let of_increments = ["because of the increments", "nodes begin to stick"];
             ["singular", "stick zone", "slip zones", "the mesh is coarse"]
                 .iter()
@@ -43,11 +43,11 @@ fn starting_scenes_run() {
 
         let again = stickslip(&["init", kind, "--out", &into]);
         assert_exit(&again, 2);
-        assert!(stderr(&again).contains("is there already"), "{}", stderr(&again));
+        assert!(stderr(&again).contains("already exists"), "{}", stderr(&again));
     }
 }
 
-/// The roller of doc/gmsh.md against Hertz' line contact on a rigid plane, with the force that it carries.
+/// The roller of doc/gmsh.md agrees with Hertz' line contact on a rigid plane, for its force.
 #[test]
 fn the_roller_has_hertz_pressure() {
     let folder = Folder::new();
@@ -72,7 +72,7 @@ fn the_roller_has_hertz_pressure() {
     };
     let [peak, width] = pressure("contact.friction=0");
     assert!(peak.abs() < 0.012 && width.abs() < 0.012, "{peak} {width}");
-    // Friction keeps the roller from spreading, and so the pressure together.
+    // Friction prevents the roller from spreading, which concentrates the pressure.
     let [peak, width] = pressure("contact.friction=0.3");
     assert!((0.015..0.035).contains(&peak) && (-0.035..-0.015).contains(&width), "{peak} {width}");
 }

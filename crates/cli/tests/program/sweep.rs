@@ -1,4 +1,4 @@
-//! `stickslip sweep`: every combination once, whatever happens in between.
+//! `stickslip sweep`: every combination is run once, whatever happens in between.
 
 #![allow(clippy::unwrap_used)]
 
@@ -12,7 +12,7 @@ use serde_json::Value;
 
 use crate::program::{Folder, assert_exit, children, csv, json, number, send, small, stderr, stdout, stickslip};
 
-/// The names of the complete results, and of what is not complete.
+/// Returns the names of the complete and of the incomplete results.
 fn results(folder: &Folder) -> (BTreeSet<String>, Vec<String>) {
     let (partial, whole): (Vec<_>, Vec<_>) =
         folder.names("out/variants").into_iter().partition(|name| name.starts_with('.'));
@@ -40,7 +40,7 @@ fn every_combination_is_a_row_and_a_folder() {
     assert_eq!(values[..3], ["[0.2,2.0]", "[0.2,4.0]", "[0.4,2.0]"]);
     assert_eq!(rows.len(), 6);
 
-    // Each is what a run of its own gives, to the last bit.
+    // Each result agrees with that of a single run to the last bit.
     let run = stickslip(&[
         "run",
         &scene,
@@ -75,7 +75,7 @@ fn every_combination_is_a_row_and_a_folder() {
     }
 }
 
-/// A folder that stands where a table goes is told before anything runs.
+/// A folder in place of a table is reported before anything runs.
 #[test]
 fn tables_have_their_place() {
     let (folder, scene) = Folder::with_scene(&small());
@@ -87,7 +87,7 @@ fn tables_have_their_place() {
     assert!(results(&folder).0.is_empty());
 }
 
-/// The same command again runs nothing; a wider one what is new; a changed file what it changes.
+/// The same command runs nothing again; a larger sweep runs new variants; a changed file runs the affected ones.
 #[test]
 fn what_is_done_is_kept() {
     let mesh = include_str!("../../../../data/meshes/square_triangles.msh");
@@ -108,7 +108,7 @@ fn what_is_done_is_kept() {
         assert_exit(&output, 0);
         let head = match known {
             0 => format!("variants     {all}\n"),
-            _ => format!("variants     {all}, {known} of them known from before\n"),
+            _ => format!("variants     {all}, {known} of them already complete\n"),
         };
         assert!(stdout(&output).contains(&head), "{head}{}", stdout(&output));
         results(&folder).0
@@ -117,13 +117,13 @@ fn what_is_done_is_kept() {
     let first = known(&["--vary", meshes, "--vary", "contact.friction=0.1,0.2"], 0, 4);
     assert_eq!(known(&["--vary", "contact.friction=0.2,0.1", "--vary", meshes, "--jobs", "1"], 4, 4), first);
     assert_eq!(known(&["--vary", meshes, "--vary", "contact.friction=0.1,0.2,0.4"], 4, 6).len(), 6);
-    // A mesh that is another is another variant, and so is a scene.
+    // A changed mesh gives a new variant, and so does a changed scene.
     fs::write(folder.join("b.msh"), format!("{mesh}\n")).unwrap();
     assert_eq!(known(&["--vary", meshes, "--vary", "contact.friction=0.1,0.2"], 2, 4).len(), 8);
     let text = fs::read_to_string(&scene).unwrap();
     fs::write(&scene, text.replace("poisson = 0.3", "poisson = 0.2")).unwrap();
     known(&["--vary", meshes, "--vary", "contact.friction=0.1,0.2"], 0, 4);
-    // A report that is cut off is none.
+    // A truncated report is no result.
     fs::write(&scene, text).unwrap();
     let cut = first.iter().next().unwrap();
     for name in &first {
@@ -136,7 +136,7 @@ fn what_is_done_is_kept() {
     fs::write(folder.join("b.msh"), mesh).unwrap();
     known(&["--vary", meshes, "--vary", "contact.friction=0.1,0.2"], 3, 4);
     known(&["--vary", meshes, "--vary", "contact.friction=0.1,0.2"], 4, 4);
-    // A folder that was given the name of another is not the other's result.
+    // A folder renamed to that of another variant is not its result.
     let of = |friction: &str| {
         let is_of = |name: &&String| {
             let report = fs::read_to_string(folder.0.join("out/variants").join(name).join("run.json")).unwrap();
@@ -151,7 +151,7 @@ fn what_is_done_is_kept() {
     known(&["--vary", meshes, "--vary", "contact.friction=0.1,0.2"], 2, 4);
 }
 
-/// What fails is a row, and the exit status says so.
+/// A failure is a row of the table, and changes the exit status.
 #[test]
 fn failures_are_rows() {
     let (folder, scene) = Folder::with_scene(&small());
@@ -167,11 +167,11 @@ fn failures_are_rows() {
     assert_ne!(statuses[0], "converged");
     assert!(stdout(&output).contains("the mesh has no boundary `nowhere`; the mesh has the boundaries"));
     assert!(stdout(&output).contains("support.boundary=left, solver.tolerance=1e-30: increment 1"));
-    // A verdict is kept, whatever it is; a scene that cannot be discretised has none.
+    // A verdict is kept, whatever it is. A scene that cannot be discretised has none.
     assert_eq!(results(&folder).0.len(), 2);
     let again = stickslip(&arguments);
     assert_exit(&again, 1);
-    assert!(stdout(&again).contains("4, 2 of them known"), "{}", stdout(&again));
+    assert!(stdout(&again).contains("4, 2 of them already"), "{}", stdout(&again));
 }
 
 #[test]
@@ -204,11 +204,11 @@ fn bad_variations_are_told_before_anything_runs() {
     assert!(stderr(&output).contains("choose a writable folder"), "{}", stderr(&output));
 }
 
-/// Started, killed by `signal` once one variant is done, and started again.
+/// Starts a sweep, kills it by `signal` once one variant is finished, and starts it again.
 fn killed(signal: &str) {
     let (folder, scene) = Folder::with_scene(&small());
     let out = folder.join("out");
-    // The second takes far longer than the test.
+    // The second variant takes far longer than the test.
     let long = ["--vary", "time.increments=2,100000", "--vary", "contact.friction=0.1,0.3", "--jobs", "2"];
     let mut child = Command::new(env!("CARGO_BIN_EXE_stickslip"))
         .args(sweep(&scene, &out, &long))
@@ -226,7 +226,7 @@ fn killed(signal: &str) {
     send(signal, child.id());
     let status = child.wait().unwrap();
     if signal == "KILL" {
-        // Nobody is left to end them.
+        // The killed sweep cannot end its processes.
         let kill = |id: &u32| drop(Command::new("sh").args(["-c", &format!("kill -KILL {id}")]).status());
         workers.iter().for_each(kill);
         std::thread::sleep(Duration::from_millis(200));
@@ -241,7 +241,7 @@ fn killed(signal: &str) {
     let short = ["--vary", "time.increments=2,4", "--vary", "contact.friction=0.1,0.3"];
     let output = stickslip(&sweep(&scene, &out, &short));
     assert_exit(&output, 0);
-    assert!(stdout(&output).contains("4, 2 of them known"), "{}", stdout(&output));
+    assert!(stdout(&output).contains("4, 2 of them already"), "{}", stdout(&output));
     assert_eq!((results(&folder).0.len(), results(&folder).1.len()), (4, 0));
 }
 

@@ -1,4 +1,4 @@
-//! Work that is shared among threads: who gets how many, and results that do not depend on them.
+//! Threads: their number, and results that do not depend on it.
 
 #![allow(clippy::unwrap_used)]
 
@@ -42,7 +42,7 @@ fn the_threads_are_those_asked_for_or_the_processors() {
     }
 }
 
-/// OpenBLAS starts threads when it is loaded; those that nobody asks for are ended, and do not wait in a loop.
+/// OpenBLAS starts threads when it is loaded. Unused ones are ended, and do not wait in a loop.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_thread_is_one_thread() {
@@ -79,7 +79,7 @@ fn a_sweep_shares_the_processors() {
     assert_eq!(shared(&["--threads", "3"], "three"), [3; 2]);
 }
 
-/// The numbers of both, in order; what is no number is the same.
+/// Collects the numbers of both values, in order. Everything else must be equal.
 fn numbers(a: &Value, b: &Value, into: &mut Vec<[f64; 2]>) {
     match (a, b) {
         (Value::Object(a), Value::Object(b)) => a.iter().zip(b).for_each(|((key, a), (other, b))| {
@@ -95,7 +95,7 @@ fn numbers(a: &Value, b: &Value, into: &mut Vec<[f64; 2]>) {
     }
 }
 
-/// In the plane and in space, with each linear algebra: the same iterations, and forces to rounding.
+/// In the plane and in space, with each linear solver: equal iterations, and equal forces up to rounding.
 #[test]
 fn results_are_the_same_on_any_number_of_threads() {
     let block = include_str!("../../../../data/scenes/block.toml");
@@ -127,7 +127,7 @@ fn results_are_the_same_on_any_number_of_threads() {
     }
 }
 
-/// A comparison without its times.
+/// Returns a comparison without its times.
 fn untimed(mut comparison: Comparison) -> Comparison {
     for run in &mut comparison.runs {
         run.seconds = Phases::default();

@@ -1,4 +1,4 @@
-//! What the program writes and prints of a scene in units of its own, beside the same scene in SI.
+//! The output for a scene with named units, compared with the same scene in SI.
 
 #![allow(clippy::unwrap_used)]
 
@@ -18,7 +18,7 @@ fn edited(text: &str, edits: &[(&str, &str)]) -> String {
     edits.iter().fold(text.to_string(), |text, (from, to)| edit(&text, from, to))
 }
 
-/// A block in SI and in mm and MPa, with a spring, and with a point that names a force.
+/// Returns a block in SI and in mm and MPa, with a spring, and with a force at a point.
 fn block() -> [String; 2] {
     let more = |point: &str, force: &str, stiffness: &str| {
         let load = format!("\n[[load]]\npoint = {point}\nforce = {force}\n");
@@ -64,7 +64,7 @@ fn cube() -> [String; 2] {
     [si, mm]
 }
 
-/// SI units in a unit of a system of mm and MPa, in so many dimensions.
+/// Returns an SI unit in the system of mm and MPa, in this number of dimensions.
 fn in_mm(unit: &str, dimension: usize) -> f64 {
     match (unit, dimension) {
         ("Pa", _) => 1e6,
@@ -77,7 +77,7 @@ fn in_mm(unit: &str, dimension: usize) -> f64 {
     }
 }
 
-/// Runs both scenes, and gives their folders.
+/// Runs both scenes. Returns their folders.
 fn run(texts: &[String; 2]) -> [Folder; 2] {
     texts.each_ref().map(|text| {
         let (folder, scene) = Folder::with_scene(text);
@@ -86,7 +86,7 @@ fn run(texts: &[String; 2]) -> [Folder; 2] {
     })
 }
 
-/// The header and the rows of a table, without what stands in quotes: places may hold commas.
+/// Returns the header and the rows of a table, without quoted texts, which may contain commas.
 fn table(path: &Path) -> (String, Vec<Vec<String>>) {
     let text = fs::read_to_string(path).unwrap();
     let plain: String = text.split('"').step_by(2).collect();
@@ -99,7 +99,7 @@ fn close(si: f64, told: f64, unit: f64, largest: f64) -> bool {
     (si - told * unit).abs() <= 1e-9 * largest
 }
 
-/// The unit of a column, apart from what the program thinks.
+/// Returns the unit of a column, independent of the program.
 fn unit_of_column(name: &str) -> &'static str {
     match name {
         "x" | "y" | "z" | "w_n" | "w_t" | "w_o" | "gap" | "slip_t" | "slip_o" | "u_x" | "u_y" => "m",
@@ -113,7 +113,7 @@ fn unit_of_column(name: &str) -> &'static str {
     }
 }
 
-/// What rounding makes, times of the wall, and words.
+/// Returns `true` for rounding errors, wall times and words.
 fn is_no_number(name: &str) -> bool {
     let errors =
         ["theta", "equilibrium", "penetration", "tension", "complementarity", "cone", "dissipation", "backward_error"];
@@ -150,7 +150,7 @@ fn tables_are_told_in_the_units_of_the_scene() {
     }
 }
 
-/// Every number of a JSON value with its path, as doc/results.md has paths.
+/// Collects every number of a JSON value with its path, in the notation of doc/results.md.
 fn numbers(value: &Value, at: &str, into: &mut Vec<(String, f64)>) {
     match value {
         Value::Object(entries) => {
@@ -217,7 +217,7 @@ fn pictures_name_the_units_of_the_scene() {
     for (texts, picture) in [(block(), "contact_0004.svg"), (cube(), "contact_0004.svg")] {
         let [si, mm] = run(&texts).map(|folder| svg(&folder, picture));
         assert!(si.contains("\nx, m\n") && si.contains("MPa") && mm.contains("\nx, mm\n") && mm.contains("MPa"));
-        // The same picture but for the numbers along the axes of length.
+        // The pictures agree except for the numbers along axes of length.
         let drawn = |text: &str| {
             let parts = text.split('<').filter(|part| !part.starts_with("text") && !part.starts_with("/text"));
             parts.map(String::from).collect::<Vec<_>>()
@@ -276,7 +276,7 @@ fn people_are_told_in_the_units_of_the_scene() {
     assert!(!words(stdout(&output), "m"), "{}{}", stdout(&output), stderr(&output));
 }
 
-/// `--set` changes units as any other key; both are needed.
+/// `--set` changes units like any other key. Both units are required.
 #[test]
 fn units_can_be_set() {
     let [_, mm] = block();

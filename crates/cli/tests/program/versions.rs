@@ -1,4 +1,4 @@
-//! A SuiteSparse that is not the one of the headers is refused in words, before anything else is asked of it.
+//! A SuiteSparse of another version than the headers is refused with a message, before any other call.
 
 #![cfg(feature = "umfpack")]
 #![allow(clippy::unwrap_used)]
@@ -8,7 +8,7 @@ use std::process::{Command, Output};
 
 use crate::program::{BLOCK, Folder, assert_exit, small, stderr};
 
-/// A library in `folder` that says it is version 99.7.1, where it is asked by the function `name`.
+/// Builds a library in `folder` that reports version 99.7.1 by the function `name`.
 fn other_version(folder: &Folder, name: &str) -> String {
     let (source, library) = (folder.join(&format!("{name}.c")), folder.join(&format!("{name}.so")));
     fs::write(
@@ -40,15 +40,15 @@ fn a_library_of_another_version_ends_the_run_in_words() {
                 assert!(told.contains(words), "{solver}: `{words}` is not in: {told}");
             }
         }
-        // As the remedy says.
+        // As suggested in the message.
         if cfg!(feature = "faer") {
             assert_exit(&run("faer"), 0);
         }
     }
 }
 
-/// The run is long enough for advice on a faster solver, which CHOLMOD estimates: without CHOLMOD there is no advice, and the run is
-/// as good.
+/// The run is long enough for advice on a faster solver, which CHOLMOD estimates. Without CHOLMOD there is no advice,
+/// but the run is complete.
 #[test]
 #[cfg(feature = "faer")]
 fn advice_that_fails_takes_nothing_from_a_run() {

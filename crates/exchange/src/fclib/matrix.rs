@@ -29,7 +29,7 @@ pub(super) fn has_sizes(file: &File<'_>, path: &str, rows: usize, columns: usize
             return Err(InputError::new(
                 format!("dataset {at}"),
                 message,
-                "mend the sizes, which contradict each other",
+                "correct the sizes, which contradict each other",
             ));
         }
     }
@@ -65,13 +65,13 @@ pub(super) fn matrix(file: &File<'_>, path: &str, rows: usize, columns: usize) -
         let places = rows.saturating_mul(columns);
         if count > places.max(file.length()) {
             let message = format!("it has {count} entries, but the matrix has {places} places");
-            return Err(fault("x", message, "mend the sizes, which contradict each other"));
+            return Err(fault("x", message, "correct the sizes, which contradict each other"));
         }
         let bytes = BYTES_OF_AN_ENTRY.saturating_mul(count as u64);
         file.take_room(bytes).map_err(|error| of_dataset(&at("x"), &error))
     };
     let (entries, x): (Vec<(usize, usize, f64)>, Vec<f64>) = if let Ok(count) = usize::try_from(storage) {
-        has_entries(&["p", "i", "x"], count, "so many entries are announced by nz")?;
+        has_entries(&["p", "i", "x"], count, "the number of entries given by nz")?;
         let (p, i, x) = (whole("p", count)?, whole("i", count)?, x_of(count)?);
         ((0..count).map(|k| (i[k], p[k], x[k])).collect(), x)
     } else {
@@ -91,7 +91,11 @@ pub(super) fn matrix(file: &File<'_>, path: &str, rows: usize, columns: usize) -
         let count = p[outer];
         has_entries(&["i", "x"], count, "the last number of p")?;
         if p[0] != 0 || p.windows(2).any(|pair| pair[0] > pair[1]) {
-            return Err(fault("p", "it does not begin at 0, or falls".to_string(), "give starts that never fall"));
+            return Err(fault(
+                "p",
+                "it does not begin at 0, or decreases".to_string(),
+                "give starts that never decrease",
+            ));
         }
         let (i, x) = (whole("i", count)?, x_of(count)?);
         let line = |k: usize| (p[k]..p[k + 1]).map(move |at| (k, at));

@@ -15,7 +15,7 @@ pub(super) fn written<'a>(file: &File<'a>, path: &str) -> Result<Option<Dataset<
 pub(super) fn need<'a>(file: &File<'a>, path: &str) -> Result<Dataset<'a>, InputError> {
     match file.dataset(path).map_err(|error| of_dataset(path, &error))? {
         Some(dataset) => Ok(dataset),
-        None => Err(InputError::new(format!("dataset {path}"), "it is not there", "write it, as FCLIB does")),
+        None => Err(InputError::new(format!("dataset {path}"), "it is missing", "write it, as FCLIB does")),
     }
 }
 
@@ -42,7 +42,7 @@ pub(super) fn numbers(dataset: &Dataset<'_>, path: &str) -> Result<Vec<f64>, Inp
 /// Describes a wrong length of the dataset at `path`, with the reason `why` it must be `expected`.
 pub(super) fn length(path: &str, expected: usize, found: usize, why: &str) -> InputError {
     let message = format!("it has {found} values, but must have {expected}: {why}");
-    InputError::new(format!("dataset {path}"), message, "mend the sizes, which contradict each other")
+    InputError::new(format!("dataset {path}"), message, "correct the sizes, which contradict each other")
 }
 
 /// Returns the `values` if all of them are finite.

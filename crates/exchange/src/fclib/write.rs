@@ -86,7 +86,7 @@ fn global(problem: &GlobalProblem, about: &Info) -> Result<Node, InputError> {
     let part = |matrix: &Csc, columns: usize| {
         let entries: Vec<_> = matrix.entries().filter(|(i, j, _)| *i < n && *j < columns).collect();
         let whole = |error: stickslip::algebra::sparse::MatrixError| {
-            InputError::new("group fclib_global", error.to_string(), "mend the matrices")
+            InputError::new("group fclib_global", error.to_string(), "correct the matrices")
         };
         Csc::from_triplets(n, columns, &entries).map_err(whole)
     };
@@ -104,7 +104,7 @@ fn global(problem: &GlobalProblem, about: &Info) -> Result<Node, InputError> {
     if constraints > 0 {
         let of_g = problem.m().entries().filter(|(i, j, _)| *i < n && *j >= n).map(|(i, j, x)| (i, j - n, -x));
         let g = Csc::from_triplets(n, constraints, &of_g.collect::<Vec<_>>())
-            .map_err(|error| InputError::new("group fclib_global/G", error.to_string(), "mend the matrix"))?;
+            .map_err(|error| InputError::new("group fclib_global/G", error.to_string(), "correct the matrix"))?;
         children.push(("G".to_string(), matrix(&g)?));
         vectors.push(("b".to_string(), Node::Numbers(problem.f()[n..].iter().map(|b| -b).collect())));
     }

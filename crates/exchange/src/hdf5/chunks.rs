@@ -52,7 +52,7 @@ impl Filters {
         size: usize,
         here: &Bytes<'_>,
     ) -> Result<Vec<u8>, Hdf5Error> {
-        let wrong = || here.damaged("a chunk is not as long as it should be");
+        let wrong = || here.damaged("a chunk has a wrong length");
         // No memory is reserved for more than the bytes can contain.
         if length > stored.len().saturating_mul(EXPANSION) {
             return Err(wrong());
@@ -163,7 +163,7 @@ fn collect<'a>(file: Bytes<'a>, address: u64, levels: u8, found: &mut Vec<Stored
     let kind = node.u8()?;
     let level = node.u8()?;
     if kind != 1 || level >= levels {
-        return Err(node.damaged("a tree is not one of chunks"));
+        return Err(node.damaged("a tree contains no chunks"));
     }
     let count = node.u16()?;
     node.offset()?;
@@ -180,7 +180,7 @@ fn collect<'a>(file: Bytes<'a>, address: u64, levels: u8, found: &mut Vec<Stored
         let bytes = file.at(child)?.take(stored)?;
         // Chunks do not overlap, and each has at least one byte.
         if found.len() >= file.file_length() {
-            return Err(node.damaged("a dataset has chunks for ever"));
+            return Err(node.damaged("a dataset has too many chunks"));
         }
         found.push(Stored { first, mask, bytes, here });
     }

@@ -79,7 +79,7 @@ impl Type {
             }
             Kind::Text | Kind::Other(_) => size > 0,
         };
-        if sound { Ok(Type { kind, size, big_endian }) } else { Err(body.damaged("a datatype is none that there is")) }
+        if sound { Ok(Type { kind, size, big_endian }) } else { Err(body.damaged("a datatype is unknown")) }
     }
 
     fn describe(self) -> String {
@@ -108,12 +108,12 @@ fn count(mut body: Bytes<'_>) -> Result<u64, Hdf5Error> {
                 return Ok(0);
             }
         }
-        _ => return Err(body.damaged("a dataspace has no version that there is")),
+        _ => return Err(body.damaged("a dataspace has an unknown version")),
     }
     let mut count = 1_u64;
     for _ in 0..rank {
         let dimension = body.length()?;
-        count = count.checked_mul(dimension).ok_or_else(|| body.damaged("a dataset is larger than any memory"))?;
+        count = count.checked_mul(dimension).ok_or_else(|| body.damaged("a dataset is impossibly large"))?;
     }
     Ok(count)
 }
@@ -162,7 +162,7 @@ impl<'a> Dataset<'a> {
         let count = count(space)?;
         let mut layout = get(LAYOUT, "layout")?;
         let length = count.checked_mul(element.size as u64).and_then(|length| usize::try_from(length).ok());
-        let length = length.ok_or_else(|| space.damaged("a dataset is larger than any memory"))?;
+        let length = length.ok_or_else(|| space.damaged("a dataset is impossibly large"))?;
         let version = layout.u8()?;
         if !matches!(version, 3 | 4) {
             return Err(Hdf5Error::Unsupported { what: format!("a dataset with a layout of version {version}") });

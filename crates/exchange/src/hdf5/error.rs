@@ -45,9 +45,9 @@ impl Hdf5Error {
     /// Returns the cure.
     pub fn help(&self) -> &'static str {
         match self {
-            Hdf5Error::Damaged { .. } => "fetch or write the file again; h5dump tells how far it can be read",
-            Hdf5Error::NotWritten => "write them, or leave the dataset out",
-            Hdf5Error::NoRoom { .. } => "look at the sizes in the file, or use a machine with more memory",
+            Hdf5Error::Damaged { .. } => "fetch or write the file again; h5dump shows how far it can be read",
+            Hdf5Error::NotWritten => "write them, or remove the dataset",
+            Hdf5Error::NoRoom { .. } => "check the sizes in the file, or use a machine with more memory",
             Hdf5Error::Unsupported { .. } => {
                 "write it again in the layout that FCLIB has: h5repack --filter=NONE --layout=CONTI OLD NEW"
             }

@@ -52,7 +52,7 @@ fn old<'a>(file: Bytes<'a>, mut head: Bytes<'a>) -> Result<Vec<Message<'a>>, Hdf
 /// Reads a header of version 2.
 fn new<'a>(file: Bytes<'a>, mut head: Bytes<'a>) -> Result<Vec<Message<'a>>, Hdf5Error> {
     if head.u8()? != 2 {
-        return Err(head.damaged("an object header has no version that there is"));
+        return Err(head.damaged("an object header has an unknown version"));
     }
     let flags = head.u8()?;
     let times = if flags & 0x20 == 0 { 0 } else { 16 };
@@ -66,7 +66,7 @@ fn new<'a>(file: Bytes<'a>, mut head: Bytes<'a>) -> Result<Vec<Message<'a>>, Hdf
     while let Some(&block) = blocks.get(next) {
         let mut block = block;
         if next > 0 {
-            block.expect(b"OCHK", "an object header does not go on here")?;
+            block.expect(b"OCHK", "the continuation of an object header is missing")?;
             let length = block.left().saturating_sub(4);
             block = block.part(length)?;
         }
@@ -96,7 +96,7 @@ fn take<'a>(
     }
     let mut body = message.body;
     if blocks.len() == BLOCKS {
-        return Err(body.damaged("an object header goes on for ever"));
+        return Err(body.damaged("an object header has too many blocks"));
     }
     let (address, length) = (body.offset()?, body.length()?);
     let length = usize::try_from(length).map_err(|_| body.damaged("the file ends too early"))?;

@@ -70,7 +70,7 @@ impl Search<'_> {
         let kind = node.u8()?;
         let level = node.u8()?;
         if kind != 0 || level >= levels {
-            return Err(node.damaged("a tree is not one of names"));
+            return Err(node.damaged("a tree contains no names"));
         }
         let count = node.u16()?;
         node.offset()?;
@@ -109,7 +109,7 @@ impl Search<'_> {
 
     fn count(&mut self, here: &Bytes<'_>) -> Result<(), Hdf5Error> {
         self.seen += 1;
-        if self.seen > NAMES { Err(here.damaged("a group has names for ever")) } else { Ok(()) }
+        if self.seen > NAMES { Err(here.damaged("a group has too many names")) } else { Ok(()) }
     }
 }
 

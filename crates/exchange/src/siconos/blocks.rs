@@ -5,7 +5,7 @@ use stickslip::base::InputError;
 
 /// Reads the entries of a matrix with this number of `rows` and `columns`.
 pub(super) fn read(words: &mut Words<'_>, rows: usize, columns: usize) -> Result<Vec<(usize, usize, f64)>, InputError> {
-    let help = "mend the sizes, which contradict each other";
+    let help = "correct the sizes, which contradict each other";
     let blocks = words.count("the number of blocks")?;
     let in_a_column = words.count("the rows of blocks")?;
     let in_a_row = words.count("the columns of blocks")?;
@@ -28,7 +28,7 @@ pub(super) fn read(words: &mut Words<'_>, rows: usize, columns: usize) -> Result
         return Err(words.fault("the rows of blocks do not hold all blocks", help));
     }
     if let Some(place) = places.iter().find(|place| **place >= in_a_row) {
-        return Err(words.fault(&format!("a block stands in column {place} of {in_a_row}, counted from 0"), help));
+        return Err(words.fault(&format!("a block is in column {place} of {in_a_row}, counted from 0"), help));
     }
     let before = |ends: &[usize], k: usize| k.checked_sub(1).map_or(0, |k| ends[k]);
     let mut entries = Vec::new();

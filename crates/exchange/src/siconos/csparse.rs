@@ -24,7 +24,7 @@ pub(super) fn read(words: &mut Words<'_>, rows: usize, columns: usize) -> Result
     }
     if sizes != format!("{rows}-by-{columns}") {
         let message = format!("the sparse matrix is {sizes} here, and {rows}-by-{columns} above");
-        return Err(words.fault(&message, "mend the sizes, which contradict each other"));
+        return Err(words.fault(&message, "correct the sizes, which contradict each other"));
     }
     let word = words.word("the number of entries")?;
     let count: usize = word.trim_end_matches(',').parse().map_err(|_| {
@@ -36,7 +36,7 @@ pub(super) fn read(words: &mut Words<'_>, rows: usize, columns: usize) -> Result
 fn colon(words: &mut Words<'_>) -> Result<(), InputError> {
     match words.word("a colon")? {
         ":" => Ok(()),
-        "..." => Err(words.fault("CSparse has printed the matrix in brief", "write the file with all its entries")),
+        "..." => Err(words.fault("CSparse has printed only part of the matrix", "write the file with all its entries")),
         word => Err(words.fault(&format!("expected a colon, found `{word}`"), "write entries as CSparse prints them")),
     }
 }
@@ -78,7 +78,7 @@ fn by_columns(words: &mut Words<'_>, count: usize, columns: usize) -> Result<Vec
         }
     }
     if entries.len() != count {
-        let message = format!("{count} entries are announced, but {} follow", entries.len());
+        let message = format!("{count} entries are stated, but {} follow", entries.len());
         return Err(words.fault(&message, "write all entries, as CSparse does"));
     }
     Ok(entries)

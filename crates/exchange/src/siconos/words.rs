@@ -39,7 +39,9 @@ impl<'a> Words<'a> {
     /// Reads the next word; `what` names it in errors.
     pub(super) fn word(&mut self, what: &str) -> Result<&'a str, InputError> {
         let word = self.next();
-        word.ok_or_else(|| self.fault(&format!("the text ends before {what}"), "write the file again, it was cut off"))
+        word.ok_or_else(|| {
+            self.fault(&format!("the text ends before {what}"), "the file was truncated: write it again")
+        })
     }
 
     /// Reads a whole number, 0 or more; `what` names it in errors.

@@ -1,4 +1,5 @@
-//! Exchange files: what is read of them, what is refused, and increments of scenes that come back from them.
+//! Exchange files: reading, refusals, and increments of scenes that are exported and read back.
+
 use crate::common;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -52,7 +53,7 @@ fn the_problems_of_the_tree_are_read_and_solved() {
     }
 }
 
-/// Old and new layouts, packed or not, of one problem.
+/// Old and new layouts of one problem, compressed or not, are equivalent.
 #[test]
 fn every_layout_of_hdf5_says_the_same() {
     let old = problem("local.hdf5");
@@ -73,7 +74,7 @@ fn every_layout_of_hdf5_says_the_same() {
     assert!(solve_by(Way::Whole, &packed.problem, None).unwrap().is_none());
 }
 
-/// The dense matrix stands column by column, the sparse prints as CSparse has them.
+/// The dense matrix is stored column by column, the sparse ones in CSparse's format.
 #[test]
 fn siconos_texts_say_what_they_should() {
     let sliding = problem("sliding.dat");
@@ -88,7 +89,7 @@ fn siconos_texts_say_what_they_should() {
     assert_eq!(blocks.h().times(&[0.0, 0.0, 0.0, 1.0, 2.0, 3.0]).unwrap(), [-1.0, -2.0, -3.0, 1.0, 2.0, 3.0]);
 }
 
-/// What a constraint holds stays, with a multiplier that the answer has, too.
+/// Constraints are kept, with a multiplier that is also part of the answer.
 #[test]
 fn constraints_are_kept() {
     let file = problem("constrained.hdf5");
@@ -104,7 +105,7 @@ fn constraints_are_kept() {
     assert_eq!(again.problem.unknowns(), 7);
 }
 
-/// Whatever is read is written, and read again to the last bit.
+/// Every problem read can be written, and read again to the last bit.
 #[test]
 fn files_come_back_as_they_were() {
     for path in problems() {
@@ -128,7 +129,7 @@ fn files_come_back_as_they_were() {
     }
 }
 
-/// The errors of wrong solutions tell what is wrong with them.
+/// The errors of wrong solutions show which law is violated.
 #[test]
 fn the_judge_names_the_law() {
     for name in ["global.hdf5", "local.hdf5", "printed.dat"] {
@@ -161,7 +162,7 @@ fn the_judge_names_the_law() {
 
 const BELT: &str = "contact.obstacle={kind=\"plane\",motion={translation=[[0,0,0],[1,0,-1e-5],[2,1e-5,-1e-5]]}}";
 
-/// Scenes of several kinds, small.
+/// Returns small scenes of several kinds.
 fn scenes() -> Vec<(&'static str, Vec<&'static str>)> {
     vec![
         ("block.toml", vec!["mesh.elements=[8,8]", "time.increments=4"]),
@@ -174,7 +175,7 @@ fn scenes() -> Vec<(&'static str, Vec<&'static str>)> {
     ]
 }
 
-/// An increment of a scene, solved from its file, is the state of the scene to rounding; so is it from the contacts alone.
+/// The solution of an exported increment agrees with the state of the scene to rounding, also from the contacts alone.
 #[test]
 fn scenes_come_back_from_their_files() {
     for (name, overrides) in scenes() {
@@ -200,7 +201,7 @@ fn scenes_come_back_from_their_files() {
             assert_eq!(file.guesses.len(), 1);
             touched += told.r.iter().filter(|r| **r != 0.0).count();
 
-            // The project's own error measure says the same, in its own scales.
+            // The project's own error measure agrees, in its own scales.
             let scales = KktScales::new(&model.problem, &data, &found.state);
             let kkt = KktErrors::measure(&model.problem, &data, &found.state, &scales).unwrap();
             assert!(kkt.worst().1 <= 1e-9, "{name}: {kkt:?}");
@@ -214,7 +215,7 @@ fn scenes_come_back_from_their_files() {
     }
 }
 
-/// A damaged file ends in one message, or in a problem; nothing else.
+/// Checks that a damaged file gives either one message or a problem.
 fn refused(name: &str, bytes: &[u8]) -> Option<String> {
     match ProblemFile::from_bytes(name, bytes) {
         Ok(_) => None,
@@ -260,7 +261,7 @@ fn damaged_bytes_do_no_harm() {
     }
 }
 
-/// `bytes` with the numbers at `place`, of eight bytes each, replaced.
+/// Returns `bytes` with the numbers at `place`, of eight bytes each, replaced.
 fn with_words(bytes: &[u8], place: usize, words: &[u64]) -> Vec<u8> {
     let mut changed = bytes.to_vec();
     for (k, word) in words.iter().enumerate() {
@@ -269,13 +270,13 @@ fn with_words(bytes: &[u8], place: usize, words: &[u64]) -> Vec<u8> {
     changed
 }
 
-/// A file may begin with a block of the user, whether its addresses know of it or not.
+/// A file may begin with a user block, whether its addresses include it or not.
 #[test]
 fn a_file_may_begin_with_something_else() {
     let bytes = problem("global.hdf5").to_fclib().unwrap();
     let plain = ProblemFile::from_bytes("plain", &bytes).unwrap().to_fclib().unwrap();
     for block in [512, 1024, 4096] {
-        // The base address, that of free space, the end.
+        // The base address, the address of free space, the end.
         let (end, base) = (bytes.len() as u64, block as u64);
         let moved = with_words(&bytes, 24, &[base, u64::MAX, end + base]);
         for after in [&bytes, &moved] {
@@ -290,17 +291,17 @@ fn a_file_may_begin_with_something_else() {
     assert!(refused("f", &elsewhere).is_some());
 }
 
-/// The file `bytes` as it is while nothing was written into its dataset with these `values`.
+/// Returns the file `bytes` with an unwritten dataset in place of the one with these `values`.
 fn unwritten(bytes: &[u8], values: &[f64]) -> Vec<u8> {
     let values: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
     let place = bytes.windows(values.len()).position(|window| window == values).unwrap() as u64;
-    // A layout of version 3, in a row, at this address.
+    // A contiguous layout of version 3, at this address.
     let layout = [&[3, 1][..], &place.to_le_bytes()].concat();
     let at = bytes.windows(layout.len()).position(|window| window == layout).unwrap();
     with_words(bytes, at + 2, &[u64::MAX])
 }
 
-/// Tools make datasets that they never write: these are as good as left out, where they may be left out.
+/// Tools create datasets that they never write. Unwritten optional datasets count as missing.
 #[test]
 fn optional_datasets_need_not_be_written() {
     for name in ["global.hdf5", "local.hdf5", "constrained.hdf5"] {
@@ -330,14 +331,14 @@ fn optional_datasets_need_not_be_written() {
             assert_eq!((without.guesses.len(), without.solution), (2, None), "{name}");
         }
     }
-    // What a problem cannot do without is named.
+    // A missing required dataset is named.
     let file = problem("local.hdf5");
     let q = local(&file).q().to_vec();
     let message = refused("f", &unwritten(&file.to_fclib().unwrap(), &q)).unwrap();
     assert!(message.contains("dataset fclib_local/vectors/q: its values were never written"), "{message}");
 }
 
-/// Wrong types, contradicting sizes, huge dimensions, each with its message.
+/// Wrong types, contradicting sizes and huge dimensions have a message each.
 #[test]
 fn every_fault_has_its_words() {
     let global = problem("global.hdf5").to_fclib().unwrap();
@@ -350,7 +351,7 @@ fn every_fault_has_its_words() {
     };
     let double = [0x11, 0x20, 63, 0, 8, 0, 0, 0];
     assert!(with(&double, &[0x13, 0, 0, 0]).contains("text"), "{}", with(&double, &[0x13, 0, 0, 0]));
-    assert!(with(b"mu\0", b"nu\0").contains("dataset fclib_global/vectors/mu: it is not there"));
+    assert!(with(b"mu\0", b"nu\0").contains("dataset fclib_global/vectors/mu: it is missing"));
     assert!(with(b"fclib_global", b"fclib_GLOBAL").contains("neither fclib_global nor fclib_local"));
     for (text, words) in [
         ("", "line 1: the text ends before the dimension"),
@@ -374,7 +375,8 @@ fn every_fault_has_its_words() {
     assert!(matches!(ProblemFile::from_bytes("f", b"\0\0"), Err(ExchangeError::Unknown { .. })));
 }
 
-/// `problem` with all forces and velocities times these factors, and with its contacts in the opposite order.
+/// Returns `problem` with all forces and velocities multiplied by these factors, and with its contacts in reverse
+/// order.
 fn varied(problem: &Problem, force: f64, velocity: f64) -> Problem {
     let (d, n_c) = (problem.dimension(), problem.contacts());
     let moved = |k: usize| d * (n_c - 1 - k / d) + k % d;
@@ -405,14 +407,15 @@ fn varied(problem: &Problem, force: f64, velocity: f64) -> Problem {
     }
 }
 
-/// With forces and velocities in these units, and with contacts in another order, the verdict is the same; the answers.
+/// With forces and velocities in other units, and with contacts in another order, the verdict is the same. Returns the
+/// answer.
 fn other_units(name: &str, problem: &Problem, first: &Answer, force: f64, velocity: f64) -> Answer {
     let second = solve(&varied(problem, force, velocity), None).unwrap();
     assert_eq!(first.is_solved(), second.is_solved(), "{name}: {:?} {:?}", first.stages, second.stages);
     second
 }
 
-/// Iterations are the same to a tenth.
+/// Checks that the numbers of iterations agree to a tenth.
 fn as_many(name: &str, first: &Answer, second: &Answer) {
     let [a, b] = [first, second].map(|answer| answer.iterations() as f64);
     assert!((a - b).abs() <= 0.1 * a.max(b) + 1.0, "{name}: {:?} {:?}", first.stages, second.stages);
@@ -431,7 +434,7 @@ fn units_and_order_do_not_matter() {
     }
 }
 
-/// Real problems of other people, in the folder that `STICKSLIP_CASES` names.
+/// Problems of other programs, in the folder named by `STICKSLIP_CASES`.
 #[test]
 fn the_cases_at_hand_are_read_and_judged() {
     let Some(Ok(entries)) = std::env::var_os("STICKSLIP_CASES").map(fs::read_dir) else {
@@ -447,10 +450,11 @@ fn the_cases_at_hand_are_read_and_judged() {
         let answer = solve(&file.problem, None).unwrap();
         let again = judge(&file.problem, &answer.solution).unwrap();
         assert_eq!(again.is_solved(), answer.is_solved());
-        // Factors that are no powers of two round the entries of a matrix, and of a singular one that may take other iterations.
+        // Factors other than powers of two round the entries of a matrix. For a singular matrix this may change the
+        // iterations.
         let name = path.display().to_string();
         let second = other_units(&name, &file.problem, &answer, 2.0_f64.powi(30), 2.0_f64.powi(-30));
-        // Of contacts that depend on each other the matrix is singular but for rounding, which may leave another order to the next stage.
+        // The matrix of dependent contacts is singular up to rounding, so another order may need another stage.
         let names = |answer: &Answer| answer.stages.iter().map(|stage| stage.stage.clone()).collect::<Vec<_>>();
         if names(&answer) == names(&second) {
             as_many(&name, &answer, &second);

@@ -1,5 +1,6 @@
-//! Local problems of rigid bodies that hold more contact forces than they need: what is called solved is on the law, by a measure of its
-//! own, in whatever units and order; what is not is never called so.
+//! Local problems of rigid bodies with more contact forces than needed. An independent measure confirms the laws for
+//! every answer called solved, in any units and order, and never for another one.
+
 use crate::common::random::draw;
 use proptest::prelude::*;
 use stickslip::algebra::sparse::{Csc, Csr, Symmetric};
@@ -27,7 +28,7 @@ impl Numbers {
         solve(&self.problem(), &CascadeSettings::default(), None).unwrap()
     }
 
-    /// Forces and velocities multiplied, contact `i` in place `place[i]`.
+    /// Returns the problem with forces and velocities multiplied, and with contact `i` at index `place[i]`.
     fn retold(&self, force: f64, velocity: f64, place: &[usize]) -> Numbers {
         let d = self.dimension;
         let to = |row: usize| d * place[row / d] + row % d;
@@ -38,7 +39,7 @@ impl Numbers {
         Numbers { dimension: d, w, q, mu }
     }
 
-    /// The largest violation of any law, all in one number: worked out here, and nowhere else.
+    /// Returns the largest violation of any law as one number, calculated independently here.
     fn violation(&self, r: &[f64]) -> f64 {
         let d = self.dimension;
         let mut u = self.q.clone();
@@ -52,20 +53,21 @@ impl Numbers {
             let (friction, slip) = (norm(&r[1..]), norm(&u[1..]));
             let work: f64 = r[1..].iter().zip(&u[1..]).map(|(r, u)| r * u).sum();
             worst = worst.max(-u[0] / velocity).max(-r[0] / force).max((friction - mu * r[0]) / force);
-            // Signorini's and Coulomb's work: r_N u_N = 0, and r_T does the most against the slip that it can.
+            // The work in Signorini's and Coulomb's laws: r_N u_N = 0, and r_T opposes the slip with the largest
+            // possible work.
             worst = worst.max(r[0] * u[0] / (force * velocity)).max((work + mu * r[0] * slip) / (force * velocity));
         }
         worst
     }
 }
 
-/// Planks on top of each other, each on four points of the one below, pushed sideways: of the 3 forces at each point six are enough.
-/// With `noise` in the velocities of the planks.
+/// Returns planks on top of each other, each on four points of the one below, pushed sideways. Six of the 3 forces at
+/// each point suffice. The velocities of the planks have some `noise`.
 fn planks(levels: usize, mu: f64, push: f64, noise: f64, seed: u64) -> Numbers {
     let mut random = seed;
     let (height, arm, mass) = (0.2, 0.7, 0.5);
     let inertia = [0.3, 0.3, 0.5];
-    // A row for each direction of each point: its plank's and the lower plank's velocity and turn.
+    // A row for each direction of each point: velocity and rotation of its plank and of the lower plank.
     let mut rows: Vec<Vec<(usize, f64)>> = Vec::new();
     for level in 0..levels {
         for (x, y) in [(-arm, -arm), (-arm, arm), (arm, -arm), (arm, arm)] {
@@ -112,8 +114,8 @@ fn permutation(n: usize, seed: u64) -> Vec<usize> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 40, ..ProptestConfig::default() })]
 
-    /// Towers of planks are solved, by the measure and by the one here; a force that is changed by a thousandth of the largest is not a
-    /// solution to either.
+    /// Towers of planks are solved, by the program's measure and by the one here. A force changed by a thousandth of
+    /// the largest is rejected by both.
     #[test]
     fn towers_stand_slide_and_fall(
         levels in 1_usize..6,
@@ -139,7 +141,8 @@ proptest! {
         prop_assert!(!errors.within(SOLVED), "{errors:?}");
     }
 
-    /// The same in other units and another order: the same verdict, and as many iterations within a tenth (where there are few, one).
+    /// In other units and another order the verdict is the same, and the iterations agree within a tenth (or one if
+    /// few).
     #[test]
     fn units_and_order_do_not_matter(levels in 1_usize..5, mu in 0.1_f64..1.0, push in 0.0_f64..0.1, seed in any::<u64>()) {
         let tower = planks(levels, mu, push, 0.02, seed);
@@ -153,8 +156,8 @@ proptest! {
     }
 }
 
-/// Elastic nodes on springs above a floor: the forces of the local problem, with the displacements that they make, pass the error measure
-/// of the whole body. So signs and directions are those of `ContactProblem`.
+/// Elastic nodes on springs above a floor: the forces of the local problem, with the resulting displacements, satisfy
+/// the error measure of the whole body. So signs and directions agree with those of `ContactProblem`.
 #[test]
 fn the_body_has_the_same_solution() {
     let mut random = 3;
@@ -179,7 +182,7 @@ fn the_body_has_the_same_solution() {
         }
         // K⁻¹ column by column, by conjugate gradients: definite and small.
         let solve_with = |b: &[f64]| conjugate_gradients(&triplets, b);
-        // Rows of relative velocity: the normal points away from the floor, which is along the node's first direction.
+        // Rows of relative velocity. The normal is directed away from the floor, along the node's first direction.
         let sign = |row: usize| if row.is_multiple_of(dimension) { -1.0 } else { 1.0 };
         let mut entries = Vec::new();
         for column in 0..n {
@@ -223,7 +226,7 @@ fn the_body_has_the_same_solution() {
     }
 }
 
-/// `x` of `K x = b`, where `K` has these entries and their mirror images.
+/// Solves `K x = b` for a `K` with these entries and their mirror images.
 fn conjugate_gradients(triplets: &[(usize, usize, f64)], b: &[f64]) -> Vec<f64> {
     let product = |x: &[f64]| {
         let mut y = vec![0.0; x.len()];

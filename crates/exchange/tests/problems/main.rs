@@ -1,4 +1,4 @@
-//! Exchange files, and problems in contact forces alone.
+//! Tests of exchange files, and of problems in contact forces alone.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 

@@ -175,7 +175,7 @@ fn may_take(directory: &Directory) -> io::Result<()> {
         return Ok(());
     }
     let message =
-        format!("{} is there already, and no run of stickslip wrote it", directory.path().join(first).display());
+        format!("{} already exists, and was not written by stickslip", directory.path().join(first).display());
     Err(io::Error::new(io::ErrorKind::AlreadyExists, message))
 }
 
@@ -186,6 +186,6 @@ fn refuse_folders(directory: &Directory) -> io::Result<()> {
     else {
         return Ok(());
     };
-    let message = format!("{} is a folder, where a file of results goes", directory.path().join(name).display());
+    let message = format!("{} is a folder with the name of a result file", directory.path().join(name).display());
     Err(io::Error::new(io::ErrorKind::AlreadyExists, message))
 }

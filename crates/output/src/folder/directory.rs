@@ -124,7 +124,7 @@ impl Directory {
 
     /// Returns the error for an entry with the name of a result file that is no regular file.
     pub(super) fn in_the_way(&self, name: &str) -> io::Error {
-        let message = format!("{} is there, but is no file: remove it", self.path.join(name).display());
+        let message = format!("{} exists, but is no regular file: remove it", self.path.join(name).display());
         io::Error::new(io::ErrorKind::AlreadyExists, message)
     }
 
@@ -347,7 +347,7 @@ fn is_partial(name: &str) -> bool {
 /// Returns an error for a name that would leave the folder.
 fn plain(name: &str) -> io::Result<()> {
     if name.is_empty() || name == "." || name == ".." || name.contains(['/', '\0']) {
-        return Err(io::Error::new(io::ErrorKind::InvalidInput, format!("`{name}` is no name of a file")));
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, format!("`{name}` is not a valid file name")));
     }
     Ok(())
 }

@@ -22,7 +22,7 @@ impl Table {
     /// Resumes a table after this number of bytes, which must exist.
     pub(super) fn cut(name: &str, mut file: File, length: u64) -> io::Result<Self> {
         if file.metadata()?.len() < length {
-            let message = "it is shorter than when the run was left; run without --resume to start a new run";
+            let message = "it is shorter than at the checkpoint; run without --resume to start a new run";
             return Err(io::Error::new(io::ErrorKind::InvalidData, message));
         }
         file.set_len(length)?;

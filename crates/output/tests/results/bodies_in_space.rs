@@ -10,7 +10,7 @@ use stickslip::run::report::ContactLine;
 use stickslip::solver::history::{IncrementView, LinearAlgebra, Method, Observer};
 use stickslip_output::ContactSurface;
 
-/// Looks at the surface that pictures show.
+/// Observer that checks the surface shown in pictures.
 struct Maps<'a>(&'a Model, usize);
 
 impl Observer for Maps<'_> {
@@ -51,7 +51,7 @@ fn bricks_slide_round_a_corner() {
             let outcome = solved(&model, solver(Method::BN, linear), &mut maps);
             assert_eq!(maps.1, 10);
             let iterations: Vec<usize> = outcome.records.iter().map(|record| record.iterations).collect();
-            // One increment or another may take more, all of them together not.
+            // Single increments may take more iterations, but not all of them together.
             let (all, most) = (iterations.iter().sum::<usize>(), most_iterations.iter().sum());
             assert!(all <= most, "{slave:?} {linear:?} {iterations:?}");
             let state = outcome.state;

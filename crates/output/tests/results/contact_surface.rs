@@ -1,4 +1,4 @@
-//! The contact surface of a body in space as numbers and as a picture.
+//! The contact surface of a body in space, as numbers and as a picture.
 #![allow(clippy::unwrap_used)]
 
 use crate::common;
@@ -9,7 +9,7 @@ use stickslip::solver::history::{IncrementView, Observer, Status};
 use stickslip::solver::laws::ContactStatus;
 use stickslip_output::ContactSurface;
 
-/// Keeps the surfaces of every increment, and the sums of the contact forces along x, y and z.
+/// Observer that keeps the surfaces of every increment, and the sums of the contact forces along x, y and z.
 struct Surfaces<'a>(&'a Model, Vec<(Vec<ContactSurface>, [f64; 3])>);
 
 impl Observer for Surfaces<'_> {
@@ -33,7 +33,7 @@ fn surfaces(overrides: &[&str]) -> Vec<(Vec<ContactSurface>, [f64; 3])> {
     surfaces.1
 }
 
-/// Stresses times shares of the surface are the contact forces, whichever tangents they were computed along.
+/// Stresses times their areas add up to the contact forces, whatever the tangents of the computation.
 #[test]
 fn stresses_add_up_to_the_forces() {
     let oblique = "contact.obstacle={ kind = \"plane\", gap = 1e-5, normal = [0, 0, -1], tangent = [0.6, 0.8, 0] }";
@@ -67,10 +67,10 @@ fn the_picture_says_what_it_shows() {
         assert!(found.iter().any(|line| line == text), "{text}: {found:?}");
     }
     assert!(found.iter().any(|line| line.starts_with("σₜ, tangential, ")) && !with.contains("NaN"), "{found:?}");
-    // Four patches a facet, and the heads of the arrows of the 20 nodes at most.
+    // Four patches per facet, and at most the arrow heads of the 20 nodes.
     assert!(with.matches("<polygon").count() > 64);
 
-    // Without friction there are neither arrows nor markers.
+    // Without friction there are no arrows and no markers.
     let without = last(&["mesh.elements=[4,4,4]", "contact.friction=0"]).to_svg("").unwrap();
     assert!(!texts(&without).iter().any(|line| line.contains("tangential") || line == "slip"), "{without}");
     assert!(!without.contains("<circle") && with.contains("<circle"));

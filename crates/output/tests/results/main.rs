@@ -1,4 +1,4 @@
-//! What a run leaves: fields, tables, pictures and folders.
+//! Tests of the results of a run: fields, tables, pictures and folders.
 
 #[path = "../../../../tests/common/mod.rs"]
 mod common;

@@ -1,4 +1,4 @@
-//! What is told of a solution besides its forces: probes, energy, parts of increments, the body before, pictures.
+//! Results besides the forces: probes, energy, substeps, the undeformed body, pictures.
 
 #![allow(clippy::unwrap_used)]
 
@@ -12,8 +12,8 @@ use stickslip::solver::history::{self, HistorySettings, IncrementView, Method, O
 use stickslip::solver::laws::KktErrors;
 use stickslip_output::{DeformedBody, history_charts};
 
-/// A bar of length 2, height 1 (and depth 1), pulled along x at its right end with 1 MPa and free to contract: strain and
-/// stress are the same everywhere, and displacements are linear.
+/// Returns a bar of length 2, height 1 (and depth 1), pulled along x at its right end with 1 MPa and free to contract.
+/// Strain and stress are uniform, and displacements are linear.
 fn bar(cells: &str, dimension: usize) -> Scene {
     let (size, elements, boundaries, traction) = match dimension {
         2 => ("[2, 1]", "[3, 2]", [("left", "x"), ("bottom", "y")].to_vec(), "[1e6, 0]"),
@@ -31,7 +31,7 @@ fn bar(cells: &str, dimension: usize) -> Scene {
     Scene::parse("bar.toml", &text, &[]).unwrap()
 }
 
-/// The values of a probe in each increment.
+/// Returns the values of a probe in each increment.
 fn probed(model: &Model, scene: &Scene, probe: Probe) -> Vec<Vec<ProbeValue>> {
     struct Values<'a>(&'a Model, ProbeTable, Vec<Vec<ProbeValue>>);
     impl Observer for Values<'_> {
@@ -46,7 +46,7 @@ fn probed(model: &Model, scene: &Scene, probe: Probe) -> Vec<Vec<ProbeValue>> {
     values.2
 }
 
-/// In a uniform field a probe is exact wherever it is: inside of cells, on their sides, in corners of the body.
+/// In a uniform field a probe is exact everywhere: inside cells, on their sides, in corners of the body.
 #[test]
 fn probes_of_a_uniform_field_are_exact() {
     for (cells, dimension) in [("quadrilateral", 2), ("triangle", 2), ("hexahedron", 3), ("tetrahedron", 3)] {
@@ -69,7 +69,7 @@ fn probes_of_a_uniform_field_are_exact() {
     }
 }
 
-/// At a node it is the node's displacement; between two nodes of a side it is in the middle of theirs.
+/// At a node the probe returns the node's displacement, and midway between two nodes their mean.
 #[test]
 fn probes_follow_the_shape_functions() {
     let scene = common::block(&["mesh.elements=[5,5]", "solver.setting=default"]);
@@ -89,20 +89,21 @@ fn probes_follow_the_shape_functions() {
         let found = [values[0], values[1], values[2]].map(|value| value.displacement[c]);
         assert!(found.iter().zip(exact).all(|(f, e)| (f - e).abs() < 1e-12 * a[1].abs()), "{found:?}, not {exact:?}");
     }
-    // In the centre of a cell the stress is that of the fields.
+    // At the centre of a cell the stress equals that of the fields.
     let centre = probed(&model, &scene, Probe::at("centre", [0.3, 0.5])).pop().unwrap()[0].stress;
     let cell = (0..25).find(|&e| (model.mesh.centre(e)[0] - 0.3).abs() + (model.mesh.centre(e)[1] - 0.5).abs() < 1e-9);
     let exact = model.centre_stresses(2.0, &displacements).unwrap()[cell.unwrap()];
     assert!(centre.iter().zip(exact).all(|(s, e)| (s - e).abs() < 1e-9 * exact[1].abs()), "{centre:?}, not {exact:?}");
 }
 
-/// The bar: half of force times path. The block: what its history makes of `K`, by another way through the matrix.
+/// For the bar: half of force times path. For the block: calculated from its history and `K`, independent of the matrix
+/// code.
 #[test]
 fn strain_energy_is_half_of_what_the_load_would_do_at_once() {
     for (cells, dimension) in [("quadrilateral", 2), ("tetrahedron", 3)] {
         let report = Run::new(&bar(cells, dimension)).unwrap().solve(&mut ()).unwrap();
         let energies: Vec<f64> = report.increments.iter().map(|record| record.strain_energy).collect();
-        // ½ σ²/E over a volume of 2.
+        // ½ σ²/E for a volume of 2.
         let exact = [0.25, 1.0].map(|square| square * 0.5 * 1e12 / 1e9 * 2.0);
         assert!(energies.iter().zip(exact).all(|(e, x)| (e / x - 1.0).abs() < 1e-12), "{cells}: {energies:?}");
     }
@@ -116,7 +117,8 @@ fn strain_energy_is_half_of_what_the_load_would_do_at_once() {
     }
 }
 
-/// A bar that a support pulls has the energy of one that a traction pulls; one that is warm has that of what holds it.
+/// A bar pulled by a support has the same energy as one pulled by a traction. A constrained warm bar has the energy of
+/// the stresses.
 #[test]
 fn strain_energy_counts_what_supports_and_temperatures_do() {
     let energies = |dimension: usize, cells: &str, change: &dyn Fn(&str) -> String| {
@@ -138,11 +140,11 @@ fn strain_energy_counts_what_supports_and_temperatures_do() {
         let pulled = "[[support]]\nboundary = 'right'\nfix = ['x']\ndisplacement = [2e-3]\n";
         close(energies(dimension, cells, &|text| instead(text, pulled)), 1e3);
         let soft = format!("{pulled}[[spring]]\nboundary = 'right'\nnormal = 1e9\n");
-        // The spring of 1e9 N/m goes with the support: ½ k u² more.
+        // The spring of 1e9 N/m moves with the support and adds ½ k u².
         close(energies(dimension, cells, &|text| instead(text, &soft)), 1e3 + 2e3);
         let warm = "[[load]]\ntemperature = 100\n";
         let expansion = |text: &str| text.replace("poisson = 0.25", "poisson = 0.25\nexpansion = 1e-5");
-        // Free to expand, it has none; held at both ends ½ E (α ΔT)² in a volume of 2.
+        // A free bar has no energy; a bar constrained at both ends has ½ E (α ΔT)² in a volume of 2.
         let free = energies(dimension, cells, &|text| expansion(&instead(text, warm)));
         assert!(free.iter().all(|energy| energy.abs() < 1e-9), "{cells}: {free:?}");
         let held = format!("{warm}[[support]]\nboundary = 'right'\nfix = ['x']\n");
@@ -150,7 +152,7 @@ fn strain_energy_counts_what_supports_and_temperatures_do() {
     }
 }
 
-/// Before the first increment nothing has happened, but obstacles are where they are at t = 0.
+/// Before the first increment the body is undeformed, but obstacles are at their positions for t = 0.
 #[test]
 fn the_body_before_is_undeformed() {
     let scene = common::block(&["mesh.elements=[4,4]", "contact.obstacle.approach=[[0,2e-6],[1,5e-6]]"]);
@@ -164,7 +166,7 @@ fn the_body_before_is_undeformed() {
     assert!(lines[0].points.iter().all(|point| point.p_n == 0.0 && (point.gap - 8e-6).abs() < 1e-20));
     let body = DeformedBody::new(run.model(), &before.step(&data), None);
     assert_eq!((body.index, body.magnification, body.largest), (0, 1.0, 0.0));
-    // Also where supports move it, and heat strains it, from the beginning on.
+    // This holds even if supports move it and heat strains it from the beginning.
     let early = "history = [[0, 1]]\n";
     let text = bar("quadrilateral", 2).text().replace("poisson = 0.25", "poisson = 0.25\nexpansion = 1e-5");
     let text = [&text, "\n[[load]]\ntemperature = 9\n", early, "[[support]]\nboundary = 'top'\nfix = ['y']\n"].concat();
@@ -177,7 +179,7 @@ fn the_body_before_is_undeformed() {
     assert!(body.largest == 0.0 && body.patches.iter().all(|(_, stress)| *stress == 0.0));
 }
 
-/// Everything that is told of an increment's parts, and of the increments.
+/// Observer that keeps all substeps and all increments.
 #[derive(Default)]
 struct Parts(Vec<RecordedIncrement>, Vec<RecordedIncrement>);
 
@@ -192,8 +194,8 @@ impl Observer for Parts {
     }
 }
 
-/// The law of friction holds over each part of a halved increment, as anybody can check who knows where parts end: the slip
-/// of a part is from the end of the one before.
+/// The law of friction holds over each substep of a halved increment, which can be checked if the ends of substeps are
+/// known: the slip of a substep counts from the end of the previous one.
 #[test]
 fn the_law_can_be_checked_over_each_part() {
     let scene = common::block(&["mesh.elements=[20,20]", "material.poisson=0.49", "contact.friction=0.4"]);
@@ -220,26 +222,26 @@ fn the_law_can_be_checked_over_each_part() {
     let mut w_t = vec![0.0; problem.contacts()];
     for part in all {
         let data = part.data();
-        // What a reader of the files has: tangential displacements at the end of the part before.
+        // The data in the files: tangential displacements at the end of the previous substep.
         assert!(part.w_t_last.iter().zip(&w_t).all(|(told, known)| (told - known).abs() <= 1e-18));
         let errors = KktErrors::measure(problem, &data, &part.state, &outcome.scales).unwrap();
         assert!(errors.worst().1 <= 1e-9, "{errors:?}");
         let slip: Vec<f64> = problem.c_t().times(&part.state.u).unwrap();
         let force = part.state.p_t.iter().zip(&part.state.p_n).zip(slip.iter().zip(&w_t));
         for ((p_t, p_n), (now, before)) in force {
-            // Where a node slides, friction is at its bound, and against the motion of the body.
+            // At a sliding node, friction is at its bound and opposes the motion of the body.
             if (now - before).abs() > 1e-9 * 1e-4 && *p_n > 0.0 {
                 assert!((p_t - (now - before).signum() * 0.4 * p_n).abs() <= 1e-6 * p_n, "{p_t} {p_n}");
             }
         }
         w_t = slip;
     }
-    // Over a whole halved increment it does not hold: that is why parts are told.
+    // Over a whole halved increment the law does not hold, which is why substeps are written.
     let halved = outcome.records.iter().find(|record| record.parts > 1).unwrap();
     assert!(halved.strain_energy > 0.0);
 }
 
-/// Normals and tangents are those along which the columns are told: they make the force of its components.
+/// Normals and tangents are the directions of the columns: the components along them add up to the force.
 #[test]
 fn contact_nodes_have_their_directions() {
     for (scene, dimension) in [
@@ -286,7 +288,7 @@ fn the_deformed_body_is_drawn_by_its_factor() {
     let report = run.solve(&mut last).unwrap();
     let data = last.increments[0].data();
     let step = last.increments[0].step(&data);
-    // The corner moves by 2 mm of 2 m along x: a twentieth of the body is 50 times that.
+    // The corner moves by 2 mm of 2 m along x. A twentieth of the body is 50 times that.
     let body = DeformedBody::new(run.model(), &step, None);
     assert_eq!((body.magnification, body.patches.len(), body.outline.len()), (20.0, 6, 10));
     let right =
@@ -305,7 +307,7 @@ fn the_deformed_body_is_drawn_by_its_factor() {
     let charts: Vec<&str> = history_charts(&report).iter().map(|chart| chart.0).collect();
     assert_eq!(charts, ["iterations"]);
 
-    // In space: three faces of a box are seen, those in front last.
+    // In space three faces of a box are visible, the front ones last.
     let scene = bar("hexahedron", 3);
     let run = Run::new(&scene).unwrap();
     let mut last = Recording::last();
@@ -332,7 +334,7 @@ fn forces_are_drawn_from_the_undeformed_body_on() {
     let counts: Vec<f64> = report.increments.iter().map(|record| record.iterations as f64).collect();
     let drawn = iterations.panels[0].curves.iter().find(|curve| curve.label == "iterations").unwrap();
     assert_eq!(drawn.points.iter().map(|point| point[1]).collect::<Vec<_>>(), counts);
-    // What failed is marked, and its forces are not drawn.
+    // A failed increment is marked, and its forces are not drawn.
     let scene = common::block(&["mesh.elements=[10,10]", "solver.max_iterations=2"]);
     let report = Run::new(&scene).unwrap().solve(&mut ()).unwrap();
     assert!(report.status != Status::Converged && report.increments.len() > 1);

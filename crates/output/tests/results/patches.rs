@@ -1,4 +1,5 @@
-//! Pressures of nodes and of patches on tetrahedra that are no regular ones. doc/estimates.md has the figures, which `--nocapture` prints.
+//! Pressures of nodes and of patches on irregular tetrahedra. doc/estimates.md has the figures, which `--nocapture`
+//! prints.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use crate::common::hertz::Hertz;
@@ -16,12 +17,12 @@ use stickslip_output::fields;
 const YOUNG: f64 = 210e9;
 const NU: f64 = 0.3;
 const RADIUS: f64 = 100.0;
-/// Elements have one size up to here, m.
+/// The size of the region with uniform elements, m.
 const REACH: f64 = 0.06;
 const SIZE: f64 = 2.0;
 
-/// Half of a slab in plane strain with `n` elements in [`REACH`], its inner nodes, and those inside of the contact, moved by up to a
-/// quarter of an element.
+/// Returns half of a slab in plane strain with `n` elements in [`REACH`]. Its inner nodes, and those inside the
+/// contact, are moved by up to a quarter of an element.
 fn slab(n: usize, kind: CellKind) -> Mesh {
     let thickness = 6.0 * REACH / n as f64;
     let grading = 12.0 * n as f64;
@@ -33,7 +34,7 @@ fn slab(n: usize, kind: CellKind) -> Mesh {
     );
     let mut mesh = (*source.unwrap().build().unwrap()).clone();
     let bounds = mesh.bounds();
-    // The nearest nodes along each axis, in a block that is not moved yet.
+    // The nearest nodes along each axis, in the block before nodes are moved.
     let lines: [Vec<f64>; 3] = [0, 1, 2].map(|c| {
         let mut line: Vec<f64> = mesh.nodes.iter().map(|x| x[c]).collect();
         line.sort_by(f64::total_cmp);
@@ -55,7 +56,7 @@ fn slab(n: usize, kind: CellKind) -> Mesh {
     if kind.is_quadratic() { mesh.into_second_order() } else { mesh }
 }
 
-/// The last contact line, and the fields.
+/// Observer that keeps the last contact line, and the fields.
 struct Last<'a>(&'a Model, Option<ContactLine>, Vec<&'static str>);
 
 impl Observer for Last<'_> {
@@ -85,8 +86,8 @@ fn pressed(n: usize, kind: CellKind, approach: f64) -> (RunReport, ContactLine, 
     (report, last.1.unwrap(), last.2)
 }
 
-/// On linear tetrahedra pressures of nodes scatter, and those of patches do not; from five nodes across on the latter are the peak, and
-/// below neither is.
+/// On linear tetrahedra the pressures of nodes scatter, and those of patches do not. From five nodes across on, patches
+/// give the peak. Below that neither does.
 #[test]
 fn patches_are_the_peak_on_tetrahedra() {
     patches_are_the_peak(CellKind::Tetrahedron, &[(4, 2e-5), (5, 2e-5), (5, 5e-5)]);
@@ -99,7 +100,7 @@ fn patches_are_the_peak_on_fine_tetrahedra() {
     patches_are_the_peak(CellKind::Tetrahedron, &[(8, 5e-5)]);
 }
 
-/// In each state, of so many cells along a side and an approach (m).
+/// Checks each state, given by a number of cells per side and an approach (m).
 fn patches_are_the_peak(kind: CellKind, states: &[(usize, f64)]) {
     for &(n, approach) in states {
         let (report, line, fields) = pressed(n, kind, approach);
@@ -115,7 +116,7 @@ fn patches_are_the_peak(kind: CellKind, states: &[(usize, f64)]) {
             100.0 * patches,
             100.0 * contact.peak_error.unwrap()
         );
-        // The column and the field are what the estimate is about.
+        // The column and the field agree with the estimate.
         let column = line.points.iter().map(|point| point.sigma_patch.unwrap()).fold(0.0, f64::max);
         assert!((column / contact.patch_pressure - 1.0).abs() < 1e-12);
         assert!(line.to_csv().lines().next().unwrap().contains("sigma_o,sigma_patch,w_n"));

@@ -1,4 +1,4 @@
-//! Prisms: stiffness, contact on both kinds of their sides, meshes of several kinds of cells, files.
+//! Prisms: stiffness, contact on both kinds of sides, meshes of several cell types, files.
 #![allow(clippy::unwrap_used)]
 
 use crate::common;
@@ -16,7 +16,7 @@ use stickslip_output::fields;
 const CORNERS: [[f64; 3]; 6] =
     [[0.0; 3], [2.0, 0.1, 0.0], [0.3, 1.5, 0.1], [0.1, 0.2, 1.8], [2.2, 0.3, 1.6], [0.4, 1.7, 2.0]];
 
-/// Entry, trace, norm and energy of one element, from a program that shares nothing with this one.
+/// Entry, trace, norm and energy of one element, calculated by an independent program.
 #[test]
 fn stiffness_of_one_prism() {
     let field = |[x, y, z]: [f64; 3]| {
@@ -44,7 +44,7 @@ fn stiffness_of_one_prism() {
     }
 }
 
-/// A scene on a block of prisms.
+/// Returns a scene on a block of prisms.
 fn pressed(element: &str, poisson: f64, friction: f64) -> Scene {
     let text = format!(
         "[mesh]\nkind = \"block\"\nsize = [1, 1, 1]\nelements = [4, 4, 4]\ncells = \"prism\"\nelement = \"{element}\"\n\
@@ -57,7 +57,7 @@ fn pressed(element: &str, poisson: f64, friction: f64) -> Scene {
     Scene::parse("pressed.toml", &text, &[]).unwrap()
 }
 
-/// A parabola pressed into the top, as another program finds it.
+/// A parabola pressed into the top, compared with another program.
 #[test]
 fn a_parabola_on_a_cube() {
     for (element, poisson, mu, expected) in [
@@ -78,7 +78,7 @@ fn a_parabola_on_a_cube() {
     }
 }
 
-/// The force on a bonded block that is nearly incompressible, an eighth of it, as another program finds it.
+/// The force on one eighth of a bonded, nearly incompressible block, compared with another program.
 #[test]
 fn a_bonded_block() {
     let mesh = block(&[1.0, 1.0, 0.5], &[8, 8, 4]).into_prisms();
@@ -86,7 +86,7 @@ fn a_bonded_block() {
     let dofs = Dofs::new(&mesh, |node, c| top(mesh.nodes[node]) || mesh.nodes[node][c] == 0.0);
     for (poisson, expected) in [(0.49, 3.330_912_251_8e-2), (0.499, 3.472_152_321_5e-2)] {
         let law = Elasticity::isotropic(1.0, poisson);
-        // With all displacements, to move the top.
+        // All displacements are included, to move the top.
         let all = Dofs::new(&mesh, |_, _| false);
         let k = assemble(&mesh, &all, Element::BBar, |_| law).unwrap();
         let moved: Vec<f64> = mesh.nodes.iter().flat_map(|&x| [0.0, 0.0, if top(x) { -0.01 } else { 0.0 }]).collect();
@@ -100,7 +100,7 @@ fn a_bonded_block() {
     }
 }
 
-/// A hexahedron, beside it two prisms, and on these six tetrahedra.
+/// Returns a mesh of a hexahedron, two prisms beside it, and six tetrahedra on these.
 fn mixed() -> Mesh {
     let whole = block(&[2.0, 1.0, 2.0], &[2, 1, 2]);
     let with = |e: usize| Mesh { cells: vec![whole.cells[e].clone()], boundaries: Vec::new(), ..whole.clone() };
@@ -122,7 +122,7 @@ fn mixed() -> Mesh {
     Mesh::new(mesh.nodes, mesh.cells, Vec::new(), vec![Boundary { name: "all".into(), facets }]).unwrap()
 }
 
-/// A linear field leaves the forces of the uniform stress on the surface, in cells of three kinds without parallel sides.
+/// A linear field leaves only the surface forces of the uniform stress, in cells of three types without parallel sides.
 #[test]
 fn patch_test_of_mixed_cells() {
     let mesh = mixed();
@@ -137,7 +137,7 @@ fn patch_test_of_mixed_cells() {
         law.stress([gradient[0][0], gradient[1][1], gradient[2][2], gamma(0, 1), gamma(1, 2), gamma(2, 0)]);
     let stress = [[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]];
     let load = dofs.forces(traction(&mesh, mesh.boundary("all").unwrap(), |_, area| stress.map(|row| dot(row, area))));
-    // With nodal volumes the hexahedron keeps a dilatation of its own.
+    // With nodal volumes the hexahedron has its own dilatation.
     for element in [Element::Bilinear, Element::NodalVolume] {
         let k = assemble(&mesh, &dofs, element, |_| law).unwrap();
         let worst = k.times(&u).unwrap().iter().zip(&load).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
@@ -157,7 +157,7 @@ fn quadrilaterals_do_not_meet_triangles() {
     assert!(fault.help().contains("Mesh.RecombineAll"));
 }
 
-/// One prism in a file of Gmsh, with both kinds of sides for boundaries.
+/// One prism in a Gmsh file, with both kinds of sides as boundaries.
 #[test]
 fn gmsh_files_with_prisms() {
     let list = |nodes: &[usize]| nodes.iter().map(|k| (k + 1).to_string()).collect::<Vec<_>>().join(" ");
@@ -176,7 +176,8 @@ fn gmsh_files_with_prisms() {
     assert_eq!(mesh.boundary("2").unwrap().facets, [[0, 1, 4, 3]]);
 }
 
-/// VTK computes a positive volume where the normal of the first three points is towards the others, which are in the same order.
+/// VTK computes a positive volume if the normal of the first three points is directed towards the other three, which
+/// are in the same order.
 fn check_wedge(points: &[[f64; 3]], nodes: &[usize]) {
     let at = |k: usize| points[nodes[k]];
     let normal = cross(minus(at(1), at(0)), minus(at(2), at(0)));
@@ -184,7 +185,7 @@ fn check_wedge(points: &[[f64; 3]], nodes: &[usize]) {
     assert!((0..3).all(|k| (at(k + 3)[0] - at(k)[0]).hypot(at(k + 3)[1] - at(k)[1]) < 1e-12));
 }
 
-/// Looks at the cells of a grid.
+/// Observer that checks the cells of a grid.
 struct Seen<'a>(&'a Model);
 
 impl Observer for Seen<'_> {

@@ -1,5 +1,5 @@
-//! Triangles of six nodes and tetrahedra of ten: stiffness, loads, curved edges, meshes of Gmsh.
-// Figures from elsewhere stand as they were printed.
+//! Triangles of six nodes and tetrahedra of ten: stiffness, loads, curved edges, Gmsh meshes.
+// Reference figures are quoted as printed.
 #![allow(clippy::unwrap_used, clippy::unreadable_literal)]
 
 use crate::common;
@@ -21,16 +21,16 @@ use stickslip_output::{Grid, fields};
 const TRIANGLE: [[f64; 3]; 3] = [[1.0, 0.2, 0.0], [3.0, 0.5, 0.0], [1.5, 2.0, 0.0]];
 const TETRAHEDRON: [[f64; 3]; 4] = [[0.0; 3], [2.0, 0.1, 0.2], [0.3, 1.5, 0.1], [0.2, 0.4, 1.8]];
 
-/// A mesh of one straight element with these corners.
+/// Returns a mesh of one straight element with these corners.
 fn one(kind: CellKind, corners: &[[f64; 3]]) -> Mesh {
     let cell = Cell { kind, nodes: (0..corners.len()).collect(), group: 0 };
     Mesh::new(corners.to_vec(), vec![cell], Vec::new(), Vec::new()).unwrap().into_second_order()
 }
 
-/// A mesh, a field and what is expected of its stiffness.
+/// A mesh, a field and the expected values of its stiffness.
 type Case<'a> = (Mesh, &'a dyn Fn([f64; 3]) -> Vec<f64>, [f64; 4]);
 
-/// Entry, trace, norm and energy of one straight element, from a program that shares nothing with this one.
+/// Entry, trace, norm and energy of one straight element, calculated by an independent program.
 #[test]
 fn stiffness_of_one_element() {
     let plane = |[x, y, _]: [f64; 3]| vec![0.1 * x + 0.2 * y * y + 0.05 * x * y, 0.3 * x - 0.1 * y + 0.07 * x * x];
@@ -69,7 +69,7 @@ fn stiffness_of_one_element() {
     }
 }
 
-/// A body that is turned, with its forces and what it is made of, moves as before, turned.
+/// A body rotated together with its forces and material moves as before, rotated.
 #[test]
 fn frames_do_not_matter() {
     let turn = |[x, y, z]: [f64; 3], d: usize| {
@@ -102,7 +102,7 @@ fn frames_do_not_matter() {
     }
 }
 
-/// Under pressure the corners of a flat triangle of six nodes carry nothing, an edge has a sixth of it at its ends.
+/// Under pressure the corners of a flat triangle of six nodes carry nothing, and the ends of an edge a sixth each.
 #[test]
 fn consistent_loads() {
     let plane = block(&[3.0, 1.0], &[2, 1]).into_simplices().into_second_order();
@@ -111,7 +111,7 @@ fn consistent_loads() {
     let near = |found: &[f64], expected: &[f64]| found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-15);
     assert!(near(&facet_weights(&plane, &top(&plane)), &[0.25, 1.0, 0.25]));
     assert!(near(&facet_weights(&space, &top(&space)), &[0.0, 0.5, 0.0, 0.5, 0.0, 0.5]));
-    // A traction that is quadratic, its sum and its work on x.
+    // A quadratic traction, its sum and its work on x.
     for (mesh, width) in [(&plane, 1.0), (&space, 2.0)] {
         let up = mesh.dimension - 1;
         let forces = traction(mesh, mesh.boundary("top").unwrap(), |[x, ..], area| area.map(|a| a * x * x));
@@ -119,7 +119,7 @@ fn consistent_loads() {
         let work = forces.iter().map(|(node, force)| mesh.nodes[*node][0] * force[up]).sum::<f64>();
         assert!((sum - 9.0 * width).abs() < 1e-13 && (work - 20.25 * width).abs() < 1e-13, "{sum} {work}");
     }
-    // The mass, and the centrifugal force on the displacements x and x²: ∫ x² dV and ∫ x³ dV.
+    // The mass, and the work of the centrifugal force on the displacements x and x²: ∫ x² dV and ∫ x³ dV.
     for (mesh, area) in [(&plane, 1.0), (&space, 2.0)] {
         let forces = body_force(mesh, |_, [x, ..]| [x, 0.0, 0.0]);
         let work = |power: i32| forces.iter().map(|(node, f)| mesh.nodes[*node][0].powi(power) * f[0]).sum::<f64>();
@@ -129,8 +129,8 @@ fn consistent_loads() {
     }
 }
 
-/// The rim of a disk of curved triangles is as long as the circle to the fourth power of their size, and its normals are radial to
-/// the third.
+/// The length of a disk's rim of curved triangles agrees with the circle to the fourth power of their size, and its
+/// normals are radial to the third.
 #[test]
 fn curved_boundaries() {
     let errors = [8, 16].map(|n| {
@@ -149,7 +149,7 @@ fn curved_boundaries() {
     assert!((errors[0] / errors[1] - 16.0).abs() < 1.0 && errors[1].abs() < 1e-4, "{errors:?}");
 }
 
-/// A unit disk of `n` sectors, each of a triangle and two that make a quadrilateral.
+/// Returns a unit disk of `n` sectors, each with a triangle and two that form a quadrilateral.
 fn disk(n: u32) -> Mesh {
     let at = |r: f64, k: u32| {
         let angle = std::f64::consts::TAU * f64::from(k % n) / f64::from(n);
@@ -182,7 +182,7 @@ fn disk(n: u32) -> Mesh {
     mesh
 }
 
-/// A disk under pressure at its rim is stressed alike everywhere, whatever its curved edges.
+/// A disk under pressure at its rim has uniform stress, whatever its curved edges.
 #[test]
 fn a_disk_under_pressure() {
     let text = r#"
@@ -218,7 +218,7 @@ fn a_disk_under_pressure() {
     }
 }
 
-/// Heat that is even makes no stress in a body that is free to stretch, also where it is curved.
+/// Uniform heat causes no stress in a free body, even with curved edges.
 #[test]
 fn even_heat_makes_no_stress() {
     let mut space = block(&[1.0, 1.0, 1.0], &[2, 1, 1]).into_simplices().into_second_order();
@@ -230,7 +230,7 @@ fn even_heat_makes_no_stress() {
         let law = Elasticity::isotropic(1.0, 0.3);
         let dofs = Dofs::new(&mesh, |_, _| false);
         let k = assemble(&mesh, &dofs, Element::Bilinear, |_| law).unwrap();
-        // In plane strain, where z is held, the plane stretches by (1 + ν) times as much.
+        // In plane strain, with z constrained, the in-plane strain is (1 + ν) times as large.
         let stretch = if d == 2 { 1.3 } else { 1.0 };
         let u: Vec<f64> = mesh.nodes.iter().flat_map(|x| x[..d].iter().map(|x| stretch * x)).collect();
         let thermal = dofs.forces(thermal_forces(&mesh, Element::Bilinear, false, |_| law, |_, _| 1.0));
@@ -239,7 +239,7 @@ fn even_heat_makes_no_stress() {
     }
 }
 
-/// Cells that a node between corners turns inside out are refused, and so are meshes of both orders.
+/// Cells turned inside out by a mid-side node are refused, and so are meshes of mixed order.
 #[test]
 fn unsound_cells_are_refused() {
     let straight = block(&[2.0, 1.0], &[2, 1]).into_simplices().into_second_order();
@@ -266,7 +266,7 @@ fn unsound_cells_are_refused() {
     assert_eq!(short.check(), Err(MeshFault::Corners { element: 2, given: 5, needed: 6 }));
 }
 
-/// A file of Gmsh with the nodes, as Gmsh orders them, of one element and of its boundary, read backwards to the mesh.
+/// Reads a Gmsh file with the nodes, in Gmsh's order, of one element and its boundary.
 #[test]
 fn gmsh_files_of_second_order() {
     let file = |mesh: &Mesh, order: &[usize], kind: u8, facet: &[usize], facet_kind: u8| {
@@ -292,10 +292,10 @@ fn gmsh_files_of_second_order() {
     let read = from_gmsh("triangle.msh", text.as_bytes(), 1.0).unwrap();
     assert_eq!((&read.nodes, &read.cells[0].nodes), (&triangle.nodes, &triangle.cells[0].nodes));
     assert_eq!(read.cells[0].kind, CellKind::Triangle6);
-    // The edge with the body on its left, its middle between its ends.
+    // The edge has the body on its left, and its middle node between its ends.
     assert_eq!(read.boundary("side").unwrap().facets, [[1, 4, 2]]);
     assert_eq!(read.boundary("side").unwrap().nodes(), [1, 4, 2]);
-    // Clockwise throughout, it is turned over.
+    // A clockwise element is turned over.
     let text = file(&triangle, &[0, 2, 1, 5, 4, 3], 9, &[2, 1, 4], 8);
     let turned = from_gmsh("clockwise.msh", text.as_bytes(), 1.0).unwrap();
     assert_eq!(turned.boundary("side").unwrap().facets, [[1, 4, 2]]);
@@ -305,7 +305,7 @@ fn gmsh_files_of_second_order() {
     let read = from_gmsh("tetrahedron.msh", text.as_bytes(), 1.0).unwrap();
     assert_eq!((&read.nodes, &read.cells[0].nodes), (&tetrahedron.nodes, &tetrahedron.cells[0].nodes));
     assert_eq!(read.boundary("side").unwrap().facets, [[0, 6, 2, 5, 1, 4]]);
-    // In another order it is folded.
+    // In another order the element is folded.
     let text = file(&tetrahedron, &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9], 11, &[0, 1, 2, 4, 5, 6], 9);
     let refused = from_gmsh("swapped.msh", text.as_bytes(), 1.0).unwrap_err();
     assert!(refused.to_string().contains("element 2 is folded"), "{refused}");
@@ -343,7 +343,7 @@ const BAR: &str = r#"
     fields = true
 "#;
 
-/// Keeps the fields.
+/// Observer that keeps the fields.
 struct Fields<'a>(&'a Model, &'a mut Vec<Grid>);
 impl stickslip::solver::history::Observer for Fields<'_> {
     fn increment(&mut self, step: &stickslip::solver::history::IncrementView<'_>) -> ControlFlow<()> {
@@ -352,7 +352,7 @@ impl stickslip::solver::history::Observer for Fields<'_> {
     }
 }
 
-/// A bar that is pulled: stresses in the nodes as in the middle, fields on cells of second order, reactions in balance.
+/// A pulled bar: stresses in the nodes and at the centre, fields on cells of second order, balanced reactions.
 #[test]
 fn a_bar_that_is_pulled() {
     for (cells, vtk, d) in [("triangle6", 22, 2), ("tetrahedron10", 24, 3)] {
@@ -384,7 +384,7 @@ fn a_bar_that_is_pulled() {
     }
 }
 
-/// The number of nodes is known before the mesh is made; kinds that do not suit the dimension are refused.
+/// The number of nodes is known before the mesh is made. Cell types of another dimension are refused.
 #[test]
 fn blocks_of_second_order() {
     let source =

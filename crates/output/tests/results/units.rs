@@ -1,4 +1,4 @@
-//! Scenes in units of their own: the same body in SI and in others is the same body.
+//! Scenes with named units describe the same body as in SI.
 
 #![allow(clippy::unwrap_used)]
 
@@ -16,7 +16,7 @@ use stickslip::solver::State;
 use stickslip::solver::history::{IncrementView, Observer, Status};
 use stickslip_output::{Grid, fields};
 
-/// The paper's block in mm and MPa.
+/// Returns the paper's block in mm and MPa.
 fn block_in_mm() -> String {
     let units = "[units]\nlength = \"mm\"\nstress = \"MPa\"\n\n[mesh]";
     [
@@ -35,7 +35,7 @@ fn scene(text: &str) -> Scene {
     Scene::parse("scene.toml", text, &[]).unwrap()
 }
 
-/// The error of a scene, with its remedy.
+/// Returns the error of a scene, with its cure.
 fn refused(text: &str) -> String {
     let error = Scene::parse("scene.toml", text, &[]).unwrap_err();
     format!("{error}; {}", miette::Diagnostic::help(&error).unwrap())
@@ -48,7 +48,7 @@ fn run(scene: &Scene) -> Vec<State> {
     recording.increments.into_iter().map(|increment| increment.state).collect()
 }
 
-/// In the setting `paper`, too, whose constants are newtons and metres.
+/// This includes the setting `paper`, whose constants are in newtons and metres.
 #[test]
 fn the_block_in_millimetres_has_the_contact_forces_of_the_block_in_metres() {
     for setting in ["paper", "default"] {
@@ -62,7 +62,7 @@ fn the_block_in_millimetres_has_the_contact_forces_of_the_block_in_metres() {
     }
 }
 
-/// Formulas get coordinates in the unit of length and give values in the unit of what they stand for.
+/// Formulas take coordinates in the unit of length, and return values in the unit of their quantity.
 #[test]
 fn formulas_are_written_in_the_units_of_the_scene() {
     let text = edit(&block_in_mm(), "[0, -10]", "['0.001 * x', '-1e-5 * x^2']");
@@ -98,7 +98,7 @@ fn a_table_of_gaps_is_in_the_unit_of_length() {
     assert!((gap - 3e-4).abs() < 1e-18, "{gap}");
 }
 
-/// The scale of a mesh file is the unit of length unless it is given, in that unit.
+/// The scale of a mesh file is given in the unit of length, which is also its default.
 #[test]
 fn a_mesh_file_is_in_the_unit_of_length() {
     let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("data/init/roller.toml");
@@ -140,7 +140,7 @@ fn units_that_cannot_be_are_refused() {
     }
 }
 
-/// A message has the number as it stands in the scene, or says that it is another.
+/// A message quotes a number as given in the scene, or states that it is another.
 #[test]
 fn messages_quote_the_numbers_of_the_scene() {
     let said = |from: &str, to: &str| refused(&edit(&block_in_mm(), from, to));
@@ -161,10 +161,10 @@ fn messages_quote_the_numbers_of_the_scene() {
     assert!(error.contains("starts 5e2 mm inside the body") && error.contains("1e3 mm thick"), "{error}");
 }
 
-/// The warning of displacements that are not small is as in SI, and names the units.
+/// The warning of large displacements is the same as in SI, and names the units.
 #[test]
 fn a_modulus_in_the_wrong_unit_is_warned_of() {
-    // E in GPa beside loads in MPa.
+    // E in GPa together with loads in MPa.
     let overrides = ["mesh.elements=[4,4]", "material.young=21", "solver.setting=default"];
     let overrides: Vec<_> = overrides.iter().map(|text| text.parse().unwrap()).collect();
     let scene = Scene::parse("s.toml", &block_in_mm(), &overrides).unwrap();
@@ -174,14 +174,14 @@ fn a_modulus_in_the_wrong_unit_is_warned_of() {
     assert!(message.message.contains(") mm moves by "), "{}", message.message);
 }
 
-/// Every array of a VTU file.
+/// Returns every array of a VTU file.
 fn arrays(grid: &Grid) -> Vec<Array> {
     let Piece { points, point, cell, .. } = Piece::read(&grid.to_string());
     let points = Array { name: "Points".to_string(), components: 3, values: points };
     [points].into_iter().chain(point).chain(cell).collect()
 }
 
-/// The fields of the last increment.
+/// Observer that keeps the fields of the last increment.
 struct Last<'a>(&'a Model, Option<Grid>);
 
 impl Observer for Last<'_> {
@@ -219,7 +219,7 @@ fn vtu_files_are_in_the_units_of_the_scene() {
     }
 }
 
-/// From Rust, too: numbers are given in any units, results are told in them.
+/// From Rust too, numbers may be given in any units, and results use the same units.
 #[test]
 fn a_description_says_what_its_numbers_are_in() {
     let units = Units::new(LengthUnit::Millimetre, StressUnit::Megapascal);

@@ -1,4 +1,4 @@
-//! VTU files, opened by a reader that shares nothing with the writer.
+//! VTU files, opened by an independent reader.
 
 #![allow(clippy::unwrap_used)]
 
@@ -12,7 +12,7 @@ use stickslip::scene::{Origin, Scene};
 use stickslip::solver::history::{self, HistorySettings, IncrementView, LinearAlgebra, Method, Observer, SystemSolver};
 use stickslip_output::{Claim, Grid, ResultFolder, fields};
 
-/// The fields of every increment.
+/// Observer that keeps the fields of every increment.
 struct Fields<'a>(&'a Model, Vec<Grid>);
 
 impl Observer for Fields<'_> {
@@ -32,7 +32,7 @@ fn solve(scene: &Scene) -> (Model, Vec<Grid>) {
     (model, grids)
 }
 
-/// The von Mises stress of a tensor.
+/// Returns the von Mises stress of a tensor.
 fn equivalent(s: &[f64]) -> f64 {
     let mean = (s[0] + s[4] + s[8]) / 3.0;
     let deviator: f64 = s.iter().enumerate().map(|(k, s)| (s - if k % 4 == 0 { mean } else { 0.0 }).powi(2)).sum();
@@ -77,7 +77,7 @@ fn the_block_reads_back_as_it_was_computed() {
     }
 }
 
-/// A column under uniform pressure: the stress is known.
+/// A column under uniform pressure has a known stress.
 #[test]
 fn a_pressed_column_of_triangles() {
     let text = r#"
@@ -117,7 +117,7 @@ fn a_pressed_column_of_triangles() {
     assert_eq!((material[0], material[31]), (0.0, 1.0));
 }
 
-/// A cube of 2 × 3 × 2 elements on a plane, pressed and pushed, with cells of the given kind.
+/// Returns a cube of 2 × 3 × 2 elements on a plane, pressed and pushed, with cells of the given type.
 fn cube(cells: &str) -> Scene {
     let text = format!(
         r#"
@@ -147,7 +147,7 @@ fn cube(cells: &str) -> Scene {
     Scene::parse("cube.toml", &text, &[]).unwrap()
 }
 
-/// Six times the volume that the edges from the first corner to the others of `corners` span.
+/// Returns six times the volume of the tetrahedron with these `corners`.
 fn spanned(corners: [[f64; 3]; 4]) -> f64 {
     let [a, b, c] = [1, 2, 3].map(|k| [0, 1, 2].map(|i| corners[k][i] - corners[0][i]));
     a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])
@@ -206,12 +206,12 @@ fn bodies_in_space_read_back_as_they_were_computed() {
             assert!((p.iter().map(|x| x * x).sum::<f64>() / size - 1.0).abs() < 1e-12);
         }
 
-        // The same contact forces, by the condensed system.
+        // The contact forces agree with those of the condensed system.
         let mut keep = common::Keep::default();
         common::run_default(&cube(cells), &model, &mut keep);
         let (_, pressure) = values(&read.point, "contact_pressure");
         assert_eq!(pressure.iter().filter(|p| !p.is_nan()).count(), model.contacts.len());
-        // The facets are alike, and each gives its corners the same share of its area.
+        // The facets are equal, and each gives its corners equal shares of its area.
         let facets = &model.mesh.boundary("bottom").unwrap().facets;
         let share = 6.0 / facets.iter().flatten().count() as f64;
         let mut area = vec![0.0; points.len()];
@@ -223,7 +223,7 @@ fn bodies_in_space_read_back_as_they_were_computed() {
     }
 }
 
-/// Every file the series names is there at any time, and is whole.
+/// At any time, every file listed in the series exists and is complete.
 #[test]
 fn the_series_names_whole_files() {
     let scene = common::block(&["mesh.elements=[4,3]", "time.increments=2"]);
@@ -246,7 +246,7 @@ fn the_series_names_whole_files() {
         }
         assert!(series.contains(&format!("timestep=\"{}\"", 0.5 * (k + 1) as f64)));
     }
-    // A new run removes them, when it has something in their place; until then nobody else may write there.
+    // A new run removes them once it can replace them. Until then no other run may write there.
     assert_eq!(Claim::new(&path).unwrap_err().kind(), std::io::ErrorKind::ResourceBusy);
     drop(folder);
     let mut folder = begin();

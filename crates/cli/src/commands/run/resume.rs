@@ -10,7 +10,7 @@ use stickslip::solver::Checkpoint;
 use stickslip::solver::history::{LinearAlgebra, Status};
 use stickslip_output::{Claim, ResultFolder};
 
-/// What an earlier run has left in the folder.
+/// The state left in the folder by an earlier run.
 pub(super) enum Left {
     /// A finished run.
     Ended(Status),
