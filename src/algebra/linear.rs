@@ -75,8 +75,10 @@ pub struct FactorInfo {
     pub entries: usize,
     /// Floating point operations; 0 if the backend does not tell.
     pub flops: f64,
-    /// The smallest over the largest pivot, or what stands in for it where pivots cannot be read: a
-    /// coarse sign of trouble and no condition number.
+    /// The smallest over the largest pivot, or what a backend has in its place: of the dense one the smallest pivot of the contact
+    /// block over the size of its column, of faer's LU a bound of the reciprocal condition number, 1 of what iterates. For people
+    /// only: a coarse sign of trouble, of which one backend says nothing to another. Whether a matrix is singular for all that is
+    /// concluded from it, [`RefinedSolver::reciprocal_condition`] says, the same with every backend.
     pub pivot_ratio: f64,
     /// Peak memory of the factorisation, bytes; 0 if the backend does not tell.
     pub peak_bytes: f64,

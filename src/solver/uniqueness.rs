@@ -151,9 +151,9 @@ fn response(tangent: &Bdiff, sliders: &[Slider], linear: &mut RefinedSolver) -> 
     }
     let jacobian = tangent.jacobian();
     linear.analyze(jacobian)?;
-    // In units in which stiffness and compliance are of order one, such a pivot is a zero with
-    // rounding in it.
-    if linear.factorize(jacobian)?.pivot_ratio < f64::EPSILON {
+    linear.factorize(jacobian)?;
+    // In units in which stiffness and compliance are of order one, that is a zero with rounding in it.
+    if linear.reciprocal_condition(jacobian)? < f64::EPSILON {
         return Ok(None);
     }
     let mut response = Mat::zeros(sliders.len(), sliders.len());
