@@ -109,6 +109,16 @@ fn the_backends_agree_on_what_is_singular() {
     }
 }
 
+/// Refinement takes four times two thirds off the error: what is left is far above rounding.
+#[test]
+fn a_critical_friction_of_bad_solves_is_an_error() {
+    let problem = ring(true);
+    let exact = critical(&problem, SparseLu::default().solver()).unwrap();
+    assert!((critical(&problem, Masked::boxed(1.0, 1e-4)).unwrap().factor / exact.factor - 1.0).abs() < 1e-12);
+    let found = critical(&problem, Masked::boxed(1.0, 1.0 / 3.0));
+    assert!(matches!(found, Err(Error::Linear(LinearError::Inaccurate { .. }))), "{found:?}, not {exact:?}");
+}
+
 /// A solver that says nothing of its pivots is no reason to give up the exact path.
 #[test]
 fn events_are_followed_by_any_solver() {

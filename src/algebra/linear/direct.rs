@@ -273,7 +273,8 @@ impl RefinedSolver {
         }
     }
 
-    /// Solves `a x = b` with the last factors, refined.
+    /// Solves `a x = b` with the last factors, refined. How well it is solved stands in what it gives back, and is for the caller to
+    /// judge: [`SolveInfo::within`].
     ///
     /// # Errors
     /// As [`LinearSolver::solve`], [`LinearError::PatternChanged`], and [`LinearError::NotFinite`].

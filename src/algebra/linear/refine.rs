@@ -13,6 +13,17 @@ pub struct SolveInfo {
     pub refinements: usize,
 }
 
+impl SolveInfo {
+    /// An error where the backward error is above `bound`: for who concludes something from the solution, and has no other judge of it.
+    ///
+    /// # Errors
+    /// [`LinearError::Inaccurate`].
+    pub fn within(self, bound: f64) -> Result<Self, LinearError> {
+        let SolveInfo { backward_error, .. } = self;
+        if backward_error <= bound { Ok(self) } else { Err(LinearError::Inaccurate { backward_error }) }
+    }
+}
+
 /// Refinement halts here, within 1e-15: the sum of a row of a dozen or two entries has as much rounding
 /// of its own, and the step costs as much as the solve.
 const TARGET: f64 = 4.0 * f64::EPSILON;
