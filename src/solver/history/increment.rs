@@ -426,6 +426,8 @@ pub(in crate::solver::history) struct Bundle {
     alone: bool,
     /// Whether the method is where the last one ends.
     is_current: bool,
+    /// Why the linear algebra cannot go on after the last one.
+    error: Option<LinearError>,
     /// Whether all were good as they stood.
     pub needs_no_refinement: bool,
 }
@@ -455,7 +457,8 @@ impl IncrementDriver<'_> {
         if many { MOST } else { 1 }
     }
 
-    /// Solves the increments that end at `times`, as far as each ends as the method wants it: at least the first.
+    /// Solves the increments that end at `times`, as far as each ends as the method wants it: at least the first. An error after
+    /// that is kept until those before it are judged.
     pub(in crate::solver::history) fn ahead(
         &mut self,
         times: &[f64],
@@ -466,16 +469,15 @@ impl IncrementDriver<'_> {
         let at = (!alone).then(|| self.at.clone());
         let first = progress.index;
         let (mut solved, mut states, mut forces) = (Vec::new(), Vec::new(), Vec::new());
-        let mut is_current = true;
+        let mut failed = None;
         for (k, &time) in times.iter().enumerate() {
             let (clock, before, start) = (Instant::now(), *linear.statistics(), self.start());
             progress.index = first + k;
             let input = self.pose(time);
             let outcome = match self.solve(time, &input, linear, &mut |iteration| progress.iteration(iteration)) {
-                Err(_) if k > 0 => {
-                    // It will come again, when those before it are judged.
+                Err(error) if k > 0 => {
                     self.go_back(start);
-                    is_current = false;
+                    failed = Some(error);
                     break;
                 }
                 outcome => outcome?,
@@ -497,27 +499,36 @@ impl IncrementDriver<'_> {
         progress.index = first;
         let clock = Instant::now();
         let balanced = match self.whole() {
-            Some(whole) => whole.states(&states, &forces)?,
-            None => states.into_iter().map(|(_, state)| self.balanced(state)).collect(),
+            Some(whole) => whole.states(&states, &forces),
+            None => Ok(states.into_iter().map(|(_, state)| self.balanced(state)).collect()),
         };
+        if let Some(at) = at {
+            *self.at = at;
+        }
         let share = clock.elapsed().as_secs_f64() / solved.len() as f64;
         for pending in &mut solved {
             pending.seconds += share;
         }
-        if let Some(at) = at {
-            *self.at = at;
-        }
-        Ok(Bundle { pending: solved.into_iter().zip(balanced).collect(), alone, is_current, needs_no_refinement: true })
+        Ok(Bundle {
+            pending: solved.into_iter().zip(balanced?).collect(),
+            alone,
+            is_current: failed.is_none(),
+            error: failed,
+            needs_no_refinement: true,
+        })
     }
 
-    /// Judges the next increment of a bundle; `None` when there is none left, be it that the rest was taken back.
+    /// Judges the next increment of a bundle; `None` when there is none left, be it that the rest was taken back. An error of the one
+    /// after the last, which starts from its state, comes when all have been judged.
     pub(in crate::solver::history) fn judge(
         &mut self,
         batch: &mut Bundle,
         linear: &mut RefinedSolver,
         progress: &mut Progress<'_>,
     ) -> Result<Option<JudgedIncrement>, LinearError> {
-        let Some((pending, balanced)) = batch.pending.pop_front() else { return Ok(None) };
+        let Some((pending, balanced)) = batch.pending.pop_front() else {
+            return batch.error.take().map_or(Ok(None), Err);
+        };
         let clock = Instant::now();
         let SolvedIncrement { time, began, start, mut scales, outcome, work: [before, mut after], seconds } = pending;
         if !batch.alone {
@@ -535,6 +546,8 @@ impl IncrementDriver<'_> {
             if !batch.needs_no_refinement {
                 self.go_back(start);
                 batch.pending.clear();
+                // It came of a state that there is no more.
+                batch.error = None;
                 return Ok(None);
             }
             substep
