@@ -289,8 +289,8 @@ impl ExactHistory<'_> {
             });
         };
         let whole = InteriorRecovery { problem, condensed, settings };
-        let balanced = whole.states(&[(data.time, state)], std::slice::from_ref(&data.force))?.pop();
-        Ok(whole.refined(balanced.unwrap_or_default(), &data.force, scales, walk)?)
+        let balanced = whole.state(data.time, state, &data.force)?;
+        Ok(whole.refined(balanced, &data.force, scales, walk)?)
     }
 
     /// Scales with which the rounding of gaps that have closed from where they were at first, of loads that balance each other, and of a

@@ -233,10 +233,7 @@ impl<'a> IncrementDriver<'a> {
         let outcome = self.solve(time, &input, linear, observe)?;
         let balanced = match self.whole() {
             None => self.balanced(self.method.state()),
-            Some(whole) => {
-                let states = whole.states(&[(time, self.method.state())], std::slice::from_ref(&self.force))?;
-                states.into_iter().next().unwrap_or_else(|| self.balanced(State::zero(self.problem)))
-            }
+            Some(whole) => whole.state(time, self.method.state(), &self.force)?,
         };
         self.conclude(input.scales, outcome, balanced, linear)
     }
