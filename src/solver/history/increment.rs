@@ -16,7 +16,7 @@ use super::working_set::{self, MissingNodes};
 use super::{Status, record};
 use crate::algebra::linear::{LinearError, RefinedSolver, Statistics};
 use crate::solver::condensation::Condensed;
-use crate::solver::laws::{KktScales, judge, rounding_level};
+use crate::solver::laws::{KktScales, is_more_than_rounding, judge};
 use crate::solver::loading::Loading;
 use crate::solver::newton::{MethodResult, Termination};
 use crate::solver::problem::{ContactProblem, Increment, State};
@@ -383,7 +383,7 @@ impl<'a> IncrementDriver<'a> {
             | Status::OutOfMemory
             | Status::Unsupported => false,
             // Where rounding sets the limit, it does so at any load.
-            _ => substep.kkt.worst().1 > 10.0 * rounding_level(self.problem, &substep.state, &substep.scales),
+            _ => is_more_than_rounding(&substep.kkt, self.problem, &substep.state, &substep.scales),
         }
     }
 }

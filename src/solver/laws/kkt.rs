@@ -320,11 +320,26 @@ fn exceeds(a: f64, b: f64) -> bool {
 }
 
 /// The equilibrium error that rounding the displacements to double precision makes, relative to the
-/// force scale: `ε |K| |u| / F`. In slender bodies it is far above ε, and no solver can do better.
+/// force scale: `ε |K| |u| / F`. In slender bodies it is far above ε, and no solver can do better. 0 without any force, beside which
+/// nothing is small.
 pub(crate) fn rounding_level(problem: &ContactProblem, state: &State, scales: &KktScales) -> f64 {
+    if scales.force == 0.0 {
+        return 0.0;
+    }
     let mut sums = vec![0.0; state.u.len()];
     problem.stiffness().add_sizes(&state.u, &mut sums);
     f64::EPSILON * sums.into_iter().fold(0.0, f64::max) / scales.force
+}
+
+/// Whether the `errors` of a state are more than its [`rounding_level`] can make. What is no number is.
+pub(crate) fn is_more_than_rounding(
+    errors: &KktErrors,
+    problem: &ContactProblem,
+    state: &State,
+    scales: &KktScales,
+) -> bool {
+    let (error, rounding) = (errors.worst().1, 10.0 * rounding_level(problem, state, scales));
+    error > rounding || error.is_nan() || rounding.is_nan()
 }
 
 /// What a contact node does at the end of an increment.
