@@ -76,8 +76,10 @@ pub struct FactorInfo {
     pub entries: usize,
     /// The number of floating point operations; 0 if the backend does not report it.
     pub flops: f64,
-    /// The ratio of the smallest to the largest pivot, or a substitute if pivots cannot be read. It is a coarse
-    /// indicator of trouble and no condition number.
+    /// The ratio of the smallest to the largest pivot, or the substitute of a backend: the smallest pivot of the contact block
+    /// relative to its column (dense), a bound of the reciprocal condition number (faer's LU), 1 (iterative). It is a coarse
+    /// indicator for people, and two backends do not compare. [`RefinedSolver::reciprocal_condition`] decides whether a matrix is
+    /// singular, by one definition for every backend.
     pub pivot_ratio: f64,
     /// The peak memory of the factorisation, bytes; 0 if the backend does not report it.
     pub peak_bytes: f64,

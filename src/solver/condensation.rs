@@ -195,7 +195,7 @@ impl Condensed {
     /// # Errors
     /// If an array of `contact` has another length than the condensed problem needs.
     pub fn state(&self, time: f64, contact: &State) -> Result<State, LinearError> {
-        Ok(self.states(&[(time, contact.clone())])?.pop().unwrap_or_default())
+        only(self.states(&[(time, contact.clone())])?)
     }
 
     /// Computes [`Condensed::state`] at several times in one pass over the factors. Each result equals that of a
@@ -274,6 +274,13 @@ impl Condensed {
     }
 }
 
+/// Returns the only one of `states`.
+pub(crate) fn only<T>(states: Vec<T>) -> Result<T, LinearError> {
+    let found = states.len();
+    let one = <[T; 1]>::try_from(states).map(|[state]| state);
+    one.map_err(|_| LinearError::Shape { what: "states of the whole body", expected: 1, found })
+}
+
 /// Returns reduced forces on the displacements `border`, transformed by `basis`.
 fn forces(border: &[usize], basis: Option<&OwnBasis>, reduced: &Reduced) -> Vec<f64> {
     let Some(basis) = basis else { return reduced.border.clone() };
@@ -331,4 +338,19 @@ fn restrict(map: &Csr, border: &[usize], basis: Option<&OwnBasis>, wanted: impl 
         row.into_iter().filter_map(|(dof, c)| place(&dof).map(|k| (k, c)))
     };
     Csr::of_rows(border.len(), (0..map.rows()).map(|i| row(i).filter(|_| wanted(i)).collect::<Vec<_>>()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_state_that_is_not_there_is_no_state_of_zeros() {
+        assert_eq!(only(vec![7]), Ok(7));
+        for states in [vec![], vec![7, 8]] {
+            let found = states.len();
+            let error = LinearError::Shape { what: "states of the whole body", expected: 1, found };
+            assert_eq!(only(states), Err(error));
+        }
+    }
 }

@@ -4,4 +4,4 @@ pub mod coulomb;
 mod kkt;
 
 pub use kkt::{ContactStatus, KktErrors, KktScales, Law, Violation, statuses};
-pub(crate) use kkt::{judge, rounding_level, statuses_of};
+pub(crate) use kkt::{is_more_than_rounding, judge, rounding_level, statuses_of};

@@ -6,7 +6,7 @@ mod landing;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::algebra::null_space::{NEGLIGIBLE, null_space};
+use crate::algebra::null_space::{NEGLIGIBLE, Row as Column, null_space};
 use crate::algebra::sparse::Csr;
 use crate::algebra::union_find::UnionFind;
 use crate::solver::problem::error::{expect_finite, expect_length};
@@ -231,7 +231,8 @@ fn dependent(problem: &ContactProblem) -> Vec<usize> {
                 columns.entry(column).or_insert_with(|| vec![0.0; group.len()])[place] += c / length;
             }
         }
-        for relation in null_space(group.len(), columns.into_values()) {
+        // The rows have been brought to length one.
+        for relation in null_space(group.len(), columns.into_values().map(Column::of_unit_size)) {
             let part = group.iter().zip(relation).filter(|(_, weight)| weight.abs() > NEGLIGIBLE);
             found.extend(part.map(|((node, _), _)| *node));
         }

@@ -2,14 +2,19 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common::difference;
+use std::cell::Cell;
 use std::ops::ControlFlow;
+use std::rc::Rc;
+use stickslip::algebra::linear::{LinearError, RefinedSolver};
+use stickslip::algebra::sparse::SystemMatrix;
 use stickslip::body::Model;
 use stickslip::run::discretise;
 use stickslip::scene::Scene;
 use stickslip::solver::history::{
-    self, HistoryOutcome, HistorySettings, IncrementRecord, IncrementView, LinearAlgebra, Method, Observer, Status,
+    self, Algorithm, Error, HistoryOutcome, HistorySettings, IncrementRecord, IncrementSolver, IncrementView,
+    LinearAlgebra, Method, Observe, Observer, Status, Task,
 };
-use stickslip::solver::{IterationRecord, State};
+use stickslip::solver::{ContactProblem, IterationRecord, Loading, MethodResult, State};
 
 const BLOCK: &str = include_str!("../../data/scenes/block.toml");
 
@@ -165,4 +170,88 @@ fn interruptions_keep_what_is_solved() {
     let outcome = run(&scene, Method::BN, &mut watched);
     assert_eq!((outcome.status, outcome.records.len()), (Status::Interrupted, 13));
     assert_eq!((outcome.reached, watched.states.len()), (outcome.records[12].time, 13));
+}
+
+/// BN whose linear algebra cannot go on in one increment, the first time that it is solved.
+struct Failing {
+    settings: HistorySettings,
+    /// Increments still to be solved before that.
+    left: Rc<Cell<usize>>,
+    error: LinearError,
+}
+
+struct FailingOnce<'a> {
+    inner: Box<dyn IncrementSolver + 'a>,
+    left: Rc<Cell<usize>>,
+    error: LinearError,
+}
+
+impl Algorithm for Failing {
+    fn start<'a>(&self, problem: &'a ContactProblem, loading: &Loading) -> Box<dyn IncrementSolver + 'a> {
+        let Failing { settings, left, error } = self;
+        Box::new(FailingOnce { inner: settings.start(problem, loading), left: Rc::clone(left), error: error.clone() })
+    }
+}
+
+impl IncrementSolver for FailingOnce<'_> {
+    fn matrix(&self) -> &SystemMatrix {
+        self.inner.matrix()
+    }
+
+    fn linearize(&mut self) {
+        self.inner.linearize();
+    }
+
+    fn hold_contacts(&mut self) -> Result<(), Vec<f64>> {
+        self.inner.hold_contacts()
+    }
+
+    fn solve(
+        &mut self,
+        task: &Task<'_>,
+        linear: &mut RefinedSolver,
+        observe: Observe<'_>,
+    ) -> Result<MethodResult, LinearError> {
+        let fails = self.left.get() == 0;
+        self.left.set(self.left.get().wrapping_sub(1));
+        if fails { Err(self.error.clone()) } else { self.inner.solve(task, linear, observe) }
+    }
+
+    fn state(&self) -> State {
+        self.inner.state()
+    }
+
+    fn go_on_from(&mut self, state: &State) {
+        self.inner.go_on_from(state);
+    }
+
+    fn unknowns(&mut self) -> &mut Vec<f64> {
+        self.inner.unknowns()
+    }
+}
+
+/// What the linear algebra says in the midst of increments that are solved ahead is told when those before have been judged, as if each
+/// were alone; it is not tried again until it goes by itself.
+#[test]
+fn an_error_ahead_is_told_after_what_is_before_it() {
+    let (scene, model) = scene(BLOCK, &["mesh.elements=[8,8]", "solver.setting='default'"]);
+    let (problem, loading, times) = (&model.problem, &model.loading, scene.time.all());
+    let settings = HistorySettings::new(problem, loading, Method::BN).unwrap();
+    let run = |before: usize, error: &LinearError, waits: fn(usize) -> bool| {
+        let failing = Failing { settings: settings.clone(), left: Rc::new(Cell::new(before)), error: error.clone() };
+        let (system, mut watched) = (LinearAlgebra::condensed().into(), Watched::new(waits));
+        let outcome = history::run_with(problem, loading, &times, &failing, &settings, system, &mut watched);
+        (outcome, watched.states.len())
+    };
+    let memory = LinearError::OutOfMemory { step: "the factorisation" };
+    let other = LinearError::Backend { backend: "mine", step: "the factorisation", status: -1 };
+    for before in [0, 1, 2, 4, 5, 8, 12] {
+        for waits in [|_| true, |_| false] {
+            let (outcome, told) = run(before, &memory, waits);
+            let outcome = outcome.unwrap();
+            assert_eq!((outcome.status, outcome.records.len(), told), (Status::OutOfMemory, before, before));
+            let (outcome, told) = run(before, &other, waits);
+            assert_eq!((outcome.unwrap_err(), told), (Error::Linear(other.clone()), before));
+        }
+    }
 }

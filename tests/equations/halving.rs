@@ -3,9 +3,14 @@
 
 use crate::common;
 use crate::common::Keep;
+use stickslip::algebra::linear::{LinearError, RefinedSolver};
+use stickslip::algebra::sparse::{Csr, Symmetric, SystemMatrix};
 use stickslip::body::Model;
 use stickslip::run::discretise;
-use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, Method, Status, SystemSolver};
+use stickslip::solver::history::{
+    self, Algorithm, HistoryOutcome, HistorySettings, IncrementSolver, Method, Observe, Status, SystemSolver, Task,
+};
+use stickslip::solver::{ContactProblem, Loading, MethodResult, Motion, Parts, State};
 
 /// BN that gives up after so many iterations, without help from the interior point method.
 fn hasty(model: &Model, iterations: usize, times: &[f64], keep: &mut Keep) -> HistoryOutcome {
@@ -92,5 +97,90 @@ fn an_increment_that_no_halving_saves() {
     match failed.index {
         1 => assert!(outcome.state.u.iter().all(|u| *u == 0.0)),
         k => assert_eq!(&outcome.state, &keep.states[k - 2]),
+    }
+}
+
+/// BN that does nothing where the first gap has changed by more than 0.3 m since it last did something.
+struct Timid(HistorySettings);
+
+struct Tried<'a> {
+    inner: Box<dyn IncrementSolver + 'a>,
+    gap: f64,
+    /// What is left of the displacement where nothing is done, m.
+    leaves: f64,
+}
+
+impl Algorithm for Timid {
+    fn start<'a>(&self, problem: &'a ContactProblem, loading: &Loading) -> Box<dyn IncrementSolver + 'a> {
+        Box::new(Tried { inner: self.0.start(problem, loading), gap: 0.0, leaves: 0.0 })
+    }
+}
+
+/// The same, and leaves no number behind.
+struct Lost(HistorySettings);
+
+impl Algorithm for Lost {
+    fn start<'a>(&self, problem: &'a ContactProblem, loading: &Loading) -> Box<dyn IncrementSolver + 'a> {
+        Box::new(Tried { inner: self.0.start(problem, loading), gap: 0.0, leaves: f64::NAN })
+    }
+}
+
+impl IncrementSolver for Tried<'_> {
+    fn matrix(&self) -> &SystemMatrix {
+        self.inner.matrix()
+    }
+
+    fn linearize(&mut self) {
+        self.inner.linearize();
+    }
+
+    fn hold_contacts(&mut self) -> Result<(), Vec<f64>> {
+        self.inner.hold_contacts()
+    }
+
+    fn solve(
+        &mut self,
+        task: &Task<'_>,
+        linear: &mut RefinedSolver,
+        observe: Observe<'_>,
+    ) -> Result<MethodResult, LinearError> {
+        if (task.increment.gap[0] - self.gap).abs() > 0.3 {
+            self.inner.unknowns()[0] += self.leaves;
+            return Ok(MethodResult::new(1.0));
+        }
+        self.gap = task.increment.gap[0];
+        self.inner.solve(task, linear, observe)
+    }
+
+    fn state(&self) -> State {
+        self.inner.state()
+    }
+
+    fn go_on_from(&mut self, state: &State) {
+        self.inner.go_on_from(state);
+    }
+
+    fn unknowns(&mut self) -> &mut Vec<f64> {
+        self.inner.unknowns()
+    }
+}
+
+/// An obstacle moves by 1 m into a node on springs. Before the first increment that is solved there is no force at all, against which
+/// rounding could be told from an error; and where numbers are lost, that is no rounding either.
+#[test]
+fn without_any_force_a_failure_is_halved_too() {
+    let stiffness = Symmetric::from_triplets(2, &[(0, 0, 2.0), (1, 1, 2.0)]).unwrap();
+    let problem = ContactProblem::new(Parts::new(stiffness, Csr::from_rows(2, [[(1, 1.0)]]).unwrap())).unwrap();
+    let comes = Motion::new(0..1, vec![-1.0], vec![[0.0; 2]], vec![[0.0, 0.0], [1.0, 1.0]]).unwrap();
+    let loading = Loading::new(Vec::new(), vec![0.0]).unwrap().with_motions(vec![comes], Vec::new()).unwrap();
+    let settings = HistorySettings::new(&problem, &loading, Method::BN).unwrap();
+    for (name, algorithm) in
+        [("timid", Box::new(Timid(settings.clone())) as Box<dyn Algorithm>), ("lost", Box::new(Lost(settings.clone())))]
+    {
+        let system = SystemSolver::default();
+        let outcome = history::run_with(&problem, &loading, &[1.0], &*algorithm, &settings, system, &mut ()).unwrap();
+        assert_eq!(outcome.status, Status::Converged, "{name}: {:?}", outcome.records);
+        assert_eq!(outcome.records[0].part_ends, [0.25, 0.5, 0.75, 1.0], "{name}");
+        assert!((outcome.state.p_n[0] - 2.0).abs() < 1e-12, "{name}");
     }
 }

@@ -25,6 +25,7 @@ mod left_out;
 mod matrices;
 mod neutral;
 mod own_method;
+mod own_solvers;
 mod robust;
 mod tangent_start;
 mod uniqueness;

@@ -13,6 +13,12 @@ pub enum LinearError {
     /// The solution has NaN or an infinity although every pivot was accepted.
     #[error("the solution of the linear system is not finite")]
     NotFinite,
+    /// The solution is further from one than the question asked of it bears.
+    #[error("the linear system is solved badly (backward error {backward_error:.1e})")]
+    Inaccurate {
+        /// The componentwise backward error.
+        backward_error: f64,
+    },
     /// The backend could not get the memory it needs.
     #[error("out of memory in {step}")]
     OutOfMemory {

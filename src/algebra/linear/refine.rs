@@ -13,6 +13,18 @@ pub struct SolveInfo {
     pub refinements: usize,
 }
 
+impl SolveInfo {
+    /// Returns an error if the backward error is above `bound`. Callers that conclude something from a solution, and check it in no
+    /// other way, use it.
+    ///
+    /// # Errors
+    /// [`LinearError::Inaccurate`].
+    pub fn within(self, bound: f64) -> Result<Self, LinearError> {
+        let SolveInfo { backward_error, .. } = self;
+        if backward_error <= bound { Ok(self) } else { Err(LinearError::Inaccurate { backward_error }) }
+    }
+}
+
 /// The backward error at which refinement stops, within 1e-15. A sum over a row of a dozen or two entries has as much
 /// rounding of its own, and the step costs as much as the solve.
 const TARGET: f64 = 4.0 * f64::EPSILON;

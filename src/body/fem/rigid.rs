@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use super::dofs::Dofs;
 use super::spring::Spring;
-use crate::algebra::null_space::{NEGLIGIBLE, null_space};
+use crate::algebra::null_space::{NEGLIGIBLE, Row, null_space};
 use crate::algebra::union_find::UnionFind;
 use crate::algebra::vector::{cross, dot, minus, norm};
 use crate::base::units::{Quantity, UnitSystem};
@@ -192,12 +192,13 @@ pub fn unresisted_motions(mesh: &Mesh, dofs: &Dofs, springs: &[Spring], ties: &[
             .partition(|(_, motion)| motion.rotation == [0.0; 3]);
         let translations = moves.len();
         let all: Vec<(usize, &BodyMotion)> = moves.into_iter().chain(turns).collect();
-        let row = |form: &[(usize, [f64; 3])]| -> Vec<f64> {
+        // The forms have directions of unit length, and the motions displacements of about one.
+        let row = |form: &[(usize, [f64; 3])]| -> Row {
             let felt = |k: usize, motion: &BodyMotion| {
                 let own = form.iter().filter(|(node, _)| of[*node] == k);
                 own.map(|(node, c)| dot(motion.at(mesh.nodes[*node]), *c)).sum()
             };
-            all.iter().map(|(k, motion)| felt(*k, motion)).collect()
+            Row::of_unit_size(all.iter().map(|(k, motion)| felt(*k, motion)).collect())
         };
         let held = (0..of.len()).flat_map(|node| dofs.held(node).map(move |n| (node, n)));
         let single = held.chain(springs.iter().flat_map(Spring::resisted));

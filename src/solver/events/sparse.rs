@@ -84,7 +84,7 @@ impl Tangent for SparseTangent<'_> {
             return Ok(false);
         }
         match self.linear.factorize(self.rows.jacobian()) {
-            Ok(info) => self.regular = info.pivot_ratio > f64::EPSILON,
+            Ok(_) => self.regular = self.linear.reciprocal_condition(self.rows.jacobian())? > f64::EPSILON,
             Err(LinearError::Singular { .. } | LinearError::NotFinite) => {}
             Err(error) => return Err(error),
         }

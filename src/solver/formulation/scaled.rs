@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::Layout;
-use crate::algebra::null_space::null_space;
+use crate::algebra::null_space::Motions;
 use crate::algebra::sparse::Csr;
 use crate::base::units::Scaling;
 use crate::solver::laws::coulomb::length;
@@ -107,8 +107,9 @@ impl ScaledData {
             let maps = [c_t, c_o].into_iter().zip(layout.tangential(i));
             maps.filter_map(move |(map, place)| place.map(|_| (map, i)))
         });
-        let row = |(c, i): (&Csr, usize)| rigid_modes.iter().map(|motion| c.dot(i, motion)).collect();
-        null_space(rigid_modes.len(), normal.chain(tangential).map(row)).into_iter().next()
+        let motions = Motions::new(rigid_modes);
+        let row = |(c, i): (&Csr, usize)| motions.felt(c.row(i));
+        motions.unfelt(normal.chain(tangential).map(row)).into_iter().next()
     }
 
     /// Returns the displacements on which contact forces act, ascending.

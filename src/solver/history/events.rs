@@ -290,8 +290,8 @@ impl ExactHistory<'_> {
             });
         };
         let whole = InteriorRecovery { problem, condensed, settings };
-        let balanced = whole.states(&[(data.time, state)], std::slice::from_ref(&data.force))?.pop();
-        Ok(whole.refined(balanced.unwrap_or_default(), &data.force, scales, walk)?)
+        let balanced = whole.state(data.time, state, &data.force)?;
+        Ok(whole.refined(balanced, &data.force, scales, walk)?)
     }
 
     /// Raises the scales so that rounding does not count as an error: in gaps that closed from a large initial value,

@@ -17,7 +17,7 @@ use super::working_set::{self, MissingNodes};
 use super::{Status, record};
 use crate::algebra::linear::{LinearError, RefinedSolver, Statistics};
 use crate::solver::condensation::Condensed;
-use crate::solver::laws::{KktScales, judge, rounding_level};
+use crate::solver::laws::{KktScales, is_more_than_rounding, judge};
 use crate::solver::loading::Loading;
 use crate::solver::newton::{MethodResult, Termination};
 use crate::solver::problem::{ContactProblem, Increment, State};
@@ -235,10 +235,7 @@ impl<'a> IncrementDriver<'a> {
         let outcome = self.solve(time, &input, linear, observe)?;
         let balanced = match self.whole() {
             None => self.balanced(self.method.state()),
-            Some(whole) => {
-                let states = whole.states(&[(time, self.method.state())], std::slice::from_ref(&self.force))?;
-                states.into_iter().next().unwrap_or_else(|| self.balanced(State::zero(self.problem)))
-            }
+            Some(whole) => whole.state(time, self.method.state(), &self.force)?,
         };
         self.conclude(input.scales, outcome, balanced, linear)
     }
@@ -389,7 +386,7 @@ impl<'a> IncrementDriver<'a> {
             | Status::OutOfMemory
             | Status::Unsupported => false,
             // If rounding sets the limit, it does so at any load.
-            _ => substep.kkt.worst().1 > 10.0 * rounding_level(self.problem, &substep.state, &substep.scales),
+            _ => is_more_than_rounding(&substep.kkt, self.problem, &substep.state, &substep.scales),
         }
     }
 }
@@ -429,6 +426,8 @@ pub(in crate::solver::history) struct Bundle {
     alone: bool,
     /// `true` if the method is at the end of the last increment of the batch.
     is_current: bool,
+    /// The reason why the linear solver failed after the last increment.
+    error: Option<LinearError>,
     /// `true` if no state of the batch needed refinement.
     pub needs_no_refinement: bool,
 }
@@ -460,7 +459,7 @@ impl IncrementDriver<'_> {
     }
 
     /// Solves the increments that end at `times`, up to the first that the method does not complete, but at least
-    /// one.
+    /// one. An error of a later increment is kept until those before it are judged.
     pub(in crate::solver::history) fn ahead(
         &mut self,
         times: &[f64],
@@ -471,16 +470,15 @@ impl IncrementDriver<'_> {
         let at = (!alone).then(|| self.at.clone());
         let first = progress.index;
         let (mut solved, mut states, mut forces) = (Vec::new(), Vec::new(), Vec::new());
-        let mut is_current = true;
+        let mut failed = None;
         for (k, &time) in times.iter().enumerate() {
             let (clock, before, start) = (Instant::now(), *linear.statistics(), self.start());
             progress.index = first + k;
             let input = self.pose(time);
             let outcome = match self.solve(time, &input, linear, &mut |iteration| progress.iteration(iteration)) {
-                Err(_) if k > 0 => {
-                    // This increment is repeated after those before it are judged.
+                Err(error) if k > 0 => {
                     self.go_back(start);
-                    is_current = false;
+                    failed = Some(error);
                     break;
                 }
                 outcome => outcome?,
@@ -502,28 +500,36 @@ impl IncrementDriver<'_> {
         progress.index = first;
         let clock = Instant::now();
         let balanced = match self.whole() {
-            Some(whole) => whole.states(&states, &forces)?,
-            None => states.into_iter().map(|(_, state)| self.balanced(state)).collect(),
+            Some(whole) => whole.states(&states, &forces),
+            None => Ok(states.into_iter().map(|(_, state)| self.balanced(state)).collect()),
         };
+        if let Some(at) = at {
+            *self.at = at;
+        }
         let share = clock.elapsed().as_secs_f64() / solved.len() as f64;
         for pending in &mut solved {
             pending.seconds += share;
         }
-        if let Some(at) = at {
-            *self.at = at;
-        }
-        Ok(Bundle { pending: solved.into_iter().zip(balanced).collect(), alone, is_current, needs_no_refinement: true })
+        Ok(Bundle {
+            pending: solved.into_iter().zip(balanced?).collect(),
+            alone,
+            is_current: failed.is_none(),
+            error: failed,
+            needs_no_refinement: true,
+        })
     }
 
     /// Judges the next increment of a batch. Returns `None` when the batch is finished or its remainder was rolled
-    /// back.
+    /// back. Returns the error of the increment after the last when all have been judged.
     pub(in crate::solver::history) fn judge(
         &mut self,
         batch: &mut Bundle,
         linear: &mut RefinedSolver,
         progress: &mut Progress<'_>,
     ) -> Result<Option<JudgedIncrement>, LinearError> {
-        let Some((pending, balanced)) = batch.pending.pop_front() else { return Ok(None) };
+        let Some((pending, balanced)) = batch.pending.pop_front() else {
+            return batch.error.take().map_or(Ok(None), Err);
+        };
         let clock = Instant::now();
         let SolvedIncrement { time, began, start, mut scales, outcome, work: [before, mut after], seconds } = pending;
         if !batch.alone {
@@ -541,6 +547,8 @@ impl IncrementDriver<'_> {
             if !batch.needs_no_refinement {
                 self.go_back(start);
                 batch.pending.clear();
+                // It came of a state that there is no more.
+                batch.error = None;
                 return Ok(None);
             }
             substep

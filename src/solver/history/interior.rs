@@ -10,7 +10,7 @@ use super::task::{IncrementSolver, Response};
 use crate::algebra::linear::{LinearError, RefinedSolver, componentwise_error};
 use crate::algebra::sparse::{LANES, lane, side_by_side, sum};
 use crate::base::units::Scaling;
-use crate::solver::condensation::Condensed;
+use crate::solver::condensation::{Condensed, only};
 use crate::solver::formulation::Layout;
 use crate::solver::laws::KktScales;
 use crate::solver::laws::coulomb::length;
@@ -33,7 +33,6 @@ pub(super) struct InteriorRecovery<'a> {
 }
 
 /// A state of the whole body.
-#[derive(Default)]
 pub(super) struct RecoveredState {
     pub state: State,
     /// [`ContactProblem::imbalance`], N.
@@ -65,6 +64,11 @@ impl InteriorRecovery<'_> {
         };
         let balanced = |(state, (imbalance, backward_error))| RecoveredState { state, imbalance, backward_error };
         Ok(states.into_iter().zip(balances).map(balanced).collect())
+    }
+
+    /// Recovers the state at one time (s) from the state of the condensed problem and the external force.
+    pub(super) fn state(&self, time: f64, contact: State, force: &Vec<f64>) -> Result<RecoveredState, LinearError> {
+        only(self.states(&[(time, contact)], std::slice::from_ref(force))?)
     }
 
     /// Returns imbalance and backward error of several states, which are computed side by side.

@@ -319,11 +319,26 @@ fn exceeds(a: f64, b: f64) -> bool {
 }
 
 /// Returns the equilibrium error due to rounding the displacements to double precision, relative to the force scale:
-/// `ε |K| |u| / F`. In slender bodies it is far above ε, and no solver can do better.
+/// `ε |K| |u| / F`. In slender bodies it is far above ε, and no solver can do better. It is
+/// 0 without any force.
 pub(crate) fn rounding_level(problem: &ContactProblem, state: &State, scales: &KktScales) -> f64 {
+    if scales.force == 0.0 {
+        return 0.0;
+    }
     let mut sums = vec![0.0; state.u.len()];
     problem.stiffness().add_sizes(&state.u, &mut sums);
     f64::EPSILON * sums.into_iter().fold(0.0, f64::max) / scales.force
+}
+
+/// Returns `true` if the `errors` of a state exceed ten times its [`rounding_level`], or one of both is NaN.
+pub(crate) fn is_more_than_rounding(
+    errors: &KktErrors,
+    problem: &ContactProblem,
+    state: &State,
+    scales: &KktScales,
+) -> bool {
+    let (error, rounding) = (errors.worst().1, 10.0 * rounding_level(problem, state, scales));
+    error > rounding || error.is_nan() || rounding.is_nan()
 }
 
 /// The status of a contact node at the end of an increment.

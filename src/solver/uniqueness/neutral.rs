@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::algebra::null_space::null_space;
+use crate::algebra::null_space::Motions;
 use crate::solver::laws::ContactStatus;
 use crate::solver::problem::{ContactProblem, Increment, State};
 
@@ -26,15 +26,12 @@ pub(crate) fn neutral_motions(
     state: &State,
     statuses: &[ContactStatus],
 ) -> Vec<NeutralMotion> {
-    let motions = problem.rigid_modes();
-    let felt = |row: &[(usize, f64)]| {
-        motions.iter().map(|motion| row.iter().map(|&(j, c)| c * motion[j]).sum()).collect::<Vec<f64>>()
-    };
+    let motions = Motions::new(problem.rigid_modes());
     let closed = || (0..problem.contacts()).filter(|&i| statuses[i] != ContactStatus::Open);
     let normal = closed().map(|i| problem.c_n().row(i));
     let rough = closed().filter(|&i| increment.mu[i] > 0.0);
     let tangential = rough.flat_map(|i| problem.tangential_maps().map(|map| map.row(i)));
-    let open = null_space(motions.len(), normal.chain(tangential).map(felt));
+    let open = motions.unfelt(normal.chain(tangential).map(|row| motions.felt(row)));
     open.into_iter().map(|weights| neutral_motion(problem, increment, state, statuses, weights)).collect()
 }
 
@@ -60,4 +57,36 @@ fn neutral_motion(
         *way = way.min(distance / approach.abs());
     }
     NeutralMotion { weights, room }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::algebra::sparse::{Csr, Symmetric};
+    use crate::solver::problem::Parts;
+
+    /// The motions that a closed node leaves to a point with the free `motions`, whose row is `length` times that of unit length.
+    fn left(motions: Vec<Vec<f64>>, length: f64) -> Vec<NeutralMotion> {
+        let c_n = Csr::from_rows(2, [[(1, length)]]).unwrap();
+        let stiffness = Symmetric::from_triplets(2, &[(0, 0, 0.0), (1, 1, 0.0)]).unwrap();
+        let parts = Parts { rigid_modes: Some(motions), ..Parts::new(stiffness, c_n) };
+        let problem = ContactProblem::of(parts);
+        let state = State::zero(&problem);
+        let increment = Increment { force: &[0.0; 2], gap: &[0.0], mu: &[0.0], w_t_last: &[0.0], w_o_last: &[0.0] };
+        neutral_motions(&problem, &increment, &state, &[ContactStatus::Stick])
+    }
+
+    #[test]
+    fn the_length_of_rows_and_motions_says_nothing() {
+        for length in [1e-12, 1.0, 1e12] {
+            for size in [1e-12, 1.0, 1e12] {
+                let motions = left(vec![vec![size, 0.0], vec![0.0, size]], length);
+                assert_eq!(motions.len(), 1, "{length} {size}");
+                let [x, y] = motions[0].weights[..] else { panic!("{motions:?}") };
+                assert!(y.abs() < 1e-15 * x.abs(), "{motions:?}");
+                // What rounding leaves along the row stops nothing.
+                assert_eq!(left(vec![vec![size, 1e-15 * size]], length).len(), 1, "{length} {size}");
+            }
+        }
+    }
 }

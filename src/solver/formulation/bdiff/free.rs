@@ -9,7 +9,7 @@
 //! to it.
 
 use super::{Bdiff, Case};
-use crate::algebra::null_space::{NEGLIGIBLE, null_space};
+use crate::algebra::null_space::{Motions, NEGLIGIBLE, Row};
 use crate::algebra::sparse::Csr;
 use crate::solver::laws::coulomb::{NormalCase, TangentialCase};
 
@@ -27,25 +27,26 @@ impl Bdiff {
     /// unconstrained if no closed node stops it along the normal and no sticking node along a tangent. A slipping
     /// node resists across its slip, since friction would turn.
     fn unheld_motions(&self) -> Vec<Vec<f64>> {
-        let motions = &self.data.rigid_modes;
-        if motions.is_empty() {
+        if self.data.rigid_modes.is_empty() {
             return Vec::new();
         }
-        let row = |c: &Csr, i: usize| motions.iter().map(|motion| c.dot(i, motion)).collect::<Vec<f64>>();
+        let motions = Motions::new(&self.data.rigid_modes);
+        let row = |c: &Csr, i: usize| motions.felt(c.row(i));
         let closed = |i: usize| matches!(self.cases[i], Some((NormalCase::Closed, _)));
         let tangents = |i: usize| [row(&self.data.c_t, i), row(&self.data.c_o, i)];
         let held = |i: usize| match self.cases[i] {
             Some((_, Some(TangentialCase::Stick))) => tangents(i).to_vec(),
             Some((_, Some(TangentialCase::Slip { direction: [t, o], turning }))) if turning != [[0.0; 2]; 2] => {
                 let [along_t, along_o] = tangents(i);
-                vec![along_t.iter().zip(&along_o).map(|(w_t, w_o)| t * w_o - o * w_t).collect()]
+                let across = along_t.entries.iter().zip(&along_o.entries).map(|(w_t, w_o)| t * w_o - o * w_t);
+                vec![Row { entries: across.collect(), size: along_t.size.max(along_o.size) }]
             }
             _ => Vec::new(),
         };
         let contacts = 0..self.layout().contacts();
         let normal = contacts.clone().filter(|&i| closed(i)).map(|i| row(&self.data.c_n, i));
         let tangential = contacts.flat_map(held);
-        null_space(motions.len(), normal.chain(tangential))
+        motions.unfelt(normal.chain(tangential))
     }
 
     /// Pins one contact displacement per unconstrained rigid mode, chosen so that the modes can be distinguished.
