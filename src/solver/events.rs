@@ -7,7 +7,7 @@
 //!
 //! 1. The rate problem (`rate.rs`) determines the next statuses and the rates.
 //! 2. The step ends at the first of these events: a gap closes, a pressure vanishes, or friction reaches the border
-//! of its cone.
+//!    of its cone.
 //! 3. The state there is solved anew with the next statuses, so that rounding does not accumulate.
 //!
 //! Between two events every node sticks, slips in one direction or is open. Each state is therefore that of a

@@ -3,10 +3,17 @@
 use stickslip::base::UnitSystem;
 use stickslip::body::Model;
 use stickslip::run::report::csv::{self, number};
-use stickslip::run::report::quantities::cell;
-use stickslip::run::report::{Acting, BalanceRecord, ComponentSums, ForceRecord, OnObstacle, Resultant};
+use stickslip::run::report::quantities::Column;
+use stickslip::run::report::{Acting, BalanceRecord};
+use stickslip::run::report::{ComponentSums, ForceRecord, OnObstacle, Resultant};
 use stickslip::solver::events::Event;
 use stickslip::solver::history::IncrementRecord;
+
+/// The columns of energies, J.
+const ENERGIES: [Column; 2] = Column::all(["friction_work", "strain_energy"]);
+
+/// The columns of a position, m.
+const POSITION: [Column; 3] = Column::all(["x", "y", "z"]);
 
 /// The first columns of the table in every version, by which a run recognises the folder of an earlier one.
 pub(super) const FIRST_COLUMNS: &str = "index,time,status,iterations,backtracks,theta,";
@@ -40,8 +47,7 @@ pub(super) fn line(record: &IncrementRecord, units: &UnitSystem) -> String {
     let s = r.seconds;
     fields.extend([s.assembly, s.factorization, s.solve, s.rest].map(|seconds| format!("{seconds:.6}")));
     fields.extend([r.parts.to_string(), r.rescued.to_string()]);
-    fields.push(cell(units, "friction_work", r.friction_work));
-    fields.push(cell(units, "strain_energy", r.strain_energy));
+    fields.extend(ENERGIES.iter().zip([r.friction_work, r.strain_energy]).map(|(column, x)| column.cell(units, x)));
     csv::line(&fields)
 }
 
@@ -58,7 +64,7 @@ pub(super) fn event_line(model: &Model, index: usize, event: &Event) -> String {
     let node = model.contacts.get(event.node).map_or(0, |contact| contact.node);
     let position = &model.mesh.nodes[node][..model.mesh.dimension];
     let mut fields = vec![number(event.time), index.to_string(), node.to_string()];
-    fields.extend(["x", "y", "z"].into_iter().zip(position).map(|(column, x)| cell(&model.units(), column, *x)));
+    fields.extend(POSITION.iter().zip(position).map(|(column, x)| column.cell(&model.units(), *x)));
     fields.extend([event.from.to_string(), event.to.to_string()]);
     csv::line(&fields)
 }
@@ -67,16 +73,16 @@ pub(super) fn event_line(model: &Model, index: usize, event: &Event) -> String {
 /// boundary.
 pub(super) fn forces_header(dimension: usize, several: bool) -> String {
     let obstacle: &[&str] = if several { &["obstacle"] } else { &[] };
-    let header = [&["index", "time", "boundary"], force_columns(dimension), &["kind", "balance"], obstacle].concat();
+    let forces: Vec<&str> = force_columns(dimension).iter().map(|column| column.name()).collect();
+    let header = [&["index", "time", "boundary"], &forces[..], &["kind", "balance"], obstacle].concat();
     csv::table(&header, std::iter::empty())
 }
 
 /// Returns the columns of force, moment and sums of components.
-fn force_columns(dimension: usize) -> &'static [&'static str] {
-    match dimension {
-        2 => &["f_x", "f_y", "m_z", "sum_p_n", "sum_p_t"],
-        _ => &["f_x", "f_y", "f_z", "m_x", "m_y", "m_z", "sum_p_n", "sum_p_t", "sum_p_o"],
-    }
+fn force_columns(dimension: usize) -> &'static [Column] {
+    const PLANE: &[Column] = &Column::all(["f_x", "f_y", "m_z", "sum_p_n", "sum_p_t"]);
+    const SPACE: &[Column] = &Column::all(["f_x", "f_y", "f_z", "m_x", "m_y", "m_z", "sum_p_n", "sum_p_t", "sum_p_o"]);
+    if dimension == 2 { PLANE } else { SPACE }
 }
 
 /// Formats the force lines of an increment: the forces on the obstacles in front of each boundary, on each single
@@ -88,7 +94,7 @@ pub(super) fn forces_lines(contact: &[ForceRecord], balance: &BalanceRecord, uni
         let numbers = force.iter().chain(moment).copied().map(Some).chain(sums);
         let numbers = force_columns(force.len()).iter().zip(numbers);
         let mut fields = vec![index.to_string(), number(*time), at.to_string()];
-        fields.extend(numbers.map(|(column, x)| x.map_or(String::new(), |x| cell(units, column, x))));
+        fields.extend(numbers.map(|(column, x)| x.map_or(String::new(), |x| column.cell(units, x))));
         fields.extend([kind.to_string(), number(*balance)]);
         fields.extend(several.then(|| obstacle.to_string()));
         csv::line(&fields)

@@ -234,7 +234,9 @@ impl RefinedSolver {
                 break;
             }
             // A step of inverse iteration finds the direction that matters.
-            x.iter_mut().for_each(|x| *x /= size);
+            for x in &mut x {
+                *x /= size;
+            }
         }
         Ok(ratio)
     }

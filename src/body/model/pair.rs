@@ -327,7 +327,10 @@ fn key_of(fault: &MortarFault) -> &'static str {
     match fault {
         MortarFault::NothingInFront { .. } | MortarFault::TwoLayers { .. } => "search",
         MortarFault::Inwards { .. } => "direction",
-        MortarFault::NotConvex { .. } | MortarFault::SlaveHeld { .. } | MortarFault::NormalsCancel { .. } => "against",
+        MortarFault::NotConvex { .. }
+        | MortarFault::TooBent { .. }
+        | MortarFault::SlaveHeld { .. }
+        | MortarFault::NormalsCancel { .. } => "against",
     }
 }
 
@@ -347,6 +350,9 @@ fn told(fault: &MortarFault, units: &UnitSystem) -> Option<String> {
         }
         MortarFault::NotConvex { boundary, at } => {
             format!("the quadrilateral of `{boundary}` at {} is not convex", place(at))
+        }
+        MortarFault::TooBent { boundary, at } => {
+            format!("the facet of `{boundary}` at {} is bent too much, seen along the normal of the slave", place(at))
         }
         MortarFault::NormalsCancel { boundary, at } => {
             format!("the normals of the facets of `{boundary}` around {} cancel", place(at))

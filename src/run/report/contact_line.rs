@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::csv;
-use super::quantities::cell;
+use super::quantities;
 use crate::algebra::vector::{dot, minus, norm};
 use crate::base::units::UnitSystem;
 use crate::body::contact::ContactBoundary;
@@ -110,10 +110,11 @@ impl ContactLine {
     /// come last.
     pub fn to_csv(&self) -> String {
         let patches = self.points.iter().any(|point| point.sigma_patch.is_some());
-        let is_there = |column: &&Column| column.dimension <= self.dimension && (patches || column.name != PATCH);
+        let is_there =
+            |column: &&Column| column.dimension <= self.dimension && (patches || column.name.name() != PATCH);
         let columns: Vec<&Column> = COLUMNS.iter().filter(is_there).collect();
         let place: Vec<&Column> = PLACE.iter().filter(|column| column.dimension <= self.dimension).collect();
-        let names = |columns: &[&Column]| columns.iter().map(|column| column.name).collect::<Vec<_>>();
+        let names = |columns: &[&Column]| columns.iter().map(|column| column.name.name()).collect::<Vec<_>>();
         let mut header = [names(&columns), vec!["status"], names(&place)].concat();
         header.extend((!self.obstacles.is_empty()).then_some("obstacle"));
         let row = |(k, p): (usize, &ContactPoint)| {
@@ -123,7 +124,7 @@ impl ContactLine {
                 ContactStatus::Slip => "slip",
             };
             let numbers = |columns: &[&Column]| {
-                columns.iter().map(|column| cell(&self.units, column.name, (column.value)(p))).collect()
+                columns.iter().map(|column| column.name.cell(&self.units, (column.value)(p))).collect()
             };
             let numbers: [Vec<String>; 2] = [numbers(&columns), numbers(&place)];
             let [values, place] = numbers;
@@ -135,7 +136,7 @@ impl ContactLine {
 
 /// A column of numbers, written from this number of dimensions on.
 struct Column {
-    name: &'static str,
+    name: quantities::Column,
     dimension: usize,
     value: fn(&ContactPoint) -> f64,
 }
@@ -144,45 +145,45 @@ struct Column {
 const PATCH: &str = "sigma_patch";
 
 const COLUMNS: [Column; 19] = [
-    Column { name: "x", dimension: 2, value: |p| p.x },
-    Column { name: "y", dimension: 2, value: |p| p.y },
-    Column { name: "z", dimension: 3, value: |p| p.z },
-    Column { name: "p_n", dimension: 2, value: |p| p.p_n },
-    Column { name: "p_t", dimension: 2, value: |p| p.p_t },
-    Column { name: "p_o", dimension: 3, value: |p| p.p_o },
-    Column { name: "sigma_n", dimension: 2, value: |p| p.sigma_n },
-    Column { name: "sigma_t", dimension: 2, value: |p| p.sigma_t },
-    Column { name: "sigma_o", dimension: 3, value: |p| p.sigma_o },
-    Column { name: PATCH, dimension: 3, value: |p| p.sigma_patch.unwrap_or(f64::NAN) },
-    Column { name: "w_n", dimension: 2, value: |p| p.w_n },
-    Column { name: "w_t", dimension: 2, value: |p| p.w_t },
-    Column { name: "w_o", dimension: 3, value: |p| p.w_o },
-    Column { name: "gap", dimension: 2, value: |p| p.gap },
-    Column { name: "slip_t", dimension: 2, value: |p| p.slip_t },
-    Column { name: "slip_o", dimension: 3, value: |p| p.slip_o },
-    Column { name: "f_x", dimension: 2, value: |p| p.force[0] },
-    Column { name: "f_y", dimension: 2, value: |p| p.force[1] },
-    Column { name: "f_z", dimension: 3, value: |p| p.force[2] },
+    Column { name: quantities::Column::of("x"), dimension: 2, value: |p| p.x },
+    Column { name: quantities::Column::of("y"), dimension: 2, value: |p| p.y },
+    Column { name: quantities::Column::of("z"), dimension: 3, value: |p| p.z },
+    Column { name: quantities::Column::of("p_n"), dimension: 2, value: |p| p.p_n },
+    Column { name: quantities::Column::of("p_t"), dimension: 2, value: |p| p.p_t },
+    Column { name: quantities::Column::of("p_o"), dimension: 3, value: |p| p.p_o },
+    Column { name: quantities::Column::of("sigma_n"), dimension: 2, value: |p| p.sigma_n },
+    Column { name: quantities::Column::of("sigma_t"), dimension: 2, value: |p| p.sigma_t },
+    Column { name: quantities::Column::of("sigma_o"), dimension: 3, value: |p| p.sigma_o },
+    Column { name: quantities::Column::of(PATCH), dimension: 3, value: |p| p.sigma_patch.unwrap_or(f64::NAN) },
+    Column { name: quantities::Column::of("w_n"), dimension: 2, value: |p| p.w_n },
+    Column { name: quantities::Column::of("w_t"), dimension: 2, value: |p| p.w_t },
+    Column { name: quantities::Column::of("w_o"), dimension: 3, value: |p| p.w_o },
+    Column { name: quantities::Column::of("gap"), dimension: 2, value: |p| p.gap },
+    Column { name: quantities::Column::of("slip_t"), dimension: 2, value: |p| p.slip_t },
+    Column { name: quantities::Column::of("slip_o"), dimension: 3, value: |p| p.slip_o },
+    Column { name: quantities::Column::of("f_x"), dimension: 2, value: |p| p.force[0] },
+    Column { name: quantities::Column::of("f_y"), dimension: 2, value: |p| p.force[1] },
+    Column { name: quantities::Column::of("f_z"), dimension: 3, value: |p| p.force[2] },
 ];
 
 /// The columns after the status: the node and the directions of its components.
 const PLACE: [Column; 10] = [
-    Column { name: "node", dimension: 2, value: |p| p.node as f64 },
-    Column { name: "n_x", dimension: 2, value: |p| p.frame[0][0] },
-    Column { name: "n_y", dimension: 2, value: |p| p.frame[0][1] },
-    Column { name: "n_z", dimension: 3, value: |p| p.frame[0][2] },
-    Column { name: "t_x", dimension: 2, value: |p| p.frame[1][0] },
-    Column { name: "t_y", dimension: 2, value: |p| p.frame[1][1] },
-    Column { name: "t_z", dimension: 3, value: |p| p.frame[1][2] },
-    Column { name: "o_x", dimension: 3, value: |p| p.frame[2][0] },
-    Column { name: "o_y", dimension: 3, value: |p| p.frame[2][1] },
-    Column { name: "o_z", dimension: 3, value: |p| p.frame[2][2] },
+    Column { name: quantities::Column::of("node"), dimension: 2, value: |p| p.node as f64 },
+    Column { name: quantities::Column::of("n_x"), dimension: 2, value: |p| p.frame[0][0] },
+    Column { name: quantities::Column::of("n_y"), dimension: 2, value: |p| p.frame[0][1] },
+    Column { name: quantities::Column::of("n_z"), dimension: 3, value: |p| p.frame[0][2] },
+    Column { name: quantities::Column::of("t_x"), dimension: 2, value: |p| p.frame[1][0] },
+    Column { name: quantities::Column::of("t_y"), dimension: 2, value: |p| p.frame[1][1] },
+    Column { name: quantities::Column::of("t_z"), dimension: 3, value: |p| p.frame[1][2] },
+    Column { name: quantities::Column::of("o_x"), dimension: 3, value: |p| p.frame[2][0] },
+    Column { name: quantities::Column::of("o_y"), dimension: 3, value: |p| p.frame[2][1] },
+    Column { name: quantities::Column::of("o_z"), dimension: 3, value: |p| p.frame[2][2] },
 ];
 
 /// Returns the names of all columns.
 #[cfg(test)]
 pub(super) fn names() -> impl Iterator<Item = &'static str> {
-    COLUMNS.iter().chain(&PLACE).map(|column| column.name).chain(["status", "obstacle"])
+    COLUMNS.iter().chain(&PLACE).map(|column| column.name.name()).chain(["status", "obstacle"])
 }
 
 /// Returns the contact nodes `nodes` at the end of a step.

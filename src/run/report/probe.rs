@@ -3,7 +3,7 @@
 use super::csv::{self, number};
 use super::deformation::deformation;
 use super::principal::von_mises;
-use super::quantities::cell;
+use super::quantities::Column;
 use crate::algebra::vector::{minus, norm};
 use crate::base::input_error::InputError;
 use crate::base::units::{Quantity, UnitSystem};
@@ -118,7 +118,7 @@ impl ProbeTable {
             let mises = von_mises(stress);
             let numbers = position[..d].iter().chain(&displacement[..d]).chain(&stress[..components]).chain([&mises]);
             let mut fields = vec![step.record.index.to_string(), number(step.record.time), (k + 1).to_string()];
-            fields.extend(columns(d).iter().zip(numbers).map(|(column, x)| cell(&units, column, *x)));
+            fields.extend(columns(d).iter().zip(numbers).map(|(column, x)| column.cell(&units, *x)));
             csv::line(&fields)
         };
         self.values(model, step).into_iter().enumerate().map(line).collect()
@@ -127,15 +127,16 @@ impl ProbeTable {
 
 /// Returns the names of the columns in this number of dimensions.
 pub(super) fn header(dimension: usize) -> String {
-    csv::table(&[&["index", "time", "point"], columns(dimension)].concat(), std::iter::empty())
+    let names: Vec<&str> = columns(dimension).iter().map(|column| column.name()).collect();
+    csv::table(&[&["index", "time", "point"], &names[..]].concat(), std::iter::empty())
 }
 
 /// Returns the columns of the values at a point.
-fn columns(dimension: usize) -> &'static [&'static str] {
-    match dimension {
-        2 => &["x", "y", "u_x", "u_y", "s_xx", "s_yy", "s_zz", "s_xy", "von_mises"],
-        _ => &["x", "y", "z", "u_x", "u_y", "u_z", "s_xx", "s_yy", "s_zz", "s_xy", "s_yz", "s_zx", "von_mises"],
-    }
+fn columns(dimension: usize) -> &'static [Column] {
+    const PLANE: &[Column] = &Column::all(["x", "y", "u_x", "u_y", "s_xx", "s_yy", "s_zz", "s_xy", "von_mises"]);
+    const SPACE: &[Column] =
+        &Column::all(["x", "y", "z", "u_x", "u_y", "u_z", "s_xx", "s_yy", "s_zz", "s_xy", "s_yz", "s_zx", "von_mises"]);
+    if dimension == 2 { PLANE } else { SPACE }
 }
 
 /// Returns the first cell that contains each of `points`, with the coordinates in its reference cell.

@@ -15,7 +15,7 @@ const COLUMNS: &Table = &[
     (&["open", "stick", "slip"], Number),
     (&["seconds_assembly", "seconds_factorization", "seconds_solve", "seconds_rest"], Number),
     (&["friction_work", "strain_energy", "energy"], Energy),
-    (&["boundary", "kind", "balance", "obstacle", "point", "node"], Number),
+    (&["boundary", "kind", "balance", "obstacle", "point", "node", "from", "to"], Number),
     (&["n_x", "n_y", "n_z", "t_x", "t_y", "t_z", "o_x", "o_y", "o_z"], Number),
     (&["f_x", "f_y", "f_z", "sum_p_n", "sum_p_t", "sum_p_o", "p_n", "p_t", "p_o"], Force),
     (&["m_x", "m_y", "m_z"], Moment),
@@ -71,9 +71,76 @@ fn find<'a>(table: &'a Table, name: &'a str) -> Option<Quantity> {
     table.iter().find(|(names, _)| names.contains(&name)).map(|(_, quantity)| *quantity)
 }
 
-/// Returns the quantity of the column of this name in any table of results.
-pub fn column(name: &str) -> Quantity {
-    find(COLUMNS, name).unwrap_or(Number)
+/// A column of result tables: its name and its quantity.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Column {
+    name: &'static str,
+    quantity: Quantity,
+}
+
+impl Column {
+    /// The column of this name. For constants, of which one with another name than those that are known does not compile.
+    ///
+    /// # Panics
+    /// Where no column has this name.
+    pub const fn of(name: &'static str) -> Self {
+        Column::known(name).expect("a name of which the quantity is known")
+    }
+
+    const fn known(name: &'static str) -> Option<Self> {
+        let mut row = 0;
+        while row < COLUMNS.len() {
+            let (names, quantity) = COLUMNS[row];
+            let mut k = 0;
+            while k < names.len() {
+                if same(names[k], name) {
+                    return Some(Column { name, quantity });
+                }
+                k += 1;
+            }
+            row += 1;
+        }
+        None
+    }
+
+    /// [`Column::of`] each of these names.
+    ///
+    /// # Panics
+    /// Where no column has such a name.
+    pub const fn all<const N: usize>(names: [&'static str; N]) -> [Self; N] {
+        let mut columns = [Column { name: "", quantity: Number }; N];
+        let mut k = 0;
+        while k < N {
+            columns[k] = Column::of(names[k]);
+            k += 1;
+        }
+        columns
+    }
+
+    /// The name in the header.
+    pub const fn name(self) -> &'static str {
+        self.name
+    }
+
+    /// The number `x` (SI) as it stands in the column.
+    pub fn cell(self, units: &UnitSystem, x: f64) -> String {
+        csv::number(units.of_si(self.quantity, x))
+    }
+}
+
+/// Whether two texts are the same, for constants.
+const fn same(a: &str, b: &str) -> bool {
+    let (a, b) = (a.as_bytes(), b.as_bytes());
+    let mut k = 0;
+    while k < a.len() && k < b.len() && a[k] == b[k] {
+        k += 1;
+    }
+    k == a.len() && k == b.len()
+}
+
+/// What the column of this name in any table of results is, if one has it.
+pub fn column(name: &str) -> Option<Quantity> {
+    find(COLUMNS, name)
 }
 
 /// Returns the quantity of the numbers below a key of this name in a report.
@@ -86,12 +153,7 @@ pub fn field(name: &str) -> Quantity {
     find(FIELDS, name).unwrap_or(Number)
 }
 
-/// Formats the number `x` (SI) for the column of this name.
-pub fn cell(units: &UnitSystem, name: &str, x: f64) -> String {
-    csv::number(units.of_si(column(name), x))
-}
-
-/// Converts the numbers of a report from SI to `units`.
+/// Turns the numbers of a report from SI into `units`.
 pub fn tell(report: &mut Value, units: &UnitSystem) {
     match report {
         Value::Object(entries) => {
@@ -126,13 +188,22 @@ mod tests {
     use super::super::{contact_line, probe};
     use super::*;
 
-    /// A column missing in its table would be written in SI units, whatever the units of its neighbours.
+    #[test]
+    fn columns_are_known_by_their_whole_names() {
+        assert_eq!(Column::known("pressures"), None);
+        for (names, quantity) in COLUMNS {
+            assert!(names.iter().all(|name| Column::of(name) == Column { name, quantity: *quantity }));
+        }
+        assert!(same("s_xx", "s_xx") && !same("s_xx", "s_x") && !same("s_x", "s_xx") && !same("", "x"));
+    }
+
+    /// A column that is not in its table would be told in SI units, whatever its neighbours are told in.
     #[test]
     fn every_column_has_its_quantity() {
         let headers = [probe::header(2), probe::header(3)];
         let nodes: Vec<&str> = contact_line::names().collect();
         for name in headers.iter().flat_map(|header| header.trim_end().split(',')).chain(nodes) {
-            assert!(find(COLUMNS, name).is_some(), "{name}");
+            assert!(column(name).is_some(), "{name}");
         }
     }
 }

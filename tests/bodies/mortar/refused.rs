@@ -86,3 +86,27 @@ fn normals_that_cancel() {
         matches!(fault(&mesh, [&both, &master], 0.1, free), MortarFault::NormalsCancel { boundary, .. } if boundary == "both")
     );
 }
+
+/// Nodes between corners are off by a seventh of an edge, or half of it: places between the chords have no local coordinates. What is in
+/// front of them must not be left out, nor be given others, without a word.
+#[test]
+fn facets_that_are_bent_too_much() {
+    let much = [[0.029, 0.142], [-0.043, 0.131], [0.101, -0.128]];
+    let more = [[-0.135, 0.359], [0.153, 0.186], [-0.312, -0.219]];
+    for moves in [much, more] {
+        let mut mesh = joined(
+            body([1.0, 1.0, 0.5], [1, 1, 1], [0.0; 3], Cells::SecondOrder),
+            body([1.0, 1.0, 0.5], [1, 1, 1], [0.0, 0.0, 0.5], Cells::Bricks),
+        );
+        let facet = mesh.boundary("lower:top").unwrap().facets[0].clone();
+        for (node, by) in [facet[1], facet[3], facet[5]].into_iter().zip(moves) {
+            (0..2).for_each(|c| mesh.nodes[node][c] += by[c]);
+        }
+        for pair in [sides(&mesh), swapped(sides(&mesh))] {
+            let found = Mortar::new(&mesh, pair[0], pair[1], &within(0.1), &free);
+            let refused = matches!(&found, Err(MortarFault::TooBent { boundary, .. }) if boundary == "lower:top");
+            assert!(refused, "{moves:?}: {:?}", found.map(|mortar| mortar.covered));
+        }
+        assert!(fault(&mesh, sides(&mesh), 0.1, free).help().contains("finer"));
+    }
+}

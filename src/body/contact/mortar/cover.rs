@@ -5,7 +5,7 @@ use super::bulge::Bulges;
 use super::error::{MortarFault, place};
 use super::facet::{MOST, Plane, Values};
 use super::search::{Masters, least_distance};
-use super::segment::{Point, Rules, points, size};
+use super::segment::{Point, Rules, Segment, Side, segment, size};
 use crate::algebra::vector::dot;
 use crate::body::fem::bernstein;
 use crate::body::mesh::{Boundary, Facet, Mesh};
@@ -69,9 +69,19 @@ impl Covers {
                 bulge: [0.0; MOST],
             };
             for f in masters.facing(&mesh.points(facet), plane.normal, search) {
-                let points = points(mesh.dimension, &seen, whole, &plane.project(mesh, &master.facets[f]), &rules);
-                if points.is_empty() || !points.iter().all(|point| point.gap.abs() <= search) {
+                let opposite = plane.project(mesh, &master.facets[f]);
+                let Segment { points, too_bent } = segment(mesh.dimension, &seen, whole, &opposite, &rules);
+                if points.is_empty() && too_bent.is_none() || !points.iter().all(|point| point.gap.abs() <= search) {
                     continue;
+                }
+                // As far as can be told it is in front of the slave, and as far as cannot, it may be.
+                if let Some(side) = too_bent {
+                    let (boundary, facet) = match side {
+                        Side::Slave => (slave, facet),
+                        Side::Master => (master, &master.facets[f]),
+                    };
+                    let at = place(mesh, centre(mesh, facet));
+                    return Err(MortarFault::TooBent { boundary: boundary.name.clone(), at });
                 }
                 covered += points.iter().map(|point| point.weight).sum::<f64>();
                 let sides = [&slave.facets[e], &master.facets[f]];
@@ -82,9 +92,7 @@ impl Covers {
             cover.share = covered / whole;
             if cover.share > 1.0 + ROUNDING {
                 let [slave, master] = [slave, master].map(|side| side.name.clone());
-                let x = mesh.points(facet);
-                let centre = [0, 1, 2].map(|c| x.iter().map(|x| x[c]).sum::<f64>() / x.len() as f64);
-                return Err(MortarFault::TwoLayers { slave, master, at: place(mesh, centre) });
+                return Err(MortarFault::TwoLayers { slave, master, at: place(mesh, centre(mesh, facet)) });
             }
             cover.finish();
             covers.facets.push(cover);
@@ -162,6 +170,12 @@ fn raised(mesh: &Mesh, facet: &[usize], mut shape: Values) -> Values {
     shape
 }
 
+/// Returns the mean of the nodes of a facet, m.
+fn centre(mesh: &Mesh, facet: &[usize]) -> [f64; 3] {
+    let x = mesh.points(facet);
+    [0, 1, 2].map(|c| x.iter().map(|x| x[c]).sum::<f64>() / x.len() as f64)
+}
+
 /// Returns the point of a facet with the shape functions `shape`, m.
 pub(super) fn position(mesh: &Mesh, facet: &[usize], shape: &Values) -> [f64; 3] {
     [0, 1, 2].map(|c| facet.iter().zip(shape).map(|(&node, n)| n * mesh.nodes[node][c]).sum())
@@ -188,7 +202,8 @@ pub(super) fn least_gap(
             facet.iter().zip(shape).map(|(&node, n)| n * along(node)).sum()
         };
         for &[_, f] in group {
-            for point in points(mesh.dimension, &seen, whole, &plane.project(mesh, &master[f]), &rules) {
+            // It is of the mesh as it was when the segment was found, so that no facet of it is bent too much.
+            for point in segment(mesh.dimension, &seen, whole, &plane.project(mesh, &master[f]), &rules).points {
                 let gap = point.gap + moved(&master[f], &point.master) - moved(facet, &point.slave);
                 if least.is_none_or(|least| gap < least.gap) {
                     least = Some(GapAt { gap, at: position(mesh, facet, &point.slave) });

@@ -40,6 +40,15 @@ pub enum MortarFault {
         /// The centre of the facet, m.
         at: Vector,
     },
+    /// A facet is bent so much that places in front of the other boundary have no local coordinates: the facet folds there, or an edge
+    /// bends far away from its chord.
+    #[error("the facet of `{boundary}` at {at:?} is bent too much, seen along the normal of the slave")]
+    TooBent {
+        /// The boundary.
+        boundary: String,
+        /// The centre of the facet, m.
+        at: Vector,
+    },
     /// Supports hold all slave nodes in front of the master along their normals.
     #[error("supports hold `{slave}` along its normal wherever `{master}` is in front of it")]
     SlaveHeld {
@@ -79,6 +88,9 @@ impl MortarFault {
             }
             MortarFault::NotConvex { .. } => {
                 "mesh again; no angle of a quadrilateral on a contact boundary may exceed 180°"
+            }
+            MortarFault::TooBent { .. } => {
+                "mesh again, finer where the boundary is curved, or name only the part of it that faces the other"
             }
             MortarFault::SlaveHeld { .. } => "swap the two: what nothing holds is to be the slave",
             MortarFault::NormalsCancel { .. } => "name the two sides of a sharp edge as different boundaries",

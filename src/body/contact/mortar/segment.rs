@@ -67,20 +67,41 @@ pub(super) fn size(dimension: usize, facet: &Projected) -> f64 {
     facet.polygons().iter().map(|polygon| area(polygon)).sum()
 }
 
-/// Returns the integration points of the common part of a slave facet of this `size` and a master facet; empty if they
-/// have no common part or a facet is folded there.
-pub(super) fn points(dimension: usize, slave: &Projected, size: f64, master: &Projected, rules: &Rules) -> Vec<Point> {
+/// The common part of a slave facet and a master facet.
+#[derive(Default)]
+pub(super) struct Segment {
+    /// The integration points; none if the facets have no common part.
+    pub points: Vec<Point>,
+    /// The side on which a point was not found, because its facet is bent too much. Then points are missing.
+    pub too_bent: Option<Side>,
+}
+
+/// One of the two boundaries.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Side {
+    Slave,
+    Master,
+}
+
+/// Computes the common part of a slave facet of this `size` and a master facet.
+pub(super) fn segment(dimension: usize, slave: &Projected, size: f64, master: &Projected, rules: &Rules) -> Segment {
     let places = if dimension == 2 {
         overlap(slave, size, master)
     } else {
         common(slave, size, master, if slave.straight && master.straight { &rules.straight } else { &rules.bent })
     };
-    let point = |(y, weight): (Flat, f64)| {
-        let (slave_shape, master_shape) = (slave.shape_at(y)?, master.shape_at(y)?);
-        let gap = master.height(&master_shape) - slave.height(&slave_shape);
-        Some(Point { weight, slave: slave_shape, master: master_shape, gap })
-    };
-    places.into_iter().map(point).collect::<Option<Vec<Point>>>().unwrap_or_default()
+    let mut segment = Segment::default();
+    for (y, weight) in places {
+        match (slave.shape_at(y), master.shape_at(y)) {
+            (Some(of_slave), Some(of_master)) => {
+                let gap = master.height(&of_master) - slave.height(&of_slave);
+                segment.points.push(Point { weight, slave: of_slave, master: of_master, gap });
+            }
+            (None, _) => segment.too_bent = Some(Side::Slave),
+            (_, None) => segment.too_bent = Some(Side::Master),
+        }
+    }
+    segment
 }
 
 /// Returns the integration points of the common part of two lines.
