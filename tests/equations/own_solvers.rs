@@ -43,7 +43,9 @@ impl LinearSolver for Masked {
 
     fn solve(&mut self, b: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
         self.lu.solve(b, x)?;
-        x.iter_mut().for_each(|x| *x *= 1.0 + self.excess);
+        for x in x.iter_mut() {
+            *x *= 1.0 + self.excess;
+        }
         Ok(())
     }
 }
