@@ -205,7 +205,7 @@ fn only_what_touches_leans() {
         let text = scene(&format!("kind = \"cylinder\", radius = {radius}, apex = [{from}, 1e-4], {moves}"));
         assert_eq!(kinds(&text), [], "{radius} {from}");
     }
-    for (angle, leans) in [(0.05, None), (0.2, Some("leans by 11 degrees"))] {
+    for (angle, leans) in [(0.05, None), (0.2, Some("inclined by 11 degrees"))] {
         let tips = format!("motion.rotation = {{ through = [1.0, 0.0], history = [[0, 0], [1, -{angle}]] }}");
         let found = warnings(&scene(&format!("kind = \"plane\", {tips}")));
         let leaning = found.iter().find(|warning| warning.kind == WarningKind::LeaningObstacle);

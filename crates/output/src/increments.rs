@@ -10,10 +10,10 @@ use stickslip::solver::events::Event;
 use stickslip::solver::history::IncrementRecord;
 
 /// The columns of energies, J.
-const ENERGIES: [Column; 2] = Column::all(["friction_work", "strain_energy"]);
+const ENERGIES: [Column; 2] = Column::all(["friction_work", "strain_energy"]).expect("columns with known quantities");
 
 /// The columns of a position, m.
-const POSITION: [Column; 3] = Column::all(["x", "y", "z"]);
+const POSITION: [Column; 3] = Column::all(["x", "y", "z"]).expect("columns with known quantities");
 
 /// The first columns of the table in every version, by which a run recognises the folder of an earlier one.
 pub(super) const FIRST_COLUMNS: &str = "index,time,status,iterations,backtracks,theta,";
@@ -80,8 +80,10 @@ pub(super) fn forces_header(dimension: usize, several: bool) -> String {
 
 /// Returns the columns of force, moment and sums of components.
 fn force_columns(dimension: usize) -> &'static [Column] {
-    const PLANE: &[Column] = &Column::all(["f_x", "f_y", "m_z", "sum_p_n", "sum_p_t"]);
-    const SPACE: &[Column] = &Column::all(["f_x", "f_y", "f_z", "m_x", "m_y", "m_z", "sum_p_n", "sum_p_t", "sum_p_o"]);
+    const PLANE: &[Column] =
+        &Column::all(["f_x", "f_y", "m_z", "sum_p_n", "sum_p_t"]).expect("columns with known quantities");
+    const SPACE: &[Column] = &Column::all(["f_x", "f_y", "f_z", "m_x", "m_y", "m_z", "sum_p_n", "sum_p_t", "sum_p_o"])
+        .expect("columns with known quantities");
     if dimension == 2 { PLANE } else { SPACE }
 }
 

@@ -141,43 +141,48 @@ struct Column {
     value: fn(&ContactPoint) -> f64,
 }
 
+/// Returns the column of this name, for the constants below.
+const fn known(name: &'static str) -> quantities::Column {
+    quantities::Column::of(name).expect("a column with a known quantity")
+}
+
 /// The column that exists only with tetrahedra.
 const PATCH: &str = "sigma_patch";
 
 const COLUMNS: [Column; 19] = [
-    Column { name: quantities::Column::of("x"), dimension: 2, value: |p| p.x },
-    Column { name: quantities::Column::of("y"), dimension: 2, value: |p| p.y },
-    Column { name: quantities::Column::of("z"), dimension: 3, value: |p| p.z },
-    Column { name: quantities::Column::of("p_n"), dimension: 2, value: |p| p.p_n },
-    Column { name: quantities::Column::of("p_t"), dimension: 2, value: |p| p.p_t },
-    Column { name: quantities::Column::of("p_o"), dimension: 3, value: |p| p.p_o },
-    Column { name: quantities::Column::of("sigma_n"), dimension: 2, value: |p| p.sigma_n },
-    Column { name: quantities::Column::of("sigma_t"), dimension: 2, value: |p| p.sigma_t },
-    Column { name: quantities::Column::of("sigma_o"), dimension: 3, value: |p| p.sigma_o },
-    Column { name: quantities::Column::of(PATCH), dimension: 3, value: |p| p.sigma_patch.unwrap_or(f64::NAN) },
-    Column { name: quantities::Column::of("w_n"), dimension: 2, value: |p| p.w_n },
-    Column { name: quantities::Column::of("w_t"), dimension: 2, value: |p| p.w_t },
-    Column { name: quantities::Column::of("w_o"), dimension: 3, value: |p| p.w_o },
-    Column { name: quantities::Column::of("gap"), dimension: 2, value: |p| p.gap },
-    Column { name: quantities::Column::of("slip_t"), dimension: 2, value: |p| p.slip_t },
-    Column { name: quantities::Column::of("slip_o"), dimension: 3, value: |p| p.slip_o },
-    Column { name: quantities::Column::of("f_x"), dimension: 2, value: |p| p.force[0] },
-    Column { name: quantities::Column::of("f_y"), dimension: 2, value: |p| p.force[1] },
-    Column { name: quantities::Column::of("f_z"), dimension: 3, value: |p| p.force[2] },
+    Column { name: known("x"), dimension: 2, value: |p| p.x },
+    Column { name: known("y"), dimension: 2, value: |p| p.y },
+    Column { name: known("z"), dimension: 3, value: |p| p.z },
+    Column { name: known("p_n"), dimension: 2, value: |p| p.p_n },
+    Column { name: known("p_t"), dimension: 2, value: |p| p.p_t },
+    Column { name: known("p_o"), dimension: 3, value: |p| p.p_o },
+    Column { name: known("sigma_n"), dimension: 2, value: |p| p.sigma_n },
+    Column { name: known("sigma_t"), dimension: 2, value: |p| p.sigma_t },
+    Column { name: known("sigma_o"), dimension: 3, value: |p| p.sigma_o },
+    Column { name: known(PATCH), dimension: 3, value: |p| p.sigma_patch.unwrap_or(f64::NAN) },
+    Column { name: known("w_n"), dimension: 2, value: |p| p.w_n },
+    Column { name: known("w_t"), dimension: 2, value: |p| p.w_t },
+    Column { name: known("w_o"), dimension: 3, value: |p| p.w_o },
+    Column { name: known("gap"), dimension: 2, value: |p| p.gap },
+    Column { name: known("slip_t"), dimension: 2, value: |p| p.slip_t },
+    Column { name: known("slip_o"), dimension: 3, value: |p| p.slip_o },
+    Column { name: known("f_x"), dimension: 2, value: |p| p.force[0] },
+    Column { name: known("f_y"), dimension: 2, value: |p| p.force[1] },
+    Column { name: known("f_z"), dimension: 3, value: |p| p.force[2] },
 ];
 
 /// The columns after the status: the node and the directions of its components.
 const PLACE: [Column; 10] = [
-    Column { name: quantities::Column::of("node"), dimension: 2, value: |p| p.node as f64 },
-    Column { name: quantities::Column::of("n_x"), dimension: 2, value: |p| p.frame[0][0] },
-    Column { name: quantities::Column::of("n_y"), dimension: 2, value: |p| p.frame[0][1] },
-    Column { name: quantities::Column::of("n_z"), dimension: 3, value: |p| p.frame[0][2] },
-    Column { name: quantities::Column::of("t_x"), dimension: 2, value: |p| p.frame[1][0] },
-    Column { name: quantities::Column::of("t_y"), dimension: 2, value: |p| p.frame[1][1] },
-    Column { name: quantities::Column::of("t_z"), dimension: 3, value: |p| p.frame[1][2] },
-    Column { name: quantities::Column::of("o_x"), dimension: 3, value: |p| p.frame[2][0] },
-    Column { name: quantities::Column::of("o_y"), dimension: 3, value: |p| p.frame[2][1] },
-    Column { name: quantities::Column::of("o_z"), dimension: 3, value: |p| p.frame[2][2] },
+    Column { name: known("node"), dimension: 2, value: |p| p.node as f64 },
+    Column { name: known("n_x"), dimension: 2, value: |p| p.frame[0][0] },
+    Column { name: known("n_y"), dimension: 2, value: |p| p.frame[0][1] },
+    Column { name: known("n_z"), dimension: 3, value: |p| p.frame[0][2] },
+    Column { name: known("t_x"), dimension: 2, value: |p| p.frame[1][0] },
+    Column { name: known("t_y"), dimension: 2, value: |p| p.frame[1][1] },
+    Column { name: known("t_z"), dimension: 3, value: |p| p.frame[1][2] },
+    Column { name: known("o_x"), dimension: 3, value: |p| p.frame[2][0] },
+    Column { name: known("o_y"), dimension: 3, value: |p| p.frame[2][1] },
+    Column { name: known("o_z"), dimension: 3, value: |p| p.frame[2][2] },
 ];
 
 /// Returns the names of all columns.

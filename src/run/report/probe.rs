@@ -133,9 +133,11 @@ pub(super) fn header(dimension: usize) -> String {
 
 /// Returns the columns of the values at a point.
 fn columns(dimension: usize) -> &'static [Column] {
-    const PLANE: &[Column] = &Column::all(["x", "y", "u_x", "u_y", "s_xx", "s_yy", "s_zz", "s_xy", "von_mises"]);
+    const PLANE: &[Column] = &Column::all(["x", "y", "u_x", "u_y", "s_xx", "s_yy", "s_zz", "s_xy", "von_mises"])
+        .expect("columns with known quantities");
     const SPACE: &[Column] =
-        &Column::all(["x", "y", "z", "u_x", "u_y", "u_z", "s_xx", "s_yy", "s_zz", "s_xy", "s_yz", "s_zx", "von_mises"]);
+        &Column::all(["x", "y", "z", "u_x", "u_y", "u_z", "s_xx", "s_yy", "s_zz", "s_xy", "s_yz", "s_zx", "von_mises"])
+            .expect("columns with known quantities");
     if dimension == 2 { PLANE } else { SPACE }
 }
 

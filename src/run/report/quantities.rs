@@ -79,15 +79,8 @@ pub struct Column {
 }
 
 impl Column {
-    /// The column of this name. For constants, of which one with another name than those that are known does not compile.
-    ///
-    /// # Panics
-    /// Where no column has this name.
-    pub const fn of(name: &'static str) -> Self {
-        Column::known(name).expect("a name of which the quantity is known")
-    }
-
-    const fn known(name: &'static str) -> Option<Self> {
+    /// Returns the column of this name. A constant that expects it does not compile with an unknown name.
+    pub const fn of(name: &'static str) -> Option<Self> {
         let mut row = 0;
         while row < COLUMNS.len() {
             let (names, quantity) = COLUMNS[row];
@@ -103,18 +96,18 @@ impl Column {
         None
     }
 
-    /// [`Column::of`] each of these names.
-    ///
-    /// # Panics
-    /// Where no column has such a name.
-    pub const fn all<const N: usize>(names: [&'static str; N]) -> [Self; N] {
+    /// Returns the columns of these names, if each has one.
+    pub const fn all<const N: usize>(names: [&'static str; N]) -> Option<[Self; N]> {
         let mut columns = [Column { name: "", quantity: Number }; N];
         let mut k = 0;
         while k < N {
-            columns[k] = Column::of(names[k]);
+            match Column::of(names[k]) {
+                Some(column) => columns[k] = column,
+                None => return None,
+            }
             k += 1;
         }
-        columns
+        Some(columns)
     }
 
     /// The name in the header.
@@ -192,7 +185,7 @@ mod tests {
     fn columns_are_known_by_their_whole_names() {
         assert_eq!(Column::known("pressures"), None);
         for (names, quantity) in COLUMNS {
-            assert!(names.iter().all(|name| Column::of(name) == Column { name, quantity: *quantity }));
+            assert!(names.iter().all(|name| Column::of(name) == Some(Column { name, quantity: *quantity })));
         }
         assert!(same("s_xx", "s_xx") && !same("s_xx", "s_x") && !same("s_x", "s_xx") && !same("", "x"));
     }

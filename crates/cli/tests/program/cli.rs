@@ -102,9 +102,9 @@ fn warnings() {
         "[[support]]\nboundary = \"right\"\nfix = [\"x\"]\n\n[[load]]\nboundary = \"right\"\ntraction = [1e5, 0.0]\n";
     for (scene, kind, words) in [
         (edit(&small(), "poisson = 0.3", "poisson = 0.4999"), "locking", "use mesh.element = \"b-bar\""),
-        (edit(&small(), "poisson = 0.3", layers), "layers-through-elements", "y = 0.3 m goes through 4 elements"),
+        (edit(&small(), "poisson = 0.3", layers), "layers-through-elements", "y = 0.3 m cuts 4 elements"),
         (small() + idle, "idle-load", "the load on `right` does nothing"),
-        (edit(&small(), "{ kind = \"plane\", gap = 1e-5 }", leaning), "leaning-obstacle", "leans by 11 degrees"),
+        (edit(&small(), "{ kind = \"plane\", gap = 1e-5 }", leaning), "leaning-obstacle", "inclined by 11 degrees"),
         (edit(&small(), "gap = 1e-5", "gap = 0.01"), "no-contact", "`bottom` never touched its obstacle"),
         (
             edit(&edit(&small(), "young = 210e9", "young = 210e5"), "\"paper\"", "\"default\""),
@@ -167,7 +167,7 @@ time = { end = 1, increments = 1 }
     assert!((1e-5..0.1).contains(&balance), "{balance}");
     let told = stiff["warnings"].as_array().unwrap().iter().find(|warning| warning["kind"] == "unbalanced").unwrap();
     let message = told["message"].as_str().unwrap();
-    assert!(message.contains(&format!("leave {balance:.1e} of their sizes")), "{message}");
+    assert!(message.contains(&format!("do not balance, by {balance:.1e} of their sizes")), "{message}");
 
     let lifted = r#"
 mesh = { kind = "block", size = [1.0, 1.0], elements = [4, 4] }

@@ -70,7 +70,7 @@ fn what_cannot_be_read_has_one_message() {
         (vec!["judge", &problem("sliding.dat")], "the file contains no solution"),
         (vec!["judge", &problem("sliding.dat"), &bad], "it is neither HDF5 nor a text"),
         (vec!["solve", &folder.join("none.dat")], "the problem cannot be read"),
-        (vec!["solve", &problem("local.hdf5"), "--guess", "2"], "there is no guess 2, but 1"),
+        (vec!["solve", &problem("local.hdf5"), "--guess", "2"], "there is no guess 2, but only 1"),
         (vec!["collection", &folder.join("none")], "the folder cannot be read"),
     ] {
         let output = stickslip(&args);
