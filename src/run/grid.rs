@@ -1,6 +1,6 @@
 //! The positions of a model's unknowns, for multigrid.
 
-use crate::algebra::linear::{Contact, Form, Grid, LinearSolver, Multigrid, SparseLu};
+use crate::algebra::linear::{Form, Grid, GridContact, LinearSolver, Multigrid, SparseLu};
 use crate::algebra::vector::{axis, cross, minus};
 use crate::body::model::Model;
 use crate::solver::formulation::Layout;
@@ -40,7 +40,7 @@ pub fn grid(model: &Model) -> Option<Grid> {
         if nodes.any(|other| other != node) || std::mem::replace(&mut taken[node], true) {
             return None;
         }
-        contacts.push(Contact { node, forces: [layout.p_t(i), layout.p_o(i), Some(layout.p_n(i))] });
+        contacts.push(GridContact { node, forces: [layout.p_t(i), layout.p_o(i), Some(layout.p_n(i))] });
     }
     let dimension = mesh.dimension;
     let count = mesh.nodes.len().max(1) as f64;

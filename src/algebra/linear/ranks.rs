@@ -188,7 +188,7 @@ fn finish(state: &mut State) {
 }
 
 /// Returns the resources used by each of several ranks. For rank 0.
-pub fn used() -> Vec<RankUse> {
+pub(crate) fn used() -> Vec<RankUse> {
     match &*state() {
         State::Running(world) if world.size() > 1 => {
             world.command([REPORT, 0, 0]);

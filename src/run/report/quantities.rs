@@ -183,7 +183,7 @@ mod tests {
 
     #[test]
     fn columns_are_known_by_their_whole_names() {
-        assert_eq!(Column::known("pressures"), None);
+        assert_eq!(Column::of("pressures"), None);
         for (names, quantity) in COLUMNS {
             assert!(names.iter().all(|name| Column::of(name) == Some(Column { name, quantity: *quantity })));
         }
