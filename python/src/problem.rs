@@ -138,7 +138,7 @@ pub(crate) fn exported<'py>(
 impl Problem {
     /// K by the columns of its lower triangle, the maps by rows.
     #[new]
-    #[pyo3(signature = (order, stiffness, maps, mu, weight, rigid_modes))]
+    #[pyo3(signature = (order, stiffness, maps, mu, weight, free_motions))]
     fn new(
         py: Python<'_>,
         order: usize,
@@ -146,7 +146,7 @@ impl Problem {
         maps: [Compressed<'_>; 3],
         mu: Vector<'_>,
         weight: Option<Vector<'_>>,
-        rigid_modes: Option<Rows<'_>>,
+        free_motions: Option<Rows<'_>>,
     ) -> PyResult<Self> {
         let [c_n, c_t, c_o] = [0, 1, 2].map(|k| map(["C_n", "C_t", "C_t[1]"][k], order, &maps[k]));
         let parts = Parts {
@@ -156,7 +156,7 @@ impl Problem {
             c_o: c_o?,
             mu: mu.as_slice()?.to_vec(),
             weight: weight.map(|weight| weight.as_slice().map(<[f64]>::to_vec)).transpose()?,
-            rigid_modes: rigid_modes.as_ref().map(rows),
+            rigid_modes: free_motions.as_ref().map(rows),
         };
         detached(py, || ContactProblem::new(parts)).map(|problem| Problem(Arc::new(problem))).map_err(of_problem)
     }
@@ -187,7 +187,7 @@ impl Problem {
         PyArray1::from_vec(py, detached(py, || self.0.contact_stiffness()))
     }
 
-    fn rigid_modes(&self) -> Vec<Vec<f64>> {
+    fn free_motions(&self) -> Vec<Vec<f64>> {
         self.0.rigid_modes().to_vec()
     }
 

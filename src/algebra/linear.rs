@@ -57,7 +57,7 @@ pub use error::LinearError;
 pub use help::{RankRows, help};
 pub(crate) use kernel::null_space_of;
 #[cfg(feature = "petsc")]
-pub use multigrid::{Form, GridContact, Grid, Multigrid, share};
+pub use multigrid::{Form, Grid, GridContact, Multigrid, share};
 #[cfg(feature = "mumps")]
 pub use mumps::Mumps;
 pub(crate) use refine::componentwise_error;
