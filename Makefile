@@ -33,9 +33,10 @@ demo: deps
 KERNEL := $(shell if grep -qw avx512vl /proc/cpuinfo; then echo SKYLAKEX; elif grep -qw avx2 /proc/cpuinfo; then echo HASWELL; fi 2>/dev/null)
 BLAS = OPENBLAS_NUM_THREADS=1 $(if $(KERNEL),OPENBLAS_CORETYPE=$(KERNEL))
 
-# The library and the crates above it, and with the studies and the fuzzing all that stands on the library.
-CRATES = -p stickslip -p stickslip-output -p stickslip-exchange -p stickslip-cli
-ABOVE = -p stickslip-output -p stickslip-exchange -p stickslip-cli -p stickslip-studies -p stickslip-fuzz
+# The crates above the library; these with it; and all that stands on it, the studies and the fuzzing included.
+UPPER = -p stickslip-output -p stickslip-exchange -p stickslip-cli
+CRATES = -p stickslip $(UPPER)
+ABOVE = $(UPPER) -p stickslip-studies -p stickslip-fuzz
 
 # Unit tests take seconds however they are compiled. Tests run side by side, so that each has one thread.
 test: deps

@@ -1,4 +1,4 @@
-//! What every room stands on: errors of input, formulas, histories in time, units, and how much memory is left.
+//! The foundation of all rooms: errors of input, formulas, histories in time, units, and the memory that is left.
 
 pub(crate) mod formula;
 pub(crate) mod input;

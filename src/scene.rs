@@ -56,7 +56,7 @@ pub const SCHEMA: &str = include_str!("scene/schema.json");
 pub struct Scene {
     /// A line for headings.
     pub title: String,
-    /// What is to be solved.
+    /// The model to solve.
     pub description: Description,
     /// The history's end and increments, whose ends the description has.
     pub time: Time,
@@ -88,11 +88,11 @@ pub struct Output {
     pub times: Vec<f64>,
     /// Besides, those of every so many increments and of the last one are written.
     pub every: Option<usize>,
-    /// Whether the fields of the body are written for the same times.
+    /// `true` if the fields of the body are written for the same times.
     pub fields: bool,
-    /// Whether pictures of the deformed body are drawn for the same times.
+    /// `true` if pictures of the deformed body are drawn for the same times.
     pub deformed: bool,
-    /// How many times as long displacements are drawn there; as long as they can well be seen unless given.
+    /// The magnification of displacements in these pictures; `None` chooses one that shows them well.
     pub magnification: Option<f64>,
     /// Points whose displacements and stresses are written in every increment.
     pub probes: Vec<Probe>,
@@ -142,7 +142,7 @@ impl Scene {
         scene.map_err(|error| SceneError::other(name, text.as_bytes()).unwrap_or(error))
     }
 
-    /// The same scene with further `overrides`.
+    /// Returns the scene with further `overrides`.
     ///
     /// # Errors
     /// As [`Scene::parse`].

@@ -290,9 +290,25 @@ impl ContactProblem {
 
     /// Returns the slip increment `w_T - w̄_T` of contact node `i` (m), including the `u_rest` of `state`: the
     /// direction of a small slip may be lost in the rounding of the displacements.
-    pub fn slip(&self, increment: &Increment<'_>, state: &State, i: usize) -> [f64; 2] {
+    pub(crate) fn slip(&self, increment: &Increment<'_>, state: &State, i: usize) -> [f64; 2] {
         let last = [increment.w_t_last[i], increment.w_o_last[i]];
         [0, 1].map(|d| self.tangential_maps()[d].difference(i, &state.u, &state.u_rest, last[d]))
+    }
+
+    /// Returns the motion of each contact node relative to its obstacle, `[w_n - g, w_t - w̄_t, w_o - w̄_o]`, m, including the
+    /// `u_rest` of `state`, in twice the working precision.
+    ///
+    /// # Errors
+    /// If an array of `increment` or `state` does not fit this problem.
+    pub fn relative_motions(&self, increment: &Increment<'_>, state: &State) -> Result<Vec<[f64; 3]>, ProblemError> {
+        increment.check(self)?;
+        state.check(self)?;
+        let motion = |i: usize| {
+            let normal = self.c_n().difference(i, &state.u, &state.u_rest, increment.gap[i]);
+            let [t, o] = self.slip(increment, state, i);
+            [normal, t, o]
+        };
+        Ok((0..self.contacts()).map(motion).collect())
     }
 
     /// Returns the work that friction dissipates in one increment, `p_Tᵀ (w_T - w̄_T)`, J, or J per m of depth. By
@@ -306,10 +322,14 @@ impl ContactProblem {
     }
 
     /// Returns the strain energy `½ uᵀ K u` of a state of this problem, J, or J per m of depth.
-    pub fn strain_energy(&self, state: &State) -> f64 {
+    ///
+    /// # Errors
+    /// If an array of `state` does not fit this problem.
+    pub fn strain_energy(&self, state: &State) -> Result<f64, ProblemError> {
+        state.check(self)?;
         let mut force = vec![0.0; state.u.len()];
         self.stiffness().mul(&state.u, &mut force);
-        0.5 * state.u.iter().zip(&force).map(|(u, f)| u * f).sum::<f64>()
+        Ok(0.5 * state.u.iter().zip(&force).map(|(u, f)| u * f).sum::<f64>())
     }
 
     /// Computes the strain energy of a state in equilibrium with the external forces `force` (N) as half the work of

@@ -1,6 +1,7 @@
 //! What several tests need: the block of the paper, built and run.
 #![allow(dead_code, clippy::unwrap_used)]
 
+pub mod around;
 pub mod convergence;
 pub mod faults;
 pub mod hertz;

@@ -1,20 +1,20 @@
 //! Increments that are solved ahead on the contact displacements and judged together: nothing of it shows in what is told.
 #![allow(clippy::unwrap_used)]
 
+use crate::common::around::around;
 use crate::common::difference;
 use std::cell::Cell;
 use std::ops::ControlFlow;
 use std::rc::Rc;
-use stickslip::algebra::linear::{LinearError, RefinedSolver};
-use stickslip::algebra::sparse::SystemMatrix;
+use stickslip::algebra::linear::LinearError;
 use stickslip::body::Model;
 use stickslip::run::discretise;
 use stickslip::scene::Scene;
 use stickslip::solver::history::{
     self, Algorithm, Error, HistoryOutcome, HistorySettings, IncrementRecord, IncrementSolver, IncrementView,
-    LinearAlgebra, Method, Observe, Observer, Status, Task,
+    LinearAlgebra, Method, Observer, Status,
 };
-use stickslip::solver::{ContactProblem, IterationRecord, Loading, MethodResult, State};
+use stickslip::solver::{ContactProblem, IterationRecord, Loading, State};
 
 const BLOCK: &str = include_str!("../../data/scenes/block.toml");
 
@@ -180,58 +180,19 @@ struct Failing {
     error: LinearError,
 }
 
-struct FailingOnce<'a> {
-    inner: Box<dyn IncrementSolver + 'a>,
-    left: Rc<Cell<usize>>,
-    error: LinearError,
-}
-
 impl Algorithm for Failing {
     fn start<'a>(&self, problem: &'a ContactProblem, loading: &Loading) -> Box<dyn IncrementSolver + 'a> {
-        let Failing { settings, left, error } = self;
-        Box::new(FailingOnce { inner: settings.start(problem, loading), left: Rc::clone(left), error: error.clone() })
+        let (left, error) = (Rc::clone(&self.left), self.error.clone());
+        around(self.settings.start(problem, loading), move |inner, task, linear, observe| {
+            let fails = left.get() == 0;
+            left.set(left.get().wrapping_sub(1));
+            if fails { Err(error.clone()) } else { inner.solve(task, linear, observe) }
+        })
     }
 }
 
-impl IncrementSolver for FailingOnce<'_> {
-    fn matrix(&self) -> &SystemMatrix {
-        self.inner.matrix()
-    }
-
-    fn linearize(&mut self) {
-        self.inner.linearize();
-    }
-
-    fn hold_contacts(&mut self) -> Result<(), Vec<f64>> {
-        self.inner.hold_contacts()
-    }
-
-    fn solve(
-        &mut self,
-        task: &Task<'_>,
-        linear: &mut RefinedSolver,
-        observe: Observe<'_>,
-    ) -> Result<MethodResult, LinearError> {
-        let fails = self.left.get() == 0;
-        self.left.set(self.left.get().wrapping_sub(1));
-        if fails { Err(self.error.clone()) } else { self.inner.solve(task, linear, observe) }
-    }
-
-    fn state(&self) -> State {
-        self.inner.state()
-    }
-
-    fn go_on_from(&mut self, state: &State) {
-        self.inner.go_on_from(state);
-    }
-
-    fn unknowns(&mut self) -> &mut Vec<f64> {
-        self.inner.unknowns()
-    }
-}
-
-/// What the linear algebra says in the midst of increments that are solved ahead is told when those before have been judged, as if each
-/// were alone; it is not tried again until it goes by itself.
+/// An error of the linear solver in the middle of a batch is reported after the increments before it are judged, as if each were solved
+/// alone. The failed increment is not repeated until it happens to succeed.
 #[test]
 fn an_error_ahead_is_told_after_what_is_before_it() {
     let (scene, model) = scene(BLOCK, &["mesh.elements=[8,8]", "solver.setting='default'"]);

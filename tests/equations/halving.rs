@@ -3,14 +3,14 @@
 
 use crate::common;
 use crate::common::Keep;
-use stickslip::algebra::linear::{LinearError, RefinedSolver};
-use stickslip::algebra::sparse::{Csr, Symmetric, SystemMatrix};
+use crate::common::around::around;
+use stickslip::algebra::sparse::{Csr, Symmetric};
 use stickslip::body::Model;
 use stickslip::run::discretise;
 use stickslip::solver::history::{
-    self, Algorithm, HistoryOutcome, HistorySettings, IncrementSolver, Method, Observe, Status, SystemSolver, Task,
+    self, Algorithm, HistoryOutcome, HistorySettings, IncrementSolver, Method, Status, SystemSolver,
 };
-use stickslip::solver::{ContactProblem, Loading, MethodResult, Motion, Parts, State};
+use stickslip::solver::{ContactProblem, Loading, MethodResult, Motion, Parts};
 
 /// BN that gives up after so many iterations, without help from the interior point method.
 fn hasty(model: &Model, iterations: usize, times: &[f64], keep: &mut Keep) -> HistoryOutcome {
@@ -103,66 +103,32 @@ fn an_increment_that_no_halving_saves() {
 /// BN that does nothing where the first gap has changed by more than 0.3 m since it last did something.
 struct Timid(HistorySettings);
 
-struct Tried<'a> {
-    inner: Box<dyn IncrementSolver + 'a>,
-    gap: f64,
-    /// What is left of the displacement where nothing is done, m.
-    leaves: f64,
-}
-
 impl Algorithm for Timid {
     fn start<'a>(&self, problem: &'a ContactProblem, loading: &Loading) -> Box<dyn IncrementSolver + 'a> {
-        Box::new(Tried { inner: self.0.start(problem, loading), gap: 0.0, leaves: 0.0 })
+        gives_up(self.0.start(problem, loading), 0.0)
     }
 }
 
-/// The same, and leaves no number behind.
+/// A method that gives up as [`Timid`] does, and leaves a displacement that is not a number.
 struct Lost(HistorySettings);
 
 impl Algorithm for Lost {
     fn start<'a>(&self, problem: &'a ContactProblem, loading: &Loading) -> Box<dyn IncrementSolver + 'a> {
-        Box::new(Tried { inner: self.0.start(problem, loading), gap: 0.0, leaves: f64::NAN })
+        gives_up(self.0.start(problem, loading), f64::NAN)
     }
 }
 
-impl IncrementSolver for Tried<'_> {
-    fn matrix(&self) -> &SystemMatrix {
-        self.inner.matrix()
-    }
-
-    fn linearize(&mut self) {
-        self.inner.linearize();
-    }
-
-    fn hold_contacts(&mut self) -> Result<(), Vec<f64>> {
-        self.inner.hold_contacts()
-    }
-
-    fn solve(
-        &mut self,
-        task: &Task<'_>,
-        linear: &mut RefinedSolver,
-        observe: Observe<'_>,
-    ) -> Result<MethodResult, LinearError> {
-        if (task.increment.gap[0] - self.gap).abs() > 0.3 {
-            self.inner.unknowns()[0] += self.leaves;
+/// Returns a method that gives up where a gap changes by more than 0.3 m, and then adds `leaves` to a displacement, m.
+fn gives_up<'a>(inner: Box<dyn IncrementSolver + 'a>, leaves: f64) -> Box<dyn IncrementSolver + 'a> {
+    let mut gap = 0.0_f64;
+    around(inner, move |inner, task, linear, observe| {
+        if (task.increment.gap[0] - gap).abs() > 0.3 {
+            inner.unknowns()[0] += leaves;
             return Ok(MethodResult::new(1.0));
         }
-        self.gap = task.increment.gap[0];
-        self.inner.solve(task, linear, observe)
-    }
-
-    fn state(&self) -> State {
-        self.inner.state()
-    }
-
-    fn go_on_from(&mut self, state: &State) {
-        self.inner.go_on_from(state);
-    }
-
-    fn unknowns(&mut self) -> &mut Vec<f64> {
-        self.inner.unknowns()
-    }
+        gap = task.increment.gap[0];
+        inner.solve(task, linear, observe)
+    })
 }
 
 /// An obstacle moves by 1 m into a node on springs. Before the first increment that is solved there is no force at all, against which

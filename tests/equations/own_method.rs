@@ -2,15 +2,14 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common;
+use crate::common::around::around;
 use std::cell::RefCell;
 use std::rc::Rc;
-use stickslip::algebra::linear::{LinearError, RefinedSolver};
-use stickslip::algebra::sparse::SystemMatrix;
 use stickslip::run::discretise;
 use stickslip::solver::history::{
-    self, Algorithm, HistorySettings, IncrementSolver, LinearAlgebra, Method, Observe, Status, SystemSolver, Task,
+    self, Algorithm, HistorySettings, IncrementSolver, LinearAlgebra, Method, Status, SystemSolver,
 };
-use stickslip::solver::{ContactProblem, Loading, MethodResult, State};
+use stickslip::solver::{ContactProblem, Loading};
 
 /// BN, and a diary of the displacements that each increment has.
 struct Diary {
@@ -18,50 +17,13 @@ struct Diary {
     pages: Rc<RefCell<Vec<usize>>>,
 }
 
-struct Kept<'a> {
-    inner: Box<dyn IncrementSolver + 'a>,
-    pages: Rc<RefCell<Vec<usize>>>,
-}
-
 impl Algorithm for Diary {
     fn start<'a>(&self, problem: &'a ContactProblem, loading: &Loading) -> Box<dyn IncrementSolver + 'a> {
-        Box::new(Kept { inner: self.settings.start(problem, loading), pages: Rc::clone(&self.pages) })
-    }
-}
-
-impl IncrementSolver for Kept<'_> {
-    fn matrix(&self) -> &SystemMatrix {
-        self.inner.matrix()
-    }
-
-    fn linearize(&mut self) {
-        self.inner.linearize();
-    }
-
-    fn hold_contacts(&mut self) -> Result<(), Vec<f64>> {
-        self.inner.hold_contacts()
-    }
-
-    fn solve(
-        &mut self,
-        task: &Task<'_>,
-        linear: &mut RefinedSolver,
-        observe: Observe<'_>,
-    ) -> Result<MethodResult, LinearError> {
-        self.pages.borrow_mut().push(task.increment.force.len());
-        self.inner.solve(task, linear, observe)
-    }
-
-    fn state(&self) -> State {
-        self.inner.state()
-    }
-
-    fn go_on_from(&mut self, state: &State) {
-        self.inner.go_on_from(state);
-    }
-
-    fn unknowns(&mut self) -> &mut Vec<f64> {
-        self.inner.unknowns()
+        let pages = Rc::clone(&self.pages);
+        around(self.settings.start(problem, loading), move |inner, task, linear, observe| {
+            pages.borrow_mut().push(task.increment.force.len());
+            inner.solve(task, linear, observe)
+        })
     }
 }
 

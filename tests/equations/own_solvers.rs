@@ -16,9 +16,9 @@ use stickslip::solver::{ContactProblem, CriticalFriction, Increment, Parts, Stat
 /// The sparse LU of this build behind a mask.
 struct Masked {
     lu: Box<dyn LinearSolver>,
-    /// What it says of its pivots.
+    /// The pivot ratio that it reports.
     pivot_ratio: f64,
-    /// By what its solutions are too large.
+    /// The share by which its solutions are too large.
     excess: f64,
 }
 
@@ -65,7 +65,7 @@ fn ring(held: bool) -> ContactProblem {
     let parts = Parts {
         c_t: Csr::from_rows(4, [[(0, 1.0)]]).unwrap(),
         mu: vec![0.5],
-        // What moves freely is not told.
+        // A free motion is not reported.
         rigid_modes: Some(Vec::new()),
         ..Parts::new(Symmetric::from_triplets(4, &entries).unwrap(), Csr::from_rows(4, [[(3, 1.0)]]).unwrap())
     };

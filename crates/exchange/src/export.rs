@@ -5,7 +5,7 @@ use super::reduction::{Reduction, ReductionError};
 use super::{GlobalProblem, Info, Problem, ProblemFile, Solution};
 use stickslip::algebra::sparse::Csc;
 use stickslip::base::InputError;
-use stickslip::solver::{ContactProblem, Increment, State};
+use stickslip::solver::{ContactProblem, Increment, ProblemError, State};
 
 /// Exports one increment of `problem` in space of `dimension` (2 or 3), from `before` to `state`, as a global problem.
 ///
@@ -20,7 +20,7 @@ pub fn export(
     info: Info,
 ) -> Result<ProblemFile, InputError> {
     let help = "give the state and the increment of this problem";
-    let refused = |error: stickslip::solver::ProblemError| InputError::new("increment", error.to_string(), help);
+    let refused = |error: ProblemError| InputError::new("increment", error.to_string(), help);
     problem.equilibrium(increment.force, state).map_err(refused)?;
     problem.equilibrium(increment.force, before).map_err(refused)?;
     let (n, n_c) = (problem.displacements(), problem.contacts());
@@ -45,21 +45,24 @@ pub fn export(
     let of_contact = |i: usize| [gap[i], 0.0 - w_t_last[i], 0.0 - w_o_last[i]].into_iter().take(dimension);
     let w = (0..n_c).flat_map(of_contact).collect();
     let parts = Parts { dimension, m, h, f: force.to_vec(), w, mu: mu.to_vec(), constraints: 0 };
-    let told = |state: &State| solution(problem, dimension, increment, state);
-    let (solution, guesses) = (Some(told(state)), vec![told(before)]);
+    let told = |state: &State| solution(problem, dimension, increment, state).map_err(refused);
+    let (solution, guesses) = (Some(told(state)?), vec![told(before)?]);
     Ok(ProblemFile { info, problem: Problem::Global(GlobalProblem::new(parts)?), solution, guesses })
 }
 
 /// Converts a state of `problem`. Velocities include the digits that `u` loses by rounding.
-fn solution(problem: &ContactProblem, dimension: usize, increment: &Increment<'_>, state: &State) -> Solution {
+fn solution(
+    problem: &ContactProblem,
+    dimension: usize,
+    increment: &Increment<'_>,
+    state: &State,
+) -> Result<Solution, ProblemError> {
     let (mut r, mut u) = (Vec::new(), Vec::new());
-    for i in 0..problem.contacts() {
-        let gap = 0.0 - problem.c_n().difference(i, &state.u, &state.u_rest, increment.gap[i]);
-        let [t, o] = problem.slip(increment, state, i);
-        u.extend([gap, t, o].into_iter().take(dimension));
+    for (i, [normal, t, o]) in problem.relative_motions(increment, state)?.into_iter().enumerate() {
+        u.extend([0.0 - normal, t, o].into_iter().take(dimension));
         r.extend([state.p_n[i], 0.0 - state.p_t[i], 0.0 - state.p_o[i]].into_iter().take(dimension));
     }
-    Solution { v: state.u.clone(), r, u }
+    Ok(Solution { v: state.u.clone(), r, u })
 }
 
 /// Reduces a problem to its contacts. A local problem is returned unchanged.

@@ -102,13 +102,13 @@ impl Csr {
     }
 
     /// Returns the product of row `i` with `x`.
-    pub fn dot(&self, i: usize, x: &[f64]) -> f64 {
+    pub(crate) fn dot(&self, i: usize, x: &[f64]) -> f64 {
         self.row(i).iter().map(|&(column, value)| value * x[column]).sum()
     }
 
     /// Returns the product of row `i` with `x + rest`, minus `y`, in twice the working precision; `rest` may be
     /// empty.
-    pub fn difference(&self, i: usize, x: &[f64], rest: &[f64], y: f64) -> f64 {
+    pub(crate) fn difference(&self, i: usize, x: &[f64], rest: &[f64], y: f64) -> f64 {
         let mut sum = DoubleDouble::default();
         for &(column, value) in self.row(i) {
             sum.add_product(value, x[column]);
@@ -119,7 +119,7 @@ impl Csr {
     }
 
     /// Computes `A x`.
-    pub fn mul(&self, x: &[f64]) -> Vec<f64> {
+    pub(crate) fn mul(&self, x: &[f64]) -> Vec<f64> {
         (0..self.rows()).map(|i| self.dot(i, x)).collect()
     }
 

@@ -139,7 +139,7 @@ impl Pattern {
     }
 
     /// Returns the range of storage slots of `column`, which must be below [`Pattern::columns`].
-    pub fn column(&self, column: usize) -> std::ops::Range<usize> {
+    pub(crate) fn column(&self, column: usize) -> std::ops::Range<usize> {
         self.column_starts[column] as usize..self.column_starts[column + 1] as usize
     }
 

@@ -120,7 +120,7 @@ impl ContactGraph {
 
     /// Returns `true` if the contact surface ends at contact node `i`; it does not end at a symmetry plane.
     pub fn is_at_the_rim(&self, i: usize) -> bool {
-        self.rim[i]
+        self.rim.get(i).copied().unwrap_or(false)
     }
 
     /// Returns `true` if a symmetry plane cuts the contact surface at contact node `i`.

@@ -121,7 +121,7 @@ impl Column {
     }
 }
 
-/// Whether two texts are the same, for constants.
+/// Returns `true` if two texts are equal; usable in constants.
 const fn same(a: &str, b: &str) -> bool {
     let (a, b) = (a.as_bytes(), b.as_bytes());
     let mut k = 0;
@@ -131,7 +131,7 @@ const fn same(a: &str, b: &str) -> bool {
     k == a.len() && k == b.len()
 }
 
-/// What the column of this name in any table of results is, if one has it.
+/// Returns the quantity of the column of this name, if a table of results has such a column.
 pub fn column(name: &str) -> Option<Quantity> {
     find(COLUMNS, name)
 }

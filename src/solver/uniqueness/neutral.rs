@@ -84,7 +84,7 @@ mod tests {
                 assert_eq!(motions.len(), 1, "{length} {size}");
                 let [x, y] = motions[0].weights[..] else { panic!("{motions:?}") };
                 assert!(y.abs() < 1e-15 * x.abs(), "{motions:?}");
-                // What rounding leaves along the row stops nothing.
+                // A remainder along the row that is only rounding stops nothing.
                 assert_eq!(left(vec![vec![size, 1e-15 * size]], length).len(), 1, "{length} {size}");
             }
         }

@@ -13,7 +13,7 @@ const NOTE: &str = "out of memory: an allocation that the program needs was refu
 const ABORTED: &str = "a library ended the program, possibly for lack of memory; otherwise please report it with \
                        the scene\nwhat was written before is complete\n";
 
-/// The same message as one JSON object, in the format of `output`.
+/// The message as one JSON object, in the format of `output`.
 const JSON: &str = "{\n  \"schema_version\": 1,\n  \"status\": \"machine-failure\",\n  \"message\": \"out of memory: an allocation that \
                     the program needs was refused\",\n  \"help\": \"use a coarser mesh, raise the memory limit, or use a machine with \
                     more memory\"\n}\n";

@@ -64,7 +64,7 @@ impl End {
             p_t,
             p_o,
             work,
-            energy: model.problem.strain_energy(state),
+            energy: model.problem.strain_energy(state).expect("a state of this model"),
             peak: model.contact_pressures(state).into_iter().fold(0.0, f64::max),
             tractions: Tractions::of(model, state),
         }

@@ -48,7 +48,7 @@ impl Factors {
     /// Returns the solution for `b`, with NaN if the factors fail.
     pub(super) fn solve(&mut self, b: &[f64]) -> Vec<f64> {
         match self {
-            Factors::Dense(lu) => lu.solve(b),
+            Factors::Dense(lu) => lu.solution(b).unwrap_or_else(|_| vec![f64::NAN; b.len()]),
             Factors::Sparse(solver) => {
                 let mut x = vec![f64::NAN; b.len()];
                 if solver.solve(b, &mut x).is_err() {

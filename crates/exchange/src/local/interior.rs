@@ -106,7 +106,7 @@ fn advance(scaled: &ScaledContacts, points: &[Unknowns], on_cone: bool) -> Optio
             scaled.put(k, points[k].reduce(&laws[k], sizes[k], missing), &mut rhs);
         }
         let dr = system.solve(&rhs);
-        let du = scaled.delassus.mul(&dr);
+        let du = scaled.product(&dr);
         let own = |k: usize| points[k].recover(&laws[k], &missing[k], scaled.at(k, &dr), scaled.at(k, &du));
         (0..points.len()).map(own).collect()
     };

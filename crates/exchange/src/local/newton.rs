@@ -83,7 +83,7 @@ pub(super) fn newton(judge: &mut Judge<'_>, start: Vec<f64>, limit: usize) -> us
         let last = judge.solved();
         let Some(dr) = point.direction(scaled, &mut proximal) else { break };
         iterations += 1;
-        let du = scaled.delassus.mul(&dr);
+        let du = scaled.product(&dr);
         let (mut step, mut halvings) = (1.0, 0);
         let mut ahead = point.ahead(scaled, step, &dr, &du);
         // NaN is no decrease.

@@ -59,7 +59,8 @@ impl ScaledContacts {
         let mut rows = vec![Vec::new(); source.len()];
         let pattern = problem.delassus().pattern();
         for (to, &column) in source.iter().enumerate() {
-            for slot in pattern.column(column) {
+            let starts = pattern.column_starts();
+            for slot in starts[column] as usize..starts[column + 1] as usize {
                 let row = pattern.row_indices()[slot] as usize;
                 if let Some(row) = place[row] {
                     rows[row].push((to, units[row] * problem.delassus().values()[slot] * units[to]));
@@ -119,9 +120,19 @@ impl ScaledContacts {
         x[self.range(k)].iter_mut().zip(own).for_each(|(to, from)| *to = from);
     }
 
+    /// Returns the product of one row of `W'` with `r'`.
+    pub(super) fn row_product(&self, row: usize, r: &[f64]) -> f64 {
+        self.delassus.row(row).iter().map(|&(column, w)| w * r[column]).sum()
+    }
+
+    /// Returns `W' r'`.
+    pub(super) fn product(&self, r: &[f64]) -> Vec<f64> {
+        (0..self.rows()).map(|row| self.row_product(row, r)).collect()
+    }
+
     /// Returns `u' = W' r' + q'`.
     pub(super) fn velocities(&self, r: &[f64]) -> Vec<f64> {
-        let mut u = self.delassus.mul(r);
+        let mut u = self.product(r);
         u.iter_mut().zip(&self.q).for_each(|(u, q)| *u += q);
         u
     }

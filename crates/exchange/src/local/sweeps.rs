@@ -14,7 +14,7 @@ pub(super) fn sweep(scaled: &ScaledContacts, r: &mut [f64], sweeps: usize) {
             let mut without = [0.0; 3];
             for (c, row) in range.enumerate() {
                 let by_own: f64 = (0..3).map(|l| block[c][l] * own[l]).sum();
-                without[c] = scaled.q[row] + scaled.delassus.dot(row, r) - by_own;
+                without[c] = scaled.q[row] + scaled.row_product(row, r) - by_own;
             }
             scaled.put(k, single::force(law, block, without), r);
         }

@@ -61,7 +61,7 @@ impl<'a> FactoredMatrix<'a> {
         let mut x: Vec<f64> =
             b.iter().zip(&self.places).map(|(b, place)| if place.is_some() { 0.0 } else { *b }).collect();
         let known = x.iter().any(|x| *x != 0.0);
-        let given = if known { self.scaled.delassus.mul(&x) } else { vec![0.0; x.len()] };
+        let given = if known { self.scaled.product(&x) } else { vec![0.0; x.len()] };
         let mut rest = Vec::with_capacity(x.len());
         for (k, Linear { by_u, .. }) in self.blocks.iter().enumerate() {
             let range = self.scaled.range(k);
@@ -102,7 +102,7 @@ mod tests {
         let b: Vec<f64> = (0..9).map(|k| f64::from(k) - 3.0).collect();
         let proximal = 0.25;
         let x = FactoredMatrix::new(&scaled, &blocks, proximal).unwrap().solve(&b);
-        let mut product = scaled.delassus.mul(&x);
+        let mut product = scaled.product(&x);
         for (k, law) in scaled.laws().iter().enumerate() {
             scaled.range(k).for_each(|row| product[row] += proximal / law.stiffness * x[row]);
         }

@@ -103,8 +103,19 @@ impl Lu {
         self.pivot_ratio
     }
 
+    /// Solves `A x = b`.
+    ///
+    /// # Errors
+    /// [`LinearError::Shape`] if `b` does not have the order of `A`.
+    pub fn solution(&self, b: &[f64]) -> Result<Vec<f64>, LinearError> {
+        if b.len() != self.order() {
+            return Err(LinearError::Shape { what: "b", expected: self.order(), found: b.len() });
+        }
+        Ok(self.solve(b))
+    }
+
     /// Solves `A x = b`, where `b` has the order of `A`.
-    pub fn solve(&self, b: &[f64]) -> Vec<f64> {
+    pub(crate) fn solve(&self, b: &[f64]) -> Vec<f64> {
         let mut x: Vec<f64> = self.permutation.iter().map(|&row| b[row]).collect();
         for column in 0..x.len() {
             let (head, below) = x.split_at_mut(column + 1);

@@ -1,0 +1,68 @@
+//! A method around another one: its increments are solved by a closure, and all else is left to the method inside.
+
+use stickslip::algebra::linear::{LinearError, RefinedSolver};
+use stickslip::algebra::sparse::SystemMatrix;
+use stickslip::solver::history::{IncrementSolver, Observe, Task};
+use stickslip::solver::{MethodResult, State};
+
+struct Around<'a, F> {
+    inner: Box<dyn IncrementSolver + 'a>,
+    solve: F,
+}
+
+/// Returns a method that solves increments by `solve`, which may pass them on to `inner`.
+pub fn around<'a, F>(inner: Box<dyn IncrementSolver + 'a>, solve: F) -> Box<dyn IncrementSolver + 'a>
+where
+    F: FnMut(
+            &mut (dyn IncrementSolver + 'a),
+            &Task<'_>,
+            &mut RefinedSolver,
+            Observe<'_>,
+        ) -> Result<MethodResult, LinearError>
+        + 'a,
+{
+    Box::new(Around { inner, solve })
+}
+
+impl<'a, F> IncrementSolver for Around<'a, F>
+where
+    F: FnMut(
+        &mut (dyn IncrementSolver + 'a),
+        &Task<'_>,
+        &mut RefinedSolver,
+        Observe<'_>,
+    ) -> Result<MethodResult, LinearError>,
+{
+    fn matrix(&self) -> &SystemMatrix {
+        self.inner.matrix()
+    }
+
+    fn linearize(&mut self) {
+        self.inner.linearize();
+    }
+
+    fn hold_contacts(&mut self) -> Result<(), Vec<f64>> {
+        self.inner.hold_contacts()
+    }
+
+    fn solve(
+        &mut self,
+        task: &Task<'_>,
+        linear: &mut RefinedSolver,
+        observe: Observe<'_>,
+    ) -> Result<MethodResult, LinearError> {
+        (self.solve)(self.inner.as_mut(), task, linear, observe)
+    }
+
+    fn state(&self) -> State {
+        self.inner.state()
+    }
+
+    fn go_on_from(&mut self, state: &State) {
+        self.inner.go_on_from(state);
+    }
+
+    fn unknowns(&mut self) -> &mut Vec<f64> {
+        self.inner.unknowns()
+    }
+}
