@@ -1,12 +1,13 @@
-//! Quasi-static elastic contact with Coulomb friction: the exact law, on the full uncondensed
-//! sparse system, with an error measure that does not trust the solver.
+//! Quasi-static elastic contact with Coulomb friction, without a penalty: solved on the whole sparse system or condensed
+//! on the contact nodes, and judged by an error measure that is independent of the solver.
 //!
 //! The problem of one load increment, in the notation of Christensen, Klarbring, Pang and Strömberg
 //! (Int. J. Numer. Meth. Engng 42, 1998), whose equation numbers stand throughout:
 //!
 //! - equilibrium (15): `K u + C_nᵀ p_n + C_tᵀ p_t = f`;
 //! - contact (4): `w_n = C_n u ≤ g`, `p_n ≥ 0`, `p_n (w_n - g) = 0`;
-//! - friction, backward Euler (8): `|p_t| ≤ μ p_n`, dissipating most against `w_t - w̄_t`, `w_t = C_t u`.
+//! - friction, backward Euler (8): `|p_t| ≤ μ p_n`, and `p_t` maximises the dissipation `p_t · (w_t - w̄_t)`, with `w_t = C_t u`
+//!   and its value `w̄_t` at the end of the increment before.
 //!
 //! # Start here
 //!

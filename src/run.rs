@@ -22,40 +22,41 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod applicable;
 pub(crate) mod auto;
 mod companion;
 mod discretise;
 mod error;
+mod force_jumps;
 #[cfg(feature = "petsc")]
 mod grid;
 mod increments;
-mod leaps;
 mod need;
 mod recording;
 pub mod report;
 mod sharing;
 mod start;
-mod suited;
 mod watch;
 
 use std::borrow::Cow;
 use std::time::Instant;
 
+pub use applicable::{Unsuited, unsuited};
 pub use discretise::discretise;
 use discretise::{as_chosen, for_run};
 pub use error::RunError;
 #[cfg(feature = "petsc")]
 pub use grid::grid;
 pub use increments::increments_for;
-pub use need::Need;
+pub use need::MemoryEstimate;
 pub use recording::{RecordedIncrement, Recording};
-pub use suited::{Unsuited, unsuited};
 
 use crate::algebra::linear::RefinedSolver;
 use crate::base::memory::Budget;
 use crate::body::model::Model;
 use crate::run::report::{
-    CompanionEstimate, Estimates, Facts, Leap, Measured, RankRecord, RunReport, Warning, cpu_seconds, peak_rss_bytes,
+    CompanionEstimate, Estimates, ForceJump, Measured, RankRecord, ReportInput, RunReport, Warning, cpu_seconds,
+    peak_rss_bytes,
 };
 use crate::scene::Scene;
 use crate::solver::checkpoint::Checkpoint;
@@ -68,13 +69,13 @@ use crate::solver::initial_working_set::{self, InitialWorkingSet};
 use crate::solver::laws::{ContactStatus, KktScales};
 use crate::solver::problem::State;
 use crate::solver::uniqueness::{self, CriticalFriction};
+use applicable::{fell_back, means};
 use auto::factorizations;
-pub use auto::{AvailableSolvers, Choice, Done, Faster, Path};
+pub use auto::{AvailableSolvers, Choice, Done, Faster, SolverEstimate};
 use companion::{Companion, Quiet};
-use leaps::Leaps;
-use suited::{gave_way, means};
-pub use watch::Ledger;
-use watch::{Audience, Watch};
+use force_jumps::JumpDetector;
+pub use watch::RecordWriter;
+use watch::{ReportCollector, Sink};
 
 /// The number of factorisations from which on a better ordering is worth its time.
 const MANY: f64 = 10.0;
@@ -140,7 +141,7 @@ impl<'a> Run<'a> {
         history::check_times(&times).map_err(history::Error::from)?;
         let budget = Budget::of_process();
         // If the factors of the body do not fit into memory, the extent of contact is not estimated with them.
-        let has_room = || Need::check(&model, LinearAlgebra::condensed(), budget).is_ok();
+        let has_room = || MemoryEstimate::check(&model, LinearAlgebra::condensed(), budget).is_ok();
         let may_condense =
             solver.linear.is_none_or(LinearAlgebra::condenses) && !solver.method.is_of_paper() && has_room();
         let condensing = match solver.linear {
@@ -165,7 +166,7 @@ impl<'a> Run<'a> {
             Choice::cheapest(&model.problem, &reach, solver.method, times.len(), means)?
         };
         let model = as_chosen(scene, model, solver, choice.linear)?;
-        Need::check(&model, choice.linear, budget)?;
+        MemoryEstimate::check(&model, choice.linear, budget)?;
         let model_seconds = start.elapsed().as_secs_f64();
         let (uniqueness, companion, from) = (false, false, None);
         Ok(Run { scene, model, times, solver, choice, budget, reach, uniqueness, companion, from, model_seconds })
@@ -259,8 +260,8 @@ impl<'a> Run<'a> {
     ///
     /// # Errors
     /// As [`Run::solve`].
-    pub fn solve_to(&self, ledger: &mut dyn Ledger) -> Result<RunReport, RunError> {
-        self.report(self.system(), Audience::Ledger(ledger))
+    pub fn solve_to(&self, ledger: &mut dyn RecordWriter) -> Result<RunReport, RunError> {
+        self.report(self.system(), Sink::RecordWriter(ledger))
     }
 
     /// Solves the history with another linear system than the chosen one, e.g. with a linear solver of your own:
@@ -269,16 +270,16 @@ impl<'a> Run<'a> {
     /// # Errors
     /// As [`Run::solve`].
     pub fn solve_with(&self, system: SystemSolver, observer: &mut dyn Observer) -> Result<RunReport, RunError> {
-        self.report(system, Audience::Observer(observer))
+        self.report(system, Sink::Observer(observer))
     }
 
-    fn report(&self, system: SystemSolver, mut audience: Audience<'_>) -> Result<RunReport, RunError> {
+    fn report(&self, system: SystemSolver, mut audience: Sink<'_>) -> Result<RunReport, RunError> {
         let start = Instant::now();
         let (linear, condensed) = (system.name(), system.condenses());
         let companion = self.companion();
         let numbers = companion.as_ref().map_or(&[][..], |companion| &companion.ends[0]);
-        let leaps = Leaps::new(&self.model, self.solver.method);
-        let mut watch = Watch::new(&self.model, self.uniqueness, numbers, leaps, &mut audience);
+        let leaps = JumpDetector::new(&self.model, self.solver.method);
+        let mut watch = ReportCollector::new(&self.model, self.uniqueness, numbers, leaps, &mut audience);
         if let Some(checkpoint) = &self.from {
             watch.go_on_from(checkpoint).map_err(history::Error::from)?;
         }
@@ -289,7 +290,9 @@ impl<'a> Run<'a> {
             ..self.settings()?
         };
         let outcome = self.history_with(system, &self.times, &settings, &mut watch)?;
-        let Watch { validity, estimates, balance, curves, increments, forces, reactions, last_reactions, .. } = watch;
+        let ReportCollector {
+            validity, estimates, balance, curves, increments, forces, reactions, last_reactions, ..
+        } = watch;
         let (last, states, leaps) = (watch.last, watch.states, watch.leaps);
         let mut all_estimates = Estimates { increments: outcome.increment_error, ..estimates.estimates(&self.model) };
         // The history is solved. From here on, a failure of an additional result loses that result only.
@@ -337,7 +340,7 @@ impl<'a> Run<'a> {
             factorizations: outcome.linear.factorizations,
             seconds: measured.wall_seconds,
         };
-        Ok(RunReport::new(Facts {
+        Ok(RunReport::new(ReportInput {
             scene: self.scene,
             model: &self.model,
             solver: &self.solver,
@@ -346,7 +349,7 @@ impl<'a> Run<'a> {
             faster: self.faster(&linear, &done),
             linear,
             choice: &self.choice,
-            unsuited: gave_way(&outcome.linear, &self.model, self.solver.method),
+            unsuited: fell_back(&outcome.linear, &self.model, self.solver.method),
             outcome: &outcome,
             validity: &validity,
             largest_pressure: estimates.largest_pressure(&self.model),
@@ -419,11 +422,11 @@ impl<'a> Run<'a> {
     /// Finds the first increment in which contact forces jump.
     fn leap(
         &self,
-        leaps: &Leaps,
+        leaps: &JumpDetector,
         settings: &HistorySettings,
         scales: KktScales,
         observer: &mut dyn Observer,
-    ) -> Result<Option<Leap>, RunError> {
+    ) -> Result<Option<ForceJump>, RunError> {
         if !leaps.are_suspected() {
             return Ok(None);
         }

@@ -27,9 +27,9 @@
 mod document;
 mod error;
 mod files;
-mod origin;
 mod overrides;
 mod places;
+mod provenance;
 mod read;
 mod solver;
 mod syntax;
@@ -38,8 +38,8 @@ use std::path::{Path, PathBuf};
 
 pub use crate::base::input::{Contents, with_contents};
 pub use error::{Located, SceneError};
-pub use origin::Origin;
 pub use overrides::{Override, OverrideSyntax};
+pub use provenance::Provenance;
 
 use crate::base::input_error::InputError;
 use crate::base::timeline::{equal_increments, with_further_ends};

@@ -46,14 +46,14 @@ enum Why {
     Named,
     /// The fastest of these that fit into memory.
     Estimated {
-        paths: Vec<Path>,
+        paths: Vec<SolverEstimate>,
         means: AvailableSolvers,
     },
 }
 
 /// A linear solver with its estimated cost.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Path {
+pub struct SolverEstimate {
     /// The linear algebra.
     pub linear: LinearAlgebra,
     /// The cost of all increments.
@@ -128,7 +128,9 @@ impl Choice {
         let work = [increments as f64, factorizations];
         let sizes = Estimates::new(problem, reach, method, work, Cholesky::predict(problem.stiffness())?);
         let paths = sizes.paths(means);
-        let by = |measure: fn(&Path) -> f64| move |a: &&Path, b: &&Path| measure(a).total_cmp(&measure(b));
+        let by = |measure: fn(&SolverEstimate) -> f64| {
+            move |a: &&SolverEstimate, b: &&SolverEstimate| measure(a).total_cmp(&measure(b))
+        };
         let fastest = paths.iter().filter(|path| means.have_room(path)).min_by(by(|path| path.cost.seconds));
         let chosen = fastest.or_else(|| paths.iter().min_by(by(|path| path.cost.bytes)));
         let linear = chosen.map_or_else(LinearAlgebra::default, |path| path.linear);
@@ -136,7 +138,7 @@ impl Choice {
     }
 
     /// Returns the compared solvers with their estimates; empty if there was no choice.
-    pub fn paths(&self) -> &[Path] {
+    pub fn paths(&self) -> &[SolverEstimate] {
         match &self.why {
             Why::Estimated { paths, .. } => paths,
             Why::Named => &[],
@@ -175,8 +177,8 @@ impl Choice {
         }
         let estimates = estimates(Cholesky::predict(problem.stiffness())?);
         let here_seconds = estimates.cost(self.linear).shared_by(means.ranks).seconds;
-        let worth_a_word = |other: &Path| here_seconds > MUCH * other.cost.seconds && here_seconds > long;
-        let faster = |other: Path| Faster { solver: other.linear, seconds: other.cost.seconds, here_seconds };
+        let worth_a_word = |other: &SolverEstimate| here_seconds > MUCH * other.cost.seconds && here_seconds > long;
+        let faster = |other: SolverEstimate| Faster { solver: other.linear, seconds: other.cost.seconds, here_seconds };
         Ok(fastest(&estimates).filter(worth_a_word).map(faster))
     }
 
@@ -192,16 +194,16 @@ impl Choice {
             Why::Named => None,
             Why::Estimated { paths, means } => {
                 let own = paths.iter().find(|path| path.linear == linear)?;
-                let (mut with_room, without): (Vec<&Path>, Vec<&Path>) =
+                let (mut with_room, without): (Vec<&SolverEstimate>, Vec<&SolverEstimate>) =
                     paths.iter().partition(|path| means.have_room(path));
                 with_room.retain(|path| path.linear != linear);
-                let seconds = |path: &&Path| format!("{:.2} s for {}", path.cost.seconds, path.linear);
+                let seconds = |path: &&SolverEstimate| format!("{:.2} s for {}", path.cost.seconds, path.linear);
                 let mut reason = format!("estimated {:.2} s", own.cost.seconds);
                 if !with_room.is_empty() {
                     let with_room: Vec<String> = with_room.iter().map(seconds).collect();
                     reason = format!("{reason} against {}", with_room.join(" and "));
                 }
-                let needs = |path: &&Path| format!("{} {}", path.linear, in_words(path.cost.bytes as u64));
+                let needs = |path: &&SolverEstimate| format!("{} {}", path.linear, in_words(path.cost.bytes as u64));
                 let without: Vec<String> = without.iter().map(needs).collect();
                 if let (Some(available), false) = (means.available, without.is_empty()) {
                     let without = without.join(" and ");
@@ -225,7 +227,7 @@ impl AvailableSolvers {
         AvailableSolvers { available, multigrid: false, ranks: ranks() }
     }
 
-    fn have_room(&self, path: &Path) -> bool {
+    fn have_room(&self, path: &SolverEstimate) -> bool {
         self.available.is_none_or(|available| path.cost.bytes <= available as f64)
     }
 }
@@ -283,7 +285,7 @@ impl Estimates {
 
     /// Returns all solvers of this build: the default sparse LU, MUMPS, condensation and multigrid. With several
     /// processes, only solvers that use all of them.
-    fn paths(&self, means: AvailableSolvers) -> Vec<Path> {
+    fn paths(&self, means: AvailableSolvers) -> Vec<SolverEstimate> {
         let whole = LinearAlgebra::default();
         let mut all = vec![whole];
         all.extend((whole != MUMPS).then_some(MUMPS));
@@ -292,7 +294,7 @@ impl Estimates {
         all.retain(|linear| linear.is_built_in());
         let shared: Vec<LinearAlgebra> = all.iter().copied().filter(|linear| linear.is_shared()).collect();
         let (of, ranks) = if means.ranks > 1 && !shared.is_empty() { (shared, means.ranks) } else { (all, 1) };
-        of.into_iter().map(|linear| Path { linear, cost: self.cost(linear).shared_by(ranks) }).collect()
+        of.into_iter().map(|linear| SolverEstimate { linear, cost: self.cost(linear).shared_by(ranks) }).collect()
     }
 }
 

@@ -6,7 +6,7 @@ use crate::algebra::linear::cost::{self, Sizes, Work};
 use crate::algebra::linear::{Cholesky, FactorInfo, LinearError};
 use crate::base::memory::Budget;
 use crate::body::model::Model;
-use crate::run::auto::Path;
+use crate::run::auto::SolverEstimate;
 use crate::solver::history::LinearAlgebra;
 
 /// Bytes per entry of the lower triangle of the stiffness, for mesh, assembly and the patterns and values of all
@@ -30,7 +30,7 @@ const MOST_FILL: usize = 64;
 
 /// The memory needed by a run, bytes.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Need {
+pub struct MemoryEstimate {
     /// The program, mesh, stiffness, contact and the equations.
     pub body: f64,
     /// The factors and, for a condensed system, the Schur complement, at most.
@@ -41,7 +41,7 @@ pub struct Need {
     least: f64,
 }
 
-impl Need {
+impl MemoryEstimate {
     /// Estimates the memory for `model` with this linear solver and records of this number of increments, 0 if they are
     /// not kept.
     ///
@@ -56,8 +56,8 @@ impl Need {
     }
 
     /// Estimates the memory for `model` by one of the compared linear solvers, without records.
-    pub fn of_path(model: &Model, path: &Path) -> Self {
-        Need { body: body(model, path.linear), factors: path.cost.bytes, history: 0.0, least: 0.0 }
+    pub fn of_path(model: &Model, path: &SolverEstimate) -> Self {
+        MemoryEstimate { body: body(model, path.linear), factors: path.cost.bytes, history: 0.0, least: 0.0 }
     }
 
     fn with(model: &Model, linear: LinearAlgebra, records: usize, stiffness: FactorInfo) -> Self {
@@ -76,7 +76,7 @@ impl Need {
         };
         let ranks = if linear.is_shared() { ranks() } else { 1 };
         let (factors, least) = (factors.shared_by(ranks).bytes, least / ranks as f64);
-        Need { body: body(model, linear), factors, history: RECORD_BYTES * records as f64, least }
+        MemoryEstimate { body: body(model, linear), factors, history: RECORD_BYTES * records as f64, least }
     }
 
     /// Returns the total.
@@ -121,7 +121,7 @@ impl Need {
             "the factors of this scene"
         };
         match Self::of(model, linear, 0) {
-            Ok(Need { least, .. }) if least > budget.bytes as f64 => {
+            Ok(MemoryEstimate { least, .. }) if least > budget.bytes as f64 => {
                 Err(RunError::NoRoom { what, needed: least as u64, budget })
             }
             Ok(_) | Err(LinearError::NotBuiltIn { .. }) => Ok(()),
@@ -193,9 +193,9 @@ mod tests {
         assert_eq!(refused.as_deref(), Some(expected));
         assert!(has_room(None, Some(budget(0))).is_ok() && has_room(Some((1, 3)), None).is_ok());
         assert!(has_room(Some((usize::MAX / 4, 3)), Some(budget(u64::MAX - 1))).is_err());
-        assert!(Need::check_records(1000, Some(budget(2_000_000))).is_ok());
-        assert!(Need::check_records(1000, None).is_ok());
-        let refused = words(Need::check_records(10_000_000, Some(budget(1_500_000_000))));
+        assert!(MemoryEstimate::check_records(1000, Some(budget(2_000_000))).is_ok());
+        assert!(MemoryEstimate::check_records(1000, None).is_ok());
+        let refused = words(MemoryEstimate::check_records(10_000_000, Some(budget(1_500_000_000))));
         let expected =
             "the records of so many increments need 20.0 GB or more, but the address-space limit leaves 1.5 GB";
         assert_eq!(refused.as_deref(), Some(expected));
@@ -208,15 +208,15 @@ mod tests {
         let scene = Scene::parse("block.toml", text, &["mesh.elements=[20,20]".parse().unwrap()]).unwrap();
         let model = discretise(&scene).unwrap();
         for linear in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
-            let need = Need::of(&model, linear, 100).unwrap();
+            let need = MemoryEstimate::of(&model, linear, 100).unwrap();
             assert!(need.least > 1e5 && need.factors > need.least && need.history == 2e5, "{need:?}");
             assert!(need.body > PROGRAM_BYTES && need.bytes() as f64 > need.body + need.factors);
-            assert!(Need::check(&model, linear, Some(budget(need.least as u64 + 1))).is_ok());
+            assert!(MemoryEstimate::check(&model, linear, Some(budget(need.least as u64 + 1))).is_ok());
             assert!(matches!(
-                Need::check(&model, linear, Some(budget(need.least as u64 - 1))),
+                MemoryEstimate::check(&model, linear, Some(budget(need.least as u64 - 1))),
                 Err(RunError::NoRoom { needed, .. }) if needed == need.least as u64
             ));
-            assert!(Need::check(&model, linear, None).is_ok());
+            assert!(MemoryEstimate::check(&model, linear, None).is_ok());
         }
     }
 }

@@ -2,10 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::leaps::Leaps;
+use super::force_jumps::JumpDetector;
 use super::recording::RecordedIncrement;
 use crate::body::model::Model;
-use crate::run::report::{BalanceRecord, BalanceWatch, EstimateWatch, ForceRecord, HistoryCurves, Seen, Validity};
+use crate::run::report::{
+    Accumulated, BalanceRecord, BalanceWatch, EstimateWatch, ForceRecord, HistoryCurves, Validity,
+};
 use crate::solver::checkpoint::{Checkpoint, CheckpointError};
 use crate::solver::events::Event;
 use crate::solver::history::{IncrementRecord, IncrementView, Observer, Status};
@@ -15,33 +17,33 @@ use std::ops::ControlFlow;
 
 /// Takes the records of a run as they are made, in place of its report. The records of millions of increments would
 /// fill the memory.
-pub trait Ledger: Observer {
+pub trait RecordWriter: Observer {
     /// Takes the record of an increment, and the forces at its end if it converged. Called after
     /// [`Observer::increment`].
     fn add(&mut self, record: &IncrementRecord, forces: &[ForceRecord], reactions: Option<&BalanceRecord>);
 }
 
 /// The receiver of the results of a run.
-pub(super) enum Audience<'a> {
+pub(super) enum Sink<'a> {
     /// An observer; the records go into the report.
     Observer(&'a mut dyn Observer),
     /// A ledger, which takes the records.
-    Ledger(&'a mut dyn Ledger),
+    RecordWriter(&'a mut dyn RecordWriter),
 }
 
-impl Audience<'_> {
+impl Sink<'_> {
     pub(super) fn observer(&mut self) -> &mut dyn Observer {
         match self {
-            Audience::Observer(observer) => *observer,
-            Audience::Ledger(ledger) => *ledger,
+            Sink::Observer(observer) => *observer,
+            Sink::RecordWriter(ledger) => *ledger,
         }
     }
 }
 
 /// The collector of report data, which passes all calls on to the observer of a run.
-pub(super) struct Watch<'a, 'b> {
+pub(super) struct ReportCollector<'a, 'b> {
     model: &'a Model,
-    audience: &'a mut Audience<'b>,
+    audience: &'a mut Sink<'b>,
     pub validity: Validity,
     pub estimates: EstimateWatch,
     pub balance: BalanceWatch,
@@ -60,31 +62,31 @@ pub(super) struct Watch<'a, 'b> {
     /// The increments, ascending from 1, for which the contact forces at the end are kept in `states`.
     numbers: &'a [usize],
     pub states: Vec<State>,
-    pub leaps: Leaps,
+    pub leaps: JumpDetector,
 }
 
 /// The data between two increments.
 #[derive(Serialize, Deserialize)]
 struct Known {
     validity: Validity,
-    seen: Seen,
+    seen: Accumulated,
     balance: BalanceWatch,
     curves: HistoryCurves,
     last_reactions: Option<BalanceRecord>,
     last: Option<RecordedIncrement>,
     states: Vec<State>,
-    leaps: Leaps,
+    leaps: JumpDetector,
 }
 
-impl<'a, 'b> Watch<'a, 'b> {
+impl<'a, 'b> ReportCollector<'a, 'b> {
     pub(super) fn new(
         model: &'a Model,
         keeps_last: bool,
         numbers: &'a [usize],
-        leaps: Leaps,
-        audience: &'a mut Audience<'b>,
+        leaps: JumpDetector,
+        audience: &'a mut Sink<'b>,
     ) -> Self {
-        Watch {
+        ReportCollector {
             model,
             audience,
             validity: Validity::new(model),
@@ -136,8 +138,8 @@ impl<'a, 'b> Watch<'a, 'b> {
             self.balance.see(reactions);
         }
         match self.audience {
-            Audience::Ledger(ledger) => ledger.add(step.record, &forces, reactions.as_ref()),
-            Audience::Observer(_) => {
+            Sink::RecordWriter(ledger) => ledger.add(step.record, &forces, reactions.as_ref()),
+            Sink::Observer(_) => {
                 self.increments.push(step.record.clone());
                 self.forces.extend(forces);
                 self.reactions.extend(reactions.clone());
@@ -148,7 +150,7 @@ impl<'a, 'b> Watch<'a, 'b> {
     }
 }
 
-impl Observer for Watch<'_, '_> {
+impl Observer for ReportCollector<'_, '_> {
     fn ready(&mut self) {
         self.audience.observer().ready();
     }
@@ -191,7 +193,9 @@ impl Observer for Watch<'_, '_> {
     }
 
     fn rest(&mut self, here: &dyn Fn() -> Checkpoint) {
-        let Watch { validity, estimates, balance, curves, last_reactions, last, states, leaps, audience, .. } = self;
+        let ReportCollector {
+            validity, estimates, balance, curves, last_reactions, last, states, leaps, audience, ..
+        } = self;
         let known = || Known {
             validity: validity.clone(),
             seen: estimates.seen().clone(),

@@ -3,9 +3,10 @@
 //! | content | file |
 //! | --- | --- |
 //! | the interface of a method ([`IncrementSolver`]) and its input ([`Task`]) | `task.rs` |
-//! | BN; the paper's interior point method; the default one; BN with the default one as fallback | `bn.rs`, `ip.rs`,
-//! `predictor_corrector.rs`, `rescue.rs` |
-//! | the choice of a [`Method`], and the settings | `method.rs`, `settings.rs` |
+//! | BN; the paper's interior point method | `bn.rs`, `ip.rs` |
+//! | the default interior point method; BN with that as fallback | `predictor_corrector.rs`, `rescue.rs` |
+//! | the choice of a [`Method`], its construction, and the settings | `method.rs`, `algorithm.rs`, `settings.rs` |
+//! | the linear system: whole or condensed | `system.rs` |
 //! | one increment: its substeps, its verdict, batches of increments | `increment.rs` |
 //! | the sequence of increments, one stage (set-up of the equations) after another | `driver.rs`, `state.rs` |
 //! | the working set: the contact nodes in condensed equations | `working_set.rs` |

@@ -10,7 +10,7 @@ use stickslip::body::contact::{ContactNode, GapDirection, Obstacle, Place, Shape
 use stickslip::body::fem::Material;
 use stickslip::body::mesh::{Boundary, Geometry, Mesh, MeshSource, Notes, block};
 use stickslip::body::{Axis, Contact, Description, Load, Model};
-use stickslip::run::report::{LeftOut, Resultant};
+use stickslip::run::report::{EliminatedUnknown, Resultant};
 use stickslip::run::{Run, discretise};
 use stickslip::scene::Scene;
 use stickslip::solver::State;
@@ -46,7 +46,7 @@ fn an_obstacle_smaller_than_the_face_leaves_the_rest_open() {
     let places: Vec<f64> = model.contacts.iter().map(|contact| contact.position[0]).collect();
     assert_eq!(places, [0.25, 0.375, 0.5, 0.625, 0.75]);
     assert_eq!(model.contact_boundaries[0].beyond, 4);
-    let left_out = LeftOut::all(&model, false, None);
+    let left_out = EliminatedUnknown::all(&model, false, None);
     assert!(left_out.iter().any(|out| (out.count, out.unknown) == (4, "p_n") && out.reason.contains("ever reaches")));
     assert!(left_out.iter().all(|out| !out.reason.contains("along the normal")));
     let formula = "0.3 - sqrt(max(0, 0.09 - (x - 0.5)^2)) + 1e3 * max(0, abs(x - 0.5) - 0.3)";

@@ -106,6 +106,49 @@ fn the_glossary_names_what_there_is() {
     }
 }
 
+/// The types and files that the page of the architecture names are there.
+#[test]
+fn the_architecture_names_what_there_is() {
+    fn all(folder: &Path, files: &mut Vec<String>, code: &mut String) {
+        for path in fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+            if path.is_dir() {
+                all(&path, files, code);
+            } else if path.extension().is_some_and(|extension| extension == "rs") {
+                files.push(path.display().to_string());
+                code.push_str(&fs::read_to_string(&path).unwrap());
+            }
+        }
+    }
+    let (root, mut files, mut code) = (Path::new(env!("CARGO_MANIFEST_DIR")), Vec::new(), String::new());
+    for folder in ["src", "crates", "studies/src", "fuzz/src", "tests", "examples"] {
+        all(&root.join(folder), &mut files, &mut code);
+    }
+    let words: BTreeSet<&str> = code.split(|c: char| !c.is_alphanumeric() && c != '_').collect();
+    let page = read("doc/architecture.md");
+    let (mut named, mut missing) = (0, Vec::new());
+    for name in page.split('`').skip(1).step_by(2) {
+        if name.ends_with(".rs") && !name.contains(' ') {
+            if !files.iter().any(|file| file.ends_with(&format!("/{name}"))) {
+                missing.push(name);
+            }
+        } else {
+            let parts: Vec<&str> = name.split("::").collect();
+            let is_type = |part: &&str| part.chars().next().is_some_and(char::is_uppercase) && part.len() > 3;
+            let is_name =
+                parts.iter().all(|part| !part.is_empty() && part.chars().all(|c| c.is_alphanumeric() || c == '_'));
+            if !(is_name && parts.iter().any(is_type)) || name.chars().all(|c| !c.is_lowercase()) {
+                continue;
+            }
+            if parts.iter().any(|part| !words.contains(part)) {
+                missing.push(name);
+            }
+        }
+        named += 1;
+    }
+    assert_eq!(missing, [""; 0]);
+    assert!(named > 80, "{named}");
+}
+
 #[test]
 fn numbers_are_read_from_labels_only() {
     assert_eq!(numbers("the rows of (19), (21)–(23)"), BTreeSet::from([19, 21, 22, 23]));

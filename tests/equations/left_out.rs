@@ -5,7 +5,7 @@
 use crate::common;
 use crate::common::Keep;
 use stickslip::run::discretise;
-use stickslip::run::report::LeftOut;
+use stickslip::run::report::EliminatedUnknown;
 use stickslip::scene::Scene;
 use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, SystemSolver};
 
@@ -79,8 +79,8 @@ fn contact() {
 fn the_list() {
     let list = |name: &str, overrides: &[&str], backend| {
         let scene = common::scene(name, overrides);
-        let all = LeftOut::all(&discretise(&scene).unwrap(), backend == LinearAlgebra::condensed(), None);
-        all.into_iter().map(|LeftOut { count, unknown, .. }| (count, unknown)).collect::<Vec<_>>()
+        let all = EliminatedUnknown::all(&discretise(&scene).unwrap(), backend == LinearAlgebra::condensed(), None);
+        all.into_iter().map(|EliminatedUnknown { count, unknown, .. }| (count, unknown)).collect::<Vec<_>>()
     };
     let whole = LinearAlgebra::default();
     let block = ["mesh.elements=[4,4]", "contact.friction=0"];

@@ -6,7 +6,7 @@ use crate::common::{self, Keep, difference};
 use stickslip::algebra::linear::SparseCholesky;
 use stickslip::algebra::sparse::{Csr, Symmetric};
 use stickslip::body::Model;
-use stickslip::run::report::LeftOut;
+use stickslip::run::report::EliminatedUnknown;
 use stickslip::run::{Recording, Run, discretise};
 use stickslip::scene::Scene;
 use stickslip::solver::history::{
@@ -260,7 +260,7 @@ fn a_long_face_under_a_small_roller() {
     let report = run.solve(&mut recording).unwrap();
     assert_eq!(report.status, Status::Converged);
     assert_eq!(report.working_set, Some(WorkingSet { first, last: first, all: 701, grown: 0 }));
-    let out_of_reach = |left_out: &&LeftOut| left_out.reason.contains("out of reach");
+    let out_of_reach = |left_out: &&EliminatedUnknown| left_out.reason.contains("out of reach");
     let told: Vec<_> = report.left_out.iter().filter(out_of_reach).map(|told| (told.count, told.unknown)).collect();
     assert_eq!(told, [(701 - first, "p_n"), (701 - first, "p_t")]);
     let mut expected = Recording::all();

@@ -36,7 +36,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use stickslip::body::ModelError;
 use stickslip::run::RunError;
-use stickslip::scene::{Origin, Override, Scene, SceneError};
+use stickslip::scene::{Override, Provenance, Scene, SceneError};
 use stickslip_exchange::ExchangeError;
 
 /// Quasi-static elastic contact with Coulomb friction.
@@ -130,8 +130,8 @@ impl SceneArgs {
 }
 
 /// Returns the identification that is stored with the results of `scene`.
-fn origin(scene: &Scene) -> Result<Origin, Failure> {
-    Ok(Origin::new(scene, &version()).map_err(|(file, error)| {
+fn origin(scene: &Scene) -> Result<Provenance, Failure> {
+    Ok(Provenance::new(scene, &version()).map_err(|(file, error)| {
         let message = format!("{}: the file cannot be read: {error}", file.display());
         scene.error_at("mesh.file", message, "name an existing file, relative to the scene file")
     })?)

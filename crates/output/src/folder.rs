@@ -16,6 +16,6 @@ mod results;
 mod series;
 mod table;
 
-pub use claim::Claim;
+pub use claim::LockedOutputDir;
 pub use directory::{FolderLock, write_file};
 pub use results::ResultFolder;

@@ -4,7 +4,7 @@ use stickslip::base::UnitSystem;
 use stickslip::body::Model;
 use stickslip::run::report::csv::{self, number};
 use stickslip::run::report::quantities::Column;
-use stickslip::run::report::{Acting, BalanceRecord};
+use stickslip::run::report::{AppliedForce, BalanceRecord};
 use stickslip::run::report::{ComponentSums, ForceRecord, OnObstacle, Resultant};
 use stickslip::solver::events::Event;
 use stickslip::solver::history::IncrementRecord;
@@ -112,7 +112,9 @@ pub(super) fn forces_lines(contact: &[ForceRecord], balance: &BalanceRecord, uni
     };
     let mut lines: String = contact.iter().map(on_obstacle).collect();
     for (kind, acting) in [("support", supports), ("spring", springs), ("load", loads)] {
-        lines.extend(acting.iter().map(|Acting { at, force, moment }| line(at, force, moment, [None; 3], kind, "")));
+        lines.extend(
+            acting.iter().map(|AppliedForce { at, force, moment }| line(at, force, moment, [None; 3], kind, "")),
+        );
     }
     lines
 }

@@ -27,7 +27,7 @@ pub use contact_surface::{ContactSurface, SurfaceNode};
 pub use deformed::DeformedBody;
 pub use disk::bytes_on_disk;
 pub use fields::fields;
-pub use folder::{Claim, FolderLock, ResultFolder, write_file};
+pub use folder::{FolderLock, LockedOutputDir, ResultFolder, write_file};
 pub use history_chart::history_charts;
 pub use plot::{contact_stresses, stress_chart};
 pub use pvd::series as pvd_series;

@@ -83,14 +83,14 @@ pub(super) struct Statics {
     /// The share of each support in the forces on held nodes, see [`super::support::shares`].
     shares: Vec<Vec<(usize, [[f64; 3]; 3])>>,
     springs: Vec<Vec<Spring>>,
-    loads: Vec<Acting>,
+    loads: Vec<UnitLoad>,
     /// For each motion of supports, the forces of springs (N) on the held nodes due to its rigid offset at factor 1.
     on_springs: Vec<Vec<[f64; 3]>>,
 }
 
 /// A load at factor 1.
 #[derive(Debug, Clone)]
-struct Acting {
+struct UnitLoad {
     whole: Wrench,
     /// The sum of the magnitudes of its forces, N.
     size: f64,
@@ -118,7 +118,7 @@ impl Statics {
         };
         let acting = |forces: &NodalForces| {
             let whole = forces.iter().map(|(node, force)| Wrench::at(mesh.geometry, mesh.nodes[*node], *force)).sum();
-            Acting { whole, size: forces.iter().map(|(_, force)| norm(*force)).sum(), on_held: on_held(forces) }
+            UnitLoad { whole, size: forces.iter().map(|(_, force)| norm(*force)).sum(), on_held: on_held(forces) }
         };
         let loads = loads.iter().map(acting).collect();
         let on_springs = on_springs.iter().map(on_held).collect();

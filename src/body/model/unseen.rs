@@ -51,7 +51,7 @@ const ARC: f64 = 1.5;
 const PLACES: [f64; 4] = [0.14, 0.38, 0.5, 0.83];
 
 /// The nearest obstacle as seen from a point of a boundary.
-pub(super) struct Seen {
+pub(super) struct NearestObstacle {
     /// The distance, m; NaN if no obstacle is in front.
     pub distance: f64,
     /// A vector into the obstacle, normal to its surface.
@@ -135,7 +135,7 @@ impl Model {
             let outsides = outsides(&self.mesh, facets);
             let closed: BTreeMap<usize, bool> =
                 boundary.nodes.iter().map(|&i| (self.contacts[i].node, statuses[i] != ContactStatus::Open)).collect();
-            let mut at_nodes: BTreeMap<usize, Seen> = BTreeMap::new();
+            let mut at_nodes: BTreeMap<usize, NearestObstacle> = BTreeMap::new();
             for facet in facets.facets.iter().filter(|facet| facet.iter().any(|node| closed.contains_key(node))) {
                 let outward = self.mesh.area_vector(facet);
                 let mean = |place: &[(usize, f64)], of: &dyn Fn(usize) -> [f64; 3]| {
@@ -178,9 +178,16 @@ impl Model {
 
     /// Returns the nearest obstacle at time `t` (s) as seen from a point at `x` displaced by `u` (m), on a facet of
     /// `boundary` with the outward vector `outward`.
-    pub(super) fn see(&self, boundary: &ContactBoundary, t: f64, x: [f64; 3], u: [f64; 3], outward: [f64; 3]) -> Seen {
+    pub(super) fn see(
+        &self,
+        boundary: &ContactBoundary,
+        t: f64,
+        x: [f64; 3],
+        u: [f64; 3],
+        outward: [f64; 3],
+    ) -> NearestObstacle {
         let moved = plus(x, 1.0, u);
-        let mut nearest = Seen { distance: f64::NAN, inward: [f64::NAN; 3] };
+        let mut nearest = NearestObstacle { distance: f64::NAN, inward: [f64::NAN; 3] };
         for (obstacle, motion) in &self.obstacles[boundary.obstacles.clone()] {
             let (back, out) = motion.back(t, moved, outward);
             let (distance, normal) = if obstacle.has_one_normal() {
@@ -192,7 +199,7 @@ impl Model {
             let is_nearer = nearest.distance.is_nan() || distance < nearest.distance;
             if is_nearer && dot(out, normal) > OUT * norm(out) {
                 let inward = motion.forth(t, obstacle.at(back).inward);
-                nearest = Seen { distance, inward };
+                nearest = NearestObstacle { distance, inward };
             }
         }
         nearest

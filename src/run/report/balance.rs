@@ -19,12 +19,12 @@ pub struct BalanceRecord {
     pub time: f64,
     /// The force of each support on the body (reaction). Supports that constrain the same displacement share its
     /// reaction evenly.
-    pub supports: Vec<Acting>,
+    pub supports: Vec<AppliedForce>,
     /// The force of each spring or foundation on the body.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub springs: Vec<Acting>,
+    pub springs: Vec<AppliedForce>,
     /// The force of each load.
-    pub loads: Vec<Acting>,
+    pub loads: Vec<AppliedForce>,
     /// The imbalance of all forces on the body: the magnitude of the resultant force, or of the moment about the body's
     /// middle divided by its size, relative to the sum of the magnitudes of the nodal forces.
     pub balance: f64,
@@ -39,7 +39,7 @@ pub struct BalanceRecord {
 /// A force on the body.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Acting {
+pub struct AppliedForce {
     /// The boundary, or the point.
     pub at: String,
     /// x, y and, in three dimensions, z, N; in two dimensions N per m of depth.
@@ -56,7 +56,11 @@ impl BalanceRecord {
         let Balance { loads, supports, springs, closure, force_closure, size, .. } = model.balanced(time, step.state);
         let (description, units) = (model.description(), model.units());
         let acting = |names: Vec<String>, wrenches: Vec<Wrench>| {
-            names.into_iter().zip(wrenches).map(|(at, wrench)| Acting::new(at, wrench, model.mesh.dimension)).collect()
+            names
+                .into_iter()
+                .zip(wrenches)
+                .map(|(at, wrench)| AppliedForce::new(at, wrench, model.mesh.dimension))
+                .collect()
         };
         BalanceRecord {
             index,
@@ -126,10 +130,10 @@ impl BalanceWatch {
     }
 }
 
-impl Acting {
+impl AppliedForce {
     fn new(at: String, wrench: Wrench, dimension: usize) -> Self {
         let Wrench { force, moment } = wrench;
         let moment = if dimension == 2 { vec![moment[2]] } else { moment.to_vec() };
-        Acting { at, force: force[..dimension].to_vec(), moment }
+        AppliedForce { at, force: force[..dimension].to_vec(), moment }
     }
 }

@@ -58,12 +58,12 @@ pub struct Estimates {
 pub struct EstimateWatch {
     graph: ContactGraph,
     peak_of: PeakOf,
-    seen: Seen,
+    seen: Accumulated,
 }
 
 /// The data of the increments so far.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct Seen {
+pub struct Accumulated {
     /// The state of each contact surface at its largest force.
     heaviest: Vec<Heaviest>,
     peak: Option<Peak>,
@@ -160,16 +160,20 @@ impl EstimateWatch {
         let graph = ContactGraph::new(model);
         let heaviest = vec![Heaviest::default(); graph.surfaces().len()];
         let sums = vec![LargestSums::default(); model.contact_boundaries.len()];
-        EstimateWatch { graph, peak_of: PeakOf::of(model), seen: Seen { heaviest, sums, ..Seen::default() } }
+        EstimateWatch {
+            graph,
+            peak_of: PeakOf::of(model),
+            seen: Accumulated { heaviest, sums, ..Accumulated::default() },
+        }
     }
 
     /// Returns the data of the increments so far, for a checkpoint.
-    pub fn seen(&self) -> &Seen {
+    pub fn seen(&self) -> &Accumulated {
         &self.seen
     }
 
     /// Resumes from the data of a checkpoint. Returns `false` if they belong to another model.
-    pub fn go_on_with(&mut self, model: &Model, seen: Seen) -> bool {
+    pub fn go_on_with(&mut self, model: &Model, seen: Accumulated) -> bool {
         let contacts = model.contacts.len();
         let heaviest =
             |of: &Heaviest| [0, contacts].contains(&of.state.p_n.len()) && of.statuses.len() == of.state.p_n.len();

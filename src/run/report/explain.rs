@@ -71,7 +71,8 @@ fn reason(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome) -> Str
     let (law, error) = record.kkt.worst();
     let place = worst_node(model, outcome)
         .map_or(String::new(), |worst| format!(" at the node {}", model.units().place(model.mesh.nodes[worst.node])));
-    let violated = format!("{law} is violated by {error:.1e} (tolerance {:.0e}){place}", solver.tolerance);
+    let violated =
+        format!("{}{place}: relative error {error:.1e}, tolerance {:.0e} ({law})", broken(law), solver.tolerance);
     let why = match outcome.status {
         Status::Singular => unheld(model, outcome),
         Status::NoEquilibrium => no_equilibrium(model, outcome),
@@ -159,12 +160,28 @@ fn stiffest(model: &Model) -> f64 {
     model.materials().iter().map(|law| young(law.lambda, law.mu)).fold(0.0, f64::max)
 }
 
+/// Returns what the violation of a law is, by its name in reports.
+fn broken(law: &str) -> &'static str {
+    match law {
+        "equilibrium" => "the forces are not in equilibrium",
+        "penetration" => "a node penetrates its obstacle",
+        "tension" => "a contact force pulls",
+        "complementarity" => "a contact force acts across a gap",
+        "cone" => "friction exceeds mu times the normal force",
+        _ => "a node slips without full friction against its slip",
+    }
+}
+
 fn unheld(model: &Model, outcome: &HistoryOutcome) -> String {
     match (motion(model, outcome), &outcome.free_motion) {
         (Some(motion), Some(weights)) if !meets_contact(model, weights) => {
             format!("nothing holds {}; add a support", motion.against(&model.units()))
         }
-        _ => format!("the linearised problem is singular{}", held_by_contact(model, outcome)),
+        _ => format!(
+            "the stiffness is singular for the present contact statuses{}; look at the contact rows that `stickslip check` \
+             names as dependent, or take more increments",
+            held_by_contact(model, outcome)
+        ),
     }
 }
 

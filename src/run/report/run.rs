@@ -7,15 +7,15 @@ use super::companion::ChosenIncrements;
 use super::estimates::Estimates;
 use super::exact_path::{self, ExactPath};
 use super::explain::Explanation;
+use super::force_jump::ForceJump;
 use super::history_curves::HistoryCurves;
 use super::increment_warnings;
-use super::leap::Leap;
 use super::pairs::PairRecord;
 use super::peak::LargestPressure;
 use super::quantities;
 use super::resultant::{ComponentSums, ForceRecord, Resultant};
 use super::unit_names::UnitNames;
-use super::unknowns::{LeftOut, Unknowns};
+use super::unknowns::{EliminatedUnknown, Unknowns};
 use super::usage::RankRecord;
 use super::validity::{LargestDisplacement, Validity};
 use super::warnings::{Warning, WarningKind};
@@ -89,7 +89,7 @@ pub struct RunReport {
     /// The number of unknowns of each kind.
     pub unknowns: Unknowns,
     /// The eliminated unknowns, and the reasons.
-    pub left_out: Vec<LeftOut>,
+    pub left_out: Vec<EliminatedUnknown>,
     /// The working set of condensed equations, if it did not contain all contact nodes at first.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub working_set: Option<WorkingSet>,
@@ -209,7 +209,7 @@ pub struct Measured {
 }
 
 /// The data from which a report is made.
-pub struct Facts<'a> {
+pub struct ReportInput<'a> {
     /// The scene, if the model came from one.
     pub scene: Option<&'a Scene>,
     /// The model.
@@ -243,7 +243,7 @@ pub struct Facts<'a> {
     /// The other forces on the body at the end of the last converged increment.
     pub last_reactions: Option<BalanceRecord>,
     /// The first jump of contact forces, if any.
-    pub leap: Option<Leap>,
+    pub leap: Option<ForceJump>,
     /// The error of the friction forces by loads or interference at t = 0, as a share of the largest possible friction.
     pub start: Option<f64>,
     /// The largest imbalance of forces.
@@ -262,8 +262,8 @@ pub struct Facts<'a> {
 
 impl RunReport {
     /// Creates the whole report.
-    pub fn new(facts: Facts<'_>) -> Self {
-        let Facts { scene, model, solver, choice, outcome, validity, measured, .. } = facts;
+    pub fn new(facts: ReportInput<'_>) -> Self {
+        let ReportInput { scene, model, solver, choice, outcome, validity, measured, .. } = facts;
         let mut warnings = Warning::of_model(model);
         // The locking found in the solution replaces the expected one.
         warnings.retain(|warning| warning.kind != WarningKind::Locking || facts.estimates.locking.is_none());
@@ -316,7 +316,7 @@ impl RunReport {
             range_left: validity.range_left,
             estimates: facts.estimates,
             unknowns: Unknowns::new(&outcome.layout, solver.method),
-            left_out: LeftOut::all(model, facts.condensed, facts.working_set),
+            left_out: EliminatedUnknown::all(model, facts.condensed, facts.working_set),
             working_set: outcome.working_set,
             chosen_increments: None,
             kinks: scene.map(|scene| scene.time.kinks.clone()).unwrap_or_default(),

@@ -34,7 +34,7 @@ pub struct Unknowns {
 /// Unknowns eliminated from the equations.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct LeftOut {
+pub struct EliminatedUnknown {
     /// The number of eliminated unknowns.
     pub count: usize,
     /// The kind of the unknowns: `"u"`, `"p_n"`, `"p_t and p_o"`.
@@ -56,7 +56,7 @@ impl Unknowns {
     }
 }
 
-impl LeftOut {
+impl EliminatedUnknown {
     /// Lists the unknowns that a run of `model` eliminates, with or without a `condensed` interior. Condensed equations
     /// contain the contact nodes `working_set` at first, or all.
     pub fn all(model: &Model, condensed: bool, working_set: Option<&[usize]>) -> Vec<Self> {
@@ -96,6 +96,6 @@ impl LeftOut {
             ),
         ];
         let present = counted.into_iter().filter(|(count, ..)| *count > 0);
-        present.map(|(count, unknown, reason)| LeftOut { count, unknown, reason }).collect()
+        present.map(|(count, unknown, reason)| EliminatedUnknown { count, unknown, reason }).collect()
     }
 }

@@ -345,7 +345,7 @@ fn idle_load(model: &Model) -> Option<String> {
     };
     let (load, _) = loads.find(|(load, case)| acts(&load.action) && idle(case.force()))?;
     Some(format!(
-        "the load on `{}` does nothing: supports hold the boundary in its direction",
+        "the load on `{}` does nothing: supports hold the boundary in its direction; remove the load, or free that direction in [[support]]",
         load.action.place(&model.units())
     ))
 }

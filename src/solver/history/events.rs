@@ -4,7 +4,7 @@ use super::interior::{InteriorRecovery, RecoveredState, Responds};
 use super::jump::{JumpSolver, Landed, RestartPoint};
 use super::method::Method;
 use super::observer::{IncrementView, Observer};
-use super::record::{ContactCounts, IncrementRecord, Seconds, Status};
+use super::record::{ContactCounts, IncrementRecord, Seconds, Status, is_solution};
 use super::saved::SavedPath;
 use super::settings::HistorySettings;
 use super::system::{SystemSolver, statistics};
@@ -319,7 +319,7 @@ impl ExactHistory<'_> {
         let increment = data.increment();
         let known = self.above_rounding(scales, problem, data);
         let kkt = in_progress.kkt.max(&judge(problem, &increment, &state, &imbalance, &known, tolerance));
-        let judged = if kkt.worst().1 <= tolerance { Status::Converged } else { Status::Inaccurate };
+        let judged = if is_solution(&kkt, tolerance) { Status::Converged } else { Status::Inaccurate };
         let status = status.unwrap_or(judged);
         let statuses = statuses_of(problem, &increment, &state, &scales);
         let (after, all) = (walk.statistics(), in_progress.clock.elapsed().as_secs_f64());

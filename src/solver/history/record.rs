@@ -199,12 +199,17 @@ fn is_zero(count: &usize) -> bool {
     *count == 0
 }
 
+/// Returns `true` if every error is at most the `tolerance`: the rule that makes an increment, and so a run, converged.
+pub(super) fn is_solution(kkt: &KktErrors, tolerance: f64) -> bool {
+    kkt.worst().1 <= tolerance
+}
+
 /// Returns the verdict. The error measure alone decides if an increment converged; the method's termination explains
 /// why it did not. An interrupted increment is not judged.
 pub(super) fn verdict(solved: &MethodResult, kkt: &KktErrors, tolerance: f64) -> Status {
     match solved.stop {
         Termination::Interrupted => Status::Interrupted,
-        _ if kkt.worst().1 <= tolerance => Status::Converged,
+        _ if is_solution(kkt, tolerance) => Status::Converged,
         Termination::Converged => Status::Inaccurate,
         Termination::MaxIterations => Status::MaxIterations,
         Termination::Cycling => Status::Cycling,

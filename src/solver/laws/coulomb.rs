@@ -77,9 +77,9 @@ impl From<bool> for NormalCase {
 pub enum TangentialCase {
     /// `pressure ≤ 0`; rows `-dp_T`.
     NoPressure,
-    /// `pressure > 0`, `|q| < μ pressure`; rows `r C_T du`.
+    /// `pressure > 0`, `|q| ≤ (1 - SLIP_BORDER) μ pressure`; rows `r C_T du`.
     Stick,
-    /// `pressure > 0`, `|q| ≥ μ pressure`; rows `-dp_T + μ n dp_n + R (dp_T + r C_T du)`.
+    /// `pressure > 0`, a larger `|q|`; rows `-dp_T + μ n dp_n + R (dp_T + r C_T du)`.
     Slip {
         /// `n = q / |q|`.
         direction: [f64; 2],

@@ -79,7 +79,7 @@ pub(super) fn rigid_modes(stiffness: &Symmetric, motions: &[Vec<f64>]) -> Result
     let n_u = stiffness.order();
     let mut basis: Vec<Vec<f64>> = Vec::new();
     for (motion, r) in motions.iter().enumerate() {
-        let name = format!("free_motions[{motion}]");
+        let name = format!("rigid_modes[{motion}]");
         expect_length(&name, n_u, r.len(), PER_DISPLACEMENT)?;
         expect_finite(&name, r)?;
         let (mut force, mut sizes) = (vec![0.0; n_u], vec![0.0; n_u]);

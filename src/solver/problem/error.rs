@@ -57,7 +57,7 @@ pub enum ProblemError {
     NotSemidefinite,
     /// The stiffness resists a motion that is given as a rigid mode.
     #[error(
-        "free_motions[{motion}] is no free motion: the stiffness answers it with a force in row {row}, {share:.1e} of the sizes of its terms"
+        "rigid_modes[{motion}] is no rigid mode: the stiffness resists it with a force in row {row}, {share:.1e} of the sizes of its terms"
     )]
     Resisted {
         /// The index of the mode.
@@ -68,7 +68,7 @@ pub enum ProblemError {
         share: f64,
     },
     /// A rigid mode is a linear combination of those before it.
-    #[error("free_motions[{motion}] is a combination of those before it, or zero: a basis has each motion once")]
+    #[error("rigid_modes[{motion}] is zero or a combination of the modes before it: a basis has independent modes")]
     Dependent {
         /// The index of the mode.
         motion: usize,

@@ -19,15 +19,15 @@ use stickslip::algebra::linear::blas::Blas;
 use stickslip::base::{Budget, Quantity};
 use stickslip::body::{Model, PeakOf};
 use stickslip::run::report::{
-    Acting, BalanceRecord, CompanionEstimate, ComponentSums, LeftOut, ProbeTable, RankRecord, Resultant, RunReport,
-    Unknowns, Warning,
+    AppliedForce, BalanceRecord, CompanionEstimate, ComponentSums, EliminatedUnknown, ProbeTable, RankRecord,
+    Resultant, RunReport, Unknowns, Warning,
 };
-use stickslip::run::{Need, Run};
-use stickslip::scene::{Origin, Scene, Time};
+use stickslip::run::{MemoryEstimate, Run};
+use stickslip::scene::{Provenance, Scene, Time};
 use stickslip::solver::Checkpoint;
 use stickslip::solver::formulation::{Layout, NewtonSystem};
 use stickslip::solver::history::{IncrementError, Method, Status, WorkingSet};
-use stickslip_output::{Claim, ResultFolder};
+use stickslip_output::{LockedOutputDir, ResultFolder};
 use watcher::Watcher;
 
 #[cfg(feature = "mpi")]
@@ -94,7 +94,8 @@ pub(super) fn run(args: &RunArgs, count: usize, kernel_before: Option<String>) -
         say!("increments   {}", explain(chosen));
     }
     let origin = origin(&scene)?;
-    let claim = args.results.out.as_deref().map(|path| Claim::new(path).map_err(|error| write_failure(path, &error)));
+    let claim =
+        args.results.out.as_deref().map(|path| LockedOutputDir::new(path).map_err(|error| write_failure(path, &error)));
     let claim = claim.transpose()?;
     let left = match &claim {
         None => None,
@@ -120,7 +121,7 @@ pub(super) fn run(args: &RunArgs, count: usize, kernel_before: Option<String>) -
     // Records are kept only if the report is printed whole.
     let keeps = args.json && folder.is_none();
     if keeps {
-        Need::check_records(run.times().len() - done, Budget::of_process())?;
+        MemoryEstimate::check_records(run.times().len() - done, Budget::of_process())?;
     }
     let mut watcher = Watcher {
         model: run.model(),
@@ -199,10 +200,10 @@ fn prepared<'a>(args: &RunArgs, scene: &'a Scene, count: usize, left: Option<Che
 }
 
 fn open_folder(
-    claim: Claim,
+    claim: LockedOutputDir,
     scene: &Scene,
     model: &Model,
-    (origin, linear): (Origin, String),
+    (origin, linear): (Provenance, String),
     resumes: bool,
 ) -> Result<ResultFolder, Failure> {
     let probes = ProbeTable::all(model, &scene.output.probes).map_err(|fault| scene.located(fault))?;
@@ -262,8 +263,8 @@ fn print_head(scene: &Scene, run: &Run<'_>) {
     }
     say!("unknowns     {total} = {}{reduced}", present.collect::<Vec<_>>().join(" + "));
     let condenses = choice.linear.condenses();
-    let left_out = LeftOut::all(model, condenses, run.working_set().filter(|_| condenses));
-    for (k, LeftOut { count, unknown, reason }) in left_out.iter().enumerate() {
+    let left_out = EliminatedUnknown::all(model, condenses, run.working_set().filter(|_| condenses));
+    for (k, EliminatedUnknown { count, unknown, reason }) in left_out.iter().enumerate() {
         say!("{:<12} {count} {unknown} {reason}", if k == 0 { "left out" } else { "" });
     }
     for warning in Warning::of_model(model).iter().filter(|warning| !warning.kind.needs_the_solution()) {
@@ -311,7 +312,7 @@ fn print_verdict(report: &RunReport, increments: usize) {
         }
     }
     if let Some(BalanceRecord { supports, springs, balance, .. }) = &report.last_reactions {
-        for (kind, Acting { at, force, .. }) in
+        for (kind, AppliedForce { at, force, .. }) in
             supports.iter().map(|support| ("reaction", support)).chain(springs.iter().map(|spring| ("spring", spring)))
         {
             say!("{kind:<12} {at}: ({}) {unit} on the body", components(force));

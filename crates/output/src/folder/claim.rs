@@ -11,18 +11,18 @@ use std::io::{self, Read};
 use std::path::Path;
 use stickslip::body::Model;
 use stickslip::run::report::ProbeTable;
-use stickslip::scene::Origin;
+use stickslip::scene::Provenance;
 use stickslip::solver::history::Status;
 use stickslip::solver::{Checkpoint, CheckpointError};
 
 /// A locked folder to which nothing has been written yet.
 #[derive(Debug)]
-pub struct Claim {
+pub struct LockedOutputDir {
     place: Locked,
     kept: Option<(Checkpoint, Kept)>,
 }
 
-impl Claim {
+impl LockedOutputDir {
     /// Creates the folder if necessary, and locks it against other runs as long as this value, or the result folder
     /// made from it, exists.
     ///
@@ -43,7 +43,7 @@ impl Claim {
             Err(error) if error.kind() == io::ErrorKind::NotFound => None,
             Err(error) => return Err(error),
         };
-        Ok(Claim { place, kept: kept.map(|(kept, checkpoint)| (checkpoint, kept)) })
+        Ok(LockedOutputDir { place, kept: kept.map(|(kept, checkpoint)| (checkpoint, kept)) })
     }
 
     /// Returns the path of the folder.
@@ -61,7 +61,7 @@ impl Claim {
 
     /// Returns the checkpoint of an earlier run, if any, with the identification of the run, the name of its linear
     /// solver, and its verdict if it has finished.
-    pub fn left(&self) -> Option<(&Checkpoint, &Origin, &str, Option<Status>)> {
+    pub fn left(&self) -> Option<(&Checkpoint, &Provenance, &str, Option<Status>)> {
         let (checkpoint, kept) = self.kept.as_ref()?;
         Some((checkpoint, &kept.origin, &kept.linear, kept.ended))
     }
@@ -83,7 +83,7 @@ impl Claim {
         self,
         model: &Model,
         probes: Vec<ProbeTable>,
-        origin: Origin,
+        origin: Provenance,
         linear: String,
     ) -> io::Result<ResultFolder> {
         let mut place = self.place;
@@ -119,7 +119,7 @@ impl Claim {
     /// When the disk refuses, and [`CheckpointError::Damaged`] when a table is missing or shorter than at the
     /// checkpoint.
     pub fn resume(self, model: &Model, probes: Vec<ProbeTable>) -> io::Result<ResultFolder> {
-        let Claim { mut place, kept } = self;
+        let LockedOutputDir { mut place, kept } = self;
         let (_, Kept { origin, linear, files, fields, .. }) = kept.ok_or_else(damaged)?;
         place.go_on();
         let table = |name: &str| {

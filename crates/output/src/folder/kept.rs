@@ -2,13 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 
-use stickslip::scene::Origin;
+use stickslip::scene::Provenance;
 use stickslip::solver::history::Status;
 
 /// The data with which a result folder resumes from a checkpoint.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Kept {
-    pub origin: Origin,
+    pub origin: Provenance,
     /// The name of the linear solver.
     pub linear: String,
     /// The growing tables, and at the end of the run all its files, each with its length, bytes.

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use stickslip::base::UnitSystem;
 use stickslip::body::Model;
 use stickslip::run::report::{BalanceRecord, ContactLine, ForceRecord, ProbeTable, RunReport};
-use stickslip::scene::Origin;
+use stickslip::scene::Provenance;
 use stickslip::solver::Checkpoint;
 use stickslip::solver::events::Event;
 use stickslip::solver::history::{IncrementRecord, IncrementView, Status};
@@ -41,7 +41,7 @@ pub struct ResultFolder {
     /// `true` if a checkpoint exists from which this run can be resumed.
     pub(super) can_be_taken_up: bool,
     /// The identification of this run and the name of its linear solver, which a resumed run must match.
-    pub(super) of: (Origin, String),
+    pub(super) of: (Provenance, String),
 }
 
 impl ResultFolder {

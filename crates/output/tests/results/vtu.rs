@@ -8,9 +8,9 @@ use std::fs;
 use std::ops::ControlFlow;
 use stickslip::body::Model;
 use stickslip::run::{Run, discretise};
-use stickslip::scene::{Origin, Scene};
+use stickslip::scene::{Provenance, Scene};
 use stickslip::solver::history::{self, HistorySettings, IncrementView, LinearAlgebra, Method, Observer, SystemSolver};
-use stickslip_output::{Claim, Grid, ResultFolder, fields};
+use stickslip_output::{Grid, LockedOutputDir, ResultFolder, fields};
 
 /// Observer that keeps the fields of every increment.
 struct Fields<'a>(&'a Model, Vec<Grid>);
@@ -230,8 +230,8 @@ fn the_series_names_whole_files() {
     let (model, grids) = solve(&scene);
     let path = std::env::temp_dir().join(format!("stickslip_series_{}", std::process::id()));
     let begin = || {
-        let origin = Origin::new(&scene, "a test").unwrap();
-        Claim::new(&path).unwrap().begin(&model, Vec::new(), origin, String::new()).unwrap()
+        let origin = Provenance::new(&scene, "a test").unwrap();
+        LockedOutputDir::new(&path).unwrap().begin(&model, Vec::new(), origin, String::new()).unwrap()
     };
     let undeformed = Run::new(&scene).unwrap().undeformed().record;
     let mut folder: ResultFolder = begin();
@@ -247,7 +247,7 @@ fn the_series_names_whole_files() {
         assert!(series.contains(&format!("timestep=\"{}\"", 0.5 * (k + 1) as f64)));
     }
     // A new run removes them once it can replace them. Until then no other run may write there.
-    assert_eq!(Claim::new(&path).unwrap_err().kind(), std::io::ErrorKind::ResourceBusy);
+    assert_eq!(LockedOutputDir::new(&path).unwrap_err().kind(), std::io::ErrorKind::ResourceBusy);
     drop(folder);
     let mut folder = begin();
     assert!(path.join("fields.pvd").exists());

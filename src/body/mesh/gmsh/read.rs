@@ -92,7 +92,7 @@ pub(super) const SAME_PLACE: f64 = 1e-9;
 
 /// The sections read so far, in the order required in a file.
 #[derive(Default)]
-struct Seen {
+struct SectionsSeen {
     entities: bool,
     nodes: bool,
     elements: bool,
@@ -110,7 +110,7 @@ pub(super) fn read(name: &str, bytes: &[u8]) -> Result<File, GmshError> {
     let text = String::from_utf8_lossy(bytes);
     let mut lines = Lines::new(name, &text);
     format(&mut lines, name)?;
-    let (mut file, mut seen) = (File::default(), Seen::default());
+    let (mut file, mut seen) = (File::default(), SectionsSeen::default());
     let mut names = HashMap::new();
     let mut groups: HashMap<Entity, Vec<String>> = HashMap::new();
     let mut indices = HashMap::new();

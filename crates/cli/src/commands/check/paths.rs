@@ -3,7 +3,7 @@
 use stickslip::algebra::linear::built_in::ranks;
 use stickslip::base::{Budget, in_words};
 use stickslip::body::Model;
-use stickslip::run::{AvailableSolvers, Choice, Need, Path, RunError, unsuited};
+use stickslip::run::{AvailableSolvers, Choice, MemoryEstimate, RunError, SolverEstimate, unsuited};
 use stickslip::scene::Scene;
 use stickslip::solver::InitialWorkingSet;
 use stickslip::solver::history::LinearAlgebra;
@@ -18,8 +18,8 @@ pub(super) fn paths(scene: &Scene, model: &Model, budget: Option<Budget>) -> Res
     let choice = Choice::cheapest(&model.problem, &InitialWorkingSet::default(), method, increments, means)?;
     let linear = scene.solver.linear.unwrap_or(choice.linear);
     let need = match choice.paths().iter().find(|path| path.linear == linear) {
-        Some(path) => Need::of_path(model, path),
-        None => Need::of(model, linear, 0)?,
+        Some(path) => MemoryEstimate::of_path(model, path),
+        None => MemoryEstimate::of(model, linear, 0)?,
     };
     let need = need.bytes();
     let of = budget.map_or(String::new(), |Budget { bytes, source }| {
@@ -32,8 +32,8 @@ pub(super) fn paths(scene: &Scene, model: &Model, budget: Option<Budget>) -> Res
         format!("estimated    {:<18} {:>9} {:>9}{of_memory}", "", "time", "memory"),
     ];
     for path in choice.paths() {
-        let Path { linear, cost } = path;
-        let need = Need::of_path(model, path);
+        let SolverEstimate { linear, cost } = path;
+        let need = MemoryEstimate::of_path(model, path);
         let out = budget.map_or(String::new(), |Budget { bytes, .. }| {
             format!("  {:.1e} displacements on", need.most_displacements(model, *linear, bytes))
         });

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::{fs, io};
-use stickslip::scene::Origin;
+use stickslip::scene::Provenance;
 use stickslip::solver::Checkpoint;
 use stickslip_cli::compare::Cells;
 use stickslip_output::{FolderLock, write_file};
@@ -13,13 +13,13 @@ const FOLDER: &str = ".cells";
 pub(super) struct CellFolder {
     path: PathBuf,
     /// Part of the file names, so that a history of another scene is never found.
-    origin: Origin,
+    origin: Provenance,
     _alone: FolderLock,
 }
 
 impl CellFolder {
     /// Opens the store of the results in `out`. It is emptied unless the comparison `resumes`.
-    pub(super) fn open(out: &Path, origin: Origin, resumes: bool) -> io::Result<Self> {
+    pub(super) fn open(out: &Path, origin: Provenance, resumes: bool) -> io::Result<Self> {
         let cells = CellFolder { path: out.join(FOLDER), origin, _alone: FolderLock::new(out)? };
         if !resumes {
             cells.remove()?;

@@ -5,10 +5,10 @@ use super::RunArgs;
 use std::io::{self, BufRead, BufReader, Read};
 use std::process::ExitCode;
 use stickslip::run::report::RunReport;
-use stickslip::scene::Origin;
+use stickslip::scene::Provenance;
 use stickslip::solver::Checkpoint;
 use stickslip::solver::history::{LinearAlgebra, Status};
-use stickslip_output::{Claim, ResultFolder};
+use stickslip_output::{LockedOutputDir, ResultFolder};
 
 /// The state left in the folder by an earlier run.
 pub(super) enum Left {
@@ -20,7 +20,7 @@ pub(super) enum Left {
 
 impl Left {
     /// Returns what `claim` holds for a scene of this `origin`. Returns an error if something has changed since.
-    pub(super) fn of(claim: &Claim, origin: &Origin, args: &RunArgs) -> Result<Option<Self>, Failure> {
+    pub(super) fn of(claim: &LockedOutputDir, origin: &Provenance, args: &RunArgs) -> Result<Option<Self>, Failure> {
         let Some((checkpoint, earlier, linear, ended)) = claim.left() else {
             if args.results.resume && !args.json {
                 say!("resume       no earlier run was found: a new run begins");
@@ -68,7 +68,7 @@ impl Left {
 }
 
 /// Repeats the report of a run that has already finished.
-pub(super) fn told_again(claim: &Claim, args: &RunArgs, status: Status) -> Result<ExitCode, Failure> {
+pub(super) fn told_again(claim: &LockedOutputDir, args: &RunArgs, status: Status) -> Result<ExitCode, Failure> {
     if args.json {
         print(claim.report().map_err(|error| unreadable(&error))?)?;
     } else {

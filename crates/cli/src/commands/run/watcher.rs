@@ -8,7 +8,7 @@ use std::ops::ControlFlow;
 use stickslip::algebra::linear;
 use stickslip::body::Model;
 use stickslip::run::report::{BalanceRecord, ContactLine, ForceRecord};
-use stickslip::run::{Ledger, RecordedIncrement};
+use stickslip::run::{RecordWriter, RecordedIncrement};
 use stickslip::scene::Output;
 use stickslip::solver::events::Event;
 use stickslip::solver::history::{IncrementRecord, IncrementView, Observer, Status};
@@ -125,7 +125,7 @@ impl Observer for Watcher<'_> {
     }
 }
 
-impl Ledger for Watcher<'_> {
+impl RecordWriter for Watcher<'_> {
     fn add(&mut self, record: &IncrementRecord, forces: &[ForceRecord], reactions: Option<&BalanceRecord>) {
         if let (Some(folder), None) = (&mut self.folder, &self.failed_write) {
             self.failed_write = folder.add_increment(record, forces, reactions).err();

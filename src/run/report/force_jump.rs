@@ -4,7 +4,7 @@ use super::warnings::{Warning, WarningKind};
 
 /// An increment in which contact forces jump, however short it is made.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Leap {
+pub struct ForceJump {
     /// Its beginning, s.
     pub from: f64,
     /// Its end, s.
@@ -13,10 +13,10 @@ pub struct Leap {
     pub share: f64,
 }
 
-impl Leap {
+impl ForceJump {
     /// Warns that the quasi-static motion ends there.
     pub(super) fn warning(&self) -> Warning {
-        let Leap { from, to, share } = *self;
+        let ForceJump { from, to, share } = *self;
         let message = format!(
             "contact forces jump by {:.0} % of their largest value between t = {from} s and t = {to} s, even in \
              shorter increments: no quasi-static motion continues from there, and the states after it are one of \

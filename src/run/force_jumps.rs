@@ -8,7 +8,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::body::model::Model;
-use crate::run::report::Leap;
+use crate::run::report::ForceJump;
 use crate::solver::formulation::Layout;
 use crate::solver::history::{
     Error, HistorySettings, IncrementView, JumpSolver, Method, Observer, RestartPoint, Status,
@@ -40,7 +40,7 @@ const STAYS: f64 = 0.6;
 
 /// Collects increments in which contact forces may have jumped.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct Leaps {
+pub(super) struct JumpDetector {
     /// `false` without friction, where contact forces follow the loads, and for an exact path, which finds its end
     /// itself.
     may_jump: bool,
@@ -71,13 +71,13 @@ struct Suspect {
     released: f64,
 }
 
-impl Leaps {
+impl JumpDetector {
     /// Begins a history of `model` solved by `method`.
     pub(super) fn new(model: &Model, method: Method) -> Self {
         let layout = Layout::new(&model.problem);
         let has_friction = (0..layout.contacts()).any(|i| layout.has_friction(i));
         let may_jump = has_friction && !matches!(method, Method::Events { .. });
-        Leaps { may_jump, last: None, suspected: Vec::new(), largest: 0.0 }
+        JumpDetector { may_jump, last: None, suspected: Vec::new(), largest: 0.0 }
     }
 
     /// Returns `true` if the data, restored from another run, fits `model`.
@@ -134,11 +134,11 @@ impl Leaps {
         scales: KktScales,
         means: &mut JumpSolver<'_>,
         observer: &mut dyn Observer,
-    ) -> Result<Option<Leap>, Error> {
-        let mut first: Option<Leap> = None;
+    ) -> Result<Option<ForceJump>, Error> {
+        let mut first: Option<ForceJump> = None;
         for suspect in self.suspects() {
             let leap = suspect.leap(model, settings, scales, means, observer)?;
-            let leap = leap.map(|(from, to, change)| Leap { from, to, share: change / self.largest });
+            let leap = leap.map(|(from, to, change)| ForceJump { from, to, share: change / self.largest });
             first = [first, leap].into_iter().flatten().min_by(|a, b| a.from.total_cmp(&b.from));
         }
         Ok(first)

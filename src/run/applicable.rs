@@ -66,7 +66,7 @@ pub fn unsuited(model: &Model, method: Method) -> Option<Unsuited> {
 }
 
 /// Returns the reason why multigrid fell back to another solver, if it did and the reason is known.
-pub(super) fn gave_way(linear: &Statistics, model: &Model, method: Method) -> Option<String> {
+pub(super) fn fell_back(linear: &Statistics, model: &Model, method: Method) -> Option<String> {
     linear.instead.and_then(|_| unsuited(model, method)).map(|why| why.to_string())
 }
 

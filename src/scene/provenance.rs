@@ -14,7 +14,7 @@ const PRIME: u128 = 0x0000_0000_0100_0000_0000_0000_0000_013b;
 
 /// The scene, files and program that a result was computed from.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Origin {
+pub struct Provenance {
     program: String,
     /// The scene, overrides included.
     text: String,
@@ -22,7 +22,7 @@ pub struct Origin {
     files: Vec<(PathBuf, String)>,
 }
 
-impl Origin {
+impl Provenance {
     /// Creates the origin of results of `scene` computed by `program`.
     ///
     /// # Errors
@@ -33,7 +33,7 @@ impl Origin {
             Err(error) => Err((file, error)),
         };
         let files = scene.files().into_iter().map(hashed).collect::<Result<_, _>>()?;
-        Ok(Origin { program: program.to_string(), text: scene.text().to_string(), files })
+        Ok(Provenance { program: program.to_string(), text: scene.text().to_string(), files })
     }
 
     /// Returns 32 hexadecimal digits that change with any part of the origin.
@@ -48,7 +48,7 @@ impl Origin {
     }
 
     /// Describes the changes since `earlier`, one entry for each; empty without changes.
-    pub fn changes_since(&self, earlier: &Origin) -> Vec<String> {
+    pub fn changes_since(&self, earlier: &Provenance) -> Vec<String> {
         let mut changes = Vec::new();
         if self.program != earlier.program {
             changes.push(format!("stickslip was {}, and is {}", earlier.program, self.program));
@@ -94,13 +94,14 @@ mod tests {
         let folder = std::env::temp_dir().join(format!("stickslip-origin-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         let name = folder.join("scene.toml").display().to_string();
-        let of = |text: &str, program: &str| Origin::new(&Scene::parse(&name, text, &[]).unwrap(), program).unwrap();
+        let of =
+            |text: &str, program: &str| Provenance::new(&Scene::parse(&name, text, &[]).unwrap(), program).unwrap();
         let mesh = |content: &str| std::fs::write(folder.join("bar.msh"), content).unwrap();
         mesh("one");
         let first = of(TEXT, "0.1");
         assert_eq!((of(TEXT, "0.1").fingerprint(), first.fingerprint().len()), (first.fingerprint(), 32));
         assert!(of(TEXT, "0.1").changes_since(&first).is_empty());
-        let changed = |now: &Origin, words: &[&str]| {
+        let changed = |now: &Provenance, words: &[&str]| {
             assert_ne!(now.fingerprint(), first.fingerprint());
             let changes = now.changes_since(&first);
             assert_eq!(changes.len(), words.len(), "{changes:?}");
@@ -116,6 +117,9 @@ mod tests {
         mesh("one");
         assert_eq!(of(TEXT, "0.1"), first);
         std::fs::remove_dir_all(&folder).unwrap();
-        assert_eq!(Origin::new(&Scene::parse(&name, TEXT, &[]).unwrap(), "0.1").unwrap_err().0, folder.join("bar.msh"));
+        assert_eq!(
+            Provenance::new(&Scene::parse(&name, TEXT, &[]).unwrap(), "0.1").unwrap_err().0,
+            folder.join("bar.msh")
+        );
     }
 }
