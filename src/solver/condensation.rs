@@ -133,6 +133,12 @@ impl Condensed {
         Ok(())
     }
 
+    /// Takes over the histories and gaps of a `loading` with the nodal forces of the present one.
+    pub(crate) fn load_again(&mut self, loading: &Loading) {
+        let case = |(case, own): (&LoadCase, &LoadCase)| case.on(own.force().to_vec());
+        self.loading = loading.with_cases(loading.cases().iter().zip(self.loading.cases()).map(case).collect());
+    }
+
     /// Condenses a body on these contact `nodes` alone, ascending. All other contact nodes carry no forces and are
     /// eliminated with the interior.
     ///

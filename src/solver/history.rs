@@ -56,6 +56,7 @@ mod rescue;
 mod rigid_offset;
 mod saved;
 mod settings;
+mod stage;
 mod state;
 mod stepper;
 mod system;
@@ -71,6 +72,7 @@ use crate::solver::problem::error::{expect_each, expect_finite, expect_increasin
 use crate::solver::problem::{ContactProblem, ProblemError, State};
 use driver::HistoryDriver;
 use events::ExactHistory;
+use state::HistoryState;
 use std::time::Instant;
 
 pub use error::Error;
@@ -197,7 +199,8 @@ pub fn run_with(
     if !algorithm.knows(&outcome.layout) {
         return Ok(HistoryOutcome { status: Status::Unsupported, ..outcome });
     }
-    let mut stages = HistoryDriver::new(problem, loading, times, settings, observer, outcome, start)?;
+    let mut position = HistoryState::start(problem);
+    let mut stages = HistoryDriver::new(problem, loading, times, settings, observer, outcome, &mut position, start)?;
     match system {
         SystemSolver::Whole(linear) => {
             let mut linear = linear.after(stages.done);

@@ -128,6 +128,11 @@ impl Motion {
 }
 
 impl Loading {
+    /// Returns `true` if the loads have the nodal forces of those of `other`, with any histories.
+    pub(crate) fn has_forces_of(&self, other: &Loading) -> bool {
+        self.cases.len() == other.cases.len() && self.cases.iter().zip(&other.cases).all(|(a, b)| a.force == b.force)
+    }
+
     /// Creates the sum of `cases`, with `gap`, the gaps before any obstacle moves, n_c, m.
     ///
     /// # Errors

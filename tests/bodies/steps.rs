@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
+use stickslip::algebra::linear::Statistics;
 use stickslip::body::Model;
 use stickslip::run::{Recording, discretise};
 use stickslip::scene::Scene;
@@ -81,6 +82,34 @@ fn an_increment_needs_the_loads_of_its_two_ends_only() {
             let of = |errors: [f64; 2]| errors[0].max(errors[1]);
             let error = of([distance(&state.u, &expected.state.u), distance(&state.p_n, &expected.state.p_n)]);
             assert!(error < 1e-12, "{linear} at {time}: {error:e}");
+        }
+    }
+}
+
+/// A step needs the factorisations of an increment of a history and no others, with the loads of the history and with new nodal forces
+/// in each step.
+#[test]
+fn a_step_costs_what_an_increment_of_a_history_costs() {
+    let (model, times) = model();
+    let settings = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap();
+    for linear in built_in() {
+        let (problem, loading) = (&model.problem, &model.loading);
+        let whole = history::run(problem, loading, &times, &settings, linear.into(), &mut ()).unwrap().linear;
+        for own_loads in [false, true] {
+            let mut stepper = Stepper::new(problem, settings.clone(), linear.into()).unwrap();
+            let step = |time: &f64| {
+                let loads = if own_loads { between(&model, stepper.time(), *time) } else { loading.clone() };
+                stepper.step(&loads, *time, &mut ()).unwrap().linear
+            };
+            let steps = times.iter().map(step).last().unwrap();
+            let counts = |done: Statistics| [done.analyses, done.factorizations, done.solves];
+            let [expected, found] = [counts(whole), counts(steps)];
+            // The first step has the response to one more load.
+            let solves = expected[2]..=expected[2] + usize::from(own_loads);
+            assert!(
+                found[..2] == expected[..2] && solves.contains(&found[2]),
+                "{linear} {own_loads}: {found:?} {expected:?}"
+            );
         }
     }
 }

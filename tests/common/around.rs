@@ -5,33 +5,23 @@ use stickslip::algebra::sparse::SystemMatrix;
 use stickslip::solver::history::{IncrementSolver, Observe, Task};
 use stickslip::solver::{MethodResult, State};
 
-struct Around<'a, F> {
-    inner: Box<dyn IncrementSolver + 'a>,
+struct Around<F> {
+    inner: Box<dyn IncrementSolver>,
     solve: F,
 }
 
 /// Returns a method that solves increments by `solve`, which may pass them on to `inner`.
-pub fn around<'a, F>(inner: Box<dyn IncrementSolver + 'a>, solve: F) -> Box<dyn IncrementSolver + 'a>
+pub fn around<F>(inner: Box<dyn IncrementSolver>, solve: F) -> Box<dyn IncrementSolver>
 where
-    F: FnMut(
-            &mut (dyn IncrementSolver + 'a),
-            &Task<'_>,
-            &mut RefinedSolver,
-            Observe<'_>,
-        ) -> Result<MethodResult, LinearError>
-        + 'a,
+    F: FnMut(&mut dyn IncrementSolver, &Task<'_>, &mut RefinedSolver, Observe<'_>) -> Result<MethodResult, LinearError>
+        + 'static,
 {
     Box::new(Around { inner, solve })
 }
 
-impl<'a, F> IncrementSolver for Around<'a, F>
+impl<F> IncrementSolver for Around<F>
 where
-    F: FnMut(
-        &mut (dyn IncrementSolver + 'a),
-        &Task<'_>,
-        &mut RefinedSolver,
-        Observe<'_>,
-    ) -> Result<MethodResult, LinearError>,
+    F: FnMut(&mut dyn IncrementSolver, &Task<'_>, &mut RefinedSolver, Observe<'_>) -> Result<MethodResult, LinearError>,
 {
     fn matrix(&self) -> &SystemMatrix {
         self.inner.matrix()

@@ -181,7 +181,7 @@ struct Failing {
 }
 
 impl Algorithm for Failing {
-    fn start<'a>(&self, problem: &'a ContactProblem, loading: &Loading) -> Box<dyn IncrementSolver + 'a> {
+    fn start(&self, problem: &ContactProblem, loading: &Loading) -> Box<dyn IncrementSolver> {
         let (left, error) = (Rc::clone(&self.left), self.error.clone());
         around(self.settings.start(problem, loading), move |inner, task, linear, observe| {
             let fails = left.get() == 0;

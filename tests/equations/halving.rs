@@ -104,7 +104,7 @@ fn an_increment_that_no_halving_saves() {
 struct Timid(HistorySettings);
 
 impl Algorithm for Timid {
-    fn start<'a>(&self, problem: &'a ContactProblem, loading: &Loading) -> Box<dyn IncrementSolver + 'a> {
+    fn start(&self, problem: &ContactProblem, loading: &Loading) -> Box<dyn IncrementSolver> {
         gives_up(self.0.start(problem, loading), 0.0)
     }
 }
@@ -113,13 +113,13 @@ impl Algorithm for Timid {
 struct Lost(HistorySettings);
 
 impl Algorithm for Lost {
-    fn start<'a>(&self, problem: &'a ContactProblem, loading: &Loading) -> Box<dyn IncrementSolver + 'a> {
+    fn start(&self, problem: &ContactProblem, loading: &Loading) -> Box<dyn IncrementSolver> {
         gives_up(self.0.start(problem, loading), f64::NAN)
     }
 }
 
 /// Returns a method that gives up where a gap changes by more than 0.3 m, and then adds `leaves` to a displacement, m.
-fn gives_up<'a>(inner: Box<dyn IncrementSolver + 'a>, leaves: f64) -> Box<dyn IncrementSolver + 'a> {
+fn gives_up(inner: Box<dyn IncrementSolver>, leaves: f64) -> Box<dyn IncrementSolver> {
     let mut gap = 0.0_f64;
     around(inner, move |inner, task, linear, observe| {
         if (task.increment.gap[0] - gap).abs() > 0.3 {

@@ -18,7 +18,7 @@ struct Diary {
 }
 
 impl Algorithm for Diary {
-    fn start<'a>(&self, problem: &'a ContactProblem, loading: &Loading) -> Box<dyn IncrementSolver + 'a> {
+    fn start(&self, problem: &ContactProblem, loading: &Loading) -> Box<dyn IncrementSolver> {
         let pages = Rc::clone(&self.pages);
         around(self.settings.start(problem, loading), move |inner, task, linear, observe| {
             pages.borrow_mut().push(task.increment.force.len());

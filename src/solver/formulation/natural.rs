@@ -51,13 +51,12 @@ impl FormulationScaling {
 
     /// Returns choices derived from the problem, by its [`ContactProblem::contact_stiffness`].
     pub fn natural(problem: &ContactProblem) -> Self {
-        FormulationScaling::of_stiffness(problem, &problem.contact_stiffness())
+        FormulationScaling::of_stiffness(&Layout::new(problem), &problem.contact_stiffness())
     }
 
     /// Returns choices with `r` from the stiffness of the contact nodes (n_c, N/m), friction limited by the trial
     /// pressure, and every row a force.
-    pub fn of_stiffness(problem: &ContactProblem, contact_stiffness: &[f64]) -> Self {
-        let layout = Layout::new(problem);
+    pub fn of_stiffness(layout: &Layout, contact_stiffness: &[f64]) -> Self {
         let shares = |i| if layout.slides_in_a_plane(i) { SHARES_IN_A_PLANE } else { SHARES_ALONG_A_LINE };
         let r = |row: usize| contact_stiffness.iter().enumerate().map(|(i, k)| shares(i)[row] * k).collect();
         FormulationScaling {

@@ -16,15 +16,15 @@ use crate::solver::problem::ContactProblem;
 const BN_PATIENCE: usize = 40;
 
 impl Algorithm for HistorySettings {
-    fn start<'a>(&self, problem: &'a ContactProblem, loading: &Loading) -> Box<dyn IncrementSolver + 'a> {
+    fn start(&self, problem: &ContactProblem, loading: &Loading) -> Box<dyn IncrementSolver> {
         match self.method {
             Method::Bn { rescue, .. } => {
                 let bn = BnMethod::measured(problem, loading, self, self.max_iterations.min(BN_PATIENCE));
-                if rescue { Box::new(Rescued::new(problem, bn, self)) } else { Box::new(bn) }
+                if rescue { Box::new(Rescued::new(bn, self)) } else { Box::new(bn) }
             }
             // Increments are solved only where the path jumps.
             Method::Events { .. } => {
-                Box::new(Rescued::new(problem, BnMethod::measured(problem, loading, self, BN_PATIENCE), self))
+                Box::new(Rescued::new(BnMethod::measured(problem, loading, self, BN_PATIENCE), self))
             }
             Method::PaperBn => Box::new(BnMethod::paper(problem, loading, self)),
             Method::Ip { newton } => Box::new(PredictorCorrectorMethod::new(problem, self, newton)),

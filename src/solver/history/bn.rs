@@ -14,8 +14,7 @@ use crate::solver::problem::{ContactProblem, State};
 /// The paper's stopping test `Theta ≤ ε`, a sum of N² and Pa².
 const PAPER_MERIT: f64 = 1e-2;
 
-pub(super) struct BnMethod<'a> {
-    problem: &'a ContactProblem,
+pub(super) struct BnMethod {
     formulation: Bdiff,
     bn: Bn,
     /// `true` if the error measure stops the iteration, `false` if the paper's merit does.
@@ -34,9 +33,9 @@ pub(super) struct BnMethod<'a> {
     rate: Option<Rate>,
 }
 
-impl<'a> BnMethod<'a> {
+impl BnMethod {
     /// Creates BN with the constants of the paper.
-    pub(super) fn paper(problem: &'a ContactProblem, loading: &Loading, history: &HistorySettings) -> Self {
+    pub(super) fn paper(problem: &ContactProblem, loading: &Loading, history: &HistorySettings) -> Self {
         // `p_n = 1 MPa · l` at the start, or 10 MPa · l with 100 or more contact nodes.
         let start = FirstGuess::Pressure(if problem.contacts() < 100 { 1e6 } else { 1e7 });
         let method = Self::new(problem, loading, history, start, Armijo::PAPER, history.max_iterations);
@@ -45,7 +44,7 @@ impl<'a> BnMethod<'a> {
 
     /// Creates BN with the error measure as its stopping test and this limit of iterations.
     pub(super) fn measured(
-        problem: &'a ContactProblem,
+        problem: &ContactProblem,
         loading: &Loading,
         history: &HistorySettings,
         max_iterations: usize,
@@ -54,7 +53,7 @@ impl<'a> BnMethod<'a> {
     }
 
     fn new(
-        problem: &'a ContactProblem,
+        problem: &ContactProblem,
         loading: &Loading,
         history: &HistorySettings,
         start: FirstGuess,
@@ -72,10 +71,9 @@ impl<'a> BnMethod<'a> {
                 None
             },
             bn: Bn::new(armijo, max_iterations, formulation.unknowns()),
-            problem,
             formulation,
             measured: true,
-            closes: !idle && !problem.rigid_modes().is_empty(),
+            closes: !problem.rigid_modes().is_empty(),
             start,
             rest: vec![0.0; z.len()],
             z,
@@ -91,12 +89,12 @@ impl<'a> BnMethod<'a> {
 
     /// Returns the solution from which an increment starts. Before the first increment there is only a guess.
     pub(super) fn last_solution(&self, task: &Task<'_>) -> State {
-        if task.first { State::zero(self.problem) } else { self.state() }
+        if task.first { State::zero(task.problem) } else { self.state() }
     }
 
     /// Updates the estimated time-step error after the increment that ends at the present solution.
-    pub(super) fn follow(&mut self, linear: &mut RefinedSolver) -> Result<(), LinearError> {
-        let BnMethod { problem, formulation, bn, z, errors, rate, .. } = self;
+    pub(super) fn follow(&mut self, problem: &ContactProblem, linear: &mut RefinedSolver) -> Result<(), LinearError> {
+        let BnMethod { formulation, bn, z, errors, rate, .. } = self;
         errors
             .as_mut()
             .map_or(Ok(()), |errors| errors.follow(rate.take().as_ref(), problem.weight(), formulation, bn, linear, z))
@@ -107,7 +105,7 @@ impl<'a> BnMethod<'a> {
         let mut z = self.z.clone();
         task.response.add_to(&mut z);
         let state = self.formulation.layout().unpacked(&z, self.formulation.scaling());
-        task.error(self.problem, &state) <= task.tolerance
+        task.error(&state) <= task.tolerance
     }
 
     /// Closes the nodes on which a body without supports comes to rest, `p_n > r (g - w_n)`: with open nodes the
@@ -116,7 +114,7 @@ impl<'a> BnMethod<'a> {
         let (layout, scaling) = (self.formulation.layout().clone(), *self.formulation.scaling());
         let all: Vec<usize> = if task.first { (0..layout.contacts()).collect() } else { Vec::new() };
         for &i in task.landed.unwrap_or(&all) {
-            let left = task.increment.gap[i] / scaling.length - self.problem.c_n().dot(i, &self.z);
+            let left = task.increment.gap[i] / scaling.length - task.problem.c_n().dot(i, &self.z);
             let pressed = if task.first { 0.0 } else { task.response.contact_force };
             let closed = 2.0 * self.formulation.r_n(i) * left + pressed;
             let p_n = &mut self.z[layout.p_n(i)];
@@ -125,7 +123,7 @@ impl<'a> BnMethod<'a> {
     }
 }
 
-impl IncrementSolver for BnMethod<'_> {
+impl IncrementSolver for BnMethod {
     fn matrix(&self) -> &SystemMatrix {
         self.formulation.jacobian()
     }
@@ -137,6 +135,14 @@ impl IncrementSolver for BnMethod<'_> {
     fn hold_contacts(&mut self) -> Result<(), Vec<f64>> {
         self.formulation.hold_contacts();
         self.formulation.unheld_motion().map_or(Ok(()), Err)
+    }
+
+    fn starts_on_tangent(&self, linear: &RefinedSolver) -> bool {
+        let is_at_end = self.last.as_ref().is_some_and(|[_, after]| *after == self.z);
+        is_at_end
+            && !self.closes
+            && self.bn.has_factors(linear)
+            && self.formulation.residual_of_cases(&self.z).is_some()
     }
 
     fn solve(
@@ -154,7 +160,7 @@ impl IncrementSolver for BnMethod<'_> {
             Some(errors) => errors.rate(task.increment, &mut self.formulation, &mut self.bn, linear)?,
             None => None,
         };
-        let BnMethod { problem, formulation, bn, measured, start, z, rest, last, .. } = self;
+        let BnMethod { formulation, bn, measured, start, z, rest, last, .. } = self;
         let (layout, scaling) = (formulation.layout().clone(), *formulation.scaling());
         formulation.begin(task.increment);
         task.response.add_to(z);
@@ -174,7 +180,7 @@ impl IncrementSolver for BnMethod<'_> {
             (None, Some(stretch), Some(last)) if turns => go_on_as_before(formulation, last, &from, stretch, z),
             _ => {}
         }
-        let mut error = |z: &[f64], rest: &[f64]| task.error(problem, &layout.unpacked_with(z, rest, &scaling));
+        let mut error = |z: &[f64], rest: &[f64]| task.error(&layout.unpacked_with(z, rest, &scaling));
         let end = match measured {
             true => StopCriterion::Measured { tolerance: task.tolerance, error: &mut error },
             false => StopCriterion::Merit(PAPER_MERIT),
@@ -193,7 +199,7 @@ impl IncrementSolver for BnMethod<'_> {
             *last = Some([from, z.clone()]);
         }
         if outcome.stop == Termination::Converged {
-            self.follow(linear)?;
+            self.follow(task.problem, linear)?;
         }
         Ok(outcome)
     }

@@ -1,11 +1,11 @@
 //! The driver of a history, stage by stage: a stage is a sequence of increments with one set-up of the equations.
 
 use super::increment::{IncrementDriver, IncrementProgress, JudgedIncrement};
-use super::interior::ClampedBody;
 use super::observer::{IncrementView, Observer, Progress, record};
 use super::record::{ContactCounts, IncrementRecord, Seconds, Status};
 use super::saved::{Done, RunOf, Saved, SavedStage};
 use super::settings::HistorySettings;
+use super::stage::Stage;
 use super::state::{HistoryState, IncrementResult};
 use super::system::statistics;
 use super::task::Algorithm;
@@ -29,7 +29,7 @@ pub(super) struct HistoryDriver<'a> {
     pub settings: &'a HistorySettings,
     pub observer: &'a mut dyn Observer,
     pub outcome: HistoryOutcome,
-    pub position: HistoryState,
+    pub position: &'a mut HistoryState,
     /// The start of the history.
     pub start: Instant,
     /// The start of the increment in progress, and the statistics of the linear solver at that time.
@@ -57,6 +57,7 @@ impl<'a> HistoryDriver<'a> {
         settings: &'a HistorySettings,
         observer: &'a mut dyn Observer,
         outcome: HistoryOutcome,
+        position: &'a mut HistoryState,
         start: Instant,
     ) -> Result<Self, Error> {
         let saved = settings.from.as_ref().map(|from| Saved::read(from, problem, times, settings)).transpose()?;
@@ -67,7 +68,7 @@ impl<'a> HistoryDriver<'a> {
             settings,
             observer,
             outcome,
-            position: HistoryState::start(problem),
+            position,
             start,
             begun: None,
             done: Statistics::default(),
@@ -77,7 +78,7 @@ impl<'a> HistoryDriver<'a> {
         };
         if let Some(Saved { outcome, position, stage, statistics, .. }) = saved {
             stages.outcome = outcome.resume(stages.outcome);
-            (stages.position, stages.done, stages.saved) = (position, statistics, Some(stage));
+            (*stages.position, stages.done, stages.saved) = (position, statistics, Some(stage));
         }
         Ok(stages)
     }
@@ -143,8 +144,8 @@ impl<'a> HistoryDriver<'a> {
         self.stage(own.as_deref().unwrap_or(algorithm), Some(&condensed), &mut dense)
     }
 
-    /// Solves increments with `linear`, on the body or on `condensed`. Returns `None` at the end of the history, or
-    /// the larger working set needed to continue.
+    /// Solves the rest of the history with `linear`, on the body or on `condensed`. Returns `None` at its end, or the
+    /// larger working set needed to continue.
     ///
     /// # Errors
     /// As [`super::run`].
@@ -154,17 +155,26 @@ impl<'a> HistoryDriver<'a> {
         condensed: Option<&Condensed>,
         linear: &mut RefinedSolver,
     ) -> Result<Option<Vec<usize>>, Error> {
-        let HistoryDriver { problem, loading, times, settings, .. } = *self;
-        let (small, loads, body) = match condensed {
-            Some(condensed) => (&condensed.problem, &condensed.loading, Some(condensed.info())),
-            None => (problem, loading, None),
-        };
-        let mut method = algorithm.start(small, loads);
-        linear.analyze(method.matrix())?;
-        let held = ClampedBody::new(method.as_mut(), small, loads, &settings.scaling, linear)?;
+        match self.set_up(algorithm, condensed, linear)? {
+            Some(mut stage) => self.increments(&mut stage, condensed, linear),
+            None => Ok(None),
+        }
+    }
+
+    /// Sets up the equations. Returns `None`, and the outcome has the verdict, if the body is unconstrained even with
+    /// clamped contact nodes.
+    pub(super) fn set_up(
+        &mut self,
+        algorithm: &dyn Algorithm,
+        condensed: Option<&Condensed>,
+        linear: &mut RefinedSolver,
+    ) -> Result<Option<Stage>, Error> {
+        let HistoryDriver { problem, loading, settings, .. } = *self;
+        let stage = Stage::new(problem, loading, settings, algorithm, condensed, linear)?;
+        let body = condensed.map(Condensed::info);
         self.outcome.linear = statistics(*linear.statistics(), body, self.position.worst_backward_error);
-        let held = match held {
-            Ok(held) => held,
+        let mut stage = match stage {
+            Ok(stage) => stage,
             Err(free_motion) => {
                 self.outcome.status = Status::Singular;
                 self.outcome.free_motion = free_motion;
@@ -175,7 +185,24 @@ impl<'a> HistoryDriver<'a> {
             self.outcome.setup_seconds = self.start.elapsed().as_secs_f64();
             self.observer.ready();
         }
-        let mut path = IncrementDriver::new(problem, loading, settings, condensed, method, held, &mut self.position);
+        stage.go_on_from(self.position, condensed, loading);
+        Ok(Some(stage))
+    }
+
+    /// Solves the increments that are left, up to the first that does not converge. Returns the larger working set
+    /// needed to continue, if the equations lack contact nodes.
+    ///
+    /// # Errors
+    /// As [`super::run`].
+    pub(super) fn increments(
+        &mut self,
+        stage: &mut Stage,
+        condensed: Option<&Condensed>,
+        linear: &mut RefinedSolver,
+    ) -> Result<Option<Vec<usize>>, Error> {
+        let HistoryDriver { problem, loading, times, settings, .. } = *self;
+        let body = condensed.map(Condensed::info);
+        let mut path = IncrementDriver { problem, loading, settings, condensed, stage, at: &mut *self.position };
         let (outcome, observer) = (&mut self.outcome, &mut *self.observer);
 
         // The batch size grows while no state needs refinement.

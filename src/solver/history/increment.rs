@@ -6,13 +6,14 @@
 //! `batch_size`.
 
 use super::increment_error::{IncrementError, IncrementErrors};
-use super::interior::{ClampedBody, InteriorRecovery, Linearized, RecoveredState};
+use super::interior::{InteriorRecovery, Linearized, RecoveredState};
 use super::observer::Progress;
 use super::rigid_offset::RigidOffset;
 use super::saved::Snapshot;
 use super::settings::HistorySettings;
+use super::stage::Stage;
 use super::state::{HistoryState, IncrementInProgress, IncrementResult, SubstepResult};
-use super::task::{IncrementSolver, Observe, Task};
+use super::task::{Observe, Task};
 use super::working_set::{self, MissingNodes};
 use super::{Status, record};
 use crate::algebra::linear::{LinearError, RefinedSolver, Statistics};
@@ -21,32 +22,21 @@ use crate::solver::laws::{KktScales, is_more_than_rounding, judge};
 use crate::solver::loading::Loading;
 use crate::solver::newton::{MethodResult, Termination};
 use crate::solver::problem::{ContactProblem, Increment, State};
-use crate::solver::solvability::{
-    Landing, Load, NEARBY, driven_motion, is_carried_without_strain, landing, motion_driven_in_the_equations,
-};
+use crate::solver::solvability::{Landing, Load, NEARBY, driven_motion, landing, motion_driven_in_the_equations};
 use std::borrow::Cow;
 use std::collections::VecDeque;
 use std::time::Instant;
 
-/// The progress of a history up to the last converged state, and the data of the substep tried last.
+/// The increments of a stage, from the state that the history has reached.
 pub(super) struct IncrementDriver<'a> {
-    problem: &'a ContactProblem,
-    loading: &'a Loading,
-    settings: &'a HistorySettings,
+    pub problem: &'a ContactProblem,
+    pub loading: &'a Loading,
+    pub settings: &'a HistorySettings,
     /// The condensed body, if the method solves for the contact displacements alone.
-    condensed: Option<&'a Condensed>,
-    method: Box<dyn IncrementSolver + 'a>,
-    held: ClampedBody,
+    pub condensed: Option<&'a Condensed>,
+    pub stage: &'a mut Stage,
     /// The state that the history has reached.
     pub at: &'a mut HistoryState,
-    /// `true` if the body may move rigidly, without strain.
-    may_move_rigidly: bool,
-    force: Vec<f64>,
-    condensed_force: Vec<f64>,
-    gap: Vec<f64>,
-    mu: Vec<f64>,
-    w_t_last: Vec<f64>,
-    w_o_last: Vec<f64>,
 }
 
 /// The progress of an increment.
@@ -77,48 +67,10 @@ struct SubstepInput {
 }
 
 impl<'a> IncrementDriver<'a> {
-    pub(super) fn new(
-        problem: &'a ContactProblem,
-        loading: &'a Loading,
-        settings: &'a HistorySettings,
-        condensed: Option<&'a Condensed>,
-        mut method: Box<dyn IncrementSolver + 'a>,
-        held: ClampedBody,
-        at: &'a mut HistoryState,
-    ) -> Self {
-        if let (Some(state), None) = (&at.state, condensed) {
-            method.go_on_from(state);
-        }
-        if let (Some(state), Some(condensed)) = (&at.state, condensed) {
-            method.go_on_from(&condensed.condensed_state(state));
-            let begun = (method.increment_errors(), at.errors.take(), at.reached);
-            if let (Some(errors), Some((before, nodes)), Some(time)) = begun {
-                errors.go_on_from(&before, &nodes, condensed, loading, time, [&at.w_n, &at.w_t, &at.w_o]);
-            }
-        }
-        let n_c = problem.contacts();
-        IncrementDriver {
-            problem,
-            loading,
-            settings,
-            condensed,
-            method,
-            held,
-            at,
-            may_move_rigidly: is_carried_without_strain(problem),
-            force: vec![0.0; problem.displacements()],
-            condensed_force: vec![0.0; condensed.map_or(0, |condensed| condensed.problem.displacements())],
-            gap: vec![0.0; n_c],
-            mu: problem.mu().to_vec(),
-            w_t_last: vec![0.0; n_c],
-            w_o_last: vec![0.0; n_c],
-        }
-    }
-
     /// Returns the data of the substep tried last, relative to the rigid offset, as is the state of a
     /// [`SubstepResult`].
     pub(super) fn data(&self) -> Increment<'_> {
-        let IncrementDriver { force, gap, mu, w_t_last, w_o_last, .. } = self;
+        let Stage { force, gap, mu, w_t_last, w_o_last, .. } = &*self.stage;
         Increment { force, gap, mu, w_t_last, w_o_last }
     }
 
@@ -129,38 +81,38 @@ impl<'a> IncrementDriver<'a> {
             return see(&self.data(), state);
         }
         let moved = |x: &[f64], by: &[f64]| x.iter().zip(by).map(|(x, by)| x + by).collect::<Vec<f64>>();
-        let gap = moved(&self.gap, w_n);
-        let (w_t_last, w_o_last) = (moved(&self.w_t_last, w_t), moved(&self.w_o_last, w_o));
+        let gap = moved(&self.stage.gap, w_n);
+        let (w_t_last, w_o_last) = (moved(&self.stage.w_t_last, w_t), moved(&self.stage.w_o_last, w_o));
         let data = Increment { gap: &gap, w_t_last: &w_t_last, w_o_last: &w_o_last, ..self.data() };
         see(&data, &self.at.offset.whole(state))
     }
 
     /// Returns the time-step error of the increments so far.
     pub(super) fn increment_error(&mut self) -> Option<IncrementError> {
-        self.method.increment_errors().map(|errors| errors.found())
+        self.stage.method.increment_errors().map(|errors| errors.found())
     }
 
     /// Takes a snapshot of the method between two increments.
     pub(super) fn memory(&self, linear: &RefinedSolver) -> Snapshot {
-        self.method.memory(linear)
+        self.stage.method.memory(linear)
     }
 
     /// Restores the method's snapshot. Returns `false` if it does not fit.
     pub(super) fn restore(&mut self, memory: Snapshot, linear: &mut RefinedSolver) -> Result<bool, LinearError> {
-        self.method.restore(memory, linear)
+        self.stage.method.restore(memory, linear)
     }
 
     /// Returns the start of the next substep.
     fn start(&mut self) -> Start {
-        let errors = self.method.increment_errors().cloned();
-        Start { unknowns: self.method.unknowns().clone(), offset: self.at.offset.clone(), errors }
+        let errors = self.stage.method.increment_errors().cloned();
+        Start { unknowns: self.stage.method.unknowns().clone(), offset: self.at.offset.clone(), errors }
     }
 
     /// Rolls back to the start of a substep.
     fn go_back(&mut self, start: Start) {
-        self.method.unknowns().copy_from_slice(&start.unknowns);
+        self.stage.method.unknowns().copy_from_slice(&start.unknowns);
         self.at.offset = start.offset;
-        if let (Some(errors), Some(before)) = (self.method.increment_errors(), start.errors) {
+        if let (Some(errors), Some(before)) = (self.stage.method.increment_errors(), start.errors) {
             *errors = before;
         }
     }
@@ -234,8 +186,8 @@ impl<'a> IncrementDriver<'a> {
         let input = self.pose(time);
         let outcome = self.solve(time, &input, linear, observe)?;
         let balanced = match self.whole() {
-            None => self.balanced(self.method.state()),
-            Some(whole) => whole.state(time, self.method.state(), &self.force)?,
+            None => self.balanced(self.stage.method.state()),
+            Some(whole) => whole.state(time, self.stage.method.state(), &self.stage.force)?,
         };
         self.conclude(input.scales, outcome, balanced, linear)
     }
@@ -243,18 +195,18 @@ impl<'a> IncrementDriver<'a> {
     /// Sets the data of the substep that ends at `time`.
     fn pose(&mut self, time: f64) -> SubstepInput {
         let IncrementDriver { problem, loading, settings, .. } = *self;
-        loading.force(time, &mut self.force);
-        loading.gap_at(time, &mut self.gap);
+        loading.force(time, &mut self.stage.force);
+        loading.gap_at(time, &mut self.stage.gap);
         if let Some(friction) = loading.friction() {
-            self.mu = friction.at(time);
+            self.stage.mu = friction.at(time);
         }
         let from = self.at.reached.unwrap_or(0.0);
         let begins = self.take_estimate(time).or(self.at.reached);
         let before = self.at.offset.clone();
         let sizes = loading.force_sizes(time, problem.displacements());
         let landed = self.find_rest_position(time, &sizes);
-        self.gap.iter_mut().zip(&self.at.offset.w_n).for_each(|(gap, w)| *gap -= w);
-        let tangential = [(&mut self.w_t_last, &self.at.w_t), (&mut self.w_o_last, &self.at.w_o)];
+        self.stage.gap.iter_mut().zip(&self.at.offset.w_n).for_each(|(gap, w)| *gap -= w);
+        let tangential = [(&mut self.stage.w_t_last, &self.at.w_t), (&mut self.stage.w_o_last, &self.at.w_o)];
         for (k, (last, w)) in tangential.into_iter().enumerate() {
             // Slip is motion relative to the obstacle, and excludes the motion of the rigid offset.
             let (drift, drift_now) = (loading.drift_at(from, k), loading.drift_at(time, k));
@@ -279,29 +231,39 @@ impl<'a> IncrementDriver<'a> {
         observe: Observe<'_>,
     ) -> Result<MethodResult, LinearError> {
         let IncrementDriver { problem, loading, condensed, settings, .. } = *self;
-        let load = Load { force: &self.force, sizes: &input.sizes };
-        if let Some(motion) = motion_driven_in_the_equations(problem, &self.mu, &load) {
-            let stop = driven_motion(problem, &self.mu, &load);
+        let load = Load { force: &self.stage.force, sizes: &input.sizes };
+        if let Some(motion) = motion_driven_in_the_equations(problem, &self.stage.mu, &load) {
+            let stop = driven_motion(problem, &self.stage.mu, &load);
             let stop = stop.map_or(Termination::EdgeFriction(motion), Termination::NoEquilibrium);
             return Ok(MethodResult { stop, ..MethodResult::new(f64::NAN) });
         }
-        let mut force = &self.force;
+        let Some(response) =
+            self.stage.response((problem, loading), condensed, settings, (input.begins, time), linear)?
+        else {
+            return Ok(MethodResult {
+                stop: Termination::Singular(LinearError::NotFinite),
+                ..MethodResult::new(f64::NAN)
+            });
+        };
+        let mut force = &self.stage.force;
         if let Some(condensed) = condensed {
-            condensed.loading.force(time, &mut self.condensed_force);
-            force = &self.condensed_force;
+            condensed.loading.force(time, &mut self.stage.condensed_force);
+            force = &self.stage.condensed_force;
         }
         let [gap, mu, w_t_last, w_o_last] =
-            [&self.gap, &self.mu, &self.w_t_last, &self.w_o_last].map(|values| on_nodes(condensed, values));
+            [&self.stage.gap, &self.stage.mu, &self.stage.w_t_last, &self.stage.w_o_last]
+                .map(|values| on_nodes(condensed, values));
         let task = Task {
+            problem: condensed.map_or(problem, |condensed| &condensed.problem),
             first: input.begins.is_none(),
             increment: &Increment { force, gap: &gap, mu: &mu, w_t_last: &w_t_last, w_o_last: &w_o_last },
-            response: &self.held.response(loading, input.begins, time),
+            response: &response,
             landed: input.landed.as_deref(),
             stretch: self.at.length.map(|length| (time - self.at.reached.unwrap_or(0.0)) / length),
             scales: &input.scales,
             tolerance: settings.tolerance,
         };
-        self.method.solve(&task, linear, observe)
+        self.stage.method.solve(&task, linear, observe)
     }
 
     /// Returns the recovery of the whole body, if the method has a condensed one.
@@ -312,7 +274,7 @@ impl<'a> IncrementDriver<'a> {
 
     /// Adds imbalance and backward error to a state of the whole body under the data of the substep tried last.
     fn balanced(&self, state: State) -> RecoveredState {
-        RecoveredState { imbalance: self.problem.imbalance(&self.force, &state), backward_error: 0.0, state }
+        RecoveredState { imbalance: self.problem.imbalance(&self.stage.force, &state), backward_error: 0.0, state }
     }
 
     /// Judges the state that the method has reached, after refining it if needed. `scales` are those before the
@@ -328,8 +290,8 @@ impl<'a> IncrementDriver<'a> {
             None => balanced,
             Some(whole) => {
                 let (problem, scaling) = (&whole.condensed.problem, self.settings.scaling);
-                let mut contact = Linearized::new(self.method.as_mut(), linear, problem, scaling);
-                whole.refined(balanced, &self.force, &scales, &mut contact)?
+                let mut contact = Linearized::new(self.stage.method.as_mut(), linear, problem, scaling);
+                whole.refined(balanced, &self.stage.force, &scales, &mut contact)?
             }
         };
         Ok(self.judged(scales, outcome, balanced))
@@ -355,7 +317,7 @@ impl<'a> IncrementDriver<'a> {
     /// Makes the method start from the estimate of the state at `time`, if there is one.
     fn take_estimate(&mut self, time: f64) -> Option<f64> {
         let (condensed, estimate) = (self.condensed?, self.at.estimate.take()?);
-        self.method.go_on_from(&condensed.condensed_state(&estimate));
+        self.stage.method.go_on_from(&condensed.condensed_state(&estimate));
         Some(time)
     }
 
@@ -483,7 +445,7 @@ impl IncrementDriver<'_> {
                 }
                 outcome => outcome?,
             };
-            let (state, goes_on) = (self.method.state(), outcome.stop == Termination::Converged);
+            let (state, goes_on) = (self.stage.method.state(), outcome.stop == Termination::Converged);
             if let (Some(whole), true) = (self.whole(), k + 1 < times.len()) {
                 let w = whole.condensed.problem.contact_motion(&state.u).map(|w| whole.condensed.of_all_nodes(w));
                 self.move_on(time, w, input.scales.with_state(&state));
@@ -492,7 +454,7 @@ impl IncrementDriver<'_> {
             let seconds = clock.elapsed().as_secs_f64();
             solved.push(SolvedIncrement { time, began: clock, start, scales: input.scales, outcome, work, seconds });
             states.push((time, state));
-            forces.push(self.force.clone());
+            forces.push(self.stage.force.clone());
             if !goes_on {
                 break;
             }
@@ -570,18 +532,19 @@ impl IncrementDriver<'_> {
     /// Returns the nodes that touch there if the position is new, and `None` if supports hold the body or no rest
     /// position is found.
     pub(super) fn find_rest_position(&mut self, time: f64, sizes: &[f64]) -> Option<Vec<usize>> {
-        if !self.may_move_rigidly {
+        if !self.stage.may_move_rigidly {
             return None;
         }
         // Within the deformation due to the load, Newton's method finds the closing nodes better than a rigid body
         // does.
-        let force = self.held.response(self.loading, None, time).contact_force * self.settings.scaling.force;
+        let clamped = self.stage.clamped.as_ref()?;
+        let force = clamped.response(self.loading, None, time).contact_force * self.settings.scaling.force;
         let reach = |(gap, k): (&f64, &f64)| (force / k).max(NEARBY * gap.abs());
-        let reach: Vec<f64> = self.gap.iter().zip(&self.settings.contact_stiffness).map(reach).collect();
+        let reach: Vec<f64> = self.stage.gap.iter().zip(&self.settings.contact_stiffness).map(reach).collect();
         let moved = self.at.offset.w_n.iter().zip(&self.at.w_n).map(|(offset, w)| offset + w);
-        let distance: Vec<f64> = self.gap.iter().zip(moved).map(|(gap, w)| gap - w).collect();
-        let load = Load { force: &self.force, sizes };
-        let Landing { weights, nodes } = landing(self.problem, &self.mu, &load, &distance, &reach)?;
+        let distance: Vec<f64> = self.stage.gap.iter().zip(moved).map(|(gap, w)| gap - w).collect();
+        let load = Load { force: &self.stage.force, sizes };
+        let Landing { weights, nodes } = landing(self.problem, &self.stage.mu, &load, &distance, &reach)?;
         self.at.offset = self.at.offset.by(self.problem, &weights);
         let stays = weights.iter().all(|weight| *weight == 0.0);
         (self.at.reached.is_none() || !stays).then_some(nodes)

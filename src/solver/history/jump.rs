@@ -90,7 +90,7 @@ impl RestartPoint<'_> {
     ) -> Result<HistoryOutcome, Error> {
         let &RestartPoint { problem, loading, ref state, scales, .. } = self;
         let [w_n, w_t, w_o] = problem.contact_motion(&state.u);
-        let position = HistoryState {
+        let mut position = HistoryState {
             reached: Some(self.time),
             state: Some(state.clone()),
             scales,
@@ -106,7 +106,7 @@ impl RestartPoint<'_> {
             settings,
             observer,
             outcome: HistoryOutcome::begun(problem),
-            position,
+            position: &mut position,
             start: Instant::now(),
             begun: None,
             done: Statistics::default(),

@@ -27,8 +27,7 @@ const PATIENCE: usize = 30;
 /// attainable despite rounding in slender bodies.
 const NEAR: f64 = 1e-8;
 
-pub(super) struct PredictorCorrectorMethod<'a> {
-    problem: &'a ContactProblem,
+pub(super) struct PredictorCorrectorMethod {
     formulation: Box<dyn InteriorPoint>,
     settings: PredictorCorrectorSettings,
     method: PredictorCorrector,
@@ -40,48 +39,46 @@ pub(super) struct PredictorCorrectorMethod<'a> {
     end: NewtonEnd,
 }
 
-impl<'a> PredictorCorrectorMethod<'a> {
-    pub(super) fn new(problem: &'a ContactProblem, history: &HistorySettings, newton: NewtonSystem) -> Self {
+impl PredictorCorrectorMethod {
+    pub(super) fn new(problem: &ContactProblem, history: &HistorySettings, newton: NewtonSystem) -> Self {
         let assembled = Assembled::new(problem, history.scaling);
         match newton {
-            NewtonSystem::Reduced => Self::beside(problem, assembled, history),
+            NewtonSystem::Reduced => Self::beside(assembled, history),
             NewtonSystem::Extended => {
                 let HistorySettings { scaling, conventions, .. } = history;
                 let formulation = Constrained::new(problem, *scaling, conventions, Partition::Products, newton);
                 let stiffness = median(&mut history.contact_stiffness.clone()).unwrap_or(1.0);
-                Self::with(problem, assembled, history, Box::new(formulation), stiffness)
+                Self::with(assembled, history, Box::new(formulation), stiffness)
             }
         }
     }
 
     /// Creates the method on an assembled problem.
-    pub(super) fn beside(problem: &'a ContactProblem, assembled: Assembled, history: &HistorySettings) -> Self {
+    pub(super) fn beside(assembled: Assembled, history: &HistorySettings) -> Self {
         let (conventions, stiffness) = (&history.conventions, &history.contact_stiffness);
         if assembled.layout().has_second_tangent() {
             let formulation = Box::new(ConeSystem::on(assembled.clone(), conventions));
-            Self::with(problem, assembled, history, formulation, mean_of_compliances(stiffness))
+            Self::with(assembled, history, formulation, mean_of_compliances(stiffness))
         } else {
             let formulation = Box::new(Constrained::on(assembled.clone(), conventions, Partition::Products));
-            Self::with(problem, assembled, history, formulation, median(&mut stiffness.clone()).unwrap_or(1.0))
+            Self::with(assembled, history, formulation, median(&mut stiffness.clone()).unwrap_or(1.0))
         }
     }
 
     fn with(
-        problem: &'a ContactProblem,
         assembled: Assembled,
         history: &HistorySettings,
         formulation: Box<dyn InteriorPoint>,
         stiffness: f64,
     ) -> Self {
         let HistorySettings { tolerance, max_iterations, .. } = *history;
-        let natural = FormulationScaling::of_stiffness(problem, &history.contact_stiffness);
+        let natural = FormulationScaling::of_stiffness(assembled.layout(), &history.contact_stiffness);
         PredictorCorrectorMethod {
             stiffness: stiffness / history.scaling.stiffness(),
             z: vec![0.0; formulation.unknowns()],
             rest: vec![0.0; formulation.forces().unknowns()],
             end: NewtonEnd::new(assembled, &natural),
             method: PredictorCorrector::default(),
-            problem,
             formulation,
             settings: PredictorCorrectorSettings { tolerance, max_iterations },
         }
@@ -115,7 +112,7 @@ fn mean_of_compliances(stiffness: &[f64]) -> f64 {
     stiffness.len() as f64 / stiffness.iter().map(|k| 1.0 / k).sum::<f64>()
 }
 
-impl IncrementSolver for PredictorCorrectorMethod<'_> {
+impl IncrementSolver for PredictorCorrectorMethod {
     fn matrix(&self) -> &SystemMatrix {
         self.formulation.matrix()
     }
@@ -144,9 +141,9 @@ impl IncrementSolver for PredictorCorrectorMethod<'_> {
         self.formulation.begin(task.increment);
         self.end.begin(task.increment);
         task.response.add_to(&mut self.z);
-        let (problem, scaling) = (self.problem, *self.formulation.scaling());
+        let scaling = *self.formulation.scaling();
         let forces = self.formulation.forces().clone();
-        let mut error = |z: &[f64]| task.error(problem, &forces.unpacked(z, &scaling));
+        let mut error = |z: &[f64]| task.error(&forces.unpacked(z, &scaling));
         let tolerance = self.settings.tolerance;
         self.rest.fill(0.0);
         // The increment is solved if the response with clamped contact nodes already solves it.
@@ -167,7 +164,7 @@ impl IncrementSolver for PredictorCorrectorMethod<'_> {
             outcome = outcome.then(substep);
             let left = self.settings.max_iterations.saturating_sub(outcome.iterations);
             if left > 0 && outcome.stop != Termination::Interrupted && error(&self.z) > tolerance {
-                let mut ended = self.end.solve(problem, task, linear, &self.z, left, observe)?;
+                let mut ended = self.end.solve(task, linear, &self.z, left, observe)?;
                 if ended.stop == Termination::Converged {
                     let (z, rest) = self.end.reached();
                     self.z[..z.len()].copy_from_slice(z);
@@ -188,7 +185,7 @@ impl IncrementSolver for PredictorCorrectorMethod<'_> {
                 break;
             }
         }
-        if outcome.stop == Termination::Converged && !problem.rigid_modes().is_empty() {
+        if outcome.stop == Termination::Converged && !task.problem.rigid_modes().is_empty() {
             // Perhaps one of many solutions: takes the nearest, if it remains a solution after rounding.
             let settled = self.end.settled(&self.z, &last);
             if let Some(settled) = settled.filter(|settled| error(settled) <= error(&self.z).max(tolerance)) {
@@ -248,7 +245,6 @@ impl NewtonEnd {
     /// Solves by BN from a `z` that begins with `(u, p_t, p_n)`, in at most `left` iterations.
     pub(super) fn solve(
         &mut self,
-        problem: &ContactProblem,
         task: &Task<'_>,
         linear: &mut RefinedSolver,
         z: &[f64],
@@ -259,7 +255,7 @@ impl NewtonEnd {
         bn.limit(left.min(ITERATIONS));
         own.copy_from_slice(&z[..formulation.unknowns()]);
         let (layout, scaling) = (formulation.layout().clone(), *formulation.scaling());
-        let mut error = |z: &[f64], rest: &[f64]| task.error(problem, &layout.unpacked_with(z, rest, &scaling));
+        let mut error = |z: &[f64], rest: &[f64]| task.error(&layout.unpacked_with(z, rest, &scaling));
         bn.solve(
             formulation,
             linear,

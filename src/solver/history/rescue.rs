@@ -10,23 +10,22 @@ use super::task::{IncrementSolver, Observe, Task};
 use crate::algebra::linear::{LinearError, RefinedSolver};
 use crate::algebra::sparse::SystemMatrix;
 use crate::solver::newton::{MethodResult, Termination};
-use crate::solver::problem::{ContactProblem, State};
+use crate::solver::problem::State;
 
-pub(super) struct Rescued<'a> {
-    problem: &'a ContactProblem,
-    bn: BnMethod<'a>,
+pub(super) struct Rescued {
+    bn: BnMethod,
     settings: HistorySettings,
     /// The fallback, created when it is first needed.
-    rescue: Option<PredictorCorrectorMethod<'a>>,
+    rescue: Option<PredictorCorrectorMethod>,
 }
 
-impl<'a> Rescued<'a> {
-    pub(super) fn new(problem: &'a ContactProblem, bn: BnMethod<'a>, settings: &HistorySettings) -> Self {
-        Rescued { problem, bn, settings: settings.clone(), rescue: None }
+impl Rescued {
+    pub(super) fn new(bn: BnMethod, settings: &HistorySettings) -> Self {
+        Rescued { bn, settings: settings.clone(), rescue: None }
     }
 }
 
-impl IncrementSolver for Rescued<'_> {
+impl IncrementSolver for Rescued {
     fn matrix(&self) -> &SystemMatrix {
         self.bn.matrix()
     }
@@ -39,27 +38,31 @@ impl IncrementSolver for Rescued<'_> {
         self.bn.hold_contacts()
     }
 
+    fn starts_on_tangent(&self, linear: &RefinedSolver) -> bool {
+        self.bn.starts_on_tangent(linear)
+    }
+
     fn solve(
         &mut self,
         task: &Task<'_>,
         linear: &mut RefinedSolver,
         observe: Observe<'_>,
     ) -> Result<MethodResult, LinearError> {
-        let Rescued { problem, bn, settings, rescue } = self;
+        let Rescued { bn, settings, rescue } = self;
         let last = bn.last_solution(task);
         let substep = bn.solve(task, linear, observe)?;
         let left = settings.max_iterations.saturating_sub(substep.iterations);
         if left == 0 || matches!(substep.stop, Termination::Converged | Termination::Interrupted) {
             return Ok(substep);
         }
-        let rescue = rescue.get_or_insert_with(|| rescue_of(problem, bn, settings));
+        let rescue = rescue.get_or_insert_with(|| rescue_of(bn, settings));
         rescue.limit(left);
         rescue.go_on_from(&last);
         let mut rescued = rescue.solve(task, linear, observe)?;
         if rescued.stop == Termination::Converged {
             rescued.rescued = true;
             bn.go_on_from(&rescue.state());
-            bn.follow(linear)?;
+            bn.follow(task.problem, linear)?;
         } else if rescued.stop != Termination::Interrupted {
             // The termination of the first attempt is more informative.
             rescued.stop.clone_from(&substep.stop);
@@ -90,7 +93,7 @@ impl IncrementSolver for Rescued<'_> {
 
     fn restore(&mut self, mut memory: Snapshot, linear: &mut RefinedSolver) -> Result<bool, LinearError> {
         if let Some(memory) = memory.rescue.take() {
-            let rescue = self.rescue.insert(rescue_of(self.problem, &self.bn, &self.settings));
+            let rescue = self.rescue.insert(rescue_of(&self.bn, &self.settings));
             if !rescue.restore(*memory, linear)? {
                 return Ok(false);
             }
@@ -99,10 +102,6 @@ impl IncrementSolver for Rescued<'_> {
     }
 }
 
-fn rescue_of<'a>(
-    problem: &'a ContactProblem,
-    bn: &BnMethod<'_>,
-    settings: &HistorySettings,
-) -> PredictorCorrectorMethod<'a> {
-    PredictorCorrectorMethod::beside(problem, bn.assembled(), settings)
+fn rescue_of(bn: &BnMethod, settings: &HistorySettings) -> PredictorCorrectorMethod {
+    PredictorCorrectorMethod::beside(bn.assembled(), settings)
 }

@@ -5,7 +5,7 @@ use super::error::Error;
 use super::method::{Method, Start};
 use crate::base::units::Scaling;
 use crate::solver::checkpoint::Checkpoint;
-use crate::solver::formulation::FormulationScaling;
+use crate::solver::formulation::{FormulationScaling, Layout};
 use crate::solver::loading::Loading;
 use crate::solver::problem::ContactProblem;
 use crate::solver::problem::error::{expect_each, expect_increasing, expect_length, expect_value};
@@ -75,11 +75,13 @@ impl HistorySettings {
                 FormulationScaling::paper(problem.weight().ok_or(Error::NoWeight { method })?)
             }
             Method::Bn { r_factor, .. } => {
-                let mut conventions = FormulationScaling::of_stiffness(problem, &contact_stiffness);
+                let mut conventions = FormulationScaling::of_stiffness(&Layout::new(problem), &contact_stiffness);
                 conventions.scale_r(r_factor);
                 conventions
             }
-            Method::Ip { .. } | Method::Events { .. } => FormulationScaling::of_stiffness(problem, &contact_stiffness),
+            Method::Ip { .. } | Method::Events { .. } => {
+                FormulationScaling::of_stiffness(&Layout::new(problem), &contact_stiffness)
+            }
         };
         let scaling = match method {
             // These units are the paper's: its starting points and constants are absolute.

@@ -1,19 +1,19 @@
 //! One increment at a time, under loads that are not known in advance.
 
 use super::driver::HistoryDriver;
-use super::observer::{IncrementView, Observer};
+use super::observer::Observer;
+use super::saved::{Done, Snapshot};
+use super::stage::Stage;
+use super::state::HistoryState;
 use super::system::SystemSolver;
 use super::task::Algorithm;
 use super::{Error, HistoryOutcome, HistorySettings, Method, Status};
-use crate::algebra::linear::{Dense, LinearError, RefinedSolver};
-use crate::solver::checkpoint::Checkpoint;
+use crate::algebra::linear::{Dense, LinearError, RefinedSolver, Statistics};
+use crate::solver::checkpoint::CheckpointError;
 use crate::solver::condensation::{Condensation, Condensed};
-use crate::solver::events::Event;
 use crate::solver::loading::Loading;
-use crate::solver::newton::{IterationRecord, LinearSystem};
 use crate::solver::problem::ContactProblem;
 use std::borrow::Borrow;
-use std::ops::ControlFlow;
 use std::time::Instant;
 
 /// A history whose future is unknown: for a caller's own time loop, and for coupled simulations.
@@ -39,12 +39,20 @@ use std::time::Instant;
 /// ```
 pub struct Stepper<P> {
     problem: P,
-    /// The settings, which include the checkpoint of the next increment.
     settings: HistorySettings,
     body: Body,
     linear: RefinedSolver,
     /// The ends of the converged increments, s.
     times: Vec<f64>,
+    /// The results up to the end of the last converged increment.
+    done: Done,
+    position: HistoryState,
+    /// The equations, from the first increment on.
+    stage: Option<Stage>,
+    /// The loading for which they were set up.
+    loading: Option<Loading>,
+    /// The snapshot to which the method must return after an increment that failed.
+    restart: Option<Snapshot>,
 }
 
 /// The body to which the equations belong.
@@ -72,8 +80,18 @@ impl<P: Borrow<ContactProblem>> Stepper<P> {
                 (Body::ToCondense(condensation), RefinedSolver::from(Dense::default()))
             }
         };
-        let settings = HistorySettings { from: None, working_set: None, ..settings };
-        Ok(Stepper { problem, settings, body, linear, times: Vec::new() })
+        Ok(Stepper {
+            done: Done::of(&HistoryOutcome::begun(problem.borrow())),
+            position: HistoryState::start(problem.borrow()),
+            settings: HistorySettings { from: None, working_set: None, ..settings },
+            problem,
+            body,
+            linear,
+            times: Vec::new(),
+            stage: None,
+            loading: None,
+            restart: None,
+        })
     }
 
     /// Returns the end of the last converged increment, s; 0 before the first.
@@ -84,85 +102,94 @@ impl<P: Borrow<ContactProblem>> Stepper<P> {
     /// Advances to `time` (s), where `loading` describes the data between the end of the last increment and `time`.
     /// Returns the outcome of the history so far, with the record of this increment.
     ///
+    /// An increment costs as much as one of a history. If the nodal forces of the loads change, and not only their
+    /// factors, an increment that does not start on the tangent at the last state costs one more factorisation, with
+    /// clamped contact nodes.
+    ///
     /// # Errors
     /// As [`super::run`].
     pub fn step(&mut self, loading: &Loading, time: f64, observer: &mut dyn Observer) -> Result<HistoryOutcome, Error> {
-        let start = Instant::now();
         loading.check(self.problem.borrow())?;
         self.times.push(time);
+        let before = self.position.clone();
         let checked = super::check_times(&self.times).map_err(Error::from);
-        let mut resting = Resting { observer, rest: None };
-        let outcome = checked.and_then(|()| self.increment(loading, &mut resting, start));
-        match resting.rest {
-            Some(rest) => self.settings.from = Some(rest),
-            None => drop(self.times.pop()),
+        let outcome = checked.and_then(|()| self.increment(loading, observer));
+        match &outcome {
+            Ok(outcome) if outcome.status == Status::Converged => {
+                self.done = Done::of(outcome);
+                self.restart = None;
+            }
+            _ => {
+                self.position = before;
+                self.times.pop();
+            }
         }
         outcome
     }
 
-    fn increment(
-        &mut self,
-        loading: &Loading,
-        observer: &mut dyn Observer,
-        start: Instant,
-    ) -> Result<HistoryOutcome, Error> {
-        let (problem, settings) = (self.problem.borrow(), &self.settings);
-        let outcome = HistoryOutcome::begun(problem);
+    fn increment(&mut self, loading: &Loading, observer: &mut dyn Observer) -> Result<HistoryOutcome, Error> {
+        let Stepper { problem, settings, body, linear, times, position, stage, loading: last, restart, .. } = self;
+        let problem = (*problem).borrow();
+        let outcome = self.done.clone().resume(HistoryOutcome::begun(problem));
         if !settings.knows(&outcome.layout) {
             return Ok(HistoryOutcome { status: Status::Unsupported, ..outcome });
         }
-        if let Body::ToCondense(condensation) = &self.body {
-            match Condensed::new(problem, loading, condensation.clone()) {
-                Ok(condensed) => self.body = Body::Condensed(Box::new(condensed)),
+        let start = Instant::now();
+        let new_forces = last.as_ref().is_none_or(|last| !last.has_forces_of(loading));
+        match body {
+            Body::Whole => {}
+            Body::ToCondense(condensation) => match Condensed::new(problem, loading, condensation.clone()) {
+                Ok(condensed) => *body = Body::Condensed(Box::new(condensed)),
                 Err(LinearError::Singular { .. }) => {
                     let free_motion = settings.start(problem, loading).hold_contacts().err();
                     return Ok(HistoryOutcome { status: Status::Singular, free_motion, ..outcome });
                 }
                 Err(error) => return Err(error.into()),
-            }
-        } else if let Body::Condensed(condensed) = &mut self.body {
-            condensed.load(loading)?;
+            },
+            Body::Condensed(condensed) if new_forces => condensed.load(loading)?,
+            Body::Condensed(condensed) => condensed.load_again(loading),
         }
-        let condensed = if let Body::Condensed(condensed) = &self.body { Some(&**condensed) } else { None };
-        let mut stages = HistoryDriver::new(problem, loading, &self.times, settings, observer, outcome, start)?;
-        stages.stage(settings, condensed, &mut self.linear)?;
-        Ok(stages.outcome)
-    }
-}
-
-/// An observer that keeps the checkpoint from which the history can resume.
-struct Resting<'o> {
-    observer: &'o mut dyn Observer,
-    rest: Option<Checkpoint>,
-}
-
-impl Observer for Resting<'_> {
-    fn ready(&mut self) {
-        self.observer.ready();
-    }
-
-    fn iteration(&mut self, index: usize, record: &IterationRecord) -> ControlFlow<()> {
-        self.observer.iteration(index, record)
-    }
-
-    fn linear_system(&mut self, index: usize, system: &LinearSystem<'_>) -> ControlFlow<()> {
-        self.observer.linear_system(index, system)
-    }
-
-    fn event(&mut self, index: usize, event: &Event) {
-        self.observer.event(index, event);
-    }
-
-    fn part(&mut self, part: &IncrementView<'_>) {
-        self.observer.part(part);
-    }
-
-    fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
-        self.observer.increment(step)
-    }
-
-    fn rest(&mut self, here: &dyn Fn() -> Checkpoint) {
-        self.observer.rest(here);
-        self.rest = Some(here());
+        let condensed = if let Body::Condensed(condensed) = body { Some(&**condensed) } else { None };
+        if let Some(stage) = stage {
+            let moves = stage.may_move_rigidly && new_forces;
+            if moves && restart.is_none() {
+                *restart = Some(stage.method.memory(linear));
+            }
+            if new_forces {
+                stage.clamped = None;
+            }
+            if moves {
+                stage.clamp((problem, loading), condensed, settings, linear)?;
+            }
+            if let Some(snapshot) = restart.clone()
+                && !stage.method.restore(snapshot, linear)?
+            {
+                return Err(CheckpointError::Other { what: "the method" }.into());
+            }
+        }
+        *last = Some(loading.clone());
+        let is_ready = stage.is_some();
+        let mut driver = HistoryDriver {
+            problem,
+            loading,
+            times,
+            settings,
+            observer,
+            outcome,
+            position,
+            start,
+            begun: None,
+            done: Statistics::default(),
+            joined: 0,
+            is_ready,
+            saved: None,
+        };
+        if stage.is_none() {
+            *stage = driver.set_up(settings, condensed, linear)?;
+        }
+        let Some(stage) = stage else { return Ok(driver.outcome) };
+        *restart = Some(stage.method.memory(linear));
+        driver.increments(stage, condensed, linear)?;
+        Ok(driver.outcome)
     }
 }

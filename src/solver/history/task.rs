@@ -13,11 +13,14 @@ use std::ops::ControlFlow;
 
 /// One increment to solve.
 pub struct Task<'a> {
+    /// The problem of the method's equations: the whole body, or the condensed one.
+    pub problem: &'a ContactProblem,
     /// `true` for the first increment of its history.
     pub first: bool,
     /// The data of the increment.
     pub increment: &'a Increment<'a>,
-    /// The response to the change of the load with clamped contact nodes.
+    /// The response to the change of the load with clamped contact nodes; zero if the method starts on a tangent and
+    /// the response is not known.
     pub response: &'a Response,
     /// The contact nodes on which a body comes to rest that only contact holds, if they are known.
     pub landed: Option<&'a [usize]>,
@@ -30,15 +33,16 @@ pub struct Task<'a> {
 }
 
 impl Task<'_> {
-    /// Returns the error of a state at the end of the increment. `state` must be one of `problem`.
-    pub fn error(&self, problem: &ContactProblem, state: &State) -> f64 {
-        let imbalance = problem.imbalance(self.increment.force, state);
-        judge(problem, self.increment, state, &imbalance, &self.scales.with_state(state), self.tolerance).worst().1
+    /// Returns the error of a state of the problem at the end of the increment.
+    pub fn error(&self, state: &State) -> f64 {
+        let imbalance = self.problem.imbalance(self.increment.force, state);
+        judge(self.problem, self.increment, state, &imbalance, &self.scales.with_state(state), self.tolerance).worst().1
     }
 }
 
 /// The response of the body to the change of the load in an increment with clamped contact nodes, in the units of the
 /// history's scaling.
+#[derive(Default)]
 pub struct Response {
     pub(super) u: Vec<f64>,
     /// The changes of the contact forces that clamp the nodes, `(p_t, p_o, p_n)`.
@@ -82,6 +86,13 @@ pub trait IncrementSolver {
     /// # Errors
     /// The weights of a rigid mode that remains unconstrained.
     fn hold_contacts(&mut self) -> Result<(), Vec<f64>>;
+
+    /// Returns `true` if the next increment starts on the tangent at the present state, whose factors are in `linear`,
+    /// so that its start needs no [`Response`].
+    fn starts_on_tangent(&self, linear: &RefinedSolver) -> bool {
+        let _ = linear;
+        false
+    }
 
     /// Solves the increment from the last state.
     ///
@@ -135,7 +146,7 @@ pub trait IncrementSolver {
 /// A history may condense the problem first, so the factory receives the `problem` and `loading` for the method.
 pub trait Algorithm {
     /// Creates the method in the unloaded body.
-    fn start<'a>(&self, problem: &'a ContactProblem, loading: &Loading) -> Box<dyn IncrementSolver + 'a>;
+    fn start(&self, problem: &ContactProblem, loading: &Loading) -> Box<dyn IncrementSolver>;
 
     /// Returns a factory for the contact `nodes` alone, ascending, or `None` if the method needs all contact nodes.
     fn of_nodes(&self, nodes: &[usize]) -> Option<Box<dyn Algorithm>> {
