@@ -144,10 +144,6 @@ impl Recorder {
 }
 
 impl Observer for Recorder {
-    fn waits_for(&mut self, _index: usize) -> bool {
-        false
-    }
-
     fn iteration(&mut self, index: usize, record: &IterationRecord) -> ControlFlow<()> {
         let IterationRecord { iteration, theta, step, error, .. } = *record;
         self.iterations.push(&[index as f64, iteration as f64, theta, step, error.unwrap_or(f64::NAN)]);

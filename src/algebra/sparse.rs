@@ -26,7 +26,6 @@ mod matrix_market;
 mod node_rows;
 mod pattern;
 mod shared;
-mod simd;
 mod symmetric;
 mod system;
 
@@ -40,6 +39,5 @@ pub use matrix_market::{read_matrix_market, write_matrix_market};
 pub use node_rows::NodeRows;
 pub use pattern::Pattern;
 pub use shared::{SharedMatrix, SharedSymmetric};
-pub(crate) use simd::{LANES, SimdPack, lane, side_by_side};
 pub use symmetric::Symmetric;
 pub use system::SystemMatrix;

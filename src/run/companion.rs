@@ -107,10 +107,6 @@ pub(super) struct Quiet<'a> {
 }
 
 impl Observer for Quiet<'_> {
-    fn waits_for(&mut self, _index: usize) -> bool {
-        false
-    }
-
     fn iteration(&mut self, index: usize, record: &IterationRecord) -> ControlFlow<()> {
         self.observer.iteration(index, record)
     }

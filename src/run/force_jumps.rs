@@ -216,10 +216,6 @@ impl Halves<'_> {
 }
 
 impl Observer for Halves<'_> {
-    fn waits_for(&mut self, _index: usize) -> bool {
-        false
-    }
-
     fn iteration(&mut self, index: usize, record: &IterationRecord) -> ControlFlow<()> {
         self.observer.iteration(index, record)
     }

@@ -53,10 +53,6 @@ pub fn increments_for(
 struct OnlyIterations<'a>(&'a mut dyn Observer);
 
 impl Observer for OnlyIterations<'_> {
-    fn waits_for(&mut self, _index: usize) -> bool {
-        false
-    }
-
     fn iteration(&mut self, index: usize, record: &IterationRecord) -> ControlFlow<()> {
         self.0.iteration(index, record)
     }

@@ -72,10 +72,6 @@ impl Recording {
 }
 
 impl Observer for Recording {
-    fn waits_for(&mut self, _index: usize) -> bool {
-        false
-    }
-
     fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
         let wanted = match &self.wanted {
             Wanted::All => true,

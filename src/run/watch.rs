@@ -155,10 +155,6 @@ impl Observer for ReportCollector<'_, '_> {
         self.audience.observer().ready();
     }
 
-    fn waits_for(&mut self, index: usize) -> bool {
-        self.audience.observer().waits_for(index)
-    }
-
     fn linear_system(&mut self, index: usize, system: &LinearSystem<'_>) -> ControlFlow<()> {
         self.audience.observer().linear_system(index, system)
     }

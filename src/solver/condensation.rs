@@ -201,42 +201,22 @@ impl Condensed {
     /// # Errors
     /// If an array of `contact` has another length than the condensed problem needs.
     pub fn state(&self, time: f64, contact: &State) -> Result<State, LinearError> {
-        only(self.states(&[(time, contact.clone())])?)
-    }
-
-    /// Computes [`Condensed::state`] at several times in one pass over the factors. Each result equals that of a
-    /// single call.
-    ///
-    /// # Errors
-    /// As [`Condensed::state`].
-    pub(crate) fn states(&self, ends: &[(f64, State)]) -> Result<Vec<State>, LinearError> {
-        let (mut loads, mut borders, mut rests) = (Vec::new(), Vec::<Vec<f64>>::new(), Vec::new());
-        for (time, contact) in ends {
-            let rest = match &self.basis {
-                None => {
-                    borders.push(contact.u.clone());
-                    self.spread(&contact.u_rest)
+        let (border, u_rest) = match &self.basis {
+            None => (contact.u.clone(), self.spread(&contact.u_rest)),
+            Some(basis) => {
+                let (mut border, mut rest) = (self.spread(&contact.u), self.spread(&contact.u_rest));
+                if rest.is_empty() {
+                    basis.apply(&mut border);
+                } else {
+                    basis.apply_beyond(&mut border, &mut rest);
                 }
-                Some(basis) => {
-                    let (mut border, mut rest) = (self.spread(&contact.u), self.spread(&contact.u_rest));
-                    if rest.is_empty() {
-                        basis.apply(&mut border);
-                    } else {
-                        basis.apply_beyond(&mut border, &mut rest);
-                    }
-                    borders.push(self.border.iter().map(|&dof| border[dof]).collect());
-                    rest
-                }
-            };
-            loads.push(self.loading.cases().iter().map(|case| case.factor(*time)).collect());
-            rests.push(rest);
-        }
-        let bodies = self.factor.expand_each(&self.cases, &loads, &borders)?;
-        let states = bodies.into_iter().zip(rests).zip(ends).map(|((u, u_rest), (_, contact))| {
-            let forces = |p: &Vec<f64>| self.of_all_nodes(p.clone());
-            State { u, u_rest, p_t: forces(&contact.p_t), p_o: forces(&contact.p_o), p_n: forces(&contact.p_n) }
-        });
-        Ok(states.collect())
+                (self.border.iter().map(|&dof| border[dof]).collect(), rest)
+            }
+        };
+        let factors: Vec<f64> = self.loading.cases().iter().map(|case| case.factor(time)).collect();
+        let u = self.factor.expand_sum(&self.cases, &factors, &border)?;
+        let forces = |p: &Vec<f64>| self.of_all_nodes(p.clone());
+        Ok(State { u, u_rest, p_t: forces(&contact.p_t), p_o: forces(&contact.p_o), p_n: forces(&contact.p_n) })
     }
 
     /// Extends values on the contact displacements to all displacements, with 0 elsewhere. Empty input gives empty
@@ -278,13 +258,6 @@ impl Condensed {
         }
         Ok(u)
     }
-}
-
-/// Returns the only one of `states`.
-pub(crate) fn only<T>(states: Vec<T>) -> Result<T, LinearError> {
-    let found = states.len();
-    let one = <[T; 1]>::try_from(states).map(|[state]| state);
-    one.map_err(|_| LinearError::Shape { what: "states of the whole body", expected: 1, found })
 }
 
 /// Returns reduced forces on the displacements `border`, transformed by `basis`.
@@ -344,19 +317,4 @@ fn restrict(map: &Csr, border: &[usize], basis: Option<&OwnBasis>, wanted: impl 
         row.into_iter().filter_map(|(dof, c)| place(&dof).map(|k| (k, c)))
     };
     Csr::of_rows(border.len(), (0..map.rows()).map(|i| row(i).filter(|_| wanted(i)).collect::<Vec<_>>()))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_state_that_is_not_there_is_no_state_of_zeros() {
-        assert_eq!(only(vec![7]), Ok(7));
-        for states in [vec![], vec![7, 8]] {
-            let found = states.len();
-            let error = LinearError::Shape { what: "states of the whole body", expected: 1, found };
-            assert_eq!(only(states), Err(error));
-        }
-    }
 }

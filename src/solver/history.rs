@@ -4,7 +4,8 @@
 //! | --- | --- |
 //! | the interface of a method ([`IncrementSolver`]) and its input ([`Task`]) | `task.rs` |
 //! | BN; the paper's interior point method | `bn.rs`, `ip.rs` |
-//! | the default interior point method; BN with that as fallback | `predictor_corrector.rs`, `rescue.rs` |
+//! | the default interior point method | `predictor_corrector.rs` |
+//! | what is tried for an increment, in which order | `strategy.rs` |
 //! | the choice of a [`Method`], its construction, and the settings | `method.rs`, `algorithm.rs`, `settings.rs` |
 //! | the linear system: whole or condensed | `system.rs` |
 //! | one increment: its substeps, its verdict, batches of increments | `increment.rs` |
@@ -52,13 +53,13 @@ mod method;
 mod observer;
 mod predictor_corrector;
 mod record;
-mod rescue;
 mod rigid_offset;
 mod saved;
 mod settings;
 mod stage;
 mod state;
 mod stepper;
+mod strategy;
 mod system;
 mod task;
 mod working_set;

@@ -72,6 +72,8 @@ pub struct MethodResult {
     pub backward_error: f64,
     /// The time spent on residual, merit and Jacobian, s.
     pub assembly_seconds: f64,
+    /// The number of attempts, each of one method.
+    pub attempts: usize,
     /// `true` if a fallback method solved the increment.
     pub rescued: bool,
 }
@@ -86,6 +88,7 @@ impl MethodResult {
             theta,
             backward_error: 0.0,
             assembly_seconds: 0.0,
+            attempts: 1,
             rescued: false,
         }
     }
@@ -123,6 +126,7 @@ impl MethodResult {
             theta: next.theta,
             backward_error: self.backward_error.max(next.backward_error),
             assembly_seconds: self.assembly_seconds + next.assembly_seconds,
+            attempts: self.attempts + next.attempts,
             rescued: self.rescued || next.rescued,
         }
     }

@@ -257,9 +257,13 @@ impl ContactProblem {
     /// `u_rest`.
     pub(crate) fn imbalance(&self, force: &[f64], state: &State) -> Vec<f64> {
         if state.u_rest.is_empty() {
-            let mut elastic = vec![0.0; state.u.len()];
-            self.stiffness().mul(&state.u, &mut elastic);
-            return self.imbalance_of(elastic, force, state);
+            let mut balance = vec![0.0; state.u.len()];
+            self.stiffness().mul(&state.u, &mut balance);
+            self.c_n().add_transposed(&state.p_n, &mut balance);
+            self.c_t().add_transposed(&state.p_t, &mut balance);
+            self.c_o().add_transposed(&state.p_o, &mut balance);
+            balance.iter_mut().zip(force).for_each(|(sum, force)| *sum -= force);
+            return balance;
         }
         let mut balance = vec![DoubleDouble::default(); state.u.len()];
         let (u, rest) = self.strained(state);
@@ -271,16 +275,6 @@ impl ContactProblem {
         }
         balance.iter_mut().zip(force).for_each(|(sum, force)| sum.add(-force));
         balance.into_iter().map(DoubleDouble::value).collect()
-    }
-
-    /// Computes the imbalance of a state without `u_rest` whose `elastic` forces `K u` are known.
-    pub(crate) fn imbalance_of(&self, elastic: Vec<f64>, force: &[f64], state: &State) -> Vec<f64> {
-        let mut balance = elastic;
-        self.c_n().add_transposed(&state.p_n, &mut balance);
-        self.c_t().add_transposed(&state.p_t, &mut balance);
-        self.c_o().add_transposed(&state.p_o, &mut balance);
-        balance.iter_mut().zip(force).for_each(|(sum, force)| *sum -= force);
-        balance
     }
 
     /// Computes [`strained`] of the displacements of `state`.

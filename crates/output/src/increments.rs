@@ -25,7 +25,7 @@ pub(super) fn header() -> String {
         &kkt[..],
         &["backward_error", "open", "stick", "slip"],
         &["seconds_assembly", "seconds_factorization", "seconds_solve", "seconds_rest"],
-        &["parts", "rescued", "friction_work", "strain_energy"],
+        &["parts", "attempts", "rescued", "friction_work", "strain_energy"],
     ];
     format!("{FIRST_COLUMNS}{}\n", fields.concat().join(","))
 }
@@ -46,7 +46,7 @@ pub(super) fn line(record: &IncrementRecord, units: &UnitSystem) -> String {
     fields.extend([r.contact.open, r.contact.stick, r.contact.slip].map(|count| count.to_string()));
     let s = r.seconds;
     fields.extend([s.assembly, s.factorization, s.solve, s.rest].map(|seconds| format!("{seconds:.6}")));
-    fields.extend([r.parts.to_string(), r.rescued.to_string()]);
+    fields.extend([r.parts.to_string(), r.attempts.to_string(), r.rescued.to_string()]);
     fields.extend(ENERGIES.iter().zip([r.friction_work, r.strain_energy]).map(|(column, x)| column.cell(units, x)));
     csv::line(&fields)
 }

@@ -17,12 +17,10 @@
 mod order;
 mod sweep;
 
-use rayon::prelude::*;
-
 use super::error::expect_length;
 use super::supernodal::{Supernodal, Supernode};
 use super::{FactorInfo, LinearError, SparseCholesky};
-use crate::algebra::sparse::{LANES, SimdPack, Symmetric, lane, side_by_side};
+use crate::algebra::sparse::Symmetric;
 
 /// The Cholesky factors of a symmetric positive definite matrix.
 pub struct Cholesky {
@@ -179,9 +177,8 @@ impl Cholesky {
         expect_length("solution", self.order(), x.len())?;
         let mut ordered = self.ordered(b)?;
         sweep::forward(&*self.factor, self.order(), &mut ordered);
-        let mut ordered = [side_by_side(self.order(), [&ordered[..]])];
         sweep::backward(&*self.factor, self.order(), &mut ordered);
-        self.scatter(&lane(&ordered[0], 0), x);
+        self.scatter(&ordered, x);
         Ok(())
     }
 
@@ -207,59 +204,25 @@ impl Cholesky {
     pub fn expand(&self, reduced: &Reduced, x_c: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
         expect_length("reduced right-hand side", self.interior(), reduced.interior.len())?;
         expect_length("solution", self.order(), x.len())?;
-        let solutions = self.expand_each(std::slice::from_ref(reduced), &[vec![1.0]], &[x_c])?;
-        for solution in &solutions {
-            x.copy_from_slice(solution);
-        }
+        x.copy_from_slice(&self.expand_sum(std::slice::from_ref(reduced), &[1.0], x_c)?);
         Ok(())
     }
 
-    /// Computes the solutions for several `borders` `x_c`, each for the sum of the `parts` times its `factors`, in
-    /// one pass over `L`. Each result equals that of a single solution.
+    /// Computes [`Cholesky::expand`] for the sum of the `parts`, each times its factor.
     ///
     /// # Errors
-    /// If a border has the wrong length.
-    pub(crate) fn expand_each(
-        &self,
-        parts: &[Reduced],
-        factors: &[Vec<f64>],
-        borders: &[impl AsRef<[f64]>],
-    ) -> Result<Vec<Vec<f64>>, LinearError> {
-        for border in borders {
-            expect_length("border of the solution", self.border, border.as_ref().len())?;
+    /// If the border has the wrong length.
+    pub(crate) fn expand_sum(&self, parts: &[Reduced], factors: &[f64], x_c: &[f64]) -> Result<Vec<f64>, LinearError> {
+        expect_length("border of the solution", self.border, x_c.len())?;
+        let mut ordered = vec![0.0; self.interior()];
+        for (part, factor) in parts.iter().zip(factors) {
+            ordered.iter_mut().zip(&part.interior).for_each(|(sum, x)| *sum += factor * x);
         }
-        let load = |factors: &[Vec<f64>]| {
-            let mut sums = vec![[0.0; LANES]; self.interior()];
-            for (p, part) in parts.iter().enumerate() {
-                let factors: SimdPack = std::array::from_fn(|k| factors.get(k).map_or(0.0, |factors| factors[p]));
-                for (sums, x) in sums.iter_mut().zip(&part.interior) {
-                    sums.iter_mut().zip(factors).for_each(|(sum, factor)| *sum += factor * x);
-                }
-            }
-            sums
-        };
-        let groups = factors.chunks(LANES).zip(borders.chunks(LANES));
-        let mut vectors: Vec<Vec<SimdPack>> = groups
-            .map(|(factors, borders)| {
-                let mut vectors = load(factors);
-                vectors.extend(side_by_side(self.border, borders.iter().map(AsRef::as_ref)));
-                vectors
-            })
-            .collect();
-        let share = vectors.len().div_ceil(rayon::current_num_threads()).max(1);
-        let sweep = |vectors: &mut [Vec<SimdPack>]| sweep::backward(&*self.factor, self.interior(), vectors);
-        if share < vectors.len() {
-            vectors.par_chunks_mut(share).for_each(sweep);
-        } else {
-            sweep(&mut vectors);
-        }
-        let solution = |k: usize| {
-            let mut x = vec![0.0; self.order()];
-            let ordered = self.order.iter().zip(&vectors[k / LANES]);
-            ordered.for_each(|(&unknown, values)| x[unknown] = values[k % LANES]);
-            x
-        };
-        Ok((0..borders.len()).map(solution).collect())
+        ordered.extend(x_c);
+        sweep::backward(&*self.factor, self.interior(), &mut ordered);
+        let mut x = vec![0.0; self.order()];
+        self.scatter(&ordered, &mut x);
+        Ok(x)
     }
 
     /// Returns the number of interior unknowns.

@@ -10,7 +10,21 @@ use Quantity::{Energy, Force, Length, Moment, Number, Stress};
 
 /// The columns of all tables.
 const COLUMNS: &Table = &[
-    (&["index", "time", "status", "iterations", "backtracks", "theta", "backward_error", "parts", "rescued"], Number),
+    (
+        &[
+            "index",
+            "time",
+            "status",
+            "iterations",
+            "backtracks",
+            "theta",
+            "backward_error",
+            "parts",
+            "attempts",
+            "rescued",
+        ],
+        Number,
+    ),
     (&["equilibrium", "penetration", "tension", "complementarity", "cone", "dissipation"], Number),
     (&["open", "stick", "slip"], Number),
     (&["seconds_assembly", "seconds_factorization", "seconds_solve", "seconds_rest"], Number),

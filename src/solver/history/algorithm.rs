@@ -4,30 +4,23 @@ use super::bn::BnMethod;
 use super::ip::IpMethod;
 use super::method::Method;
 use super::predictor_corrector::PredictorCorrectorMethod;
-use super::rescue::Rescued;
 use super::settings::HistorySettings;
+use super::strategy::Strategy;
 use super::task::{Algorithm, IncrementSolver};
 use crate::solver::formulation::{FormulationScaling, Layout, NewtonSystem};
 use crate::solver::loading::Loading;
 use crate::solver::problem::ContactProblem;
 
-/// The number of iterations after which BN leaves an increment to the interior point method. Every test increment
-/// that BN solves takes fewer.
-const BN_PATIENCE: usize = 40;
-
 impl Algorithm for HistorySettings {
     fn start(&self, problem: &ContactProblem, loading: &Loading) -> Box<dyn IncrementSolver> {
         match self.method {
             Method::Bn { rescue, .. } => {
-                let bn = BnMethod::measured(problem, loading, self, self.max_iterations.min(BN_PATIENCE));
-                if rescue { Box::new(Rescued::new(bn, self)) } else { Box::new(bn) }
+                Box::new(Strategy::bn(BnMethod::measured(problem, loading, self), self, !rescue))
             }
             // Increments are solved only where the path jumps.
-            Method::Events { .. } => {
-                Box::new(Rescued::new(BnMethod::measured(problem, loading, self, BN_PATIENCE), self))
-            }
+            Method::Events { .. } => Box::new(Strategy::bn(BnMethod::measured(problem, loading, self), self, false)),
             Method::PaperBn => Box::new(BnMethod::paper(problem, loading, self)),
-            Method::Ip { newton } => Box::new(PredictorCorrectorMethod::new(problem, self, newton)),
+            Method::Ip { newton } => Box::new(Strategy::ip(PredictorCorrectorMethod::new(problem, self, newton), self)),
             Method::PaperIp { start, partition, newton } => {
                 Box::new(IpMethod::new(problem, self, start, partition, newton))
             }

@@ -42,14 +42,9 @@ impl BnMethod {
         BnMethod { measured: false, ..method }
     }
 
-    /// Creates BN with the error measure as its stopping test and this limit of iterations.
-    pub(super) fn measured(
-        problem: &ContactProblem,
-        loading: &Loading,
-        history: &HistorySettings,
-        max_iterations: usize,
-    ) -> Self {
-        Self::new(problem, loading, history, FirstGuess::Held, Armijo::HALVING, max_iterations)
+    /// Creates BN with the error measure as its stopping test.
+    pub(super) fn measured(problem: &ContactProblem, loading: &Loading, history: &HistorySettings) -> Self {
+        Self::new(problem, loading, history, FirstGuess::Held, Armijo::HALVING, history.max_iterations)
     }
 
     fn new(
@@ -80,6 +75,11 @@ impl BnMethod {
             last: None,
             rate: None,
         }
+    }
+
+    /// Sets the limit of iterations in an increment.
+    pub(super) fn limit(&mut self, max_iterations: usize) {
+        self.bn.limit(max_iterations);
     }
 
     /// Returns the problem with its pattern, for another method that works with this one.

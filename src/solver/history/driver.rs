@@ -1,6 +1,6 @@
 //! The driver of a history, stage by stage: a stage is a sequence of increments with one set-up of the equations.
 
-use super::increment::{IncrementDriver, IncrementProgress, JudgedIncrement};
+use super::increment::{IncrementDriver, IncrementProgress};
 use super::observer::{IncrementView, Observer, Progress, record};
 use super::record::{ContactCounts, IncrementRecord, Seconds, Status};
 use super::saved::{Done, RunOf, Saved, SavedStage};
@@ -205,113 +205,87 @@ impl<'a> HistoryDriver<'a> {
         let mut path = IncrementDriver { problem, loading, settings, condensed, stage, at: &mut *self.position };
         let (outcome, observer) = (&mut self.outcome, &mut *self.observer);
 
-        // The batch size grows while no state needs refinement.
-        let mut batch_size = 1;
         if let Some(saved) = self.saved.take() {
-            batch_size = path.restore_stage(saved, linear)?;
+            if !path.stage.method.restore(saved.memory, linear)? {
+                return Err(CheckpointError::Other { what: "the method" }.into());
+            }
             // Keeps the earlier value if there is nothing left to solve.
             outcome.linear.factor = statistics(self.done, body, 0.0).factor;
         }
-        while outcome.tally.increments < times.len() {
-            let done = outcome.tally.increments;
-            let (first, pending) = (done + 1, &times[done..]);
-            let most = batch_size.min(pending.len());
-            let many = (1..most).find(|&k| observer.waits_for(first + k - 1)).unwrap_or(most);
-            let mut progress = Progress { problem, index: first, observer: &mut *observer };
-            let mut batch = match path.ahead(&pending[..many], linear, &mut progress) {
-                Ok(batch) => batch,
+        while let Some(&time) = times.get(outcome.tally.increments) {
+            let index = outcome.tally.increments + 1;
+            let (began, before) = self.begun.take().unwrap_or_else(|| (Instant::now(), *linear.statistics()));
+            let mut progress = Progress { problem, index, observer: &mut *observer };
+            let increment = match path.increment(time, linear, &mut progress) {
+                Ok(IncrementProgress::Ended(increment)) => increment,
+                Ok(IncrementProgress::NeedsNodes(nodes)) => {
+                    self.begun = Some((began, before));
+                    self.done = *linear.statistics();
+                    return Ok(Some(nodes));
+                }
                 Err(error) => return outcome.end_by(error).map(|()| None),
             };
-            loop {
-                let index = outcome.tally.increments + 1;
-                progress.index = index;
-                let JudgedIncrement { time, walk, began, work: [before, after], seconds } =
-                    match path.judge(&mut batch, linear, &mut progress) {
-                        Ok(Some(judged)) => judged,
-                        Ok(None) => break,
-                        Err(error) => return outcome.end_by(error).map(|()| None),
-                    };
-                let (all, before) = match self.begun.take() {
-                    Some((began, before)) => (began.elapsed().as_secs_f64(), before),
-                    None => (seconds, before),
-                };
-                let increment = match walk {
-                    IncrementProgress::Ended(increment) => increment,
-                    IncrementProgress::NeedsNodes(nodes) => {
-                        self.begun = Some((began, before));
-                        self.done = *linear.statistics();
-                        return Ok(Some(nodes));
-                    }
-                };
-                let statuses = statuses_of(problem, &path.data(), &increment.substep.state, &increment.substep.scales);
-                let seconds = Seconds::between(&before, &after, increment.solved.assembly_seconds, all);
-                let counts = ContactCounts::of(&statuses);
-                let joined = std::mem::take(&mut self.joined);
-                let record = record(problem, path.data().force, index, time, &increment, counts, seconds);
-                let record = IncrementRecord { joined, ..record };
-                let IncrementResult { solved, substep, status, .. } = *increment;
-                let (flow, state) = path.show(&substep.state, |increment, state| {
-                    let step = IncrementView { record: &record, increment, state, statuses: &statuses };
-                    (progress.observer.increment(&step), state.clone())
-                });
-                outcome.push(record, settings.keeps_records);
-                outcome.linear = statistics(*linear.statistics(), body, path.at.worst_backward_error);
-                if status != Status::Converged || index == times.len() {
-                    outcome.rounding = rounding_level(problem, &substep.state, &substep.scales);
-                }
-                outcome.status = status;
-                outcome.reached = path.at.reached.unwrap_or(0.0);
-                if status != Status::Converged {
-                    outcome.violation = Some(Violation::worst(problem, &path.data(), &substep.state, &substep.scales));
-                    if let Termination::Unconstrained(motion)
-                    | Termination::NoEquilibrium(motion)
-                    | Termination::EdgeFriction(motion) = solved.stop
-                    {
-                        outcome.free_motion = Some(motion);
-                    }
-                    return Ok(None);
-                }
-                outcome.state = state;
-                outcome.increment_error = path.increment_error();
-                outcome.scales = substep.scales;
-                if flow.is_break() && index < times.len() {
-                    outcome.status = Status::Interrupted;
-                    return Ok(None);
-                }
+            let statuses = statuses_of(problem, &path.data(), &increment.substep.state, &increment.substep.scales);
+            let seconds = Seconds::between(
+                &before,
+                linear.statistics(),
+                increment.solved.assembly_seconds,
+                began.elapsed().as_secs_f64(),
+            );
+            let counts = ContactCounts::of(&statuses);
+            let joined = std::mem::take(&mut self.joined);
+            let record = record(problem, path.data().force, index, time, &increment, counts, seconds);
+            let record = IncrementRecord { joined, ..record };
+            let IncrementResult { solved, substep, status, .. } = *increment;
+            let (flow, state) = path.show(&substep.state, |increment, state| {
+                let step = IncrementView { record: &record, increment, state, statuses: &statuses };
+                (progress.observer.increment(&step), state.clone())
+            });
+            outcome.push(record, settings.keeps_records);
+            outcome.linear = statistics(*linear.statistics(), body, path.at.worst_backward_error);
+            if status != Status::Converged || index == times.len() {
+                outcome.rounding = rounding_level(problem, &substep.state, &substep.scales);
             }
-            batch_size = if batch.needs_no_refinement { path.batch_size().min(2 * batch_size) } else { 1 };
-            observer.rest(&|| outcome.checkpoint(settings, &path, condensed, linear, batch_size));
+            outcome.status = status;
+            outcome.reached = path.at.reached.unwrap_or(0.0);
+            if status != Status::Converged {
+                outcome.violation = Some(Violation::worst(problem, &path.data(), &substep.state, &substep.scales));
+                if let Termination::Unconstrained(motion)
+                | Termination::NoEquilibrium(motion)
+                | Termination::EdgeFriction(motion) = solved.stop
+                {
+                    outcome.free_motion = Some(motion);
+                }
+                return Ok(None);
+            }
+            outcome.state = state;
+            outcome.increment_error = path.increment_error();
+            outcome.scales = substep.scales;
+            if flow.is_break() && index < times.len() {
+                outcome.status = Status::Interrupted;
+                return Ok(None);
+            }
+            observer.rest(&|| outcome.checkpoint(settings, &path, condensed, linear));
         }
         Ok(None)
     }
 }
 
-impl IncrementDriver<'_> {
-    /// Restores a saved stage and its method. Returns the batch size.
-    fn restore_stage(&mut self, saved: SavedStage, linear: &mut RefinedSolver) -> Result<usize, Error> {
-        if !self.restore(saved.memory, linear)? {
-            return Err(CheckpointError::Other { what: "the method" }.into());
-        }
-        Ok(saved.batch_size.clamp(1, self.batch_size()))
-    }
-}
-
 impl HistoryOutcome {
-    /// Creates a checkpoint after the increments so far; the next increments have this batch size.
+    /// Creates a checkpoint after the increments so far.
     fn checkpoint(
         &self,
         settings: &HistorySettings,
         path: &IncrementDriver<'_>,
         condensed: Option<&Condensed>,
         linear: &RefinedSolver,
-        batch_size: usize,
     ) -> Checkpoint {
         let nodes = condensed.and_then(Condensed::nodes).map(<[usize]>::to_vec);
         let saved = Saved {
             run: RunOf::new(&self.layout, settings),
             outcome: Done::of(self),
             position: path.at.clone(),
-            stage: SavedStage { memory: path.memory(linear), nodes, batch_size },
+            stage: SavedStage { memory: path.stage.method.memory(linear), nodes },
             statistics: *linear.statistics(),
         };
         Checkpoint::new(self.tally.increments, self.reached, &saved)

@@ -290,7 +290,7 @@ impl ExactHistory<'_> {
             });
         };
         let whole = InteriorRecovery { problem, condensed, settings };
-        let balanced = whole.state(data.time, state, &data.force)?;
+        let balanced = whole.state(data.time, &state, &data.force)?;
         Ok(whole.refined(balanced, &data.force, scales, walk)?)
     }
 

@@ -2,21 +2,19 @@
 //!
 //! A substep is an increment of its own, and friction depends on the slip of each. A substep that fails leaves
 //! nothing behind. After a substep that converges, the rest of the increment is tried as a whole, so that the size
-//! grows back. On the contact displacements alone, a batch of increments is solved before it is judged; see
-//! `batch_size`.
+//! grows back.
 
 use super::increment_error::{IncrementError, IncrementErrors};
 use super::interior::{InteriorRecovery, Linearized, RecoveredState};
 use super::observer::Progress;
 use super::rigid_offset::RigidOffset;
-use super::saved::Snapshot;
 use super::settings::HistorySettings;
 use super::stage::Stage;
 use super::state::{HistoryState, IncrementInProgress, IncrementResult, SubstepResult};
 use super::task::{Observe, Task};
 use super::working_set::{self, MissingNodes};
 use super::{Status, record};
-use crate::algebra::linear::{LinearError, RefinedSolver, Statistics};
+use crate::algebra::linear::{LinearError, RefinedSolver};
 use crate::solver::condensation::Condensed;
 use crate::solver::laws::{KktScales, is_more_than_rounding, judge};
 use crate::solver::loading::Loading;
@@ -24,8 +22,6 @@ use crate::solver::newton::{MethodResult, Termination};
 use crate::solver::problem::{ContactProblem, Increment, State};
 use crate::solver::solvability::{Landing, Load, NEARBY, driven_motion, landing, motion_driven_in_the_equations};
 use std::borrow::Cow;
-use std::collections::VecDeque;
-use std::time::Instant;
 
 /// The increments of a stage, from the state that the history has reached.
 pub(super) struct IncrementDriver<'a> {
@@ -92,16 +88,6 @@ impl<'a> IncrementDriver<'a> {
         self.stage.method.increment_errors().map(|errors| errors.found())
     }
 
-    /// Takes a snapshot of the method between two increments.
-    pub(super) fn memory(&self, linear: &RefinedSolver) -> Snapshot {
-        self.stage.method.memory(linear)
-    }
-
-    /// Restores the method's snapshot. Returns `false` if it does not fit.
-    pub(super) fn restore(&mut self, memory: Snapshot, linear: &mut RefinedSolver) -> Result<bool, LinearError> {
-        self.stage.method.restore(memory, linear)
-    }
-
     /// Returns the start of the next substep.
     fn start(&mut self) -> Start {
         let errors = self.stage.method.increment_errors().cloned();
@@ -117,11 +103,10 @@ impl<'a> IncrementDriver<'a> {
         }
     }
 
-    /// Advances to `time`, in substeps if needed, after the result `tried` of the whole increment.
-    fn increment(
+    /// Advances to `time`, in substeps if needed.
+    pub(super) fn increment(
         &mut self,
         time: f64,
-        tried: (Start, SubstepResult),
         linear: &mut RefinedSolver,
         progress: &mut Progress<'_>,
     ) -> Result<IncrementProgress, LinearError> {
@@ -129,14 +114,11 @@ impl<'a> IncrementDriver<'a> {
         let in_progress = in_progress.unwrap_or_else(|| IncrementInProgress::new(self.at.reached.unwrap_or(0.0), time));
         let IncrementInProgress { start, mut pending, mut solved, mut kkt, mut ends, mut friction_work } = in_progress;
         let smallest = (time - start) * 0.5_f64.powi(self.settings.halvings as i32);
-        let mut tried = Some(tried);
         loop {
             let end = pending.last().copied().unwrap_or(time);
             let from = self.at.reached.unwrap_or(0.0);
-            let (begun, substep) = match tried.take() {
-                Some(tried) => tried,
-                None => (self.start(), self.substep(end, linear, &mut |iteration| progress.iteration(iteration))?),
-            };
+            let begun = self.start();
+            let substep = self.substep(end, linear, &mut |iteration| progress.iteration(iteration))?;
             let outcome = substep.outcome.clone();
             let so_far = solved.map_or(outcome.clone(), |solved| solved.then(outcome));
             if substep.status == Status::Converged {
@@ -187,7 +169,7 @@ impl<'a> IncrementDriver<'a> {
         let outcome = self.solve(time, &input, linear, observe)?;
         let balanced = match self.whole() {
             None => self.balanced(self.stage.method.state()),
-            Some(whole) => whole.state(time, self.stage.method.state(), &self.stage.force)?,
+            Some(whole) => whole.state(time, &self.stage.method.state(), &self.stage.force)?,
         };
         self.conclude(input.scales, outcome, balanced, linear)
     }
@@ -235,7 +217,7 @@ impl<'a> IncrementDriver<'a> {
         if let Some(motion) = motion_driven_in_the_equations(problem, &self.stage.mu, &load) {
             let stop = driven_motion(problem, &self.stage.mu, &load);
             let stop = stop.map_or(Termination::EdgeFriction(motion), Termination::NoEquilibrium);
-            return Ok(MethodResult { stop, ..MethodResult::new(f64::NAN) });
+            return Ok(MethodResult { stop, attempts: 0, ..MethodResult::new(f64::NAN) });
         }
         let Some(response) =
             self.stage.response((problem, loading), condensed, settings, (input.begins, time), linear)?
@@ -356,175 +338,6 @@ impl<'a> IncrementDriver<'a> {
 /// Restricts per-contact-node values to the working set.
 fn on_nodes<'v>(condensed: Option<&Condensed>, values: &'v [f64]) -> Cow<'v, [f64]> {
     condensed.map_or(Cow::Borrowed(values), |condensed| condensed.on_nodes(values))
-}
-
-/// The largest batch. In larger ones the factors are hardly read less often.
-const MOST: usize = 16;
-
-/// Increments with more operations than this, about a second, are not batched, since a killed run loses all
-/// increments that are solved but not yet judged.
-const OPERATIONS: f64 = 2e10;
-
-/// The number of iterations per increment for estimating its operations.
-const ITERATIONS: f64 = 5.0;
-
-/// An increment that is solved but not yet judged.
-struct SolvedIncrement {
-    time: f64,
-    began: Instant,
-    start: Start,
-    scales: KktScales,
-    outcome: MethodResult,
-    /// The statistics of the linear solver before and after the increment.
-    work: [Statistics; 2],
-    /// The wall time so far, s.
-    seconds: f64,
-}
-
-/// A batch of consecutive increments that await their verdicts.
-pub(in crate::solver::history) struct Bundle {
-    pending: VecDeque<(SolvedIncrement, RecoveredState)>,
-    /// `true` if the batch has only one increment.
-    alone: bool,
-    /// `true` if the method is at the end of the last increment of the batch.
-    is_current: bool,
-    /// The reason why the linear solver failed after the last increment.
-    error: Option<LinearError>,
-    /// `true` if no state of the batch needed refinement.
-    pub needs_no_refinement: bool,
-}
-
-/// A judged increment.
-pub(in crate::solver::history) struct JudgedIncrement {
-    pub time: f64,
-    /// The progress of the increment; it has not ended if the equations lack contact nodes.
-    pub walk: IncrementProgress,
-    pub began: Instant,
-    /// The statistics of the linear solver before and after the increment.
-    pub work: [Statistics; 2],
-    /// The wall time, s.
-    pub seconds: f64,
-}
-
-impl IncrementDriver<'_> {
-    /// Returns the largest admissible batch size.
-    pub(in crate::solver::history) fn batch_size(&self) -> usize {
-        let operations = |whole: InteriorRecovery<'_>| {
-            let free = whole.condensed.problem.displacements() as f64;
-            4.0 * whole.condensed.info().entries as f64 + ITERATIONS * 2.0 / 3.0 * free.powi(3)
-        };
-        // A body that only contact holds is first moved by the rigid offset, which depends on the state of the whole
-        // body.
-        let many =
-            self.whole().is_some_and(|whole| operations(whole) < OPERATIONS) && self.problem.rigid_modes().is_empty();
-        if many { MOST } else { 1 }
-    }
-
-    /// Solves the increments that end at `times`, up to the first that the method does not complete, but at least
-    /// one. An error of a later increment is kept until those before it are judged.
-    pub(in crate::solver::history) fn ahead(
-        &mut self,
-        times: &[f64],
-        linear: &mut RefinedSolver,
-        progress: &mut Progress<'_>,
-    ) -> Result<Bundle, LinearError> {
-        let alone = times.len() == 1;
-        let at = (!alone).then(|| self.at.clone());
-        let first = progress.index;
-        let (mut solved, mut states, mut forces) = (Vec::new(), Vec::new(), Vec::new());
-        let mut failed = None;
-        for (k, &time) in times.iter().enumerate() {
-            let (clock, before, start) = (Instant::now(), *linear.statistics(), self.start());
-            progress.index = first + k;
-            let input = self.pose(time);
-            let outcome = match self.solve(time, &input, linear, &mut |iteration| progress.iteration(iteration)) {
-                Err(error) if k > 0 => {
-                    self.go_back(start);
-                    failed = Some(error);
-                    break;
-                }
-                outcome => outcome?,
-            };
-            let (state, goes_on) = (self.stage.method.state(), outcome.stop == Termination::Converged);
-            if let (Some(whole), true) = (self.whole(), k + 1 < times.len()) {
-                let w = whole.condensed.problem.contact_motion(&state.u).map(|w| whole.condensed.of_all_nodes(w));
-                self.move_on(time, w, input.scales.with_state(&state));
-            }
-            let work = [before, *linear.statistics()];
-            let seconds = clock.elapsed().as_secs_f64();
-            solved.push(SolvedIncrement { time, began: clock, start, scales: input.scales, outcome, work, seconds });
-            states.push((time, state));
-            forces.push(self.stage.force.clone());
-            if !goes_on {
-                break;
-            }
-        }
-        progress.index = first;
-        let clock = Instant::now();
-        let balanced = match self.whole() {
-            Some(whole) => whole.states(&states, &forces),
-            None => Ok(states.into_iter().map(|(_, state)| self.balanced(state)).collect()),
-        };
-        if let Some(at) = at {
-            *self.at = at;
-        }
-        let share = clock.elapsed().as_secs_f64() / solved.len() as f64;
-        for pending in &mut solved {
-            pending.seconds += share;
-        }
-        Ok(Bundle {
-            pending: solved.into_iter().zip(balanced?).collect(),
-            alone,
-            is_current: failed.is_none(),
-            error: failed,
-            needs_no_refinement: true,
-        })
-    }
-
-    /// Judges the next increment of a batch. Returns `None` when the batch is finished or its remainder was rolled
-    /// back. Returns the error of the increment after the last when all have been judged.
-    pub(in crate::solver::history) fn judge(
-        &mut self,
-        batch: &mut Bundle,
-        linear: &mut RefinedSolver,
-        progress: &mut Progress<'_>,
-    ) -> Result<Option<JudgedIncrement>, LinearError> {
-        let Some((pending, balanced)) = batch.pending.pop_front() else {
-            return batch.error.take().map_or(Ok(None), Err);
-        };
-        let clock = Instant::now();
-        let SolvedIncrement { time, began, start, mut scales, outcome, work: [before, mut after], seconds } = pending;
-        if !batch.alone {
-            scales = self.pose(time).scales;
-        }
-        let needs_no_refinement =
-            |whole: InteriorRecovery<'_>| whole.needs_no_refinement(&balanced, &scales.with_state(&balanced.state));
-        batch.needs_no_refinement &= self.whole().is_none_or(needs_no_refinement);
-        let is_current = batch.is_current && batch.pending.is_empty();
-        let substep = if is_current {
-            self.conclude(scales, outcome, balanced, linear)?
-        } else {
-            let substep = self.judged(scales, outcome, balanced);
-            batch.needs_no_refinement &= substep.status == Status::Converged;
-            if !batch.needs_no_refinement {
-                self.go_back(start);
-                batch.pending.clear();
-                // It came of a state that there is no more.
-                batch.error = None;
-                return Ok(None);
-            }
-            substep
-        };
-        let walk = self.increment(time, (start, substep), linear, progress)?;
-        if let IncrementProgress::Ended(walked) = &walk {
-            batch.needs_no_refinement &= walked.status == Status::Converged && walked.ends.len() == 1;
-        }
-        if is_current {
-            after = *linear.statistics();
-        }
-        let seconds = seconds + clock.elapsed().as_secs_f64();
-        Ok(Some(JudgedIncrement { time, walk, began, work: [before, after], seconds }))
-    }
 }
 
 impl IncrementDriver<'_> {

@@ -1,22 +1,20 @@
 //! Recovery of the whole body's states at the ends of increments that were solved on the contact displacements.
 //!
-//! The interior follows from the contact displacements (35). Several increments are recovered at once, so that the
-//! factors and `K` are read only once. If equilibrium is violated by more than rounding, as in slender bodies, the
+//! The interior follows from the contact displacements (35). If equilibrium is violated by more than rounding, as in slender bodies, the
 //! whole system is refined: its imbalance is reduced and solved for with the linearisation of that state, and the
 //! interior follows from the change.
 
 use super::settings::HistorySettings;
 use super::task::{IncrementSolver, Response};
 use crate::algebra::linear::{LinearError, RefinedSolver, componentwise_error};
-use crate::algebra::sparse::{LANES, lane, side_by_side, sum};
+use crate::algebra::sparse::sum;
 use crate::base::units::Scaling;
-use crate::solver::condensation::{Condensed, only};
+use crate::solver::condensation::Condensed;
 use crate::solver::formulation::Layout;
 use crate::solver::laws::KktScales;
 use crate::solver::laws::coulomb::length;
 use crate::solver::loading::Loading;
 use crate::solver::problem::{ContactProblem, State};
-use rayon::prelude::*;
 
 /// The largest componentwise backward error of the whole system without refinement.
 const BACKWARD_ERROR: f64 = 1e-14;
@@ -49,43 +47,14 @@ impl RecoveredState {
 }
 
 impl InteriorRecovery<'_> {
-    /// Computes the states at these times (s) from those of the condensed problem and from the external forces.
-    pub(super) fn states(
-        &self,
-        ends: &[(f64, State)],
-        forces: &[Vec<f64>],
-    ) -> Result<Vec<RecoveredState>, LinearError> {
-        let states = self.condensed.states(ends)?;
-        let balances = |(states, forces): (&[State], &[Vec<f64>])| self.balances(states, forces);
-        let balances: Vec<(Vec<f64>, f64)> = if states.len() <= LANES {
-            balances((&states, forces))
-        } else {
-            states.par_chunks(LANES).zip(forces.par_chunks(LANES)).flat_map_iter(balances).collect()
-        };
-        let balanced = |(state, (imbalance, backward_error))| RecoveredState { state, imbalance, backward_error };
-        Ok(states.into_iter().zip(balances).map(balanced).collect())
-    }
-
-    /// Recovers the state at one time (s) from the state of the condensed problem and the external force.
-    pub(super) fn state(&self, time: f64, contact: State, force: &Vec<f64>) -> Result<RecoveredState, LinearError> {
-        only(self.states(&[(time, contact)], std::slice::from_ref(force))?)
-    }
-
-    /// Returns imbalance and backward error of several states, which are computed side by side.
-    fn balances(&self, states: &[State], forces: &[Vec<f64>]) -> Vec<(Vec<f64>, f64)> {
-        let problem = self.problem;
-        let u = side_by_side(problem.displacements(), states.iter().map(|state| &state.u[..]));
-        let (elastic, sizes) = problem.stiffness().products(&u);
-        let balanced = |(k, (state, force)): (usize, (&State, &Vec<f64>))| {
-            let imbalance = if state.u_rest.is_empty() {
-                problem.imbalance_of(lane(&elastic, k), force, state)
-            } else {
-                problem.imbalance(force, state)
-            };
-            let backward_error = backward_error(problem, state, force, &imbalance, lane(&sizes, k));
-            (imbalance, backward_error)
-        };
-        states.iter().zip(forces).enumerate().map(balanced).collect()
+    /// Recovers the state at `time` (s) from the state `contact` of the condensed problem and the external force.
+    pub(super) fn state(&self, time: f64, contact: &State, force: &[f64]) -> Result<RecoveredState, LinearError> {
+        let (problem, state) = (self.problem, self.condensed.state(time, contact)?);
+        let imbalance = problem.imbalance(force, &state);
+        let mut sizes = vec![0.0; state.u.len()];
+        problem.stiffness().add_sizes(&state.u, &mut sizes);
+        let backward_error = backward_error(problem, &state, force, &imbalance, sizes);
+        Ok(RecoveredState { state, imbalance, backward_error })
     }
 
     /// Returns `true` if a state needs no refinement. `scales` must include this state.

@@ -26,12 +26,6 @@ pub struct IncrementView<'a> {
 pub trait Observer {
     /// Called before the first increment, when the patterns are analysed and the first matrix is factored.
     fn ready(&mut self) {}
-    /// Returns `true` if the observer must see increment `index` before the next one begins. Otherwise up to sixteen
-    /// increments on a condensed body are solved as one batch, which takes less time. They are shown, each with its
-    /// verdict, after the whole batch is judged. Iterations of later increments have been reported by then.
-    fn waits_for(&mut self, _index: usize) -> bool {
-        true
-    }
     /// Called at the start of the iteration of increment `index`, and after each of its steps.
     fn iteration(&mut self, _index: usize, _record: &IterationRecord) -> ControlFlow<()> {
         ControlFlow::Continue(())
@@ -55,16 +49,12 @@ pub trait Observer {
     }
 
     /// Called between two increments and after the last, where the history can be resumed. `here` makes the
-    /// checkpoint, which costs a copy of the state. A batch of increments has one such call, after all of them.
+    /// checkpoint, which costs a copy of the state.
     fn rest(&mut self, _here: &dyn Fn() -> Checkpoint) {}
 }
 
 /// An observer that does nothing.
-impl Observer for () {
-    fn waits_for(&mut self, _index: usize) -> bool {
-        false
-    }
-}
+impl Observer for () {}
 
 /// The observer of increment `index`.
 pub(super) struct Progress<'a> {
@@ -117,6 +107,7 @@ pub(super) fn record(
         part_ends: if walked.ends == [time] { Vec::new() } else { walked.ends.clone() },
         joined: 0,
         jumps: 0,
+        attempts: solved.attempts,
         rescued: solved.rescued,
         iterations: solved.iterations,
         backtracks: solved.backtracks,

@@ -15,14 +15,6 @@ use crate::solver::newton::{
 };
 use crate::solver::problem::{ContactProblem, Increment, State};
 
-/// The distances from the border at which the attempts at an increment start, in terms of the estimate. The first is
-/// the fastest and nearly always enough: of 12000 increments with random loads, gaps, friction and stiffness it
-/// stalled in one and was very slow in three; the second solved them all.
-const ATTEMPTS: [f64; 3] = [1.0, 10.0, 100.0];
-/// The number of iterations after which an attempt is abandoned for the next one. No increment of the tests takes as
-/// many.
-const PATIENCE: usize = 30;
-
 /// The error at which BN takes over, unless the tolerance is larger: near enough for the contact statuses, and
 /// attainable despite rounding in slender bodies.
 const NEAR: f64 = 1e-8;
@@ -31,6 +23,8 @@ pub(super) struct PredictorCorrectorMethod {
     formulation: Box<dyn InteriorPoint>,
     settings: PredictorCorrectorSettings,
     method: PredictorCorrector,
+    /// The distance of the start from the border, in terms of the estimate; see [`super::strategy`].
+    distance: f64,
     /// The median stiffness of a contact node along its normal, scaled. Only its order of magnitude matters.
     stiffness: f64,
     z: Vec<f64>,
@@ -74,6 +68,7 @@ impl PredictorCorrectorMethod {
         let HistorySettings { tolerance, max_iterations, .. } = *history;
         let natural = FormulationScaling::of_stiffness(assembled.layout(), &history.contact_stiffness);
         PredictorCorrectorMethod {
+            distance: 1.0,
             stiffness: stiffness / history.scaling.stiffness(),
             z: vec![0.0; formulation.unknowns()],
             rest: vec![0.0; formulation.forces().unknowns()],
@@ -84,15 +79,17 @@ impl PredictorCorrectorMethod {
         }
     }
 
-    /// Sets the limit of iterations in an increment.
-    pub(super) fn limit(&mut self, max_iterations: usize) {
+    /// Sets the start of the next increments, `distance` times as far from the border as estimated, and the limit of
+    /// their iterations.
+    pub(super) fn start_at(&mut self, distance: f64, max_iterations: usize) {
+        self.distance = distance;
         self.settings.max_iterations = max_iterations;
     }
 
     /// Moves the pairs into the interior, to a distance from the last solution that fits the change of the load. It
     /// is estimated from the contact forces that would clamp the nodes and from the gaps that change or are violated,
-    /// and multiplied by `times`. A factor of ten too large or too small costs a few iterations.
-    fn move_inside(&mut self, response: &Response, times: f64) {
+    /// and multiplied by `distance`. A factor of ten too large or too small costs a few iterations.
+    fn move_inside(&mut self, response: &Response) {
         let contacts = self.formulation.forces().contacts();
         let violated =
             (0..contacts).map(|i| -self.formulation.distance(i, &self.z)).fold(response.gap_change, f64::max);
@@ -101,7 +98,7 @@ impl PredictorCorrectorMethod {
             // The load is unchanged, but the last state is no solution: any scale will do.
             force = self.stiffness;
         }
-        force *= times;
+        force *= self.distance;
         self.formulation.move_inside(&mut self.z, force, force / self.stiffness);
     }
 }
@@ -151,39 +148,25 @@ impl IncrementSolver for PredictorCorrectorMethod {
             return Ok(MethodResult { stop: Termination::Converged, ..MethodResult::new(0.0) });
         }
         let last = self.z.clone();
-        let mut outcome = MethodResult::new(f64::NAN);
-        for times in ATTEMPTS {
-            self.z.copy_from_slice(&last);
-            self.move_inside(task.response, times);
-            let left = self.settings.max_iterations.saturating_sub(outcome.iterations);
-            let last_attempt = times == ATTEMPTS[ATTEMPTS.len() - 1];
-            let max_iterations = if last_attempt { left } else { left.min(PATIENCE) };
-            let settings = PredictorCorrectorSettings { max_iterations, tolerance: tolerance.max(NEAR) };
-            let substep =
-                self.method.solve(&settings, self.formulation.as_mut(), linear, &mut self.z, &mut error, observe)?;
-            outcome = outcome.then(substep);
-            let left = self.settings.max_iterations.saturating_sub(outcome.iterations);
-            if left > 0 && outcome.stop != Termination::Interrupted && error(&self.z) > tolerance {
-                let mut ended = self.end.solve(task, linear, &self.z, left, observe)?;
-                if ended.stop == Termination::Converged {
-                    let (z, rest) = self.end.reached();
-                    self.z[..z.len()].copy_from_slice(z);
-                    self.rest.copy_from_slice(rest);
-                } else if ended.stop != Termination::Interrupted {
-                    // Perhaps near the solution, but not within the tolerance.
-                    ended.stop = if outcome.stop == Termination::Converged {
-                        Termination::Stalled
-                    } else {
-                        outcome.stop.clone()
-                    };
-                }
-                outcome = outcome.then(ended);
+        self.move_inside(task.response);
+        let settings = PredictorCorrectorSettings { tolerance: tolerance.max(NEAR), ..self.settings };
+        let mut outcome =
+            self.method.solve(&settings, self.formulation.as_mut(), linear, &mut self.z, &mut error, observe)?;
+        let left = settings.max_iterations.saturating_sub(outcome.iterations);
+        if left > 0 && outcome.stop != Termination::Interrupted && error(&self.z) > tolerance {
+            let mut ended = self.end.solve(task, linear, &self.z, left, observe)?;
+            if ended.stop == Termination::Converged {
+                let (z, rest) = self.end.reached();
+                self.z[..z.len()].copy_from_slice(z);
+                self.rest.copy_from_slice(rest);
+            } else if ended.stop != Termination::Interrupted {
+                // Perhaps near the solution, but not within the tolerance.
+                ended.stop = match outcome.stop {
+                    Termination::Converged => Termination::Stalled,
+                    ref stop => stop.clone(),
+                };
             }
-            if matches!(outcome.stop, Termination::Converged | Termination::Interrupted)
-                || outcome.iterations >= self.settings.max_iterations
-            {
-                break;
-            }
+            outcome = MethodResult { attempts: outcome.attempts, ..outcome.then(ended) };
         }
         if outcome.stop == Termination::Converged && !task.problem.rigid_modes().is_empty() {
             // Perhaps one of many solutions: takes the nearest, if it remains a solution after rounding.

@@ -120,6 +120,9 @@ pub struct IncrementRecord {
     /// The number of jumps over the end of a quasi-static motion in this increment.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub jumps: usize,
+    /// The number of attempts at the increment and its substeps; as `parts` if the first was always enough.
+    #[serde(default)]
+    pub attempts: usize,
     /// `true` if a fallback method solved the increment or a substep.
     pub rescued: bool,
     /// The number of linear systems solved (nle), including failed attempts.
@@ -154,6 +157,7 @@ impl IncrementRecord {
             part_ends: Vec::new(),
             joined: 0,
             jumps: 0,
+            attempts: 0,
             rescued: false,
             iterations: 0,
             backtracks: 0,

@@ -36,7 +36,7 @@ pub(super) struct RunOf {
 }
 
 /// The version of the stored data and of their use by the methods.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// The results so far.
 #[derive(Clone, Serialize, Deserialize)]
@@ -67,8 +67,6 @@ pub(super) struct SavedStage {
     pub memory: Snapshot,
     /// The working set of the condensed equations, if it is not all contact nodes.
     pub nodes: Option<Vec<usize>>,
-    /// The batch size.
-    pub batch_size: usize,
 }
 
 impl RunOf {

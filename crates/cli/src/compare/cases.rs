@@ -217,15 +217,7 @@ struct Recorder<'a, 'm> {
 }
 
 impl Observer for Recorder<'_, '_> {
-    fn waits_for(&mut self, _increment: usize) -> bool {
-        false
-    }
-
     fn iteration(&mut self, increment: usize, record: &IterationRecord) -> ControlFlow<()> {
-        // Increments that were solved ahead and rolled back are solved again.
-        while self.iterates.last().is_some_and(|last| last.increment > increment) {
-            self.iterates.pop();
-        }
         let begun = self.iterates.last().filter(|last| last.increment == increment).map(|last| last.iteration);
         if begun.is_none() {
             self.since = thread_cpu_seconds();

@@ -3,10 +3,7 @@
 //! The solves of the backends have no border: they would include `L_cc` and leave `L_cr` to a second pass over the
 //! factors. The blocks are so small that calling a matrix product for each would cost more than its work.
 
-use pulp::{Arch, Simd, WithSimd};
-
 use super::{Supernodal, Supernode, nodes};
-use crate::algebra::sparse::{LANES, SimdPack};
 
 /// Computes `[b_r; b_c] → [L_rr⁻¹ b_r; b_c - L_cr L_rr⁻¹ b_r]`, in the order of the factors.
 pub(super) fn forward(factor: &dyn Supernodal, interior: usize, x: &mut [f64]) {
@@ -43,57 +40,29 @@ pub(super) fn forward(factor: &dyn Supernodal, interior: usize, x: &mut [f64]) {
     }
 }
 
-/// Computes `[y_r; x_c] → [L_rr⁻ᵀ (y_r - L_crᵀ x_c); x_c]`, in the order of the factors, for several vectors in one
-/// pass over `L`. The result of each does not depend on the others.
-pub(super) fn backward(factor: &dyn Supernodal, interior: usize, vectors: &mut [Vec<SimdPack>]) {
-    Arch::new().dispatch(Backward { factor, interior, vectors });
-}
-
-/// The backward substitution, compiled for each kind of processor, with the same result.
-struct Backward<'a> {
-    factor: &'a dyn Supernodal,
-    interior: usize,
-    vectors: &'a mut [Vec<SimdPack>],
-}
-
-impl WithSimd for Backward<'_> {
-    type Output = ();
-
-    #[allow(clippy::inline_always)] // Only inlined code is compiled for more than the oldest processor.
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        substitute(self.factor, self.interior, self.vectors);
-    }
-}
-
-#[allow(clippy::inline_always)]
-#[inline(always)]
-fn substitute(factor: &dyn Supernodal, interior: usize, vectors: &mut [Vec<SimdPack>]) {
-    let mut work = vec![Vec::new(); vectors.len()];
+/// Computes `[y_r; x_c] → [L_rr⁻ᵀ (y_r - L_crᵀ x_c); x_c]`, in the order of the factors.
+pub(super) fn backward(factor: &dyn Supernodal, interior: usize, x: &mut [f64]) {
+    let mut work = Vec::new();
     for node in nodes(factor).rev().filter(|node| node.first < interior) {
         let columns = node.columns.min(interior - node.first);
-        vectors.iter().zip(&mut work).for_each(|(x, work)| gather(&node, x, work));
+        gather(&node, x, &mut work);
+        let (top, below) = work.split_at_mut(columns);
         // First all columns with the rows below the block; then the block.
         for first in (0..columns).step_by(TILE) {
-            for work in &mut work {
-                let (top, below) = work.split_at_mut(columns);
-                let column = |k: usize| &node.column(first + k)[columns - first - k..];
-                if first + TILE <= columns {
-                    subtract_products(std::array::from_fn::<_, TILE, _>(column), below, &mut top[first..]);
-                } else {
-                    (0..columns - first).for_each(|k| subtract_products([column(k)], below, &mut top[first + k..]));
-                }
+            let column = |k: usize| &node.column(first + k)[columns - first - k..];
+            if first + TILE <= columns {
+                subtract_products(std::array::from_fn::<_, TILE, _>(column), below, &mut top[first..]);
+            } else {
+                (0..columns - first).for_each(|k| subtract_products([column(k)], below, &mut top[first + k..]));
             }
         }
-        for (x, work) in vectors.iter_mut().zip(&mut work) {
-            for k in (0..columns).rev() {
-                let column = node.column(k);
-                let (top, below) = work[..columns].split_at_mut(k + 1);
-                subtract_products([&column[1..columns - k]], below, &mut top[k..]);
-                top[k].iter_mut().for_each(|x| *x /= column[0]);
-            }
-            x[node.first..node.first + columns].copy_from_slice(&work[..columns]);
+        for k in (0..columns).rev() {
+            let column = node.column(k);
+            let (upper, lower) = top.split_at_mut(k + 1);
+            subtract_products([&column[1..columns - k]], lower, &mut upper[k..]);
+            upper[k] /= column[0];
         }
+        x[node.first..node.first + columns].copy_from_slice(top);
     }
 }
 
@@ -105,28 +74,20 @@ const BLOCK: usize = 64;
 
 /// Subtracts `Σ_i l_i x_i` from the first entry of `from` for the first of `columns`, and so on. The columns are as
 /// long as `x`.
-#[allow(clippy::inline_always)]
-#[inline(always)]
-fn subtract_products<const N: usize>(columns: [&[f64]; N], x: &[SimdPack], from: &mut [SimdPack]) {
+fn subtract_products<const N: usize>(columns: [&[f64]; N], x: &[f64], from: &mut [f64]) {
     for start in (0..x.len()).step_by(BLOCK) {
         let x = &x[start..x.len().min(start + BLOCK)];
         let columns = columns.map(|column| &column[start..start + x.len()]);
-        let mut sums = [[0.0; LANES]; N];
+        let mut sums = [0.0; N];
         for (i, x) in x.iter().enumerate() {
-            for (sums, column) in sums.iter_mut().zip(&columns) {
-                for (sum, x) in sums.iter_mut().zip(x) {
-                    *sum += column[i] * x;
-                }
-            }
+            sums.iter_mut().zip(&columns).for_each(|(sum, column)| *sum += column[i] * x);
         }
-        for (from, sums) in from.iter_mut().zip(&sums) {
-            from.iter_mut().zip(sums).for_each(|(from, sum)| *from -= sum);
-        }
+        from.iter_mut().zip(sums).for_each(|(from, sum)| *from -= sum);
     }
 }
 
 /// Gathers the values in the rows of a supernode.
-fn gather<T: Copy>(node: &Supernode<'_>, x: &[T], work: &mut Vec<T>) {
+fn gather(node: &Supernode<'_>, x: &[f64], work: &mut Vec<f64>) {
     work.clear();
     work.extend_from_slice(&x[node.first..node.first + node.columns]);
     work.extend(node.below.iter().map(|&row| x[row as usize]));

@@ -85,10 +85,6 @@ pub(super) fn explain(chosen: &ChosenIncrements) -> String {
 struct UntilInterrupted;
 
 impl Observer for UntilInterrupted {
-    fn waits_for(&mut self, _index: usize) -> bool {
-        false
-    }
-
     fn iteration(&mut self, _index: usize, _record: &IterationRecord) -> ControlFlow<()> {
         if interrupt::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }

@@ -83,11 +83,6 @@ impl Observer for Watcher<'_> {
         linear::process::keep_freed_memory();
     }
 
-    /// All files of an increment are complete before the next increment begins.
-    fn waits_for(&mut self, index: usize) -> bool {
-        self.folder.is_some() && self.wanted.binary_search(&index).is_ok()
-    }
-
     fn iteration(&mut self, _index: usize, record: &IterationRecord) -> ControlFlow<()> {
         self.progress.iteration(record.iteration, record.theta);
         let stop = interrupt::requested() || self.failed_write.is_some();

@@ -1,0 +1,205 @@
+//! The strategy: what is tried for an increment, in which order.
+//!
+//! | attempt | from where | at most |
+//! | --- | --- | --- |
+//! | Algorithm BN, with `method = "bn"` | the tangent at the last solution, or the response with clamped contact nodes | 40 iterations |
+//! | the interior point method, then BN | the last solution, moved into the interior as far as the load suggests | 30 iterations |
+//! | the interior point method, then BN | a hundred times as far | the iterations that are left |
+//!
+//! A substep that no attempt solves is halved, and a working set that lacks nodes grows; both are in `increment.rs`.
+//!
+//! Counted on 615 random scenes, 479 of which converge: without the interior point method behind BN five fewer converge.
+//! With `method = "ip"` seven fewer converge without a second start, and a third start, ten times as far, solves no scene
+//! that these two leave.
+
+use super::bn::BnMethod;
+use super::increment_error::IncrementErrors;
+use super::predictor_corrector::PredictorCorrectorMethod;
+use super::saved::Snapshot;
+use super::settings::HistorySettings;
+use super::task::{IncrementSolver, Observe, Task};
+use crate::algebra::linear::{LinearError, RefinedSolver};
+use crate::algebra::sparse::SystemMatrix;
+use crate::solver::newton::{MethodResult, Termination};
+use crate::solver::problem::State;
+
+/// An attempt at an increment.
+#[derive(Clone, Copy)]
+pub(super) struct Attempt {
+    by: By,
+    /// The number of iterations after which the attempt is abandoned.
+    patience: usize,
+}
+
+#[derive(Clone, Copy)]
+enum By {
+    Newton,
+    /// The interior point method, from a start this many times as far from the border as the load suggests.
+    InteriorPoint(f64),
+}
+
+/// The attempts of `method = "bn"`; those after the first are the attempts of `method = "ip"`. No increment of the tests
+/// that the first or the second solves takes as many iterations as they have.
+const ATTEMPTS: [Attempt; 3] = [
+    Attempt { by: By::Newton, patience: 40 },
+    Attempt { by: By::InteriorPoint(1.0), patience: 30 },
+    Attempt { by: By::InteriorPoint(100.0), patience: usize::MAX },
+];
+
+/// The attempts, with the methods that make them.
+pub(super) struct Strategy {
+    attempts: &'static [Attempt],
+    settings: HistorySettings,
+    methods: Methods,
+}
+
+enum Methods {
+    /// BN, which has the state of the history, and the interior point method, created when it is first needed.
+    Bn(Box<BnMethod>, Option<PredictorCorrectorMethod>),
+    /// The interior point method alone.
+    Ip(PredictorCorrectorMethod),
+}
+
+impl Strategy {
+    /// Creates all attempts, or the first alone.
+    pub(super) fn bn(bn: BnMethod, settings: &HistorySettings, alone: bool) -> Self {
+        let attempts = if alone { &ATTEMPTS[..1] } else { &ATTEMPTS };
+        Strategy { attempts, settings: settings.clone(), methods: Methods::Bn(Box::new(bn), None) }
+    }
+
+    /// Creates the attempts of the interior point method.
+    pub(super) fn ip(ip: PredictorCorrectorMethod, settings: &HistorySettings) -> Self {
+        Strategy { attempts: &ATTEMPTS[1..], settings: settings.clone(), methods: Methods::Ip(ip) }
+    }
+
+    /// Returns the method that has the state of the history.
+    fn lead(&self) -> &dyn IncrementSolver {
+        match &self.methods {
+            Methods::Bn(bn, _) => &**bn,
+            Methods::Ip(ip) => ip,
+        }
+    }
+
+    fn lead_mut(&mut self) -> &mut dyn IncrementSolver {
+        match &mut self.methods {
+            Methods::Bn(bn, _) => &mut **bn,
+            Methods::Ip(ip) => ip,
+        }
+    }
+}
+
+impl IncrementSolver for Strategy {
+    fn matrix(&self) -> &SystemMatrix {
+        self.lead().matrix()
+    }
+
+    fn linearize(&mut self) {
+        self.lead_mut().linearize();
+    }
+
+    fn linearization(&self) -> &SystemMatrix {
+        self.lead().linearization()
+    }
+
+    fn hold_contacts(&mut self) -> Result<(), Vec<f64>> {
+        self.lead_mut().hold_contacts()
+    }
+
+    fn starts_on_tangent(&self, linear: &RefinedSolver) -> bool {
+        self.lead().starts_on_tangent(linear)
+    }
+
+    /// Makes one attempt after the other, each from the last solution, until one solves the increment.
+    fn solve(
+        &mut self,
+        task: &Task<'_>,
+        linear: &mut RefinedSolver,
+        observe: Observe<'_>,
+    ) -> Result<MethodResult, LinearError> {
+        let start = self.lead_mut().unknowns().clone();
+        let Strategy { attempts, settings, methods } = self;
+        let last = match methods {
+            Methods::Bn(bn, _) => bn.last_solution(task),
+            Methods::Ip(ip) => ip.state(),
+        };
+        let mut result: Option<MethodResult> = None;
+        for attempt in attempts.iter() {
+            let left = settings.max_iterations.saturating_sub(result.as_ref().map_or(0, |result| result.iterations));
+            if left == 0 {
+                break;
+            }
+            let limit = left.min(attempt.patience);
+            let tried = match (attempt.by, &mut *methods) {
+                (By::Newton, Methods::Bn(bn, _)) => {
+                    bn.limit(limit);
+                    bn.solve(task, linear, observe)?
+                }
+                (By::InteriorPoint(distance), Methods::Bn(bn, ip)) => {
+                    let ip = ip.get_or_insert_with(|| PredictorCorrectorMethod::beside(bn.assembled(), settings));
+                    ip.go_on_from(&last);
+                    ip.start_at(distance, limit);
+                    let mut tried = ip.solve(task, linear, observe)?;
+                    if tried.stop == Termination::Converged {
+                        tried.rescued = true;
+                        bn.go_on_from(&ip.state());
+                        bn.follow(task.problem, linear)?;
+                    } else if let (Some(result), true) = (&result, tried.stop != Termination::Interrupted) {
+                        // The termination of BN is more informative.
+                        tried.stop.clone_from(&result.stop);
+                    }
+                    tried
+                }
+                (By::InteriorPoint(distance), Methods::Ip(ip)) => {
+                    ip.unknowns().copy_from_slice(&start);
+                    ip.start_at(distance, limit);
+                    ip.solve(task, linear, observe)?
+                }
+                (By::Newton, Methods::Ip(_)) => continue,
+            };
+            let reached = match result.take() {
+                None => tried,
+                Some(before) => before.then(tried),
+            };
+            let ends = matches!(reached.stop, Termination::Converged | Termination::Interrupted);
+            result = Some(reached);
+            if ends {
+                break;
+            }
+        }
+        Ok(result.unwrap_or_else(|| MethodResult::new(f64::NAN)))
+    }
+
+    fn state(&self) -> State {
+        self.lead().state()
+    }
+
+    fn go_on_from(&mut self, state: &State) {
+        self.lead_mut().go_on_from(state);
+    }
+
+    fn unknowns(&mut self) -> &mut Vec<f64> {
+        self.lead_mut().unknowns()
+    }
+
+    fn increment_errors(&mut self) -> Option<&mut IncrementErrors> {
+        self.lead_mut().increment_errors()
+    }
+
+    fn memory(&self, linear: &RefinedSolver) -> Snapshot {
+        let rescue = match &self.methods {
+            Methods::Bn(_, Some(ip)) => Some(Box::new(ip.memory(linear))),
+            _ => None,
+        };
+        Snapshot { rescue, ..self.lead().memory(linear) }
+    }
+
+    fn restore(&mut self, mut memory: Snapshot, linear: &mut RefinedSolver) -> Result<bool, LinearError> {
+        if let (Methods::Bn(bn, ip), Some(memory)) = (&mut self.methods, memory.rescue.take()) {
+            let ip = ip.insert(PredictorCorrectorMethod::beside(bn.assembled(), &self.settings));
+            if !ip.restore(*memory, linear)? {
+                return Ok(false);
+            }
+        }
+        self.lead_mut().restore(memory, linear)
+    }
+}
