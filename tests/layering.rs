@@ -29,7 +29,7 @@ const PLACES: &[(&str, &[&str])] = &[
     ("std::net", &[]),
     ("File::open", &["base/input.rs"]),
     // OpenBLAS has read its settings there.
-    ("std::env", &["algebra/linear/blas/loaded.rs"]),
+    ("std::env", &["algebra/linear/process/blas/"]),
     ("thread::", &["algebra/jobs.rs", "algebra/linear/"]),
     ("std::panic", &["algebra/jobs.rs"]),
 ];

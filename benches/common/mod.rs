@@ -9,7 +9,7 @@ use std::path::Path;
 use std::process::Command;
 use std::str::FromStr;
 use std::sync::Arc;
-use stickslip::algebra::linear::blas::{Blas, KERNEL_VARIABLE};
+use stickslip::algebra::linear::process::blas::{Blas, KERNEL_VARIABLE};
 use stickslip::algebra::linear::{self, FactorInfo, LinearError, LinearSolver, Strategy, Umfpack};
 use stickslip::algebra::sparse::{Csc, Pattern};
 use stickslip::body::Model;

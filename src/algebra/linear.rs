@@ -9,7 +9,6 @@ use std::sync::Arc;
 
 use crate::algebra::sparse::{Pattern, SystemMatrix};
 
-pub mod blas;
 pub mod built_in;
 mod choice;
 mod cholesky;

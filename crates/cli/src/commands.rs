@@ -8,8 +8,6 @@ macro_rules! say {
     ($($arg:tt)*) => { super::output::line(format_args!($($arg)*)) };
 }
 
-#[cfg(feature = "blas")]
-mod blas_kernel;
 mod bug;
 mod check;
 mod collection;
@@ -34,6 +32,7 @@ use clap::error::{ContextKind, ContextValue};
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use stickslip::algebra::linear::process::blas::take_better_kernel;
 use stickslip::body::ModelError;
 use stickslip::run::RunError;
 use stickslip::scene::{Override, Provenance, Scene, SceneError};
@@ -48,18 +47,6 @@ struct Cli {
     /// Number of threads [default: OMP_NUM_THREADS if set, otherwise the number of processors]
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(threads::MOST)))]
     threads: Option<u32>,
-    /// Kernel of OpenBLAS: a name such as HASWELL; keep for the kernel that OpenBLAS chose; auto replaces a kernel that
-    /// is too old for the processor, for which the program restarts itself
-    #[cfg(feature = "blas")]
-    #[arg(
-        long,
-        global = true,
-        value_name = "KERNEL",
-        env = "STICKSLIP_BLAS_KERNEL",
-        hide_env_values = true,
-        default_value = "auto"
-    )]
-    blas_kernel: blas_kernel::Kernel,
 }
 
 #[derive(Subcommand)]
@@ -172,30 +159,7 @@ impl From<RunError> for Failure {
 }
 
 impl Cli {
-    /// Returns the kernel that the BLAS had used before the program restarted itself for a better one. Commands that
-    /// solve nothing need no kernel.
-    #[cfg_attr(
-        not(feature = "blas"),
-        allow(clippy::unnecessary_wraps, clippy::unused_self, reason = "the build with a BLAS may fail, and looks")
-    )]
-    fn kernel_before(&self) -> Result<Option<String>, Failure> {
-        #[cfg(feature = "blas")]
-        if !matches!(
-            self.command,
-            Command::Check(_)
-                | Command::Judge(_)
-                | Command::Schema(_)
-                | Command::Init(_)
-                | Command::Completions(_)
-                | Command::Man(_)
-        ) {
-            return blas_kernel::choose(&self.blas_kernel);
-        }
-        Ok(None)
-    }
-
     fn run(&self) -> Result<ExitCode, Failure> {
-        let kernel_before = self.kernel_before()?;
         let threads = threads::count(self.threads);
         threads::start(threads);
         #[cfg(feature = "mpi")]
@@ -205,7 +169,7 @@ impl Cli {
             _ => {}
         }
         match &self.command {
-            Command::Run(args) => run::run(args, threads, kernel_before),
+            Command::Run(args) => run::run(args, threads),
             Command::Check(args) => check::check(args).map(|()| ExitCode::SUCCESS),
             Command::Compare(args) => compare::compare(args, threads),
             Command::Sweep(args) => sweep::sweep(args, self),
@@ -263,6 +227,8 @@ fn with_command(mut error: clap::Error) -> clap::Error {
 }
 
 pub(crate) fn main() -> ExitCode {
+    // Before MPI or this program has a thread.
+    take_better_kernel();
     #[cfg(feature = "mpi")]
     if ranks::may_help()
         && let Some(code) = ranks::help()
@@ -284,7 +250,6 @@ pub(crate) fn main() -> ExitCode {
             if json && error.use_stderr() {
                 output::failure_as_json("bad-input", &error.render().to_string());
             }
-            memory::exits();
             error.exit()
         }
     };
@@ -307,7 +272,6 @@ pub(crate) fn main() -> ExitCode {
     };
     #[cfg(feature = "mpi")]
     stickslip::algebra::linear::ranks::end();
-    memory::exits();
     // If standard output failed, the reader has not received the result, whatever it was.
     if output::failed() { ExitCode::from(3) } else { code }
 }

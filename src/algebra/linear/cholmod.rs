@@ -6,7 +6,7 @@
 use std::ffi::{c_int, c_void};
 use std::ptr::{self, NonNull};
 
-use super::blas::room;
+use super::process::blas::room;
 use super::supernodal::{Supernodal, Supernode};
 use super::{FactorInfo, LinearError, ordering, sys, versions};
 use crate::algebra::sparse::{Csc, Pattern};

@@ -1,11 +1,26 @@
-//! Settings of the whole process that affect the speed of factorisations: BLAS threads and the handling of freed
-//! memory. A program may set them; a library must not do so without its caller's knowledge.
+//! The process as a whole: its memory, and the BLAS that is loaded into it.
+//!
+//! A program may set these; the library sets none of them without a call of the program. Each part is here because a
+//! user meets what it prevents:
+//!
+//! - [`keep_freed_memory`]: without it the system clears the pages of each factor anew, a fifth of the CPU time.
+//! - [`blas::take_better_kernel`]: an OpenBLAS that does not know the processor takes its oldest kernel, which makes
+//!   factorisations in space a third slower and dense products two to four times.
+//! - [`set_blas_threads`]: OpenBLAS and OpenMP would start as many threads as there are processors, for products too
+//!   small to gain from them.
+//! - `blas::room`: OpenBLAS asks for a buffer of 128 MiB until it gets one. If the memory is limited, that is forever. So
+//!   each thread asks for that much first, and then lets OpenBLAS map its buffer, before its first product.
+//! - [`blas_is_stuck`]: a thread that OpenBLAS starts when it is loaded may ask forever, too, and the process could not
+//!   end in the usual way.
+//! - [`OrderlyEnd`]: Rust aborts if an allocation that cannot fail is refused. The program then ends with a message, a
+//!   JSON object if it was asked for, and its own exit status.
 
 #![allow(unsafe_code)]
 
 mod allocator;
+pub mod blas;
 
-pub use allocator::{Last, OrderlyEnd, exits, memory_was_refused, say_last};
+pub use allocator::{Last, OrderlyEnd, memory_was_refused, say_last};
 
 use std::ffi::c_int;
 
@@ -13,7 +28,7 @@ use std::ffi::c_int;
 use libloading::os::unix::Library;
 
 #[cfg(feature = "blas")]
-use super::blas::{loaded, room};
+use blas::{loaded, room};
 
 /// Returns the resources used by this process so far.
 #[cfg(feature = "mpi")]

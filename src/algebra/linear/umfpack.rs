@@ -10,8 +10,8 @@ use std::ffi::c_void;
 use std::ptr::{self, NonNull};
 use std::sync::Arc;
 
-use super::blas::room;
 use super::error::expect_length;
+use super::process::blas::room;
 use super::{FactorInfo, LinearError, LinearSolver, ordering, sys, versions};
 use crate::algebra::sparse::Pattern;
 

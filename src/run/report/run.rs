@@ -19,7 +19,7 @@ use super::unknowns::{EliminatedUnknown, Unknowns};
 use super::usage::RankRecord;
 use super::validity::{LargestDisplacement, Validity};
 use super::warnings::{Warning, WarningKind};
-use crate::algebra::linear::blas::Blas;
+use crate::algebra::linear::process::blas::Blas;
 use crate::base::units::UnitSystem;
 use crate::body::contact::RangeLeft;
 use crate::body::model::Model;

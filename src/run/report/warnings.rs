@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::algebra::linear::Statistics;
-use crate::algebra::linear::blas::{Blas, KERNEL_VARIABLE};
+use crate::algebra::linear::process::blas::{Blas, KERNEL_VARIABLE};
 use crate::base::units::Quantity;
 use crate::body::contact::holes_in_front_of;
 use crate::body::description::Action;
@@ -186,7 +186,7 @@ impl Warning {
     pub fn of_blas(blas: &Blas) -> Option<Self> {
         let cure = match blas.better_kernel {
             Some(better) if blas.selectable => {
-                format!("select the kernel {better} with --blas-kernel, or in other programs with {KERNEL_VARIABLE}")
+                format!("set {KERNEL_VARIABLE}={better} in the environment")
             }
             Some(_) => "install an OpenBLAS that was built for several processors".to_string(),
             None => "install OpenBLAS, or BLIS or MKL".to_string(),

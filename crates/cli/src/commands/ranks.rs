@@ -26,25 +26,11 @@ pub(super) fn may_help() -> bool {
     rank().is_some_and(|rank| rank > 0)
 }
 
-/// Runs this process as a worker. Returns `None` if MPI knows of no other process, e.g. if a job of another program has
-/// started this one.
+/// Runs this process as a worker, for rank 0 in any command. Rank 0 reports errors in full. Returns `None` if MPI knows
+/// of no other process, e.g. if a job of another program has started this one.
 pub(super) fn help() -> Option<ExitCode> {
-    let code = helped();
-    if code.is_some() {
-        memory::exits();
-    }
-    code
-}
-
-/// Works for rank 0 in any command. Rank 0 reports errors in full.
-fn helped() -> Option<ExitCode> {
     // Arguments that cannot be parsed are reported by rank 0, or by this process if it turns out to be the only one.
     let cli = program().try_get_matches().and_then(|matches| Cli::from_arg_matches(&matches)).ok();
-    // This may restart the program, as on rank 0.
-    if cli.as_ref().is_some_and(|cli| cli.kernel_before().is_err()) {
-        output::note("a worker process cannot choose the kernel of its BLAS");
-        return Some(ExitCode::from(2));
-    }
     let failed = |error: &LinearError| {
         output::note(&error.to_string());
         Some(ExitCode::from(3))

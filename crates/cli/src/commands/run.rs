@@ -15,7 +15,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
-use stickslip::algebra::linear::blas::Blas;
+use stickslip::algebra::linear::process::blas::Blas;
 use stickslip::base::{Budget, Quantity};
 use stickslip::body::{Model, PeakOf};
 use stickslip::run::report::{
@@ -79,8 +79,8 @@ impl RunArgs {
     }
 }
 
-/// Runs on `count` threads. `kernel_before`: the kernel of the BLAS before the program restarted itself.
-pub(super) fn run(args: &RunArgs, count: usize, kernel_before: Option<String>) -> Result<ExitCode, Failure> {
+/// Runs on `count` threads.
+pub(super) fn run(args: &RunArgs, count: usize) -> Result<ExitCode, Failure> {
     interrupt::listen();
     let scene = args.scene.read()?;
     #[cfg(feature = "mpi")]
@@ -115,7 +115,9 @@ pub(super) fn run(args: &RunArgs, count: usize, kernel_before: Option<String>) -
     let folder = claim.map(|claim| open_folder(claim, &scene, run.model(), (origin, linear), resumes)).transpose()?;
     if !args.json {
         print_head(&scene, &run);
-        print_blas(kernel_before.as_deref());
+        if let Some(warning) = Blas::loaded().as_ref().and_then(Warning::of_blas) {
+            say!("warning      {}", warning.message);
+        }
         say!("set-up       symbolic analysis");
     }
     // Records are kept only if the report is printed whole.
@@ -141,9 +143,6 @@ pub(super) fn run(args: &RunArgs, count: usize, kernel_before: Option<String>) -
     let Watcher { mut folder, failed_write, .. } = watcher;
     let mut report = report?;
     report.chosen_increments = chosen;
-    if let Some(blas) = &mut report.blas {
-        blas.kernel_before = kernel_before;
-    }
     let mut is_written = false;
     if let Some(folder) = &mut folder {
         let written = failed_write.map_or_else(|| folder.add_report(&report), Err);
@@ -268,17 +267,6 @@ fn print_head(scene: &Scene, run: &Run<'_>) {
         say!("{:<12} {count} {unknown} {reason}", if k == 0 { "left out" } else { "" });
     }
     for warning in Warning::of_model(model).iter().filter(|warning| !warning.kind.needs_the_solution()) {
-        say!("warning      {}", warning.message);
-    }
-}
-
-/// Prints the kernel of the BLAS if there is a remark on it.
-fn print_blas(kernel_before: Option<&str>) {
-    let Some(blas) = Blas::loaded() else { return };
-    if let Some(before) = kernel_before {
-        say!("BLAS         {blas}, for which the program restarted itself: the library had chosen {before}");
-    }
-    if let Some(warning) = Warning::of_blas(&blas) {
         say!("warning      {}", warning.message);
     }
 }

@@ -79,8 +79,6 @@ pub(super) fn sweep(args: &SweepArgs, cli: &Cli) -> Result<ExitCode, Failure> {
         folder: &results.path,
         // By default, the variants share the processors.
         threads: cli.threads.map_or_else(|| threads::count(None) / jobs, |count| count as usize).max(1),
-        #[cfg(feature = "blas")]
-        kernel: &cli.blas_kernel,
     };
     if let Some(folder) = &args.out {
         writable(folder)?;

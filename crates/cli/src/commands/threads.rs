@@ -31,7 +31,6 @@ fn of_openmp(text: &str) -> Option<u32> {
 
 /// Starts `count` threads for this process, including the current one.
 pub(super) fn start(count: usize) {
-    // Set before other threads are started, so that the BLAS can end the threads that it does not need.
     let_the_blas_have(1);
     // Fails only if the threads have been started before, in which case they remain.
     let _ = ThreadPoolBuilder::new().num_threads(count).use_current_thread().build_global();

@@ -170,8 +170,6 @@ fn counted(library: &str, scene: &str, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));
     command.args(["run", scene, "--set", "mesh.elements=[3,3]", "--set", "time.increments=1", "--threads", "1"]);
     command.args(arguments).env("LD_PRELOAD", library).env("OPENBLAS_NUM_THREADS", "1").env("MALLOC_ARENA_MAX", "1");
-    // A restart would be another process, with its own count.
-    command.env("STICKSLIP_BLAS_KERNEL", "keep");
     command
 }
 

@@ -268,10 +268,10 @@ fn reports() -> Vec<Value> {
 
 /// A report with all entries for a BLAS, if available.
 #[cfg(feature = "umfpack")]
-use crate::blas_kernel::started_again;
+use crate::blas_kernel::on_a_slow_kernel;
 
 #[cfg(not(feature = "umfpack"))]
-fn started_again() -> Option<Value> {
+fn on_a_slow_kernel() -> Option<Value> {
     None
 }
 
@@ -281,15 +281,15 @@ fn reports_are_as_their_schema_says() {
     let mut known = BTreeSet::new();
     keys(&schema, &schema, "", &mut known);
     let mut met = BTreeSet::new();
-    let started_again = started_again();
-    for report in reports().into_iter().chain(started_again.clone()) {
+    let on_a_slow_kernel = on_a_slow_kernel();
+    for report in reports().into_iter().chain(on_a_slow_kernel.clone()) {
         assert_eq!(faults(&schema, &schema, &report, "run"), [""; 0]);
         keys_of(&report, "", &mut met);
     }
     assert_eq!(met.difference(&known).collect::<Vec<_>>(), [""; 0], "in a report, not in the schema");
     let excused = |key: &str| {
         key.starts_with("range_left")
-            || (key.starts_with("blas") && started_again.is_none())
+            || (key.starts_with("blas") && on_a_slow_kernel.is_none())
             // MPI processes, which tests/large covers.
             || key.starts_with("totals.ranks")
             || (key == "totals.krylov_iterations" && cfg!(not(feature = "petsc")))

@@ -3,9 +3,8 @@
 #![allow(clippy::unwrap_used)]
 
 use std::fs;
-use std::process::{Command, Stdio};
-use std::thread::{self, available_parallelism};
-use std::time::Duration;
+use std::process::Command;
+use std::thread::available_parallelism;
 
 use serde_json::Value;
 use stickslip::scene::Scene;
@@ -40,25 +39,6 @@ fn the_threads_are_those_asked_for_or_the_processors() {
     for (openmp, count) in [("5", 5), ("4,2", 4), ("0", processors()), ("some", processors()), ("", processors())] {
         assert_eq!(of(Some(openmp), &[]), count, "{openmp:?}");
     }
-}
-
-/// OpenBLAS starts threads when it is loaded. Unused ones are ended, and do not wait in a loop.
-#[cfg(target_os = "linux")]
-#[test]
-fn a_thread_is_one_thread() {
-    let (_folder, scene) = Folder::with_scene(&small());
-    let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));
-    command.args(["run", &scene, "--threads", "1", "--json", "--set", "mesh.elements=[60,60]", "--set"]);
-    command.args(["time.increments=40"]).env_remove("OPENBLAS_NUM_THREADS").stdout(Stdio::null());
-    let mut child = command.spawn().unwrap();
-    let tasks = format!("/proc/{}/task", child.id());
-    let mut counts = Vec::new();
-    while child.try_wait().unwrap().is_none() {
-        counts.push(fs::read_dir(&tasks).map_or(0, Iterator::count));
-        thread::sleep(Duration::from_millis(1));
-    }
-    let running: Vec<usize> = counts.into_iter().filter(|count| *count > 0).collect();
-    assert!(running.len() > 20 && running[running.len() / 2..].iter().all(|count| *count == 1), "{running:?}");
 }
 
 /// The processes of a sweep share the processors.

@@ -22,31 +22,16 @@ pub struct Last {
 }
 
 static LAST: OnceLock<Last> = OnceLock::new();
-static ENDS: AtomicBool = AtomicBool::new(false);
 static REFUSED: AtomicBool = AtomicBool::new(false);
 
 /// The messages and status before [`say_last`] is called.
 const UNTOLD: Last = Last { out_of_memory: "out of memory\n", output: "", aborted: "aborted\n", status: 3 };
 
 /// Sets the messages and the exit status for an abort: by Rust after a refused infallible allocation, or by a C
-/// library that aborts or exits. Only the first call has an effect. After it, [`exits`] must be called before an
-/// intended exit.
+/// library. Only the first call has an effect.
 pub fn say_last(last: Last) {
     if LAST.set(last).is_ok() {
         arm();
-        // SAFETY: the function may run at the end of the process, and does only what a signal handler may do.
-        unsafe { libc::atexit(unless_meant) };
-    }
-}
-
-/// Marks the following exit of the process as intended.
-pub fn exits() {
-    ENDS.store(true, Ordering::Relaxed);
-}
-
-extern "C" fn unless_meant() {
-    if !ENDS.load(Ordering::Relaxed) {
-        end(0);
     }
 }
 

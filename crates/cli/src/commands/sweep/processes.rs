@@ -12,8 +12,6 @@ use std::time::Duration;
 
 use stickslip_cli::sweep::VariantResult;
 
-#[cfg(feature = "blas")]
-use super::super::blas_kernel::Kernel;
 use super::super::interrupt;
 use super::Task;
 
@@ -31,9 +29,6 @@ pub(super) struct Processes<'a> {
     pub folder: &'a Path,
     /// The threads of each process.
     pub threads: usize,
-    /// The BLAS kernel of each process.
-    #[cfg(feature = "blas")]
-    pub kernel: &'a Kernel,
 }
 
 /// A finished process.
@@ -157,8 +152,6 @@ impl Processes<'_> {
         command.args(overrides.iter().flat_map(|change| ["--set".to_string(), change.to_string()]));
         command.envs(BLAS_THREADS.map(|name| (name, self.threads.to_string())));
         command.arg("--threads").arg(self.threads.to_string());
-        #[cfg(feature = "blas")]
-        command.arg("--blas-kernel").arg(self.kernel.to_string());
         let child = command.stdin(Stdio::null()).stdout(File::create(&printed)?).stderr(Stdio::null()).spawn()?;
         Ok(Running { order, child, printed })
     }

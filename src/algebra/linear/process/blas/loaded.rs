@@ -7,7 +7,8 @@ use std::ffi::{CStr, c_char, c_int};
 
 use libloading::os::unix::Library;
 
-use super::{Blas, KERNEL_VARIABLE, UNKNOWN, Vectors, better_kernel, room};
+use super::kernel::{Vectors, better_kernel};
+use super::{Blas, KERNEL_VARIABLE, UNKNOWN, room};
 
 /// A BLAS library, with its functions for setting and reading the number of threads.
 struct Kind {
@@ -64,29 +65,8 @@ pub(in crate::algebra::linear) fn set_threads(process: &Library, wanted: usize) 
             // SAFETY: see above.
             unsafe { set(count) };
         }
-        if wanted == 1 && kind.name == OPENBLAS {
-            end_workers(process, before);
-        }
         Some(kind.name)
     })
-}
-
-/// Ends the threads that OpenBLAS started when it was loaded, one less than `threads`, if there are no others besides
-/// the calling thread. Each of them polls for about 0.1 s of CPU time before it sleeps, even if it never gets work.
-/// OpenBLAS starts them again if more than one thread is requested.
-fn end_workers(process: &Library, threads: usize) {
-    // Linux lists all threads of this process as directories. On other systems they go to sleep on their own.
-    let all = std::fs::read_dir("/proc/self/task").map_or(usize::MAX, Iterator::count);
-    if all <= threads {
-        // SAFETY: OpenBLAS exports this function, which it calls itself before a process forks. It takes nothing,
-        // returns a C int and waits for its threads to end; these are idle, since no other thread could be in a
-        // product.
-        if let Ok(end) = unsafe { process.get::<unsafe extern "C" fn() -> c_int>(b"blas_thread_shutdown_\0") } {
-            // SAFETY: see above.
-            unsafe { end() };
-            room::left_behind(threads.saturating_sub(1));
-        }
-    }
 }
 
 /// Returns all properties that the BLAS of this process reports.
@@ -99,12 +79,11 @@ pub(super) fn describe() -> Blas {
         kernel: None,
         threads: found.map(|(_, threads)| threads),
         kernel_asked: None,
-        kernel_before: None,
         better_kernel: None,
         selectable: false,
     };
     match blas.library {
-        OPENBLAS => of_openblas(&process, blas),
+        OPENBLAS => of_openblas(&process, &blas),
         "BLIS" => {
             Blas { version: text(&process, b"bli_info_get_version_str\0"), kernel: blis_kernel(&process), ..blas }
         }
@@ -112,7 +91,7 @@ pub(super) fn describe() -> Blas {
     }
 }
 
-fn of_openblas(process: &Library, blas: Blas) -> Blas {
+fn of_openblas(process: &Library, blas: &Blas) -> Blas {
     // For example `OpenBLAS 0.3.21 NO_LAPACKE DYNAMIC_ARCH NO_AFFINITY Haswell MAX_THREADS=64`.
     let config = text(process, b"openblas_get_config\0").unwrap_or_default();
     let kernel = text(process, b"openblas_get_corename\0");
@@ -123,7 +102,7 @@ fn of_openblas(process: &Library, blas: Blas) -> Blas {
         better_kernel: kernel.as_deref().and_then(|kernel| better_kernel(kernel, Vectors::of_processor())),
         selectable: config.split_whitespace().any(|word| word == "DYNAMIC_ARCH"),
         kernel,
-        ..blas
+        ..*blas
     }
 }
 

@@ -1,0 +1,186 @@
+//! The kernels of OpenBLAS, and the change to a better one.
+
+#![allow(unsafe_code)]
+
+use libloading::os::unix::Library;
+
+use super::{Blas, KERNEL_VARIABLE, loaded};
+
+/// Returns `true` if the calling thread and those that OpenBLAS has started are all threads of this process, as Linux
+/// lists them; on other systems `false`. `threads` is the number that OpenBLAS counts, the calling thread included.
+fn is_alone(threads: usize) -> bool {
+    std::fs::read_dir("/proc/self/task").map_or(usize::MAX, Iterator::count) <= threads
+}
+
+/// Makes OpenBLAS use the fastest kernel for this processor, if it has chosen a slower one and the environment names
+/// none. Does nothing if other threads run: one of them could be in a product.
+pub(super) fn take_better() {
+    let before = loaded::describe();
+    let (Some(better), None, true) = (before.better_kernel, &before.kernel_asked, before.selectable) else { return };
+    if before.threads.is_some_and(is_alone) {
+        load_kernel(Some(better));
+        // A library that does not know the name may have taken a worse kernel than before.
+        let vectors = |blas: &Blas| blas.kernel.as_deref().and_then(Vectors::of_kernel);
+        if vectors(&loaded::describe()) < vectors(&before) {
+            load_kernel(None);
+        }
+    }
+}
+
+/// Makes OpenBLAS choose its kernel once more, the one of this name or its own choice. No product may be under way.
+fn load_kernel(name: Option<&str>) {
+    let process = Library::this();
+    // SAFETY: OpenBLAS calls these functions itself when it is loaded and unloaded. They take and return nothing, and
+    // set the table of functions that products are called by. Threads of OpenBLAS that wait for work do not read it.
+    let steps = [&b"gotoblas_dynamic_quit\0"[..], b"gotoblas_dynamic_init\0"]
+        .map(|symbol| unsafe { process.get::<unsafe extern "C" fn()>(symbol) });
+    let [Ok(quit), Ok(init)] = steps else { return };
+    // SAFETY: this is the only thread that reads or changes the environment, see `take_better`.
+    unsafe {
+        match name {
+            Some(name) => std::env::set_var(KERNEL_VARIABLE, name),
+            None => std::env::remove_var(KERNEL_VARIABLE),
+        }
+        quit();
+        init();
+    }
+}
+
+/// The widest vector instructions of a kernel or a processor. Wider ones are faster.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Vectors {
+    /// Two numbers at once.
+    Sse,
+    /// Four numbers at once.
+    Avx,
+    /// Four numbers at once, with fused multiply-add.
+    Avx2,
+    /// Eight numbers at once.
+    Avx512,
+}
+
+impl Vectors {
+    /// Returns those of this processor that the system lets programs use, or `None` if it is no x86-64.
+    #[cfg_attr(
+        target_arch = "x86_64",
+        allow(clippy::unnecessary_wraps, reason = "processors of other architectures have none of them")
+    )]
+    pub(super) fn of_processor() -> Option<Self> {
+        #[cfg(target_arch = "x86_64")]
+        {
+            use std::arch::is_x86_feature_detected as has;
+            // The kernels for Skylake need these instructions.
+            let avx512 =
+                has!("avx512f") && has!("avx512dq") && has!("avx512bw") && has!("avx512vl") && has!("avx512cd");
+            Some(match () {
+                () if avx512 => Vectors::Avx512,
+                () if has!("avx2") && has!("fma") => Vectors::Avx2,
+                () if has!("avx") => Vectors::Avx,
+                () => Vectors::Sse,
+            })
+        }
+        #[cfg(not(target_arch = "x86_64"))]
+        None
+    }
+
+    /// Returns those of the OpenBLAS kernel for the processor `name`, in upper or lower case, or `None` if it is not
+    /// known.
+    pub(super) fn of_kernel(name: &str) -> Option<Self> {
+        let vectors = |(vectors, names): &(Vectors, &[&str])| {
+            names.iter().any(|known| known.eq_ignore_ascii_case(name)).then_some(*vectors)
+        };
+        KERNELS.iter().find_map(vectors)
+    }
+}
+
+/// The kernels of OpenBLAS for x86-64.
+const KERNELS: [(Vectors, &[&str]); 4] = [
+    (
+        Vectors::Sse,
+        &[
+            "Katmai",
+            "Coppermine",
+            "Northwood",
+            "Prescott",
+            "Banias",
+            "Atom",
+            "Core2",
+            "Penryn",
+            "Dunnington",
+            "Nehalem",
+            "Athlon",
+            "Opteron",
+            "Opteron_SSE3",
+            "Barcelona",
+            "Bobcat",
+            "Nano",
+        ],
+    ),
+    (Vectors::Avx, &["Sandybridge", "Bulldozer", "Piledriver", "Steamroller"]),
+    (Vectors::Avx2, &["Haswell", "Zen", "Excavator"]),
+    (Vectors::Avx512, &["SkylakeX", "Cooperlake", "SapphireRapids"]),
+];
+
+/// Returns the name of an OpenBLAS kernel, available for years, that is faster than `kernel` on a processor with such
+/// vectors. Returns `None` if `kernel` is as fast or not known, or if the processor has no faster one.
+pub(super) fn better_kernel(kernel: &str, processor: Option<Vectors>) -> Option<&'static str> {
+    let (taken, processor) = (Vectors::of_kernel(kernel)?, processor?);
+    let best = match processor {
+        Vectors::Avx512 => "SKYLAKEX",
+        Vectors::Avx2 => "HASWELL",
+        Vectors::Avx | Vectors::Sse => return None,
+    };
+    (taken < processor).then_some(best)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_kernel_that_falls_short_of_the_processor_has_a_better_one() {
+        use Vectors::{Avx, Avx2, Avx512, Sse};
+        let (haswell, skylake) = (Some("HASWELL"), Some("SKYLAKEX"));
+        // A processor with SSE, AVX, AVX2 and AVX-512.
+        for (kernel, better) in [
+            ("Prescott", [None, None, haswell, skylake]),
+            ("PRESCOTT", [None, None, haswell, skylake]),
+            ("core2", [None, None, haswell, skylake]),
+            ("Nehalem", [None, None, haswell, skylake]),
+            ("Barcelona", [None, None, haswell, skylake]),
+            ("Sandybridge", [None, None, haswell, skylake]),
+            ("Bulldozer", [None, None, haswell, skylake]),
+            ("Haswell", [None, None, None, skylake]),
+            ("Zen", [None, None, None, skylake]),
+            ("Excavator", [None, None, None, skylake]),
+            ("SkylakeX", [None; 4]),
+            ("skylakex", [None; 4]),
+            ("Cooperlake", [None; 4]),
+            ("SapphireRapids", [None; 4]),
+            ("SAPPHIRERAPIDS", [None; 4]),
+            ("Generic", [None; 4]),
+            ("Unknown", [None; 4]),
+            ("armv8", [None; 4]),
+            ("neoversen1", [None; 4]),
+            ("GraniteRapids", [None; 4]),
+            ("", [None; 4]),
+        ] {
+            let told = [Sse, Avx, Avx2, Avx512].map(|vectors| better_kernel(kernel, Some(vectors)));
+            assert_eq!(told, better, "{kernel}");
+            assert_eq!(better_kernel(kernel, None), None, "{kernel} on another architecture");
+        }
+    }
+
+    /// The better kernel is the best one, so that it is requested only once.
+    #[test]
+    fn the_better_kernel_has_no_better_one() {
+        for kernel in KERNELS.iter().flat_map(|(_, names)| *names) {
+            for vectors in [Vectors::Sse, Vectors::Avx, Vectors::Avx2, Vectors::Avx512] {
+                if let Some(better) = better_kernel(kernel, Some(vectors)) {
+                    assert_eq!(better_kernel(better, Some(vectors)), None, "{kernel}");
+                    assert!(Vectors::of_kernel(better) > Vectors::of_kernel(kernel), "{kernel}");
+                }
+            }
+        }
+    }
+}
