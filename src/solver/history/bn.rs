@@ -25,8 +25,8 @@ pub(super) struct BnMethod {
     z: Vec<f64>,
     /// The low-order part of `z`.
     rest: Vec<f64>,
-    /// The start and end of the last increment, if it is measured and has been solved.
-    last: Option<[Vec<f64>; 2]>,
+    /// The end of the last increment, if it is measured and has been solved.
+    last: Option<Vec<f64>>,
     /// The estimate of the time-step error, if there is friction.
     errors: Option<IncrementErrors>,
     /// The initial rate of the last increment.
@@ -138,7 +138,7 @@ impl IncrementSolver for BnMethod {
     }
 
     fn starts_on_tangent(&self, linear: &RefinedSolver) -> bool {
-        let is_at_end = self.last.as_ref().is_some_and(|[_, after]| *after == self.z);
+        let is_at_end = self.last.as_ref() == Some(&self.z);
         is_at_end
             && !self.closes
             && self.bn.has_factors(linear)
@@ -168,17 +168,11 @@ impl IncrementSolver for BnMethod {
             task.response.add_forces_to(z);
         }
         let start = z.clone();
-        let turns = (0..layout.contacts()).any(|i| layout.slides_in_a_plane(i));
-        let tangent = match last {
-            Some([_, after]) if *after == from && task.landed.is_none() && !solved => {
-                ahead(formulation, bn, linear, &from)?
+        let is_at_end = last.as_ref() == Some(&from);
+        if is_at_end && task.landed.is_none() && !solved {
+            if let Some(ahead) = ahead(formulation, bn, linear, &from)? {
+                *z = ahead;
             }
-            _ => None,
-        };
-        match (tangent, task.stretch, last.as_ref()) {
-            (Some(ahead), ..) => *z = ahead,
-            (None, Some(stretch), Some(last)) if turns => go_on_as_before(formulation, last, &from, stretch, z),
-            _ => {}
         }
         let mut error = |z: &[f64], rest: &[f64]| task.error(&layout.unpacked_with(z, rest, &scaling));
         let end = match measured {
@@ -196,7 +190,7 @@ impl IncrementSolver for BnMethod {
             }
         }
         if outcome.stop == Termination::Converged && *measured {
-            *last = Some([from, z.clone()]);
+            *last = Some(z.clone());
         }
         if outcome.stop == Termination::Converged {
             self.follow(task.problem, linear)?;
@@ -242,7 +236,7 @@ impl IncrementSolver for BnMethod {
             (Some(own), Some(kept)) => own.fit(kept),
             (own, kept) => own.is_none() && kept.is_none(),
         };
-        let last_fits = last.as_ref().is_none_or(|ends| ends.iter().all(|z| z.len() == n));
+        let last_fits = last.as_ref().is_none_or(|z| z.len() == n);
         if !(take_over(&mut self.z, &unknowns) && take_over(&mut self.rest, &rest) && last_fits && errors_fit) {
             return Ok(false);
         }
@@ -251,24 +245,6 @@ impl IncrementSolver for BnMethod {
             return Ok(false);
         }
         Ok(!is_factored || self.bn.factor(&self.formulation, linear)?)
-    }
-}
-
-/// Extrapolates the `last` increment from `from` by the factor `stretch`, if the result is nearer to a solution than
-/// `z`. If slip directions turn, they keep turning, and Newton's method need not find them again.
-fn go_on_as_before(formulation: &Bdiff, last: &[Vec<f64>; 2], from: &[f64], stretch: f64, z: &mut [f64]) {
-    let [before, after] = last;
-    if after != from {
-        return;
-    }
-    let ahead: Vec<f64> = from.iter().zip(before).map(|(z, before)| z + stretch * (z - before)).collect();
-    let merit = |z: &[f64]| {
-        let mut h = vec![0.0; z.len()];
-        formulation.residual(z, &mut h);
-        formulation.merit(&h)
-    };
-    if merit(&ahead) < merit(z) {
-        z.copy_from_slice(&ahead);
     }
 }
 

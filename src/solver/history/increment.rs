@@ -241,7 +241,6 @@ impl<'a> IncrementDriver<'a> {
             increment: &Increment { force, gap: &gap, mu: &mu, w_t_last: &w_t_last, w_o_last: &w_o_last },
             response: &response,
             landed: input.landed.as_deref(),
-            stretch: self.at.length.map(|length| (time - self.at.reached.unwrap_or(0.0)) / length),
             scales: &input.scales,
             tolerance: settings.tolerance,
         };
@@ -314,7 +313,6 @@ impl<'a> IncrementDriver<'a> {
     /// Advances to `time`, with the contact displacements `w_n`, `w_t` and `w_o`.
     fn move_on(&mut self, time: f64, [w_n, w_t, w_o]: [Vec<f64>; 3], scales: KktScales) {
         let at = &mut *self.at;
-        at.length = Some(time - at.reached.unwrap_or(0.0));
         (at.reached, at.scales) = (Some(time), scales);
         (at.w_n, at.w_t, at.w_o) = (w_n, w_t, w_o);
     }

@@ -36,7 +36,7 @@ pub(super) struct RunOf {
 }
 
 /// The version of the stored data and of their use by the methods.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// The results so far.
 #[derive(Clone, Serialize, Deserialize)]
@@ -214,8 +214,8 @@ pub struct Snapshot {
     pub(super) unknowns: Vec<f64>,
     /// The low-order part of the unknowns.
     pub(super) rest: Vec<f64>,
-    /// The start and end of the last increment.
-    pub(super) last: Option<[Vec<f64>; 2]>,
+    /// The end of the last increment.
+    pub(super) last: Option<Vec<f64>>,
     /// The accumulated time-step error.
     pub(super) errors: Option<IncrementErrors>,
     /// The last linearisation.

@@ -13,8 +13,6 @@ use serde::{Deserialize, Serialize};
 pub(super) struct HistoryState {
     /// The time reached; `None` means the unloaded body.
     pub reached: Option<f64>,
-    /// The length of the last substep, s.
-    pub length: Option<f64>,
     /// The state at that time, relative to the rigid offset, if another stage may follow.
     pub state: Option<State>,
     /// The largest backward error of the whole system, if the body is condensed.
@@ -61,7 +59,6 @@ impl HistoryState {
         let zeros = || vec![0.0; problem.contacts()];
         HistoryState {
             reached: None,
-            length: None,
             state: None,
             worst_backward_error: 0.0,
             scales: KktScales::default(),

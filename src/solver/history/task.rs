@@ -24,8 +24,6 @@ pub struct Task<'a> {
     pub response: &'a Response,
     /// The contact nodes on which a body comes to rest that only contact holds, if they are known.
     pub landed: Option<&'a [usize]>,
-    /// The length of the increment relative to the previous one, if there is one.
-    pub stretch: Option<f64>,
     /// The scales of the error measure, from the earlier increments and the load of this one.
     pub scales: &'a KktScales,
     /// The tolerance of the error measure.
