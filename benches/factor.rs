@@ -110,7 +110,7 @@ fn measure(mesh: Elements, who: Who) -> [f64; 10] {
     for iteration in 0..ITERATIONS {
         let z = formulation.layout().pack(&mixed_state(&model, iteration), &scaling).unwrap();
         formulation.linearize(&z);
-        formulation.residual(&z, &mut h);
+        formulation.residual(&z, &mut h).unwrap();
         let jacobian = formulation.jacobian();
         for ((direct, seconds), info) in directs.iter_mut().zip(&mut seconds).zip(&mut infos) {
             let start = Instant::now();

@@ -40,7 +40,7 @@ fn main() {
         [0, 1].map(|shift| formulation.layout().pack(&mixed(small, &model, shift), &scaling).unwrap());
     formulation.linearize(&first);
     let (mut h, mut dz) = (vec![0.0; first.len()], vec![0.0; first.len()]);
-    formulation.residual(&first, &mut h);
+    formulation.residual(&first, &mut h).unwrap();
     let mut direct = RefinedSolver::from(Dense::default());
     direct.analyze(formulation.jacobian()).unwrap();
     match kernel.as_str() {
@@ -49,7 +49,7 @@ fn main() {
             drop(Condensed::new(&model.problem, &model.loading, SparseCholesky::default()).unwrap());
         }),
         "jacobian" => measured_kernel(&mut || assert!(formulation.linearize(&second))),
-        "residual" => measured_kernel(&mut || formulation.residual(&second, &mut h)),
+        "residual" => measured_kernel(&mut || formulation.residual(&second, &mut h).unwrap()),
         "dense-factor" => measured_kernel(&mut || {
             direct.factorize(formulation.jacobian()).unwrap();
         }),
@@ -65,7 +65,7 @@ fn main() {
             formulation.linearize(&second);
             direct.factorize(formulation.jacobian()).unwrap();
             direct.solve(formulation.jacobian(), &h, &mut dz).unwrap();
-            formulation.residual(&second, &mut h);
+            formulation.residual(&second, &mut h).unwrap();
         }),
         // What `cargo bench` adds, and nothing else.
         other => assert!(other.starts_with("--"), "no kernel `{other}`"),

@@ -12,8 +12,9 @@ mod common;
 
 use common::block;
 use std::time::Instant;
-use stickslip::algebra::linear::{self, FactorInfo, LinearSolver, RefinedSolver, Umfpack, backward_error};
-use stickslip::algebra::sparse::SystemMatrix;
+use stickslip::algebra::linear::{
+    self, FactorInfo, LinearSolver, RefinedSolver, SystemMatrix, Umfpack, backward_error,
+};
 use stickslip::body::Model;
 use stickslip::solver::Increment;
 use stickslip::solver::formulation::{Constrained, FormulationScaling, InteriorPoint, NewtonSystem, Partition};
@@ -108,7 +109,7 @@ fn measure(n: usize) -> [Form; 2] {
     for product in [PRODUCTS; ROUNDS].concat() {
         let z = point(&systems[0].0, &model, product);
         let mut b = vec![0.0; z.len()];
-        systems[0].0.residual(&z, &mut b);
+        systems[0].0.residual(&z, &mut b).unwrap();
         for b in &mut b {
             *b = -*b;
         }
@@ -198,7 +199,7 @@ fn solve_twice_as_precise(a: &SystemMatrix, direct: &mut RefinedSolver, b: &[f64
         direct.solve(a, &r, &mut correction).unwrap();
         x.iter_mut().zip(&correction).for_each(|(x, c)| *x = add(*x, (*c, 0.0)));
         let mut residual: Vec<(f64, f64)> = b.iter().map(|b| (*b, 0.0)).collect();
-        for (row, column, value) in a.entries() {
+        for (row, column, value) in a.to_csc().unwrap().entries() {
             residual[row] = add(residual[row], times(-value, x[column]));
         }
         r = residual.iter().map(|r| r.0 + r.1).collect();

@@ -6,7 +6,7 @@ use super::bindings::generate;
 use super::ranks::includes;
 use std::env;
 
-/// What `linear/mumps.rs` calls.
+/// What `linear/distributed/mumps.rs` calls.
 const ALLOWED: [&str; 3] = ["dmumps_c", "DMUMPS_STRUC_C", "MUMPS_VERSION"];
 
 /// The library with METIS' orders handed over; Debian's without a suffix cannot order by itself at all.

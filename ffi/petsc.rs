@@ -4,7 +4,7 @@ use super::bindings::{generate, stop};
 use super::ranks::includes;
 use std::process::Command;
 
-/// What `linear/petsc.rs` calls.
+/// What `linear/distributed/petsc.rs` calls.
 const ALLOWED: [&str; 8] = [
     "Petsc(InitializeNoArguments|OptionsSetValue|PushErrorHandler|ReturnErrorHandler|PopSignalHandler|GetVersionNumber)",
     "PETSC_(COMM_WORLD|DETERMINE|VERSION_.*)",

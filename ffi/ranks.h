@@ -1,4 +1,4 @@
-/* METIS, and the little of MPI that `linear/ranks.rs` calls, in functions: the names of MPI are macros, which no binding can call. */
+/* METIS, and the little of MPI that `linear/distributed/ranks.rs` calls, in functions: the names of MPI are macros, which no binding can call. */
 #include <metis.h>
 #include <stdint.h>
 

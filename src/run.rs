@@ -470,8 +470,8 @@ impl<'a> Run<'a> {
     /// Returns a linear solver that would have been much faster than the one named by the scene. Returns `None` also if
     /// the estimate fails, e.g. for lack of memory, because the solved history does not depend on it.
     fn faster(&self, linear: &str, done: &Done) -> Option<Faster> {
-        // A stiffness shared by processes has no local entries for the estimate.
-        if linear != self.choice.linear.to_string() || self.model.problem.stiffness().shared().is_some() {
+        // A distributed stiffness has no local entries for the estimate.
+        if linear != self.choice.linear.to_string() || self.model.problem.stiffness().distributed().is_some() {
             return None;
         }
         let means = means(&self.model, self.solver.method, self.budget);

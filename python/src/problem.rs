@@ -150,7 +150,7 @@ impl Problem {
     ) -> PyResult<Self> {
         let [c_n, c_t, c_o] = [0, 1, 2].map(|k| map(["C_n", "C_t", "C_t[1]"][k], order, &maps[k]));
         let parts = Parts {
-            stiffness: symmetric("K", order, &stiffness)?,
+            stiffness: symmetric("K", order, &stiffness)?.into(),
             c_n: c_n?,
             c_t: c_t?,
             c_o: c_o?,
@@ -192,8 +192,9 @@ impl Problem {
     }
 
     /// The lower triangle of K by columns: data, row indices, column starts.
-    fn lower<'py>(&self, py: Python<'py>) -> Exported<'py> {
-        export_lower(py, self.0.stiffness())
+    fn lower<'py>(&self, py: Python<'py>) -> PyResult<Exported<'py>> {
+        let stiffness = self.0.stiffness().assembled().map_err(|error| of_problem(error.into()))?;
+        Ok(export_lower(py, &stiffness))
     }
 
     /// `C_n` (0), `C_t` (1) or `C_o` (2) by rows.

@@ -7,7 +7,7 @@
 
 use std::sync::Arc;
 
-use crate::algebra::sparse::{Pattern, SystemMatrix};
+use crate::algebra::sparse::Pattern;
 
 pub mod built_in;
 mod choice;
@@ -17,27 +17,21 @@ mod cholmod;
 pub mod cost;
 mod dense;
 mod direct;
+#[cfg(feature = "mpi")]
+mod distributed;
 mod error;
 #[cfg(feature = "faer")]
 mod faer;
-#[cfg(feature = "mpi")]
-mod help;
 mod kernel;
-#[cfg(feature = "petsc")]
-mod multigrid;
-#[cfg(feature = "mumps")]
-mod mumps;
 #[cfg(any(feature = "umfpack", feature = "mpi"))]
 mod ordering;
-#[cfg(feature = "petsc")]
-mod petsc;
 pub mod process;
-#[cfg(feature = "mpi")]
-pub mod ranks;
 mod refine;
+mod stiffness;
 mod supernodal;
 #[cfg(feature = "umfpack")]
 mod sys;
+mod system;
 #[cfg(feature = "umfpack")]
 mod umfpack;
 #[cfg(feature = "umfpack")]
@@ -51,16 +45,18 @@ pub use dense::Dense;
 pub use dense::Lu;
 pub(crate) use dense::times_transposed;
 pub use direct::{RefinedSolver, Statistics};
-pub use error::LinearError;
-#[cfg(feature = "mpi")]
-pub use help::{RankRows, help};
-pub(crate) use kernel::null_space_of;
-#[cfg(feature = "petsc")]
-pub use multigrid::{Form, Grid, GridContact, Multigrid, share};
 #[cfg(feature = "mumps")]
-pub use mumps::Mumps;
+pub use distributed::Mumps;
+#[cfg(feature = "petsc")]
+pub use distributed::{Form, Grid, GridContact, Multigrid, share};
+#[cfg(feature = "mpi")]
+pub use distributed::{RankRows, help, ranks};
+pub use error::LinearError;
+pub(crate) use kernel::null_space_of;
 pub(crate) use refine::componentwise_error;
 pub use refine::{SolveInfo, backward_error};
+pub use stiffness::{Distributed, Stiffness};
+pub use system::SystemMatrix;
 #[cfg(feature = "umfpack")]
 pub use umfpack::{Strategy, Umfpack};
 #[cfg(feature = "umfpack")]
@@ -107,13 +103,13 @@ pub trait LinearSolver: Send {
     /// If there are no factors, or the backend fails.
     fn solve(&mut self, b: &[f64], x: &mut [f64]) -> Result<(), LinearError>;
 
-    /// Runs [`LinearSolver::analyze`] for matrices like `a`, which may have a dense or shared block besides
+    /// Runs [`LinearSolver::analyze`] for matrices like `a`, which may have a dense or distributed block besides
     /// compressed columns.
     ///
     /// # Errors
     /// As [`LinearSolver::analyze`].
     fn analyze_system(&mut self, a: &SystemMatrix) -> Result<(), LinearError> {
-        self.analyze(a.to_csc().pattern())
+        self.analyze(a.to_csc()?.pattern())
     }
 
     /// Runs [`LinearSolver::factorize`] for such a matrix `a`.
@@ -121,7 +117,7 @@ pub trait LinearSolver: Send {
     /// # Errors
     /// As [`LinearSolver::factorize`].
     fn factorize_system(&mut self, a: &SystemMatrix) -> Result<FactorInfo, LinearError> {
-        self.factorize(a.to_csc().values())
+        self.factorize(a.to_csc()?.values())
     }
 
     /// Returns `true` if the solver is iterative, so that each digit takes some iterations.

@@ -1,7 +1,6 @@
 //! Sparse matrices: an immutable [`Pattern`] that many value arrays share, compressed columns ([`Csc`]) for
 //! factorisations, half of them ([`Symmetric`]) for the stiffness, compressed rows ([`Csr`]) for the short rows of
-//! the contact maps. The stiffness of a condensed body is dense ([`DenseSymmetric`]). If several processes have the
-//! rows of a stiffness, it is shared ([`SharedSymmetric`]). Both are blocks of the system matrix ([`SystemMatrix`]).
+//! the contact maps. The stiffness of a condensed body is dense ([`DenseSymmetric`]).
 //!
 //! All fields are private, and every constructor returns a [`MatrixError`] for inconsistent input, because the direct
 //! solvers, some of them in C, rely on the lengths in these arrays.
@@ -25,9 +24,7 @@ mod error;
 mod matrix_market;
 mod node_rows;
 mod pattern;
-mod shared;
 mod symmetric;
-mod system;
 
 pub use csc::Csc;
 pub use csr::Csr;
@@ -38,6 +35,4 @@ pub use error::MatrixError;
 pub use matrix_market::{read_matrix_market, write_matrix_market};
 pub use node_rows::NodeRows;
 pub use pattern::Pattern;
-pub use shared::{SharedMatrix, SharedSymmetric};
 pub use symmetric::Symmetric;
-pub use system::SystemMatrix;

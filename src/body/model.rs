@@ -33,8 +33,8 @@ pub use unseen::{BetweenNodes, Overlap};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use crate::algebra::linear::LinearError;
-use crate::algebra::sparse::{Csr, Symmetric};
+use crate::algebra::linear::{LinearError, Stiffness};
+use crate::algebra::sparse::Csr;
 use crate::base::input_error::InputError;
 use crate::base::timeline::within;
 use crate::base::units::{Scaling, UnitSystem};
@@ -141,7 +141,7 @@ impl From<MeshError> for ModelError {
 /// Assembles the contact problem of the contact nodes `all`; `alone` are the nodes before sharing at edges, where they
 /// differ.
 fn contact_problem(
-    stiffness: Symmetric,
+    stiffness: Stiffness,
     [all, alone]: [&[ContactNode]; 2],
     mu: Vec<f64>,
     rigid_modes: Vec<Vec<f64>>,
@@ -244,9 +244,9 @@ impl Model {
             Some((share, body)) => body.stiffness(&contacts, share)?,
             None => None,
         };
-        let stiffness = match stiffness.or(shared) {
+        let stiffness = match stiffness.map(Stiffness::from).or(shared) {
             Some(stiffness) => stiffness,
-            None => assemble(&mesh, &dofs, element, law)?,
+            None => assemble(&mesh, &dofs, element, law)?.into(),
         };
         let rigid_modes = rigid_motions.iter().map(|motion| motion.displacements(&mesh, &dofs)).collect();
         let problem = contact_problem(stiffness, [&contacts, &alone], mu, rigid_modes, dofs.free())?;

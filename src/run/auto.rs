@@ -126,7 +126,8 @@ impl Choice {
     ) -> Result<Self, LinearError> {
         let factorizations = factorizations(&Layout::new(problem), method, increments);
         let work = [increments as f64, factorizations];
-        let sizes = Estimates::new(problem, reach, method, work, Cholesky::predict(problem.stiffness())?);
+        let sizes =
+            Estimates::new(problem, reach, method, work, Cholesky::predict(problem.stiffness().assembled()?.as_ref())?);
         let paths = sizes.paths(means);
         let by = |measure: fn(&SolverEstimate) -> f64| {
             move |a: &&SolverEstimate, b: &&SolverEstimate| measure(a).total_cmp(&measure(b))
@@ -171,11 +172,11 @@ impl Choice {
             with_room.min_by(|a, b| a.cost.seconds.total_cmp(&b.cost.seconds))
         };
         // A factor has at least as many entries as the matrix.
-        let least = FactorInfo { entries: problem.stiffness().lower().values().len(), ..FactorInfo::default() };
+        let least = FactorInfo { entries: problem.stiffness().lower_entries(), ..FactorInfo::default() };
         if fastest(&estimates(least)).is_none_or(|other| MUCH * other.cost.seconds > done.seconds) {
             return Ok(None);
         }
-        let estimates = estimates(Cholesky::predict(problem.stiffness())?);
+        let estimates = estimates(Cholesky::predict(problem.stiffness().assembled()?.as_ref())?);
         let here_seconds = estimates.cost(self.linear).shared_by(means.ranks).seconds;
         let worth_a_word = |other: &SolverEstimate| here_seconds > MUCH * other.cost.seconds && here_seconds > long;
         let faster = |other: SolverEstimate| Faster { solver: other.linear, seconds: other.cost.seconds, here_seconds };

@@ -1,6 +1,6 @@
 //! The positions of a model's unknowns, for multigrid.
 
-use crate::algebra::linear::{Form, Grid, GridContact, LinearSolver, Multigrid, SparseLu};
+use crate::algebra::linear::{Form, Grid, GridContact, LinearSolver, SparseLu};
 use crate::algebra::vector::{axis, cross, minus};
 use crate::body::model::Model;
 use crate::solver::formulation::Layout;
@@ -11,7 +11,7 @@ use crate::solver::problem::OwnBasis;
 pub(super) fn system(model: &Model, method: Method) -> SystemSolver {
     let Some(grid) = grid(model) else { return LinearAlgebra::Whole(SparseLu::for_ranks()).into() };
     let form = if method.is_interior() { Form::Oblique } else { Form::Symmetric };
-    SystemSolver::from(Box::new(Multigrid::new(grid, form)) as Box<dyn LinearSolver>)
+    SystemSolver::from(Box::new(model.problem.stiffness().multigrid(grid, form)) as Box<dyn LinearSolver>)
 }
 
 /// Returns the grid of `model`. `None` if the contact rows of a node involve displacements of other nodes, or a node

@@ -50,7 +50,9 @@ impl MemoryEstimate {
     pub fn of(model: &Model, linear: LinearAlgebra, records: usize) -> Result<Self, LinearError> {
         let stiffness = match linear {
             LinearAlgebra::Multigrid => FactorInfo::default(),
-            LinearAlgebra::Whole(_) | LinearAlgebra::Condensed(_) => Cholesky::predict(model.problem.stiffness())?,
+            LinearAlgebra::Whole(_) | LinearAlgebra::Condensed(_) => {
+                Cholesky::predict(model.problem.stiffness().assembled()?.as_ref())?
+            }
         };
         Ok(Self::with(model, linear, records, stiffness))
     }
@@ -113,7 +115,7 @@ impl MemoryEstimate {
         let what = if linear == LinearAlgebra::Multigrid {
             "the hierarchies of this scene"
         } else {
-            let entries = MOST_FILL * model.problem.stiffness().lower().values().len();
+            let entries = MOST_FILL * model.problem.stiffness().lower_entries();
             let most = Self::with(model, linear, 0, FactorInfo { entries, ..FactorInfo::default() });
             if most.least <= budget.bytes as f64 {
                 return Ok(());
@@ -147,10 +149,10 @@ fn body(model: &Model, linear: LinearAlgebra) -> f64 {
     let stiffness = model.problem.stiffness();
     let bytes = match linear {
         LinearAlgebra::Multigrid => {
-            let each = if stiffness.shared().is_some() || model.has_rows() { ROWS_BYTES } else { PIECE_BYTES };
+            let each = if stiffness.distributed().is_some() || model.has_rows() { ROWS_BYTES } else { PIECE_BYTES };
             each * stiffness.order() as f64
         }
-        LinearAlgebra::Whole(_) | LinearAlgebra::Condensed(_) => BODY_BYTES * stiffness.lower().values().len() as f64,
+        LinearAlgebra::Whole(_) | LinearAlgebra::Condensed(_) => BODY_BYTES * stiffness.lower_entries() as f64,
     };
     PROGRAM_BYTES + bytes
 }

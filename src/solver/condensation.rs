@@ -87,10 +87,11 @@ impl Condensed {
     pub fn new(problem: &ContactProblem, loading: &Loading, by: impl Into<Condensation>) -> Result<Self, LinearError> {
         let border = problem.contact_displacements();
         let basis = OwnBasis::of(problem);
-        let (factor, stiffness) = schur_complement(problem.stiffness(), &border, basis.as_ref(), by.into())?;
+        let whole = problem.stiffness().assembled()?;
+        let (factor, stiffness) = schur_complement(&whole, &border, basis.as_ref(), by.into())?;
         let mut condensed = Condensed {
             problem: ContactProblem::of(Parts {
-                stiffness,
+                stiffness: stiffness.into(),
                 c_n: restrict(problem.c_n(), &border, basis.as_ref(), |_| true),
                 c_t: restrict(problem.c_t(), &border, basis.as_ref(), |i| problem.mu()[i] > 0.0),
                 c_o: restrict(problem.c_o(), &border, basis.as_ref(), |i| problem.mu()[i] > 0.0),

@@ -75,8 +75,7 @@ fn within(
     let work = Work { increments: increments as f64, factorizations: increments as f64, all_free: true };
     let of_contact = |nodes: usize| cost::border((m * nodes).div_ceil(all), &work);
     let most = (1.0 - WORTHWHILE) * of_contact(all);
-    let spare =
-        affordable * cost::body(problem.displacements(), problem.stiffness().lower().values().len(), increments);
+    let spare = affordable * cost::body(problem.displacements(), problem.stiffness().lower_entries(), increments);
     if of_contact(all) <= spare {
         return Ok((None, None));
     }
@@ -88,9 +87,9 @@ fn within(
     let mut made = None;
     if loading.largest_force() > 0.0 {
         let last = problem.contact_displacements();
-        let few =
-            condensing.is_some() && last.len().pow(2) <= ENTRIES_OF_FACTOR * problem.stiffness().lower().values().len();
-        let factor = match condensing.unwrap_or_default().factor(problem.stiffness(), if few { &last } else { &[] }) {
+        let few = condensing.is_some() && last.len().pow(2) <= ENTRIES_OF_FACTOR * problem.stiffness().lower_entries();
+        let stiffness = problem.stiffness().assembled()?;
+        let factor = match condensing.unwrap_or_default().factor(&stiffness, if few { &last } else { &[] }) {
             // Without contact forces the displacements have no bounds.
             Err(LinearError::Singular { .. }) => return Ok((None, None)),
             factor => factor?,

@@ -15,8 +15,7 @@ pub use ip::{Centring, Ip, IpSettings};
 pub(crate) use predictor_corrector::PredictorCorrector;
 pub(crate) use predictor_corrector::PredictorCorrectorSettings;
 
-use crate::algebra::linear::LinearError;
-use crate::algebra::sparse::SystemMatrix;
+use crate::algebra::linear::{LinearError, SystemMatrix};
 use crate::base::units::Scaling;
 use crate::solver::formulation::Layout;
 use std::ops::ControlFlow;

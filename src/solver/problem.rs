@@ -13,8 +13,8 @@ pub(crate) use own_basis::OwnBasis;
 use serde::{Deserialize, Serialize};
 pub(crate) use strained::strained;
 
-use crate::algebra::linear::{LinearError, null_space_of};
-use crate::algebra::sparse::{Csr, DoubleDouble, Symmetric};
+use crate::algebra::linear::{LinearError, Stiffness, null_space_of};
+use crate::algebra::sparse::{Csr, DoubleDouble};
 use crate::algebra::vector::median;
 use crate::base::units::Scaling;
 
@@ -56,7 +56,7 @@ pub struct ContactProblem {
 #[derive(Debug, Clone)]
 pub struct Parts {
     /// `K`, symmetric positive semidefinite, n_u × n_u, N/m.
-    pub stiffness: Symmetric,
+    pub stiffness: Stiffness,
     /// `C_n`, n_c × n_u: contact displacements, positive towards the obstacle.
     pub c_n: Csr,
     /// `C_t`, n_c × n_u: tangential contact displacements. A row is empty if supports leave no tangential freedom.
@@ -77,10 +77,10 @@ pub struct Parts {
 impl Parts {
     /// Creates the parts of a body without friction: no tangents, no weights, rigid modes to be computed from
     /// `stiffness`.
-    pub fn new(stiffness: Symmetric, c_n: Csr) -> Self {
+    pub fn new(stiffness: impl Into<Stiffness>, c_n: Csr) -> Self {
         let none = Csr::empty(c_n.rows(), c_n.columns());
         let mu = vec![0.0; c_n.rows()];
-        Parts { stiffness, c_t: none.clone(), c_o: none, mu, c_n, weight: None, rigid_modes: None }
+        Parts { stiffness: stiffness.into(), c_t: none.clone(), c_o: none, mu, c_n, weight: None, rigid_modes: None }
     }
 }
 
@@ -130,7 +130,7 @@ impl ContactProblem {
                 check::rigid_modes(&parts.stiffness, motions)?;
                 motions.clone()
             }
-            None => null_space_of(&parts.stiffness).map_err(|error| match error {
+            None => parts.stiffness.assembled().and_then(|k| null_space_of(&k)).map_err(|error| match error {
                 // The Cholesky factorisation of a semidefinite matrix succeeds after a small increase of the
                 // stiffness.
                 LinearError::Singular { .. } => ProblemError::NotSemidefinite,
@@ -185,7 +185,7 @@ impl ContactProblem {
     }
 
     /// Returns `K`, n_u × n_u, N/m.
-    pub fn stiffness(&self) -> &Symmetric {
+    pub fn stiffness(&self) -> &Stiffness {
         &self.parts.stiffness
     }
 
@@ -246,35 +246,38 @@ impl ContactProblem {
     /// working precision if the state has a `u_rest`.
     ///
     /// # Errors
-    /// If an array has another length than the problem needs.
+    /// If an array has another length than the problem needs, or a rank that shares the stiffness has failed.
     pub fn equilibrium(&self, force: &[f64], state: &State) -> Result<Vec<f64>, ProblemError> {
         state.check(self)?;
         error::expect_length("force", self.displacements(), force.len(), "one for each displacement")?;
-        Ok(self.imbalance(force, state))
+        Ok(self.imbalance(force, state)?)
     }
 
     /// Returns `K u + C_nᵀ p_n + C_tᵀ p_t + C_oᵀ p_o - f`, N; in twice the working precision if the state has a
     /// `u_rest`.
-    pub(crate) fn imbalance(&self, force: &[f64], state: &State) -> Vec<f64> {
+    ///
+    /// # Errors
+    /// If a rank that shares the stiffness has failed.
+    pub(crate) fn imbalance(&self, force: &[f64], state: &State) -> Result<Vec<f64>, LinearError> {
         if state.u_rest.is_empty() {
             let mut balance = vec![0.0; state.u.len()];
-            self.stiffness().mul(&state.u, &mut balance);
+            self.stiffness().mul(&state.u, &mut balance)?;
             self.c_n().add_transposed(&state.p_n, &mut balance);
             self.c_t().add_transposed(&state.p_t, &mut balance);
             self.c_o().add_transposed(&state.p_o, &mut balance);
             balance.iter_mut().zip(force).for_each(|(sum, force)| *sum -= force);
-            return balance;
+            return Ok(balance);
         }
         let mut balance = vec![DoubleDouble::default(); state.u.len()];
         let (u, rest) = self.strained(state);
-        self.stiffness().add_beyond(&u, &rest, &mut balance);
+        self.stiffness().add_beyond(&u, &rest, &mut balance)?;
         for (map, forces) in [(self.c_n(), &state.p_n), (self.c_t(), &state.p_t), (self.c_o(), &state.p_o)] {
             for (i, p) in forces.iter().enumerate() {
                 map.row(i).iter().for_each(|&(dof, c)| balance[dof].add_product(c, *p));
             }
         }
         balance.iter_mut().zip(force).for_each(|(sum, force)| sum.add(-force));
-        balance.into_iter().map(DoubleDouble::value).collect()
+        Ok(balance.into_iter().map(DoubleDouble::value).collect())
     }
 
     /// Computes [`strained`] of the displacements of `state`.
@@ -318,11 +321,11 @@ impl ContactProblem {
     /// Returns the strain energy `½ uᵀ K u` of a state of this problem, J, or J per m of depth.
     ///
     /// # Errors
-    /// If an array of `state` does not fit this problem.
+    /// If an array of `state` does not fit this problem, or a rank that shares the stiffness has failed.
     pub fn strain_energy(&self, state: &State) -> Result<f64, ProblemError> {
         state.check(self)?;
         let mut force = vec![0.0; state.u.len()];
-        self.stiffness().mul(&state.u, &mut force);
+        self.stiffness().mul(&state.u, &mut force)?;
         Ok(0.5 * state.u.iter().zip(&force).map(|(u, f)| u * f).sum::<f64>())
     }
 

@@ -275,7 +275,7 @@ mod tests {
         let c_n = Csr::of_rows(displacements, contacts.iter().map(|(n, ..)| row(n)));
         let c_t = Csr::of_rows(displacements, contacts.iter().map(|(_, t, _)| row(t)));
         ContactProblem::new(Parts {
-            stiffness: Symmetric::from_entries(displacements, |_| ()).unwrap(),
+            stiffness: Symmetric::from_entries(displacements, |_| ()).unwrap().into(),
             c_n,
             c_t,
             c_o: Csr::empty(contacts.len(), displacements),

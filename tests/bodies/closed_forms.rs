@@ -85,7 +85,7 @@ fn one_node() {
         let c_n = Csr::from_rows(2, [[(1, 1.0)]]).unwrap();
         let c_o = Csr::empty(1, 2);
         let problem = ContactProblem::new(Parts {
-            stiffness,
+            stiffness: stiffness.into(),
             c_n,
             c_t,
             c_o,

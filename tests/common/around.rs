@@ -1,7 +1,6 @@
 //! A method around another one: its increments are solved by a closure, and all else is left to the method inside.
 
-use stickslip::algebra::linear::{LinearError, RefinedSolver};
-use stickslip::algebra::sparse::SystemMatrix;
+use stickslip::algebra::linear::{LinearError, RefinedSolver, SystemMatrix};
 use stickslip::solver::history::{IncrementSolver, Observe, Task};
 use stickslip::solver::{MethodResult, State};
 

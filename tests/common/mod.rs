@@ -14,8 +14,8 @@ pub mod vtu;
 
 use std::io::Write;
 use std::ops::ControlFlow;
-use stickslip::algebra::linear::RefinedSolver;
-use stickslip::algebra::sparse::{Csc, Symmetric, SystemMatrix};
+use stickslip::algebra::linear::{RefinedSolver, Stiffness, SystemMatrix};
+use stickslip::algebra::sparse::{Csc, Symmetric};
 use stickslip::body::Model;
 use stickslip::run::Run;
 use stickslip::scene::Scene;
@@ -38,6 +38,13 @@ pub fn root() -> &'static std::path::Path {
 pub fn block(overrides: &[&str]) -> Scene {
     let overrides: Vec<_> = overrides.iter().map(|text| text.parse().unwrap()).collect();
     Scene::parse("block.toml", include_str!("../../data/scenes/block.toml"), &overrides).unwrap()
+}
+
+/// Multiplies the stiffness.
+pub fn scale(stiffness: &mut Stiffness, factor: f64) {
+    let mut k = stiffness.assembled().unwrap().into_owned();
+    k.scale(factor);
+    *stiffness = k.into();
 }
 
 /// The same problem with other parts.

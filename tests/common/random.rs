@@ -71,7 +71,7 @@ pub fn problem(random: &mut Random, contacts: usize, mu: f64, decades: f64) -> (
         rows(n, (0..contacts).map(|i| (0..3).map(|k| (3 * i + k, frames[i][axis][k])).collect::<Vec<_>>()))
     };
     let problem = ContactProblem::new(Parts {
-        stiffness: k,
+        stiffness: k.into(),
         c_n: map(0),
         c_t: map(1),
         c_o: map(2),

@@ -256,8 +256,7 @@ fn the_default_of_this_build() {
 #[cfg(feature = "faer")]
 #[test]
 fn any_number_of_threads() {
-    use stickslip::algebra::linear::{FaerLu, RefinedSolver};
-    use stickslip::algebra::sparse::SystemMatrix;
+    use stickslip::algebra::linear::{FaerLu, RefinedSolver, SystemMatrix};
 
     let n = 1000;
     let entry = |i: usize, j: usize| if i == j { 4.0 } else { (0.3 * (i * j) as f64).sin() / (i - j) as f64 };

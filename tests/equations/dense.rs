@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used)]
 
 use std::sync::Arc;
-use stickslip::algebra::linear::{Dense, LinearError, RefinedSolver, SparseCholesky, backward_error};
-use stickslip::algebra::sparse::{Csc, DenseSymmetric, Pattern, SystemMatrix};
+use stickslip::algebra::linear::{Dense, LinearError, RefinedSolver, SparseCholesky, SystemMatrix, backward_error};
+use stickslip::algebra::sparse::{Csc, DenseSymmetric, Pattern};
 use stickslip::body::Model;
 use stickslip::run::discretise;
 use stickslip::scene::Scene;

@@ -110,7 +110,7 @@ fn the_measure_is_unit_free() {
     // Powers of two, so that equality is exact.
     let (f, l) = (1024.0, 1.0 / 4096.0);
     let times = |values: &[f64], factor: f64| values.iter().map(|v| v * factor).collect::<Vec<_>>();
-    let problem = common::changed(&model.problem, |parts| parts.stiffness.scale(f / l));
+    let problem = common::changed(&model.problem, |parts| common::scale(&mut parts.stiffness, f / l));
     let (force, gap) = (times(increment.force, f), times(increment.gap, l));
     let [w_t_last, w_o_last] = [increment.w_t_last, increment.w_o_last].map(|w| times(w, l));
     let increment = Increment { force: &force, gap: &gap, mu: problem.mu(), w_t_last: &w_t_last, w_o_last: &w_o_last };
@@ -135,7 +135,7 @@ fn rounding_of_a_body_that_sticks() {
     let c_t = Csr::from_rows(2, [[(0, 1.0)]]).unwrap();
     let c_o = Csr::empty(1, 2);
     let problem = ContactProblem::new(Parts {
-        stiffness,
+        stiffness: stiffness.into(),
         c_n,
         c_t,
         c_o,

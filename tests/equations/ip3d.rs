@@ -151,10 +151,10 @@ fn a_body_held_by_contact_only() {
         let n = held.displacements();
         let mut motion = vec![0.0; n];
         (0..contacts).flat_map(|i| held.c_n().row(i)).for_each(|(dof, c)| motion[*dof] += c);
-        let force = held.stiffness().times(&motion).unwrap();
+        let force = held.stiffness().assembled().unwrap().times(&motion).unwrap();
         let energy: f64 = force.iter().zip(&motion).map(|(a, b)| a * b).sum();
         let mut full = vec![0.0; n * n];
-        for (row, column, value) in held.stiffness().entries() {
+        for (row, column, value) in held.stiffness().assembled().unwrap().entries() {
             full[row * n + column] = value;
         }
         let stiffness: Symmetric = random::symmetric(n, |i, j| full[i * n + j] - force[i] * force[j] / energy);
@@ -162,8 +162,12 @@ fn a_body_held_by_contact_only() {
         for x in &mut motion {
             *x /= size;
         }
-        let problem =
-            ContactProblem::new(Parts { stiffness, rigid_modes: Some(vec![motion]), ..held.into_parts() }).unwrap();
+        let problem = ContactProblem::new(Parts {
+            stiffness: stiffness.into(),
+            rigid_modes: Some(vec![motion]),
+            ..held.into_parts()
+        })
+        .unwrap();
         count.add(&agree(&problem, &loading, &format!("seed {seed}")));
     }
     println!("{count}");
@@ -231,7 +235,7 @@ fn the_newton_system_is_the_derivative() {
         let at = |t: f64| {
             let moved: Vec<f64> = z.iter().zip(&dz).map(|(z, dz)| z + t * dz).collect();
             let mut h = vec![0.0; n];
-            formulation.residual(&moved, &mut h);
+            formulation.residual(&moved, &mut h).unwrap();
             h
         };
         let (ahead, behind) = (at(step), at(-step));
@@ -262,13 +266,14 @@ fn punch(overrides: &[&str]) -> Scene {
 /// which nothing moves. The exact cone then takes the place of the two constraints of (25).
 fn thickened(problem: &ContactProblem, loading: &Loading) -> (ContactProblem, Loading) {
     let (n, contacts) = (problem.displacements(), problem.contacts());
-    let own = problem.stiffness().lower();
+    let whole = problem.stiffness().assembled().unwrap();
+    let own = whole.lower();
     let idle = problem.contact_stiffness().into_iter().enumerate().map(|(i, k)| (n + i, n + i, k));
     let stiffness = Symmetric::from_triplets(n + contacts, &own.entries().chain(idle).collect::<Vec<_>>()).unwrap();
     let wide = |map: &Csr| random::rows(n + contacts, (0..contacts).map(|i| map.row(i).to_vec()));
     let padded = |values: &[f64]| [values, &vec![0.0; contacts]].concat();
     let thick = ContactProblem::new(Parts {
-        stiffness,
+        stiffness: stiffness.into(),
         c_n: wide(problem.c_n()),
         c_t: wide(problem.c_t()),
         c_o: random::rows(n + contacts, (0..contacts).map(|i| vec![(n + i, 1.0)])),

@@ -53,7 +53,7 @@ fn point(formulation: &Constrained, spread: f64) -> Vec<f64> {
 
 fn residual(formulation: &Constrained, z: &[f64]) -> Vec<f64> {
     let mut h = vec![0.0; z.len()];
-    formulation.residual(z, &mut h);
+    formulation.residual(z, &mut h).unwrap();
     h
 }
 

@@ -64,7 +64,7 @@ fn check_jacobian(overrides: &[&str]) {
     let step = 1e-6;
     let at = |shifted: &[f64]| {
         let mut h = vec![0.0; n];
-        formulation.residual(shifted, &mut h);
+        formulation.residual(shifted, &mut h).unwrap();
         h
     };
     for column in 0..n {
@@ -125,7 +125,7 @@ fn merit_along_a_direction_is_the_merit() {
     let n = formulation.unknowns();
     let z: Vec<f64> = (0..n).map(|k| (1.0 + k as f64 * 0.7).sin()).collect();
     let (mut h, mut dz) = (vec![0.0; n], vec![0.0; n]);
-    formulation.residual(&z, &mut h);
+    formulation.residual(&z, &mut h).unwrap();
     formulation.linearize(&z);
     let mut direct = RefinedSolver::default();
     direct.analyze(formulation.jacobian()).unwrap();
@@ -136,7 +136,7 @@ fn merit_along_a_direction_is_the_merit() {
     for t in [0.0, 0.1, 0.5, 0.9, 1.0] {
         let trial: Vec<f64> = z.iter().zip(&dz).map(|(z, dz)| z + t * dz).collect();
         let mut h = vec![0.0; n];
-        formulation.residual(&trial, &mut h);
+        formulation.residual(&trial, &mut h).unwrap();
         let full = formulation.merit(&h);
         assert!((merit(t) - full).abs() <= 1e-12 * full, "t = {t}: {} {full}", merit(t));
     }

@@ -11,6 +11,7 @@ mod cholesky;
 mod condensed;
 mod coulomb3d;
 mod dense;
+mod distributed;
 mod error_measure;
 mod events;
 mod faer_agrees;

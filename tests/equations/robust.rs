@@ -145,7 +145,7 @@ fn randomise_stiffness(model: &mut Model, decades: f64, random: &mut Random) {
         model.mesh.cells.iter().map(|_| 210e9 * 10_f64.powf(decades * (random.next() - 0.5))).collect();
     let material = |element| Elasticity::plane_strain(young[element], 0.3);
     let stiffness = assemble(&model.mesh, &model.dofs, Element::Bilinear, material).unwrap();
-    model.problem = common::changed(&model.problem, |parts| parts.stiffness = stiffness);
+    model.problem = common::changed(&model.problem, |parts| parts.stiffness = stiffness.into());
 }
 
 /// Stiffness that jumps by up to eight decades from element to element.

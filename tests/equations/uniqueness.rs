@@ -27,7 +27,7 @@ fn node(k_tt: f64, k_tn: f64, mu: f64) -> ContactProblem {
     let c_n = Csr::from_rows(2, [[(1, 1.0)]]).unwrap();
     let rigid_modes = if k_tt == 0.0 { vec![vec![1.0, 0.0]] } else { vec![] };
     ContactProblem::new(Parts {
-        stiffness,
+        stiffness: stiffness.into(),
         c_n,
         c_t,
         c_o,
@@ -275,7 +275,7 @@ pub(crate) fn posed_critical(cells: &str, n: usize, mu: f64, wanted: &[ContactSt
 fn dense_critical(problem: &ContactProblem, mu: f64, wanted: &[ContactStatus], s: &[f64]) -> f64 {
     let n_u = problem.displacements();
     let mut k = Mat::<f64>::zeros(n_u, n_u);
-    for (row, column, value) in problem.stiffness().entries() {
+    for (row, column, value) in problem.stiffness().assembled().unwrap().entries() {
         k[(row, column)] += value;
     }
     let nodes = |keep: &dyn Fn(ContactStatus) -> bool| -> Vec<usize> {

@@ -10,10 +10,10 @@ use stickslip::solver::{Condensed, ContactProblem, Increment, State, critical_fr
 /// its tangential and its normal force.
 fn sign(problem: &ContactProblem, kappa: f64, mu: f64, wanted: &[ContactStatus], s: &[f64]) -> i32 {
     let (n_u, n_c) = (problem.displacements(), problem.contacts());
-    let unit = problem.stiffness().entries().fold(0.0_f64, |m, (_, _, k)| m.max(k));
+    let unit = problem.stiffness().assembled().unwrap().entries().fold(0.0_f64, |m, (_, _, k)| m.max(k));
     let n = n_u + 2 * n_c;
     let mut a = vec![vec![0.0; n]; n];
-    problem.stiffness().entries().for_each(|(i, j, k)| a[i][j] = k / unit);
+    problem.stiffness().assembled().unwrap().entries().for_each(|(i, j, k)| a[i][j] = k / unit);
     for (i, status) in wanted.iter().enumerate() {
         let (t, n) = (n_u + 2 * i, n_u + 2 * i + 1);
         for (map, place) in [(problem.c_t(), t), (problem.c_n(), n)] {

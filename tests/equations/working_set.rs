@@ -241,7 +241,7 @@ fn what_is_within_reach() {
     // A body that contact alone holds has them all.
     let parts = Parts { rigid_modes: None, ..problem.clone().into_parts() };
     let free = Symmetric::from_triplets(n, &[(0, 0, 1.0)]).unwrap();
-    let free = ContactProblem::new(Parts { stiffness: free, ..parts }).unwrap();
+    let free = ContactProblem::new(Parts { stiffness: free.into(), ..parts }).unwrap();
     assert_eq!(within_reach(&free, &loading(0.0), &[1.0], 0.0), None);
 }
 

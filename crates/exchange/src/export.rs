@@ -32,7 +32,8 @@ pub fn export(
         }
     }
     let wrong = |error: stickslip::algebra::sparse::MatrixError| InputError::new("problem", error.to_string(), help);
-    let m = Csc::from_triplets(n, n, &problem.stiffness().entries().collect::<Vec<_>>()).map_err(wrong)?;
+    let stiffness = problem.stiffness().assembled().map_err(|error| refused(error.into()))?;
+    let m = Csc::from_triplets(n, n, &stiffness.entries().collect::<Vec<_>>()).map_err(wrong)?;
     let maps = [(problem.c_n(), -1.0), (problem.c_t(), 1.0), (problem.c_o(), 1.0)];
     let mut entries = Vec::new();
     for i in 0..n_c {

@@ -156,8 +156,8 @@ fn materials(model: &Model) -> Vec<i32> {
 /// Returns the rank of each cell if several share the body: the lowest rank of its nodes. Nodes without displacements
 /// belong to the first rank.
 fn ranks(model: &Model) -> Option<Vec<i32>> {
-    let shared = model.problem.stiffness().shared()?;
-    let of = |cell: &Cell| cell.nodes.iter().filter_map(|node| shared.owner(*node)).min().unwrap_or(0) as i32;
+    let stiffness = model.problem.stiffness().distributed()?;
+    let of = |cell: &Cell| cell.nodes.iter().filter_map(|node| stiffness.owner(*node)).min().unwrap_or(0) as i32;
     let ranks: Vec<i32> = model.mesh.cells.iter().map(of).collect();
     ranks.iter().any(|rank| *rank > 0).then_some(ranks)
 }

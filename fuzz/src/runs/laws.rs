@@ -72,7 +72,8 @@ fn imbalance(model: &Model, force: &[f64], state: &State) -> Vec<f64> {
     let problem = &model.problem;
     let u = strained(model, state);
     let mut balance = vec![Double::default(); u.len()];
-    for (row, column, value) in problem.stiffness().entries() {
+    let stiffness = problem.stiffness().assembled().expect("a stiffness in this process");
+    for (row, column, value) in stiffness.entries() {
         balance[row].add_product(value, u[column].high);
         balance[row].add(value * u[column].low);
     }

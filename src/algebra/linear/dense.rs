@@ -28,8 +28,8 @@ use faer::Mat;
 use rayon::prelude::*;
 
 use super::error::expect_length;
-use super::{FactorInfo, LinearError};
-use crate::algebra::sparse::{Csr, DenseSymmetric, SystemMatrix};
+use super::{FactorInfo, LinearError, SystemMatrix};
+use crate::algebra::sparse::{Csr, DenseSymmetric};
 
 mod blocks;
 mod local;

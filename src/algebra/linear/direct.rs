@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use super::error::expect_length;
 use super::refine::{self, SolveInfo, Workspace};
-use super::{Dense, FactorInfo, Iterated, LinearError, LinearSolver, SparseLu};
-use crate::algebra::sparse::{Pattern, SystemMatrix};
+use super::{Dense, FactorInfo, Iterated, LinearError, LinearSolver, SparseLu, SystemMatrix};
+use crate::algebra::sparse::Pattern;
 
 /// The statistics of a [`RefinedSolver`].
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
@@ -213,7 +213,7 @@ impl RefinedSolver {
         self.expect_analysed(a)?;
         let n = a.order();
         let (mut product, mut row_sums) = (vec![0.0; n], vec![0.0; n]);
-        a.residual(&vec![1.0; n], &vec![0.0; n], &mut product, &mut row_sums);
+        a.residual(&vec![1.0; n], &vec![0.0; n], &mut product, &mut row_sums)?;
         // Signs without order, so that hardly a null vector is at right angles to them.
         let sign = |i: usize| if (i.wrapping_mul(0x9E37_79B9) >> 16) & 1 == 0 { 1.0 } else { -1.0 };
         let mut x: Vec<f64> = (0..n).map(sign).collect();

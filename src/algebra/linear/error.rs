@@ -50,6 +50,9 @@ pub enum LinearError {
         /// The missing backend.
         backend: &'static str,
     },
+    /// A process that shares this work has failed, or this process has left it, so that the others no longer answer.
+    #[error("a rank has failed before, and the ranks can no longer work together: start the program again")]
+    RankFailed,
     /// The loaded C library is not the one whose headers were compiled in. None of its functions was called.
     #[error(
         "{library} {} is loaded, but this was built with the headers of {}: rebuild it here, or let LD_LIBRARY_PATH lead to \

@@ -1,8 +1,7 @@
 //! Iterative refinement and the backward error, identical for every backend.
 
-use super::LinearError;
 use super::error::expect_length;
-use crate::algebra::sparse::SystemMatrix;
+use super::{LinearError, SystemMatrix};
 
 /// The accuracy of a solution.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -78,7 +77,7 @@ pub(super) fn solve(
 }
 
 fn measure(a: &SystemMatrix, largest: f64, b: &[f64], x: &[f64], work: &mut Workspace) -> Result<f64, LinearError> {
-    a.residual(x, b, &mut work.residual, &mut work.scale);
+    a.residual(x, b, &mut work.residual, &mut work.scale)?;
     let error = from_residual(a, largest, x, &work.residual, &work.scale);
     if error.is_finite() { Ok(error) } else { Err(LinearError::NotFinite) }
 }
@@ -96,7 +95,7 @@ pub fn backward_error(a: &SystemMatrix, b: &[f64], x: &[f64]) -> Result<f64, Lin
     expect_length("solution", a.order(), x.len())?;
     let mut r = vec![0.0; b.len()];
     let mut s = vec![0.0; b.len()];
-    a.residual(x, b, &mut r, &mut s);
+    a.residual(x, b, &mut r, &mut s)?;
     Ok(from_residual(a, a.largest_entry(), x, &r, &s))
 }
 

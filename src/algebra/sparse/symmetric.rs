@@ -1,10 +1,10 @@
-//! Symmetric matrices: sparse ones, stored as their lower triangle, dense ones, and shared ones.
+//! Symmetric matrices: sparse ones, stored as their lower triangle, and dense ones.
 
 use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::error::expect_length;
-use super::{Csc, DenseSymmetric, DoubleDouble, MatrixError, Pattern, SharedSymmetric};
+use super::{Csc, DenseSymmetric, MatrixError, Pattern};
 
 /// A symmetric matrix.
 #[derive(Debug, Clone)]
@@ -17,18 +17,11 @@ enum Stored {
     /// The lower triangle, including the diagonal.
     Lower(Csc),
     Dense(DenseSymmetric),
-    Shared(SharedSymmetric),
 }
 
 impl From<DenseSymmetric> for Symmetric {
     fn from(dense: DenseSymmetric) -> Self {
         Symmetric { stored: Stored::Dense(dense) }
-    }
-}
-
-impl From<SharedSymmetric> for Symmetric {
-    fn from(shared: SharedSymmetric) -> Self {
-        Symmetric { stored: Stored::Shared(shared) }
     }
 }
 
@@ -121,11 +114,10 @@ impl Symmetric {
         match &self.stored {
             Stored::Lower(lower) => lower.pattern().columns(),
             Stored::Dense(dense) => dense.order(),
-            Stored::Shared(shared) => shared.order(),
         }
     }
 
-    /// Returns the lower triangle, including the diagonal: the stored entries, unless the matrix is dense or shared.
+    /// Returns the lower triangle, including the diagonal: the stored entries, unless the matrix is dense.
     pub fn lower(&self) -> Cow<'_, Csc> {
         match &self.stored {
             Stored::Lower(lower) => Cow::Borrowed(lower),
@@ -136,7 +128,6 @@ impl Symmetric {
                 lower.values_mut().iter_mut().zip(dense.lower_entries()).for_each(|(to, entry)| *to = entry.2);
                 Cow::Owned(lower)
             }
-            Stored::Shared(shared) => Cow::Owned(shared.lower()),
         }
     }
 
@@ -144,24 +135,7 @@ impl Symmetric {
     pub fn dense(&self) -> Option<&DenseSymmetric> {
         match &self.stored {
             Stored::Dense(dense) => Some(dense),
-            Stored::Lower(_) | Stored::Shared(_) => None,
-        }
-    }
-
-    /// Returns the shared matrix, if it is one.
-    pub fn shared(&self) -> Option<&SharedSymmetric> {
-        match &self.stored {
-            Stored::Shared(shared) => Some(shared),
-            Stored::Lower(_) | Stored::Dense(_) => None,
-        }
-    }
-
-    /// Returns the entries in this process: the lower triangle, or for a shared matrix the columns near contact, with
-    /// both triangles.
-    pub(crate) fn at_hand(&self) -> Cow<'_, Csc> {
-        match &self.stored {
-            Stored::Shared(shared) => Cow::Owned(shared.near()),
-            Stored::Lower(_) | Stored::Dense(_) => self.lower(),
+            Stored::Lower(_) => None,
         }
     }
 
@@ -189,8 +163,6 @@ impl Symmetric {
                 lower.values_mut()[slot] += value;
             }
             Stored::Dense(dense) => dense.raise(row, column, value),
-            // A shared matrix has no entries for [`Symmetric::add`], and no others are used here.
-            Stored::Shared(_) => {}
         }
     }
 
@@ -199,21 +171,16 @@ impl Symmetric {
         match &self.stored {
             Stored::Lower(lower) => slot(lower, row, column).is_some(),
             Stored::Dense(dense) => row.max(column) < dense.order(),
-            Stored::Shared(_) => false,
         }
     }
 
     /// Iterates over all stored entries on and below the diagonal as `(row, column, value)`, column by column.
     pub(crate) fn lower_entries(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
-        let (sparse, dense, shared) = match &self.stored {
-            Stored::Lower(lower) => (Some(lower.entries()), None, None),
-            Stored::Dense(dense) => (None, Some(dense.lower_entries()), None),
-            Stored::Shared(shared) => {
-                let lower = shared.lower();
-                (None, None, Some(lower.entries().collect::<Vec<_>>()))
-            }
+        let (sparse, dense) = match &self.stored {
+            Stored::Lower(lower) => (Some(lower.entries()), None),
+            Stored::Dense(dense) => (None, Some(dense.lower_entries())),
         };
-        sparse.into_iter().flatten().chain(dense.into_iter().flatten()).chain(shared.into_iter().flatten())
+        sparse.into_iter().flatten().chain(dense.into_iter().flatten())
     }
 
     /// Iterates over all entries of both triangles as `(row, column, value)`.
@@ -229,16 +196,12 @@ impl Symmetric {
         match &self.stored {
             Stored::Lower(lower) => slot(lower, row, column).map_or(0.0, |slot| lower.values()[slot]),
             Stored::Dense(dense) => dense.get(row, column),
-            Stored::Shared(shared) => shared.get(row, column),
         }
     }
 
     /// Returns the diagonal.
     pub fn diagonal(&self) -> Vec<f64> {
-        match &self.stored {
-            Stored::Shared(shared) => shared.diagonal(),
-            Stored::Lower(_) | Stored::Dense(_) => (0..self.order()).map(|i| self.get(i, i)).collect(),
-        }
+        (0..self.order()).map(|i| self.get(i, i)).collect()
     }
 
     /// Computes `A x`.
@@ -260,7 +223,6 @@ impl Symmetric {
                 accumulate(lower, x, y, |value, x| value * x);
             }
             Stored::Dense(dense) => dense.mul(x, y),
-            Stored::Shared(shared) => shared.mul(x, y),
         }
     }
 
@@ -269,18 +231,6 @@ impl Symmetric {
         match &self.stored {
             Stored::Lower(lower) => accumulate(lower, x, y, |value, x| (value * x).abs()),
             Stored::Dense(dense) => dense.add_sizes(x, y),
-            Stored::Shared(shared) => shared.add_sizes(x, y),
-        }
-    }
-
-    /// Adds `A (x + rest)` to `sums`, in twice the working precision.
-    pub(crate) fn add_beyond(&self, x: &[f64], rest: &[f64], sums: &mut [DoubleDouble]) {
-        if let Some(shared) = self.shared() {
-            return shared.add_beyond(x, rest, sums);
-        }
-        for (row, column, value) in self.entries() {
-            sums[row].add_product(value, x[column]);
-            sums[row].add(value * rest[column]);
         }
     }
 
@@ -289,7 +239,6 @@ impl Symmetric {
         match &mut self.stored {
             Stored::Lower(lower) => lower.values_mut().iter_mut().for_each(|value| *value *= factor),
             Stored::Dense(dense) => *dense = dense.scaled(factor),
-            Stored::Shared(shared) => *shared = shared.scaled(factor),
         }
     }
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::discrete::{self, Discrete};
 use super::pair::Pairs;
 use super::{Model, ModelError};
-use crate::algebra::linear::LinearError;
+use crate::algebra::linear::{LinearError, Stiffness};
 use crate::algebra::sparse::{NodeRows, Symmetric};
 use crate::body::contact::ContactNode;
 use crate::body::description::Description;
@@ -15,7 +15,7 @@ use crate::body::mesh::Mesh;
 
 /// A function that distributes a stiffness over processes, from its rows and the nodes whose columns this process
 /// keeps. `None` if this is impossible, for example because another process does not have the same body.
-pub type Share<'a> = &'a dyn Fn(&dyn NodeRows, &[bool]) -> Result<Option<Symmetric>, LinearError>;
+pub type Share<'a> = &'a dyn Fn(&dyn NodeRows, &[bool]) -> Result<Option<Stiffness>, LinearError>;
 
 /// A body before assembly.
 #[derive(Debug, Clone)]
@@ -49,7 +49,7 @@ impl Body {
         &self,
         contacts: &[ContactNode],
         share: Share<'_>,
-    ) -> Result<Option<Symmetric>, LinearError> {
+    ) -> Result<Option<Stiffness>, LinearError> {
         let Some(is_contact) = alone_with_contact(&self.mesh, &self.dofs, contacts) else { return Ok(None) };
         let mut near = is_contact.clone();
         for cell in self.mesh.cells.iter().filter(|cell| cell.nodes.iter().any(|node| is_contact[*node])) {

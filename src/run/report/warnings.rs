@@ -223,7 +223,7 @@ impl Warning {
         let apart = ranks > 1
             && linear == LinearAlgebra::Multigrid
             && model.has_rows()
-            && model.problem.stiffness().shared().is_none();
+            && model.problem.stiffness().distributed().is_none();
         let message = "a process has another body than rank 0, or cannot read the scene, so rank 0 has assembled \
          the whole stiffness, which needs more memory there: start all processes with the same scene and options, \
          and keep all files at the same paths";

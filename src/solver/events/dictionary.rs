@@ -58,15 +58,19 @@ pub(super) struct Dictionary {
 impl Dictionary {
     /// Creates the equations of a problem with a dense stiffness, whose nodes slide along these `tangents`. Returns
     /// `None` if contact rows are linearly dependent.
-    pub(super) fn new(problem: &ContactProblem, tangents: &[Option<usize>], scaling: Scaling) -> Option<Self> {
-        let coordinates = Coordinates::new(problem, tangents)?;
+    pub(super) fn new(
+        problem: &ContactProblem,
+        tangents: &[Option<usize>],
+        scaling: Scaling,
+    ) -> Result<Option<Self>, LinearError> {
+        let Some(coordinates) = Coordinates::new(problem, tangents) else { return Ok(None) };
         let n = coordinates.order();
         let mut entries = vec![0.0; n * n];
-        for (i, j, value) in problem.stiffness().entries() {
+        for (i, j, value) in problem.stiffness().assembled()?.entries() {
             entries[j * n + i] = value / scaling.stiffness();
         }
         let stiffness = coordinates.stiffness(|i, j| entries[j * n + i]);
-        Some(Dictionary {
+        Ok(Some(Dictionary {
             mu: problem.mu().to_vec(),
             coordinates,
             stiffest: (0..n).fold(0.0_f64, |m, k| m.max(stiffness[k * (n + 1)])),
@@ -74,7 +78,7 @@ impl Dictionary {
             table: Vec::new(),
             statuses: Vec::new(),
             statistics: Statistics::default(),
-        })
+        }))
     }
 
     /// Returns for each coordinate `true` if the law prescribes its displacement, `false` if it prescribes its force.

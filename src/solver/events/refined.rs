@@ -59,11 +59,11 @@ impl<'a> Refined<'a> {
     }
 
     /// Returns the residual of a solution for the `given` data.
-    fn left(&self, given: &Given, of: &NodalContact) -> Given {
+    fn left(&self, given: &Given, of: &NodalContact) -> Result<Given, LinearError> {
         let Scaling { force, length } = self.scaling;
         let state = self.state(of);
         let load: Vec<f64> = given.force.iter().map(|f| f * force).collect();
-        let imbalance = self.problem.imbalance(&load, &state);
+        let imbalance = self.problem.imbalance(&load, &state)?;
         let maps = self.problem.tangential_maps();
         let mut left = Given {
             force: imbalance.into_iter().map(|r| -r / force).collect(),
@@ -79,7 +79,7 @@ impl<'a> Refined<'a> {
                 left.slide[i] = -maps[k].difference(i, &state.u, &state.u_rest, given.slide[i] * length) / length;
             }
         }
-        left
+        Ok(left)
     }
 }
 
@@ -100,7 +100,7 @@ impl Tangent for Refined<'_> {
         answer.u_rest = vec![0.0; answer.u.len()];
         let mut before = f64::INFINITY;
         for _ in 0..REFINEMENTS {
-            let left = self.left(given, answer);
+            let left = self.left(given, answer)?;
             let violation = largest(&left.force);
             if violation >= 0.5 * before {
                 break;

@@ -74,7 +74,9 @@ impl<'a> ExactPath<'a> {
         let rough: Vec<bool> = tangents.iter().map(Option::is_some).collect();
         let equations: Box<dyn Tangent + 'a> = match equations {
             Equations::Sparse(linear) => Box::new(SparseTangent::new(problem, tangents.clone(), scaling, linear)?),
-            Equations::Dense => Box::new(Dictionary::new(problem, &tangents, scaling).ok_or(PathError::DependentRows)?),
+            Equations::Dense => {
+                Box::new(Dictionary::new(problem, &tangents, scaling)?.ok_or(PathError::DependentRows)?)
+            }
         };
         let none = || NodalContact::zero(contacts);
         let mut walk = ExactPath {
@@ -96,15 +98,15 @@ impl<'a> ExactPath<'a> {
             standstill: 0,
             effort: Effort::default(),
         };
-        walk.begin();
+        walk.begin()?;
         Ok(walk)
     }
 
     /// Sets the initial statuses. Nodes that touch start closed: if contact alone holds the body, all other statuses
     /// would be singular. Such a body first moves as a rigid body under the first loads, however small, until it
     /// comes to rest.
-    fn begin(&mut self) {
-        let rest = if is_carried_without_strain(self.problem) { self.rest() } else { None };
+    fn begin(&mut self) -> Result<(), LinearError> {
+        let rest = if is_carried_without_strain(self.problem)? { self.rest() } else { None };
         let gap = &self.stretch.at.gap;
         let nodes = match rest {
             None => (0..gap.len()).filter(|&i| gap[i] <= 0.0).collect(),
@@ -123,6 +125,7 @@ impl<'a> ExactPath<'a> {
             self.statuses[i] = if self.rough[i] { NodeStatus::Stick } else { NodeStatus::Forward };
         }
         self.stuck = self.at.w_t.iter().zip(&self.stretch.at.slide).map(|(w, slide)| w - slide).collect();
+        Ok(())
     }
 
     /// Finds the rest position of a rigid body under the first loads; `None` if nothing stops it.

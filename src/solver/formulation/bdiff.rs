@@ -12,7 +12,8 @@ use super::natural::Pressure;
 use super::natural::{NaturalRows, half_square};
 use super::scaled::ScaledData;
 use super::{Assembled, FormulationScaling, Layout};
-use crate::algebra::sparse::{DoubleDouble, SystemMatrix};
+use crate::algebra::linear::{LinearError, SystemMatrix};
+use crate::algebra::sparse::DoubleDouble;
 use crate::base::units::Scaling;
 use crate::solver::laws::coulomb::{NormalCase, TangentialCase, normal_case, tangential_case};
 use crate::solver::problem::{ContactProblem, Increment, strained};
@@ -161,10 +162,13 @@ impl Bdiff {
     }
 
     /// Computes `h = H_N(z)` (19).
-    pub fn residual(&self, z: &[f64], h: &mut [f64]) {
+    ///
+    /// # Errors
+    /// If a rank that shares the stiffness has failed.
+    pub fn residual(&self, z: &[f64], h: &mut [f64]) -> Result<(), LinearError> {
         let data = &self.data;
         // The equilibrium rows of the Jacobian are constant: K u + C_nᵀ p_n + C_tᵀ p_t + C_oᵀ p_o - f.
-        self.matrix.matrix().mul(z, h);
+        self.matrix.matrix().mul(z, h)?;
         for (row, force) in h.iter_mut().zip(&data.force) {
             *row -= force;
         }
@@ -172,17 +176,21 @@ impl Bdiff {
             h[spring.place] -= spring.stiffness * z[spring.place];
         }
         self.contact_rows(z, None, h);
+        Ok(())
     }
 
     /// Computes `h = H_N(z + rest)`, the linear rows in twice the working precision. `rest` is below the rounding of
     /// `z`.
-    pub fn residual_beyond(&self, z: &[f64], rest: &[f64], h: &mut [f64]) {
+    ///
+    /// # Errors
+    /// As [`Bdiff::residual`].
+    pub fn residual_beyond(&self, z: &[f64], rest: &[f64], h: &mut [f64]) -> Result<(), LinearError> {
         let mut sums = vec![DoubleDouble::default(); h.len()];
         let n = self.layout().displacements();
         let (mut strained, mut strained_rest) = strained(&self.data.rigid_modes, &z[..n], &rest[..n]);
         strained.extend(&z[n..]);
         strained_rest.extend(&rest[n..]);
-        self.matrix.matrix().add_beyond(&strained, &strained_rest, &mut sums);
+        self.matrix.matrix().add_beyond(&strained, &strained_rest, &mut sums)?;
         for spring in self.matrix.springs() {
             sums[spring.place].add_product(-spring.stiffness, strained[spring.place]);
             sums[spring.place].add(-spring.stiffness * strained_rest[spring.place]);
@@ -190,6 +198,7 @@ impl Bdiff {
         sums.iter_mut().zip(&self.data.force).for_each(|(sum, force)| sum.add(-force));
         h.iter_mut().zip(sums).for_each(|(row, sum)| *row = sum.value());
         self.contact_rows(z, Some(rest), h);
+        Ok(())
     }
 
     /// Returns `Theta` (10) of a residual, `½ Hᵀ H` with every row in its unit of [`FormulationScaling`], SI.

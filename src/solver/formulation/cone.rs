@@ -23,7 +23,7 @@ use super::natural::{NaturalRows, half_square};
 use super::pairs::{Face, Pair};
 use super::scaled::ScaledData;
 use super::{Assembled, FormulationScaling, Layout};
-use crate::algebra::sparse::SystemMatrix;
+use crate::algebra::linear::{LinearError, SystemMatrix};
 use crate::algebra::vector::dot;
 use crate::base::units::Scaling;
 use crate::solver::laws::coulomb::{direction, length as size};
@@ -132,11 +132,11 @@ impl InteriorPoint for ConeSystem {
         self.data.begin(increment);
     }
 
-    fn residual(&self, z: &[f64], h: &mut [f64]) {
+    fn residual(&self, z: &[f64], h: &mut [f64]) -> Result<(), LinearError> {
         let (data, matrix) = (&self.data, self.matrix.matrix());
         let n = matrix.order();
         // The equilibrium rows of the matrix are constant: K u + C_nᵀ p_n + C_tᵀ p_t + C_oᵀ p_o - f.
-        matrix.mul(&z[..n], &mut h[..n]);
+        matrix.mul(&z[..n], &mut h[..n])?;
         h.iter_mut().zip(&data.force).for_each(|(row, force)| *row -= force);
         for i in 0..data.layout.contacts() {
             h[data.layout.p_n(i)] = z[self.pairs[i].length] - self.distance(i, z);
@@ -152,6 +152,7 @@ impl InteriorPoint for ConeSystem {
         for pair in &self.pairs {
             h[pair.length] = z[pair.force] * z[pair.length];
         }
+        Ok(())
     }
 
     fn theta(&self, z: &[f64], h: &[f64]) -> f64 {

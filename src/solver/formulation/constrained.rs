@@ -31,7 +31,7 @@ use super::natural::{NaturalRows, half_square};
 use super::pairs::{Face, Pair, largest_step, least, reach};
 use super::scaled::ScaledData;
 use super::{Assembled, FormulationScaling, Layout};
-use crate::algebra::sparse::SystemMatrix;
+use crate::algebra::linear::{LinearError, SystemMatrix};
 use crate::base::units::Scaling;
 use crate::solver::problem::{ContactProblem, Increment};
 use extended::Extended;
@@ -198,12 +198,12 @@ impl InteriorPoint for Constrained {
         self.data.begin(increment);
     }
 
-    fn residual(&self, z: &[f64], h: &mut [f64]) {
+    fn residual(&self, z: &[f64], h: &mut [f64]) -> Result<(), LinearError> {
         let Constrained { data, layout, .. } = self;
         // The equilibrium rows of either matrix are constant: K u + C_nᵀ p_n + C_tᵀ p_t - f.
         let matrix = self.matrix();
         let n = matrix.order();
-        matrix.mul(&z[..n], &mut h[..n]);
+        matrix.mul(&z[..n], &mut h[..n])?;
         for (row, force) in h.iter_mut().zip(&data.force) {
             *row -= force;
         }
@@ -220,6 +220,7 @@ impl InteriorPoint for Constrained {
         for pair in &self.pairs {
             h[pair.length] = z[pair.force] * z[pair.length];
         }
+        Ok(())
     }
 
     fn theta(&self, z: &[f64], h: &[f64]) -> f64 {

@@ -2,7 +2,7 @@
 
 use super::Layout;
 use super::pairs::{Face, Pair};
-use crate::algebra::sparse::SystemMatrix;
+use crate::algebra::linear::{LinearError, SystemMatrix};
 use crate::base::units::Scaling;
 use crate::solver::problem::Increment;
 
@@ -27,7 +27,10 @@ pub trait InteriorPoint {
     fn begin(&mut self, increment: &Increment<'_>);
 
     /// Computes `h = H(z)`.
-    fn residual(&self, z: &[f64], h: &mut [f64]);
+    ///
+    /// # Errors
+    /// If a rank that shares the stiffness has failed.
+    fn residual(&self, z: &[f64], h: &mut [f64]) -> Result<(), LinearError>;
 
     /// Returns `Theta` (10) of the `(u, p_t, p_o, p_n)` in `z`, SI, where `h` is the residual at `z`.
     fn theta(&self, z: &[f64], h: &[f64]) -> f64;

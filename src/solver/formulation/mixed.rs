@@ -4,7 +4,8 @@
 use std::sync::Arc;
 
 use super::Layout;
-use crate::algebra::sparse::{Pattern, SystemMatrix};
+use crate::algebra::linear::SystemMatrix;
+use crate::algebra::sparse::Pattern;
 use crate::base::units::Scaling;
 use crate::solver::problem::ContactProblem;
 
@@ -149,19 +150,17 @@ fn sliding(problem: &ContactProblem, layout: &Layout, i: usize) -> Vec<(usize, [
     columns
 }
 
-/// Creates the matrix with these entries, all 0, and with `K` if it is dense or shared.
+/// Creates the matrix with these entries, all 0, and with `K` if it is dense or distributed.
 pub(super) fn matrix_with(entries: Pattern, problem: &ContactProblem, scaling: &Scaling) -> SystemMatrix {
     SystemMatrix::of(problem.stiffness(), 1.0 / scaling.stiffness(), entries)
 }
 
-/// Passes the entries of the equilibrium rows, `K`, `C_nᵀ`, `C_tᵀ` and `C_oᵀ`, to `take`. Of a dense or shared `K` it
-/// passes the diagonal, to which springs are added.
+/// Passes the entries of the equilibrium rows, `K`, `C_nᵀ`, `C_tᵀ` and `C_oᵀ`, to `take`. Of a dense or distributed
+/// `K` it passes the diagonal, to which springs are added.
 pub(super) fn take_equilibrium(problem: &ContactProblem, layout: &Layout, take: &mut dyn FnMut(usize, usize)) {
-    let stiffness = problem.stiffness();
-    if stiffness.dense().is_some() || stiffness.shared().is_some() {
-        (0..stiffness.order()).for_each(|place| take(place, place));
-    } else {
-        stiffness.entries().for_each(|(row, column, _)| take(row, column));
+    match problem.stiffness().compressed() {
+        Some(stiffness) => stiffness.entries().for_each(|(row, column, _)| take(row, column)),
+        None => (0..problem.displacements()).for_each(|place| take(place, place)),
     }
     for i in 0..layout.contacts() {
         problem.c_n().row(i).iter().for_each(|&(dof, _)| take(dof, layout.p_n(i)));
@@ -180,12 +179,11 @@ pub(super) fn write_equilibrium(
     layout: &Layout,
     scaling: &Scaling,
 ) {
-    let stands_beside = matrix.has_leading();
     let (pattern, values) = matrix.rest_mut().parts_mut();
-    if !stands_beside {
+    if let Some(stiffness) = problem.stiffness().compressed() {
         // No search is needed: the rows of each column are ascending, and those of K come first.
         let mut next: Vec<usize> = pattern.column_starts().iter().map(|&start| start as usize).collect();
-        for (row, column, value) in problem.stiffness().entries() {
+        for (row, column, value) in stiffness.entries() {
             debug_assert_eq!(pattern.row_indices()[next[column]], row as i64);
             values[next[column]] = value / scaling.stiffness();
             next[column] += 1;

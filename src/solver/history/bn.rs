@@ -4,8 +4,7 @@ use super::increment_error::{IncrementErrors, Rate};
 use super::saved::{Snapshot, take_over};
 use super::settings::{FirstGuess, HistorySettings};
 use super::task::{IncrementSolver, Observe, Task};
-use crate::algebra::linear::{LinearError, RefinedSolver};
-use crate::algebra::sparse::SystemMatrix;
+use crate::algebra::linear::{LinearError, RefinedSolver, SystemMatrix};
 use crate::solver::formulation::{Assembled, Bdiff};
 use crate::solver::loading::Loading;
 use crate::solver::newton::{Armijo, Bn, MethodResult, StopCriterion, Termination};
@@ -101,11 +100,11 @@ impl BnMethod {
     }
 
     /// Returns `true` if the response of the body with clamped contact nodes already solves the increment.
-    fn is_solved(&self, task: &Task<'_>) -> bool {
+    fn is_solved(&self, task: &Task<'_>) -> Result<bool, LinearError> {
         let mut z = self.z.clone();
         task.response.add_to(&mut z);
         let state = self.formulation.layout().unpacked(&z, self.formulation.scaling());
-        task.error(&state) <= task.tolerance
+        Ok(task.error(&state)? <= task.tolerance)
     }
 
     /// Closes the nodes on which a body without supports comes to rest, `p_n > r (g - w_n)`: with open nodes the
@@ -139,10 +138,7 @@ impl IncrementSolver for BnMethod {
 
     fn starts_on_tangent(&self, linear: &RefinedSolver) -> bool {
         let is_at_end = self.last.as_ref() == Some(&self.z);
-        is_at_end
-            && !self.closes
-            && self.bn.has_factors(linear)
-            && self.formulation.residual_of_cases(&self.z).is_some()
+        is_at_end && !self.closes && self.bn.has_factors(linear) && self.formulation.has_tangent()
     }
 
     fn solve(
@@ -151,7 +147,7 @@ impl IncrementSolver for BnMethod {
         linear: &mut RefinedSolver,
         observe: Observe<'_>,
     ) -> Result<MethodResult, LinearError> {
-        let solved = self.closes && self.is_solved(task);
+        let solved = self.closes && self.is_solved(task)?;
         if self.closes && !solved {
             self.close_landed(task);
         }
@@ -185,7 +181,7 @@ impl IncrementSolver for BnMethod {
         if outcome.stop == Termination::Converged && formulation.is_tied() {
             // One of many solutions: takes the nearest, if it remains a solution after rounding.
             let settled = formulation.settled(z, &start);
-            if error(&settled, rest) <= error(z, rest).max(task.tolerance) {
+            if error(&settled, rest)? <= error(z, rest)?.max(task.tolerance) {
                 *z = settled;
             }
         }
@@ -264,7 +260,7 @@ pub(super) fn ahead(
     linear: &mut RefinedSolver,
     z: &[f64],
 ) -> Result<Option<Vec<f64>>, LinearError> {
-    let Some(h) = formulation.residual_of_cases(z) else { return Ok(None) };
+    let Some(h) = formulation.residual_of_cases(z)? else { return Ok(None) };
     let Some(dz) = bn.substitute(formulation, linear, &h)? else { return Ok(None) };
     let mut ahead: Vec<f64> = z.iter().zip(dz).map(|(z, dz)| z + dz).collect();
     formulation.slip_where_closing(&mut ahead);

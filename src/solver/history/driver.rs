@@ -244,12 +244,12 @@ impl<'a> HistoryDriver<'a> {
             outcome.push(record, settings.keeps_records);
             outcome.linear = statistics(*linear.statistics(), body, path.at.worst_backward_error);
             if status != Status::Converged || index == times.len() {
-                outcome.rounding = rounding_level(problem, &substep.state, &substep.scales);
+                outcome.rounding = rounding_level(problem, &substep.state, &substep.scales)?;
             }
             outcome.status = status;
             outcome.reached = path.at.reached.unwrap_or(0.0);
             if status != Status::Converged {
-                outcome.violation = Some(Violation::worst(problem, &path.data(), &substep.state, &substep.scales));
+                outcome.violation = Some(Violation::worst(problem, &path.data(), &substep.state, &substep.scales)?);
                 if let Termination::Unconstrained(motion)
                 | Termination::NoEquilibrium(motion)
                 | Termination::EdgeFriction(motion) = solved.stop

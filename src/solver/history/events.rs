@@ -151,7 +151,7 @@ impl ExactHistory<'_> {
                     SegmentEnd::PathEnd(lost) => break (begun, Some(lost)),
                     SegmentEnd::Event if walk.is_beginning() => {}
                     stop => {
-                        self.judge_step(&walk, stop, &begun, &mut scales[0], condensed, &mut in_progress);
+                        self.judge_step(&walk, stop, &begun, &mut scales[0], condensed, &mut in_progress)?;
                         if stop == SegmentEnd::Until {
                             break (begun, None);
                         }
@@ -174,7 +174,7 @@ impl ExactHistory<'_> {
             self.outcome.lost = lost;
             self.outcome.free_motion = lost.and_then(|_| self.driven_motion(time));
             let status = lost.map(|_| Status::NoContinuation);
-            let flow = self.end(&in_progress, &data, balanced, scales[1], status, &walk);
+            let flow = self.end(&in_progress, &data, balanced, scales[1], status, &walk)?;
             self.outcome.linear = statistics(walk.statistics(), body, 0.0);
             if self.outcome.status != Status::Converged {
                 return Ok(());
@@ -198,19 +198,20 @@ impl ExactHistory<'_> {
         scales: &mut KktScales,
         condensed: Option<(&Condensed, &Condensation)>,
         in_progress: &mut IncrementInProgress,
-    ) {
+    ) -> Result<(), LinearError> {
         let small = condensed.map_or(self.problem, |(condensed, _)| &condensed.problem);
         let (state, now) = (walk.state(), walk.time());
         let data = Driven::by(walk, small, begun);
         *scales = scales.with_load(small, &data.increment()).with_state(&state);
-        let imbalance = small.imbalance(&data.force, &state);
+        let imbalance = small.imbalance(&data.force, &state)?;
         let (known, tolerance) = (self.above_rounding(*scales, small, &data), self.settings.tolerance);
-        let kkt = judge(small, &data.increment(), &state, &imbalance, &known, tolerance);
+        let kkt = judge(small, &data.increment(), &state, &imbalance, &known, tolerance)?;
         in_progress.kkt = in_progress.kkt.max(&kkt);
         // Loads at t = 0 are applied in a substep of their own, which takes no time.
         if stop != SegmentEnd::Until && (now > begun.time || now == 0.0) {
             in_progress.ends.push(now);
         }
+        Ok(())
     }
 
     /// Returns a rigid motion that the loads at `time` drive against all contact forces, if there is one.
@@ -284,7 +285,7 @@ impl ExactHistory<'_> {
         let (problem, settings, state) = (self.problem, self.settings, walk.state());
         let Some((condensed, _)) = condensed else {
             return Ok(RecoveredState {
-                imbalance: problem.imbalance(&data.force, &state),
+                imbalance: problem.imbalance(&data.force, &state)?,
                 backward_error: 0.0,
                 state,
             });
@@ -313,12 +314,12 @@ impl ExactHistory<'_> {
         scales: KktScales,
         status: Option<Status>,
         walk: &ExactPath<'_>,
-    ) -> ControlFlow<()> {
+    ) -> Result<ControlFlow<()>, LinearError> {
         let (problem, tolerance) = (self.problem, self.settings.tolerance);
         let RecoveredState { state, imbalance, backward_error } = balanced;
         let increment = data.increment();
         let known = self.above_rounding(scales, problem, data);
-        let kkt = in_progress.kkt.max(&judge(problem, &increment, &state, &imbalance, &known, tolerance));
+        let kkt = in_progress.kkt.max(&judge(problem, &increment, &state, &imbalance, &known, tolerance)?);
         let judged = if is_solution(&kkt, tolerance) { Status::Converged } else { Status::Inaccurate };
         let status = status.unwrap_or(judged);
         let statuses = statuses_of(problem, &increment, &state, &scales);
@@ -347,14 +348,14 @@ impl ExactHistory<'_> {
         });
         self.outcome.status = status;
         self.outcome.reached = data.time;
-        self.outcome.rounding = rounding_level(problem, &state, &scales);
+        self.outcome.rounding = rounding_level(problem, &state, &scales)?;
         if status == Status::Converged {
             (self.outcome.state, self.outcome.scales) = (state, scales);
         } else {
-            self.outcome.violation = Some(Violation::worst(problem, &increment, &state, &scales));
+            self.outcome.violation = Some(Violation::worst(problem, &increment, &state, &scales)?);
         }
         self.outcome.push(record, self.settings.keeps_records);
-        flow
+        Ok(flow)
     }
 }
 

@@ -146,7 +146,7 @@ impl<'a> IncrementDriver<'a> {
                 let half = 0.5 * (end - from);
                 // There is no time between neighbouring numbers.
                 let no_time = from + half <= from || from + half >= end;
-                if half < smallest || no_time || !self.smaller_may_do(&substep) {
+                if half < smallest || no_time || !self.smaller_may_do(&substep)? {
                     let (kkt, status) = (substep.kkt, substep.status);
                     let walked = IncrementResult { solved: so_far, substep, kkt, status, ends, friction_work };
                     return Ok(IncrementProgress::Ended(Box::new(walked)));
@@ -168,7 +168,7 @@ impl<'a> IncrementDriver<'a> {
         let input = self.pose(time);
         let outcome = self.solve(time, &input, linear, observe)?;
         let balanced = match self.whole() {
-            None => self.balanced(self.stage.method.state()),
+            None => self.balanced(self.stage.method.state())?,
             Some(whole) => whole.state(time, &self.stage.method.state(), &self.stage.force)?,
         };
         self.conclude(input.scales, outcome, balanced, linear)
@@ -254,8 +254,9 @@ impl<'a> IncrementDriver<'a> {
     }
 
     /// Adds imbalance and backward error to a state of the whole body under the data of the substep tried last.
-    fn balanced(&self, state: State) -> RecoveredState {
-        RecoveredState { imbalance: self.problem.imbalance(&self.stage.force, &state), backward_error: 0.0, state }
+    fn balanced(&self, state: State) -> Result<RecoveredState, LinearError> {
+        let imbalance = self.problem.imbalance(&self.stage.force, &state)?;
+        Ok(RecoveredState { imbalance, backward_error: 0.0, state })
     }
 
     /// Judges the state that the method has reached, after refining it if needed. `scales` are those before the
@@ -275,18 +276,23 @@ impl<'a> IncrementDriver<'a> {
                 whole.refined(balanced, &self.stage.force, &scales, &mut contact)?
             }
         };
-        Ok(self.judged(scales, outcome, balanced))
+        self.judged(scales, outcome, balanced)
     }
 
     /// Judges a state under the data of the substep tried last.
-    fn judged(&mut self, scales: KktScales, outcome: MethodResult, balanced: RecoveredState) -> SubstepResult {
+    fn judged(
+        &mut self,
+        scales: KktScales,
+        outcome: MethodResult,
+        balanced: RecoveredState,
+    ) -> Result<SubstepResult, LinearError> {
         let RecoveredState { state, imbalance, backward_error } = balanced;
         let outcome = MethodResult { backward_error: outcome.backward_error.max(backward_error), ..outcome };
         self.at.worst_backward_error = self.at.worst_backward_error.max(backward_error);
         let (scales, tolerance) = (scales.with_state(&state), self.settings.tolerance);
-        let kkt = judge(self.problem, &self.data(), &state, &imbalance, &scales, tolerance);
+        let kkt = judge(self.problem, &self.data(), &state, &imbalance, &scales, tolerance)?;
         let status = record::verdict(&outcome, &kkt, tolerance);
-        SubstepResult { state, scales, outcome, kkt, status }
+        Ok(SubstepResult { state, scales, outcome, kkt, status })
     }
 
     /// Returns the contact nodes that the equations lack after a `substep`.
@@ -318,7 +324,7 @@ impl<'a> IncrementDriver<'a> {
     }
 
     /// Returns `true` if a smaller substep could converge.
-    fn smaller_may_do(&self, substep: &SubstepResult) -> bool {
+    fn smaller_may_do(&self, substep: &SubstepResult) -> Result<bool, LinearError> {
         match substep.status {
             Status::Converged
             | Status::Interrupted
@@ -326,7 +332,7 @@ impl<'a> IncrementDriver<'a> {
             | Status::NoContinuation
             | Status::EdgeFriction
             | Status::OutOfMemory
-            | Status::Unsupported => false,
+            | Status::Unsupported => Ok(false),
             // If rounding sets the limit, it does so at any load.
             _ => is_more_than_rounding(&substep.kkt, self.problem, &substep.state, &substep.scales),
         }

@@ -7,7 +7,7 @@
 use super::settings::HistorySettings;
 use super::task::{IncrementSolver, Response};
 use crate::algebra::linear::{LinearError, RefinedSolver, componentwise_error};
-use crate::algebra::sparse::sum;
+use crate::algebra::sparse::{Symmetric, sum};
 use crate::base::units::Scaling;
 use crate::solver::condensation::Condensed;
 use crate::solver::formulation::Layout;
@@ -50,10 +50,11 @@ impl InteriorRecovery<'_> {
     /// Recovers the state at `time` (s) from the state `contact` of the condensed problem and the external force.
     pub(super) fn state(&self, time: f64, contact: &State, force: &[f64]) -> Result<RecoveredState, LinearError> {
         let (problem, state) = (self.problem, self.condensed.state(time, contact)?);
-        let imbalance = problem.imbalance(force, &state);
+        let stiffness = problem.stiffness().assembled()?;
+        let imbalance = problem.imbalance(force, &state)?;
         let mut sizes = vec![0.0; state.u.len()];
-        problem.stiffness().add_sizes(&state.u, &mut sizes);
-        let backward_error = backward_error(problem, &state, force, &imbalance, sizes);
+        stiffness.add_sizes(&state.u, &mut sizes);
+        let backward_error = backward_error(problem, &stiffness, &state, force, &imbalance, sizes);
         Ok(RecoveredState { state, imbalance, backward_error })
     }
 
@@ -75,6 +76,7 @@ impl InteriorRecovery<'_> {
         scales: &KktScales,
         contact: &mut dyn Responds,
     ) -> Result<RecoveredState, LinearError> {
+        let stiffness = self.problem.stiffness().assembled()?;
         let mut reached = balanced;
         for refinement in 0..REFINEMENTS {
             let scales = scales.with_state(&reached.state);
@@ -86,16 +88,16 @@ impl InteriorRecovery<'_> {
             if reached.violation() > self.allowed(&scales) {
                 // The correction is below the rounding of u, so the low-order part is needed.
                 state.u_rest.resize(state.u.len(), 0.0);
-                imbalance = self.problem.imbalance(force, &state);
+                imbalance = self.problem.imbalance(force, &state)?;
             }
             match self.correct(&imbalance, &mut state, contact) {
                 Err(LinearError::NotFinite) => break,
                 corrected => corrected?,
             }
-            let imbalance = self.problem.imbalance(force, &state);
+            let imbalance = self.problem.imbalance(force, &state)?;
             let mut sizes = vec![0.0; state.u.len()];
-            self.problem.stiffness().add_sizes(&state.u, &mut sizes);
-            let backward_error = backward_error(self.problem, &state, force, &imbalance, sizes);
+            stiffness.add_sizes(&state.u, &mut sizes);
+            let backward_error = backward_error(self.problem, &stiffness, &state, force, &imbalance, sizes);
             if backward_error.is_nan() || backward_error > 0.5 * reached.backward_error {
                 break;
             }
@@ -184,6 +186,7 @@ impl Responds for Linearized<'_> {
 /// Returns the componentwise backward error of the equations of equilibrium; `sizes` are `|K| |u|`.
 fn backward_error(
     problem: &ContactProblem,
+    stiffness: &Symmetric,
     state: &State,
     force: &[f64],
     imbalance: &[f64],
@@ -197,7 +200,7 @@ fn backward_error(
     }
     componentwise_error(&state.u, imbalance, &sizes, problem.stiffest(), || {
         let mut row_norm = vec![0.0_f64; imbalance.len()];
-        problem.stiffness().entries().for_each(|(i, _, value)| row_norm[i] = row_norm[i].max(value.abs()));
+        stiffness.entries().for_each(|(i, _, value)| row_norm[i] = row_norm[i].max(value.abs()));
         row_norm
     })
 }

@@ -3,8 +3,7 @@
 use super::saved::{Snapshot, take_over};
 use super::settings::HistorySettings;
 use super::task::{IncrementSolver, Observe, Response, Task};
-use crate::algebra::linear::{LinearError, RefinedSolver};
-use crate::algebra::sparse::SystemMatrix;
+use crate::algebra::linear::{LinearError, RefinedSolver, SystemMatrix};
 use crate::algebra::vector::median;
 use crate::solver::formulation::{
     Assembled, Bdiff, ConeSystem, Constrained, FormulationScaling, InteriorPoint, Linearization, NewtonSystem,
@@ -144,7 +143,7 @@ impl IncrementSolver for PredictorCorrectorMethod {
         let tolerance = self.settings.tolerance;
         self.rest.fill(0.0);
         // The increment is solved if the response with clamped contact nodes already solves it.
-        if error(&self.z) <= tolerance {
+        if error(&self.z)? <= tolerance {
             return Ok(MethodResult { stop: Termination::Converged, ..MethodResult::new(0.0) });
         }
         let last = self.z.clone();
@@ -153,7 +152,7 @@ impl IncrementSolver for PredictorCorrectorMethod {
         let mut outcome =
             self.method.solve(&settings, self.formulation.as_mut(), linear, &mut self.z, &mut error, observe)?;
         let left = settings.max_iterations.saturating_sub(outcome.iterations);
-        if left > 0 && outcome.stop != Termination::Interrupted && error(&self.z) > tolerance {
+        if left > 0 && outcome.stop != Termination::Interrupted && error(&self.z)? > tolerance {
             let mut ended = self.end.solve(task, linear, &self.z, left, observe)?;
             if ended.stop == Termination::Converged {
                 let (z, rest) = self.end.reached();
@@ -171,7 +170,9 @@ impl IncrementSolver for PredictorCorrectorMethod {
         if outcome.stop == Termination::Converged && !task.problem.rigid_modes().is_empty() {
             // Perhaps one of many solutions: takes the nearest, if it remains a solution after rounding.
             let settled = self.end.settled(&self.z, &last);
-            if let Some(settled) = settled.filter(|settled| error(settled) <= error(&self.z).max(tolerance)) {
+            if let Some(settled) = settled
+                && error(&settled)? <= error(&self.z)?.max(tolerance)
+            {
                 self.z[..settled.len()].copy_from_slice(&settled);
             }
         }

@@ -48,7 +48,7 @@ impl Stage {
         Ok(Ok(Stage {
             method,
             clamped: Some(clamped),
-            may_move_rigidly: is_carried_without_strain(problem),
+            may_move_rigidly: is_carried_without_strain(problem)?,
             force: vec![0.0; problem.displacements()],
             condensed_force: vec![0.0; condensed.map_or(0, |_| own.displacements())],
             gap: vec![0.0; n_c],

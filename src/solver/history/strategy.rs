@@ -18,8 +18,7 @@ use super::predictor_corrector::PredictorCorrectorMethod;
 use super::saved::Snapshot;
 use super::settings::HistorySettings;
 use super::task::{IncrementSolver, Observe, Task};
-use crate::algebra::linear::{LinearError, RefinedSolver};
-use crate::algebra::sparse::SystemMatrix;
+use crate::algebra::linear::{LinearError, RefinedSolver, SystemMatrix};
 use crate::solver::newton::{MethodResult, Termination};
 use crate::solver::problem::State;
 

@@ -2,8 +2,7 @@
 
 use super::increment_error::IncrementErrors;
 use super::saved::Snapshot;
-use crate::algebra::linear::{LinearError, RefinedSolver};
-use crate::algebra::sparse::SystemMatrix;
+use crate::algebra::linear::{LinearError, RefinedSolver, SystemMatrix};
 use crate::solver::formulation::Layout;
 use crate::solver::laws::{KktScales, judge};
 use crate::solver::loading::Loading;
@@ -32,9 +31,13 @@ pub struct Task<'a> {
 
 impl Task<'_> {
     /// Returns the error of a state of the problem at the end of the increment.
-    pub fn error(&self, state: &State) -> f64 {
-        let imbalance = self.problem.imbalance(self.increment.force, state);
-        judge(self.problem, self.increment, state, &imbalance, &self.scales.with_state(state), self.tolerance).worst().1
+    ///
+    /// # Errors
+    /// If a rank that shares the stiffness has failed.
+    pub fn error(&self, state: &State) -> Result<f64, LinearError> {
+        let imbalance = self.problem.imbalance(self.increment.force, state)?;
+        let scales = self.scales.with_state(state);
+        Ok(judge(self.problem, self.increment, state, &imbalance, &scales, self.tolerance)?.worst().1)
     }
 }
 

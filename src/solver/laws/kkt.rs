@@ -8,6 +8,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::coulomb::{direction, length, positive, project};
+use crate::algebra::linear::LinearError;
 use crate::solver::problem::error::{expect_finite, expect_value};
 use crate::solver::problem::{ContactProblem, Increment, ProblemError, State};
 
@@ -160,20 +161,23 @@ impl Law {
 
 impl Violation {
     /// Returns the largest violation in `state`.
+    ///
+    /// # Errors
+    /// If a rank that shares the stiffness has failed, here and in all measures of equilibrium.
     pub(crate) fn worst(
         problem: &ContactProblem,
         increment: &Increment<'_>,
         state: &State,
         scales: &KktScales,
-    ) -> Self {
+    ) -> Result<Self, LinearError> {
         let mut worst = Violation { law: Law::Equilibrium, place: 0, error: 0.0 };
-        let imbalance = problem.imbalance(increment.force, state);
+        let imbalance = problem.imbalance(increment.force, state)?;
         violations(problem, increment, state, &imbalance, scales, |law, place, error| {
             if exceeds(error, worst.error) {
                 worst = Violation { law, place, error };
             }
         });
-        worst
+        Ok(worst)
     }
 }
 
@@ -222,11 +226,11 @@ pub(crate) fn judge(
     imbalance: &[f64],
     scales: &KktScales,
     tolerance: f64,
-) -> KktErrors {
+) -> Result<KktErrors, LinearError> {
     let errors = KktErrors::of_balance(problem, increment, state, imbalance, scales);
     let near = 0.1 * tolerance..10.0 * tolerance;
     if !state.u_rest.is_empty() || !near.contains(&errors.equilibrium) {
-        return errors;
+        return Ok(errors);
     }
     let exact = State { u_rest: vec![0.0; state.u.len()], ..state.clone() };
     KktErrors::of_state(problem, increment, &exact, scales)
@@ -236,7 +240,8 @@ impl KktErrors {
     /// Measures `state`, from whatever source, against the law of one increment, relative to `scales`.
     ///
     /// # Errors
-    /// If an array of `increment` or `state` has another length than `problem` needs, or if the `scales` are invalid.
+    /// If an array of `increment` or `state` has another length than `problem` needs, if the `scales` are invalid, or
+    /// if a rank that shares the stiffness has failed.
     pub fn measure(
         problem: &ContactProblem,
         increment: &Increment<'_>,
@@ -246,11 +251,17 @@ impl KktErrors {
         increment.check(problem)?;
         state.check(problem)?;
         scales.check()?;
-        Ok(Self::of_state(problem, increment, state, scales))
+        Ok(Self::of_state(problem, increment, state, scales)?)
     }
 
-    fn of_state(problem: &ContactProblem, increment: &Increment<'_>, state: &State, scales: &KktScales) -> Self {
-        Self::of_balance(problem, increment, state, &problem.imbalance(increment.force, state), scales)
+    fn of_state(
+        problem: &ContactProblem,
+        increment: &Increment<'_>,
+        state: &State,
+        scales: &KktScales,
+    ) -> Result<Self, LinearError> {
+        let imbalance = problem.imbalance(increment.force, state)?;
+        Ok(Self::of_balance(problem, increment, state, &imbalance, scales))
     }
 
     fn of_balance(
@@ -321,13 +332,12 @@ fn exceeds(a: f64, b: f64) -> bool {
 /// Returns the equilibrium error due to rounding the displacements to double precision, relative to the force scale:
 /// `ε |K| |u| / F`. In slender bodies it is far above ε, and no solver can do better. It is
 /// 0 without any force.
-pub(crate) fn rounding_level(problem: &ContactProblem, state: &State, scales: &KktScales) -> f64 {
+pub(crate) fn rounding_level(problem: &ContactProblem, state: &State, scales: &KktScales) -> Result<f64, LinearError> {
     if scales.force == 0.0 {
-        return 0.0;
+        return Ok(0.0);
     }
-    let mut sums = vec![0.0; state.u.len()];
-    problem.stiffness().add_sizes(&state.u, &mut sums);
-    f64::EPSILON * sums.into_iter().fold(0.0, f64::max) / scales.force
+    let sums = problem.stiffness().sizes(&state.u)?;
+    Ok(f64::EPSILON * sums.into_iter().fold(0.0, f64::max) / scales.force)
 }
 
 /// Returns `true` if the `errors` of a state exceed ten times its [`rounding_level`], or one of both is NaN.
@@ -336,9 +346,9 @@ pub(crate) fn is_more_than_rounding(
     problem: &ContactProblem,
     state: &State,
     scales: &KktScales,
-) -> bool {
-    let (error, rounding) = (errors.worst().1, 10.0 * rounding_level(problem, state, scales));
-    error > rounding || error.is_nan() || rounding.is_nan()
+) -> Result<bool, LinearError> {
+    let (error, rounding) = (errors.worst().1, 10.0 * rounding_level(problem, state, scales)?);
+    Ok(error > rounding || error.is_nan() || rounding.is_nan())
 }
 
 /// The status of a contact node at the end of an increment.

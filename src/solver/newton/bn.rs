@@ -62,10 +62,10 @@ impl Bn {
         // Step 1: initialisation.
         expect_unknowns(formulation, &self.h, z)?;
         let mut clock = Clock::default();
-        let mut theta = clock.time(|| self.evaluate(formulation, z));
+        let mut theta = clock.time(|| self.evaluate(formulation, z))?;
         let mut outcome = MethodResult::new(theta);
         self.rest.fill(0.0);
-        let mut error = end.measure(z, &self.rest);
+        let mut error = end.measure(z, &self.rest)?;
         if observe(&Iteration::start(theta, error)).is_break() {
             return Ok(MethodResult { stop: Termination::Interrupted, ..outcome });
         }
@@ -97,12 +97,12 @@ impl Bn {
             theta = clock.time(|| {
                 z.iter_mut().zip(&self.dz).for_each(|(z, dz)| *z += step * dz);
                 self.evaluate(formulation, z)
-            });
+            })?;
             full_step = step == 1.0;
             outcome.add(theta, backtracks, backward_error);
 
             // Step 4: termination.
-            error = end.measure(z, &self.rest);
+            error = end.measure(z, &self.rest)?;
             let record = IterationRecord { iteration, theta, step, backtracks, backward_error, factored, error };
             let flow = observe(&Iteration { record, system: Some(self.system(formulation)) });
             let mut met = end.met(theta, error);
@@ -127,9 +127,9 @@ impl Bn {
     }
 
     /// Evaluates `H(z)`. Returns its merit `Theta` (10).
-    fn evaluate(&mut self, formulation: &Bdiff, z: &[f64]) -> f64 {
-        formulation.residual(z, &mut self.h);
-        formulation.merit(&self.h)
+    fn evaluate(&mut self, formulation: &Bdiff, z: &[f64]) -> Result<f64, LinearError> {
+        formulation.residual(z, &mut self.h)?;
+        Ok(formulation.merit(&self.h))
     }
 
     /// Solves (22) for `dz`, with the matrix factored if it is `fresh`. Returns the backward error, or the reason why

@@ -1,7 +1,9 @@
 //! The stopping tests of Algorithm BN.
 
+use crate::algebra::linear::LinearError;
+
 /// A measure of the distance of `z + rest` from the exact law, where `rest` is the low-order part of `z`.
-pub type Measure<'a> = &'a mut dyn FnMut(&[f64], &[f64]) -> f64;
+pub type Measure<'a> = &'a mut dyn FnMut(&[f64], &[f64]) -> Result<f64, LinearError>;
 
 /// The stopping test of Algorithm BN.
 pub enum StopCriterion<'a> {
@@ -21,10 +23,10 @@ pub enum StopCriterion<'a> {
 
 impl StopCriterion<'_> {
     /// Returns the error at `z + rest`, if it is measured.
-    pub(super) fn measure(&mut self, z: &[f64], rest: &[f64]) -> Option<f64> {
+    pub(super) fn measure(&mut self, z: &[f64], rest: &[f64]) -> Result<Option<f64>, LinearError> {
         match self {
-            StopCriterion::Merit(_) => None,
-            StopCriterion::Measured { error, .. } => Some(error(z, rest)),
+            StopCriterion::Merit(_) => Ok(None),
+            StopCriterion::Measured { error, .. } => error(z, rest).map(Some),
         }
     }
 

@@ -128,7 +128,7 @@ impl Ip {
         let n_2 = formulation.n_2() as f64;
         let zeta = settings.zeta * n_2;
         let mut sigma = settings.sigma_0;
-        clock.time(|| formulation.residual(z, &mut self.work.h));
+        clock.time(|| formulation.residual(z, &mut self.work.h))?;
         let mut theta = formulation.theta(z, &self.work.h);
         let mut outcome = MethodResult::new(theta);
         if observe(&Iteration::start(theta, None)).is_break() {
@@ -168,11 +168,12 @@ impl Ip {
                 outcome.stop = Termination::Stalled;
                 break;
             };
-            clock.time(|| {
+            clock.time(|| -> Result<(), LinearError> {
                 z.iter_mut().zip(&*dz).for_each(|(z, dz)| *z += step * dz);
-                formulation.residual(z, h);
+                formulation.residual(z, h)?;
                 theta = formulation.theta(z, h);
-            });
+                Ok(())
+            })?;
             outcome.add(theta, backtracks, backward_error);
 
             // Step 4: termination, and the next σ (36).

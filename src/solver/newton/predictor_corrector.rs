@@ -58,12 +58,12 @@ impl PredictorCorrector {
         formulation: &mut dyn InteriorPoint,
         linear: &mut RefinedSolver,
         z: &mut [f64],
-        error: &mut dyn FnMut(&[f64]) -> f64,
+        error: &mut dyn FnMut(&[f64]) -> Result<f64, LinearError>,
         observe: &mut dyn FnMut(&Iteration<'_>) -> ControlFlow<()>,
     ) -> Result<MethodResult, LinearError> {
         let mut clock = Clock::default();
         self.work.resize(formulation);
-        clock.time(|| formulation.residual(z, &mut self.work.h));
+        clock.time(|| formulation.residual(z, &mut self.work.h))?;
         let theta = formulation.theta(z, &self.work.h);
         let mut outcome = MethodResult::new(theta);
         if observe(&Iteration::start(theta, None)).is_break() {
@@ -100,10 +100,8 @@ impl PredictorCorrector {
                     break;
                 }
             };
-            let theta = clock.time(|| {
-                formulation.residual(z, &mut self.work.h);
-                formulation.theta(z, &self.work.h)
-            });
+            clock.time(|| formulation.residual(z, &mut self.work.h))?;
+            let theta = formulation.theta(z, &self.work.h);
             let Taken { step, backward_error, error } = taken;
             outcome.add(theta, 0, backward_error);
             let record = IterationRecord {
@@ -132,7 +130,7 @@ impl PredictorCorrector {
         formulation: &mut dyn InteriorPoint,
         linear: &mut RefinedSolver,
         z: &mut [f64],
-        error: &mut dyn FnMut(&[f64]) -> f64,
+        error: &mut dyn FnMut(&[f64]) -> Result<f64, LinearError>,
     ) -> Result<Taken, LinearError> {
         let beta = mean_product(formulation.pairs(), z, &self.work.dz, 0.0);
         formulation.linearize(z);
@@ -166,7 +164,7 @@ impl PredictorCorrector {
         self.before.extend_from_slice(z);
         z.iter_mut().zip(&self.work.dz).for_each(|(z, dz)| *z += step * dz);
         let backward_error = predicted.backward_error.max(corrected.backward_error);
-        Ok(Taken { step, backward_error, error: error(z) })
+        Ok(Taken { step, backward_error, error: error(z)? })
     }
 
     /// Computes the Newton step to `face`. The step is taken if it leads to the solution, within `tolerance`;
@@ -178,7 +176,7 @@ impl PredictorCorrector {
         linear: &mut RefinedSolver,
         z: &mut [f64],
         tolerance: f64,
-        error: &mut dyn FnMut(&[f64]) -> f64,
+        error: &mut dyn FnMut(&[f64]) -> Result<f64, LinearError>,
     ) -> Result<Taken, LinearError> {
         let point = face.point(formulation.pairs(), z.len());
         formulation.linearize(&point);
@@ -193,7 +191,7 @@ impl PredictorCorrector {
             Err(error) => return Err(error),
         };
         let end: Vec<f64> = z.iter().zip(&self.work.dz).map(|(z, dz)| z + dz).collect();
-        let error = error(&end);
+        let error = error(&end)?;
         let reached = error <= tolerance;
         if reached {
             z.copy_from_slice(&end);

@@ -2,7 +2,8 @@
 
 use super::error::{expect_each, expect_finite, expect_length};
 use super::{Increment, Parts, ProblemError, State};
-use crate::algebra::sparse::{Csr, Symmetric};
+use crate::algebra::linear::Stiffness;
+use crate::algebra::sparse::Csr;
 use crate::solver::problem::ContactProblem;
 
 const PER_CONTACT: &str = "one for each row of c_n";
@@ -51,11 +52,12 @@ fn size(name: &str, map: &Csr, rows: usize, columns: usize) -> Result<(), Proble
 }
 
 /// Checks every 2 × 2 block: `K_ii ≥ 0` and `K_ij² ≤ K_ii K_jj`. The factorisations detect what only larger blocks
-/// would show. A shared matrix is a sum of element stiffnesses, and no process sees all of it.
-fn semidefinite(stiffness: &Symmetric) -> Result<(), ProblemError> {
-    if let Some(shared) = stiffness.shared() {
-        return expect_finite("stiffness", shared.matrix().row_norms());
-    }
+/// would show. A distributed one is a sum of element stiffnesses, and no process sees all of it.
+fn semidefinite(stiffness: &Stiffness) -> Result<(), ProblemError> {
+    let stiffness = match stiffness {
+        Stiffness::Assembled(stiffness) => stiffness,
+        Stiffness::Distributed(rows) => return expect_finite("stiffness", rows.row_norms()),
+    };
     let diagonal = stiffness.diagonal();
     for (row, column, between) in stiffness.lower_entries() {
         if !between.is_finite() {
@@ -75,16 +77,15 @@ fn semidefinite(stiffness: &Symmetric) -> Result<(), ProblemError> {
 }
 
 /// Checks that `K r = 0` for each motion `r`, and that the motions are linearly independent.
-pub(super) fn rigid_modes(stiffness: &Symmetric, motions: &[Vec<f64>]) -> Result<(), ProblemError> {
+pub(super) fn rigid_modes(stiffness: &Stiffness, motions: &[Vec<f64>]) -> Result<(), ProblemError> {
     let n_u = stiffness.order();
     let mut basis: Vec<Vec<f64>> = Vec::new();
     for (motion, r) in motions.iter().enumerate() {
         let name = format!("rigid_modes[{motion}]");
         expect_length(&name, n_u, r.len(), PER_DISPLACEMENT)?;
         expect_finite(&name, r)?;
-        let (mut force, mut sizes) = (vec![0.0; n_u], vec![0.0; n_u]);
-        stiffness.mul(r, &mut force);
-        stiffness.add_sizes(r, &mut sizes);
+        let (mut force, sizes) = (vec![0.0; n_u], stiffness.sizes(r)?);
+        stiffness.mul(r, &mut force)?;
         let largest = sizes.iter().fold(0.0_f64, |m, size| m.max(*size));
         let worst = (0..n_u).max_by(|&i, &j| force[i].abs().total_cmp(&force[j].abs()));
         if let Some(row) = worst.filter(|&row| force[row].abs() > FREE * largest) {

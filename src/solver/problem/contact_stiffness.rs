@@ -25,7 +25,7 @@ impl ContactProblem {
     /// patch could move as a rigid body, it is a quarter of the node's own `(C_n K C_nᵀ)_ii`, which is about the same
     /// in a uniform mesh.
     pub fn contact_stiffness(&self) -> Vec<f64> {
-        // The locally stored part of a shared matrix covers the patches.
+        // The entries of a distributed stiffness in this process cover the patches.
         let at_hand = self.stiffness().at_hand();
         let patches = patches(&at_hand, self.c_n());
         let mut last: Option<(&Patch, Option<Llt<f64>>)> = None;
@@ -37,7 +37,7 @@ impl ContactProblem {
                 _ => self.factors(&at_hand, patch),
             };
             let compliance = factors.as_ref().map(|factors| compliance(factors, patch, self.c_n().row(i)));
-            let own = self.own_stiffness(i);
+            let own = own_stiffness(&at_hand, self.c_n(), i);
             let usable = compliance.map(|c| 1.0 / c).filter(|k| k.is_finite() && *k > MERE_ROUNDING * own);
             stiffness.push(usable.unwrap_or(0.25 * own));
             last = Some((patch, factors));
@@ -54,9 +54,7 @@ impl ContactProblem {
     /// Returns `(C_n K C_nᵀ)_ii`, N/m: the stiffness of contact node `i` along its normal with all other
     /// displacements clamped.
     pub(crate) fn own_stiffness(&self, i: usize) -> f64 {
-        let row = self.c_n().row(i);
-        let pairs = row.iter().flat_map(|a| row.iter().map(move |b| (a, b)));
-        pairs.map(|(a, b)| a.1 * b.1 * self.stiffness().get(a.0, b.0)).sum()
+        own_stiffness(&self.stiffness().at_hand(), self.c_n(), i)
     }
 
     /// Factors `K_PP`. Returns `None` if the patch is the whole body and nothing stops it, or if it is singular.
@@ -75,6 +73,15 @@ impl ContactProblem {
         }
         matrix.llt(Side::Lower).ok()
     }
+}
+
+/// Returns `(C_n K C_nᵀ)_ii` from the entries in this process, which contain the lower triangle at contact nodes.
+fn own_stiffness(at_hand: &Csc, c_n: &Csr, i: usize) -> f64 {
+    let entry =
+        |a: usize, b: usize| at_hand.pattern().slot(a.max(b), a.min(b)).map_or(0.0, |slot| at_hand.values()[slot]);
+    let row = c_n.row(i);
+    let pairs = row.iter().flat_map(|a| row.iter().map(move |b| (a, b)));
+    pairs.map(|(a, b)| a.1 * b.1 * entry(a.0, b.0)).sum()
 }
 
 /// Returns `c K_PP⁻¹ cᵀ` of a row `c` of `C_n`.
@@ -123,7 +130,7 @@ mod tests {
         let c_n = Csr::of_rows(n, (0..n).map(|i| [(i, -1.0)]));
         let none = Csr::empty(n, n);
         ContactProblem::new(Parts {
-            stiffness,
+            stiffness: stiffness.into(),
             c_n,
             c_t: none.clone(),
             c_o: none,
@@ -158,7 +165,8 @@ mod tests {
         let entry = |i: usize, j: usize| (i, j, if i == j { 2.0 } else { 1.0 });
         let entries: Vec<_> = (0..n).flat_map(|i| (0..=i).map(move |j| entry(i, j))).collect();
         let stiffness = Symmetric::from_triplets(n, &entries).unwrap();
-        let problem = ContactProblem::new(Parts { stiffness, ..chain(n, true).into_parts() }).unwrap();
+        let problem =
+            ContactProblem::new(Parts { stiffness: stiffness.into(), ..chain(n, true).into_parts() }).unwrap();
         assert_close(&problem.contact_stiffness(), &[1.2; 5]);
     }
 }

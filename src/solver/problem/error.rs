@@ -89,8 +89,8 @@ pub enum ProblemError {
         /// The name of the array.
         array: String,
     },
-    /// The rigid modes could not be computed from the stiffness.
-    #[error("the free motions cannot be found from the stiffness: {0}")]
+    /// The rigid modes could not be computed from the stiffness, or a rank that shares the stiffness has failed.
+    #[error("the stiffness cannot be worked with: {0}")]
     Linear(#[from] LinearError),
 }
 

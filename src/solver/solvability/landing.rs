@@ -11,6 +11,7 @@
 
 use super::cone::{FiniteCone, norm};
 use super::{Free, FrictionCone, Load, unbalanced};
+use crate::algebra::linear::LinearError;
 use crate::algebra::null_space::NEGLIGIBLE;
 use crate::algebra::vector::dot;
 use crate::solver::problem::ContactProblem;
@@ -95,14 +96,17 @@ fn pushed_out(cones: &[FrictionCone], distance: &[f64]) -> Option<Vec<f64>> {
 }
 
 /// Returns `true` if a body has rigid modes, and they cause no strain beyond rounding.
-pub(crate) fn is_carried_without_strain(problem: &ContactProblem) -> bool {
-    let unstrained = |motion: &Vec<f64>| {
-        let (mut force, mut sizes) = (vec![0.0; motion.len()], vec![0.0; motion.len()]);
-        problem.stiffness().mul(motion, &mut force);
-        problem.stiffness().add_sizes(motion, &mut sizes);
-        let largest = |x: &[f64]| x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-        largest(&force) <= UNSTRAINED * largest(&sizes)
-    };
-    let motions = problem.rigid_modes();
-    !motions.is_empty() && motions.iter().all(unstrained)
+///
+/// # Errors
+/// If a rank that shares the stiffness has failed.
+pub(crate) fn is_carried_without_strain(problem: &ContactProblem) -> Result<bool, LinearError> {
+    let largest = |x: &[f64]| x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+    for motion in problem.rigid_modes() {
+        let (mut force, sizes) = (vec![0.0; motion.len()], problem.stiffness().sizes(motion)?);
+        problem.stiffness().mul(motion, &mut force)?;
+        if largest(&force) > UNSTRAINED * largest(&sizes) {
+            return Ok(false);
+        }
+    }
+    Ok(!problem.rigid_modes().is_empty())
 }

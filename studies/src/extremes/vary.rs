@@ -35,7 +35,8 @@ impl Vary {
                 let material = |element: usize| Elasticity::plane_strain(young[element], poisson);
                 let stiffness =
                     assemble(&model.mesh, &model.dofs, Element::Bilinear, material).map_err(ModelError::from)?;
-                model.problem = ContactProblem::new(Parts { stiffness, ..parts }).map_err(ModelError::from)?;
+                model.problem =
+                    ContactProblem::new(Parts { stiffness: stiffness.into(), ..parts }).map_err(ModelError::from)?;
             }
             Vary::Friction => {
                 let mu = parts.mu.iter().map(|_| by * random.next()).collect();
@@ -89,10 +90,11 @@ pub(super) fn condition(model: &Model) -> Result<f64, LinearError> {
         }
         norm
     };
+    let stiffness = problem.stiffness().assembled()?;
     let (mut x, mut largest) = (start.clone(), 0.0);
     for _ in 0..STEPS {
         normalise(&mut x);
-        x = problem.stiffness().times(&x).unwrap_or_default();
+        x = stiffness.times(&x).unwrap_or_default();
         largest = x.iter().map(|x| x * x).sum::<f64>().sqrt() / model.scaling().stiffness();
     }
     let (mut b, mut z, mut inverse) = (vec![0.0; n], vec![0.0; n], 0.0);

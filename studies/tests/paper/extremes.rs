@@ -74,7 +74,7 @@ fn strained(problem: &ContactProblem, state: &State) -> [Vec<f64>; 2] {
 fn imbalance(problem: &ContactProblem, increment: &Increment<'_>, state: &State, force: f64) -> f64 {
     let mut sums = vec![Double::ZERO; state.u.len()];
     let [u, rest] = strained(problem, state);
-    for (row, column, value) in problem.stiffness().entries() {
+    for (row, column, value) in problem.stiffness().assembled().unwrap().entries() {
         sums[row] = sums[row].plus_product(value, u[column]).plus_product(value, rest[column]);
     }
     for i in 0..problem.contacts() {

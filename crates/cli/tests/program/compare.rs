@@ -146,7 +146,7 @@ fn friction_dissipates_what_the_loads_do_beyond_the_strain_energy() {
             history::run(problem, &model.loading, &times, &settings, SystemSolver::default(), &mut external).unwrap();
         assert_eq!(outcome.status, Status::Converged);
 
-        let force = problem.stiffness().times(&outcome.state.u).unwrap();
+        let force = problem.stiffness().assembled().unwrap().times(&outcome.state.u).unwrap();
         let energy = 0.5 * outcome.state.u.iter().zip(&force).map(|(u, f)| u * f).sum::<f64>();
         let friction = || outcome.records.iter().map(|record| record.friction_work);
         let total: f64 = friction().sum();

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use super::local::Local;
-use crate::algebra::linear::LinearError;
 use crate::algebra::linear::error::expect_length;
-use crate::algebra::sparse::{DenseSymmetric, Pattern, SystemMatrix};
+use crate::algebra::linear::{LinearError, SystemMatrix};
+use crate::algebra::sparse::{DenseSymmetric, Pattern};
 use crate::algebra::union_find::UnionFind;
 
 /// The blocks of a pattern on `(u, q)`.

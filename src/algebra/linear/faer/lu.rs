@@ -294,7 +294,7 @@ mod tests {
             ]
             .map(crate::algebra::linear::RefinedSolver::new);
             for seed in 0..4 {
-                let a = crate::algebra::sparse::SystemMatrix::from(bordered(m, seed));
+                let a = crate::algebra::linear::SystemMatrix::from(bordered(m, seed));
                 if seed == 0 {
                     faer.analyze(&a).unwrap();
                     umfpack.analyze(&a).unwrap();

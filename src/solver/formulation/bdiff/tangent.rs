@@ -4,22 +4,31 @@
 //! and have the matrix of the last linearisation: one substitution leads from a solution to the next.
 
 use super::Bdiff;
+use crate::algebra::linear::LinearError;
 use crate::solver::laws::coulomb::{NormalCase, TangentialCase, direction};
 
 impl Bdiff {
+    /// Returns `true` if there is a linearisation without pinned modes.
+    pub fn has_tangent(&self) -> bool {
+        !self.is_tied() && self.cases.iter().all(Option::is_some)
+    }
+
     /// Returns the residual at `z`, with the data of the present increment, of the equations with the matrix of the
     /// last linearisation: `w_n = g` if a node is closed, `p_n = 0` if it is open, `Δw_T = 0` if it sticks, `p_T = 0`
     /// without pressure, and `p_T = μ p_n n + R r Δw_T` if it slips. Returns `None` if there is no such matrix, or if
     /// it has pinned modes.
-    pub fn residual_of_cases(&self, z: &[f64]) -> Option<Vec<f64>> {
+    ///
+    /// # Errors
+    /// As [`Bdiff::residual`].
+    pub fn residual_of_cases(&self, z: &[f64]) -> Result<Option<Vec<f64>>, LinearError> {
         let Bdiff { data, rows, .. } = self;
-        if self.is_tied() {
-            return None;
+        if !self.has_tangent() {
+            return Ok(None);
         }
         let mut h = vec![0.0; z.len()];
-        self.residual(z, &mut h);
+        self.residual(z, &mut h)?;
         for (i, case) in self.cases.iter().enumerate() {
-            let (normal, tangential) = (*case)?;
+            let Some((normal, tangential)) = *case else { continue };
             let p_n = data.layout.p_n(i);
             h[p_n] = match normal {
                 NormalCase::Open => -z[p_n],
@@ -42,7 +51,7 @@ impl Bdiff {
                 }
             }
         }
-        Some(h)
+        Ok(Some(h))
     }
 
     /// Makes nodes slip that were open in the last linearisation and are closed at `z`: puts their `p_T` on the cone,

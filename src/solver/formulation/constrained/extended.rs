@@ -1,6 +1,7 @@
 //! `∇H_I` on all unknowns, in one fixed pattern.
 
-use crate::algebra::sparse::{Pattern, SystemMatrix};
+use crate::algebra::linear::SystemMatrix;
+use crate::algebra::sparse::Pattern;
 use crate::solver::formulation::SlackLayout;
 use crate::solver::formulation::mixed::{matrix_with, slot, take_equilibrium, write_equilibrium};
 use crate::solver::formulation::scaled::ScaledData;

@@ -11,7 +11,7 @@
 //! The second row is multiplied by `s⁺ s⁻`, so that nothing is divided by a quantity that goes to zero. Both rows are
 //! in the pattern of (21).
 
-use crate::algebra::sparse::SystemMatrix;
+use crate::algebra::linear::SystemMatrix;
 use crate::solver::formulation::SlackLayout;
 use crate::solver::formulation::mixed::{MixedMatrix, TangentialRow};
 use crate::solver::formulation::scaled::ScaledData;

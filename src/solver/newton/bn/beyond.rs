@@ -20,15 +20,15 @@ impl Bn {
         z: &mut [f64],
         end: &mut StopCriterion<'_>,
     ) -> Result<bool, LinearError> {
-        let mut best = end.measure(z, &self.rest);
+        let mut best = end.measure(z, &self.rest)?;
         for _ in 0..REFINEMENTS {
-            formulation.residual_beyond(z, &self.rest, &mut self.h);
+            formulation.residual_beyond(z, &self.rest, &mut self.h)?;
             if self.direction(formulation, linear, false)?.is_err() {
                 break;
             }
             let corrected = z.iter().zip(&self.rest).zip(&self.dz).map(|((z, rest), dz)| sum(*z, rest + dz));
             let (candidate, rest): (Vec<f64>, Vec<f64>) = corrected.unzip();
-            let reached = end.measure(&candidate, &rest);
+            let reached = end.measure(&candidate, &rest)?;
             if reached.is_none_or(f64::is_nan) || reached >= best {
                 break;
             }

@@ -3,7 +3,7 @@
 //! The values change while the analysis is kept. Therefore the analysis must not depend on values, and receives none:
 //! there is no permutation for large diagonals. Zero diagonals, such as in the rows of sticking nodes, are pivots
 //! that are delayed to a later front. If they need more memory than predicted, the factorisation is repeated with
-//! more. Refinement is left to [`super::RefinedSolver`].
+//! more. Refinement is left to [`RefinedSolver`](crate::algebra::linear::RefinedSolver).
 
 mod instance;
 mod order;
@@ -12,9 +12,9 @@ mod sys;
 use std::ffi::c_int;
 use std::sync::Arc;
 
-use super::error::expect_length;
 use super::ranks::{Kind, Shared};
-use super::{FactorInfo, LinearError, LinearSolver};
+use crate::algebra::linear::error::expect_length;
+use crate::algebra::linear::{FactorInfo, LinearError, LinearSolver};
 use crate::algebra::sparse::Pattern;
 pub(super) use instance::Instance;
 use instance::Job;

@@ -12,7 +12,7 @@ use std::ffi::c_int;
 use std::mem::ManuallyDrop;
 use std::sync::{Mutex, MutexGuard};
 
-use super::{LinearError, RankUse};
+use crate::algebra::linear::{LinearError, RankUse};
 pub(super) use metis::Graph;
 #[cfg(feature = "mumps")]
 pub(super) use metis::order;
@@ -93,7 +93,8 @@ impl State {
         }
         match self {
             State::Running(world) => Ok(world),
-            State::Before | State::Broken | State::Ended => Err(failed(-1)),
+            State::Broken => Err(LinearError::RankFailed),
+            State::Before | State::Ended => Err(failed(-1)),
         }
     }
 
@@ -117,7 +118,8 @@ impl State {
 /// Ranks other than 0 must call [`help`](super::help).
 ///
 /// # Errors
-/// If MPI does not allow calls from several threads, one at a time, or has ended.
+/// If MPI does not allow calls from several threads, one at a time, or has ended; [`LinearError::RankFailed`] after an
+/// error in work that ranks share.
 pub fn start() -> Result<(usize, usize), LinearError> {
     state().running().map(|world| (world.rank(), world.size()))
 }
@@ -261,6 +263,21 @@ impl<P: RankLocal> Drop for Shared<P> {
             world.command([DROP, self.id, 0]);
             // SAFETY: the part is not used afterwards.
             unsafe { ManuallyDrop::drop(&mut self.part) };
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn after_a_failure_the_ranks_are_lost() {
+        for (size, then) in [(1, None), (2, Some(LinearError::RankFailed))] {
+            let mut state = State::Running(World::of(size));
+            let failure = LinearError::OutOfMemory { step: "a test" };
+            assert_eq!(state.after::<()>(Err(failure.clone())), Err(failure));
+            assert_eq!(state.running().err(), then);
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The worker loop for MPI ranks other than 0.
 
-use super::LinearError;
 use super::ranks::{self, Kind, RankLocal, World};
+use crate::algebra::linear::LinearError;
 use crate::algebra::sparse::NodeRows;
 
 /// A function that assembles a rank's rows of the shared stiffness, or returns `None` if it cannot.

@@ -1,32 +1,29 @@
 //! A stiffness with rows on all ranks, from the view of rank 0: vectors, and the columns near contact.
 
-use std::any::Any;
 use std::fmt;
 use std::sync::atomic::{AtomicI64, Ordering};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use super::numbering::Numbering;
 use super::piece::{Job, Piece, State};
-use crate::algebra::linear::LinearError;
-use crate::algebra::linear::ranks::{self, Kind, Shared, World};
-use crate::algebra::sparse::{
-    Csc, DoubleDouble, NodeRows, Pattern, SharedMatrix, SharedSymmetric, Symmetric, SystemMatrix,
-};
+use super::{Form, Grid, Multigrid};
+use crate::algebra::linear::distributed::ranks::{self, Kind, Shared, World};
+use crate::algebra::linear::{Distributed, LinearError, Stiffness};
+use crate::algebra::sparse::{Csc, DoubleDouble, NodeRows, Pattern, Symmetric};
 
-/// Creates the matrix of `body`, of which each MPI rank assembles the rows of its own nodes. This process keeps a
+/// Creates the stiffness of `body`, of which each MPI rank assembles the rows of its own nodes. This process keeps a
 /// copy of the columns at the nodes `near` contact. Returns `None` if a rank cannot assemble its rows, or has another
 /// body.
 ///
 /// # Errors
 /// If MPI does not run, or memory is short.
-pub fn share(body: &dyn NodeRows, near: &[bool]) -> Result<Option<Symmetric>, LinearError> {
-    let stiffness = Stiffness::new(body, near)?;
-    Ok(stiffness.map(|stiffness| Symmetric::from(SharedSymmetric::from(Arc::new(stiffness) as Arc<dyn SharedMatrix>))))
+pub fn share(body: &dyn NodeRows, near: &[bool]) -> Result<Option<Stiffness>, LinearError> {
+    Ok(SharedStiffness::new(body, near)?.map(|shared| Stiffness::Distributed(Arc::new(shared))))
 }
 
 /// The shared stiffness; clones share it.
 #[derive(Clone)]
-pub(super) struct Stiffness(Arc<Inner>);
+pub(super) struct SharedStiffness(Arc<Inner>);
 
 struct Inner {
     pieces: Mutex<Shared<Option<Piece>>>,
@@ -42,17 +39,15 @@ struct Inner {
     row_norms: Vec<f64>,
     /// The number of hierarchies built so far.
     hierarchies: AtomicI64,
-    /// The lower triangle, computed on demand.
-    lower: OnceLock<Csc>,
 }
 
-impl fmt::Debug for Stiffness {
+impl fmt::Debug for SharedStiffness {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Stiffness").field("order", &self.0.places.len()).field("ranks", &self.bounds()).finish()
+        f.debug_struct("SharedStiffness").field("order", &self.0.places.len()).field("ranks", &self.bounds()).finish()
     }
 }
 
-impl Stiffness {
+impl SharedStiffness {
     fn new(body: &dyn NodeRows, near: &[bool]) -> Result<Option<Self>, LinearError> {
         let own = Numbering::new(body, ranks::count())?;
         let make = |world: &World| Ok(Piece::assembled(world, Some(body), Some(&own)));
@@ -81,7 +76,7 @@ impl Stiffness {
         }
         let [row_norms, diagonal] = norms.map(|of| places.iter().map(|place| of[*place as usize]).collect());
         let Some(near) = body.rows(near).map(|rows| columns(&rows, body, near)) else { return Ok(None) };
-        Ok(Some(Stiffness(Arc::new(Inner {
+        Ok(Some(SharedStiffness(Arc::new(Inner {
             pieces: Mutex::new(pieces),
             numbering: own,
             dimension: d,
@@ -92,18 +87,7 @@ impl Stiffness {
             diagonal,
             row_norms,
             hierarchies: AtomicI64::new(0),
-            lower: OnceLock::new(),
         }))))
-    }
-
-    /// Returns the shared stiffness of a matrix, if ranks share it.
-    pub(super) fn of(matrix: &SystemMatrix) -> Option<&Self> {
-        (matrix.shared()?.matrix() as &dyn Any).downcast_ref()
-    }
-
-    /// Returns the number of displacements.
-    pub(super) fn displacements(&self) -> usize {
-        self.0.places.len()
     }
 
     /// Returns the number of nodes of the mesh.
@@ -119,11 +103,6 @@ impl Stiffness {
     /// Returns the ranges of nodes of the ranks.
     pub(super) fn bounds(&self) -> &[usize] {
         &self.0.numbering.bounds
-    }
-
-    /// Returns the number of entries of `K̂`.
-    pub(super) fn entries(&self) -> usize {
-        self.0.entries
     }
 
     /// Builds a hierarchy of `K̂` for `factor` times this stiffness, with `springs` on its diagonal and these contact
@@ -161,25 +140,9 @@ impl Stiffness {
         vec![0.0; self.0.numbering.count() * self.0.dimension]
     }
 
-    /// Distributes gathered values to the displacements; NaN if the ranks did not answer.
-    fn spread(&self, result: &Result<(), LinearError>, all: &[f64], to: &mut [f64]) {
-        match result {
-            Ok(()) => to.iter_mut().zip(&self.0.places).for_each(|(to, place)| *to = all[*place as usize]),
-            Err(_) => to.fill(f64::NAN),
-        }
-    }
-
-    fn gathered(&self) -> Result<Csc, LinearError> {
-        let entries = self.run(Job::Lower, |world, piece| piece.all_lower(world))?;
-        let mut dof = vec![0; self.0.numbering.count() * self.0.dimension];
-        self.0.places.iter().enumerate().for_each(|(k, place)| dof[*place as usize] = k);
-        let entry = |[row, column, value]: &[f64; 3]| {
-            let (row, column) = (dof[*row as usize], dof[*column as usize]);
-            (row.max(column), row.min(column), *value)
-        };
-        let entries: Vec<_> = entries.as_chunks().0.iter().map(entry).collect();
-        let n = self.displacements();
-        Csc::from_triplets(n, n, &entries).map_err(|_| LinearError::NotFinite)
+    /// Distributes gathered values to the displacements.
+    fn spread(&self, all: &[f64], to: &mut [f64]) {
+        to.iter_mut().zip(&self.0.places).for_each(|(to, place)| *to = all[*place as usize]);
     }
 }
 
@@ -206,39 +169,17 @@ fn columns(rows: &Symmetric, body: &dyn NodeRows, near: &[bool]) -> Csc {
     columns
 }
 
-impl SharedMatrix for Stiffness {
+impl Distributed for SharedStiffness {
     fn order(&self) -> usize {
-        self.displacements()
+        self.0.places.len()
+    }
+
+    fn entries(&self) -> usize {
+        self.0.entries
     }
 
     fn owner(&self, node: usize) -> Option<usize> {
         self.0.numbering.owner(node)
-    }
-
-    fn mul(&self, x: &[f64], y: &mut [f64]) {
-        let (x, mut all) = (self.to_be_dealt(x), self.room());
-        let result = self.run(Job::Product, |world, piece| piece.product(world, &x, &mut all));
-        self.spread(&result, &all, y);
-    }
-
-    fn products(&self, x: &[f64], y: &mut [f64], sizes: &mut [f64]) {
-        let (x, mut all, mut all_sizes) = (self.to_be_dealt(x), self.room(), self.room());
-        let to = [&mut all[..], &mut all_sizes[..]];
-        let result = self.run(Job::Products, |world, piece| piece.products(world, &x, to));
-        self.spread(&result, &all, y);
-        self.spread(&result, &all_sizes, sizes);
-    }
-
-    fn add_beyond(&self, factor: f64, x: &[f64], rest: &[f64], sums: &mut [DoubleDouble]) {
-        let (x, rest) = (self.to_be_dealt(x), self.to_be_dealt(rest));
-        let (mut high, mut low) = (self.room(), self.room());
-        let to = [&mut high[..], &mut low[..]];
-        let result = self.run(Job::Beyond, |world, piece| piece.beyond(world, [&x, &rest], to));
-        for (sum, place) in sums.iter_mut().zip(&self.0.places) {
-            let of = |all: &[f64]| if result.is_ok() { all[*place as usize] } else { f64::NAN };
-            sum.add_product(factor, of(&high));
-            sum.add(factor * of(&low));
-        }
     }
 
     fn diagonal(&self) -> &[f64] {
@@ -253,25 +194,52 @@ impl SharedMatrix for Stiffness {
         &self.0.near
     }
 
-    fn get(&self, row: usize, column: usize) -> f64 {
-        let place = [row, column].map(|dof| i64::from(self.0.places[dof]));
-        self.run(Job::Entry, |world, piece| Ok(piece.entry_at(world, place))).unwrap_or(f64::NAN)
+    fn mul(&self, x: &[f64], y: &mut [f64]) -> Result<(), LinearError> {
+        let (x, mut all) = (self.to_be_dealt(x), self.room());
+        self.run(Job::Product, |world, piece| piece.product(world, &x, &mut all))?;
+        self.spread(&all, y);
+        Ok(())
     }
 
-    fn lower(&self) -> Csc {
-        let nothing = || {
-            let n = self.displacements();
-            let mut diagonal = Csc::zeros(Arc::new(Pattern::of(n, n, |take| (0..n).for_each(|i| take(i, i)))));
-            diagonal.values_mut().fill(f64::NAN);
-            diagonal
+    fn products(&self, x: &[f64], y: &mut [f64], sizes: &mut [f64]) -> Result<(), LinearError> {
+        let (x, mut all, mut all_sizes) = (self.to_be_dealt(x), self.room(), self.room());
+        self.run(Job::Products, |world, piece| piece.products(world, &x, [&mut all, &mut all_sizes]))?;
+        self.spread(&all, y);
+        self.spread(&all_sizes, sizes);
+        Ok(())
+    }
+
+    fn add_beyond(&self, factor: f64, x: &[f64], rest: &[f64], sums: &mut [DoubleDouble]) -> Result<(), LinearError> {
+        let (x, rest) = (self.to_be_dealt(x), self.to_be_dealt(rest));
+        let (mut high, mut low) = (self.room(), self.room());
+        self.run(Job::Beyond, |world, piece| piece.beyond(world, [&x, &rest], [&mut high, &mut low]))?;
+        for (sum, place) in sums.iter_mut().zip(&self.0.places) {
+            sum.add_product(factor, high[*place as usize]);
+            sum.add(factor * low[*place as usize]);
+        }
+        Ok(())
+    }
+
+    fn gathered(&self) -> Result<Symmetric, LinearError> {
+        let entries = self.run(Job::Lower, |world, piece| piece.all_lower(world))?;
+        let mut dof = vec![0; self.0.numbering.count() * self.0.dimension];
+        self.0.places.iter().enumerate().for_each(|(k, place)| dof[*place as usize] = k);
+        let entry = |[row, column, value]: &[f64; 3]| {
+            let (row, column) = (dof[*row as usize], dof[*column as usize]);
+            (row.max(column), row.min(column), *value)
         };
-        self.0.lower.get_or_init(|| self.gathered().unwrap_or_else(|_| nothing())).clone()
+        let entries: Vec<_> = entries.as_chunks().0.iter().map(entry).collect();
+        Symmetric::from_triplets(self.order(), &entries).map_err(|_| LinearError::NotFinite)
+    }
+
+    fn multigrid(&self, grid: Grid, form: Form) -> Multigrid {
+        Multigrid::on(self.clone(), grid, form)
     }
 }
 
 /// A hierarchy with parts on all ranks.
 pub(super) struct SharedCycle {
-    stiffness: Stiffness,
+    stiffness: SharedStiffness,
     number: i64,
 }
 

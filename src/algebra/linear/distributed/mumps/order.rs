@@ -10,7 +10,7 @@ use std::collections::HashMap;
 use std::ffi::c_int;
 
 use crate::algebra::linear::LinearError;
-use crate::algebra::linear::ranks::{Graph, order};
+use crate::algebra::linear::distributed::ranks::{Graph, order};
 use crate::algebra::sparse::Pattern;
 
 const STEP: &str = "ordering the unknowns";

@@ -7,9 +7,9 @@
 mod share;
 mod sys;
 
-use super::LinearError;
-use super::error::{expect_finite, expect_length};
 use super::ranks::{Kind, Shared};
+use crate::algebra::linear::LinearError;
+use crate::algebra::linear::error::{expect_finite, expect_length};
 pub(super) use share::Share;
 
 /// A square matrix by compressed rows, sorted.

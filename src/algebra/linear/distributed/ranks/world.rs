@@ -59,6 +59,12 @@ impl World {
         if status == 0 { Ok(World { rank, size, objects: 0 }) } else { Err(status) }
     }
 
+    /// Creates the view of rank 0 on this number of ranks, without MPI.
+    #[cfg(test)]
+    pub(super) fn of(size: usize) -> Self {
+        World { rank: 0, size, objects: 0 }
+    }
+
     /// Ends MPI.
     pub(super) fn end(self) {
         // SAFETY: every MPI call needs a `World`, and this was the only one.

@@ -15,8 +15,8 @@ use super::node::Eliminated;
 use super::numbering::Numbering;
 use super::rows::rows;
 use crate::algebra::linear::LinearError;
-use crate::algebra::linear::petsc::{Rows, Share};
-use crate::algebra::linear::ranks::World;
+use crate::algebra::linear::distributed::petsc::{Rows, Share};
+use crate::algebra::linear::distributed::ranks::World;
 use crate::algebra::sparse::{NodeRows, Symmetric};
 pub(super) use job::Job;
 pub(super) use told::State;
@@ -177,16 +177,6 @@ impl Piece {
             self.values[self.starts[own] * d * d + (a * columns.len() + at) * d + a]
         });
         [self.of_rows(norm), diagonal.collect()]
-    }
-
-    /// Returns the entry in `row` at `column`, among those of this rank.
-    fn entry(&self, first: usize, row: usize, column: usize) -> f64 {
-        let d = self.dimension;
-        let own = (row / d).checked_sub(first).filter(|own| own + 1 < self.starts.len());
-        let Some(own) = own else { return 0.0 };
-        let columns = &self.columns[self.starts[own]..self.starts[own + 1]];
-        let at = columns.iter().position(|other| self.nodes[*other as usize] == column / d);
-        at.map_or(0.0, |at| self.values[self.starts[own] * d * d + (row % d * columns.len() + at) * d + column % d])
     }
 
     /// Returns row, column and value of all entries on and below the diagonal.

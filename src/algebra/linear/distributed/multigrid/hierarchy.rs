@@ -5,7 +5,7 @@ use super::shared::SharedCycle;
 use super::small::{on, put, transposed_on, vector};
 use super::stiffness::BlockLayout;
 use crate::algebra::linear::LinearError;
-use crate::algebra::linear::petsc::{Amg, Rows};
+use crate::algebra::linear::distributed::petsc::{Amg, Rows};
 
 /// An approximate inverse of `K̂`.
 pub(super) trait Cycle: Send {

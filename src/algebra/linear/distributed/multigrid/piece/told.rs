@@ -1,12 +1,12 @@
 //! The broadcast of the Newton matrix data with which ranks assemble their rows of `K̂`.
 
-use crate::algebra::linear::multigrid::form::Form;
-use crate::algebra::linear::multigrid::node::{Eliminated, WORDS};
-use crate::algebra::linear::ranks::World;
+use crate::algebra::linear::distributed::multigrid::form::Form;
+use crate::algebra::linear::distributed::multigrid::node::{Eliminated, WORDS};
+use crate::algebra::linear::distributed::ranks::World;
 
 /// The data of a Newton matrix besides the stiffness.
 #[derive(Clone)]
-pub(in crate::algebra::linear::multigrid) struct State {
+pub(in crate::algebra::linear::distributed::multigrid) struct State {
     /// The factor of the stiffness.
     pub factor: f64,
     pub form: Form,

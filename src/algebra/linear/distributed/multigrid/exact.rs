@@ -2,9 +2,9 @@
 
 #[cfg(test)]
 pub(super) mod tests {
-    use crate::algebra::linear::multigrid::small::transposed_on;
-    use crate::algebra::linear::multigrid::*;
-    use crate::algebra::linear::petsc::Rows;
+    use crate::algebra::linear::distributed::multigrid::small::transposed_on;
+    use crate::algebra::linear::distributed::multigrid::*;
+    use crate::algebra::linear::distributed::petsc::Rows;
 
     /// Gaussian elimination on the whole matrix.
     struct Inverse(Vec<Vec<f64>>);
@@ -53,10 +53,10 @@ pub(super) mod tests {
     }
 
     /// A generator of pseudo-random numbers between -1 and 1.
-    pub(in crate::algebra::linear::multigrid) struct Numbers(pub u64);
+    pub(in crate::algebra::linear::distributed::multigrid) struct Numbers(pub u64);
 
     impl Numbers {
-        pub(in crate::algebra::linear::multigrid) fn next(&mut self) -> f64 {
+        pub(in crate::algebra::linear::distributed::multigrid) fn next(&mut self) -> f64 {
             self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
         }
@@ -64,7 +64,7 @@ pub(super) mod tests {
 
     /// The kind of a contact node's rows.
     #[derive(Clone, Copy)]
-    pub(in crate::algebra::linear::multigrid) enum Law {
+    pub(in crate::algebra::linear::distributed::multigrid) enum Law {
         Open,
         Stick,
         /// Slip with this friction, along the first tangent.
@@ -77,7 +77,10 @@ pub(super) mod tests {
 
     /// Creates a chain of nodes in space, each coupled to the next, with a different frame at each contact; the last
     /// node has no y.
-    pub(in crate::algebra::linear::multigrid) fn system(laws: &[Law], changed: bool) -> (Grid, SystemMatrix) {
+    pub(in crate::algebra::linear::distributed::multigrid) fn system(
+        laws: &[Law],
+        changed: bool,
+    ) -> (Grid, SystemMatrix) {
         let (m, mut numbers) = (laws.len() + 3, Numbers(5));
         let n_u = 3 * m - 1;
         let mut entries: Vec<(usize, usize, f64)> = Vec::new();
@@ -162,7 +165,7 @@ pub(super) mod tests {
         (grid, SystemMatrix::from(Csc::from_triplets(n, n, &entries).unwrap()))
     }
 
-    pub(in crate::algebra::linear::multigrid) const LAWS: [Law; 8] = [
+    pub(in crate::algebra::linear::distributed::multigrid) const LAWS: [Law; 8] = [
         Law::Open,
         Law::Stick,
         Law::Slip(0.0),

@@ -3,19 +3,18 @@
 
 use super::{Piece, State};
 use crate::algebra::linear::LinearError;
-use crate::algebra::linear::petsc::Share;
-use crate::algebra::linear::ranks::{RankLocal, World};
+use crate::algebra::linear::distributed::petsc::Share;
+use crate::algebra::linear::distributed::ranks::{RankLocal, World};
 use crate::algebra::sparse::DoubleDouble;
 
 /// A collective operation. Hierarchies are identified by numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::algebra::linear::multigrid) enum Job {
+pub(in crate::algebra::linear::distributed::multigrid) enum Job {
     Needs,
     Norms,
     Product,
     Products,
     Beyond,
-    Entry,
     Lower,
     Hierarchy(i64),
     Cycle(i64),
@@ -23,21 +22,20 @@ pub(in crate::algebra::linear::multigrid) enum Job {
 }
 
 impl Job {
-    const KINDS: i64 = 10;
+    const KINDS: i64 = 9;
 
     /// Returns the number by which rank 0 calls the operation.
-    pub(in crate::algebra::linear::multigrid) fn number(self) -> i64 {
+    pub(in crate::algebra::linear::distributed::multigrid) fn number(self) -> i64 {
         match self {
             Job::Needs => 0,
             Job::Norms => 1,
             Job::Product => 2,
             Job::Products => 3,
             Job::Beyond => 4,
-            Job::Entry => 5,
-            Job::Lower => 6,
-            Job::Hierarchy(of) => 7 + Job::KINDS * of,
-            Job::Cycle(of) => 8 + Job::KINDS * of,
-            Job::Drop(of) => 9 + Job::KINDS * of,
+            Job::Lower => 5,
+            Job::Hierarchy(of) => 6 + Job::KINDS * of,
+            Job::Cycle(of) => 7 + Job::KINDS * of,
+            Job::Drop(of) => 8 + Job::KINDS * of,
         }
     }
 
@@ -49,10 +47,9 @@ impl Job {
             2 => Job::Product,
             3 => Job::Products,
             4 => Job::Beyond,
-            5 => Job::Entry,
-            6 => Job::Lower,
-            7 => Job::Hierarchy(of),
-            8 => Job::Cycle(of),
+            5 => Job::Lower,
+            6 => Job::Hierarchy(of),
+            7 => Job::Cycle(of),
             _ => Job::Drop(of),
         }
     }
@@ -61,7 +58,10 @@ impl Job {
 impl Piece {
     /// Gathers the node numbers of the vector parts that rank 0 must scatter, rank after rank, and the number of
     /// entries on all ranks.
-    pub(in crate::algebra::linear::multigrid) fn needs(&self, world: &World) -> Result<(Vec<u32>, usize), LinearError> {
+    pub(in crate::algebra::linear::distributed::multigrid) fn needs(
+        &self,
+        world: &World,
+    ) -> Result<(Vec<u32>, usize), LinearError> {
         let bounds = world.bounds(self.nodes.len());
         let entries = world.of_each([self.values.len() as f64]);
         let mut all = on_first(world, bounds[world.size()]);
@@ -71,7 +71,7 @@ impl Piece {
     }
 
     /// Gathers the largest size in each row, and the diagonal.
-    pub(in crate::algebra::linear::multigrid) fn all_norms(
+    pub(in crate::algebra::linear::distributed::multigrid) fn all_norms(
         &self,
         world: &World,
         all: &mut [Vec<f64>; 2],
@@ -81,7 +81,7 @@ impl Piece {
     }
 
     /// Computes `K x` for an `x` as it is scattered.
-    pub(in crate::algebra::linear::multigrid) fn product(
+    pub(in crate::algebra::linear::distributed::multigrid) fn product(
         &self,
         world: &World,
         x: &[f64],
@@ -92,7 +92,7 @@ impl Piece {
     }
 
     /// Computes `K x` and `|K| |x|`.
-    pub(in crate::algebra::linear::multigrid) fn products(
+    pub(in crate::algebra::linear::distributed::multigrid) fn products(
         &self,
         world: &World,
         x: &[f64],
@@ -104,7 +104,7 @@ impl Piece {
     }
 
     /// Computes `K (x + rest)` in twice the working precision, as two numbers.
-    pub(in crate::algebra::linear::multigrid) fn beyond(
+    pub(in crate::algebra::linear::distributed::multigrid) fn beyond(
         &self,
         world: &World,
         [x, rest]: [&[f64]; 2],
@@ -128,15 +128,11 @@ impl Piece {
         Ok(())
     }
 
-    /// Returns the entry at a place given by rank 0.
-    pub(in crate::algebra::linear::multigrid) fn entry_at(&self, world: &World, mut place: [i64; 2]) -> f64 {
-        world.tell(&mut place);
-        let own = self.entry(self.first(world), place[0] as usize, place[1] as usize);
-        world.of_each([own]).into_iter().map(|[value]| value).sum()
-    }
-
     /// Gathers row, column and value of each entry on and below the diagonal.
-    pub(in crate::algebra::linear::multigrid) fn all_lower(&self, world: &World) -> Result<Vec<f64>, LinearError> {
+    pub(in crate::algebra::linear::distributed::multigrid) fn all_lower(
+        &self,
+        world: &World,
+    ) -> Result<Vec<f64>, LinearError> {
         let own = self.lower(self.first(world));
         let bounds = world.bounds(own.len());
         let mut all = on_first(world, bounds[world.size()]);
@@ -145,7 +141,7 @@ impl Piece {
     }
 
     /// Builds the hierarchy of the Newton matrix of rank 0, the only rank with its `state` and rigid modes.
-    pub(in crate::algebra::linear::multigrid) fn hierarchy(
+    pub(in crate::algebra::linear::distributed::multigrid) fn hierarchy(
         &mut self,
         world: &World,
         number: i64,
@@ -167,7 +163,7 @@ impl Piece {
     }
 
     /// Applies one cycle of a hierarchy.
-    pub(in crate::algebra::linear::multigrid) fn cycle(
+    pub(in crate::algebra::linear::distributed::multigrid) fn cycle(
         &mut self,
         world: &World,
         number: i64,
@@ -178,7 +174,7 @@ impl Piece {
     }
 
     /// Drops a hierarchy.
-    pub(in crate::algebra::linear::multigrid) fn forget(&mut self, number: i64) {
+    pub(in crate::algebra::linear::distributed::multigrid) fn forget(&mut self, number: i64) {
         self.hierarchies.remove(&number);
     }
 
@@ -205,10 +201,6 @@ impl RankLocal for Option<Piece> {
             Job::Product => piece.product(world, &[], one),
             Job::Products => piece.products(world, &[], [one, other]),
             Job::Beyond => piece.beyond(world, [&[], &[]], [one, other]),
-            Job::Entry => {
-                piece.entry_at(world, [0; 2]);
-                Ok(())
-            }
             Job::Lower => piece.all_lower(world).map(drop),
             Job::Hierarchy(number) => piece.hierarchy(world, number, None, &[]),
             Job::Cycle(number) => piece.cycle(world, number, &[], one),
@@ -226,7 +218,7 @@ mod tests {
 
     #[test]
     fn jobs_have_numbers() {
-        let single = [Job::Needs, Job::Norms, Job::Product, Job::Products, Job::Beyond, Job::Entry, Job::Lower];
+        let single = [Job::Needs, Job::Norms, Job::Product, Job::Products, Job::Beyond, Job::Lower];
         let numbered = (0..3).flat_map(|k| [Job::Hierarchy(k), Job::Cycle(k), Job::Drop(k)]);
         for job in single.into_iter().chain(numbered) {
             assert_eq!(Job::of(job.number()), job);

@@ -1,12 +1,13 @@
-//! The matrix of a linear system whose stiffness may be dense, or shared among processes.
+//! The matrix of a linear system whose stiffness may be dense, or distributed over processes.
 
 use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::error::expect_length;
-use super::{Csc, DenseSymmetric, DoubleDouble, MatrixError, Pattern, SharedSymmetric, Symmetric};
+use super::{Distributed, LinearError, Stiffness};
+use crate::algebra::sparse::{Csc, DenseSymmetric, DoubleDouble, Pattern, Symmetric};
 
-/// A square sparse matrix whose first rows and columns may contain a dense or shared symmetric block:
+/// A square sparse matrix whose first rows and columns may contain a dense or distributed symmetric block:
 ///
 /// ```text
 /// A = [ S 0 ] + R.
@@ -25,7 +26,8 @@ pub struct SystemMatrix {
 #[derive(Debug, Clone)]
 enum Leading {
     Dense(DenseSymmetric),
-    Shared(SharedSymmetric),
+    /// A distributed stiffness times a factor.
+    Distributed(Arc<dyn Distributed>, f64),
 }
 
 impl From<Csc> for SystemMatrix {
@@ -40,21 +42,21 @@ impl SystemMatrix {
     ///
     /// # Errors
     /// If `rest` is not square, or has fewer rows than the block.
-    pub fn new(leading: DenseSymmetric, rest: Csc) -> Result<Self, MatrixError> {
+    pub fn new(leading: DenseSymmetric, rest: Csc) -> Result<Self, LinearError> {
         let (rows, columns) = (rest.pattern().rows(), rest.pattern().columns());
-        if rows != columns {
-            return Err(MatrixError::NotSquare { rows, columns });
-        }
+        expect_length("rows of the matrix", columns, rows)?;
         expect_length("rows of the dense block", leading.order().min(rows), leading.order())?;
         Ok(SystemMatrix { leading: Some(Leading::Dense(leading)), rest })
     }
 
-    /// Creates the zero matrix with this pattern, plus `factor` times the stiffness if that is dense or shared. It is
-    /// for this crate's own matrices.
-    pub(crate) fn of(stiffness: &Symmetric, factor: f64, pattern: Pattern) -> Self {
-        let dense = stiffness.dense().map(|dense| Leading::Dense(dense.scaled(factor)));
-        let shared = stiffness.shared().map(|shared| Leading::Shared(shared.scaled(factor)));
-        SystemMatrix { leading: dense.or(shared), rest: Csc::zeros(Arc::new(pattern)) }
+    /// Creates the zero matrix with this pattern, plus `factor` times the stiffness if that is dense or distributed. It
+    /// is for this crate's own matrices.
+    pub(crate) fn of(stiffness: &Stiffness, factor: f64, pattern: Pattern) -> Self {
+        let leading = match stiffness {
+            Stiffness::Assembled(k) => k.dense().map(|dense| Leading::Dense(dense.scaled(factor))),
+            Stiffness::Distributed(k) => Some(Leading::Distributed(Arc::clone(k), factor)),
+        };
+        SystemMatrix { leading, rest: Csc::zeros(Arc::new(pattern)) }
     }
 
     /// Returns the order.
@@ -66,20 +68,22 @@ impl SystemMatrix {
     pub fn leading(&self) -> Option<&DenseSymmetric> {
         match &self.leading {
             Some(Leading::Dense(dense)) => Some(dense),
-            Some(Leading::Shared(_)) | None => None,
+            Some(Leading::Distributed(..)) | None => None,
         }
     }
 
-    /// Returns the block `S` if processes share it.
-    pub fn shared(&self) -> Option<&SharedSymmetric> {
+    /// Returns the distributed stiffness and its factor in the block `S`, if the block is one.
+    #[cfg(feature = "petsc")]
+    pub(super) fn distributed(&self) -> Option<(&dyn Distributed, f64)> {
         match &self.leading {
-            Some(Leading::Shared(shared)) => Some(shared),
+            Some(Leading::Distributed(stiffness, factor)) => Some((&**stiffness, *factor)),
             Some(Leading::Dense(_)) | None => None,
         }
     }
 
     /// Returns `true` if there is a block `S`.
-    pub(crate) fn has_leading(&self) -> bool {
+    #[cfg(feature = "petsc")]
+    pub(super) fn has_leading(&self) -> bool {
         self.leading.is_some()
     }
 
@@ -98,23 +102,34 @@ impl SystemMatrix {
         self.rest.pattern()
     }
 
-    /// Returns the entry at `(row, column)`, or 0 if it is not stored.
+    /// Returns the entry at `(row, column)`, or 0 if it is not stored. Of a distributed block it is the entry on the
+    /// diagonal; the others count as not stored.
     pub fn get(&self, row: usize, column: usize) -> f64 {
-        let rest = self.pattern().slot(row, column).map_or(0.0, |slot| self.rest.values()[slot]);
-        self.leading.as_ref().map_or(0.0, |leading| leading.get(row, column)) + rest
+        let leading = match &self.leading {
+            Some(Leading::Dense(dense)) => dense.get(row, column),
+            Some(Leading::Distributed(stiffness, factor)) if row == column => {
+                stiffness.diagonal().get(row).map_or(0.0, |value| factor * value)
+            }
+            Some(Leading::Distributed(..)) | None => 0.0,
+        };
+        leading + self.pattern().slot(row, column).map_or(0.0, |slot| self.rest.values()[slot])
     }
 
-    /// Iterates over all stored entries as `(row, column, value)`. Entries added to the block are separate.
-    pub fn entries(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
-        let shared = self.shared().map(|shared| Symmetric::of_lower(shared.lower()).entries().collect::<Vec<_>>());
-        let dense = self.leading().into_iter().flat_map(DenseSymmetric::entries);
-        dense.chain(shared.into_iter().flatten()).chain(self.rest.entries())
-    }
-
-    /// Returns the matrix in compressed columns.
-    pub fn to_csc(&self) -> Cow<'_, Csc> {
-        let Some(leading) = &self.leading else { return Cow::Borrowed(&self.rest) };
-        let (leading, n, rest) = (leading.whole(), self.order(), &self.rest);
+    /// Returns the matrix in compressed columns. A distributed block is gathered in this process.
+    ///
+    /// # Errors
+    /// [`LinearError`] if a process with rows of the block has failed, here and below.
+    pub fn to_csc(&self) -> Result<Cow<'_, Csc>, LinearError> {
+        let leading = match &self.leading {
+            Some(Leading::Dense(dense)) => Symmetric::from(dense.clone()),
+            Some(Leading::Distributed(stiffness, factor)) => {
+                let mut gathered = stiffness.gathered()?;
+                gathered.scale(*factor);
+                gathered
+            }
+            None => return Ok(Cow::Borrowed(&self.rest)),
+        };
+        let (n, rest) = (self.order(), &self.rest);
         let mut whole = Csc::zeros(Arc::new(Pattern::of(n, n, |take| {
             leading.entries().chain(rest.entries()).for_each(|(row, column, _)| take(row, column));
         })));
@@ -124,33 +139,38 @@ impl SystemMatrix {
                 values[slot] += value;
             }
         }
-        Cow::Owned(whole)
+        Ok(Cow::Owned(whole))
     }
 
     /// Computes `A x`.
     ///
     /// # Errors
-    /// If the length of `x` differs from the number of columns.
-    pub fn times(&self, x: &[f64]) -> Result<Vec<f64>, MatrixError> {
+    /// As [`SystemMatrix::to_csc`], and if the length of `x` differs from the number of columns.
+    pub fn times(&self, x: &[f64]) -> Result<Vec<f64>, LinearError> {
         expect_length("vector", self.order(), x.len())?;
         let mut y = vec![0.0; self.pattern().rows()];
-        self.mul(x, &mut y);
+        self.mul(x, &mut y)?;
         Ok(y)
     }
 
     /// Computes `y = A x`.
-    pub(crate) fn mul(&self, x: &[f64], y: &mut [f64]) {
+    pub(crate) fn mul(&self, x: &[f64], y: &mut [f64]) -> Result<(), LinearError> {
         y.fill(0.0);
         match &self.leading {
             Some(Leading::Dense(dense)) => dense.mul(&x[..dense.order()], &mut y[..dense.order()]),
-            Some(Leading::Shared(shared)) => shared.mul(&x[..shared.order()], &mut y[..shared.order()]),
+            Some(Leading::Distributed(stiffness, factor)) => {
+                let m = stiffness.order();
+                stiffness.mul(&x[..m], &mut y[..m])?;
+                y[..m].iter_mut().for_each(|y| *y *= factor);
+            }
             None => {}
         }
         self.rest.add_product(x, y);
+        Ok(())
     }
 
     /// Computes `r = b - A x` and its scale `s = |A| |x| + |b|`.
-    pub(crate) fn residual(&self, x: &[f64], b: &[f64], r: &mut [f64], s: &mut [f64]) {
+    pub(crate) fn residual(&self, x: &[f64], b: &[f64], r: &mut [f64], s: &mut [f64]) -> Result<(), LinearError> {
         for (i, &value) in b.iter().enumerate() {
             r[i] = value;
             s[i] = value.abs();
@@ -160,33 +180,40 @@ impl SystemMatrix {
                 let m = dense.order();
                 dense.residual(&x[..m], &mut r[..m], &mut s[..m]);
             }
-            Some(Leading::Shared(shared)) => {
-                let m = shared.order();
-                shared.residual(&x[..m], &mut r[..m], &mut s[..m]);
+            Some(Leading::Distributed(stiffness, factor)) => {
+                let m = stiffness.order();
+                let (mut product, mut sizes) = (vec![0.0; m], vec![0.0; m]);
+                stiffness.products(&x[..m], &mut product, &mut sizes)?;
+                r.iter_mut().zip(product).for_each(|(r, y)| *r -= factor * y);
+                s.iter_mut().zip(sizes).for_each(|(s, size)| *s += factor.abs() * size);
             }
             None => {}
         }
         self.rest.subtract_product(x, r, s);
+        Ok(())
     }
 
     /// Adds `A (x + rest)` to `sums`, in twice the working precision.
-    pub(crate) fn add_beyond(&self, x: &[f64], rest: &[f64], sums: &mut [DoubleDouble]) {
-        if let Some(shared) = self.shared() {
-            let m = shared.order();
-            shared.add_beyond(&x[..m], &rest[..m], &mut sums[..m]);
+    pub(crate) fn add_beyond(&self, x: &[f64], rest: &[f64], sums: &mut [DoubleDouble]) -> Result<(), LinearError> {
+        if let Some(Leading::Distributed(stiffness, factor)) = &self.leading {
+            let m = stiffness.order();
+            stiffness.add_beyond(*factor, &x[..m], &rest[..m], &mut sums[..m])?;
         }
         let dense = self.leading().into_iter().flat_map(DenseSymmetric::entries);
         for (row, column, value) in dense.chain(self.rest.entries()) {
             sums[row].add_product(value, x[column]);
             sums[row].add(value * rest[column]);
         }
+        Ok(())
     }
 
     /// Returns the largest absolute value.
     pub(crate) fn largest_entry(&self) -> f64 {
         let leading = match &self.leading {
             Some(Leading::Dense(dense)) => dense.largest_entry(),
-            Some(Leading::Shared(shared)) => shared.row_norms().fold(0.0, f64::max),
+            Some(Leading::Distributed(stiffness, factor)) => {
+                factor.abs() * stiffness.row_norms().iter().fold(0.0, |m, norm| norm.max(m))
+            }
             None => 0.0,
         };
         self.rest.values().iter().fold(leading, |m, value| m.max(value.abs()))
@@ -197,30 +224,13 @@ impl SystemMatrix {
         let mut norms = vec![0.0_f64; self.pattern().rows()];
         match &self.leading {
             Some(Leading::Dense(dense)) => norms.iter_mut().zip(dense.row_norms()).for_each(|(norm, own)| *norm = own),
-            Some(Leading::Shared(shared)) => {
-                norms.iter_mut().zip(shared.row_norms()).for_each(|(norm, own)| *norm = own);
+            Some(Leading::Distributed(stiffness, factor)) => {
+                norms.iter_mut().zip(stiffness.row_norms()).for_each(|(norm, own)| *norm = factor.abs() * own);
             }
             None => {}
         }
         self.rest.entries().for_each(|(row, _, value)| norms[row] = norms[row].max(value.abs()));
         norms
-    }
-}
-
-impl Leading {
-    /// Returns the whole matrix, gathered in this process.
-    fn whole(&self) -> Symmetric {
-        match self {
-            Leading::Dense(dense) => Symmetric::from(dense.clone()),
-            Leading::Shared(shared) => Symmetric::of_lower(shared.lower()),
-        }
-    }
-
-    fn get(&self, row: usize, column: usize) -> f64 {
-        match self {
-            Leading::Dense(dense) => dense.get(row, column),
-            Leading::Shared(shared) => shared.get(row, column),
-        }
     }
 }
 
@@ -239,7 +249,7 @@ mod tests {
     #[test]
     fn it_is_what_its_compressed_columns_are() {
         let a = example();
-        let whole = a.to_csc().into_owned();
+        let whole = a.to_csc().unwrap().into_owned();
         let entry = |row, column| whole.pattern().slot(row, column).map_or(0.0, |slot| whole.values()[slot]);
         for (row, column) in (0..4).flat_map(|row| (0..4).map(move |column| (row, column))) {
             assert_eq!(a.get(row, column), entry(row, column), "{row} {column}");
@@ -248,12 +258,12 @@ mod tests {
         assert_eq!(a.times(&x).unwrap(), whole.times(&x).unwrap());
         let residual = |a: &SystemMatrix| {
             let (mut r, mut s) = ([0.0; 4], [0.0; 4]);
-            a.residual(&x, &b, &mut r, &mut s);
+            a.residual(&x, &b, &mut r, &mut s).unwrap();
             [r, s]
         };
         let whole = SystemMatrix::from(whole);
         assert_eq!(residual(&a), residual(&whole));
-        assert!(matches!(whole.to_csc(), Cow::Borrowed(_)));
+        assert!(matches!(whole.to_csc(), Ok(Cow::Borrowed(_))));
         // S_11 + 8 counts as two separate entries.
         assert_eq!((a.largest_entry(), whole.largest_entry()), (8.0, 9.5));
         assert_eq!(a.row_norms(), [1.0, 8.0, 2.5, 2.0]);
@@ -263,8 +273,8 @@ mod tests {
     fn parts_that_do_not_fit() {
         let one = |n| DenseSymmetric::from_lower(n, vec![1.0; n * n]).unwrap();
         let rest = |rows, columns| Csc::from_triplets(rows, columns, &[]).unwrap();
-        assert!(matches!(SystemMatrix::new(one(2), rest(2, 3)), Err(MatrixError::NotSquare { .. })));
-        assert!(matches!(SystemMatrix::new(one(3), rest(2, 2)), Err(MatrixError::Length { .. })));
+        assert!(matches!(SystemMatrix::new(one(2), rest(2, 3)), Err(LinearError::Shape { .. })));
+        assert!(matches!(SystemMatrix::new(one(3), rest(2, 2)), Err(LinearError::Shape { .. })));
         assert!(SystemMatrix::new(one(2), rest(2, 2)).is_ok());
     }
 }

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::form::Form;
 use crate::algebra::linear::LinearError;
-use crate::algebra::linear::petsc::Rows;
+use crate::algebra::linear::distributed::petsc::Rows;
 
 /// The number of nodes whose rows one thread assembles at a time.
 const TOGETHER: usize = 512;

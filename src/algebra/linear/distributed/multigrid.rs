@@ -25,8 +25,9 @@ use std::sync::Arc;
 
 use super::petsc::Amg;
 use super::ranks;
-use super::{FactorInfo, Iterated, LinearError, LinearSolver, SparseLu};
-use crate::algebra::sparse::{Csc, Pattern, SystemMatrix};
+use crate::algebra::linear::error::expect_length;
+use crate::algebra::linear::{FactorInfo, Iterated, LinearError, LinearSolver, SparseLu, SystemMatrix};
+use crate::algebra::sparse::{Csc, Pattern};
 use block::Border;
 pub use form::Form;
 pub use grid::{Grid, GridContact};
@@ -35,7 +36,7 @@ use node::Eliminated;
 pub(super) use piece::Piece;
 use precondition::{Elimination, Work, kernel};
 use product::Product;
-use shared::Stiffness;
+use shared::SharedStiffness;
 pub use shared::share;
 use stiffness::BlockLayout;
 
@@ -48,6 +49,8 @@ const TIGHT: f64 = 1e-10;
 pub struct Multigrid {
     grid: Grid,
     form: Form,
+    /// The stiffness in its systems, if ranks share it.
+    shared: Option<SharedStiffness>,
     matrix: Option<SystemMatrix>,
     layout: Option<BlockLayout>,
     /// The workspace of products.
@@ -77,6 +80,7 @@ impl Multigrid {
         Multigrid {
             grid,
             form,
+            shared: None,
             matrix: None,
             layout: None,
             sums: Vec::new(),
@@ -86,6 +90,16 @@ impl Multigrid {
             instead: None,
             iterated: Iterated::default(),
         }
+    }
+
+    /// Creates a solver for systems with this stiffness.
+    fn on(shared: SharedStiffness, grid: Grid, form: Form) -> Self {
+        Multigrid { shared: Some(shared), ..Self::new(grid, form) }
+    }
+
+    /// Returns `true` if the stiffness of `a` is a block that must be converted to compressed columns.
+    fn must_be_compressed(&self, a: &SystemMatrix) -> bool {
+        a.has_leading() && (self.shared.is_none() || a.distributed().is_none())
     }
 
     /// Returns `true` if the present matrix uses the hierarchy of another one.
@@ -104,12 +118,14 @@ impl Multigrid {
         let hierarchy = &mut self.hierarchies[*hierarchy];
         let limit = hierarchy.patience(tolerance).min(MOST_ITERATIONS);
         let approximately = |r: &[f64], z: &mut [f64]| elimination.precondition(hierarchy, work, r, z);
-        let found = if matrix.shared().is_some() {
-            let product = |x: &[f64], y: &mut [f64]| matrix.mul(x, y);
-            gmres::solve(b, x, tolerance, limit, product, approximately)?
+        let found = if matrix.has_leading() {
+            gmres::solve(b, x, tolerance, limit, |x, y| matrix.mul(x, y), approximately)?
         } else {
             let mut product = Product::new(matrix.pattern(), matrix.rest().values(), &mut self.sums);
-            let product = |x: &[f64], y: &mut [f64]| product.times(x, y);
+            let product = |x: &[f64], y: &mut [f64]| {
+                product.times(x, y);
+                Ok(())
+            };
             gmres::solve(b, x, tolerance, limit, product, approximately)?
         };
         self.iterated.iterations += found.iterations;
@@ -139,8 +155,8 @@ impl Multigrid {
             let all_held = hierarchy::all_held(&nodes);
             self.hierarchies.retain(|hierarchy| hierarchy.all_held != all_held);
             let kernel = kernel(&self.grid, layout, &nodes);
-            let (cycle, border) = if let Some(stiffness) = Stiffness::of(matrix) {
-                let cycle = stiffness.cycle(&layout.state(matrix, &nodes, self.form), &kernel)?;
+            let (cycle, border) = if let Some(shared) = self.shared.as_ref().filter(|_| matrix.has_leading()) {
+                let cycle = shared.cycle(&layout.state(matrix, &nodes, self.form), &kernel)?;
                 (Box::new(cycle) as Box<dyn Cycle>, layout.border(matrix, &nodes))
             } else {
                 let (rows, border) = layout.stiffness(matrix, &nodes, self.form)?;
@@ -165,29 +181,30 @@ impl LinearSolver for Multigrid {
     }
 
     fn analyze_system(&mut self, a: &SystemMatrix) -> Result<(), LinearError> {
-        if a.leading().is_some() {
-            return self.analyze(a.to_csc().pattern());
+        if self.must_be_compressed(a) {
+            return self.analyze(a.to_csc()?.pattern());
         }
         (self.factored, self.instead) = (None, None);
         self.hierarchies.clear();
-        let layout = BlockLayout::new(&self.grid, a)?;
-        self.layout = Some(if a.shared().is_some() { layout } else { layout.shared_among(ranks::count())? });
+        let shared = self.shared.as_ref().filter(|_| a.has_leading());
+        let layout = BlockLayout::new(&self.grid, a, shared)?;
+        self.layout = Some(if shared.is_some() { layout } else { layout.shared_among(ranks::count())? });
         self.matrix = Some(a.clone());
         Ok(())
     }
 
     fn factorize(&mut self, values: &[f64]) -> Result<FactorInfo, LinearError> {
         let Some(matrix) = &mut self.matrix else { return Err(LinearError::Order { missing: "analyze" }) };
-        super::error::expect_length("values", matrix.pattern().len(), values.len())?;
+        expect_length("values", matrix.pattern().len(), values.len())?;
         matrix.rest_mut().values_mut().copy_from_slice(values);
         self.prepare()
     }
 
     fn factorize_system(&mut self, a: &SystemMatrix) -> Result<FactorInfo, LinearError> {
-        match a.leading() {
-            None => self.factorize(a.rest().values()),
-            Some(_) => self.factorize(a.to_csc().values()),
+        if self.must_be_compressed(a) {
+            return self.factorize(a.to_csc()?.values());
         }
+        self.factorize(a.rest().values())
     }
 
     fn iterates(&self) -> bool {

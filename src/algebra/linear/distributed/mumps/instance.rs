@@ -8,7 +8,7 @@ use std::ptr;
 
 use super::sys;
 use crate::algebra::linear::LinearError;
-use crate::algebra::linear::ranks::{RankLocal, World};
+use crate::algebra::linear::distributed::ranks::{RankLocal, World};
 
 /// A job of MUMPS.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

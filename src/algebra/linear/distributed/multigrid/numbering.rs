@@ -1,7 +1,7 @@
 //! The distribution of the nodes of a shared stiffness among ranks.
 
 use crate::algebra::linear::LinearError;
-use crate::algebra::linear::ranks::{Graph, World, partition};
+use crate::algebra::linear::distributed::ranks::{Graph, World, partition};
 use crate::algebra::sparse::NodeRows;
 
 /// The number of a node without displacements.

@@ -9,12 +9,12 @@ use super::grid::Grid;
 use super::node::{Eliminated, Local};
 use super::piece::State;
 use super::rows::rows;
-use super::shared::Stiffness;
-use crate::algebra::linear::LinearError;
+use super::shared::SharedStiffness;
+use crate::algebra::linear::distributed::petsc::Rows;
+use crate::algebra::linear::distributed::ranks::{Graph, partition};
 use crate::algebra::linear::error::expect_length;
-use crate::algebra::linear::petsc::Rows;
-use crate::algebra::linear::ranks::{Graph, partition};
-use crate::algebra::sparse::{Pattern, SharedSymmetric, SystemMatrix};
+use crate::algebra::linear::{Distributed, LinearError, SystemMatrix};
+use crate::algebra::sparse::Pattern;
 
 /// The places of all unknowns, for one pattern.
 pub(super) struct BlockLayout {
@@ -42,15 +42,18 @@ pub(super) struct BlockLayout {
 }
 
 impl BlockLayout {
-    /// Creates the layout for matrices with the pattern of `matrix`. If ranks share it, its nodes are numbered
-    /// already.
-    pub(super) fn new(grid: &Grid, matrix: &SystemMatrix) -> Result<Self, LinearError> {
+    /// Creates the layout for matrices with the pattern of `matrix`. If ranks share its stiffness, the nodes are
+    /// numbered already.
+    pub(super) fn new(
+        grid: &Grid,
+        matrix: &SystemMatrix,
+        shared: Option<&SharedStiffness>,
+    ) -> Result<Self, LinearError> {
         expect_length("columns of the matrix", matrix.pattern().rows(), matrix.order())?;
         grid.checked(matrix.order())?;
-        let shared = Stiffness::of(matrix);
         let displacements = grid.displacements.len();
         if let Some(shared) = shared {
-            expect_length("displacements of the shared stiffness", shared.displacements(), displacements)?;
+            expect_length("displacements of the shared stiffness", shared.order(), displacements)?;
             expect_length("nodes of the shared stiffness", shared.nodes(), grid.nodes)?;
             expect_length("changed displacements of a shared stiffness", 0, grid.changed.len())?;
         }
@@ -108,7 +111,7 @@ impl BlockLayout {
             layout.columns.push(if here { columns } else { Vec::new() });
         }
         let entries = layout.columns.iter().map(|columns| columns.len() * layout.dimension * layout.dimension).sum();
-        layout.entries = shared.map_or(entries, Stiffness::entries);
+        layout.entries = shared.map_or(entries, Distributed::entries);
         Ok(layout)
     }
 
@@ -164,7 +167,7 @@ impl BlockLayout {
     /// rows.
     fn each_neighbour(&self, dof: usize, matrix: &SystemMatrix, mut take: impl FnMut(f64, usize)) {
         let (pattern, values) = (matrix.pattern(), matrix.rest().values());
-        let Some(shared) = matrix.shared() else {
+        let Some((shared, factor)) = matrix.distributed() else {
             for &(e, c) in &self.shares[dof] {
                 let slots = pattern.column_starts()[e] as usize..pattern.column_starts()[e + 1] as usize;
                 for (row, value) in pattern.row_indices()[slots.clone()].iter().zip(&values[slots]) {
@@ -175,11 +178,11 @@ impl BlockLayout {
             }
             return;
         };
-        let near = shared.matrix().near();
+        let near = shared.near();
         let slots =
             |pattern: &Pattern| pattern.column_starts()[dof] as usize..pattern.column_starts()[dof + 1] as usize;
         for slot in slots(near.pattern()) {
-            take(shared.factor() * near.values()[slot], near.pattern().row_indices()[slot] as usize);
+            take(factor * near.values()[slot], near.pattern().row_indices()[slot] as usize);
         }
         // The springs that pin unconstrained modes are stored outside it.
         for slot in slots(pattern).filter(|slot| pattern.row_indices()[*slot] as usize == dof) {
@@ -192,7 +195,7 @@ impl BlockLayout {
         let (pattern, values) = (matrix.pattern(), matrix.rest().values());
         let spring = |dof: usize| Some((self.at(dof), values[pattern.slot(dof, dof)?])).filter(|(_, k)| *k != 0.0);
         State {
-            factor: matrix.shared().map_or(1.0, SharedSymmetric::factor),
+            factor: matrix.distributed().map_or(1.0, |(_, factor)| factor),
             form,
             springs: (0..self.displacements).filter_map(spring).collect(),
             contacts: self.contacts.iter().map(|(node, _)| *node).zip(nodes.iter().copied()).collect(),
