@@ -11,7 +11,7 @@ pub const SCENES: [(&str, &[&str]); 20] = [
     ("cattaneo_mindlin", &["mesh.elements=[[6,8,6],8]"]),
     ("confined", &[]),
     ("cube", &["mesh.elements=[6,6,6]"]),
-    ("cycles", &[]),
+    ("cycles", &["time.end=8", "output.times=[8]"]),
     ("disk", &["mesh.elements=[6,6,3]"]),
     ("frictionless", &["mesh.elements=[10,10]"]),
     ("held_by_contact", &[]),
@@ -32,7 +32,7 @@ pub const SCENES: [(&str, &[&str]); 20] = [
 pub const INCREMENTS: &str = "time.increments=4";
 
 pub fn path(name: &str) -> String {
-    format!("{}/data/scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"))
+    format!("{}/../../data/scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"))
 }
 
 /// Returns the report of a scene with these overrides, solved by `linear`.
