@@ -2,7 +2,7 @@
 //!
 //! | equations | file |
 //! | --- | --- |
-//! | `H_N` (18), (19) and its linearisation (21) | `bdiff.rs` |
+//! | `H_N` (18), (19) with its B-derivative (20) and the linearisation (21) | `bdiff.rs` |
 //! | `H_I` (25) with its partitions (26)–(31) | `constrained.rs` |
 //! | the exact cone in space, for an interior point method | `cone.rs` |
 //!

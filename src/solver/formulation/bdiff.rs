@@ -15,7 +15,10 @@ use super::{Assembled, FormulationScaling, Layout};
 use crate::algebra::linear::{LinearError, SystemMatrix};
 use crate::algebra::sparse::DoubleDouble;
 use crate::base::units::Scaling;
-use crate::solver::laws::coulomb::{NormalCase, TangentialCase, normal_case, tangential_case};
+use crate::solver::laws::coulomb::{
+    DirectionalDerivative, NormalCase, TangentialCase, normal_case, normal_case_ahead, tangential_case,
+    tangential_case_ahead,
+};
 use crate::solver::problem::{ContactProblem, Increment, strained};
 
 /// `H_N` of a problem, in the units of its scaling, with its Jacobian on one fixed pattern.
@@ -74,6 +77,25 @@ impl Bdiff {
             self.of_tangents(i, tangential_case(p, pressure, slip, data.mu[i], r_t))
         });
         (normal_case(p_n, w_n, data.gap[i], r_n), tangential)
+    }
+
+    /// Returns the cases of node `i` at `z + t dz`, `t → 0+`.
+    fn case_ahead(&self, i: usize, z: &[f64], dz: &[f64]) -> Case {
+        let (data, r_n, r_t) = (&self.data, self.rows.r_n[i], self.rows.r_t[i]);
+        let n = data.layout.p_n(i);
+        let trial =
+            DirectionalDerivative::new(z[n], r_n * (data.w_n(i, z) - data.gap[i]), dz[n] + r_n * data.w_n(i, dz));
+        let tangential = data.layout.has_friction(i).then(|| {
+            let pressure = match self.rows.kind {
+                Pressure::Unknown => DirectionalDerivative::new(z[n], 0.0, dz[n]),
+                Pressure::Trial => trial,
+            };
+            let (p, dp, dw) = (data.friction(i, z), data.friction(i, dz), data.tangential(i, dz));
+            let slip = data.slip(i, data.tangential(i, z));
+            let q = [0, 1].map(|d| DirectionalDerivative::new(p[d], r_t * slip[d], dp[d] + r_t * dw[d]));
+            self.of_tangents(i, tangential_case_ahead(pressure, q, data.mu[i]))
+        });
+        (normal_case_ahead(trial), tangential)
     }
 
     /// Restricts a tangential case to the tangents of node `i`.
@@ -219,6 +241,13 @@ impl Bdiff {
     /// eight digits are kept.
     pub fn linearize(&mut self, z: &[f64]) -> bool {
         self.write_cases(|this, i| this.case(i, z))
+    }
+
+    /// Linearises at `z` as seen from `z + t dz`, `t → 0+`: if several cases meet in `z`, each node takes the case
+    /// that `dz` leads into. If solving with this matrix gives the same `dz` again, `dz` is the direction of the
+    /// B-derivative (20). Returns `true` if any case changed.
+    pub fn linearize_towards(&mut self, z: &[f64], dz: &[f64]) -> bool {
+        self.write_cases(|this, i| this.case_ahead(i, z, dz))
     }
 
     /// Writes the rows of every node for its case and pins unconstrained rigid modes. Returns `true` if any row

@@ -24,6 +24,8 @@ pub(super) struct PredictorCorrectorMethod {
     method: PredictorCorrector,
     /// The distance of the start from the border, in terms of the estimate; see [`super::strategy`].
     distance: f64,
+    /// The limit of the iterations in an increment, with those of BN at the end.
+    most: usize,
     /// The median stiffness of a contact node along its normal, scaled. Only its order of magnitude matters.
     stiffness: f64,
     z: Vec<f64>,
@@ -68,6 +70,7 @@ impl PredictorCorrectorMethod {
         let natural = FormulationScaling::of_stiffness(assembled.layout(), &history.contact_stiffness);
         PredictorCorrectorMethod {
             distance: 1.0,
+            most: max_iterations,
             stiffness: stiffness / history.scaling.stiffness(),
             z: vec![0.0; formulation.unknowns()],
             rest: vec![0.0; formulation.forces().unknowns()],
@@ -78,11 +81,11 @@ impl PredictorCorrectorMethod {
         }
     }
 
-    /// Sets the start of the next increments, `distance` times as far from the border as estimated, and the limit of
-    /// their iterations.
-    pub(super) fn start_at(&mut self, distance: f64, max_iterations: usize) {
-        self.distance = distance;
-        self.settings.max_iterations = max_iterations;
+    /// Sets the start of the next increments, `distance` times as far from the border as estimated, and the limits of
+    /// their iterations, without those of BN at the end and with them.
+    pub(super) fn start_at(&mut self, distance: f64, patience: usize, max_iterations: usize) {
+        (self.distance, self.most) = (distance, max_iterations);
+        self.settings.max_iterations = patience.min(max_iterations);
     }
 
     /// Moves the pairs into the interior, to a distance from the last solution that fits the change of the load. It
@@ -151,7 +154,7 @@ impl IncrementSolver for PredictorCorrectorMethod {
         let settings = PredictorCorrectorSettings { tolerance: tolerance.max(NEAR), ..self.settings };
         let mut outcome =
             self.method.solve(&settings, self.formulation.as_mut(), linear, &mut self.z, &mut error, observe)?;
-        let left = settings.max_iterations.saturating_sub(outcome.iterations);
+        let left = self.most.saturating_sub(outcome.iterations);
         if left > 0 && outcome.stop != Termination::Interrupted && error(&self.z)? > tolerance {
             let mut ended = self.end.solve(task, linear, &self.z, left, observe)?;
             if ended.stop == Termination::Converged {

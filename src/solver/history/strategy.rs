@@ -27,7 +27,7 @@ use crate::solver::problem::State;
 #[derive(Clone, Copy)]
 pub(super) struct Attempt {
     by: By,
-    /// The number of iterations after which the attempt is abandoned.
+    /// The number of iterations after which the attempt is abandoned, without those of BN at its end.
     patience: usize,
 }
 
@@ -129,16 +129,15 @@ impl IncrementSolver for Strategy {
             if left == 0 {
                 break;
             }
-            let limit = left.min(attempt.patience);
             let tried = match (attempt.by, &mut *methods) {
                 (By::Newton, Methods::Bn(bn, _)) => {
-                    bn.limit(limit);
+                    bn.limit(left.min(attempt.patience));
                     bn.solve(task, linear, observe)?
                 }
                 (By::InteriorPoint(distance), Methods::Bn(bn, ip)) => {
                     let ip = ip.get_or_insert_with(|| PredictorCorrectorMethod::beside(bn.assembled(), settings));
                     ip.go_on_from(&last);
-                    ip.start_at(distance, limit);
+                    ip.start_at(distance, attempt.patience, left);
                     let mut tried = ip.solve(task, linear, observe)?;
                     if tried.stop == Termination::Converged {
                         tried.rescued = true;
@@ -152,7 +151,7 @@ impl IncrementSolver for Strategy {
                 }
                 (By::InteriorPoint(distance), Methods::Ip(ip)) => {
                     ip.unknowns().copy_from_slice(&start);
-                    ip.start_at(distance, limit);
+                    ip.start_at(distance, attempt.patience, left);
                     ip.solve(task, linear, observe)?
                 }
                 (By::Newton, Methods::Ip(_)) => continue,

@@ -144,6 +144,58 @@ pub fn tangential_case(p: [f64; 2], pressure: f64, slip: [f64; 2], mu: f64, r: f
     }
 }
 
+/// A sum of two terms at the start of a direction, and its rate along the direction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct DirectionalDerivative {
+    /// The value of the sum.
+    pub value: f64,
+    /// The sum of the absolute values of the terms, relative to which rounding is judged.
+    pub size: f64,
+    /// The rate of the sum.
+    pub rate: f64,
+}
+
+impl DirectionalDerivative {
+    /// Creates `a + b` with the rate of the sum.
+    pub fn new(a: f64, b: f64, rate: f64) -> Self {
+        DirectionalDerivative { value: a + b, size: a.abs() + b.abs(), rate }
+    }
+
+    /// Returns a number with the sign of the sum immediately along the direction; 0 if it stays 0.
+    fn ahead(&self) -> f64 {
+        if self.value.abs() > SLIP_BORDER * self.size { self.value } else { self.rate }
+    }
+}
+
+/// Returns the normal case into which a direction leads, from `p_n + r (w_n - g)`: the branch of the directional
+/// derivative (20).
+pub(crate) fn normal_case_ahead(trial: DirectionalDerivative) -> NormalCase {
+    if trial.ahead() > 0.0 { NormalCase::Closed } else { NormalCase::Open }
+}
+
+/// Returns the tangential case into which a direction leads, from the pressure and both components of `q`.
+pub(crate) fn tangential_case_ahead(
+    pressure: DirectionalDerivative,
+    q: [DirectionalDerivative; 2],
+    mu: f64,
+) -> TangentialCase {
+    if pressure.ahead() <= 0.0 {
+        return TangentialCase::NoPressure;
+    }
+    let (value, rate) = (q.map(|q| q.value), q.map(|q| q.rate));
+    let grown = length(value) > SLIP_BORDER * length(q.map(|q| q.size));
+    let n = direction(if grown { value } else { rate });
+    let along = |v: [f64; 2]| n[0] * v[0] + n[1] * v[1];
+    let beyond = DirectionalDerivative::new(along(value), -mu * pressure.value, along(rate) - mu * pressure.rate);
+    if beyond.ahead() < 0.0 {
+        TangentialCase::Stick
+    } else if grown {
+        TangentialCase::slip(value, pressure.value, mu)
+    } else {
+        TangentialCase::slip(rate, pressure.rate, mu)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -207,6 +259,49 @@ mod tests {
         let case = tangential_case([0.9, 0.0], pressure, [0.0; 2], mu, 1.0);
         let TangentialCase::Slip { turning, .. } = case else { panic!() };
         assert_eq!((turning[0], turning[1][0]), ([0.0; 2], 0.0));
+    }
+
+    #[test]
+    fn where_cases_meet_the_direction_decides() {
+        let grazing = |rate| DirectionalDerivative::new(0.0, 0.0, rate);
+        let flat = |q| [q, grazing(0.0)];
+        assert_eq!(normal_case_ahead(grazing(1.0)), NormalCase::Closed);
+        assert_eq!(normal_case_ahead(grazing(-1.0)), NormalCase::Open);
+        assert_eq!(normal_case_ahead(DirectionalDerivative::new(0.3, -0.1 - 0.2, 1.0)), NormalCase::Closed);
+        assert_eq!(normal_case_ahead(DirectionalDerivative::new(0.3, -0.4, 1.0)), NormalCase::Open);
+        // On the border of the cone q grows slower than the limit, faster, or turns.
+        let border = |dq| {
+            tangential_case_ahead(
+                DirectionalDerivative::new(1.0, 0.0, 1.0),
+                flat(DirectionalDerivative::new(0.4, 0.0, dq)),
+                0.4,
+            )
+        };
+        assert_eq!(border(0.3), TangentialCase::Stick);
+        assert!(slips(border(0.5), 1.0));
+        assert_eq!(border(-1.0), TangentialCase::Stick);
+        // At the tip of the cone only the rates decide.
+        let tip = |dp, dq| tangential_case_ahead(grazing(dp), flat(grazing(dq)), 0.4);
+        assert_eq!(tip(-1.0, 0.0), TangentialCase::NoPressure);
+        assert_eq!(tip(1.0, 0.1), TangentialCase::Stick);
+        assert!(slips(tip(1.0, -0.5), -1.0));
+        // Off the borders the case ahead is the case itself.
+        let inside = tangential_case_ahead(
+            DirectionalDerivative::new(1.0, 0.0, -9.0),
+            flat(DirectionalDerivative::new(0.1, 0.0, 9.0)),
+            0.4,
+        );
+        assert_eq!(inside, TangentialCase::Stick);
+        // In two directions, motion along the rim keeps |q| at the limit, which grows.
+        let rim = |rate| {
+            tangential_case_ahead(
+                DirectionalDerivative::new(1.0, 0.0, rate),
+                [DirectionalDerivative::new(0.4, 0.0, 0.0), grazing(3.0)],
+                0.4,
+            )
+        };
+        assert_eq!(rim(1.0), TangentialCase::Stick);
+        assert!(slips(rim(-1.0), 1.0));
     }
 
     #[test]

@@ -8,6 +8,7 @@ use super::cycle::Cycle;
 use super::{Armijo, Iteration, IterationRecord, LinearSystem, MethodResult, StopCriterion, Termination};
 use crate::algebra::linear::{LinearError, RefinedSolver};
 use crate::solver::formulation::Bdiff;
+use beyond::Branch;
 use forcing::Forcing;
 use std::ops::ControlFlow;
 
@@ -81,7 +82,7 @@ impl Bn {
             let changed = clock.time(|| formulation.linearize(z));
             let factored = changed || self.factored != Some(linear.generation());
             cycle.visit(formulation.cases());
-            let backward_error = match self.direction(formulation, linear, factored)? {
+            let mut backward_error = match self.direction(formulation, linear, factored)? {
                 Ok(error) => error,
                 Err(stop) => {
                     outcome.stop = stop;
@@ -92,8 +93,14 @@ impl Bn {
             // Step 3: the step size (12), and the step. A full step repeated with the same matrix refines a solution
             // and needs no search.
             let repeated = end.is_measured() && full_step && !changed;
-            let (step, backtracks) =
+            let (mut step, mut backtracks) =
                 if repeated { (1.0, 0) } else { clock.time(|| self.step_size(formulation, z, theta)) };
+            if end.is_measured() && backtracks == self.armijo.max_backtracks {
+                let last = Branch { step, backtracks, backward_error, solves: 0 };
+                let ahead = self.branch_ahead(last, formulation, linear, z, theta)?;
+                Branch { step, backtracks, backward_error, .. } = ahead;
+                outcome.iterations += ahead.solves;
+            }
             theta = clock.time(|| {
                 z.iter_mut().zip(&self.dz).for_each(|(z, dz)| *z += step * dz);
                 self.evaluate(formulation, z)
@@ -107,9 +114,13 @@ impl Bn {
             let flow = observe(&Iteration { record, system: Some(self.system(formulation)) });
             let mut met = end.met(theta, error);
             if (repeated || formulation.is_affine() && end.is_measured()) && !met {
-                // Only refinement can still reduce the error.
+                // Only refinement, or a motion along an unconstrained mode, can still reduce the error.
                 met = self.refine(formulation, linear, z, &mut end)?;
-                outcome.stop = formulation.unheld_motion().map_or(Termination::Stalled, Termination::Unconstrained);
+                match formulation.unheld_motion() {
+                    None => outcome.stop = Termination::Stalled,
+                    Some(_) if !met && self.follow(formulation, z) => theta = self.evaluate(formulation, z)?,
+                    Some(motion) => outcome.stop = Termination::Unconstrained(motion),
+                }
             }
             if outcome.ends(met || formulation.is_affine(), flow) || outcome.stop != Termination::MaxIterations {
                 break;

@@ -12,7 +12,8 @@ pub enum StopCriterion<'a> {
     /// The caller's error measure is at most the tolerance, possibly before the first step.
     ///
     /// This test demands the last digits: a full step that repeats with the same matrix is followed by refinement. If
-    /// that does not help, the iteration has stalled.
+    /// the step size rule finds no step along (21), the exact derivative (20) is tried. If neither helps, the
+    /// iteration has stalled.
     Measured {
         /// The tolerance of the error measure.
         tolerance: f64,

@@ -108,7 +108,7 @@ fn unit_of_column(name: &str) -> &'static str {
         "m_x" | "m_y" | "m_z" => "N m",
         "friction_work" | "strain_energy" => "J",
         "n_x" | "n_y" | "n_z" | "t_x" | "t_y" | "t_z" | "o_x" | "o_y" | "o_z" | "node" | "point" | "index" | "time"
-        | "iterations" | "backtracks" | "open" | "stick" | "slip" | "parts" => "",
+        | "iterations" | "backtracks" | "open" | "stick" | "slip" | "parts" | "attempts" => "",
         other => panic!("what is the unit of the column {other}?"),
     }
 }

@@ -75,6 +75,19 @@ impl Bdiff {
         if self.is_tied() { None } else { self.unheld_motion() }
     }
 
+    /// Returns the step from `z` along `dz` at which the first contact node leaves its case in the last
+    /// linearisation, or `None` if none ever does. A slip in a plane may turn by a right angle.
+    pub fn reach(&self, z: &[f64], dz: &[f64]) -> Option<f64> {
+        let (mut near, mut far) = (0.0, 1.0);
+        while self.stays(z, dz, far) {
+            (near, far) = (far, 2.0 * far);
+            if !far.is_finite() {
+                return None;
+            }
+        }
+        Some(self.bisect(z, dz, near, far).1)
+    }
+
     /// Moves the solution `z` along the unconstrained rigid modes, without a change of cases, as near as possible to
     /// `to` in the displacements of the contact nodes.
     pub fn settled(&self, z: &[f64], to: &[f64]) -> Vec<f64> {

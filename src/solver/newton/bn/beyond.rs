@@ -1,15 +1,54 @@
-//! The extension of Algorithm BN beyond the paper's loop: the last digits.
+//! Extensions of Algorithm BN beyond the paper's loop: the last digits, points where it stalls, and bodies that the
+//! contact statuses leave unconstrained.
 
 use super::{Bn, StopCriterion};
 use crate::algebra::linear::{LinearError, RefinedSolver};
 use crate::algebra::sparse::sum;
 use crate::solver::formulation::Bdiff;
 
+/// The number of attempts to find the branch into which a direction leads where several cases meet. Without a limit,
+/// two nodes that depend on each other would never settle.
+const BRANCH_TRIALS: usize = 3;
+
 /// The number of refinements. Each gains as many digits as the condition of the matrix leaves: one is usually enough,
 /// three suffice up to about 1e11.
 const REFINEMENTS: usize = 3;
 
+/// The last direction tried, and the step along it.
+pub(super) struct Branch {
+    pub step: f64,
+    pub backtracks: usize,
+    pub backward_error: f64,
+    /// The number of linear systems solved.
+    pub solves: usize,
+}
+
 impl Bn {
+    /// Finds a direction of the directional Newton equation (11) with the exact derivative (20), branch by branch,
+    /// until one admits a step.
+    pub(super) fn branch_ahead(
+        &mut self,
+        mut branch: Branch,
+        formulation: &mut Bdiff,
+        linear: &mut RefinedSolver,
+        z: &[f64],
+        theta: f64,
+    ) -> Result<Branch, LinearError> {
+        for _ in 0..BRANCH_TRIALS {
+            if !formulation.linearize_towards(z, &self.dz) {
+                break;
+            }
+            let Ok(error) = self.direction(formulation, linear, true)? else { break };
+            branch.backward_error = branch.backward_error.max(error);
+            branch.solves += 1;
+            (branch.step, branch.backtracks) = self.step_size(formulation, z, theta);
+            if branch.backtracks < self.armijo.max_backtracks {
+                break;
+            }
+        }
+        Ok(branch)
+    }
+
     /// Takes Newton steps with the last factors from residuals in twice the working precision, as long as they gain.
     /// `z + rest` then solves the equations where the rounding of `z` alone is too coarse. Returns `true` if that is
     /// enough.
@@ -40,5 +79,15 @@ impl Bn {
             }
         }
         Ok(end.met(f64::INFINITY, best))
+    }
+
+    /// Moves along the unconstrained mode in the last direction until the first contact node changes its case.
+    /// Returns `false` if none does.
+    pub(super) fn follow(&self, formulation: &Bdiff, z: &mut [f64]) -> bool {
+        let reach = formulation.reach(z, &self.dz);
+        if let Some(step) = reach {
+            z.iter_mut().zip(&self.dz).for_each(|(z, dz)| *z += step * dz);
+        }
+        reach.is_some()
     }
 }
