@@ -9,8 +9,8 @@ mod common;
 
 use common::block;
 use std::time::Instant;
+use stickslip::algebra::Symmetric;
 use stickslip::algebra::linear::{self, Cholesky, FactorInfo, LinearError};
-use stickslip::algebra::sparse::Symmetric;
 use stickslip_output::Table;
 
 const ROUNDS: usize = 5;

@@ -12,8 +12,8 @@ use std::sync::Arc;
 use std::sync::mpsc::{Sender, channel};
 
 use common::Rows;
+use stickslip::algebra::Pattern;
 use stickslip::algebra::linear::{FactorInfo, Form, LinearError, LinearSolver, Multigrid, SparseLu};
-use stickslip::algebra::sparse::Pattern;
 use stickslip::run::report::thread_cpu_seconds;
 use stickslip::run::{Run, grid};
 use stickslip::scene::Scene;

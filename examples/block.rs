@@ -14,7 +14,7 @@ struct Picture;
 
 impl Observer for Picture {
     fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
-        use stickslip::solver::laws::ContactStatus::{Open, Slip, Stick};
+        use stickslip::solver::ContactStatus::{Open, Slip, Stick};
         let nodes = step.statuses.iter().map(|status| match status {
             Open => ' ',
             Stick => '#',

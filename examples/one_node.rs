@@ -7,7 +7,7 @@
 
 #![allow(clippy::print_stdout)]
 
-use stickslip::algebra::sparse::{Csr, Symmetric};
+use stickslip::algebra::{Csr, Symmetric};
 use stickslip::solver::history::{self, HistorySettings, Method, SystemSolver};
 use stickslip::solver::{ContactProblem, LoadCase, Loading, Parts};
 

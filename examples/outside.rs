@@ -7,7 +7,7 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use stickslip::algebra::linear::{FactorInfo, LinearError, LinearSolver};
-use stickslip::algebra::sparse::{Csc, Csr, Pattern, Symmetric};
+use stickslip::algebra::{Csc, Csr, Pattern, Symmetric};
 use stickslip::run::Run;
 use stickslip::scene::Scene;
 use stickslip::solver::history::{self, HistorySettings, Method, Observer, SystemSolver};

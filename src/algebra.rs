@@ -3,8 +3,14 @@
 pub(crate) mod jobs;
 pub mod linear;
 pub(crate) mod null_space;
-pub mod sparse;
+pub(crate) mod sparse;
 pub(crate) mod union_find;
-pub mod vector;
+pub(crate) mod vector;
 pub use jobs::{keep_in_this_thread, parallel_map};
 pub use union_find::UnionFind;
+
+pub use sparse::{
+    Csc, Csr, DenseSymmetric, DoubleDouble, MatrixError, NodeRows, Pattern, Symmetric, read_matrix_market,
+    write_matrix_market,
+};
+pub use vector::{Vector, across, axis, axis_across, cross, dot, minus, norm, plus, unit};

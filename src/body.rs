@@ -1,11 +1,17 @@
 //! From a mesh to a [`ContactProblem`](crate::solver::problem::ContactProblem): finite elements, contact geometry, loads, error estimates.
 
-pub mod contact;
+pub(crate) mod contact;
 pub(crate) mod description;
 pub(crate) mod estimate;
 pub mod fem;
 pub mod mesh;
 pub(crate) mod model;
+pub use contact::{
+    ContactBoundary, ContactNode, Counterpart, Coupled, DeformedNode, End, Facing, Friction, GapAt, GapDirection,
+    GapTable, Hole, Meeting, Mortar, MortarFault, MortarOptions, MortarRow, Obstacle, ObstacleError, ObstacleMotion,
+    Passed, Place, PlacedObstacle, RangeLeft, Rates, Rotation, Row, Shape, SlaveChoice, SlaveReason, Supports,
+    SurfaceError, TableError, Term, Unclear, range_left,
+};
 pub use description::{
     Action, Against, Axis, Bed, Contact, Description, Direction, Field, FirstGap, Held, Kinks, Load, Opposite, Probe,
     ProbePlace, Slave, Support, Where,

@@ -2,11 +2,11 @@
 
 pub(crate) mod checkpoint;
 pub(crate) mod condensation;
-pub mod events;
+pub(crate) mod events;
 pub mod formulation;
 pub mod history;
 pub(crate) mod initial_working_set;
-pub mod laws;
+pub(crate) mod laws;
 pub(crate) mod loading;
 pub(crate) mod newton;
 pub(crate) mod problem;
@@ -14,7 +14,12 @@ pub(crate) mod solvability;
 pub(crate) mod uniqueness;
 pub use checkpoint::{Checkpoint, CheckpointError};
 pub use condensation::{Condensation, Condensed};
+pub use events::{Effort, Equations, Event, ExactPath, Jump, NodeStatus, PathEnd, PathError, PathSegment, SegmentEnd};
 pub use initial_working_set::{AFFORDABLE, InitialWorkingSet, working_set};
+pub use laws::{
+    ContactStatus, KktErrors, KktScales, Law, NormalCase, TangentialCase, Violation, direction, length, normal_case,
+    positive, project, statuses, tangential_case,
+};
 pub use loading::{FrictionHistory, GapCorrection, LoadCase, Loading, Motion};
 pub use newton::{
     Armijo, Bn, Centring, Ip, IpSettings, Iteration, IterationRecord, LinearSystem, Measure, MethodResult,

@@ -3,7 +3,7 @@
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use stickslip::algebra::sparse::{Csr, MatrixError, Symmetric};
+use stickslip::algebra::{Csr, MatrixError, Symmetric};
 
 /// A vector of numbers, contiguous.
 pub(crate) type Vector<'py> = PyReadonlyArray1<'py, f64>;

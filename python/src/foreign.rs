@@ -6,8 +6,8 @@ use numpy::{PyArray1, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyArithmeticError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyList;
+use stickslip::algebra::Pattern;
 use stickslip::algebra::linear::{FactorInfo, LinearError, LinearSolver};
-use stickslip::algebra::sparse::Pattern;
 
 use crate::arrays::Vector;
 

@@ -13,8 +13,8 @@ use pyo3::types::PyDict;
 use std::sync::Arc;
 use stickslip::run::{AvailableSolvers, Choice, RunError};
 use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, SolverChoice, SystemSolver};
-use stickslip::solver::laws::{KktErrors, KktScales, statuses};
 use stickslip::solver::{self, ContactProblem, Increment, InitialWorkingSet, Loading, Parts, State};
+use stickslip::solver::{KktErrors, KktScales, statuses};
 use stickslip_exchange::{Info, Way};
 
 /// A body against rigid obstacles: K, `C_n`, `C_t`, `C_o`, mu, l and the free motions.

@@ -6,9 +6,9 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
+use stickslip::solver::ContactStatus;
 use stickslip::solver::IterationRecord;
 use stickslip::solver::history::{IncrementRecord, IncrementView, Observer};
-use stickslip::solver::laws::ContactStatus;
 
 /// 0 open, 1 stick, 2 slip, as in the VTU files.
 pub(crate) fn codes(statuses: &[ContactStatus]) -> impl Iterator<Item = u8> + '_ {

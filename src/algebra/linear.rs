@@ -9,12 +9,12 @@ use std::sync::Arc;
 
 use crate::algebra::sparse::Pattern;
 
-pub mod built_in;
+pub(crate) mod built_in;
 mod choice;
 mod cholesky;
 #[cfg(feature = "umfpack")]
 mod cholmod;
-pub mod cost;
+pub(crate) mod cost;
 mod dense;
 mod direct;
 #[cfg(feature = "mpi")]
@@ -39,6 +39,7 @@ mod versions;
 
 #[cfg(feature = "faer")]
 pub use self::faer::FaerLu;
+pub use built_in::ranks as rank_count;
 pub use choice::{SparseCholesky, SparseLu};
 pub use cholesky::{Cholesky, Reduced};
 pub use dense::Dense;

@@ -6,7 +6,7 @@
 //! solvers, some of them in C, rely on the lengths in these arrays.
 //!
 //! ```
-//! use stickslip::algebra::sparse::{Csr, MatrixError, Symmetric};
+//! use stickslip::algebra::{Csr, MatrixError, Symmetric};
 //!
 //! let k = Symmetric::from_triplets(2, &[(0, 0, 2.0), (1, 0, -1.0), (1, 1, 2.0)])?;
 //! assert_eq!(k.get(0, 1), -1.0);

@@ -31,7 +31,7 @@ use crate::body::mesh::MeshSource;
 /// [`Model::build`](crate::body::model::Model::build) and [`Description::check`] check the values.
 ///
 /// ```
-/// use stickslip::body::contact::Obstacle;
+/// use stickslip::body::Obstacle;
 /// use stickslip::body::{Axis, Description, Load};
 /// use stickslip::body::fem::Material;
 /// use stickslip::solver::history::{Method, SolverChoice, Status};

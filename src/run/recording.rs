@@ -9,6 +9,7 @@ use std::ops::ControlFlow;
 
 /// An [`Observer`] that keeps the increments of a history as plain data.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Recording {
     #[serde(skip)]
     wanted: Wanted,
@@ -27,6 +28,7 @@ enum Wanted {
 
 /// An increment with its data and its result, SI units throughout.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct RecordedIncrement {
     /// Number, time, verdict, errors, counts.
     #[serde(flatten)]

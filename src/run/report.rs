@@ -3,7 +3,7 @@
 mod balance;
 mod companion;
 mod contact_line;
-pub mod csv;
+mod csv;
 mod deformation;
 mod estimates;
 mod exact_path;
@@ -16,7 +16,7 @@ mod pairs;
 mod peak;
 mod principal;
 mod probe;
-pub mod quantities;
+pub(crate) mod quantities;
 mod resultant;
 mod run;
 mod thinned;
@@ -29,7 +29,7 @@ mod warnings;
 pub use balance::{AppliedForce, BalanceRecord, BalanceWatch};
 pub use companion::{ChosenIncrements, CompanionEstimate};
 pub use contact_line::{ContactLine, ContactPoint, points as contact_points};
-pub use csv::{number as csv_number, table as csv_table};
+pub use csv::{line as csv_line, number as csv_number, table as csv_table};
 pub use deformation::deformation;
 pub use estimates::{Accumulated, EstimateWatch, Estimates};
 pub use exact_path::ExactPath;
@@ -40,7 +40,10 @@ pub use pairs::PairRecord;
 pub use peak::LargestPressure;
 pub use principal::{principal_stresses, von_mises};
 pub use probe::{ProbeTable, ProbeValue};
-pub use quantities::{column as column_quantity, key as key_quantity};
+pub use quantities::{
+    Column, column as column_quantity, field as field_quantity, is_known as is_known_quantity, key as key_quantity,
+    tell as in_units,
+};
 pub use resultant::{ComponentSums, ForceRecord, OfOpposite, OnObstacle, Resultant};
 pub use run::{Measured, ReportInput, RunReport, SCHEMA_VERSION, Totals};
 pub use thinned::Thinned;

@@ -28,11 +28,11 @@
 //! | snapshots of a path | `saved.rs` |
 //!
 //! ```
-//! use stickslip::solver::events::{Equations, SegmentEnd, ExactPath};
+//! use stickslip::solver::{Equations, SegmentEnd, ExactPath};
 //! use stickslip::algebra::linear::RefinedSolver;
 //! use stickslip::solver::{LoadCase, Loading};
 //! use stickslip::solver::{ContactProblem, Parts};
-//! use stickslip::algebra::sparse::{Csr, Symmetric};
+//! use stickslip::algebra::{Csr, Symmetric};
 //!
 //! // A node on two springs of 2 N/m, 0.25 m above a floor, pressed with 1 N and pulled along it with 0.6 N; friction 0.5.
 //! let stiffness = Symmetric::from_triplets(2, &[(0, 0, 2.0), (1, 1, 2.0)])?;
@@ -46,7 +46,7 @@
 //! let scaling = problem.scaling(loading.largest_force(), 0.0);
 //! let mut walk = ExactPath::new(&problem, &loading, scaling, Equations::Sparse(&mut linear))?;
 //! let mut times = Vec::new();
-//! while let stickslip::solver::events::PathSegment { stop: SegmentEnd::Event | SegmentEnd::Corner, .. } = walk.step(1.0)? {
+//! while let stickslip::solver::PathSegment { stop: SegmentEnd::Event | SegmentEnd::Corner, .. } = walk.step(1.0)? {
 //!     times.push(walk.time());
 //! }
 //! // It touches when half of the load is there, slips at once, and ends with half the force on the floor.

@@ -22,7 +22,7 @@
 //! use stickslip::solver::history::{self, HistorySettings, Method, Status, SystemSolver};
 //! use stickslip::solver::{LoadCase, Loading};
 //! use stickslip::solver::{ContactProblem, Parts};
-//! use stickslip::algebra::sparse::{Csr, Symmetric};
+//! use stickslip::algebra::{Csr, Symmetric};
 //!
 //! // A node on two springs of 2 N/m, pressed on a floor with 1 N and pulled along it with 0.1 N; friction 0.3.
 //! let stiffness = Symmetric::from_triplets(2, &[(0, 0, 2.0), (1, 1, 2.0)])?;
@@ -92,6 +92,7 @@ pub use working_set::WorkingSet;
 
 /// The result of a history.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct HistoryOutcome {
     /// The verdict: that of the first increment that did not converge, or [`Status::Converged`].
     pub status: Status,

@@ -1,7 +1,8 @@
 //! The laws of Signorini and Coulomb, and the error measure that judges every solution.
 
-pub mod coulomb;
+pub(crate) mod coulomb;
 mod kkt;
 
+pub use coulomb::{NormalCase, TangentialCase, direction, length, normal_case, positive, project, tangential_case};
 pub use kkt::{ContactStatus, KktErrors, KktScales, Law, Violation, statuses};
 pub(crate) use kkt::{is_more_than_rounding, judge, rounding_level, statuses_of};

@@ -22,7 +22,7 @@ use crate::base::units::Scaling;
 ///
 /// ```
 /// use stickslip::solver::{ContactProblem, Parts, ProblemError};
-/// use stickslip::algebra::sparse::{Csr, Symmetric};
+/// use stickslip::algebra::{Csr, Symmetric};
 ///
 /// // A node on two springs, above a floor that it meets along -y; friction 0.3.
 /// let stiffness = Symmetric::from_triplets(2, &[(0, 0, 2e6), (1, 1, 2e6)])?;

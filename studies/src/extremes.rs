@@ -13,8 +13,8 @@ use stickslip::algebra::linear::LinearError;
 use stickslip::body::{Model, ModelError};
 use stickslip::run::{Run, RunError, discretise};
 use stickslip::scene::{Override, OverrideSyntax, Scene, SceneError};
+use stickslip::solver::KktErrors;
 use stickslip::solver::history::{self, HistoryOutcome, Method, SolverChoice, Status};
-use stickslip::solver::laws::KktErrors;
 use vary::Vary;
 
 /// How the suite solves a scene.

@@ -5,13 +5,13 @@
 use crate::common::Keep;
 use std::f64::consts::PI;
 use std::sync::Arc;
-use stickslip::algebra::vector::{cross, dot, minus, norm, unit};
-use stickslip::body::contact::{
-    DeformedNode, GapDirection, Obstacle, ObstacleMotion, Place, PlacedObstacle, Rotation, Shape, range_left,
-};
+use stickslip::algebra::{cross, dot, minus, norm, unit};
 use stickslip::body::fem::Material;
 use stickslip::body::mesh::{Mesh, MeshSource, block};
 use stickslip::body::{Axis, Description, Model};
+use stickslip::body::{
+    DeformedNode, GapDirection, Obstacle, ObstacleMotion, Place, PlacedObstacle, Rotation, Shape, range_left,
+};
 use stickslip::run::Run;
 use stickslip::solver::State;
 use stickslip::solver::history::{Method, SolverChoice, Status};

@@ -4,13 +4,13 @@
 use std::sync::Arc;
 
 use crate::common::{BELT, Keep, block, run};
+use stickslip::algebra::Pattern;
 use stickslip::algebra::linear::{FactorInfo, LinearError, LinearSolver, SparseLu};
-use stickslip::algebra::sparse::Pattern;
 use stickslip::run::discretise;
 use stickslip::run::{Recording, Run};
 use stickslip::scene::Scene;
 use stickslip::solver::history::{Status, SystemSolver};
-use stickslip::solver::laws::{ContactStatus, KktErrors, KktScales};
+use stickslip::solver::{ContactStatus, KktErrors, KktScales};
 
 fn small() -> Scene {
     block(&["mesh.elements=[6,6]", "time.increments=6"])

@@ -2,11 +2,11 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use crate::common::hertz::Hertz;
-use stickslip::algebra::vector::Vector;
-use stickslip::body::contact::{Obstacle, Place, Shape};
+use stickslip::algebra::Vector;
 use stickslip::body::fem::{Element, Material};
 use stickslip::body::mesh::{CellKind, HalfPlane, MeshSource};
 use stickslip::body::{Action, Axis, ContactEstimate, Description, Model, Where, peak_error};
+use stickslip::body::{Obstacle, Place, Shape};
 use stickslip::run::Run;
 use stickslip::run::report::{RunReport, WarningKind};
 use stickslip::scene::Scene;

@@ -5,7 +5,7 @@
 use super::fronts::{divided, pushed, solved};
 use crate::common::BELT;
 use stickslip::base::Formula;
-use stickslip::body::contact::Obstacle;
+use stickslip::body::Obstacle;
 use stickslip::body::fem::Material;
 use stickslip::body::mesh::MeshSource;
 use stickslip::body::{Axis, Description, Load, Model};

@@ -5,11 +5,11 @@
 use crate::common;
 use crate::common::{BELT, Keep, difference};
 use std::sync::Arc;
-use stickslip::algebra::vector::{minus, norm};
-use stickslip::body::contact::{ContactNode, GapDirection, Obstacle, Place, Shape};
+use stickslip::algebra::{minus, norm};
 use stickslip::body::fem::Material;
 use stickslip::body::mesh::{Boundary, Geometry, Mesh, MeshSource, Notes, block};
 use stickslip::body::{Axis, Contact, Description, Load, Model};
+use stickslip::body::{ContactNode, GapDirection, Obstacle, Place, Shape};
 use stickslip::run::report::{EliminatedUnknown, Resultant};
 use stickslip::run::{Run, discretise};
 use stickslip::scene::Scene;

@@ -1,7 +1,7 @@
 //! What increments leave, by the run itself, beside the exact path in time. doc/estimates.md has the figures, which `--nocapture` prints.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
-use stickslip::algebra::sparse::{Csr, Symmetric};
+use stickslip::algebra::{Csr, Symmetric};
 use stickslip::run::Run;
 use stickslip::run::report::{RunReport, WarningKind};
 use stickslip::scene::Scene;

@@ -2,12 +2,12 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use crate::common::rings::ring;
-use stickslip::algebra::vector::norm;
+use stickslip::algebra::norm;
 use stickslip::base::Formula;
-use stickslip::body::contact::{Obstacle, Shape};
 use stickslip::body::fem::{Material, Plane};
 use stickslip::body::mesh::{Mesh, MeshSource};
 use stickslip::body::{Action, Axis, Bed, Description, Field, Load, Model, Support, Where};
+use stickslip::body::{Obstacle, Shape};
 use stickslip::run::report::RunReport;
 use stickslip::run::{Recording, Run};
 use stickslip::solver::history::{Method, SolverChoice, Status};

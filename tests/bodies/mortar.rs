@@ -7,10 +7,10 @@ mod refused;
 
 use std::collections::BTreeMap;
 
-use stickslip::algebra::vector::{Vector, axis};
-use stickslip::body::contact::{Mortar, MortarFault, MortarOptions, MortarRow, SlaveReason};
+use stickslip::algebra::{Vector, axis};
 use stickslip::body::fem::{area, bernstein, facet_weights};
 use stickslip::body::mesh::{Boundary, Geometry, Mesh, block};
+use stickslip::body::{Mortar, MortarFault, MortarOptions, MortarRow, SlaveReason};
 
 /// What the two blocks of a pair are made of.
 #[derive(Debug, Clone, Copy, PartialEq)]

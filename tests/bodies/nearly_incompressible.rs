@@ -3,7 +3,7 @@
 
 use super::axisymmetric_bodies::ring;
 use std::ops::ControlFlow;
-use stickslip::body::contact::Obstacle;
+use stickslip::body::Obstacle;
 use stickslip::body::fem::{Element, Material};
 use stickslip::body::mesh::CellKind;
 use stickslip::body::{Action, Axis, Model, Probe, Support};

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common::solve;
-use stickslip::algebra::vector::dot;
+use stickslip::algebra::dot;
 use stickslip::body::fem::{Dofs, Elasticity, Element, assemble, facet_load, rigid_motions, traction};
 use stickslip::body::mesh::{Cell, CellKind, Mesh, block};
 

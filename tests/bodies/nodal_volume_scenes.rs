@@ -2,7 +2,7 @@
 //! those of a program that shares nothing with this one.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
-use stickslip::algebra::vector::{minus, norm};
+use stickslip::algebra::{minus, norm};
 use stickslip::body::fem::{cell_volume, gradients};
 use stickslip::body::mesh::{Geometry, fine_quadrature, shape};
 use stickslip::body::{Balance, Model};

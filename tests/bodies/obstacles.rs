@@ -6,12 +6,12 @@ use crate::common;
 use crate::common::BELT;
 use miette::Diagnostic;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
-use stickslip::algebra::vector::{Vector, cross, minus, norm, plus, unit};
+use stickslip::algebra::{Vector, cross, minus, norm, plus, unit};
 use stickslip::base::Formula;
-use stickslip::body::contact::{
+use stickslip::body::mesh::{Mesh, block};
+use stickslip::body::{
     Facing, GapDirection, Obstacle, ObstacleError, ObstacleMotion, Place, PlacedObstacle, Rotation, Shape,
 };
-use stickslip::body::mesh::{Mesh, block};
 use stickslip::run::discretise;
 use stickslip::scene::Scene;
 

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use crate::common;
 use crate::common::solve;
-use stickslip::algebra::vector::{norm, unit};
+use stickslip::algebra::{norm, unit};
 use stickslip::body::fem::{
     Dofs, Elasticity, Element, RigidMotion, assemble, element_stiffness, facet_load, gradients, rigid_motions,
 };

@@ -6,13 +6,13 @@ use crate::common;
 use crate::common::rings::ring;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 use stickslip::base::Formula;
-use stickslip::body::contact::{GapDirection, Obstacle, Place, Shape};
 use stickslip::body::fem::{Material, Plane};
 use stickslip::body::mesh::MeshSource;
 use stickslip::body::{Action, Axis, Description, Model};
+use stickslip::body::{GapDirection, Obstacle, Place, Shape};
 use stickslip::run::{RecordedIncrement, Recording, Run};
+use stickslip::solver::ContactStatus;
 use stickslip::solver::history::{LinearAlgebra, Method, SolverChoice, Status};
-use stickslip::solver::laws::ContactStatus;
 
 const YOUNG: f64 = 210e9;
 const NU: f64 = 0.3;

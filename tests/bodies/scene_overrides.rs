@@ -5,9 +5,9 @@
 
 use miette::Diagnostic;
 use stickslip::body::Load;
-use stickslip::body::contact::{Friction, Obstacle, Shape};
 use stickslip::body::fem::Plane;
 use stickslip::body::mesh::{CellKind, MeshSource, Segment};
+use stickslip::body::{Friction, Obstacle, Shape};
 use stickslip::scene::{Override, Scene, SceneError};
 
 const BLOCK: &str = include_str!("../../data/scenes/block.toml");

@@ -14,10 +14,10 @@ use stickslip::body::fem::{Dofs, assemble};
 use stickslip::run::discretise;
 use stickslip::run::report::Resultant;
 use stickslip::scene::Scene;
+use stickslip::solver::ContactStatus;
 use stickslip::solver::history::{
     self, HistoryOutcome, HistorySettings, IncrementView, LinearAlgebra, Method, Observer, Status, SystemSolver,
 };
-use stickslip::solver::laws::ContactStatus;
 
 const YOUNG: f64 = 210e9;
 const RADIUS: f64 = 100.0;

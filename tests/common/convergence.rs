@@ -1,6 +1,6 @@
 //! Contact forces beside those of an exact stress, and the order in which errors fall.
 
-use stickslip::algebra::vector::norm;
+use stickslip::algebra::norm;
 use stickslip::body::Model;
 
 /// Points of the midpoint rule along a side of a facet: the edge of the contact runs through it anywhere.

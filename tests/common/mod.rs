@@ -15,7 +15,7 @@ pub mod vtu;
 use std::io::Write;
 use std::ops::ControlFlow;
 use stickslip::algebra::linear::{RefinedSolver, Stiffness, SystemMatrix};
-use stickslip::algebra::sparse::{Csc, Symmetric};
+use stickslip::algebra::{Csc, Symmetric};
 use stickslip::body::Model;
 use stickslip::run::Run;
 use stickslip::scene::Scene;

@@ -1,6 +1,6 @@
 //! Two blocks, one on the other.
 
-use stickslip::algebra::vector::Vector;
+use stickslip::algebra::Vector;
 use stickslip::base::equal_increments;
 use stickslip::body::fem::{Material, MaterialGroup};
 use stickslip::body::mesh::{Body, MeshSource};

@@ -1,6 +1,6 @@
 //! Random contact problems in three dimensions, without a mesh.
 
-use stickslip::algebra::sparse::{Csr, Symmetric};
+use stickslip::algebra::{Csr, Symmetric};
 use stickslip::solver::{ContactProblem, LoadCase, Loading, Parts};
 
 /// Splitmix64, in [0, 1).

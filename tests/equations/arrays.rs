@@ -4,16 +4,16 @@
 use crate::common;
 use std::ops::ControlFlow;
 use stickslip::algebra::linear::RefinedSolver;
-use stickslip::algebra::sparse::{Csc, Csr, MatrixError, Symmetric};
+use stickslip::algebra::{Csc, Csr, MatrixError, Symmetric};
 use stickslip::base::Scaling;
 use stickslip::solver::history::{
     self, HistorySettings, IncrementView, LinearAlgebra, Method, Observer, Start, Status, SystemSolver,
 };
-use stickslip::solver::laws::{KktErrors, KktScales, statuses};
 use stickslip::solver::{
     ContactProblem, GapCorrection, Increment, LinearSystem, LoadCase, Loading, Motion, Parts, State, critical_friction,
     rigid_equilibrium,
 };
+use stickslip::solver::{KktErrors, KktScales, statuses};
 
 /// A node on two springs, pressed on a floor and pushed along it.
 fn parts() -> Parts {

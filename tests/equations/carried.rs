@@ -8,8 +8,8 @@ use stickslip::body::Model;
 use stickslip::run::discretise;
 use stickslip::run::report::Resultant;
 use stickslip::scene::Scene;
+use stickslip::solver::KktErrors;
 use stickslip::solver::history::{self, HistorySettings, IncrementView, LinearAlgebra, Method, Observer, Status};
-use stickslip::solver::laws::KktErrors;
 
 const METHODS: [Method; 2] = [Method::BN, Method::IP];
 
@@ -63,7 +63,7 @@ fn a_body_that_was_carried_is_in_equilibrium() {
     struct Measured<'a>(&'a Model, Vec<(KktErrors, f64)>);
     impl Observer for Measured<'_> {
         fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
-            let scales = stickslip::solver::laws::KktScales::new(&self.0.problem, step.increment, step.state);
+            let scales = stickslip::solver::KktScales::new(&self.0.problem, step.increment, step.state);
             let errors = KktErrors::measure(&self.0.problem, step.increment, step.state, &scales).unwrap();
             let least = step.increment.gap.iter().fold(f64::INFINITY, |least, gap| least.min(*gap));
             self.1.push((errors, least));

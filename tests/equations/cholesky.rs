@@ -5,7 +5,7 @@
 
 use crate::common::random::draw;
 use stickslip::algebra::linear::{Cholesky, LinearError};
-use stickslip::algebra::sparse::{Csc, Symmetric};
+use stickslip::algebra::{Csc, Symmetric};
 
 type Factor = fn(&Symmetric, &[usize]) -> Result<Cholesky, LinearError>;
 

@@ -6,8 +6,8 @@ use std::ops::Range;
 use stickslip::base::Scaling;
 use stickslip::solver::formulation::{Bdiff, FormulationScaling};
 use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, Method, Status, SystemSolver};
-use stickslip::solver::laws::{ContactStatus, KktErrors, KktScales, statuses};
 use stickslip::solver::{ContactProblem, Increment, LoadCase, Loading, Parts, State};
+use stickslip::solver::{ContactStatus, KktErrors, KktScales, statuses};
 
 const TIMES: [f64; 5] = [0.2, 0.4, 0.6, 0.8, 1.0];
 

@@ -3,13 +3,13 @@
 
 use std::sync::Arc;
 use stickslip::algebra::linear::{Dense, LinearError, RefinedSolver, SparseCholesky, SystemMatrix, backward_error};
-use stickslip::algebra::sparse::{Csc, DenseSymmetric, Pattern};
+use stickslip::algebra::{Csc, DenseSymmetric, Pattern};
 use stickslip::body::Model;
 use stickslip::run::discretise;
 use stickslip::scene::Scene;
 use stickslip::solver::formulation::{Bdiff, Constrained, FormulationScaling, InteriorPoint, NewtonSystem, Partition};
-use stickslip::solver::laws::coulomb::{NormalCase, TangentialCase};
 use stickslip::solver::{Condensed, ContactProblem};
+use stickslip::solver::{NormalCase, TangentialCase};
 
 const BLOCK: &str = include_str!("../../data/scenes/block.toml");
 

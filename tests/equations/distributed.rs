@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use stickslip::algebra::linear::{Distributed, LinearError, Stiffness};
-use stickslip::algebra::sparse::{Csc, DoubleDouble, Symmetric};
+use stickslip::algebra::{Csc, DoubleDouble, Symmetric};
 use stickslip::run::discretise;
 use stickslip::solver::history::{
     self, Error as HistoryError, HistoryOutcome, HistorySettings, Method, Status, SystemSolver,

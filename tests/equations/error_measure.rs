@@ -2,12 +2,12 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common;
-use stickslip::algebra::sparse::{Csr, Symmetric};
+use stickslip::algebra::{Csr, Symmetric};
 use stickslip::run::discretise;
+use stickslip::solver::ContactStatus::{Open, Slip, Stick};
 use stickslip::solver::history::Status;
-use stickslip::solver::laws::ContactStatus::{Open, Slip, Stick};
-use stickslip::solver::laws::{KktErrors, KktScales};
 use stickslip::solver::{ContactProblem, Increment, Parts, ProblemError, State};
+use stickslip::solver::{KktErrors, KktScales};
 
 /// Every component at most 1e-10 in every increment.
 #[test]
@@ -57,8 +57,7 @@ fn each_component_sees_its_own_violation() {
     // At the end some nodes are open, some stick, some slip.
     let (increment, state) = (keep.increment(1, model.loading.gap()), &keep.states[1]);
     let statuses =
-        stickslip::solver::laws::statuses(problem, &increment, state, &KktScales::new(problem, &increment, state))
-            .unwrap();
+        stickslip::solver::statuses(problem, &increment, state, &KktScales::new(problem, &increment, state)).unwrap();
     let find = |wanted| statuses.iter().position(|&s| s == wanted).unwrap();
     let (open, slip, stick) = (find(Open), find(Slip), find(Stick));
     let force = (state.p_n.iter().chain(increment.force)).fold(0.0_f64, |m, p| m.max(p.abs()));

@@ -3,12 +3,12 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common::random::Random;
-use stickslip::algebra::sparse::{Csr, Symmetric};
+use stickslip::algebra::{Csr, Symmetric};
 use stickslip::base::equal_increments;
 use stickslip::body::Model;
 use stickslip::run::discretise;
 use stickslip::scene::Scene;
-use stickslip::solver::events::NodeStatus;
+use stickslip::solver::NodeStatus;
 use stickslip::solver::history::{
     self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Observer, Status, SystemSolver,
 };

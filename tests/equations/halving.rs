@@ -4,7 +4,7 @@
 use crate::common;
 use crate::common::Keep;
 use crate::common::around::around;
-use stickslip::algebra::sparse::{Csr, Symmetric};
+use stickslip::algebra::{Csr, Symmetric};
 use stickslip::body::Model;
 use stickslip::run::discretise;
 use stickslip::solver::history::{

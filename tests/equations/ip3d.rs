@@ -5,7 +5,7 @@ use crate::common;
 use crate::common::random::{self, Random};
 use std::ops::Range;
 use stickslip::algebra::linear::RefinedSolver;
-use stickslip::algebra::sparse::{Csr, Symmetric};
+use stickslip::algebra::{Csr, Symmetric};
 use stickslip::base::Scaling;
 use stickslip::run::discretise;
 use stickslip::scene::Scene;

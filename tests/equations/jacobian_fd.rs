@@ -87,7 +87,7 @@ fn check_jacobian(overrides: &[&str]) {
 /// Each contact case writes another row, so the test above has met all of them.
 #[test]
 fn the_cases_are_all_different() {
-    use stickslip::solver::laws::coulomb::{NormalCase, TangentialCase, normal_case, tangential_case};
+    use stickslip::solver::{NormalCase, TangentialCase, normal_case, tangential_case};
     let mut seen = Vec::new();
     for (_, [p_n, gap_left, p_t, slip]) in CASES {
         seen.push((normal_case(p_n, -gap_left, 0.0, 1.0), tangential_case([p_t, 0.0], p_n, [slip, 0.0], 0.4, 1.0)));

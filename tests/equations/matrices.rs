@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use stickslip::algebra::linear::{Cholesky, LinearError, SystemMatrix, backward_error};
-use stickslip::algebra::sparse::{Csc, Csr, MatrixError, Pattern, Symmetric};
+use stickslip::algebra::{Csc, Csr, MatrixError, Pattern, Symmetric};
 
 /// Patterns whose entries are outside never reach a direct solver, nor values of another number (R2).
 #[test]

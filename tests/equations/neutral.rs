@@ -2,7 +2,7 @@
 //! a few iterations.
 #![allow(clippy::unwrap_used)]
 
-use stickslip::algebra::sparse::{Csr, Symmetric};
+use stickslip::algebra::{Csr, Symmetric};
 use stickslip::body::Model;
 use stickslip::run::discretise;
 use stickslip::scene::Scene;

@@ -6,11 +6,11 @@
 use crate::common::{self, Keep, difference};
 use std::sync::Arc;
 use stickslip::algebra::linear::{FactorInfo, LinearError, LinearSolver, RefinedSolver, SparseLu};
-use stickslip::algebra::sparse::{Csr, Pattern, Symmetric};
+use stickslip::algebra::{Csr, Pattern, Symmetric};
 use stickslip::base::Scaling;
 use stickslip::run::discretise;
+use stickslip::solver::KktScales;
 use stickslip::solver::history::{self, Error, HistorySettings, Method, Status, SystemSolver};
-use stickslip::solver::laws::KktScales;
 use stickslip::solver::{ContactProblem, CriticalFriction, Increment, Parts, State, critical_friction};
 
 /// The sparse LU of this build behind a mask.

@@ -8,15 +8,15 @@ use faer::Mat;
 use faer::prelude::Solve;
 use std::ops::ControlFlow;
 use stickslip::algebra::linear::RefinedSolver;
-use stickslip::algebra::sparse::{Csr, Symmetric};
+use stickslip::algebra::{Csr, Symmetric};
 use stickslip::base::Scaling;
 use stickslip::body::Model;
 use stickslip::run::discretise;
 use stickslip::solver::formulation::{Bdiff, FormulationScaling, Pressure};
-use stickslip::solver::laws::{ContactStatus, KktErrors, KktScales, statuses};
 use stickslip::solver::{
     Armijo, Bn, ContactProblem, CriticalFriction, Increment, Parts, State, StopCriterion, critical_friction,
 };
+use stickslip::solver::{ContactStatus, KktErrors, KktScales, statuses};
 
 /// One node on a plane, `K = [[k_tt, k_tn], [k_tn, 2]]` N/m for `u = (u_t, u_n)`, no gap.
 fn node(k_tt: f64, k_tn: f64, mu: f64) -> ContactProblem {

@@ -3,8 +3,8 @@
 
 use crate::uniqueness::{posed, posed_critical};
 use stickslip::algebra::linear::{RefinedSolver, SparseCholesky};
-use stickslip::solver::laws::{ContactStatus, KktScales};
 use stickslip::solver::{Condensed, ContactProblem, Increment, State, critical_friction};
+use stickslip::solver::{ContactStatus, KktScales};
 
 /// The sign of the determinant of J(κ), written down row by row and eliminated with pivots: equilibrium, then for each node the rows of
 /// its tangential and its normal force.
@@ -19,7 +19,7 @@ fn sign(problem: &ContactProblem, kappa: f64, mu: f64, wanted: &[ContactStatus],
         for (map, place) in [(problem.c_t(), t), (problem.c_n(), n)] {
             map.row(i).iter().for_each(|(dof, c)| a[*dof][place] = *c);
         }
-        let hold = |a: &mut Vec<Vec<f64>>, map: &stickslip::algebra::sparse::Csr, place: usize| {
+        let hold = |a: &mut Vec<Vec<f64>>, map: &stickslip::algebra::Csr, place: usize| {
             map.row(i).iter().for_each(|(dof, c)| a[place][*dof] = *c);
         };
         match status {

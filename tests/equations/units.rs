@@ -6,9 +6,9 @@ use std::ops::ControlFlow;
 use stickslip::base::Scaling;
 use stickslip::run::discretise;
 use stickslip::scene::{Override, Scene};
+use stickslip::solver::ContactStatus;
 use stickslip::solver::State;
 use stickslip::solver::history::{self, HistorySettings, IncrementView, Method, Observer, Status, SystemSolver};
-use stickslip::solver::laws::ContactStatus;
 
 /// A unit of stress (Pa) and one of length (m): what a scene's numbers are multiples of.
 #[derive(Debug, Clone, Copy)]

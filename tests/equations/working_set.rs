@@ -4,7 +4,7 @@
 use crate::common::random::Random;
 use crate::common::{self, Keep, difference};
 use stickslip::algebra::linear::SparseCholesky;
-use stickslip::algebra::sparse::{Csr, Symmetric};
+use stickslip::algebra::{Csr, Symmetric};
 use stickslip::body::Model;
 use stickslip::run::report::EliminatedUnknown;
 use stickslip::run::{Recording, Run, discretise};

@@ -32,7 +32,7 @@ use clap::error::{ContextKind, ContextValue};
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use stickslip::algebra::linear::process::blas::take_better_kernel;
+use stickslip::algebra::linear::process::take_better_kernel;
 use stickslip::body::ModelError;
 use stickslip::run::RunError;
 use stickslip::scene::{Override, Provenance, Scene, SceneError};

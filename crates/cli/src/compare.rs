@@ -23,7 +23,7 @@ use mesh::first_elements;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::sync::{Mutex, PoisonError};
-use stickslip::algebra::linear::process::blas::Blas;
+use stickslip::algebra::linear::process::Blas;
 use stickslip::algebra::parallel_map;
 use stickslip::base::UnitSystem;
 use stickslip::run::RunError;

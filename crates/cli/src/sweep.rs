@@ -2,7 +2,7 @@
 //! and one chart.
 //!
 //! ```
-//! use stickslip::body::contact::Friction;
+//! use stickslip::body::Friction;
 //! use stickslip::scene::Scene;
 //! use stickslip_cli::sweep::{Variation, combinations};
 //!

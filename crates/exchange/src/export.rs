@@ -3,7 +3,7 @@
 use super::global::Parts;
 use super::reduction::{Reduction, ReductionError};
 use super::{GlobalProblem, Info, Problem, ProblemFile, Solution};
-use stickslip::algebra::sparse::Csc;
+use stickslip::algebra::Csc;
 use stickslip::base::InputError;
 use stickslip::solver::{ContactProblem, Increment, ProblemError, State};
 
@@ -31,7 +31,7 @@ pub fn export(
             return Err(InputError::new(key, format!("it has {} entries, but must have {n_c}", values.len()), help));
         }
     }
-    let wrong = |error: stickslip::algebra::sparse::MatrixError| InputError::new("problem", error.to_string(), help);
+    let wrong = |error: stickslip::algebra::MatrixError| InputError::new("problem", error.to_string(), help);
     let stiffness = problem.stiffness().assembled().map_err(|error| refused(error.into()))?;
     let m = Csc::from_triplets(n, n, &stiffness.entries().collect::<Vec<_>>()).map_err(wrong)?;
     let maps = [(problem.c_n(), -1.0), (problem.c_t(), 1.0), (problem.c_o(), 1.0)];

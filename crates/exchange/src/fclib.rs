@@ -22,7 +22,7 @@ use super::hdf5::{Dataset, File};
 use super::{GlobalProblem, Info, Problem, ProblemFile, Solution};
 use crate::local::LocalProblem;
 use matrix::{has_sizes, is_empty, matrix};
-use stickslip::algebra::sparse::Csc;
+use stickslip::algebra::Csc;
 use stickslip::base::InputError;
 use vectors::{length, need, numbers, one, written};
 
@@ -168,7 +168,7 @@ fn global(file: &File<'_>) -> Result<GlobalProblem, InputError> {
     // M v - G l = f + H r, Gᵀ v = -b.
     let entries: Vec<_> =
         m.entries().chain(g.entries().flat_map(|(i, j, x)| [(i, n + j, -x), (n + j, i, x)])).collect();
-    let wrong = |error: stickslip::algebra::sparse::MatrixError| {
+    let wrong = |error: stickslip::algebra::MatrixError| {
         InputError::new("group fclib_global", error.to_string(), "correct the matrices")
     };
     let m = Csc::from_triplets(all, all, &entries).map_err(wrong)?;

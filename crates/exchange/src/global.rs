@@ -1,7 +1,7 @@
 //! The global problem: the unknowns of bodies, and the forces between them.
 
 use super::{Problem, Solution};
-use stickslip::algebra::sparse::{Csc, Csr, Symmetric};
+use stickslip::algebra::{Csc, Csr, Symmetric};
 use stickslip::base::InputError;
 use stickslip::solver::{ContactProblem, LoadCase, Loading, Motion, Parts as ContactParts, ProblemError};
 

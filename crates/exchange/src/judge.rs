@@ -19,7 +19,7 @@ use super::{GlobalProblem, Problem, Solution};
 use crate::local::{LocalErrors, SOLVED};
 use laws::{Scales, laws, raise, relative};
 use serde::{Deserialize, Serialize};
-use stickslip::algebra::sparse::DoubleDouble;
+use stickslip::algebra::DoubleDouble;
 use stickslip::base::InputError;
 
 /// The tolerance: a problem counts as solved if no error exceeds it.

@@ -15,7 +15,7 @@
 //!
 //! ```
 //! use stickslip_exchange::local::{CascadeSettings, LocalProblem, LocalStatus, solve};
-//! use stickslip::algebra::sparse::Csc;
+//! use stickslip::algebra::Csc;
 //!
 //! // A unit mass falls on a floor, and slides: the floor stops it, and brakes it with half of that.
 //! let delassus = Csc::from_triplets(2, 2, &[(0, 0, 1.0), (1, 1, 1.0)])?;
@@ -48,7 +48,7 @@ use error::{expect_finite, expect_length};
 pub use errors::{LocalErrors, SOLVED};
 pub use record::{CascadeSettings, LocalStatus, Solved, Stage, StageRecord};
 
-use stickslip::algebra::sparse::Csc;
+use stickslip::algebra::Csc;
 
 /// The problem `u = W r + q` with the laws of contact and friction. It is valid, because [`LocalProblem::new`] checks
 /// it.

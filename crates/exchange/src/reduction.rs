@@ -4,7 +4,7 @@
 use super::{GlobalProblem, Solution};
 use crate::local::{LocalProblem, LocalProblemError};
 use stickslip::algebra::linear::{LinearError, RefinedSolver, SystemMatrix};
-use stickslip::algebra::sparse::{Csc, MatrixError};
+use stickslip::algebra::{Csc, MatrixError};
 
 /// The largest number of rows of a local problem, whose matrix is full.
 const ROWS: usize = 20_000;

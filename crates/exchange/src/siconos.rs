@@ -18,7 +18,7 @@ mod words;
 use super::global::Parts;
 use super::{GlobalProblem, Info, Problem, ProblemFile};
 use crate::local::LocalProblem;
-use stickslip::algebra::sparse::Csc;
+use stickslip::algebra::Csc;
 use stickslip::base::InputError;
 use words::Words;
 

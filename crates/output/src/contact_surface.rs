@@ -1,11 +1,11 @@
 //! Views of a contact surface in space at the end of an increment, along its normal.
 
-use stickslip::algebra::vector::{across, axis, axis_across, cross, dot, norm, plus, unit};
+use stickslip::algebra::{across, axis, axis_across, cross, dot, norm, plus, unit};
 use stickslip::base::UnitSystem;
+use stickslip::body::ContactBoundary;
 use stickslip::body::Model;
-use stickslip::body::contact::ContactBoundary;
+use stickslip::solver::ContactStatus;
 use stickslip::solver::history::IncrementView;
-use stickslip::solver::laws::ContactStatus;
 
 /// The nodes and facets of a boundary with contact, projected on the plane perpendicular to the obstacle's normal.
 #[derive(Debug, Clone, PartialEq)]

@@ -4,7 +4,7 @@
 use super::colours::{draw_bar, shade};
 use super::svg::{Anchor, Colour, Dash, Line, PlotError, Svg, expect_finite};
 use std::collections::BTreeMap;
-use stickslip::algebra::vector::{cross, dot, minus, norm, unit};
+use stickslip::algebra::{cross, dot, minus, norm, unit};
 use stickslip::base::{Quantity, UnitSystem};
 use stickslip::body::Model;
 use stickslip::run::report::{deformation, von_mises};
@@ -102,7 +102,7 @@ impl DeformedBody {
             edges(surface.iter().map(|(facet, _)| mesh.points(facet)), view.towards)
         };
         let ends = |side: &[[f64; 3]; 2]| side.map(|end| view.place(end));
-        let axis = |c: usize| view.place(stickslip::algebra::vector::axis(c));
+        let axis = |c: usize| view.place(stickslip::algebra::axis(c));
         DeformedBody {
             index: step.record.index,
             time: step.record.time,
@@ -182,7 +182,7 @@ struct View {
 
 impl View {
     fn of(dimension: usize) -> Self {
-        let [x, y, z] = [0, 1, 2].map(stickslip::algebra::vector::axis);
+        let [x, y, z] = [0, 1, 2].map(stickslip::algebra::axis);
         if dimension == 2 {
             return View { right: x, up: y, towards: z };
         }
@@ -258,7 +258,7 @@ mod tests {
     #[test]
     fn a_body_in_space_stands_upright() {
         let view = View::of(3);
-        let [x, y, z] = [0, 1, 2].map(|c| view.place(stickslip::algebra::vector::axis(c)));
+        let [x, y, z] = [0, 1, 2].map(|c| view.place(stickslip::algebra::axis(c)));
         assert!(x[0] > 0.5 && y[0] > 0.0 && z[0].abs() < 1e-15 && z[1] > 0.5 && y[1] > 0.0);
         assert!((dot(cross(view.right, view.up), view.towards) - 1.0).abs() < 1e-15);
     }

@@ -2,12 +2,12 @@
 
 use super::part::RANK;
 use super::vtu::{Field, Grid, Values};
-use stickslip::algebra::vector::{across, dot, norm, plus, unit};
+use stickslip::algebra::{across, dot, norm, plus, unit};
 use stickslip::body::mesh::Cell;
 use stickslip::body::{ElementEstimate, Model};
 use stickslip::run::report::{contact_points as points, deformation, principal_stresses, von_mises};
+use stickslip::solver::ContactStatus;
 use stickslip::solver::history::IncrementView;
-use stickslip::solver::laws::ContactStatus;
 
 /// Returns the body with its fields at the end of a step, SI.
 ///

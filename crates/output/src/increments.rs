@@ -2,11 +2,11 @@
 
 use stickslip::base::UnitSystem;
 use stickslip::body::Model;
-use stickslip::run::report::csv::{self, number};
-use stickslip::run::report::quantities::Column;
+use stickslip::run::report::Column;
 use stickslip::run::report::{AppliedForce, BalanceRecord};
 use stickslip::run::report::{ComponentSums, ForceRecord, OnObstacle, Resultant};
-use stickslip::solver::events::Event;
+use stickslip::run::report::{csv_line, csv_number, csv_table};
+use stickslip::solver::Event;
 use stickslip::solver::history::IncrementRecord;
 
 /// The columns of energies, J.
@@ -35,25 +35,25 @@ pub(super) fn line(record: &IncrementRecord, units: &UnitSystem) -> String {
     let r = record;
     let mut fields = vec![
         r.index.to_string(),
-        number(r.time),
+        csv_number(r.time),
         r.status.to_string(),
         r.iterations.to_string(),
         r.backtracks.to_string(),
-        number(r.theta),
+        csv_number(r.theta),
     ];
-    fields.extend(r.kkt.components().map(|(_, value)| number(value)));
-    fields.push(number(r.backward_error));
+    fields.extend(r.kkt.components().map(|(_, value)| csv_number(value)));
+    fields.push(csv_number(r.backward_error));
     fields.extend([r.contact.open, r.contact.stick, r.contact.slip].map(|count| count.to_string()));
     let s = r.seconds;
     fields.extend([s.assembly, s.factorization, s.solve, s.rest].map(|seconds| format!("{seconds:.6}")));
     fields.extend([r.parts.to_string(), r.attempts.to_string(), r.rescued.to_string()]);
     fields.extend(ENERGIES.iter().zip([r.friction_work, r.strain_energy]).map(|(column, x)| column.cell(units, x)));
-    csv::line(&fields)
+    csv_line(&fields)
 }
 
 /// Returns the header of the table of events in this number of dimensions.
 pub(super) fn events_header(dimension: usize) -> String {
-    csv::table(
+    csv_table(
         &[&["time", "index", "node"], &["x", "y", "z"][..dimension], &["from", "to"]].concat(),
         std::iter::empty(),
     )
@@ -63,10 +63,10 @@ pub(super) fn events_header(dimension: usize) -> String {
 pub(super) fn event_line(model: &Model, index: usize, event: &Event) -> String {
     let node = model.contacts.get(event.node).map_or(0, |contact| contact.node);
     let position = &model.mesh.nodes[node][..model.mesh.dimension];
-    let mut fields = vec![number(event.time), index.to_string(), node.to_string()];
+    let mut fields = vec![csv_number(event.time), index.to_string(), node.to_string()];
     fields.extend(POSITION.iter().zip(position).map(|(column, x)| column.cell(&model.units(), *x)));
     fields.extend([event.from.to_string(), event.to.to_string()]);
-    csv::line(&fields)
+    csv_line(&fields)
 }
 
 /// Returns the header of the table of forces, for this number of dimensions, and with `several` obstacles in front of a
@@ -75,7 +75,7 @@ pub(super) fn forces_header(dimension: usize, several: bool) -> String {
     let obstacle: &[&str] = if several { &["obstacle"] } else { &[] };
     let forces: Vec<&str> = force_columns(dimension).iter().map(|column| column.name()).collect();
     let header = [&["index", "time", "boundary"], &forces[..], &["kind", "balance"], obstacle].concat();
-    csv::table(&header, std::iter::empty())
+    csv_table(&header, std::iter::empty())
 }
 
 /// Returns the columns of force, moment and sums of components.
@@ -95,11 +95,11 @@ pub(super) fn forces_lines(contact: &[ForceRecord], balance: &BalanceRecord, uni
     let line = |at: &str, force: &[f64], moment: &[f64], sums: [Option<f64>; 3], kind: &str, obstacle: &str| {
         let numbers = force.iter().chain(moment).copied().map(Some).chain(sums);
         let numbers = force_columns(force.len()).iter().zip(numbers);
-        let mut fields = vec![index.to_string(), number(*time), at.to_string()];
+        let mut fields = vec![index.to_string(), csv_number(*time), at.to_string()];
         fields.extend(numbers.map(|(column, x)| x.map_or(String::new(), |x| column.cell(units, x))));
-        fields.extend([kind.to_string(), number(*balance)]);
+        fields.extend([kind.to_string(), csv_number(*balance)]);
         fields.extend(several.then(|| obstacle.to_string()));
-        csv::line(&fields)
+        csv_line(&fields)
     };
     let components = |sums: &ComponentSums| [Some(sums.sum_p_n), Some(sums.sum_p_t), sums.sum_p_o];
     let on_each =

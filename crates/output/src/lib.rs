@@ -42,7 +42,7 @@ pub use vtu::{Field, Grid, Values};
 #[cfg(test)]
 mod tests {
     use super::{fields, increments};
-    use stickslip::run::report::quantities::is_known;
+    use stickslip::run::report::is_known_quantity;
 
     /// A column or field without a quantity would be written in SI units, whatever its neighbours are written in.
     #[test]
@@ -52,7 +52,7 @@ mod tests {
         let headers = [increments::header()].into_iter().chain(forces).chain(events).collect::<Vec<_>>();
         let columns = headers.iter().flat_map(|header| header.trim_end().split(','));
         for name in columns.chain(fields::NAMES) {
-            assert!(is_known(name), "{name}");
+            assert!(is_known_quantity(name), "{name}");
         }
     }
 }

@@ -5,7 +5,7 @@ use serde::Serialize;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, BufWriter, Write};
 use stickslip::base::UnitSystem;
-use stickslip::run::report::{RunReport, quantities};
+use stickslip::run::report::{RunReport, in_units};
 
 /// The keys of the lists in a report.
 const KEYS: [&str; 3] = ["increments", "forces", "reactions"];
@@ -19,7 +19,7 @@ pub(super) fn line(entry: &impl Serialize, units: &UnitSystem) -> io::Result<Str
         return Ok(serde_json::to_string(entry)? + "\n");
     }
     let mut entry = serde_json::to_value(entry)?;
-    quantities::tell(&mut entry, units);
+    in_units(&mut entry, units);
     Ok(serde_json::to_string(&entry)? + "\n")
 }
 

@@ -9,7 +9,7 @@ use super::svg::{Anchor, Colour, Dash, Line, Marker, PlotError, Svg, expect_fini
 use crate::{ContactSurface, SurfaceNode};
 use std::collections::BTreeMap;
 use stickslip::base::Quantity;
-use stickslip::solver::laws::ContactStatus;
+use stickslip::solver::ContactStatus;
 use view::View;
 
 const WIDTH: f64 = 960.0;

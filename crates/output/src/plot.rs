@@ -4,7 +4,7 @@ use super::chart::{Axis, Chart, Curve, Panel, Scale};
 use super::svg::{Dash, Line, Marker, PlotError};
 use stickslip::base::{Quantity, UnitSystem};
 use stickslip::run::report::{ContactLine, ContactPoint};
-use stickslip::solver::laws::ContactStatus;
+use stickslip::solver::ContactStatus;
 
 const NORMAL: [u8; 3] = [31, 90, 160];
 const TANGENTIAL: [u8; 3] = [190, 70, 10];

@@ -7,7 +7,7 @@ use base64::display::Base64Display;
 use base64::engine::general_purpose::STANDARD;
 use std::fmt;
 use stickslip::base::{Quantity, UnitSystem};
-use stickslip::run::report::quantities;
+use stickslip::run::report::field_quantity;
 
 /// The values of a field.
 #[derive(Debug, Clone, PartialEq)]
@@ -79,7 +79,7 @@ impl fmt::Display for Grid {
         for (element, fields) in [("PointData", &self.point_fields), ("CellData", &self.cell_fields)] {
             writeln!(f, "<{element}>")?;
             for Field { name, components, values } in fields {
-                let (quantity, kind) = (quantities::field(name), values.kind());
+                let (quantity, kind) = (field_quantity(name), values.kind());
                 match values {
                     Values::Real(values) => {
                         array(f, name, kind, *components, values.iter().map(|x| self.told(quantity, *x)))?;

@@ -2,8 +2,8 @@
 
 use std::fs;
 
-use stickslip::algebra::sparse::{read_matrix_market, write_matrix_market};
-use stickslip::body::contact::GapTable;
+use stickslip::algebra::{read_matrix_market, write_matrix_market};
+use stickslip::body::GapTable;
 use stickslip::run::discretise;
 use stickslip::scene::Scene;
 

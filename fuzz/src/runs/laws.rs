@@ -4,7 +4,7 @@
 //! Forces are compared with the largest external or contact force so far, lengths with the largest displacement or interference; where
 //! loads cancel, with what rounding leaves of their terms.
 
-use stickslip::algebra::sparse::Csr;
+use stickslip::algebra::Csr;
 use stickslip::body::Model;
 use stickslip::run::RecordedIncrement;
 use stickslip::solver::history::{Method, SolverChoice, Status};

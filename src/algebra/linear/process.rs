@@ -18,7 +18,9 @@
 #![allow(unsafe_code)]
 
 mod allocator;
-pub mod blas;
+pub(crate) mod blas;
+#[cfg(feature = "blas")]
+pub use blas::{Blas, KERNEL_VARIABLE, take_better_kernel};
 
 pub use allocator::{Last, OrderlyEnd, memory_was_refused, say_last};
 

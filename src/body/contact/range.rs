@@ -57,7 +57,7 @@ pub struct DeformedNode {
 }
 
 /// Returns the node of `nodes`, in front of `obstacle` at time `t` (s), with the largest error of the linearised
-/// distance, if the error exceeds [`TOLERATED_SHARE`] of the indentation.
+/// distance, if the error exceeds `TOLERATED_SHARE` of the indentation.
 ///
 /// The indentation is the larger of `indentation` (m), a lower bound known beforehand, and the largest normal
 /// displacement of a closed node; if no node is closed, the largest displacement. An open node counts only if it is

@@ -12,6 +12,7 @@ use crate::solver::history::IncrementView;
 /// last.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct BalanceRecord {
     /// The increment, from 1.
     pub index: usize,

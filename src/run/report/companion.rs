@@ -9,6 +9,7 @@ use crate::solver::problem::State;
 /// The time-step error of the tangential forces, estimated by a companion run with fewer or more increments.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct CompanionEstimate {
     /// The increments of the companion run.
     pub increments: usize,

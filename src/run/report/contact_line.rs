@@ -65,6 +65,7 @@ pub struct ContactPoint {
 
 /// The contact nodes of one boundary, in order.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct ContactLine {
     /// The boundary, if the scene has contact on several.
     pub boundary: Option<String>,

@@ -22,6 +22,7 @@ use crate::solver::problem::State;
 /// Estimates of the errors by mesh and increments.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct Estimates {
     /// The estimates of each contact surface that ever touched, when its force was largest.
     pub contact: Vec<ContactEstimate>,

@@ -11,6 +11,7 @@ use crate::solver::history::{HistoryOutcome, Method};
 /// The course of an exact path.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct ExactPath {
     /// The number of changes of contact status.
     pub events: usize,

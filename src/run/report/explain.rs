@@ -17,6 +17,7 @@ const MUCH: f64 = 0.8;
 /// The reason why a run ended early.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct Explanation {
     /// The reason in words; empty if the run reached its end.
     pub reason: String,
@@ -28,6 +29,7 @@ pub struct Explanation {
 /// A node where a law is violated.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct WorstNode {
     /// The law.
     pub law: Law,

@@ -4,6 +4,7 @@ use super::warnings::{Warning, WarningKind};
 
 /// An increment in which contact forces jump, however short it is made.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct ForceJump {
     /// Its beginning, s.
     pub from: f64,

@@ -8,6 +8,7 @@ use crate::solver::history::{IncrementRecord, Status};
 
 /// The curves of a history for its charts, collected during the run.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct HistoryCurves {
     /// The number of increments so far.
     pub increments: usize,
@@ -27,6 +28,7 @@ pub struct HistoryCurves {
 
 /// The forces at a boundary.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct ForceCurves {
     /// The name of the boundary.
     pub boundary: String,

@@ -9,6 +9,7 @@ use crate::solver::problem::State;
 /// A pair of opposing boundaries.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct PairRecord {
     /// The boundary whose nodes have the contact forces.
     pub slave: String,

@@ -19,6 +19,7 @@ const MARGINS: [f64; 2] = [1e-6, 0.25];
 
 /// The points of a probe, each with the cell that contains it.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct ProbeTable {
     /// The name of the probe.
     pub name: String,

@@ -36,6 +36,7 @@ pub struct Resultant {
 /// The force of the opposing body on the body of a boundary.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct OfOpposite {
     /// The opposing boundary.
     pub boundary: String,
@@ -48,6 +49,7 @@ pub struct OfOpposite {
 /// The force of the nodes of one boundary on one of the obstacles.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct OnObstacle {
     /// The obstacle, by its key: `contact[0].obstacle[1]`.
     pub obstacle: String,
@@ -76,6 +78,7 @@ pub struct ComponentSums {
 /// The resultant of a boundary at the end of an increment.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct ForceRecord {
     /// The increment, from 1.
     pub index: usize,

@@ -36,6 +36,7 @@ pub const SCHEMA_VERSION: u32 = 1;
 /// converts them to the units of the model.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct RunReport {
     /// The version of these keys, 1.
     pub schema_version: u32,
@@ -135,6 +136,7 @@ pub struct RunReport {
 /// One of several bodies.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct BodyRecord {
     /// The name of the body.
     pub name: String,
@@ -160,6 +162,7 @@ impl BodyRecord {
 /// Sums over a run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct Totals {
     /// The number of increments that converged.
     pub converged: usize,
@@ -195,6 +198,7 @@ pub struct Totals {
 
 /// The time and memory measured for a run.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Measured {
     /// CPU time of the process, s.
     pub cpu_seconds: f64,
@@ -209,6 +213,7 @@ pub struct Measured {
 }
 
 /// The data from which a report is made.
+#[non_exhaustive]
 pub struct ReportInput<'a> {
     /// The scene, if the model came from one.
     pub scene: Option<&'a Scene>,

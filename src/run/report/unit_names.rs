@@ -7,6 +7,7 @@ use crate::base::units::{Quantity, UnitSystem};
 /// The units of a report.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct UnitNames {
     /// The unit of lengths.
     pub length: NamedUnit,
@@ -23,6 +24,7 @@ pub struct UnitNames {
 /// A unit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct NamedUnit {
     /// The name, such as `mm`.
     pub name: String,

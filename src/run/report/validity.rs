@@ -42,6 +42,7 @@ const ACROSS_FACETS: f64 = 0.25;
 
 /// Collects violated assumptions in the converged increments of a history.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct Validity {
     /// The largest displacement, if there was any increment.
     pub largest: Option<LargestDisplacement>,
@@ -79,6 +80,7 @@ pub struct Validity {
 /// The largest displacement of a history.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct LargestDisplacement {
     /// The length of the displacement, m.
     pub length: f64,

@@ -15,6 +15,7 @@ use crate::solver::history::LinearAlgebra;
 /// A warning.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct Warning {
     /// The kind of the warning.
     pub kind: WarningKind,

@@ -66,6 +66,7 @@ impl fmt::Display for Status {
 /// The number of contact nodes in each status.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct ContactCounts {
     /// The number of nodes apart from the obstacle.
     pub open: usize,
@@ -78,6 +79,7 @@ pub struct ContactCounts {
 /// The wall time of an increment by its parts, s.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct Seconds {
     /// The time for residuals, merits and Jacobian values.
     pub assembly: f64,
@@ -102,6 +104,7 @@ impl Seconds {
 /// The record of one increment.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct IncrementRecord {
     /// The number of the increment, from 1.
     pub index: usize,
@@ -174,6 +177,7 @@ impl IncrementRecord {
 
 /// The totals over the increments of a history.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct Tally {
     /// The number of increments, including one that did not converge.
     pub increments: usize,

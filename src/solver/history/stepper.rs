@@ -25,7 +25,7 @@ use std::time::Instant;
 /// use stickslip::solver::history::{HistorySettings, Method, Status, Stepper, SystemSolver};
 /// use stickslip::solver::{LoadCase, Loading};
 /// use stickslip::solver::{ContactProblem, Parts};
-/// use stickslip::algebra::sparse::{Csr, Symmetric};
+/// use stickslip::algebra::{Csr, Symmetric};
 ///
 /// // A node on a spring of 2 N/m, a metre from a wall, pulled with 3 N, then with 4 N.
 /// let stiffness = Symmetric::from_triplets(1, &[(0, 0, 2.0)])?;

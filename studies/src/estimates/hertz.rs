@@ -2,10 +2,10 @@
 
 use super::{EstimateError, Row, Subject, Task, solved};
 use std::f64::consts::PI;
-use stickslip::body::contact::{Obstacle, Place, Shape};
 use stickslip::body::fem::Material;
 use stickslip::body::mesh::{CellKind, MeshSource};
 use stickslip::body::{Axis, Description};
+use stickslip::body::{Obstacle, Place, Shape};
 
 const YOUNG: f64 = 210e9;
 const NU: f64 = 0.3;

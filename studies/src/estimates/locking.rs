@@ -1,7 +1,7 @@
 //! Blocks that are clamped and pressed, and beams that are clamped and bent, against fine meshes with B-bar.
 
 use super::{EstimateError, Row, Subject, Task, solved};
-use stickslip::body::contact::Obstacle;
+use stickslip::body::Obstacle;
 use stickslip::body::fem::{Element, Material};
 use stickslip::body::mesh::{CellKind, MeshSource};
 use stickslip::body::{Action, Axis, Description, Field};

@@ -4,8 +4,8 @@
 
 use std::ops::ControlFlow;
 use stickslip::run::Run;
+use stickslip::solver::KktScales;
 use stickslip::solver::history::{IncrementView, Observer, Status};
-use stickslip::solver::laws::KktScales;
 use stickslip::solver::{ContactProblem, Increment, State};
 use stickslip_studies::extremes::{self, SuiteMethod};
 

@@ -1,6 +1,6 @@
 //! The paper's figures: the numbers are those of the solution, and the pictures can be read.
 
-use stickslip::solver::laws::ContactStatus;
+use stickslip::solver::ContactStatus;
 use stickslip_studies::figures::{self, Descent, FigureData, MU, PaperFigure, Stresses};
 use stickslip_studies::tables::PaperMethod;
 

@@ -2,7 +2,7 @@
 
 use super::{Lines, solve};
 use crate::common::rings::ring;
-use stickslip::algebra::vector::norm;
+use stickslip::algebra::norm;
 use stickslip::body::Model;
 use stickslip::body::mesh::{Mesh, MeshSource, block};
 use stickslip::run::discretise;

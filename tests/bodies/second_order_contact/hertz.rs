@@ -8,8 +8,8 @@ use stickslip::body::fem::Element;
 use stickslip::body::mesh::{Boundary, Cell, CellKind, Mesh, MeshSource};
 use stickslip::run::discretise;
 use stickslip::scene::Scene;
+use stickslip::solver::ContactStatus;
 use stickslip::solver::history::{LinearAlgebra, SolverChoice};
-use stickslip::solver::laws::ContactStatus;
 
 /// A rectangle with the lines `xs` and `ys` of which each square is cut in two, by turns one way and the other.
 pub fn alternating(xs: &[f64], ys: &[f64]) -> Mesh {

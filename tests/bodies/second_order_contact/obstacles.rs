@@ -2,9 +2,9 @@
 
 use super::{Lines, solve, sums};
 use crate::common::Keep;
-use stickslip::algebra::vector::{dot, norm};
-use stickslip::body::contact::{ContactNode, Term};
+use stickslip::algebra::{dot, norm};
 use stickslip::body::mesh::{Boundary, Cell, CellKind, Mesh, MeshSource};
+use stickslip::body::{ContactNode, Term};
 use stickslip::run::discretise;
 use stickslip::scene::Scene;
 use stickslip::solver::history::{LinearAlgebra, SolverChoice};

@@ -2,7 +2,7 @@
 
 use super::{Lines, pressed, pushed, solve};
 use std::ops::ControlFlow;
-use stickslip::algebra::vector::dot;
+use stickslip::algebra::dot;
 use stickslip::body::Model;
 use stickslip::run::report::{ContactLine, Resultant};
 use stickslip::run::{Run, discretise};

@@ -2,7 +2,7 @@
 
 use super::whole;
 use stickslip::algebra::linear::SparseLu;
-use stickslip::body::contact::SlaveReason;
+use stickslip::body::SlaveReason;
 use stickslip::body::fem::Material;
 use stickslip::body::mesh::{Body, Mesh, MeshSource, block};
 use stickslip::body::{Axis, Description, Load, Model, Opposite, Slave, Support};

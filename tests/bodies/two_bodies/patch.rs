@@ -3,7 +3,7 @@
 use crate::common::pairs::{Side, bodies, paired, solved, solver};
 use std::ops::ControlFlow;
 use stickslip::algebra::linear::SparseCholesky;
-use stickslip::body::contact::ContactNode;
+use stickslip::body::ContactNode;
 use stickslip::body::fem::{Material, MaterialGroup, Plane};
 use stickslip::body::mesh::{Body, CellKind, MeshSource, Segment};
 use stickslip::body::{Action, Axis, Description, Load, Model, Opposite, Support, Where};

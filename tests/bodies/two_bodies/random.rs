@@ -8,9 +8,9 @@ use stickslip::body::fem::{Dofs, assemble, facet_load};
 use stickslip::body::mesh::MeshSource;
 use stickslip::body::{Axis, Description, FirstGap, Load, Model, Opposite};
 use stickslip::run::Run;
+use stickslip::solver::ContactStatus;
 use stickslip::solver::State;
 use stickslip::solver::history::{IncrementView, Method, Observer, SolverChoice, Status};
-use stickslip::solver::laws::ContactStatus;
 
 /// Two blocks with a random gap or interference, pressed and pushed to and fro.
 fn scene(random: &mut Random) -> Description {

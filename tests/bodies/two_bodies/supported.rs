@@ -4,7 +4,7 @@ use super::whole;
 use crate::common::round::moved;
 use stickslip::algebra::linear::{SparseCholesky, SparseLu};
 use stickslip::base::equal_increments;
-use stickslip::body::contact::Obstacle;
+use stickslip::body::Obstacle;
 use stickslip::body::fem::{Material, Plane};
 use stickslip::body::mesh::{Body, CellKind, Mesh, MeshSource, block};
 use stickslip::body::{Axis, Description, Load, Opposite, Support};

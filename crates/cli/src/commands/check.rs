@@ -14,7 +14,7 @@ use obstacles::{frame, motions, shape};
 use paths::paths;
 use std::collections::BTreeSet;
 use stickslip::base::{Budget, Quantity, UnitSystem, in_words};
-use stickslip::body::contact::Friction;
+use stickslip::body::Friction;
 use stickslip::body::fem::{Element, Material, Plane, RigidMotion};
 use stickslip::body::mesh::{CellKind, MeshSource};
 use stickslip::body::{Action, Bed, Direction, Field, Held, Model, Support, Where};

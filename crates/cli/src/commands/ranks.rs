@@ -6,8 +6,8 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::process::ExitCode;
 
 use clap::FromArgMatches;
+use stickslip::algebra::NodeRows;
 use stickslip::algebra::linear::{self, LinearError, ranks};
-use stickslip::algebra::sparse::NodeRows;
 use stickslip::solver::history::LinearAlgebra;
 
 use super::{Cli, Command, Failure, interrupt, memory, output, program, threads};

@@ -15,7 +15,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
-use stickslip::algebra::linear::process::blas::Blas;
+use stickslip::algebra::linear::process::Blas;
 use stickslip::base::{Budget, Quantity};
 use stickslip::body::{Model, PeakOf};
 use stickslip::run::report::{

@@ -57,7 +57,7 @@ pub(super) fn of_this_rank(count: usize) -> usize {
 /// MPICH's, Slurm's); otherwise the number of all processes.
 fn ranks_here() -> usize {
     let told = |name: &&str| std::env::var(name).ok()?.parse().ok().filter(|count| *count > 0);
-    let all = stickslip::algebra::linear::built_in::ranks();
+    let all = stickslip::algebra::linear::rank_count();
     if all == 1 {
         return 1;
     }

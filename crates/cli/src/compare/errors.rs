@@ -1,8 +1,8 @@
 //! Measures the distance of a history from its reference, and of a mesh from the finest.
 
 use super::tractions::{Interior, Tractions, relative};
+use stickslip::body::ContactNode;
 use stickslip::body::Model;
-use stickslip::body::contact::ContactNode;
 use stickslip::solver::State;
 
 /// The results at the end of a history, SI.

@@ -1,8 +1,8 @@
 //! Compares contact tractions on meshes of different size, point by point.
 
 use std::collections::HashMap;
-use stickslip::algebra::vector::{dot, minus, norm};
-use stickslip::body::contact::ContactNode;
+use stickslip::algebra::{dot, minus, norm};
+use stickslip::body::ContactNode;
 use stickslip::body::{ContactGraph, Model};
 use stickslip::solver::{ProblemError, State};
 

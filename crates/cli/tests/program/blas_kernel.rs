@@ -7,7 +7,7 @@ use std::fs;
 use std::process::Command;
 
 use serde_json::Value;
-use stickslip::algebra::linear::process::blas::Blas;
+use stickslip::algebra::linear::process::Blas;
 
 use crate::common::skipped;
 use crate::program::{Folder, assert_exit, json, small, stdout};

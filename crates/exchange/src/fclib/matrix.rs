@@ -3,7 +3,7 @@
 use super::vectors::{finite, has_length, length, need, one, written};
 use crate::error::of_dataset;
 use crate::hdf5::File;
-use stickslip::algebra::sparse::Csc;
+use stickslip::algebra::Csc;
 use stickslip::base::InputError;
 
 /// Memory per entry while a matrix is read, bytes: row and column as stored in the file, as indices, and in columns;
@@ -103,7 +103,7 @@ pub(super) fn matrix(file: &File<'_>, path: &str, rows: usize, columns: usize) -
         ((0..outer).flat_map(line).map(place).collect(), x)
     };
     drop(finite(&at("x"), x)?);
-    let wrong = |error: stickslip::algebra::sparse::MatrixError| {
+    let wrong = |error: stickslip::algebra::MatrixError| {
         InputError::new(format!("group {path}"), error.to_string(), "count rows and columns from 0, and below m and n")
     };
     Csc::from_triplets(rows, columns, &entries).map_err(wrong)

@@ -4,7 +4,7 @@ use super::{GLOBAL, LOCAL};
 use crate::hdf5::{self, Node};
 use crate::local::LocalProblem;
 use crate::{GlobalProblem, Info, Problem, ProblemFile, Solution};
-use stickslip::algebra::sparse::Csc;
+use stickslip::algebra::Csc;
 use stickslip::base::InputError;
 
 /// The largest number of guesses to write. The group also has an entry for their number.
@@ -85,7 +85,7 @@ fn global(problem: &GlobalProblem, about: &Info) -> Result<Node, InputError> {
     let (n, constraints) = (problem.unknowns() - problem.constraints(), problem.constraints());
     let part = |matrix: &Csc, columns: usize| {
         let entries: Vec<_> = matrix.entries().filter(|(i, j, _)| *i < n && *j < columns).collect();
-        let whole = |error: stickslip::algebra::sparse::MatrixError| {
+        let whole = |error: stickslip::algebra::MatrixError| {
             InputError::new("group fclib_global", error.to_string(), "correct the matrices")
         };
         Csc::from_triplets(n, columns, &entries).map_err(whole)

@@ -1,7 +1,7 @@
 //! The laws of Signorini and Coulomb at each contact, without units.
 
 use super::Errors;
-use stickslip::solver::laws::coulomb::{direction, length, positive, project};
+use stickslip::solver::{direction, length, positive, project};
 
 /// The reference values of forces and velocities.
 pub(super) struct Scales {

@@ -164,7 +164,7 @@ fn follow(judge: &mut Judge<'_>, settings: &CascadeSettings, paths: &[Path]) -> 
 mod tests {
     use super::*;
     use crate::local::SOLVED;
-    use stickslip::algebra::sparse::Csc;
+    use stickslip::algebra::Csc;
 
     fn problem(dimension: usize, entries: &[(usize, usize, f64)], q: &[f64], mu: &[f64]) -> LocalProblem {
         let n = q.len();

@@ -19,7 +19,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::LocalProblem;
-use stickslip::algebra::sparse::DoubleDouble;
+use stickslip::algebra::DoubleDouble;
 
 /// The natural map below which a problem counts as solved.
 pub const SOLVED: f64 = 1e-10;
@@ -147,7 +147,7 @@ fn contact(r_n: f64, r_t: [f64; 2], u_n: f64, u_t: [f64; 2], mu: f64) -> LocalCo
 #[cfg(test)]
 mod tests {
     use super::*;
-    use stickslip::algebra::sparse::Csc;
+    use stickslip::algebra::Csc;
 
     /// Returns two unit masses that fall on a floor at 2 and slide at 3 and 0.5. Friction stops the second.
     fn masses() -> LocalProblem {

@@ -2,8 +2,8 @@
 
 use faer::Mat;
 
+use stickslip::algebra::Csc;
 use stickslip::algebra::linear::{LinearError, LinearSolver, Lu, SparseLu};
-use stickslip::algebra::sparse::Csc;
 
 /// Receives an entry `(row, column, value)`.
 pub(super) type Add<'a> = dyn FnMut(usize, usize, f64) + 'a;

@@ -77,7 +77,7 @@ fn sorted<K: Ord>(rank: &mut [usize], key: impl Fn(usize) -> K) -> (Vec<usize>, 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use stickslip::algebra::sparse::Csc;
+    use stickslip::algebra::Csc;
 
     /// Returns a chain of contacts that differ only by their neighbours, where `order[k]` is the number of the contact
     /// at position `k`.

@@ -8,7 +8,7 @@
 use super::LocalProblem;
 use super::law::{Block, LocalContact, Vector3};
 use super::order::canonical;
-use stickslip::algebra::sparse::Csr;
+use stickslip::algebra::Csr;
 
 /// The problem `u' = W' r' + q'` of some contacts that influence no others.
 pub(super) struct ScaledContacts {
@@ -161,7 +161,7 @@ impl ScaledContacts {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use stickslip::algebra::sparse::Csc;
+    use stickslip::algebra::Csc;
 
     /// Returns three contacts, the second without friction, in large and small units.
     fn example() -> LocalProblem {

@@ -86,7 +86,7 @@ mod tests {
     use super::*;
     use crate::local::LocalProblem;
     use crate::local::law::UNIT;
-    use stickslip::algebra::sparse::Csc;
+    use stickslip::algebra::Csc;
 
     /// Solves `(A (W + ε D) + B) x = b` with blocks of all kinds and one eliminated contact.
     #[test]

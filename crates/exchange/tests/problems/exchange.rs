@@ -3,11 +3,11 @@
 use crate::common;
 use std::fs;
 use std::path::{Path, PathBuf};
-use stickslip::algebra::sparse::Csc;
+use stickslip::algebra::Csc;
 use stickslip::run::{Recording, Run};
 use stickslip::solver::State;
 use stickslip::solver::history::Status;
-use stickslip::solver::laws::{KktErrors, KktScales};
+use stickslip::solver::{KktErrors, KktScales};
 use stickslip_exchange::local::LocalProblem;
 use stickslip_exchange::{
     Answer, Errors, ExchangeError, GlobalProblem, Info, Parts, Problem, ProblemFile, Solution, Way, export,

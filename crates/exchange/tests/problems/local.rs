@@ -3,9 +3,9 @@
 
 use crate::common::random::draw;
 use proptest::prelude::*;
-use stickslip::algebra::sparse::{Csc, Csr, Symmetric};
-use stickslip::solver::laws::{KktErrors, KktScales};
+use stickslip::algebra::{Csc, Csr, Symmetric};
 use stickslip::solver::{ContactProblem, Increment, Parts, State};
+use stickslip::solver::{KktErrors, KktScales};
 use stickslip_exchange::local::{CascadeSettings, LocalProblem, LocalStatus, SOLVED, Solved, solve};
 
 /// A problem as plain numbers.

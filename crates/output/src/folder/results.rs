@@ -16,7 +16,7 @@ use stickslip::body::Model;
 use stickslip::run::report::{BalanceRecord, ContactLine, ForceRecord, ProbeTable, RunReport};
 use stickslip::scene::Provenance;
 use stickslip::solver::Checkpoint;
-use stickslip::solver::events::Event;
+use stickslip::solver::Event;
 use stickslip::solver::history::{IncrementRecord, IncrementView, Status};
 
 /// The result folder of one run. `increments.csv` and `forces.csv` grow line by line, contact lines and plots are added

@@ -176,7 +176,7 @@ impl View {
 mod tests {
     use super::*;
     use stickslip::base::UnitSystem;
-    use stickslip::solver::laws::ContactStatus;
+    use stickslip::solver::ContactStatus;
 
     /// A strip of facets along y, of which the middle ones are pressed.
     fn strip(left: f64, width: f64, length: f64) -> ContactSurface {

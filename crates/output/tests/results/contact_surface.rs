@@ -5,8 +5,8 @@ use crate::common;
 use std::ops::ControlFlow;
 use stickslip::body::Model;
 use stickslip::run::discretise;
+use stickslip::solver::ContactStatus;
 use stickslip::solver::history::{IncrementView, Observer, Status};
-use stickslip::solver::laws::ContactStatus;
 use stickslip_output::ContactSurface;
 
 /// Observer that keeps the surfaces of every increment, and the sums of the contact forces along x, y and z.

@@ -8,8 +8,8 @@ use stickslip::body::{Model, Probe};
 use stickslip::run::report::{ContactLine, ProbeTable, ProbeValue};
 use stickslip::run::{RecordedIncrement, Recording, Run, discretise};
 use stickslip::scene::Scene;
+use stickslip::solver::KktErrors;
 use stickslip::solver::history::{self, HistorySettings, IncrementView, Method, Observer, Status, SystemSolver};
-use stickslip::solver::laws::KktErrors;
 use stickslip_output::{DeformedBody, history_charts};
 
 /// Returns a bar of length 2, height 1 (and depth 1), pulled along x at its right end with 1 MPa and free to contract.

@@ -5,10 +5,10 @@
 use crate::common::hertz::Hertz;
 use crate::common::random::Random;
 use std::ops::ControlFlow;
-use stickslip::body::contact::{Obstacle, Place, Shape};
 use stickslip::body::fem::Material;
 use stickslip::body::mesh::{CellKind, Mesh, MeshSource};
 use stickslip::body::{Axis, Description, Model, PeakOf};
+use stickslip::body::{Obstacle, Place, Shape};
 use stickslip::run::Run;
 use stickslip::run::report::{ContactLine, RunReport, WarningKind};
 use stickslip::solver::history::{IncrementView, Method, Observer, SolverChoice, Status};

@@ -4,7 +4,7 @@
 use crate::common;
 use crate::common::solve;
 use std::ops::ControlFlow;
-use stickslip::algebra::vector::{cross, dot, minus};
+use stickslip::algebra::{cross, dot, minus};
 use stickslip::body::Model;
 use stickslip::body::fem::{Dofs, Elasticity, Element, assemble, element_stiffness, traction};
 use stickslip::body::mesh::{Boundary, Cell, CellKind, Geometry, Mesh, MeshFault, block, from_gmsh};

@@ -6,7 +6,7 @@ use crate::common;
 use crate::common::solve;
 use miette::Diagnostic;
 use std::ops::ControlFlow;
-use stickslip::algebra::vector::{cross, dot, minus, norm};
+use stickslip::algebra::{cross, dot, minus, norm};
 use stickslip::body::Model;
 use stickslip::body::fem::{
     Dofs, Elasticity, Element, assemble, body_force, element_stiffness, facet_load, facet_normals, facet_weights,

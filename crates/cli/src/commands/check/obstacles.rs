@@ -2,10 +2,10 @@
 
 use super::histories::points;
 use super::words::{number, told, vector};
-use stickslip::algebra::vector::Vector;
+use stickslip::algebra::Vector;
 use stickslip::base::Quantity;
 use stickslip::body::Model;
-use stickslip::body::contact::{GapDirection, Obstacle, Place, PlacedObstacle, Rotation, Shape};
+use stickslip::body::{GapDirection, Obstacle, Place, PlacedObstacle, Rotation, Shape};
 
 /// Describes the normals along which the gaps of an obstacle are measured, and the positive slip direction.
 pub(super) fn frame(model: &Model, obstacle: &PlacedObstacle, direction: GapDirection) -> String {

@@ -1,6 +1,6 @@
 //! Lists the time and the memory of a run by each linear solver.
 
-use stickslip::algebra::linear::built_in::ranks;
+use stickslip::algebra::linear::rank_count;
 use stickslip::base::{Budget, in_words};
 use stickslip::body::Model;
 use stickslip::run::{AvailableSolvers, Choice, MemoryEstimate, RunError, SolverEstimate, unsuited};
@@ -13,7 +13,7 @@ use stickslip::solver::history::LinearAlgebra;
 pub(super) fn paths(scene: &Scene, model: &Model, budget: Option<Budget>) -> Result<Vec<String>, RunError> {
     let (method, increments) = (scene.solver.method, model.times().len());
     let unsuited = unsuited(model, method);
-    let ranks = ranks();
+    let ranks = rank_count();
     let means = AvailableSolvers { available: budget.map(|budget| budget.bytes), multigrid: unsuited.is_none(), ranks };
     let choice = Choice::cheapest(&model.problem, &InitialWorkingSet::default(), method, increments, means)?;
     let linear = scene.solver.linear.unwrap_or(choice.linear);

@@ -10,7 +10,7 @@ use stickslip::body::Model;
 use stickslip::run::report::{BalanceRecord, ContactLine, ForceRecord};
 use stickslip::run::{RecordWriter, RecordedIncrement};
 use stickslip::scene::Output;
-use stickslip::solver::events::Event;
+use stickslip::solver::Event;
 use stickslip::solver::history::{IncrementRecord, IncrementView, Observer, Status};
 use stickslip::solver::{Checkpoint, IterationRecord};
 use stickslip_output::{ContactSurface, DeformedBody, ResultFolder, fields};

@@ -22,7 +22,7 @@
 //! first row.
 
 use crate::local::law::{Linear, LocalContact, UNIT, Vector3};
-use stickslip::algebra::vector::dot;
+use stickslip::algebra::dot;
 
 /// The unknowns of a contact, or their change.
 #[derive(Debug, Clone, Copy, Default)]
@@ -164,7 +164,7 @@ mod tests {
                     matrix[k][l] = (0..3).map(|m| by_u[k][m] * w[m][l]).sum::<f64>() + by_r[k][l];
                 }
             }
-            let determinant = |m: [[f64; 3]; 3]| dot(m[0], stickslip::algebra::vector::cross(m[1], m[2]));
+            let determinant = |m: [[f64; 3]; 3]| dot(m[0], stickslip::algebra::cross(m[1], m[2]));
             let dr = own([0, 1, 2].map(|k| {
                 let mut replaced = matrix;
                 (0..3).for_each(|row| replaced[row][k] = rhs[row]);
