@@ -22,21 +22,24 @@ mod stress;
 mod transform;
 
 pub use assembly::assemble;
-pub use body_force::{body_force, free_stretch, thermal_forces, thermal_stress};
+pub(crate) use body_force::free_stretch;
+pub(crate) use body_force::thermal_stress;
+pub use body_force::{body_force, thermal_forces};
 pub use dofs::Dofs;
 pub(crate) use dofs::{SAME_DIRECTION, independent};
 pub use elastic::Elasticity;
 pub(crate) use elastic::numbered;
-pub use facet::{
-    NodalForces, area, bernstein, facet_load, facet_mass, facet_normals, facet_weights, traction, uniform_traction,
-};
-pub use held::{HeldRows, nearest_translation};
+pub(crate) use facet::facet_mass;
+pub use facet::{NodalForces, area, bernstein, facet_load, facet_normals, facet_weights, traction, uniform_traction};
+pub(crate) use held::HeldRows;
+pub(crate) use held::nearest_translation;
 pub use inverted::InvertedElement;
-pub use locate::reference_point;
+pub(crate) use locate::reference_point;
 pub use material::{Layer, Material, MaterialGroup, Plane};
-pub use nodal_volume::NodalVolumes;
-pub use overlap::{Overlap, is_inside_cell, overlaps};
-pub use part::assemble_part;
+pub(crate) use nodal_volume::NodalVolumes;
+pub(crate) use overlap::is_inside_cell;
+pub use overlap::{Overlap, overlaps};
+pub(crate) use part::assemble_part;
 pub(crate) use relative::merged;
 pub use relative::{Relative, Ring};
 pub use rigid::{BodyMotion, RigidMotion, Tie, rigid_motions, unresisted_motions};

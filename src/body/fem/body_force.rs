@@ -63,13 +63,13 @@ pub fn thermal_forces(
 
 /// Returns the stress `(σ_xx, σ_yy, σ_zz, τ_xy, τ_yz, τ_zx)` (Pa) that belongs to the stress-free `strain`; the stress
 /// of the body is that of its displacements minus this.
-pub fn thermal_stress(material: &Elasticity, thin: bool, strain: f64) -> [f64; 6] {
+pub(crate) fn thermal_stress(material: &Elasticity, thin: bool, strain: f64) -> [f64; 6] {
     material.stress(free_stretch(thin, strain))
 }
 
 /// Returns the stress-free strain `(ε_xx, ε_yy, ε_zz, γ_xy, γ_yz, γ_zx)` of a material that expands by `strain` along
 /// all axes; for a thin plate without the component normal to it.
-pub fn free_stretch(thin: bool, strain: f64) -> [f64; 6] {
+pub(crate) fn free_stretch(thin: bool, strain: f64) -> [f64; 6] {
     [strain, strain, if thin { 0.0 } else { strain }, 0.0, 0.0, 0.0]
 }
 

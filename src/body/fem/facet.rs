@@ -141,7 +141,7 @@ pub fn bernstein(mesh: &Mesh, facet: &[usize], values: &[f64]) -> Vec<f64> {
 }
 
 /// Computes `∫ Ñ_a Ñ_b dA` (m or m²) for all nodes of a facet, with the functions of [`bernstein`].
-pub fn facet_mass(mesh: &Mesh, facet: &[usize]) -> Vec<Vec<f64>> {
+pub(crate) fn facet_mass(mesh: &Mesh, facet: &[usize]) -> Vec<Vec<f64>> {
     let mut mass = vec![vec![0.0; facet.len()]; facet.len()];
     for FacetPoint { shape, area, .. } in facet_points(mesh, facet) {
         let (n, d_area) = (bernstein(mesh, facet, &shape), norm(area));

@@ -16,7 +16,7 @@ use crate::body::mesh::Mesh;
 /// The rows of the stiffness of a body, including springs, at held nodes and at nodes whose displacements are relative
 /// to held nodes. The rows are for the components x, y and z of all nodes.
 #[derive(Debug, Clone)]
-pub struct HeldRows {
+pub(crate) struct HeldRows {
     nodes: Vec<usize>,
     rows: Csr,
 }
@@ -127,7 +127,7 @@ const FELT: f64 = 1e-6;
 
 /// Computes the translation (m) nearest in the least-squares sense to displacements prescribed at nodes, pairs of a
 /// unit vector and the displacement (m) along it. The translation is 0 along directions that are not prescribed.
-pub fn nearest_translation(prescribed: impl Iterator<Item = ([f64; 3], f64)> + Clone) -> [f64; 3] {
+pub(crate) fn nearest_translation(prescribed: impl Iterator<Item = ([f64; 3], f64)> + Clone) -> [f64; 3] {
     // Gram-Schmidt on the columns of `n · t = value`, twice, recording the combination for each basis vector. The
     // longest column is first, since a column that is small because a direction is off its axis by rounding contains no
     // information.

@@ -11,7 +11,7 @@ const MOST_STEPS: usize = 30;
 
 /// Returns the reference point `[ξ, η, ζ]` that the shape functions map to `x` (m), if `x` is in the cell with `nodes`
 /// (m), including its sides; `None` for a point outside.
-pub fn reference_point(kind: CellKind, nodes: &[[f64; 3]], x: [f64; 3]) -> Option<[f64; 3]> {
+pub(crate) fn reference_point(kind: CellKind, nodes: &[[f64; 3]], x: [f64; 3]) -> Option<[f64; 3]> {
     // The initial guess is the centre.
     let mut point = kind.centre();
     for _ in 0..MOST_STEPS {

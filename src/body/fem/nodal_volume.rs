@@ -25,7 +25,7 @@ use crate::body::mesh::{CellKind, Mesh, corner_shape, quadrature_of, shape};
 
 /// The nodal volumes of a mesh: one for each corner and each law of the cells around it.
 #[derive(Debug, Clone, Default)]
-pub struct NodalVolumes {
+pub(crate) struct NodalVolumes {
     volumes: Vec<NodalVolume>,
     /// The volumes at the corners of each cell; empty for a cell whose dilatation is not averaged.
     cells: Vec<Vec<usize>>,

@@ -64,7 +64,7 @@ fn inside(mesh: &Mesh, bodies: &Bodies, (a, b): (usize, usize), common: &Bounds)
 }
 
 /// Returns `true` if `x` (m) is inside the cell with `nodes` (m), excluding its sides.
-pub fn is_inside_cell(kind: CellKind, nodes: &[[f64; 3]], x: [f64; 3]) -> bool {
+pub(crate) fn is_inside_cell(kind: CellKind, nodes: &[[f64; 3]], x: [f64; 3]) -> bool {
     reference_point(kind, nodes, x).is_some_and(|at| is_inside(kind, at))
 }
 

@@ -13,7 +13,7 @@ use crate::body::mesh::Mesh;
 ///
 /// # Errors
 /// [`InvertedElement`] for the first inverted or degenerate element at these nodes.
-pub fn assemble_part(
+pub(crate) fn assemble_part(
     mesh: &Mesh,
     dofs: &Dofs,
     element: Element,

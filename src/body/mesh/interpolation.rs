@@ -36,7 +36,7 @@ pub fn shape(kind: CellKind, point: [f64; 3]) -> Vec<f64> {
 }
 
 /// Returns the shape functions of the corners of a cell without other nodes.
-pub fn corner_shape(kind: CellKind, point: [f64; 3]) -> Vec<f64> {
+pub(crate) fn corner_shape(kind: CellKind, point: [f64; 3]) -> Vec<f64> {
     if kind.is_quadratic() { barycentric(kind, point) } else { shape(kind, point) }
 }
 
