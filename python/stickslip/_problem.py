@@ -268,7 +268,7 @@ class ContactProblem:
             tolerance: the largest error of any law, relative; 1e-10 without it.
             max_iterations: of an increment.
             keep_u: of which increments displacements are kept: "all", "last", "none" or a list.
-            callback: told of each increment once it is judged, of up to sixteen at a time.
+            callback: told of each increment once it is judged.
         """
         loads = np.atleast_2d(_numbers("force", force))
         if loads.ndim != 2 or loads.shape[1] != self.n_u:

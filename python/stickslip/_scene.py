@@ -193,7 +193,7 @@ class Model:
             linear: "auto", the cheapest; "faer", "condensed", "umfpack" where it is built in; or a `LinearSolver`. None: what the
                 scene says, which without a word is a sparse LU of the whole system.
             keep_u: of which increments displacements are kept: "all", "last", "none" or a list of indices.
-            callback: called with (increment, time, status, iterations, error) once an increment is judged, of up to sixteen at a time;
+            callback: called with (increment, time, status, iterations, error) once an increment is judged;
                 whatever it raises ends the run and comes out.
             progress: a bar by tqdm.
             uniqueness: whether `report["critical_friction"]` is wanted.
