@@ -6,8 +6,9 @@
 //!
 //! - equilibrium (15): `K u + C_nᵀ p_n + C_tᵀ p_t = f`;
 //! - contact (4): `w_n = C_n u ≤ g`, `p_n ≥ 0`, `p_n (w_n - g) = 0`;
-//! - friction, backward Euler (8): `|p_t| ≤ μ p_n`, and `p_t` maximises the dissipation `p_t · (w_t - w̄_t)`, with `w_t = C_t u`
-//!   and its value `w̄_t` at the end of the increment before.
+//! - friction, backward Euler (8): `|p_t| ≤ μ p_n`, and `p_t` maximises the dissipation `p_t · (w_t - w̄_t)` among all forces within
+//!   this limit, with `w_t = C_t u` and its value `w̄_t` at the end of the increment before, moved with the obstacle. In space
+//!   there are two tangents, `C_t` and `C_o`.
 //!
 //! # Start here
 //!
@@ -18,7 +19,7 @@
 //! | matrices `K`, `C_n`, `C_t` | states and records | [`ContactProblem::new`], [`solver::Loading`], [`solver::history::run`] |
 //! | a time loop of your own | one increment after the other | [`solver::history::Stepper`] |
 //! | a linear solver of your own | BN and IP on it | the trait [`LinearSolver`] |
-//! | a method of your own | histories, verdicts, checkpoints for it | the trait [`solver::history::IncrementSolver`] |
+//! | a method of your own | histories, verdicts, checkpoints for it | the traits [`solver::history::IncrementSolver`] and [`solver::history::Algorithm`], [`solver::history::run_with`] |
 //!
 //! # The rooms
 //!
@@ -33,7 +34,8 @@
 //! | [`algebra`] | sparse matrices and linear solvers |
 //! | [`base`] | errors of input, units, histories in time: every room uses it |
 //!
-//! Files, pictures and the program are crates of their own: `stickslip-output`, `stickslip-exchange`, `stickslip-cli`.
+//! Crates above: `stickslip-output` writes results and pictures, `stickslip-exchange` reads problems of other programs,
+//! `stickslip-cli` is the program.
 //!
 //! ```
 //! use stickslip::{Run, Scene};

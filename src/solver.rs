@@ -1,4 +1,5 @@
-//! The paper: contact problems as matrices, the laws, Algorithms BN and IP, and histories of increments. It knows no mesh.
+//! The paper's problem and algorithms: contact problems as matrices, the laws, BN and IP, condensation, histories of
+//! increments. Beyond the paper: friction in space, the exact path in time, solvability and uniqueness. It knows no mesh.
 
 pub(crate) mod checkpoint;
 pub(crate) mod condensation;

@@ -1,9 +1,9 @@
 //! Sparse linear systems `A x = b` with one fixed pattern and many values.
 //!
-//! The three steps are those of every direct solver: [`LinearSolver::analyze`] once a run,
-//! [`LinearSolver::factorize`] once an iteration, [`LinearSolver::solve`] for each right-hand side. [`RefinedSolver`]
-//! wraps a backend: it counts, measures time, refines the solution and computes its backward error, in the same way
-//! for every backend. `unsafe` is used in this module only.
+//! A direct solver has three steps: [`LinearSolver::analyze`] once for a pattern, [`LinearSolver::factorize`] when the
+//! values have changed, [`LinearSolver::solve`] for each right-hand side. An iterative solver prepares in `factorize` and
+//! iterates in `solve`. [`RefinedSolver`] wraps a backend: it counts, measures time, refines the solution and computes its
+//! backward error, in the same way for every backend; only an iterative solver of inexact directions is not refined. `unsafe` is used in this module only.
 
 use std::sync::Arc;
 
@@ -86,13 +86,13 @@ pub trait LinearSolver: Send {
     /// Returns the name shown in reports.
     fn name(&self) -> &'static str;
 
-    /// Orders the unknowns and predicts the fill for `pattern`; once a run.
+    /// Orders the unknowns and predicts the fill for `pattern`; once for a set-up of the equations.
     ///
     /// # Errors
     /// If memory is short or the backend refuses the pattern.
     fn analyze(&mut self, pattern: &Arc<Pattern>) -> Result<(), LinearError>;
 
-    /// Factors the matrix with `values` on the analysed pattern; once an iteration.
+    /// Factors the matrix with `values` on the analysed pattern; whenever the values have changed.
     ///
     /// # Errors
     /// [`LinearError::Singular`] if a pivot vanishes; an error if memory is short.

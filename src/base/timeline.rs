@@ -3,7 +3,7 @@
 use crate::base::input_error::{InputError, not_huge};
 
 /// The tolerance of rates, relative to the steepest one: far above rounding, far below any effect.
-const ROUNDING: f64 = 1e-9;
+const RATE_TOLERANCE: f64 = 1e-9;
 
 /// The smallest kink, relative to the largest value of the history. A smaller deviation from the straight line
 /// between two ends of increments is ignored: it is far above the last digits in which histories are written, and far
@@ -66,7 +66,7 @@ pub fn kinks<const N: usize>(history: &[[f64; N]]) -> Vec<f64> {
         })
         .collect();
     let steepest = rates.iter().flatten().fold(0.0_f64, |m, rate| m.max(rate.abs()));
-    let bends = |k: usize| rates.iter().any(|rates| (rates[k + 1] - rates[k]).abs() > ROUNDING * steepest);
+    let bends = |k: usize| rates.iter().any(|rates| (rates[k + 1] - rates[k]).abs() > RATE_TOLERANCE * steepest);
     (0..history.len()).filter(|&k| bends(k)).map(|k| history[k][0]).collect()
 }
 
@@ -117,7 +117,7 @@ fn increment_at(ends: &[f64], t: f64) -> Option<[f64; 2]> {
 
 /// Returns the rounding of a time within an increment, s.
 fn rounding(begin: f64, end: f64) -> f64 {
-    ROUNDING * (end - begin) + 4.0 * f64::EPSILON * end
+    RATE_TOLERANCE * (end - begin) + 4.0 * f64::EPSILON * end
 }
 
 /// Returns the largest distance of the values of `point` from the straight line between two other points.

@@ -16,7 +16,7 @@ const OF_DOUBLED: f64 = 1.2;
 const MOST_PARTS: usize = 64;
 
 /// The tolerance for an increment that ends at a kink, relative to the end of the history.
-const ROUNDING: f64 = 1e-9;
+const KINK_TOLERANCE: f64 = 1e-9;
 
 /// The increments of a companion run.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,7 +62,7 @@ impl Companion {
 
 /// Returns the increments, from 1, that end at a kink, and the last one.
 fn stretch_ends(times: &[f64], kinks: &[f64]) -> Vec<usize> {
-    let slack = times.last().map_or(0.0, |end| ROUNDING * end);
+    let slack = times.last().map_or(0.0, |end| KINK_TOLERANCE * end);
     let is_kink = |t: f64| kinks.iter().any(|kink| (kink - t).abs() <= slack);
     (1..=times.len()).filter(|&k| k == times.len() || is_kink(times[k - 1])).collect()
 }
@@ -89,7 +89,7 @@ pub(super) fn equal_parts(end: f64, kinks: &[f64]) -> (usize, usize) {
     let between = |parts: usize| {
         corners.iter().all(|t| {
             let at = t / end * parts as f64;
-            (at - at.round()).abs() <= ROUNDING * parts as f64
+            (at - at.round()).abs() <= KINK_TOLERANCE * parts as f64
         })
     };
     let parts = (1..=MOST_PARTS).find(|&parts| between(parts)).unwrap_or(MOST_PARTS);

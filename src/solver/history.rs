@@ -3,20 +3,21 @@
 //! | content | file |
 //! | --- | --- |
 //! | the interface of a method ([`IncrementSolver`]) and its input ([`Task`]) | `task.rs` |
-//! | BN; the paper's interior point method | `bn.rs`, `ip.rs` |
+//! | BN and IP along a history: starts and snapshots (the algorithms are in `newton/`) | `bn.rs`, `ip.rs` |
 //! | the default interior point method | `predictor_corrector.rs` |
 //! | what is tried for an increment, in which order | `strategy.rs` |
 //! | the choice of a [`Method`], its construction, and the settings | `method.rs`, `algorithm.rs`, `settings.rs` |
 //! | the linear system: whole or condensed | `system.rs` |
-//! | one increment: its substeps, its verdict, batches of increments | `increment.rs` |
-//! | the sequence of increments, one stage (set-up of the equations) after another | `driver.rs`, `state.rs` |
+//! | one increment: its substeps and its verdict | `increment.rs` |
+//! | the loop over increments, within a loop over stages | `driver.rs` |
+//! | a stage: one set-up of the equations; the state that one stage leaves to the next | `stage.rs`, `state.rs` |
 //! | the working set: the contact nodes in condensed equations | `working_set.rs` |
-//! | the interior of a condensed body at the start and at the end of an increment | `interior.rs` |
+//! | the response with clamped contact nodes; the interior of a condensed body at the end of a substep | `interior.rs` |
 //! | the rigid offset of a body that only contact holds | `rigid_offset.rs` |
 //! | one increment at a time, under loads that are not known in advance | `stepper.rs` |
 //! | the exact path in time, from event to event; jumps | `events.rs`, `jump.rs` |
 //! | the time-step error of the friction work and of the tangential forces | `increment_error.rs` |
-//! | observers, records, checkpoints | `observer.rs`, `record.rs`, `saved.rs` |
+//! | observers, records, checkpoints, errors | `observer.rs`, `record.rs`, `saved.rs`, `error.rs` |
 //!
 //! ```
 //! use stickslip::solver::history::{self, HistorySettings, Method, Status, SystemSolver};

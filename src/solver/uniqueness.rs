@@ -151,7 +151,7 @@ fn along(
 
 /// Returns `T`, column by column, or `None` if `J_0` is singular.
 fn response(tangent: &Bdiff, sliders: &[Slider], linear: &mut RefinedSolver) -> Result<Option<Mat<f64>>, LinearError> {
-    if tangent.unheld_motion().is_some() {
+    if tangent.unconstrained_mode().is_some() {
         return Ok(None);
     }
     let jacobian = tangent.jacobian();

@@ -30,8 +30,8 @@ where
         self.inner.linearize();
     }
 
-    fn hold_contacts(&mut self) -> Result<(), Vec<f64>> {
-        self.inner.hold_contacts()
+    fn clamp_contacts(&mut self) -> Result<(), Vec<f64>> {
+        self.inner.clamp_contacts()
     }
 
     fn solve(

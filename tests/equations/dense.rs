@@ -121,7 +121,7 @@ fn mixed_states(model: &Model, tolerance: f64) -> Vec<usize> {
     let orders = states.into_iter().map(|state| {
         formulation.set_cases(state);
         // Where nothing holds the body there is nothing to compare.
-        let held = formulation.unheld_motion().is_none();
+        let held = formulation.unconstrained_mode().is_none();
         held.then(|| compare(&mut solver, formulation.jacobian(), tolerance))
     });
     orders.flatten().collect()

@@ -22,7 +22,6 @@ const DEFORMED: usize = 200;
 
 /// Estimates the largest disk space of the results of a run of `scene`, bytes, within a factor of about two. The
 /// largest is reached while `run.json` is written from the hidden files of the increments, which make up a third of it.
-/// which are a third of it. It is good to a factor of two or so.
 pub fn bytes_on_disk(scene: &Scene, model: &Model) -> u64 {
     let (ends, of) = (scene.time.all(), &scene.description);
     let boundaries = of.contacts.len() + of.supports.len() + of.springs.len() + of.loads.len();

@@ -9,7 +9,7 @@ const MOST: usize = 200;
 pub(super) const GRAZING: f64 = 1e-6;
 
 /// The relative rounding error of a position on the line.
-const ROUNDING: f64 = 2.0 * f64::EPSILON;
+const POSITION_ROUNDING: f64 = 2.0 * f64::EPSILON;
 
 /// Returns the distance along a line at which it meets a surface. `height` is the signed distance of the surface from a
 /// point of the line along the surface's own direction: positive before the surface, negative behind it. `closing` is
@@ -27,7 +27,7 @@ pub(super) fn crossing(height: impl Fn(f64) -> f64, closing: f64) -> f64 {
         if !next.is_finite() {
             return f64::NAN;
         }
-        if above == 0.0 || (next - here).abs() <= ROUNDING * next.abs() {
+        if above == 0.0 || (next - here).abs() <= POSITION_ROUNDING * next.abs() {
             // Steps that had to be shortened lead to the rim.
             return if ends { f64::NAN } else { here };
         }
@@ -49,7 +49,7 @@ pub(super) fn crossing(height: impl Fn(f64) -> f64, closing: f64) -> f64 {
 /// secants in which the height of a retained end is halved.
 fn between(height: impl Fn(f64) -> f64, mut one: (f64, f64), mut other: (f64, f64)) -> f64 {
     for _ in 0..MOST {
-        if other.1 == 0.0 || (other.0 - one.0).abs() <= ROUNDING * other.0.abs() {
+        if other.1 == 0.0 || (other.0 - one.0).abs() <= POSITION_ROUNDING * other.0.abs() {
             break;
         }
         let next = other.0 - other.1 * (other.0 - one.0) / (other.1 - one.1);

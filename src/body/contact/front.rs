@@ -39,7 +39,7 @@ const ALONG: f64 = 1e-9;
 
 /// A distance counts as shorter only if the difference exceeds this share of the size of the boundary; smaller
 /// differences are rounding.
-const ROUNDING: f64 = 1e-12;
+const EQUAL_DISTANCE: f64 = 1e-12;
 
 impl Meeting {
     /// Returns the obstacle that is nearest to the node at `x` (m) at time `t` (s), and the gap, m.
@@ -66,7 +66,7 @@ pub fn nearest(
     };
     others.iter().fold((met, gap(met, facing)), |(nearest, distance), &k| {
         let other = gap(k, &obstacles[k].0.seen_from(x));
-        if other < distance - ROUNDING * obstacles[k].0.extent() { (k, other) } else { (nearest, distance) }
+        if other < distance - EQUAL_DISTANCE * obstacles[k].0.extent() { (k, other) } else { (nearest, distance) }
     })
 }
 

@@ -21,7 +21,7 @@ use crate::body::mesh::{Facet, Mesh};
 const COUNTS: f64 = 0.02;
 
 /// The least depth that counts for bodies that do not deform, as a share of the size of the mesh.
-const ROUNDING: f64 = 1e-9;
+const LEAST_DEPTH: f64 = 1e-9;
 
 /// The nodes of a slave facet have rows if more than this share of it is covered.
 const COVERED: f64 = 0.5;
@@ -114,7 +114,7 @@ impl Passages {
         let moved = |node: usize| [0, 1, 2].map(|c| mesh.nodes[node][c] + u[node][c]);
         let bounds: Vec<Bounds> = self.bodies.iter().map(|body| bounds(&body.nodes, &moved)).collect();
         let spreads: Vec<f64> = self.bodies.iter().map(|body| spread(&body.nodes, u)).collect();
-        let least = ROUNDING * mesh.size();
+        let least = LEAST_DEPTH * mesh.size();
         let mut deepest: Option<Passed> = None;
         let mut look = |bodies: [usize; 2], nodes: &[usize], other: &Outside, spread: f64| {
             for (node, depth) in inside(mesh, &moved, nodes, other) {

@@ -18,7 +18,7 @@ pub const TOLERATED_SHARE: f64 = 0.1;
 const SOLVED: f64 = 1e-10;
 
 /// The rounding error of a distance, as a share of the coordinates that are subtracted: a few units in the last place.
-const ROUNDING: f64 = 8.0 * f64::EPSILON;
+const DISTANCE_ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// A contact node whose linearised distance from the obstacle is wrong.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -83,7 +83,7 @@ pub fn range_left(
         let linearised = node.gap - normal_displacement(node);
         let missed = if node.closed { (exact - linearised).abs() } else { (-exact).max(0.0) };
         let share = missed / indentation;
-        let noise = SOLVED * largest + ROUNDING * (norm(position) + norm(x));
+        let noise = SOLVED * largest + DISTANCE_ROUNDING * (norm(position) + norm(x));
         // A closed node that no longer has the obstacle in front of it is the worst case.
         let left = missed > noise && share > TOLERATED_SHARE || node.closed && exact.is_nan();
         if left && worst.is_none_or(|worst| share.is_nan() || share > worst.share) {

@@ -34,7 +34,7 @@ pub(super) enum Surface {
 
 /// The rounding error of a direction, or of a length as a share of the coordinates that are subtracted: a few units in
 /// the last place.
-const ROUNDING: f64 = 8.0 * f64::EPSILON;
+const DIRECTION_ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 impl Surface {
     /// Returns the distance (m) from `x` to the point where a line along the unit vector `n` enters the obstacle,
@@ -121,7 +121,7 @@ impl Surface {
                 let from_centre = norm(flat(minus(x, plus(*apex, *radius, facing))));
                 // A line that misses a bore runs outside its cavity, unless it is parallel to the axis and on the wall
                 // within rounding.
-                let along_axis = norm(flat(n)) <= ROUNDING;
+                let along_axis = norm(flat(n)) <= DIRECTION_ROUNDING;
                 if *radius > 0.0 { from_centre < *radius } else { !along_axis || from_centre > -radius }
             }
             Surface::Cone(cone) => cone.contains(x),
@@ -147,17 +147,18 @@ impl Surface {
     /// Returns `true` if a rotation about the unit vector `axis` through the point `through` (m) maps the surface to
     /// itself, within the rounding of both.
     pub(super) fn is_the_same_about(&self, facing: [f64; 3], axis: [f64; 3], through: [f64; 3]) -> bool {
-        let parallel = |a: [f64; 3]| norm(cross(a, axis)) <= ROUNDING;
+        let parallel = |a: [f64; 3]| norm(cross(a, axis)) <= DIRECTION_ROUNDING;
         match self {
             Surface::Plane { .. } => parallel(facing),
             Surface::Round { radius, apex, axis: own } => {
                 let to_centre = minus(plus(*apex, *radius, facing), through);
                 let off = own.map_or(to_centre, |own| across(to_centre, own));
-                own.is_none_or(parallel) && norm(off) <= ROUNDING * (radius.abs() + norm(*apex) + norm(through))
+                own.is_none_or(parallel)
+                    && norm(off) <= DIRECTION_ROUNDING * (radius.abs() + norm(*apex) + norm(through))
             }
             Surface::Cone(cone) => {
                 let off = across(minus(cone.apex, through), axis);
-                parallel(cone.axis) && norm(off) <= ROUNDING * (norm(cone.apex) + norm(through))
+                parallel(cone.axis) && norm(off) <= DIRECTION_ROUNDING * (norm(cone.apex) + norm(through))
             }
             _ => false,
         }

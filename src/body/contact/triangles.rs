@@ -61,7 +61,7 @@ pub(super) enum TriangleFeature {
 
 /// The rounding error of a position, as a share of the size of the surface. With this tolerance a line through an edge
 /// meets both triangles.
-const ROUNDING: f64 = 1e-12;
+const POSITION_ROUNDING: f64 = 1e-12;
 
 /// The rounding error in single precision, which most STL files have. A point may lie beyond the rim by this share, and
 /// a line meets a triangle only if the cosine between line and normal exceeds it.
@@ -181,7 +181,7 @@ impl Triangles {
     /// Returns the point where the line through `x` along the unit vector `n` enters the obstacle: behind `x` if `x` is
     /// inside, otherwise the first one ahead.
     pub(super) fn entry(&self, x: [f64; 3], n: [f64; 3]) -> Option<Entry> {
-        [ROUNDING, SINGLE].into_iter().find_map(|slack| self.entry_within(x, n, slack * self.extent))
+        [POSITION_ROUNDING, SINGLE].into_iter().find_map(|slack| self.entry_within(x, n, slack * self.extent))
     }
 
     /// Computes [`Triangles::entry`] with triangles enlarged by `slack` (m) all around.

@@ -176,7 +176,7 @@ fn expected(model: &Model, kind: CellKind, law: &Elasticity) -> Option<f64> {
     let [_, c] = measured(kind)?;
     let poisson = poisson(law);
     let about = || c * across(model, law).powf(-1.4) * (1.0 - 2.0 * poisson.min(MEASURED[1])).powf(-0.75);
-    (poisson >= MEASURED[0] - ROUNDING).then(about)
+    (poisson >= MEASURED[0] - POISSON_ROUNDING).then(about)
 }
 
 fn poisson(law: &Elasticity) -> f64 {
@@ -203,4 +203,4 @@ fn across(model: &Model, law: &Elasticity) -> f64 {
 }
 
 /// The rounding error of Poisson's ratio computed from Lamé's constants.
-const ROUNDING: f64 = 1e-9;
+const POISSON_ROUNDING: f64 = 1e-9;

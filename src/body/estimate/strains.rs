@@ -9,7 +9,7 @@ use crate::body::model::Model;
 pub(super) type Sample = (f64, [f64; 6]);
 
 /// Strains count as rounding if they are smaller than this share of the displacements divided by the size of the body.
-const ROUNDING: f64 = 1e-10;
+const STRAIN_ROUNDING: f64 = 1e-10;
 
 /// The elastic strains of a body.
 pub(super) struct Strains<'a> {
@@ -58,7 +58,7 @@ impl<'a> Strains<'a> {
         let model = self.body.model;
         let moved = displacements.iter().flatten().fold(0.0_f64, |most, u| most.max(u.abs())) / model.mesh.size();
         let with_moved: f64 = self.volumes.iter().zip(model.materials()).map(|(volume, law)| volume * law.mu).sum();
-        self.energies.iter().sum::<f64>() <= with_moved * (ROUNDING * moved).powi(2)
+        self.energies.iter().sum::<f64>() <= with_moved * (STRAIN_ROUNDING * moved).powi(2)
     }
 
     /// Returns the volumes of the cells.

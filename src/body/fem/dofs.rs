@@ -33,7 +33,7 @@ pub struct Dofs {
 pub const SAME_DIRECTION: f64 = 1e-9;
 
 /// A component of a unit vector along an axis of an oblique frame counts as rounding if it is at most this.
-const ROUNDING: f64 = 1e-14;
+const AXIS_ROUNDING: f64 = 1e-14;
 
 impl Dofs {
     /// Numbers, node by node, all components for which `fixed(node, component)` is `false`.
@@ -159,7 +159,7 @@ impl Dofs {
             None => vector,
             Some(frame) => frame.map(|axis| {
                 let along = dot(axis, vector);
-                if along.abs() <= ROUNDING * norm(vector) { 0.0 } else { along }
+                if along.abs() <= AXIS_ROUNDING * norm(vector) { 0.0 } else { along }
             }),
         }
     }

@@ -15,7 +15,7 @@ use crate::solver::loading::piecewise_linear;
 const SAME: f64 = 1e-9;
 
 /// A few times the relative rounding error of a displacement.
-const ROUNDING: f64 = 1e-15;
+const DISPLACEMENT_ROUNDING: f64 = 1e-15;
 
 /// The motion of all supports with one history. It is split into a rigid offset of the body, the nearest translation,
 /// and the rest. The offset causes no strain: it is equivalent to the opposite motion of the obstacles, and
@@ -81,7 +81,7 @@ impl Moved {
                 }
                 if let Ok(held) = rows.nodes().binary_search(&node) {
                     // Rounding errors of a rigid offset would cause strains.
-                    beyond[held] = rest.map(|x| if x.abs() > ROUNDING * size { x } else { 0.0 });
+                    beyond[held] = rest.map(|x| if x.abs() > DISPLACEMENT_ROUNDING * size { x } else { 0.0 });
                 }
             }
             for node in dofs.followers() {

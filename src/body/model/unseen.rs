@@ -38,7 +38,7 @@ pub struct BetweenNodes {
 const SOLVED: f64 = 1e-10;
 
 /// The rounding error of a distance, as a share of the coordinates that are subtracted.
-const ROUNDING: f64 = 8.0 * f64::EPSILON;
+const DISTANCE_ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// A direction points out of the body if its cosine with the outward normal exceeds this.
 const OUT: f64 = 1e-9;
@@ -96,7 +96,7 @@ impl Model {
                         (distance < 0.0 && dot(out, normal) > OUT * norm(out)).then_some((-distance, back))
                     };
                     let Some((depth, back)) = seen(t, plus(x, 1.0, displacements[node])) else { continue };
-                    let small = depth <= noise + ROUNDING * (norm(x) + norm(back));
+                    let small = depth <= noise + DISTANCE_ROUNDING * (norm(x) + norm(back));
                     if !small && deepest.is_none_or(|last| depth > last.depth) && (own || seen(0.0, x).is_none()) {
                         deepest = Some(Overlap { contact: i, obstacle: k, depth });
                     }
@@ -165,7 +165,7 @@ impl Model {
                         let said: f64 = place.iter().map(|(node, share)| share * at_nodes[node].distance).sum();
                         let missed = if touches && !said.is_nan() { (there - said).abs() } else { -there };
                         let position = mean(&place, &|node| self.mesh.nodes[node]);
-                        let missed = missed - ARC * arcs - noise - ROUNDING * norm(position);
+                        let missed = missed - ARC * arcs - noise - DISTANCE_ROUNDING * norm(position);
                         if missed > 0.0 && worst.as_ref().is_none_or(|worst| missed > worst.missed) {
                             worst = Some(BetweenNodes { boundary: boundary.name.clone(), position, missed, size });
                         }

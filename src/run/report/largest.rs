@@ -2,11 +2,11 @@
 
 /// Values that differ by a smaller share count as equal. Otherwise rounding, and with it the linear solver, would
 /// decide between their times.
-const ROUNDING: f64 = 1e-9;
+const EQUAL_SHARE: f64 = 1e-9;
 
 /// Returns `true` if a value is at least as large as the `largest` so far. Of several equal values the last one counts.
 pub(super) fn is_as_large(new: f64, largest: f64) -> bool {
-    new >= (1.0 - ROUNDING) * largest
+    new >= (1.0 - EQUAL_SHARE) * largest
 }
 
 #[cfg(test)]

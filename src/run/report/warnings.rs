@@ -162,7 +162,7 @@ const QUADRATIC_LOCKING: f64 = 0.499;
 const PLAUSIBLE: f64 = 2.0;
 
 /// The rounding of the corners of an element, relative to the size of the body.
-const ROUNDING: f64 = 1e-9;
+const CORNER_ROUNDING: f64 = 1e-9;
 
 impl Warning {
     /// Returns the warnings known before the solution of a model.
@@ -262,7 +262,7 @@ fn expected(model: &Model) -> Option<Warning> {
     let poisson = largest_poisson(model);
     let quadratic = model.mesh.cells.iter().any(|cell| cell.kind.is_quadratic());
     let plain = model.element() == Element::Bilinear && !model.is_thin();
-    let locks = quadratic && plain && poisson > QUADRATIC_LOCKING + ROUNDING;
+    let locks = quadratic && plain && poisson > QUADRATIC_LOCKING + CORNER_ROUNDING;
     let message = format!(
         "nu is {poisson:.6}: elements of second order may be too stiff as well; use mesh.element = \"nodal-volume\""
     );
@@ -280,7 +280,7 @@ fn layers_through_elements(model: &Model) -> Option<String> {
         let within = |e: usize| {
             let heights = || mesh.cells[e].nodes.iter().map(|&node| mesh.nodes[node][up]);
             let (low, high) = (heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max));
-            let slack = ROUNDING * mesh.size();
+            let slack = CORNER_ROUNDING * mesh.size();
             low + slack < height && height < high - slack
         };
         (0..mesh.cells.len()).filter(|&e| within(e)).count()

@@ -27,7 +27,7 @@ use crate::solver::problem::ContactProblem;
 const SINGULAR: f64 = 1e-12;
 
 /// The largest residual without refinement, in roundings of the largest elastic force of a single coordinate.
-const ROUNDINGS: f64 = 4.0;
+const RESIDUAL_ROUNDINGS: f64 = 4.0;
 
 /// The largest rounding of the elastic forces, relative to the forces. Beyond it the system counts as singular.
 const LOST: f64 = 1e-3;
@@ -301,7 +301,7 @@ impl Tangent for Dictionary {
                 rounding = f64::EPSILON * self.stiffest * largest(&w);
                 scale = largest(&load).max(largest(&forces));
                 left = largest(&rest);
-                if left <= ROUNDINGS * rounding || refinement == 2 {
+                if left <= RESIDUAL_ROUNDINGS * rounding || refinement == 2 {
                     break;
                 }
                 // With δF + rest = Ŝ δw: prescribed members stay, and the others follow.

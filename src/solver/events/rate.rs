@@ -9,7 +9,7 @@
 
 use super::complementarity::Unknowns;
 use super::node::{AdmissibleTransition, NodalContact, NodeStatus};
-use super::rate_problem::{Breach, Effort, ROUNDING, RateProblem};
+use super::rate_problem::{Breach, Effort, RATE_ROUNDING, RateProblem};
 use super::tangent::Tangent;
 use crate::algebra::linear::LinearError;
 
@@ -64,7 +64,7 @@ impl RateProblem<'_> {
             let size = self.try_out(tangent, &found, rate, effort)?;
             keep(&mut best, size, &found);
             let mut settled = found;
-            if size.is_some_and(|size| size <= ROUNDING)
+            if size.is_some_and(|size| size <= RATE_ROUNDING)
                 || self.by_correction(tangent, &mut settled, rate, &mut best, effort)?
             {
                 effort.lemke += 1;
@@ -164,7 +164,7 @@ impl RateProblem<'_> {
             let size = self.try_out(tangent, statuses, rate, effort)?;
             keep(best, size, statuses);
             match size {
-                Some(size) if size <= ROUNDING => return Ok(Tried::Found),
+                Some(size) if size <= RATE_ROUNDING => return Ok(Tried::Found),
                 Some(_) => {}
                 None => tried = Tried::SomeSingular,
             }

@@ -8,7 +8,7 @@ use crate::algebra::linear::LinearError;
 use crate::solver::problem::ContactProblem;
 
 /// A breach of a law below this share of the largest rate counts as rounding.
-pub(super) const ROUNDING: f64 = 1e-12;
+pub(super) const RATE_ROUNDING: f64 = 1e-12;
 
 /// The rate problem at one point of the path.
 pub(super) struct RateProblem<'a> {
@@ -72,7 +72,7 @@ impl RateProblem<'_> {
                 (AdmissibleTransition::Anything, NodeStatus::Open) => {
                     (rate.w_n[i] - self.given.gap[i], length, along(slip))
                 }
-                (AdmissibleTransition::Anything, _) if rate.p_n[i] < -ROUNDING * force => {
+                (AdmissibleTransition::Anything, _) if rate.p_n[i] < -RATE_ROUNDING * force => {
                     (-rate.p_n[i], force, NodeStatus::Open)
                 }
                 (AdmissibleTransition::Stay, _) | (_, NodeStatus::Open) => continue,
@@ -84,7 +84,7 @@ impl RateProblem<'_> {
                 (AdmissibleTransition::Turn(sign), NodeStatus::Stick) => (beyond(sign), force, NodeStatus::slip(sign)),
                 (_, NodeStatus::Forward | NodeStatus::Backward) => (-status.sign() * slip, length, NodeStatus::Stick),
             };
-            if value > ROUNDING * scale {
+            if value > RATE_ROUNDING * scale {
                 breaches.push(Breach { node: i, to, size: value / scale });
             }
         }

@@ -12,7 +12,7 @@ use crate::base::units::Scaling;
 use crate::solver::problem::{ContactProblem, State};
 
 /// The largest share of rounding of elastic forces in the largest force without refinement.
-const ROUNDING: f64 = 1e-12;
+const ELASTIC_ROUNDING: f64 = 1e-12;
 
 /// The number of refinements. Each gains as many digits as are correct in a solution.
 const REFINEMENTS: usize = 3;
@@ -94,7 +94,7 @@ impl Tangent for Refined<'_> {
             return Ok(false);
         }
         answer.rounding = f64::EPSILON * largest(&answer.u) * self.problem.stiffest() / self.scaling.stiffness();
-        if answer.rounding <= ROUNDING * answer.largest_force().max(largest(&given.force)) {
+        if answer.rounding <= ELASTIC_ROUNDING * answer.largest_force().max(largest(&given.force)) {
             return Ok(true);
         }
         answer.u_rest = vec![0.0; answer.u.len()];

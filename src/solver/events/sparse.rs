@@ -80,7 +80,7 @@ impl Tangent for SparseTangent<'_> {
         if std::mem::take(&mut self.lent) {
             self.linear.analyze(self.rows.jacobian())?;
         }
-        if self.rows.unheld_motion().is_some() {
+        if self.rows.unconstrained_mode().is_some() {
             return Ok(false);
         }
         match self.linear.factorize(self.rows.jacobian()) {

@@ -3,7 +3,7 @@
 use super::dictionary::Dictionary;
 use super::node::{AdmissibleTransition, Given, NodalContact, NodeStatus, largest};
 use super::rate::Found;
-use super::rate_problem::{Effort, ROUNDING, RateProblem};
+use super::rate_problem::{Effort, RATE_ROUNDING, RateProblem};
 use super::refined::Refined;
 use super::sparse::SparseTangent;
 use super::stretch::Stretch;
@@ -394,7 +394,7 @@ impl<'a> ExactPath<'a> {
         let force = rate.force_scale(&stretch.change);
         let length = rate.largest_displacement().max(largest(&stretch.change.gap));
         let until = |left: f64, pace: f64, scale: f64| {
-            if pace > ROUNDING * scale { left.max(0.0) / pace } else { f64::INFINITY }
+            if pace > RATE_ROUNDING * scale { left.max(0.0) / pace } else { f64::INFINITY }
         };
         let of_node = |i: usize| match self.statuses[i] {
             NodeStatus::Open => until(self.distance(i), rate.w_n[i] - stretch.change.gap[i], length),

@@ -258,7 +258,7 @@ impl Bdiff {
             changed |= self.write_rows(i, case(self, i));
         }
         if changed {
-            self.tie_unheld_motions();
+            self.pin_unconstrained_modes();
         }
         changed
     }
@@ -295,7 +295,7 @@ impl Bdiff {
 
     /// Linearises with every contact node clamped: closed, and sticking if there is friction. With this matrix the
     /// other displacements follow a change of the load.
-    pub fn hold_contacts(&mut self) {
+    pub fn clamp_contacts(&mut self) {
         self.set_cases(vec![(NormalCase::Closed, TangentialCase::Stick); self.layout().contacts()]);
     }
 

@@ -228,8 +228,8 @@ impl InteriorPoint for ConeSystem {
         }
     }
 
-    fn unheld_motion(&self) -> Option<Vec<f64>> {
-        self.data.unheld_motion()
+    fn unconstrained_mode(&self) -> Option<Vec<f64>> {
+        self.data.unconstrained_mode()
     }
 
     /// Uses the same values for all nodes, without friction: the last solution's forces affect the scale only. A

@@ -255,8 +255,8 @@ impl InteriorPoint for Constrained {
         }
     }
 
-    fn unheld_motion(&self) -> Option<Vec<f64>> {
-        self.data.unheld_motion()
+    fn unconstrained_mode(&self) -> Option<Vec<f64>> {
+        self.data.unconstrained_mode()
     }
 
     /// Chooses the distance from the last solution by the scales.

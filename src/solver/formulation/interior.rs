@@ -49,7 +49,7 @@ pub trait InteriorPoint {
 
     /// Returns the weights of a combination of the problem's rigid modes that no contact node stops, so that the
     /// matrix is singular in every state, or `None` if there is none.
-    fn unheld_motion(&self) -> Option<Vec<f64>>;
+    fn unconstrained_mode(&self) -> Option<Vec<f64>>;
 
     /// Makes the pairs of `z`, which begins with the last solution, positive. `force` and `length` are the expected
     /// changes of the contact forces and gaps with the load, scaled.
@@ -61,7 +61,7 @@ pub trait InteriorPoint {
 
     /// Linearises with every contact node clamped: closed, and sticking if there is friction. With this matrix the
     /// other displacements follow a change of the load.
-    fn hold_contacts(&mut self) {
+    fn clamp_contacts(&mut self) {
         let mut z = vec![0.0; self.unknowns()];
         // Pressure without distance, and friction below its limit without slip.
         self.pairs().iter().for_each(|pair| z[pair.force] = 1.0);

@@ -99,7 +99,7 @@ impl ScaledData {
 
     /// Returns the weights of a combination of the rigid modes that would be unconstrained even if all contact nodes
     /// were closed and sticking.
-    pub(super) fn unheld_motion(&self) -> Option<Vec<f64>> {
+    pub(super) fn unconstrained_mode(&self) -> Option<Vec<f64>> {
         let ScaledData { layout, c_n, c_t, c_o, rigid_modes, .. } = self;
         let [c_n, c_t, c_o] = [c_n, c_t, c_o].map(|map| &**map);
         let normal = (0..layout.contacts()).map(|i| (c_n, i));

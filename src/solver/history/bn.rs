@@ -13,6 +13,7 @@ use crate::solver::problem::{ContactProblem, State};
 /// The paper's stopping test `Theta ≤ ε`, a sum of N² and Pa².
 const PAPER_MERIT: f64 = 1e-2;
 
+/// BN with its starts in a history.
 pub(super) struct BnMethod {
     formulation: Bdiff,
     bn: Bn,
@@ -131,9 +132,9 @@ impl IncrementSolver for BnMethod {
         self.formulation.linearize(&self.z);
     }
 
-    fn hold_contacts(&mut self) -> Result<(), Vec<f64>> {
-        self.formulation.hold_contacts();
-        self.formulation.unheld_motion().map_or(Ok(()), Err)
+    fn clamp_contacts(&mut self) -> Result<(), Vec<f64>> {
+        self.formulation.clamp_contacts();
+        self.formulation.unconstrained_mode().map_or(Ok(()), Err)
     }
 
     fn starts_on_tangent(&self, linear: &RefinedSolver) -> bool {
@@ -164,6 +165,7 @@ impl IncrementSolver for BnMethod {
             task.response.add_forces_to(z);
         }
         let start = z.clone();
+        // Nothing has changed the state since the last increment ended there.
         let is_at_end = last.as_ref() == Some(&from);
         if is_at_end && task.landed.is_none() && !solved {
             if let Some(ahead) = ahead(formulation, bn, linear, &from)? {
@@ -178,7 +180,7 @@ impl IncrementSolver for BnMethod {
         let outcome = bn.solve(formulation, linear, z, end, observe)?;
         rest.copy_from_slice(bn.rest());
         *last = None;
-        if outcome.stop == Termination::Converged && formulation.is_tied() {
+        if outcome.stop == Termination::Converged && formulation.is_pinned() {
             // One of many solutions: takes the nearest, if it remains a solution after rounding.
             let settled = formulation.settled(z, &start);
             if error(&settled, rest)? <= error(z, rest)?.max(task.tolerance) {

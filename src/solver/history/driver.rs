@@ -1,4 +1,4 @@
-//! The driver of a history, stage by stage: a stage is a sequence of increments with one set-up of the equations.
+//! The driver of a history: the loop over its increments, within a loop over stages.
 
 use super::increment::{IncrementDriver, IncrementProgress};
 use super::observer::{IncrementView, Observer, Progress, record};
@@ -134,7 +134,7 @@ impl<'a> HistoryDriver<'a> {
         let condensed = match condensed {
             Ok(condensed) => condensed,
             Err(LinearError::Singular { .. }) => {
-                self.outcome.free_motion = algorithm.start(self.problem, self.loading).hold_contacts().err();
+                self.outcome.free_motion = algorithm.start(self.problem, self.loading).clamp_contacts().err();
                 self.outcome.status = Status::Singular;
                 return Ok(None);
             }

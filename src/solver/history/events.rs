@@ -1,7 +1,7 @@
 //! A history along its exact path in time. Its increments are output times and do not affect the path.
 
 use super::interior::{InteriorRecovery, RecoveredState, Responds};
-use super::jump::{JumpSolver, Landed, RestartPoint};
+use super::jump::{AfterJump, JumpSolver, RestartPoint};
 use super::method::Method;
 use super::observer::{IncrementView, Observer};
 use super::record::{ContactCounts, IncrementRecord, Seconds, Status, is_solution};
@@ -40,7 +40,7 @@ struct Begun {
 }
 
 /// The results of an increment so far.
-struct IncrementInProgress {
+struct IncrementSoFar {
     index: usize,
     /// The end of the increment, s.
     end: f64,
@@ -120,7 +120,7 @@ impl ExactHistory<'_> {
             self.outcome.linear = statistics(walk.statistics(), body, 0.0);
         }
         for (k, &time) in self.times.iter().enumerate().skip(self.outcome.tally.increments) {
-            let mut in_progress = IncrementInProgress {
+            let mut in_progress = IncrementSoFar {
                 index: k + 1,
                 end: time,
                 clock: Instant::now(),
@@ -197,7 +197,7 @@ impl ExactHistory<'_> {
         begun: &Begun,
         scales: &mut KktScales,
         condensed: Option<(&Condensed, &Condensation)>,
-        in_progress: &mut IncrementInProgress,
+        in_progress: &mut IncrementSoFar,
     ) -> Result<(), LinearError> {
         let small = condensed.map_or(self.problem, |(condensed, _)| &condensed.problem);
         let (state, now) = (walk.state(), walk.time());
@@ -236,7 +236,7 @@ impl ExactHistory<'_> {
         begun: &Begun,
         scales: &mut KktScales,
         condensed: Option<(&Condensed, &Condensation)>,
-        in_progress: &mut IncrementInProgress,
+        in_progress: &mut IncrementSoFar,
     ) -> Result<bool, Error> {
         let (problem, loading, settings) = (self.problem, self.loading, self.settings);
         let data = Driven::new(problem, loading, lost.time, begun);
@@ -249,7 +249,7 @@ impl ExactHistory<'_> {
             (None, Some(linear)) => edge.jump(in_progress.end, &mut JumpSolver::Whole(linear))?,
             (None, None) => None,
         };
-        let Some(Landed { time, state, record }) = landed else { return Ok(false) };
+        let Some(AfterJump { time, state, record }) = landed else { return Ok(false) };
         let data = Driven::new(problem, loading, time, &Begun { places: walk.places(), time: lost.time });
         *scales = scales.with_load(problem, &data.increment()).with_state(&state);
         let statuses = statuses_of(problem, &data.increment(), &state, scales);
@@ -308,7 +308,7 @@ impl ExactHistory<'_> {
     /// Judges the end of an increment on the whole body, and reports it.
     fn end(
         &mut self,
-        in_progress: &IncrementInProgress,
+        in_progress: &IncrementSoFar,
         data: &Driven,
         balanced: RecoveredState,
         scales: KktScales,

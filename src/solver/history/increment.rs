@@ -1,8 +1,8 @@
 //! One increment, halved if it fails.
 //!
-//! A substep is an increment of its own, and friction depends on the slip of each. A substep that fails leaves
-//! nothing behind. After a substep that converges, the rest of the increment is tried as a whole, so that the size
-//! grows back.
+//! A substep is an increment of its own, and friction depends on the slip of each. A substep that fails and
+//! is halved leaves only its counts and its largest backward error. After a substep that converges, the other half of the
+//! interval that was halved is tried as a whole, so the size doubles back step by step.
 
 use super::increment_error::{IncrementError, IncrementErrors};
 use super::interior::{InteriorRecovery, Linearized, RecoveredState};
@@ -43,8 +43,8 @@ pub(super) enum IncrementProgress {
     NeedsNodes(Vec<usize>),
 }
 
-/// The start of a substep.
-struct Start {
+/// The data to which a substep that fails returns.
+struct Rollback {
     unknowns: Vec<f64>,
     offset: RigidOffset,
     errors: Option<IncrementErrors>,
@@ -88,14 +88,14 @@ impl<'a> IncrementDriver<'a> {
         self.stage.method.increment_errors().map(|errors| errors.found())
     }
 
-    /// Returns the start of the next substep.
-    fn start(&mut self) -> Start {
+    /// Returns the data to which the next substep returns if it fails.
+    fn rollback(&mut self) -> Rollback {
         let errors = self.stage.method.increment_errors().cloned();
-        Start { unknowns: self.stage.method.unknowns().clone(), offset: self.at.offset.clone(), errors }
+        Rollback { unknowns: self.stage.method.unknowns().clone(), offset: self.at.offset.clone(), errors }
     }
 
     /// Rolls back to the start of a substep.
-    fn go_back(&mut self, start: Start) {
+    fn go_back(&mut self, start: Rollback) {
         self.stage.method.unknowns().copy_from_slice(&start.unknowns);
         self.at.offset = start.offset;
         if let (Some(errors), Some(before)) = (self.stage.method.increment_errors(), start.errors) {
@@ -117,7 +117,7 @@ impl<'a> IncrementDriver<'a> {
         loop {
             let end = pending.last().copied().unwrap_or(time);
             let from = self.at.reached.unwrap_or(0.0);
-            let begun = self.start();
+            let begun = self.rollback();
             let substep = self.substep(end, linear, &mut |iteration| progress.iteration(iteration))?;
             let outcome = substep.outcome.clone();
             let so_far = solved.map_or(outcome.clone(), |solved| solved.then(outcome));

@@ -87,7 +87,7 @@ struct Node {
     p_n: f64,
     mu: f64,
     w: [f64; 2],
-    /// The error `e` of `w_T`; `error_p` has that of `p_n`.
+    /// The error `e` of `w_T`; `error_p_n` is the error of `p_n`.
     error_w: [f64; 2],
     error_p_n: f64,
 }
@@ -220,7 +220,7 @@ impl IncrementErrors {
         }
         let cases: Vec<_> = self.nodes.iter().map(|node| (node.closed, node.case)).collect();
         // Pinning springs of an unconstrained mode would carry the loads.
-        if !linearized(&cases, formulation, bn, linear)? || formulation.is_tied() {
+        if !linearized(&cases, formulation, bn, linear)? || formulation.is_pinned() {
             return Ok(None);
         }
         let unit = self.scaling;

@@ -224,7 +224,7 @@ impl ClampedBody {
         scaling: &Scaling,
         linear: &mut RefinedSolver,
     ) -> Result<Result<Self, Option<Vec<f64>>>, LinearError> {
-        if let Err(motion) = method.hold_contacts() {
+        if let Err(motion) = method.clamp_contacts() {
             return Ok(Err(Some(motion)));
         }
         let layout = Layout::new(problem);

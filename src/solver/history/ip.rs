@@ -9,6 +9,7 @@ use crate::solver::formulation::{Constrained, InteriorPoint, NewtonSystem, Pair,
 use crate::solver::newton::{Ip, IpSettings, MethodResult, Termination};
 use crate::solver::problem::{ContactProblem, State};
 
+/// The paper's interior point method with its starts in a history.
 pub(super) struct IpMethod {
     formulation: Constrained,
     settings: IpSettings,
@@ -61,9 +62,9 @@ impl IncrementSolver for IpMethod {
         self.formulation.linearize(&self.z);
     }
 
-    fn hold_contacts(&mut self) -> Result<(), Vec<f64>> {
-        self.formulation.hold_contacts();
-        self.formulation.unheld_motion().map_or(Ok(()), Err)
+    fn clamp_contacts(&mut self) -> Result<(), Vec<f64>> {
+        self.formulation.clamp_contacts();
+        self.formulation.unconstrained_mode().map_or(Ok(()), Err)
     }
 
     fn solve(

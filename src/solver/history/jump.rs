@@ -29,7 +29,7 @@ pub(crate) struct RestartPoint<'a> {
 }
 
 /// The result of a jump.
-pub(super) struct Landed {
+pub(super) struct AfterJump {
     /// The time, s.
     pub time: f64,
     /// The state at that time.
@@ -51,7 +51,7 @@ impl RestartPoint<'_> {
     ///
     /// # Errors
     /// As [`super::run`].
-    pub(super) fn jump(&self, to: f64, means: &mut JumpSolver<'_>) -> Result<Option<Landed>, Error> {
+    pub(super) fn jump(&self, to: f64, means: &mut JumpSolver<'_>) -> Result<Option<AfterJump>, Error> {
         let settings = HistorySettings { halvings: 0, ..self.settings.clone() };
         for halvings in 0..=self.settings.halvings {
             let time = self.time + (to - self.time) * 0.5_f64.powi(halvings as i32);
@@ -61,7 +61,7 @@ impl RestartPoint<'_> {
             let outcome = self.try_to(&[time], &settings, &mut (), means)?;
             if let (Status::Converged, Some(record)) = (outcome.status, outcome.records.last()) {
                 let record = record.clone();
-                return Ok(Some(Landed { time, state: outcome.state, record }));
+                return Ok(Some(AfterJump { time, state: outcome.state, record }));
             }
         }
         Ok(None)

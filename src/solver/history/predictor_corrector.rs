@@ -18,6 +18,7 @@ use crate::solver::problem::{ContactProblem, Increment, State};
 /// attainable despite rounding in slender bodies.
 const NEAR: f64 = 1e-8;
 
+/// The predictor–corrector method with its starts in a history.
 pub(super) struct PredictorCorrectorMethod {
     formulation: Box<dyn InteriorPoint>,
     settings: PredictorCorrectorSettings,
@@ -97,7 +98,7 @@ impl PredictorCorrectorMethod {
             (0..contacts).map(|i| -self.formulation.distance(i, &self.z)).fold(response.gap_change, f64::max);
         let mut force = response.contact_force.max(self.stiffness * violated);
         if force == 0.0 {
-            // The load is unchanged, but the last state is no solution: any scale will do.
+            // The load is unchanged or its response is not known, and the last state is no solution: any scale will do.
             force = self.stiffness;
         }
         force *= self.distance;
@@ -126,9 +127,9 @@ impl IncrementSolver for PredictorCorrectorMethod {
         self.end.matrix()
     }
 
-    fn hold_contacts(&mut self) -> Result<(), Vec<f64>> {
-        self.formulation.hold_contacts();
-        self.formulation.unheld_motion().map_or(Ok(()), Err)
+    fn clamp_contacts(&mut self) -> Result<(), Vec<f64>> {
+        self.formulation.clamp_contacts();
+        self.formulation.unconstrained_mode().map_or(Ok(()), Err)
     }
 
     fn solve(
@@ -211,6 +212,7 @@ impl IncrementSolver for PredictorCorrectorMethod {
 /// The limit of BN's iterations. From near the solution it takes two or three; more show that it is not near.
 const ITERATIONS: usize = 10;
 
+/// BN from the end of the interior point method.
 pub(super) struct NewtonEnd {
     formulation: Bdiff,
     bn: Bn,
@@ -257,7 +259,7 @@ impl NewtonEnd {
     pub(super) fn settled(&mut self, z: &[f64], to: &[f64]) -> Option<Vec<f64>> {
         self.linearize(z);
         let n = self.z.len();
-        self.formulation.is_tied().then(|| self.formulation.settled(&z[..n], &to[..n]))
+        self.formulation.is_pinned().then(|| self.formulation.settled(&z[..n], &to[..n]))
     }
 
     /// Linearises at a `z` that begins with `(u, p_t, p_n)`.

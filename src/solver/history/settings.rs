@@ -35,8 +35,8 @@ pub struct HistorySettings {
     /// `true` if the outcome keeps the records of all increments and the events of an exact path, `false` for only
     /// the last two records. Millions of records need gigabytes, and an observer sees each of them anyway.
     pub keeps_records: bool,
-    /// `true` if the time-step error of BN's increments is estimated, see [`super::IncrementError`]. The estimate costs one solve an
-    /// increment, and two factorisations where nodes first touch.
+    /// `true` if the time-step error of BN's increments is estimated, see [`super::IncrementError`]. The
+    /// estimate costs two solves an increment, and another factorisation where nodes first touch and slide.
     pub estimates_error: bool,
     /// The checkpoint from which the history resumes, instead of the unloaded body. It comes from
     /// [`super::Observer::rest`] of a run with the same problem, loading, times so far, settings and linear system.

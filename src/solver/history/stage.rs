@@ -1,4 +1,5 @@
-//! A stage of a history: one set-up of the equations, with the method that solves them.
+//! A stage of a history: one set-up of the equations, with the method that solves them. A new stage begins when the working
+//! set grows.
 
 use super::interior::ClampedBody;
 use super::settings::HistorySettings;
@@ -17,8 +18,10 @@ pub(super) struct Stage {
     pub clamped: Option<ClampedBody>,
     /// `true` if the body may move rigidly, without strain.
     pub may_move_rigidly: bool,
+    /// The external forces on the whole body, n_u, N, and on the condensed problem, if there is one.
     pub force: Vec<f64>,
     pub condensed_force: Vec<f64>,
+    /// The gaps (m), coefficients of friction and earlier tangential displacements (m) of the substep, n_c each.
     pub gap: Vec<f64>,
     pub mu: Vec<f64>,
     pub w_t_last: Vec<f64>,

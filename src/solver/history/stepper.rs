@@ -141,7 +141,7 @@ impl<P: Borrow<ContactProblem>> Stepper<P> {
             Body::ToCondense(condensation) => match Condensed::new(problem, loading, condensation.clone()) {
                 Ok(condensed) => *body = Body::Condensed(Box::new(condensed)),
                 Err(LinearError::Singular { .. }) => {
-                    let free_motion = settings.start(problem, loading).hold_contacts().err();
+                    let free_motion = settings.start(problem, loading).clamp_contacts().err();
                     return Ok(HistoryOutcome { status: Status::Singular, free_motion, ..outcome });
                 }
                 Err(error) => return Err(error.into()),

@@ -86,7 +86,7 @@ pub trait IncrementSolver {
     ///
     /// # Errors
     /// The weights of a rigid mode that remains unconstrained.
-    fn hold_contacts(&mut self) -> Result<(), Vec<f64>>;
+    fn clamp_contacts(&mut self) -> Result<(), Vec<f64>>;
 
     /// Returns `true` if the next increment starts on the tangent at the present state, whose factors are in `linear`,
     /// so that its start needs no [`Response`].

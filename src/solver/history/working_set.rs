@@ -4,6 +4,7 @@
 //! and the other nodes satisfy the laws. The verdict always covers all contact nodes. If nodes outside the working
 //! set penetrate, they join it together with the nearest other nodes. No node leaves it.
 
+use super::record::is_solution;
 use super::state::SubstepResult;
 use crate::solver::newton::Termination;
 use crate::solver::problem::{ContactProblem, Increment};
@@ -43,7 +44,7 @@ pub(super) fn lack(
     tolerance: f64,
 ) -> Option<MissingNodes> {
     let all = problem.contacts();
-    if substep.kkt.worst().1 <= tolerance || substep.outcome.stop == Termination::Interrupted {
+    if is_solution(&substep.kkt, tolerance) || substep.outcome.stop == Termination::Interrupted {
         return None;
     }
     let mut is_held = vec![false; all];

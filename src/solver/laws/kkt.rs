@@ -24,7 +24,7 @@ pub struct KktScales {
 }
 
 /// The number of roundings, relative to the terms, in a gap after a long motion or in a sum of loads.
-const ROUNDINGS: f64 = 16.0;
+const TERM_ROUNDINGS: f64 = 16.0;
 
 impl KktScales {
     /// Returns the scales of a state after those of `earlier` states.
@@ -63,7 +63,7 @@ impl KktScales {
     /// Raises the scales so that rounding in differences of terms of these sizes (N and m) stays below `tolerance`.
     #[must_use]
     pub(crate) fn above_rounding(self, tolerance: f64, force: f64, length: f64) -> Self {
-        let known = (ROUNDINGS * f64::EPSILON / tolerance).min(1.0);
+        let known = (TERM_ROUNDINGS * f64::EPSILON / tolerance).min(1.0);
         KktScales { force: self.force.max(known * force), length: self.length.max(known * length) }
     }
 

@@ -1,4 +1,6 @@
-//! Algorithm BN: the B-differentiable Newton method.
+//! Algorithm BN: the B-differentiable Newton method. Steps 1 to 4 of the paper are marked in [`Bn::solve`]. `H` (19), its
+//! linearisation (21) and `Theta` are in `formulation/bdiff.rs`, the step size (12) in `armijo.rs`, the stopping tests in
+//! `end.rs`, what goes beyond the paper in `bn/beyond.rs`.
 
 mod beyond;
 mod forcing;
@@ -116,7 +118,7 @@ impl Bn {
             if (repeated || formulation.is_affine() && end.is_measured()) && !met {
                 // Only refinement, or a motion along an unconstrained mode, can still reduce the error.
                 met = self.refine(formulation, linear, z, &mut end)?;
-                match formulation.unheld_motion() {
+                match formulation.unconstrained_mode() {
                     None => outcome.stop = Termination::Stalled,
                     Some(_) if !met && self.follow(formulation, z) => theta = self.evaluate(formulation, z)?,
                     Some(motion) => outcome.stop = Termination::Unconstrained(motion),
@@ -127,7 +129,7 @@ impl Bn {
             }
         }
         if outcome.stop == Termination::MaxIterations {
-            outcome.stop = match formulation.unheld_motion() {
+            outcome.stop = match formulation.unconstrained_mode() {
                 Some(motion) => Termination::Unconstrained(motion),
                 None if cycle.closed() => Termination::Cycling,
                 None => Termination::MaxIterations,
@@ -153,7 +155,7 @@ impl Bn {
     ) -> Result<Direction, LinearError> {
         if fresh {
             self.factored = None;
-            if let Some(motion) = formulation.loose_motion() {
+            if let Some(motion) = formulation.unpinned_mode() {
                 return Ok(Err(Termination::Unconstrained(motion)));
             }
             if let Err(error) = linear.factorize(formulation.jacobian()) {
@@ -218,7 +220,7 @@ impl Bn {
     /// As [`Bn::solve`].
     pub fn factor(&mut self, formulation: &Bdiff, linear: &mut RefinedSolver) -> Result<bool, LinearError> {
         self.factored = None;
-        if formulation.loose_motion().is_some() {
+        if formulation.unpinned_mode().is_some() {
             return Ok(false);
         }
         match linear.factorize(formulation.jacobian()) {

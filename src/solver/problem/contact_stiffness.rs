@@ -13,7 +13,7 @@ type Patch = Vec<usize>;
 
 /// A patch stiffness below this share of a node's own stiffness may be rounding of a patch that rotates about clamped
 /// displacements. True contrasts of twelve decades cannot be distinguished from that.
-const MERE_ROUNDING: f64 = 1e-12;
+const STIFFNESS_ROUNDING: f64 = 1e-12;
 
 impl ContactProblem {
     /// Returns the stiffness of each contact node along its normal, with all other displacements of its patch free
@@ -38,7 +38,7 @@ impl ContactProblem {
             };
             let compliance = factors.as_ref().map(|factors| compliance(factors, patch, self.c_n().row(i)));
             let own = own_stiffness(&at_hand, self.c_n(), i);
-            let usable = compliance.map(|c| 1.0 / c).filter(|k| k.is_finite() && *k > MERE_ROUNDING * own);
+            let usable = compliance.map(|c| 1.0 / c).filter(|k| k.is_finite() && *k > STIFFNESS_ROUNDING * own);
             stiffness.push(usable.unwrap_or(0.25 * own));
             last = Some((patch, factors));
         }

@@ -72,7 +72,7 @@ const STEPS: usize = 12;
 pub(super) fn condition(model: &Model) -> Result<f64, LinearError> {
     let problem = &model.problem;
     let mut held = Bdiff::new(problem, model.scaling(), &FormulationScaling::natural(problem));
-    held.hold_contacts();
+    held.clamp_contacts();
     let mut linear = RefinedSolver::default();
     linear.analyze(held.jacobian())?;
     match linear.factorize(held.jacobian()) {

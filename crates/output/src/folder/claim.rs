@@ -78,7 +78,6 @@ impl LockedOutputDir {
     ///
     /// # Errors
     /// When the disk refuses.
-    /// When the disk refuses.
     pub fn begin(
         self,
         model: &Model,

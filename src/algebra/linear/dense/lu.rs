@@ -39,7 +39,7 @@ pub(crate) fn times_transposed(l: &[f64], m: usize) -> Vec<f64> {
 /// A pivot below this size, relative to the diagonal entry that it came from, may be mere rounding. The diagonal of a
 /// Schur complement is about a quarter of the original one. (Unsupported bodies have pivots of 2e-14, slender ones of
 /// 1e-12.)
-const MERE_ROUNDING: f64 = 256.0 * f64::EPSILON;
+const PIVOT_ROUNDING: f64 = 256.0 * f64::EPSILON;
 
 /// The factors of `P A = L U`.
 #[derive(Debug)]
@@ -82,7 +82,7 @@ impl Lu {
             let ratio = a[(k, k)].abs() / size;
             pivot_ratio = pivot_ratio.min(if ratio.is_finite() { ratio } else { 0.0 });
         }
-        if pivot_ratio <= MERE_ROUNDING {
+        if pivot_ratio <= PIVOT_ROUNDING {
             return Err(LinearError::Singular { pivot_ratio });
         }
         Ok(Lu { factors: a, permutation, pivot_ratio })

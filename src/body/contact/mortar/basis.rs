@@ -8,7 +8,7 @@ use super::facet::{MOST, Values};
 use crate::body::mesh::Mesh;
 
 /// A sum counts as rounding if it is at most this share of its terms.
-const ROUNDING: f64 = 1e-13;
+const CANCELLED_SHARE: f64 = 1e-13;
 
 /// A pivot below this counts as rounding; the diagonal is scaled to 1.
 const SINGULAR: f64 = 1e-15;
@@ -71,7 +71,7 @@ fn on_master(cover: &Cover, psi: &Values, weight: f64) -> Vec<(usize, f64)> {
     let integral = |(node, values): &(usize, Values)| {
         let (sum, size) =
             psi.iter().zip(values).fold((0.0, 0.0), |(sum, size), (a, c)| (sum + a * c, size + (a * c).abs()));
-        (sum.abs() > ROUNDING * size).then_some((*node, sum))
+        (sum.abs() > CANCELLED_SHARE * size).then_some((*node, sum))
     };
     let mut master: Vec<(usize, f64)> = cover.cross.iter().filter_map(integral).collect();
     let rest = weight - master.iter().map(|(_, value)| value).sum::<f64>();

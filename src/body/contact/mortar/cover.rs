@@ -14,7 +14,7 @@ use crate::body::mesh::{Boundary, Facet, Mesh};
 const COVERED: f64 = 1e-10;
 
 /// A facet counts as covered twice if its covered share exceeds 1 by more than this.
-const ROUNDING: f64 = 1e-9;
+const COVER_SLACK: f64 = 1e-9;
 
 /// The integrals over the covered part of a slave facet, with the functions Ñ of [`bernstein`] on both sides.
 pub(super) struct Cover {
@@ -90,7 +90,7 @@ impl Covers {
                 covers.widen(mesh, facet, &points);
             }
             cover.share = covered / whole;
-            if cover.share > 1.0 + ROUNDING {
+            if cover.share > 1.0 + COVER_SLACK {
                 let [slave, master] = [slave, master].map(|side| side.name.clone());
                 return Err(MortarFault::TwoLayers { slave, master, at: place(mesh, centre(mesh, facet)) });
             }

@@ -19,14 +19,14 @@ const BISECTIONS: usize = 30;
 impl Bdiff {
     /// Returns the weights of a combination of the problem's rigid modes that the last linearisation leaves
     /// unconstrained, or `None` if there is none.
-    pub fn unheld_motion(&self) -> Option<Vec<f64>> {
-        self.unheld_motions().into_iter().next()
+    pub fn unconstrained_mode(&self) -> Option<Vec<f64>> {
+        self.unconstrained_modes().into_iter().next()
     }
 
     /// Returns the weights of all rigid modes that the last linearisation leaves unconstrained. A rigid mode is
     /// unconstrained if no closed node stops it along the normal and no sticking node along a tangent. A slipping
     /// node resists across its slip, since friction would turn.
-    fn unheld_motions(&self) -> Vec<Vec<f64>> {
+    fn unconstrained_modes(&self) -> Vec<Vec<f64>> {
         if self.data.rigid_modes.is_empty() {
             return Vec::new();
         }
@@ -50,9 +50,9 @@ impl Bdiff {
     }
 
     /// Pins one contact displacement per unconstrained rigid mode, chosen so that the modes can be distinguished.
-    pub(super) fn tie_unheld_motions(&mut self) {
+    pub(super) fn pin_unconstrained_modes(&mut self) {
         self.matrix.release();
-        let unheld = self.unheld_motions();
+        let unheld = self.unconstrained_modes();
         if unheld.is_empty() {
             return;
         }
@@ -66,13 +66,13 @@ impl Bdiff {
     }
 
     /// Returns `true` if the last linearisation has unconstrained modes, which are pinned.
-    pub fn is_tied(&self) -> bool {
+    pub fn is_pinned(&self) -> bool {
         !self.matrix.springs().is_empty()
     }
 
-    /// Returns the mode of [`Bdiff::unheld_motion`] if it is not pinned either.
-    pub fn loose_motion(&self) -> Option<Vec<f64>> {
-        if self.is_tied() { None } else { self.unheld_motion() }
+    /// Returns the mode of [`Bdiff::unconstrained_mode`] if it is not pinned either.
+    pub fn unpinned_mode(&self) -> Option<Vec<f64>> {
+        if self.is_pinned() { None } else { self.unconstrained_mode() }
     }
 
     /// Returns the step from `z` along `dz` at which the first contact node leaves its case in the last
@@ -96,7 +96,7 @@ impl Bdiff {
         let mut dz = vec![0.0; z.len()];
         let mut left: Vec<f64> = to.iter().zip(z).map(|(to, z)| to - z).collect();
         let mut taken = Vec::<Vec<f64>>::new();
-        for weights in self.unheld_motions() {
+        for weights in self.unconstrained_modes() {
             let mut motion = self.data.motion(&weights, z.len());
             for other in &taken {
                 let part = product(&motion, other) / product(other, other);

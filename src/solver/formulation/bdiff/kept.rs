@@ -35,7 +35,7 @@ impl Bdiff {
             }
         }
         if kept.cases.iter().any(Option::is_some) {
-            self.tie_unheld_motions();
+            self.pin_unconstrained_modes();
         }
         true
     }

@@ -10,7 +10,7 @@ use crate::solver::laws::coulomb::{NormalCase, TangentialCase, direction};
 impl Bdiff {
     /// Returns `true` if there is a linearisation without pinned modes.
     pub fn has_tangent(&self) -> bool {
-        !self.is_tied() && self.cases.iter().all(Option::is_some)
+        !self.is_pinned() && self.cases.iter().all(Option::is_some)
     }
 
     /// Returns the residual at `z`, with the data of the present increment, of the equations with the matrix of the
