@@ -203,7 +203,9 @@ pub fn run_with(
         return Ok(HistoryOutcome { status: Status::Unsupported, ..outcome });
     }
     let mut position = HistoryState::start(problem);
-    let mut stages = HistoryDriver::new(problem, loading, times, settings, observer, outcome, &mut position, start)?;
+    let mut stages = HistoryDriver::new(problem, loading, times, settings, observer, &mut position);
+    stages.start = start;
+    stages.resume()?;
     match system {
         SystemSolver::Whole(linear) => {
             let mut linear = linear.after(stages.done);

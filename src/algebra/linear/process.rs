@@ -19,7 +19,6 @@
 
 mod allocator;
 pub(crate) mod blas;
-#[cfg(feature = "blas")]
 pub use blas::{Blas, KERNEL_VARIABLE, take_better_kernel};
 
 pub use allocator::{Last, OrderlyEnd, memory_was_refused, say_last};

@@ -17,7 +17,7 @@ pub enum Element {
     /// (1980) 1413; Simo & Hughes, *Computational Inelasticity*, ch. 4). Intended for plane strain, bodies of
     /// revolution and three dimensions: in two dimensions, the correction has a component `ε_zz`.
     BBar,
-    /// The strain with the mean dilatation over the cells around each corner (see [`super::NodalVolumes`]), for
+    /// The strain with the mean dilatation over the cells around each corner (see `NodalVolumes`), for
     /// triangles in plane strain and in bodies of revolution, tetrahedra and prisms. A single cell, and a cell of
     /// another kind, has the strain of its displacements.
     NodalVolume,

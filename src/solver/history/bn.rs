@@ -167,10 +167,12 @@ impl IncrementSolver for BnMethod {
         let start = z.clone();
         // Nothing has changed the state since the last increment ended there.
         let is_at_end = last.as_ref() == Some(&from);
-        if is_at_end && task.landed.is_none() && !solved {
-            if let Some(ahead) = ahead(formulation, bn, linear, &from)? {
-                *z = ahead;
-            }
+        if is_at_end
+            && task.landed.is_none()
+            && !solved
+            && let Some(ahead) = ahead(formulation, bn, linear, &from)?
+        {
+            *z = ahead;
         }
         let mut error = |z: &[f64], rest: &[f64]| task.error(&layout.unpacked_with(z, rest, &scaling));
         let end = match measured {

@@ -45,42 +45,43 @@ pub(super) struct HistoryDriver<'a> {
 }
 
 impl<'a> HistoryDriver<'a> {
-    /// Creates a driver with this `outcome` so far, which began at `start`, or resumes from the checkpoint in the
-    /// settings.
-    ///
-    /// # Errors
-    /// If the checkpoint belongs to another history.
+    /// Creates a driver that has solved nothing and goes on from `position`.
     pub(super) fn new(
         problem: &'a ContactProblem,
         loading: &'a Loading,
         times: &'a [f64],
         settings: &'a HistorySettings,
         observer: &'a mut dyn Observer,
-        outcome: HistoryOutcome,
         position: &'a mut HistoryState,
-        start: Instant,
-    ) -> Result<Self, Error> {
-        let saved = settings.from.as_ref().map(|from| Saved::read(from, problem, times, settings)).transpose()?;
-        let mut stages = HistoryDriver {
+    ) -> Self {
+        HistoryDriver {
             problem,
             loading,
             times,
             settings,
             observer,
-            outcome,
+            outcome: HistoryOutcome::begun(problem),
             position,
-            start,
+            start: Instant::now(),
             begun: None,
             done: Statistics::default(),
             joined: 0,
             is_ready: false,
             saved: None,
-        };
-        if let Some(Saved { outcome, position, stage, statistics, .. }) = saved {
-            stages.outcome = outcome.resume(stages.outcome);
-            (*stages.position, stages.done, stages.saved) = (position, statistics, Some(stage));
         }
-        Ok(stages)
+    }
+
+    /// Resumes from the checkpoint in the settings, if there is one.
+    ///
+    /// # Errors
+    /// If the checkpoint belongs to another history.
+    pub(super) fn resume(&mut self) -> Result<(), Error> {
+        let Some(from) = &self.settings.from else { return Ok(()) };
+        let Saved { outcome, position, stage, statistics, .. } =
+            Saved::read(from, self.problem, self.times, self.settings)?;
+        self.outcome = outcome.resume(HistoryOutcome::begun(self.problem));
+        (*self.position, self.done, self.saved) = (position, statistics, Some(stage));
+        Ok(())
     }
 
     /// Solves the history on the contact displacements.

@@ -9,12 +9,11 @@ use super::record::{IncrementRecord, Status};
 use super::settings::HistorySettings;
 use super::state::HistoryState;
 use super::{Error, HistoryOutcome, Observer};
-use crate::algebra::linear::{RefinedSolver, Statistics};
+use crate::algebra::linear::RefinedSolver;
 use crate::solver::condensation::Condensation;
 use crate::solver::laws::KktScales;
 use crate::solver::loading::Loading;
 use crate::solver::problem::{ContactProblem, State};
-use std::time::Instant;
 
 /// The start of a jump, or of increments that are solved again.
 pub(crate) struct RestartPoint<'a> {
@@ -99,21 +98,8 @@ impl RestartPoint<'_> {
             w_o,
             ..HistoryState::start(problem)
         };
-        let mut stages = HistoryDriver {
-            problem,
-            loading,
-            times,
-            settings,
-            observer,
-            outcome: HistoryOutcome::begun(problem),
-            position: &mut position,
-            start: Instant::now(),
-            begun: None,
-            done: Statistics::default(),
-            joined: 0,
-            is_ready: true,
-            saved: None,
-        };
+        let mut stages = HistoryDriver::new(problem, loading, times, settings, observer, &mut position);
+        stages.is_ready = true;
         match means {
             JumpSolver::Whole(linear) => {
                 stages.stage(settings, None, linear)?;

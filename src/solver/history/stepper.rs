@@ -8,7 +8,7 @@ use super::state::HistoryState;
 use super::system::SystemSolver;
 use super::task::Algorithm;
 use super::{Error, HistoryOutcome, HistorySettings, Method, Status};
-use crate::algebra::linear::{Dense, LinearError, RefinedSolver, Statistics};
+use crate::algebra::linear::{Dense, LinearError, RefinedSolver};
 use crate::solver::checkpoint::CheckpointError;
 use crate::solver::condensation::{Condensation, Condensed};
 use crate::solver::loading::Loading;
@@ -169,21 +169,8 @@ impl<P: Borrow<ContactProblem>> Stepper<P> {
         }
         *last = Some(loading.clone());
         let is_ready = stage.is_some();
-        let mut driver = HistoryDriver {
-            problem,
-            loading,
-            times,
-            settings,
-            observer,
-            outcome,
-            position,
-            start,
-            begun: None,
-            done: Statistics::default(),
-            joined: 0,
-            is_ready,
-            saved: None,
-        };
+        let mut driver = HistoryDriver::new(problem, loading, times, settings, observer, position);
+        (driver.start, driver.outcome, driver.is_ready) = (start, outcome, is_ready);
         if stage.is_none() {
             *stage = driver.set_up(settings, condensed, linear)?;
         }

@@ -134,7 +134,7 @@ impl IncrementSolver for Strategy {
             Methods::Ip(ip) => ip.state(),
         };
         let mut result: Option<MethodResult> = None;
-        for attempt in attempts.iter() {
+        for attempt in *attempts {
             let left = settings.max_iterations.saturating_sub(result.as_ref().map_or(0, |result| result.iterations));
             if left == 0 {
                 break;
