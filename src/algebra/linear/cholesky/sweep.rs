@@ -51,15 +51,15 @@ pub(super) fn backward(factor: &dyn Supernodal, interior: usize, x: &mut [f64]) 
         for first in (0..columns).step_by(TILE) {
             let column = |k: usize| &node.column(first + k)[columns - first - k..];
             if first + TILE <= columns {
-                subtract_products(std::array::from_fn::<_, TILE, _>(column), below, &mut top[first..]);
+                subtract_four_products(std::array::from_fn(column), below, &mut top[first..]);
             } else {
-                (0..columns - first).for_each(|k| subtract_products([column(k)], below, &mut top[first + k..]));
+                (0..columns - first).for_each(|k| subtract_product(column(k), below, &mut top[first + k]));
             }
         }
         for k in (0..columns).rev() {
             let column = node.column(k);
             let (upper, lower) = top.split_at_mut(k + 1);
-            subtract_products([&column[1..columns - k]], lower, &mut upper[k..]);
+            subtract_product(&column[1..columns - k], lower, &mut upper[k]);
             upper[k] /= column[0];
         }
         x[node.first..node.first + columns].copy_from_slice(top);
@@ -72,17 +72,27 @@ const TILE: usize = 4;
 /// The number of products in a partial sum. Partial sums reduce rounding.
 const BLOCK: usize = 64;
 
-/// Subtracts `Σ_i l_i x_i` from the first entry of `from` for the first of `columns`, and so on. The columns are as
+/// Subtracts `Σ_i l_i x_i` from the first entry of `from` for the first of four `columns`, and so on. The columns are as
 /// long as `x`.
-fn subtract_products<const N: usize>(columns: [&[f64]; N], x: &[f64], from: &mut [f64]) {
-    for start in (0..x.len()).step_by(BLOCK) {
-        let x = &x[start..x.len().min(start + BLOCK)];
-        let columns = columns.map(|column| &column[start..start + x.len()]);
-        let mut sums = [0.0; N];
-        for (i, x) in x.iter().enumerate() {
-            sums.iter_mut().zip(&columns).for_each(|(sum, column)| *sum += column[i] * x);
+fn subtract_four_products(columns: [&[f64]; TILE], x: &[f64], from: &mut [f64]) {
+    let mut parts = columns.map(|column| column.chunks(BLOCK));
+    for x in x.chunks(BLOCK) {
+        let [a, b, c, d] = parts.each_mut().map(|part| part.next().unwrap_or_default());
+        let mut sums = [0.0; TILE];
+        for ((((x, a), b), c), d) in x.iter().zip(a).zip(b).zip(c).zip(d) {
+            sums[0] += a * x;
+            sums[1] += b * x;
+            sums[2] += c * x;
+            sums[3] += d * x;
         }
         from.iter_mut().zip(sums).for_each(|(from, sum)| *from -= sum);
+    }
+}
+
+/// Subtracts `Σ_i l_i x_i` from `from`, in the order of terms of [`subtract_four_products`].
+fn subtract_product(column: &[f64], x: &[f64], from: &mut f64) {
+    for (column, x) in column.chunks(BLOCK).zip(x.chunks(BLOCK)) {
+        *from -= column.iter().zip(x).map(|(l, x)| l * x).fold(0.0, |sum, term| sum + term);
     }
 }
 
