@@ -13,6 +13,7 @@ struct Around<F> {
 pub fn around<F>(inner: Box<dyn IncrementSolver>, solve: F) -> Box<dyn IncrementSolver>
 where
     F: FnMut(&mut dyn IncrementSolver, &Task<'_>, &mut RefinedSolver, Observe<'_>) -> Result<MethodResult, LinearError>
+        + Send
         + 'static,
 {
     Box::new(Around { inner, solve })
@@ -20,7 +21,8 @@ where
 
 impl<F> IncrementSolver for Around<F>
 where
-    F: FnMut(&mut dyn IncrementSolver, &Task<'_>, &mut RefinedSolver, Observe<'_>) -> Result<MethodResult, LinearError>,
+    F: FnMut(&mut dyn IncrementSolver, &Task<'_>, &mut RefinedSolver, Observe<'_>) -> Result<MethodResult, LinearError>
+        + Send,
 {
     fn matrix(&self) -> &SystemMatrix {
         self.inner.matrix()

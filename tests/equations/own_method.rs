@@ -3,8 +3,7 @@
 
 use crate::common;
 use crate::common::around::around;
-use std::cell::RefCell;
-use std::rc::Rc;
+use std::sync::{Arc, Mutex};
 use stickslip::run::discretise;
 use stickslip::solver::history::{
     self, Algorithm, HistorySettings, IncrementSolver, LinearAlgebra, Method, Status, SystemSolver,
@@ -14,14 +13,14 @@ use stickslip::solver::{ContactProblem, Loading};
 /// BN, and a diary of the displacements that each increment has.
 struct Diary {
     settings: HistorySettings,
-    pages: Rc<RefCell<Vec<usize>>>,
+    pages: Arc<Mutex<Vec<usize>>>,
 }
 
 impl Algorithm for Diary {
     fn start(&self, problem: &ContactProblem, loading: &Loading) -> Box<dyn IncrementSolver> {
-        let pages = Rc::clone(&self.pages);
+        let pages = Arc::clone(&self.pages);
         around(self.settings.start(problem, loading), move |inner, task, linear, observe| {
-            pages.borrow_mut().push(task.increment.force.len());
+            pages.lock().unwrap().push(task.increment.force.len());
             inner.solve(task, linear, observe)
         })
     }
@@ -36,10 +35,10 @@ fn a_method_of_ones_own() {
     let known = history::run(problem, loading, &times, &settings, SystemSolver::default(), &mut ()).unwrap();
     let border = problem.contact_displacements().len();
     for (linear, n) in [(LinearAlgebra::default(), problem.displacements()), (LinearAlgebra::condensed(), border)] {
-        let diary = Diary { settings: settings.clone(), pages: Rc::default() };
+        let diary = Diary { settings: settings.clone(), pages: Arc::default() };
         let outcome = history::run_with(problem, loading, &times, &diary, &settings, linear.into(), &mut ()).unwrap();
         assert_eq!(outcome.status, Status::Converged);
-        assert_eq!(*diary.pages.borrow(), vec![n; times.len()]);
+        assert_eq!(*diary.pages.lock().unwrap(), vec![n; times.len()]);
         let largest = known.state.p_n.iter().fold(0.0_f64, |m, p| m.max(*p));
         assert!(outcome.state.p_n.iter().zip(&known.state.p_n).all(|(a, b)| (a - b).abs() <= 1e-9 * largest));
     }

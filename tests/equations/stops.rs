@@ -2,9 +2,9 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common::around::around;
-use std::cell::Cell;
 use std::ops::ControlFlow;
-use std::rc::Rc;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use stickslip::algebra::linear::LinearError;
 use stickslip::body::Model;
 use stickslip::run::discretise;
@@ -77,16 +77,15 @@ fn an_interruption_keeps_what_is_solved() {
 struct Failing {
     settings: HistorySettings,
     /// Increments still to be solved before that.
-    left: Rc<Cell<usize>>,
+    left: Arc<AtomicUsize>,
     error: LinearError,
 }
 
 impl Algorithm for Failing {
     fn start(&self, problem: &ContactProblem, loading: &Loading) -> Box<dyn IncrementSolver> {
-        let (left, error) = (Rc::clone(&self.left), self.error.clone());
+        let (left, error) = (Arc::clone(&self.left), self.error.clone());
         around(self.settings.start(problem, loading), move |inner, task, linear, observe| {
-            let fails = left.get() == 0;
-            left.set(left.get().wrapping_sub(1));
+            let fails = left.fetch_sub(1, Ordering::Relaxed) == 0;
             if fails { Err(error.clone()) } else { inner.solve(task, linear, observe) }
         })
     }
@@ -99,7 +98,8 @@ fn an_error_of_the_linear_solver_keeps_what_is_solved() {
     let (problem, loading, times) = (&model.problem, &model.loading, scene.time.all());
     let settings = HistorySettings::new(problem, loading, Method::BN).unwrap();
     let run = |before: usize, error: &LinearError, system: SystemSolver| {
-        let failing = Failing { settings: settings.clone(), left: Rc::new(Cell::new(before)), error: error.clone() };
+        let failing =
+            Failing { settings: settings.clone(), left: Arc::new(AtomicUsize::new(before)), error: error.clone() };
         let mut watched = Watched::new();
         let outcome = history::run_with(problem, loading, &times, &failing, &settings, system, &mut watched);
         (outcome, watched.states.len())

@@ -7,7 +7,7 @@ use crate::base::units::Scaling;
 use crate::solver::problem::Increment;
 
 /// Equations `H(z) = 0` on `z = (u, p_t, p_o, p_n, v_n, s, λ)` that include the products of complementary pairs.
-pub trait InteriorPoint {
+pub trait InteriorPoint: Send {
     /// Returns the length of `z`.
     fn unknowns(&self) -> usize;
 

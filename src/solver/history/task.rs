@@ -70,7 +70,7 @@ impl Response {
 pub type Observe<'a> = &'a mut dyn FnMut(&Iteration<'_>) -> ControlFlow<()>;
 
 /// A method for the increments of a history, with its state in its own units.
-pub trait IncrementSolver {
+pub trait IncrementSolver: Send {
     /// Returns the matrix that the method factors. Its pattern never changes.
     fn matrix(&self) -> &SystemMatrix;
 
