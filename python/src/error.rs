@@ -32,7 +32,8 @@ pub(crate) fn of_scene(error: Refused) -> PyErr {
 }
 
 pub(crate) fn of_problem(error: ProblemError) -> PyErr {
-    PyValueError::new_err(error.to_string())
+    // The argument of Python for the rigid modes.
+    PyValueError::new_err(error.to_string().replace("rigid_modes", "free_motions"))
 }
 
 fn of_history(error: HistoryError) -> PyErr {
