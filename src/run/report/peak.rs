@@ -60,7 +60,7 @@ impl Peak {
         let nodes = model.contact_boundaries.iter().enumerate();
         let pairs =
             nodes.flat_map(|(b, boundary)| boundary.nodes.iter().map(move |&i| [b, i])).filter(|[_, i]| is_closed(i));
-        // Of equally large pressures the first one counts.
+        // The first of equally large pressures counts.
         let largest = pairs.fold((0.0, None), |(most, at), pair| match pressures[pair[1]] {
             pressure if pressure > 0.0 && !is_as_large(most, pressure) => (pressure, Some(pair)),
             _ => (most, at),

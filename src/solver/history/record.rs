@@ -123,7 +123,8 @@ pub struct IncrementRecord {
     /// The number of jumps over the end of a quasi-static motion in this increment.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub jumps: usize,
-    /// The number of attempts at the increment and its substeps; as `parts` if the first was always enough.
+    /// The number of attempts at the increment and its substeps: equal to `parts` if the first was always enough, 0 on an
+    /// exact path.
     #[serde(default)]
     pub attempts: usize,
     /// `true` if a fallback method solved the increment or a substep.

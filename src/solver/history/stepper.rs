@@ -136,6 +136,10 @@ impl<P: Borrow<ContactProblem>> Stepper<P> {
         }
         let start = Instant::now();
         let new_forces = last.as_ref().is_none_or(|last| !last.has_forces_of(loading));
+        if new_forces {
+            // Until the equations have the new forces, they have none that a later increment may rely on.
+            *last = None;
+        }
         match body {
             Body::Whole => {}
             Body::ToCondense(condensation) => match Condensed::new(problem, loading, condensation.clone()) {

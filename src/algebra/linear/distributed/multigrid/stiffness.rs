@@ -96,7 +96,7 @@ impl BlockLayout {
         for (k, own) in layout.own.iter().enumerate() {
             let mut columns = vec![k];
             seen[k] = k;
-            // Of a shared stiffness only rows of contact nodes are stored here.
+            // Only rows of contact nodes of a distributed stiffness are stored here.
             let here = shared.is_none() || layout.contact[k].is_some();
             for dof in own.iter().flatten().filter(|_| here) {
                 layout.each_neighbour(*dof, matrix, |_, to| {
