@@ -124,7 +124,6 @@ wheel-test: wheel
 bench: deps
 	cargo bench -p stickslip-studies --bench factor
 	cargo bench -p stickslip-studies --bench history
-	cargo bench -p stickslip-studies --bench interior
 	cargo bench -p stickslip-studies --bench cholesky
 	cargo bench -p stickslip-studies --bench condensed
 	cargo bench -p stickslip-studies --bench scaling

@@ -63,7 +63,7 @@ pub struct Scene {
     /// The method, its constants and the linear algebra.
     pub solver: SolverChoice,
     /// The key that asks for a method that knows one tangent a node only, if one does: ip in the setting
-    /// `paper`, or with `newton = "extended"`.
+    /// `paper`.
     pub one_tangent_key: Option<&'static str>,
     /// What to write.
     pub output: Output,

@@ -12,7 +12,6 @@ use std::process;
 use std::sync::OnceLock;
 use stickslip::algebra::keep_in_this_thread;
 use stickslip::run::RunError;
-use stickslip::solver::formulation::NewtonSystem;
 use stickslip::solver::history::{LinearAlgebra, Method, Start, SystemSolver};
 
 /// The linear algebra that was asked for.
@@ -63,7 +62,7 @@ pub(crate) fn method(name: &str, setting: &str, r_factor: f64) -> PyResult<Metho
     match (name, setting) {
         ("bn", "default") => Ok(Method::Bn { r_factor, rescue: true }),
         ("bn", "paper") => Ok(Method::PaperBn),
-        ("ip", "default") => Ok(Method::Ip { newton: NewtonSystem::Reduced }),
+        ("ip", "default") => Ok(Method::Ip),
         ("ip", "paper") => Ok(Method::paper_ip(Start::Safe)),
         ("events", "default") => Ok(Method::EVENTS),
         _ => Err(PyValueError::new_err(format!("method: no {name:?} in the setting {setting:?}"))),

@@ -20,7 +20,7 @@ use super::syntax;
 use crate::algebra::vector::Vector;
 use crate::base::units::Units;
 use crate::body::contact::GapDirection;
-use crate::solver::formulation::{NewtonSystem, Partition};
+use crate::solver::formulation::Partition;
 
 /// `N` values, by default two. A plain array would not do because the TOML reader ignores surplus values.
 #[derive(Clone, Copy, Deserialize)]
@@ -360,7 +360,6 @@ pub(super) struct SolverTable {
     pub linear: Option<LinearName>,
     pub start: Option<Start>,
     pub partition: Option<Partition>,
-    pub newton: Option<NewtonSystem>,
     pub r_factor: Option<f64>,
     pub jump: Option<bool>,
     pub max_iterations: Option<i64>,

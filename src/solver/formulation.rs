@@ -22,7 +22,7 @@ mod scaled;
 pub use assembled::Assembled;
 pub use bdiff::{Bdiff, Linearization};
 pub use cone::ConeSystem;
-pub use constrained::{Constrained, NewtonSystem, Partition, SlackLayout};
+pub use constrained::{Constrained, Partition, SlackLayout};
 pub use interior::InteriorPoint;
 pub use layout::Layout;
 pub use natural::{FormulationScaling, Pressure};

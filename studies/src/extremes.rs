@@ -265,7 +265,7 @@ impl Case {
     pub fn solver(&self, scene: &Scene, method: SuiteMethod) -> SolverChoice {
         let method = match (method, scene.solver.method) {
             (SuiteMethod::BnPaper, _) => Method::PaperBn,
-            (SuiteMethod::Ip, _) => Method::IP,
+            (SuiteMethod::Ip, _) => Method::Ip,
             (SuiteMethod::Bn, Method::Bn { r_factor, .. }) => Method::Bn { r_factor, rescue: true },
             (SuiteMethod::Bn, _) => Method::BN,
         };

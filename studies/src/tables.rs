@@ -211,7 +211,7 @@ impl PaperTable {
             // The paper restarts nothing here, and lets σ fall by (36); with that the iteration
             // stalls in the second increment or soon after. With the block's rule it gets through in most cells.
             PaperMethod::IpPrev => Method::paper_ip(Start::PREV.patient()),
-            PaperMethod::Ip => Method::IP,
+            PaperMethod::Ip => Method::Ip,
         };
         SolverChoice { linear: Some(linear), max_iterations: MAX_ITERATIONS, ..SolverChoice::new(method) }
     }

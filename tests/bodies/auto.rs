@@ -115,7 +115,7 @@ fn who_multigrid_is_for() {
     };
     let small = "mesh.elements=[3,3,3]";
     assert_eq!(of(&[small], Method::BN), (!built_in).then_some(Unsuited::NotBuiltIn));
-    assert_eq!(of(&[small], Method::IP), Some(Unsuited::Method));
+    assert_eq!(of(&[small], Method::Ip), Some(Unsuited::Method));
     assert_eq!(of(&[small, "material.poisson=0.46"], Method::BN), Some(Unsuited::NearlyIncompressible(0.46)));
     let told = of(&[small, "mesh.size=[1,1,0.03]"], Method::BN).unwrap().to_string();
     assert_eq!(told, "the longest distance between corners of an element is 47 times the shortest");

@@ -44,7 +44,7 @@ const METHODS: [(Method, LinearAlgebra); 4] = [
     (Method::BN, LinearAlgebra::Whole(SparseLu::Umfpack)),
     (Method::BN, LinearAlgebra::Whole(SparseLu::Faer)),
     (Method::BN, LinearAlgebra::Condensed(SparseCholesky::Faer)),
-    (Method::IP, LinearAlgebra::Whole(SparseLu::Umfpack)),
+    (Method::Ip, LinearAlgebra::Whole(SparseLu::Umfpack)),
 ];
 
 #[test]

@@ -71,7 +71,7 @@ fn cubes_by_the_interior_point_method() {
     let (mut iterations, mut increments) = (0, 0);
     for scene in [4, 6].into_iter().flat_map(cubes) {
         let (model, _, by_bn) = solve(&scene);
-        let settings = HistorySettings::new(&model.problem, &model.loading, Method::IP)
+        let settings = HistorySettings::new(&model.problem, &model.loading, Method::Ip)
             .unwrap()
             .until(100, scene.solver.tolerance);
         let linear = SystemSolver::from(LinearAlgebra::condensed());

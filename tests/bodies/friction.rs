@@ -76,7 +76,7 @@ fn friction_with_a_history() {
     for (method, linear) in [
         (Method::BN, LinearAlgebra::default()),
         (Method::BN, LinearAlgebra::condensed()),
-        (Method::IP, LinearAlgebra::condensed()),
+        (Method::Ip, LinearAlgebra::condensed()),
     ] {
         let solver = SolverChoice { linear: Some(linear), ..SolverChoice::new(method) };
         let mut recording = Recording::all();

@@ -121,8 +121,8 @@ fn all_ways_agree() {
             (Method::BN, LinearAlgebra::Whole(SparseLu::Faer)),
             (Method::BN, LinearAlgebra::Condensed(SparseCholesky::Cholmod)),
             (Method::BN, LinearAlgebra::Condensed(SparseCholesky::Faer)),
-            (Method::IP, LinearAlgebra::Whole(SparseLu::Umfpack)),
-            (Method::IP, LinearAlgebra::Condensed(SparseCholesky::Cholmod)),
+            (Method::Ip, LinearAlgebra::Whole(SparseLu::Umfpack)),
+            (Method::Ip, LinearAlgebra::Condensed(SparseCholesky::Cholmod)),
         ] {
             let off = difference(&reference, &states(method, linear));
             assert!(off < 1e-9, "{cells} {method:?} {linear:?}: {off:e}");

@@ -49,7 +49,7 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
 #[test]
 fn under_the_loads_of_the_history_single_increments_are_those_of_the_history_to_the_last_bit() {
     let (model, times) = model();
-    for method in [Method::BN, Method::PaperBn, Method::IP] {
+    for method in [Method::BN, Method::PaperBn, Method::Ip] {
         let settings = HistorySettings::new(&model.problem, &model.loading, method).unwrap();
         for linear in built_in() {
             let whole = history(&model, &times, &settings, linear);

@@ -192,7 +192,7 @@ fn every_error_names_its_array() {
 fn weights_are_asked_for_where_they_are_used() {
     let problem = ContactProblem::new(Parts { weight: None, ..parts() }).unwrap();
     let loading = loading(vec![0.1, 1.0], vec![0.0]);
-    for method in [Method::BN, Method::IP] {
+    for method in [Method::BN, Method::Ip] {
         let settings = HistorySettings::new(&problem, &loading, method).unwrap();
         let outcome = history::run(&problem, &loading, &[1.0], &settings, SystemSolver::default(), &mut ()).unwrap();
         assert_eq!(outcome.status, Status::Converged);
@@ -246,7 +246,7 @@ fn an_observer_sees_the_linear_systems() {
         }
     }
     let loading = loading(vec![1.0, 1.0], vec![0.0]);
-    for method in [Method::BN, Method::PaperBn, Method::IP] {
+    for method in [Method::BN, Method::PaperBn, Method::Ip] {
         let settings = HistorySettings::new(&problem(), &loading, method).unwrap();
         let mut watch = Watch::default();
         history::run(&problem(), &loading, &[0.5, 1.0], &settings, SystemSolver::default(), &mut watch).unwrap();
@@ -258,7 +258,7 @@ fn an_observer_sees_the_linear_systems() {
 #[test]
 fn a_load_below_all_that_is_normal() {
     let loading = loading(vec![5e-324, 5e-324], vec![0.0]);
-    for method in [Method::BN, Method::IP, Method::PaperBn] {
+    for method in [Method::BN, Method::Ip, Method::PaperBn] {
         let settings = HistorySettings::new(&problem(), &loading, method).unwrap();
         for linear in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
             let outcome = history::run(&problem(), &loading, &[0.5, 1.0], &settings, linear.into(), &mut ());
@@ -274,7 +274,7 @@ fn an_interior_point_method_that_fails_at_its_first_step() {
     let none = Symmetric::from_entries(2, |take| (0..2).for_each(|i| take(i, i))).unwrap();
     for parts in [Parts { stiffness: none.into(), ..parts() }, Parts { mu: vec![1e160], ..parts() }] {
         let problem = ContactProblem::new(parts).unwrap();
-        for method in [Method::BN, Method::IP, Method::PaperBn, Method::paper_ip(Start::Safe)] {
+        for method in [Method::BN, Method::Ip, Method::PaperBn, Method::paper_ip(Start::Safe)] {
             let settings = HistorySettings::new(&problem, &loading, method).unwrap();
             let outcome =
                 history::run(&problem, &loading, &[1.0], &settings, SystemSolver::default(), &mut ()).unwrap();

@@ -78,5 +78,5 @@ fn with_bn() {
 
 #[test]
 fn with_ip() {
-    backends_agree(|model| HistorySettings::new(&model.problem, &model.loading, Method::IP).unwrap().until(200, 1e-10));
+    backends_agree(|model| HistorySettings::new(&model.problem, &model.loading, Method::Ip).unwrap().until(200, 1e-10));
 }

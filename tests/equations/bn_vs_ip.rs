@@ -7,7 +7,6 @@ use stickslip::body::Model;
 use stickslip::run::discretise;
 use stickslip::scene::Scene;
 use stickslip::solver::State;
-use stickslip::solver::formulation::NewtonSystem;
 use stickslip::solver::history::{
     self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Start, Status, SystemSolver,
 };
@@ -40,7 +39,7 @@ fn bn(model: &Model) -> HistorySettings {
 }
 
 fn ip(model: &Model) -> HistorySettings {
-    HistorySettings::new(&model.problem, &model.loading, Method::IP).unwrap().until(100, 1e-10)
+    HistorySettings::new(&model.problem, &model.loading, Method::Ip).unwrap().until(100, 1e-10)
 }
 
 #[test]
@@ -73,16 +72,4 @@ fn the_papers_ip_within_its_stop() {
         let found = difference(&states(&case, &bn(&case.0)).0, &states(&case, &paper).0);
         assert!(found <= 1e-6, "{found:e}");
     }
-}
-
-/// Both Newton systems lead over the same iterates.
-#[test]
-fn reduced_and_extended() {
-    let case = block(20, 0.4, 10);
-    let reduced = ip(&case.0);
-    let extended = HistorySettings { method: Method::Ip { newton: NewtonSystem::Extended }, ..reduced.clone() };
-    let ((reduced, one), (extended, other)) = (states(&case, &reduced), states(&case, &extended));
-    let counts = |outcome: &HistoryOutcome| outcome.records.iter().map(|r| r.iterations).collect::<Vec<_>>();
-    assert_eq!(counts(&one), counts(&other));
-    assert!(difference(&reduced, &extended) <= 1e-12);
 }

@@ -11,7 +11,7 @@ use stickslip::scene::Scene;
 use stickslip::solver::KktErrors;
 use stickslip::solver::history::{self, HistorySettings, IncrementView, LinearAlgebra, Method, Observer, Status};
 
-const METHODS: [Method; 2] = [Method::BN, Method::IP];
+const METHODS: [Method; 2] = [Method::BN, Method::Ip];
 
 fn model(text: &str) -> Model {
     discretise(&Scene::parse("carried.toml", text, &[]).unwrap()).unwrap()

@@ -120,7 +120,7 @@ fn solved(method: Method, answers: Option<usize>) -> Result<HistoryOutcome, Hist
     history::run(&problem, &model.loading, &scene.time.all(), &settings, SystemSolver::default(), &mut ())
 }
 
-const METHODS: [Method; 3] = [Method::BN, Method::IP, Method::EVENTS];
+const METHODS: [Method; 3] = [Method::BN, Method::Ip, Method::EVENTS];
 
 #[test]
 fn every_method_solves_with_it() {

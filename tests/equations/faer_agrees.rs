@@ -22,7 +22,7 @@ fn bn(model: &Model) -> HistorySettings {
 }
 
 fn ip(model: &Model) -> HistorySettings {
-    HistorySettings::new(&model.problem, &model.loading, Method::IP).unwrap().until(100, 1e-10)
+    HistorySettings::new(&model.problem, &model.loading, Method::Ip).unwrap().until(100, 1e-10)
 }
 
 fn run(scene: &Scene, settings: Settings, backend: LinearAlgebra) -> (Vec<State>, HistoryOutcome) {

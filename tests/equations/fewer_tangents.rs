@@ -70,7 +70,7 @@ fn an_obstacle_that_passes_symmetry_planes() {
         );
         assert!(x == y || (x > y) == (friction[0].abs() > friction[1].abs()), "{along:?} {friction:?}");
 
-        let settings = HistorySettings::new(&model.problem, &model.loading, Method::IP)
+        let settings = HistorySettings::new(&model.problem, &model.loading, Method::Ip)
             .unwrap()
             .until(100, scene.solver.tolerance);
         let (linear, mut by_ip) = (SystemSolver::from(LinearAlgebra::condensed()), Keep::default());

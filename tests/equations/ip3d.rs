@@ -9,7 +9,7 @@ use stickslip::algebra::{Csr, Symmetric};
 use stickslip::base::Scaling;
 use stickslip::run::discretise;
 use stickslip::scene::Scene;
-use stickslip::solver::formulation::{ConeSystem, FormulationScaling, InteriorPoint, NewtonSystem};
+use stickslip::solver::formulation::{ConeSystem, FormulationScaling, InteriorPoint};
 use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, Method, Start, Status, SystemSolver};
 use stickslip::solver::{ContactProblem, Increment, LoadCase, Loading, Parts};
 
@@ -21,7 +21,7 @@ fn run(problem: &ContactProblem, loading: &Loading, times: &[f64], settings: &Hi
 
 /// Without halving.
 fn ip(problem: &ContactProblem, loading: &Loading) -> HistorySettings {
-    HistorySettings { halvings: 0, ..HistorySettings::new(problem, loading, Method::IP).unwrap().until(100, 1e-12) }
+    HistorySettings { halvings: 0, ..HistorySettings::new(problem, loading, Method::Ip).unwrap().until(100, 1e-12) }
 }
 
 fn bn(problem: &ContactProblem, loading: &Loading) -> HistorySettings {
@@ -184,7 +184,7 @@ fn the_choice_of_tangents_does_not_matter() {
         // The interior point method alone: below 1e-10 rounding decides how many steps of BN it takes to the end.
         let settings = |problem| HistorySettings {
             halvings: 0,
-            ..HistorySettings::new(problem, &loading, Method::IP).unwrap().until(100, 1e-8)
+            ..HistorySettings::new(problem, &loading, Method::Ip).unwrap().until(100, 1e-8)
         };
         let [own, other] = [&problem, &turned].map(|problem| run(problem, &loading, &TIMES, &settings(problem)));
         assert_eq!(own.status, Status::Converged, "seed {seed}");
@@ -252,9 +252,6 @@ fn the_paper_knows_one_tangent() {
     let (problem, loading) = random::problem(&mut Random(1), 3, 0.5, 0.0);
     let paper = HistorySettings::new(&problem, &loading, Method::paper_ip(Start::Safe)).unwrap().until(100, 1e-6);
     assert_eq!(run(&problem, &loading, &TIMES, &paper).status, Status::Unsupported);
-    let newton = NewtonSystem::Extended;
-    let extended = HistorySettings { method: Method::Ip { newton }, ..ip(&problem, &loading) };
-    assert_eq!(run(&problem, &loading, &TIMES, &extended).status, Status::Unsupported);
 }
 
 fn punch(overrides: &[&str]) -> Scene {

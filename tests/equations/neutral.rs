@@ -55,7 +55,7 @@ pub fn agreed(model: &Model, method: Method, iterations: usize) -> HistoryOutcom
 fn a_block_on_a_line() {
     let cylinder = "kind = \"cylinder\", radius = 1.0, apex = [0.5, 0.5, 0], normal = [0, 0, -1], axis = [0, 1, 0]";
     let model = on_top("2, 2, 2", cylinder, "{ boundary = \"top\", traction = [0, 0, -1e5] }");
-    for (method, iterations) in [(Method::BN, 6), (Method::IP, 60)] {
+    for (method, iterations) in [(Method::BN, 6), (Method::Ip, 60)] {
         let outcome = agreed(&model, method, iterations);
         let mut pressed: Vec<f64> = outcome.state.p_n.iter().copied().filter(|p| *p > 0.0).collect();
         pressed.sort_by(f64::total_cmp);

@@ -18,7 +18,7 @@ const SUPPORT: &str = "[[support]]\nboundary = \"left\"\nfix = [\"x\", \"y\"]\n"
 const METHODS: [&str; 2] = ["bn", "ip"];
 
 fn solve(method: &str, model: &Model, times: &[f64]) -> HistoryOutcome {
-    let method = if method == "bn" { Method::BN } else { Method::IP };
+    let method = if method == "bn" { Method::BN } else { Method::Ip };
     let settings = HistorySettings::new(&model.problem, &model.loading, method).unwrap().until(100, 1e-10);
     history::run(&model.problem, &model.loading, times, &settings, SystemSolver::default(), &mut ()).unwrap()
 }

@@ -90,7 +90,7 @@ impl Observer for Told {
 fn run(method: &str, scene: &Scene, inside: impl Fn(Scaling) -> Scaling) -> Told {
     let model = discretise(scene).unwrap();
     let scaling = inside(model.scaling());
-    let method = if method == "bn" { Method::BN } else { Method::IP };
+    let method = if method == "bn" { Method::BN } else { Method::Ip };
     let settings = HistorySettings::new(&model.problem, &model.loading, method).unwrap().until(100, 1e-10);
     let settings = HistorySettings { scaling, ..settings };
     let (mut told, times, system) = (Told::default(), scene.time.all(), SystemSolver::default());

@@ -106,7 +106,7 @@ fn any_set_leads_to_the_same_answer() {
         let model = discretise(&scene).unwrap();
         let (whole, expected) = solve(&scene, &model, Method::BN, None, LinearAlgebra::default());
         assert_eq!(whole.status, Status::Converged, "{name}");
-        for (method, share) in [(Method::BN, 0.0), (Method::BN, 0.3), (Method::IP, 0.1)] {
+        for (method, share) in [(Method::BN, 0.0), (Method::BN, 0.3), (Method::Ip, 0.1)] {
             let first = some(&mut random, model.problem.contacts(), share);
             let (outcome, keep) = condensed(&scene, &model, method, Some(first.clone()));
             assert_eq!(outcome.status, whole.status, "{name} {method} {first:?}");
@@ -179,7 +179,7 @@ fn a_set_that_is_wrong_five_times_in_a_row() {
     // One stop is guessed beside the end that is pushed. To be wrong once more, none.
     assert_eq!(within_reach(&problem, &loading, &times, 0.0), Some(vec![0, 1]));
     let first = vec![0];
-    for method in [Method::BN, Method::IP] {
+    for method in [Method::BN, Method::Ip] {
         let settings = HistorySettings::new(&problem, &loading, method).unwrap();
         let set = HistorySettings { working_set: Some(first.clone()), ..settings.clone() };
         let (mut keep, mut expected) = (Keep::default(), Keep::default());

@@ -5,7 +5,6 @@ use crate::algebra::linear::SparseLu;
 use crate::base::input_error::{InputError, ensure, finite};
 use crate::scene::document;
 use crate::scene::solver::{LinearName, MethodName, Setting};
-use crate::solver::formulation::NewtonSystem;
 use crate::solver::history::{LinearAlgebra, Method, SolverChoice};
 
 const NOTHING_BUILT_IN: &str = "this build has no linear algebra to choose from";
@@ -13,13 +12,7 @@ const BUILD_IT: &str = "build it with the cargo feature umfpack or faer";
 
 /// Returns the key that selects `method`, if that method supports only one tangent for each node.
 pub(super) fn one_tangent_key(method: Method) -> Option<&'static str> {
-    match method {
-        Method::PaperIp { .. } => Some("solver.setting"),
-        Method::Ip { newton: NewtonSystem::Extended } => Some("solver.newton"),
-        Method::Bn { .. } | Method::PaperBn | Method::Events { .. } | Method::Ip { newton: NewtonSystem::Reduced } => {
-            None
-        }
-    }
+    matches!(method, Method::PaperIp { .. }).then_some("solver.setting")
 }
 
 /// Converts `given` to a choice of the solver; `touches` is `true` if the scene has contacts.
@@ -67,7 +60,7 @@ fn linear(given: Option<LinearName>, touches: bool) -> Result<Option<LinearAlgeb
 }
 
 fn method(solver: &document::SolverTable) -> Result<Method, InputError> {
-    let document::SolverTable { method, setting, start, partition, newton, r_factor, jump, .. } = *solver;
+    let document::SolverTable { method, setting, start, partition, r_factor, jump, .. } = *solver;
     let setting = setting.unwrap_or_default();
     let whose = match (method, setting) {
         (MethodName::Ip, Setting::Paper) => "the method ip",
@@ -87,9 +80,6 @@ fn method(solver: &document::SolverTable) -> Result<Method, InputError> {
         foreign("start", start.as_ref(), whose).map_err(in_solver)?;
         foreign("partition", partition.as_ref(), whose).map_err(in_solver)?;
     }
-    if method != MethodName::Ip {
-        foreign("newton", newton.as_ref(), whose).map_err(in_solver)?;
-    }
     if (method, setting) != (MethodName::Bn, Setting::Default) {
         foreign("r_factor", r_factor.as_ref(), whose).map_err(in_solver)?;
     }
@@ -99,14 +89,11 @@ fn method(solver: &document::SolverTable) -> Result<Method, InputError> {
         let whose = if method == MethodName::Ip { "the method ip" } else { "the method bn" };
         foreign("jump", jump.as_ref(), whose).map_err(in_solver)?;
     }
-    let newton = newton.unwrap_or_default();
     Ok(match (method, setting) {
-        (MethodName::Ip, Setting::Paper) => Method::PaperIp {
-            start: start.unwrap_or_default().constants(),
-            partition: partition.unwrap_or_default(),
-            newton,
-        },
-        (MethodName::Ip, Setting::Default) => Method::Ip { newton },
+        (MethodName::Ip, Setting::Paper) => {
+            Method::PaperIp { start: start.unwrap_or_default().constants(), partition: partition.unwrap_or_default() }
+        }
+        (MethodName::Ip, Setting::Default) => Method::Ip,
         (MethodName::Events, _) => Method::Events { jump: jump.unwrap_or_default() },
         (MethodName::Bn, Setting::Paper) => Method::PaperBn,
         (MethodName::Bn, Setting::Default) => Method::Bn { r_factor: checked_factor(r_factor)?, rescue: true },

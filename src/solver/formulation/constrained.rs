@@ -1,5 +1,5 @@
 //! The constrained equation formulation: `H_I` (25) on `z = (u, p_t, p_n, v_n, s, λ)`, whose last four blocks stay
-//! positive, and the Newton systems with its products.
+//! positive, and its Newton system, in which `v_n`, `s` and `λ` are eliminated.
 //!
 //! Each row is at the place of an unknown: equilibrium at `u`, the slip row at `p_t`, the gap row at `p_n`, the cone
 //! rows at `s`, and the products at `v_n` and `λ`. Here `L_n = [I; I]` and `L_t = [I; -I]`:
@@ -15,7 +15,6 @@
 //!
 //! A node without friction or without tangential freedom has no `p_t`, `s` and `λ`.
 
-mod extended;
 mod face;
 mod layout;
 mod reduced;
@@ -34,7 +33,6 @@ use super::{Assembled, FormulationScaling, Layout};
 use crate::algebra::linear::{LinearError, SystemMatrix};
 use crate::base::units::Scaling;
 use crate::solver::problem::{ContactProblem, Increment};
-use extended::Extended;
 use reduced::Reduced;
 
 /// The equations that stay positive, besides the unknowns.
@@ -48,22 +46,6 @@ pub enum Partition {
     Cone,
 }
 
-/// The linear system behind a direction.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum NewtonSystem {
-    /// Slacks and multipliers eliminated row by row: the unknowns `(u, p_t, p_n)`.
-    #[default]
-    Reduced,
-    /// All unknowns, `(u, p_t, p_n, v_n, s, λ)`.
-    Extended,
-}
-
-enum NewtonMatrices {
-    Reduced(Reduced),
-    Extended(Extended),
-}
-
 /// `H_I` of a problem, in the units of its scaling.
 pub struct Constrained {
     data: ScaledData,
@@ -72,7 +54,7 @@ pub struct Constrained {
     /// The complementary pairs of unknowns, with the place of their product.
     pairs: Vec<Pair>,
     partition: Partition,
-    system: NewtonMatrices,
+    system: Reduced,
 }
 
 impl Constrained {
@@ -82,26 +64,14 @@ impl Constrained {
         scaling: Scaling,
         conventions: &FormulationScaling,
         partition: Partition,
-        newton: NewtonSystem,
     ) -> Self {
-        match newton {
-            NewtonSystem::Reduced => Self::on(Assembled::new(problem, scaling), conventions, partition),
-            NewtonSystem::Extended => {
-                let data = ScaledData::new(problem, scaling);
-                let system = NewtonMatrices::Extended(Extended::new(problem, &data));
-                Self::with(data, conventions, partition, system)
-            }
-        }
+        Self::on(Assembled::new(problem, scaling), conventions, partition)
     }
 
-    /// Creates `H_I`, in the reduced Newton system, on an assembled problem.
+    /// Creates `H_I` on an assembled problem.
     pub fn on(assembled: Assembled, conventions: &FormulationScaling, partition: Partition) -> Self {
         let Assembled { data, matrix } = assembled;
-        let system = NewtonMatrices::Reduced(Reduced::new(matrix, data.layout.contacts()));
-        Self::with(data, conventions, partition, system)
-    }
-
-    fn with(data: ScaledData, conventions: &FormulationScaling, partition: Partition, system: NewtonMatrices) -> Self {
+        let system = Reduced::new(matrix, data.layout.contacts());
         let layout = SlackLayout::new(&data.layout);
         let pairs = layout.pairs().collect();
         Constrained { natural: NaturalRows::new(conventions, &data.scaling), data, layout, pairs, partition, system }
@@ -200,7 +170,7 @@ impl InteriorPoint for Constrained {
 
     fn residual(&self, z: &[f64], h: &mut [f64]) -> Result<(), LinearError> {
         let Constrained { data, layout, .. } = self;
-        // The equilibrium rows of either matrix are constant: K u + C_nᵀ p_n + C_tᵀ p_t - f.
+        // The equilibrium rows of the matrix are constant: K u + C_nᵀ p_n + C_tᵀ p_t - f.
         let matrix = self.matrix();
         let n = matrix.order();
         matrix.mul(&z[..n], &mut h[..n])?;
@@ -229,30 +199,19 @@ impl InteriorPoint for Constrained {
     }
 
     fn linearize(&mut self, z: &[f64]) {
-        match &mut self.system {
-            NewtonMatrices::Reduced(system) => system.linearize(&self.data, &self.layout, z),
-            NewtonMatrices::Extended(system) => system.linearize(&self.layout, z),
-        }
+        self.system.linearize(&self.data, &self.layout, z);
     }
 
     fn matrix(&self) -> &SystemMatrix {
-        match &self.system {
-            NewtonMatrices::Reduced(system) => system.matrix(),
-            NewtonMatrices::Extended(system) => system.matrix(),
-        }
+        self.system.matrix()
     }
 
     fn reduce(&self, z: &[f64], b: &[f64], rhs: &mut [f64]) {
-        match &self.system {
-            NewtonMatrices::Reduced(system) => system.reduce(&self.data, &self.layout, z, b, rhs),
-            NewtonMatrices::Extended(_) => rhs.copy_from_slice(b),
-        }
+        self.system.reduce(&self.data, &self.layout, z, b, rhs);
     }
 
     fn recover(&self, z: &[f64], b: &[f64], dz: &mut [f64]) {
-        if let NewtonMatrices::Reduced(_) = &self.system {
-            reduced::recover(&self.data, &self.layout, z, b, dz);
-        }
+        reduced::recover(&self.data, &self.layout, z, b, dz);
     }
 
     fn unconstrained_mode(&self) -> Option<Vec<f64>> {

@@ -7,7 +7,7 @@ use super::predictor_corrector::PredictorCorrectorMethod;
 use super::settings::HistorySettings;
 use super::strategy::Strategy;
 use super::task::{Algorithm, IncrementSolver};
-use crate::solver::formulation::{FormulationScaling, Layout, NewtonSystem};
+use crate::solver::formulation::{FormulationScaling, Layout};
 use crate::solver::loading::Loading;
 use crate::solver::problem::ContactProblem;
 
@@ -20,10 +20,8 @@ impl Algorithm for HistorySettings {
             // Increments are solved only where the path jumps.
             Method::Events { .. } => Box::new(Strategy::bn(BnMethod::measured(problem, loading, self), self, false)),
             Method::PaperBn => Box::new(BnMethod::paper(problem, loading, self)),
-            Method::Ip { newton } => Box::new(Strategy::ip(PredictorCorrectorMethod::new(problem, self, newton), self)),
-            Method::PaperIp { start, partition, newton } => {
-                Box::new(IpMethod::new(problem, self, start, partition, newton))
-            }
+            Method::Ip => Box::new(Strategy::ip(PredictorCorrectorMethod::new(problem, self), self)),
+            Method::PaperIp { start, partition } => Box::new(IpMethod::new(problem, self, start, partition)),
         }
     }
 
@@ -42,14 +40,9 @@ impl Algorithm for HistorySettings {
         }))
     }
 
-    /// Returns `true` if the method supports this layout. The paper's interior point method and the extended Newton
-    /// system have one tangent at every node.
+    /// Returns `true` if the method supports this layout. The paper's interior point method has one tangent at every
+    /// node.
     fn knows(&self, layout: &Layout) -> bool {
-        !layout.has_second_tangent()
-            || match self.method {
-                Method::Bn { .. } | Method::PaperBn | Method::Events { .. } => true,
-                Method::Ip { newton } => newton == NewtonSystem::Reduced,
-                Method::PaperIp { .. } => false,
-            }
+        !layout.has_second_tangent() || !matches!(self.method, Method::PaperIp { .. })
     }
 }

@@ -5,7 +5,7 @@ use super::saved::{Snapshot, take_over};
 use super::settings::HistorySettings;
 use super::task::{IncrementSolver, Observe, Task};
 use crate::algebra::linear::{LinearError, RefinedSolver, SystemMatrix};
-use crate::solver::formulation::{Constrained, InteriorPoint, NewtonSystem, Pair, Partition, SlackLayout};
+use crate::solver::formulation::{Constrained, InteriorPoint, Pair, Partition, SlackLayout};
 use crate::solver::newton::{Ip, IpSettings, MethodResult, Termination};
 use crate::solver::problem::{ContactProblem, State};
 
@@ -20,14 +20,8 @@ pub(super) struct IpMethod {
 }
 
 impl IpMethod {
-    pub(super) fn new(
-        problem: &ContactProblem,
-        history: &HistorySettings,
-        start: Start,
-        partition: Partition,
-        newton: NewtonSystem,
-    ) -> Self {
-        let formulation = Constrained::new(problem, history.scaling, &history.conventions, partition, newton);
+    pub(super) fn new(problem: &ContactProblem, history: &HistorySettings, start: Start, partition: Partition) -> Self {
+        let formulation = Constrained::new(problem, history.scaling, &history.conventions, partition);
         let mut z = first_point(formulation.layout(), problem.weight().unwrap_or_default());
         if partition == Partition::Cone {
             enter_cone(formulation.layout(), formulation.mu(), &mut z);

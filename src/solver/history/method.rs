@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::solver::formulation::{NewtonSystem, Partition};
+use crate::solver::formulation::Partition;
 
 /// The default tolerance of the error of every law. Rounding leaves far less.
 const TOLERANCE: f64 = 1e-10;
@@ -35,18 +35,13 @@ pub enum Method {
         jump: bool,
     },
     /// The predictor–corrector interior point method, without tuning.
-    Ip {
-        /// The linear system of a direction.
-        newton: NewtonSystem,
-    },
+    Ip,
     /// The potential reduction interior point method with the constants and starting points of the paper.
     PaperIp {
         /// The starting point of an increment.
         start: Start,
         /// The rows that stay positive.
         partition: Partition,
-        /// The linear system of a direction.
-        newton: NewtonSystem,
     },
 }
 
@@ -89,12 +84,9 @@ impl Method {
     /// BN without tuning.
     pub const BN: Method = Method::Bn { r_factor: 1.0, rescue: true };
 
-    /// The interior point method without tuning.
-    pub const IP: Method = Method::Ip { newton: NewtonSystem::Reduced };
-
-    /// Returns the paper's interior point method, with its products partition and reduced system.
+    /// Returns the paper's interior point method, with its products partition.
     pub fn paper_ip(start: Start) -> Self {
-        Method::PaperIp { start, partition: Partition::Products, newton: NewtonSystem::Reduced }
+        Method::PaperIp { start, partition: Partition::Products }
     }
 
     /// Returns the name in scenes and reports: `bn`, `ip` or `events`.
@@ -113,7 +105,7 @@ impl Method {
 
     /// Returns `true` if it is an interior point method.
     pub fn is_interior(self) -> bool {
-        matches!(self, Method::Ip { .. } | Method::PaperIp { .. })
+        matches!(self, Method::Ip | Method::PaperIp { .. })
     }
 
     /// Returns `true` if it has the constants of the paper, which need moduli near 2e11 Pa and the weights of the

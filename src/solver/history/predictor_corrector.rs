@@ -6,8 +6,7 @@ use super::task::{IncrementSolver, Observe, Response, Task};
 use crate::algebra::linear::{LinearError, RefinedSolver, SystemMatrix};
 use crate::algebra::vector::median;
 use crate::solver::formulation::{
-    Assembled, Bdiff, ConeSystem, Constrained, FormulationScaling, InteriorPoint, Linearization, NewtonSystem,
-    Partition,
+    Assembled, Bdiff, ConeSystem, Constrained, FormulationScaling, InteriorPoint, Linearization, Partition,
 };
 use crate::solver::newton::{
     Armijo, Bn, MethodResult, PredictorCorrector, PredictorCorrectorSettings, StopCriterion, Termination,
@@ -36,17 +35,8 @@ pub(super) struct PredictorCorrectorMethod {
 }
 
 impl PredictorCorrectorMethod {
-    pub(super) fn new(problem: &ContactProblem, history: &HistorySettings, newton: NewtonSystem) -> Self {
-        let assembled = Assembled::new(problem, history.scaling);
-        match newton {
-            NewtonSystem::Reduced => Self::beside(assembled, history),
-            NewtonSystem::Extended => {
-                let HistorySettings { scaling, conventions, .. } = history;
-                let formulation = Constrained::new(problem, *scaling, conventions, Partition::Products, newton);
-                let stiffness = median(&mut history.contact_stiffness.clone()).unwrap_or(1.0);
-                Self::with(assembled, history, Box::new(formulation), stiffness)
-            }
-        }
+    pub(super) fn new(problem: &ContactProblem, history: &HistorySettings) -> Self {
+        Self::beside(Assembled::new(problem, history.scaling), history)
     }
 
     /// Creates the method on an assembled problem.

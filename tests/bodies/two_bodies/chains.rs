@@ -19,8 +19,8 @@ const WAYS: [(Method, LinearAlgebra); 5] = [
     (Method::BN, CONDENSED),
     (Method::BN, LinearAlgebra::Whole(SparseLu::Umfpack)),
     (Method::BN, LinearAlgebra::Condensed(SparseCholesky::Faer)),
-    (Method::IP, LinearAlgebra::Whole(SparseLu::Umfpack)),
-    (Method::IP, CONDENSED),
+    (Method::Ip, LinearAlgebra::Whole(SparseLu::Umfpack)),
+    (Method::Ip, CONDENSED),
 ];
 
 /// A block: its name, place, size and elements.

@@ -28,8 +28,8 @@ fn stiff_on_soft() {
                 (Method::BN, LinearAlgebra::Whole(SparseLu::Umfpack)),
                 (Method::BN, LinearAlgebra::Whole(SparseLu::Faer)),
                 (Method::BN, LinearAlgebra::Condensed(SparseCholesky::Cholmod)),
-                (Method::IP, LinearAlgebra::Whole(SparseLu::Umfpack)),
-                (Method::IP, LinearAlgebra::Condensed(SparseCholesky::Cholmod)),
+                (Method::Ip, LinearAlgebra::Whole(SparseLu::Umfpack)),
+                (Method::Ip, LinearAlgebra::Condensed(SparseCholesky::Cholmod)),
             ] {
                 let mut keep = Keep::default();
                 let solver = SolverChoice { method, linear: Some(linear), tolerance: 1e-10, ..SolverChoice::default() };

@@ -107,8 +107,8 @@ fn all_ways_agree() {
         (Method::BN, LinearAlgebra::Whole(SparseLu::Faer)),
         (Method::BN, LinearAlgebra::Condensed(SparseCholesky::Cholmod)),
         (Method::BN, LinearAlgebra::Condensed(SparseCholesky::Faer)),
-        (Method::IP, LinearAlgebra::Whole(SparseLu::Umfpack)),
-        (Method::IP, LinearAlgebra::Condensed(SparseCholesky::Cholmod)),
+        (Method::Ip, LinearAlgebra::Whole(SparseLu::Umfpack)),
+        (Method::Ip, LinearAlgebra::Condensed(SparseCholesky::Cholmod)),
         (Method::Bn { r_factor: 1.0, rescue: true }, LinearAlgebra::Whole(SparseLu::Umfpack)),
     ] {
         let (_, outcome) = solve([8, 12], 0.02, 1.15, Side::Upper, method, linear);

@@ -157,7 +157,7 @@ fn by_displacements_and_forces_alone() {
         for (method, linear) in [
             (Method::BN, LinearAlgebra::default()),
             (Method::BN, LinearAlgebra::condensed()),
-            (Method::IP, LinearAlgebra::default()),
+            (Method::Ip, LinearAlgebra::default()),
         ] {
             let body = bodies(
                 (triangles([7, 4]), YOUNG[0]),

@@ -139,7 +139,7 @@ fn random_pairs_are_right() {
     let mut converged = 0;
     for k in 0..30 {
         let model = Model::build(&scene(&mut random)).unwrap();
-        let verdicts = [Method::BN, Method::IP].map(|method| {
+        let verdicts = [Method::BN, Method::Ip].map(|method| {
             let mut judge = Judge { model: &model, last: vec![[0.0; 2]; model.contacts.len()], worst: 0.0 };
             let run = Run::of(&model, model.times().to_vec(), SolverChoice::new(method)).unwrap();
             let outcome = run.history(&mut judge).unwrap();

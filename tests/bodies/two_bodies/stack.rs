@@ -200,8 +200,8 @@ fn all_ways_agree() {
         (Method::BN, LinearAlgebra::Whole(SparseLu::Umfpack)),
         (Method::BN, LinearAlgebra::Whole(SparseLu::Faer)),
         (Method::BN, LinearAlgebra::Condensed(SparseCholesky::Faer)),
-        (Method::IP, LinearAlgebra::Whole(SparseLu::Umfpack)),
-        (Method::IP, CONDENSED),
+        (Method::Ip, LinearAlgebra::Whole(SparseLu::Umfpack)),
+        (Method::Ip, CONDENSED),
         (Method::Bn { r_factor: 1.0, rescue: false }, CONDENSED),
     ] {
         let apart = difference(&reference, &run(method, linear));

@@ -16,8 +16,8 @@ const MU: f64 = 0.1;
 const WAYS: [(Method, LinearAlgebra); 4] = [
     (Method::BN, LinearAlgebra::Condensed(SparseCholesky::Cholmod)),
     (Method::BN, LinearAlgebra::Whole(SparseLu::Umfpack)),
-    (Method::IP, LinearAlgebra::Whole(SparseLu::Umfpack)),
-    (Method::IP, LinearAlgebra::Condensed(SparseCholesky::Cholmod)),
+    (Method::Ip, LinearAlgebra::Whole(SparseLu::Umfpack)),
+    (Method::Ip, LinearAlgebra::Condensed(SparseCholesky::Cholmod)),
 ];
 
 /// The section of a ring between two radii, 20 mm long.

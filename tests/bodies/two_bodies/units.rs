@@ -27,7 +27,7 @@ fn units_do_not_matter() {
         for (method, linear) in [
             (Method::BN, LinearAlgebra::default()),
             (Method::BN, LinearAlgebra::condensed()),
-            (Method::IP, LinearAlgebra::default()),
+            (Method::Ip, LinearAlgebra::default()),
         ] {
             let all = SYSTEMS.map(|[length, stress]| {
                 let model = Model::build(&stack(length, stress, slave)).unwrap();

@@ -73,7 +73,7 @@ pub(super) struct CompareArgs {
 fn method(name: &str, setting: &str) -> Method {
     match (name, setting) {
         ("ip", "paper") => Method::paper_ip(Start::Safe),
-        ("ip", _) => Method::IP,
+        ("ip", _) => Method::Ip,
         ("events", _) => Method::EVENTS,
         (_, "paper") => Method::PaperBn,
         _ => Method::BN,

@@ -25,7 +25,7 @@ use stickslip::run::report::{
 use stickslip::run::{MemoryEstimate, Run};
 use stickslip::scene::{Provenance, Scene, Time};
 use stickslip::solver::Checkpoint;
-use stickslip::solver::formulation::{Layout, NewtonSystem};
+use stickslip::solver::formulation::Layout;
 use stickslip::solver::history::{IncrementError, Method, Status, WorkingSet};
 use stickslip_output::{LockedOutputDir, ResultFolder};
 use watcher::Watcher;
@@ -244,11 +244,10 @@ fn print_head(scene: &Scene, run: &Run<'_>) {
     let Unknowns { u, p_t, p_o, p_n, v_n, s, lambda } = Unknowns::new(&Layout::new(&model.problem), method);
     let blocks = [(u, "u"), (p_t, "p_t"), (p_o, "p_o"), (p_n, "p_n"), (v_n, "v_n"), (s, "s"), (lambda, "lambda")];
     let present = blocks.iter().filter(|(count, _)| *count > 0).map(|(count, name)| format!("{count} {name}"));
-    let reduced = match method {
-        Method::PaperIp { newton, .. } | Method::Ip { newton } if newton == NewtonSystem::Reduced => {
-            format!(", reduced to {} in the matrix", u + p_t + p_o + p_n)
-        }
-        _ => String::new(),
+    let reduced = if method.is_interior() {
+        format!(", reduced to {} in the matrix", u + p_t + p_o + p_n)
+    } else {
+        String::new()
     };
     say!("method       {}, setting {}", method.name(), method.setting());
     if let Some(reason) = choice.reason() {

@@ -65,7 +65,7 @@ impl Comparison {
     pub fn leads(&self) -> Vec<Lead> {
         let bn = self.paths().into_iter().filter(|path| matches!(path.method, Method::Bn { .. } | Method::PaperBn));
         let lead = |bn: SolverPath| {
-            let interior = if bn.method.is_of_paper() { Method::paper_ip(Start::Safe) } else { Method::IP };
+            let interior = if bn.method.is_of_paper() { Method::paper_ip(Start::Safe) } else { Method::Ip };
             let ip = SolverPath { method: interior, ..bn };
             let ratio = |result: &MeshResult| Some((result.mesh.clone(), self.ratio(&result.mesh, ip, bn)?));
             Lead {

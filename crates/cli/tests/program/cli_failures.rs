@@ -140,8 +140,7 @@ fn the_title_comes_before_the_set_up() {
 fn a_method_of_the_plane_in_space_is_status_2() {
     let cube = edit(include_str!("../../../../data/scenes/cube.toml"), "[10, 10, 10]", "[2, 2, 2]");
     let solver = |keys: &str| format!("{cube}\n[solver]\nmethod = \"ip\"\n{keys}\n");
-    let refused = ["setting = \"paper\"", "newton = \"extended\"", "setting = \"paper\"\nnewton = \"reduced\""];
-    for keys in refused {
+    for keys in ["setting = \"paper\"", "setting = \"paper\"\npartition = \"cone\""] {
         let text = solver(keys);
         let line = text[..text.find(keys).unwrap()].lines().count() + 1;
         let (folder, scene) = Folder::with_scene(&text);
@@ -156,7 +155,7 @@ fn a_method_of_the_plane_in_space_is_status_2() {
         // Without friction no node has a tangent.
         assert_exit(&stickslip(&["check", &scene, "--set", "contact.friction=0"]), 0);
     }
-    let (_folder, scene) = Folder::with_scene(&solver("newton = \"reduced\""));
+    let (_folder, scene) = Folder::with_scene(&solver("setting = \"default\""));
     assert_exit(&stickslip(&["check", &scene]), 0);
 }
 

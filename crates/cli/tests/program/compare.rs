@@ -16,7 +16,7 @@ use stickslip_cli::compare::{
 };
 
 const BN: SolverPath = SolverPath { method: Method::BN, linear: LinearAlgebra::Whole(SparseLu::Umfpack) };
-const IP: SolverPath = SolverPath { method: Method::IP, ..BN };
+const IP: SolverPath = SolverPath { method: Method::Ip, ..BN };
 const EVENTS: SolverPath = SolverPath { method: Method::EVENTS, ..BN };
 pub const CONDENSED: SolverPath = SolverPath { linear: LinearAlgebra::Condensed(SparseCholesky::Cholmod), ..BN };
 
@@ -164,7 +164,7 @@ fn friction_dissipates_what_the_loads_do_beyond_the_strain_energy() {
 #[test]
 fn time_stepping_is_of_first_order_on_every_path() {
     let scene = block(&["contact.friction=0.8"]);
-    let ip = SolverPath { method: Method::IP, ..CONDENSED };
+    let ip = SolverPath { method: Method::Ip, ..CONDENSED };
     let paths = vec![BN, ip, CONDENSED];
     let plan = Plan { paths, meshes: elements(&[20, 10]), increments: vec![20, 320, 80], reference: 8, jobs: 1 };
     let mut told = Vec::new();
