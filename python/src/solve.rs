@@ -35,7 +35,9 @@ impl Algebra {
         }
         let word = word.to_string();
         let named: LinearAlgebra = word.parse().map_err(|_| {
-            PyValueError::new_err(format!("linear: no {word:?}, but auto, faer, condensed, umfpack or an object"))
+            PyValueError::new_err(format!(
+                "linear: no {word:?}, but auto, faer, partial, condensed, umfpack or an object"
+            ))
         })?;
         if !named.is_built_in() {
             return Err(PyValueError::new_err(format!("linear: this build has no {word}, see stickslip.UMFPACK")));

@@ -25,6 +25,7 @@ mod faer;
 mod kernel;
 #[cfg(any(feature = "umfpack", feature = "mpi"))]
 mod ordering;
+mod partial;
 pub mod process;
 mod refine;
 mod stiffness;
@@ -54,6 +55,7 @@ pub use distributed::{Form, Grid, GridContact, Multigrid, share};
 pub use distributed::{RankRows, help, ranks};
 pub use error::LinearError;
 pub(crate) use kernel::null_space_of;
+pub use partial::Partial;
 pub(crate) use refine::componentwise_error;
 pub use refine::{SolveInfo, backward_error};
 pub use stiffness::{Distributed, Stiffness};

@@ -3,7 +3,7 @@
 use super::RunError;
 use crate::algebra::linear::built_in::ranks;
 use crate::algebra::linear::cost::{self, Sizes, Work};
-use crate::algebra::linear::{Cholesky, FactorInfo, LinearError};
+use crate::algebra::linear::{Cholesky, FactorInfo, LinearError, SparseLu};
 use crate::base::memory::Budget;
 use crate::body::model::Model;
 use crate::run::auto::SolverEstimate;
@@ -69,7 +69,10 @@ impl MemoryEstimate {
         let work = Work { increments: 0.0, factorizations: 0.0, all_free: false };
         let entries = stiffness.entries as f64;
         let (factors, least) = match linear {
-            LinearAlgebra::Whole(lu) => (cost::sparse(&sizes, &work, lu), 16.0 * entries),
+            LinearAlgebra::Whole(lu) => {
+                let bytes = if lu == SparseLu::Partial { 8.0 } else { 16.0 };
+                (cost::sparse(&sizes, &work, lu), bytes * entries)
+            }
             LinearAlgebra::Multigrid => {
                 let cost = cost::multigrid(problem.displacements(), &work);
                 (cost, 0.5 * cost.bytes)

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use crate::algebra::linear::{Cholesky, FactorInfo, LinearError, Reduced, SparseCholesky, times_transposed};
+use crate::algebra::linear::{Cholesky, FactorInfo, LinearError, Reduced, SparseCholesky};
 use crate::algebra::sparse::{Csr, DenseSymmetric, Symmetric};
 use crate::solver::loading::{LoadCase, Loading};
 use crate::solver::problem::{ContactProblem, OwnBasis, Parts, State};
@@ -277,37 +277,17 @@ fn schur_complement(
     basis: Option<&OwnBasis>,
     Condensation { cholesky, factor }: Condensation,
 ) -> Result<(Arc<Cholesky>, Symmetric), LinearError> {
-    let mut shift = Vec::new();
-    let factor_of = |stiffness| cholesky.factor(stiffness, border).map(Arc::new);
-    let factor = match factor.map_or_else(|| factor_of(stiffness), Ok) {
-        Err(LinearError::Singular { .. }) if !border.is_empty() => {
-            let (mut held, diagonal) = (stiffness.clone(), stiffness.diagonal());
-            // Displacements without stiffness get the largest `ρ` of the others, or 1.
-            let largest = diagonal.iter().fold(0.0_f64, |m, rho| m.max(*rho));
-            let other = if largest > 0.0 { largest } else { 1.0 };
-            let rho = |&dof: &usize| match diagonal[dof] {
-                own if own > 0.0 => own,
-                _ if stiffness.stores(dof, dof) => other,
-                _ => 0.0,
-            };
-            shift.extend(border.iter().map(rho));
-            border.iter().zip(&shift).filter(|entry| *entry.1 > 0.0).for_each(|(&dof, rho)| held.raise(dof, dof, *rho));
-            factor_of(&held)?
-        }
-        factor => factor?,
+    let (factor, shift) = if let Some(factor) = factor {
+        (factor, Vec::new())
+    } else {
+        let (factor, shift) = cholesky.factor_held(stiffness, border)?;
+        (Arc::new(factor), shift)
     };
-    // Detects rigid modes of the interior, in which the contact nodes do not move.
-    let pivot_ratio = factor.interior_pivot_ratio()?;
-    if pivot_ratio <= f64::EPSILON {
-        return Err(LinearError::Singular { pivot_ratio });
-    }
-    let m = border.len();
-    let mut values = times_transposed(&factor.trailing(), m);
-    shift.iter().enumerate().for_each(|(i, rho)| values[i * m + i] -= rho);
+    let mut values = factor.schur_complement(&shift)?;
     if let Some(basis) = basis {
         basis.congruence(border, &mut values);
     }
-    Ok((factor, DenseSymmetric::of_lower(m, values).into()))
+    Ok((factor, DenseSymmetric::of_lower(border.len(), values).into()))
 }
 
 /// Returns the `wanted` rows of `map` on the contact displacements, transformed by `basis`; all other rows are empty.

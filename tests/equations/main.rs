@@ -26,6 +26,7 @@ mod matrices;
 mod neutral;
 mod own_method;
 mod own_solvers;
+mod partial;
 mod robust;
 mod stops;
 mod tangent_start;

@@ -98,7 +98,7 @@ fn the_critical_friction_does_not_depend_on_what_a_solver_says_of_its_pivots() {
 fn the_backends_agree_on_what_is_singular() {
     for held in [true, false] {
         let problem = ring(held);
-        let found: Vec<CriticalFriction> = [SparseLu::Umfpack, SparseLu::Mumps, SparseLu::Faer]
+        let found: Vec<CriticalFriction> = [SparseLu::Umfpack, SparseLu::Mumps, SparseLu::Faer, SparseLu::Partial]
             .into_iter()
             .filter(|lu| lu.is_built_in())
             .map(|lu| critical(&problem, lu.solver()).unwrap())

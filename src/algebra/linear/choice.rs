@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::{LinearSolver, built_in};
+use super::{LinearSolver, Partial, built_in};
 
 /// A sparse LU factorisation, for the uncondensed system.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -16,6 +16,8 @@ pub enum SparseLu {
     Mumps,
     /// faer's LU: pure Rust, slower on large meshes.
     Faer,
+    /// The interior of the body by a Cholesky factorisation once a run, contact by a dense LU.
+    Partial,
 }
 
 /// A sparse Cholesky factorisation, for a stiffness.
@@ -50,6 +52,7 @@ impl SparseLu {
             SparseLu::Umfpack => cfg!(feature = "umfpack"),
             SparseLu::Mumps => cfg!(feature = "mumps"),
             SparseLu::Faer => cfg!(feature = "faer"),
+            SparseLu::Partial => SparseCholesky::default().is_built_in(),
         }
     }
 
@@ -71,6 +74,7 @@ impl SparseLu {
             SparseLu::Umfpack => built_in::umfpack(many_in_the_plane),
             SparseLu::Mumps => built_in::mumps(),
             SparseLu::Faer => built_in::faer(),
+            SparseLu::Partial => Box::new(Partial::default()),
         }
     }
 }
@@ -91,6 +95,7 @@ impl fmt::Display for SparseLu {
             SparseLu::Umfpack => "umfpack",
             SparseLu::Mumps => "mumps",
             SparseLu::Faer => "faer",
+            SparseLu::Partial => "partial",
         })
     }
 }

@@ -19,7 +19,7 @@ mod sweep;
 
 use super::error::expect_length;
 use super::supernodal::{Supernodal, Supernode};
-use super::{FactorInfo, LinearError, SparseCholesky};
+use super::{FactorInfo, LinearError, SparseCholesky, times_transposed};
 use crate::algebra::sparse::Symmetric;
 
 /// The Cholesky factors of a symmetric positive definite matrix.
@@ -63,6 +63,32 @@ impl SparseCholesky {
                 let _ = (k, last, absent);
                 Err(LinearError::NotBuiltIn { backend: "sparse Cholesky factorisation" })
             }
+        }
+    }
+
+    /// Factors `K` with the unknowns `last` eliminated last. If `K` is singular because they hold the body, `ρ`, usually the
+    /// diagonal of `K`, is added to their block first. Returns `ρ`, which [`Cholesky::schur_complement`] subtracts again, or an
+    /// empty vector.
+    ///
+    /// # Errors
+    /// As [`Cholesky::factor`]; [`LinearError::Singular`] if a part of the body can move while `last` are fixed.
+    pub(crate) fn factor_held(self, k: &Symmetric, last: &[usize]) -> Result<(Cholesky, Vec<f64>), LinearError> {
+        match self.factor(k, last) {
+            Err(LinearError::Singular { .. }) if !last.is_empty() => {
+                let (mut held, diagonal) = (k.clone(), k.diagonal());
+                // Displacements without stiffness get the largest `ρ` of the others, or 1.
+                let largest = diagonal.iter().fold(0.0_f64, |m, rho| m.max(*rho));
+                let other = if largest > 0.0 { largest } else { 1.0 };
+                let rho = |&place: &usize| match diagonal[place] {
+                    own if own > 0.0 => own,
+                    _ if k.stores(place, place) => other,
+                    _ => 0.0,
+                };
+                let shift: Vec<f64> = last.iter().map(rho).collect();
+                last.iter().zip(&shift).filter(|(_, rho)| **rho > 0.0).for_each(|(&i, rho)| held.raise(i, i, *rho));
+                Ok((self.factor(&held, last)?, shift))
+            }
+            factor => Ok((factor?, Vec::new())),
         }
     }
 }
@@ -169,6 +195,21 @@ impl Cholesky {
         dense
     }
 
+    /// Returns the Schur complement of the interior, column by column, without the `shift` of [`SparseCholesky::factor_held`].
+    ///
+    /// # Errors
+    /// [`LinearError::Singular`] if the interior has rigid modes, in which the border does not move.
+    pub(crate) fn schur_complement(&self, shift: &[f64]) -> Result<Vec<f64>, LinearError> {
+        let pivot_ratio = self.interior_pivot_ratio()?;
+        if pivot_ratio <= f64::EPSILON {
+            return Err(LinearError::Singular { pivot_ratio });
+        }
+        let m = self.border;
+        let mut values = times_transposed(&self.trailing(), m);
+        shift.iter().enumerate().for_each(|(i, rho)| values[i * m + i] -= rho);
+        Ok(values)
+    }
+
     /// Solves `K x = b`.
     ///
     /// # Errors
@@ -189,7 +230,10 @@ impl Cholesky {
     /// If `b` has the wrong length.
     pub fn reduce(&self, b: &[f64]) -> Result<Reduced, LinearError> {
         let mut interior = self.ordered(b)?;
-        sweep::forward(&*self.factor, self.interior(), &mut interior);
+        // Many right-hand sides are zero there.
+        if interior[..self.interior()].iter().any(|b| *b != 0.0) {
+            sweep::forward(&*self.factor, self.interior(), &mut interior);
+        }
         // b_c - L_cr y_r directly. Computing it from the rest y_c of the solution as L_cc y_c would involve the
         // condition of L_cc.
         let border = interior.split_off(self.interior());

@@ -10,6 +10,9 @@
 //! | an increment | – | substitutions with `L`, some passes over `m²` entries | – |
 //! | memory | `2 |L|` | `2 |L|`, `m²` | `n` |
 //!
+//! The whole system with its interior factored once (`partial`) costs what the condensed one does, and two substitutions with `L` for each
+//! Newton matrix.
+//!
 //! `k` is the number of displacements that contact leaves unconstrained; half of `m` if nothing better is known.
 //! Contact rows add a few per cent to the sparse factors and are neglected, as are mesh, assembly and error measure,
 //! which all variants share.
@@ -146,6 +149,7 @@ pub fn sparse(sizes: &Sizes, work: &Work, lu: SparseLu) -> Cost {
     let all = order(sizes.unknowns) + work.factorizations * iteration;
     match lu {
         SparseLu::Mumps => Cost { seconds: seconds::MPI + seconds::MUMPS_SHARE * all, bytes: MUMPS_BYTES * entries },
+        SparseLu::Partial => partial(sizes, work),
         SparseLu::Umfpack | SparseLu::Faer => Cost { seconds: all, bytes: LU_BYTES * entries },
     }
 }
@@ -160,10 +164,20 @@ pub fn multigrid(displacements: usize, work: &Work) -> Cost {
 
 /// Estimates the condensed system.
 pub fn condensed(sizes: &Sizes, work: &Work) -> Cost {
+    factored_once(sizes, work, work.increments)
+}
+
+/// Estimates the whole system with its interior factored once: an iteration has both substitutions with `L`, and a residual.
+fn partial(sizes: &Sizes, work: &Work) -> Cost {
+    factored_once(sizes, work, work.increments + 2.0 * work.factorizations)
+}
+
+/// Returns the cost with `K` factored once and this number of substitutions with `L`.
+fn factored_once(sizes: &Sizes, work: &Work, substitutions: f64) -> Cost {
     let (m, entries) = (sizes.contact_displacements, sizes.stiffness.entries as f64);
     let once = entries * seconds::L_ENTRY + sizes.stiffness.flops * seconds::OPERATION;
-    let increments = work.increments * entries * seconds::L_SOLVE_ENTRY;
-    Cost { seconds: once + increments + border(m, work), bytes: LU_BYTES * entries + S_BYTES * (m * m) as f64 }
+    let interior = substitutions * entries * seconds::L_SOLVE_ENTRY;
+    Cost { seconds: once + interior + border(m, work), bytes: LU_BYTES * entries + S_BYTES * (m * m) as f64 }
 }
 
 #[cfg(test)]

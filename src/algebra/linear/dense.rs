@@ -70,6 +70,12 @@ impl Dense {
         Ok(())
     }
 
+    /// Returns the largest number of unknowns that contact rows couple; 0 before the analysis.
+    pub(super) fn largest_group(&self) -> usize {
+        let groups = self.blocks.iter().flat_map(|blocks| &blocks.groups);
+        groups.map(|group| group.unknowns().count()).max().unwrap_or(0)
+    }
+
     /// Factors `a`, whose pattern and dense block have the analysed sizes; once an iteration.
     ///
     /// # Errors

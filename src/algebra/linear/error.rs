@@ -44,6 +44,12 @@ pub enum LinearError {
         /// The step that is missing.
         missing: &'static str,
     },
+    /// The solver factors the stiffness apart, and the matrix does not say which unknowns are displacements.
+    #[error(
+        "the solver \"partial\" must know which unknowns are displacements: create the matrix with \
+         SystemMatrix::with_displacements, or use another solver"
+    )]
+    UnknownDisplacements,
     /// The cargo feature of the backend is off.
     #[error("this build has no {backend}")]
     NotBuiltIn {

@@ -20,6 +20,8 @@ use crate::algebra::sparse::{Csc, DenseSymmetric, DoubleDouble, Pattern, Symmetr
 pub struct SystemMatrix {
     leading: Option<Leading>,
     rest: Csc,
+    /// The number of displacements, if it is known.
+    displacements: Option<usize>,
 }
 
 /// The block `S`.
@@ -33,7 +35,7 @@ enum Leading {
 impl From<Csc> for SystemMatrix {
     /// Creates a matrix without the block `S`; its factorisation requires a square one.
     fn from(rest: Csc) -> Self {
-        SystemMatrix { leading: None, rest }
+        SystemMatrix { leading: None, rest, displacements: None }
     }
 }
 
@@ -46,7 +48,8 @@ impl SystemMatrix {
         let (rows, columns) = (rest.pattern().rows(), rest.pattern().columns());
         expect_length("rows of the matrix", columns, rows)?;
         expect_length("rows of the dense block", leading.order().min(rows), leading.order())?;
-        Ok(SystemMatrix { leading: Some(Leading::Dense(leading)), rest })
+        let displacements = Some(leading.order());
+        Ok(SystemMatrix { leading: Some(Leading::Dense(leading)), rest, displacements })
     }
 
     /// Creates the zero matrix with this pattern, plus `factor` times the stiffness if that is dense or distributed. It
@@ -56,7 +59,22 @@ impl SystemMatrix {
             Stiffness::Assembled(k) => k.dense().map(|dense| Leading::Dense(dense.scaled(factor))),
             Stiffness::Distributed(k) => Some(Leading::Distributed(Arc::clone(k), factor)),
         };
-        SystemMatrix { leading, rest: Csc::zeros(Arc::new(pattern)) }
+        SystemMatrix { leading, rest: Csc::zeros(Arc::new(pattern)), displacements: Some(stiffness.order()) }
+    }
+
+    /// States that the first `displacements` unknowns are displacements. Their block, the stiffness, must be symmetric. A solver
+    /// that factors it once a run needs their number.
+    ///
+    /// # Errors
+    /// If the matrix has fewer columns.
+    pub fn with_displacements(self, displacements: usize) -> Result<Self, LinearError> {
+        expect_length("displacements", displacements.min(self.order()), displacements)?;
+        Ok(SystemMatrix { displacements: Some(displacements), ..self })
+    }
+
+    /// Returns the number of displacements, which are the first unknowns, if it is known.
+    pub fn displacements(&self) -> Option<usize> {
+        self.displacements
     }
 
     /// Returns the order.

@@ -61,7 +61,7 @@ impl Symmetric {
         Ok(Self::of_lower(lower))
     }
 
-    pub(super) fn of_lower(lower: Csc) -> Self {
+    pub(crate) fn of_lower(lower: Csc) -> Self {
         Symmetric { stored: Stored::Lower(lower) }
     }
 

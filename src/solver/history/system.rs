@@ -28,10 +28,11 @@ pub enum LinearAlgebra {
 
 impl LinearAlgebra {
     /// The variants that need nothing but the matrix, each with its word in scenes and reports.
-    pub const WORDS: [(&'static str, LinearAlgebra); 5] = [
+    pub const WORDS: [(&'static str, LinearAlgebra); 6] = [
         ("umfpack", LinearAlgebra::Whole(SparseLu::Umfpack)),
         ("mumps", LinearAlgebra::Whole(SparseLu::Mumps)),
         ("faer", LinearAlgebra::Whole(SparseLu::Faer)),
+        ("partial", LinearAlgebra::Whole(SparseLu::Partial)),
         ("condensed-cholmod", LinearAlgebra::Condensed(SparseCholesky::Cholmod)),
         ("condensed-faer", LinearAlgebra::Condensed(SparseCholesky::Faer)),
     ];
@@ -84,7 +85,7 @@ impl fmt::Display for LinearAlgebra {
 
 /// The error of a word that names no linear solver.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("it is one of umfpack, mumps, faer, condensed, condensed-cholmod, condensed-faer and multigrid")]
+#[error("it is one of umfpack, mumps, faer, partial, condensed, condensed-cholmod, condensed-faer and multigrid")]
 pub struct UnknownLinearAlgebra;
 
 impl FromStr for LinearAlgebra {

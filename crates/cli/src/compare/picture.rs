@@ -10,6 +10,7 @@ const ORANGE: [u8; 3] = [200, 120, 0];
 const GREEN: [u8; 3] = [0, 120, 60];
 const BLUE: [u8; 3] = [0, 90, 181];
 const RED: [u8; 3] = [200, 50, 32];
+const PURPLE: [u8; 3] = [120, 60, 160];
 const GREY: [u8; 3] = [195, 195, 195];
 
 /// Returns the charts of a comparison, each with the stem of its file name and a description.
@@ -144,6 +145,7 @@ fn curve(path: SolverPath, points: Vec<[f64; 2]>) -> Curve {
         LinearAlgebra::Condensed(_) => BLUE,
         LinearAlgebra::Whole(SparseLu::Faer) => RED,
         LinearAlgebra::Whole(SparseLu::Mumps) => ORANGE,
+        LinearAlgebra::Whole(SparseLu::Partial) => PURPLE,
         LinearAlgebra::Multigrid => GREEN,
     };
     let (dash, marker) = match path.method {

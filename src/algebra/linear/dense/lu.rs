@@ -99,7 +99,7 @@ impl Lu {
     }
 
     /// Returns the smallest pivot relative to the size of its column.
-    pub(super) fn pivot_ratio(&self) -> f64 {
+    pub(in crate::algebra::linear) fn pivot_ratio(&self) -> f64 {
         self.pivot_ratio
     }
 
