@@ -47,20 +47,14 @@ pub(super) fn backward(factor: &dyn Supernodal, interior: usize, x: &mut [f64]) 
         let columns = node.columns.min(interior - node.first);
         gather(&node, x, &mut work);
         let (top, below) = work.split_at_mut(columns);
-        // First all columns with the rows below the block; then the block.
-        for first in (0..columns).step_by(TILE) {
-            let column = |k: usize| &node.column(first + k)[columns - first - k..];
-            if first + TILE <= columns {
-                subtract_four_products(std::array::from_fn(column), below, &mut top[first..]);
-            } else {
-                (0..columns - first).for_each(|k| subtract_product(column(k), below, &mut top[first + k]));
-            }
+        // First the rows below the block, in the order of memory; then the block.
+        for (k, x) in top.iter_mut().enumerate() {
+            *x -= product(&node.column(k)[columns - k..], below);
         }
         for k in (0..columns).rev() {
             let column = node.column(k);
             let (upper, lower) = top.split_at_mut(k + 1);
-            subtract_product(&column[1..columns - k], lower, &mut upper[k]);
-            upper[k] /= column[0];
+            upper[k] = (upper[k] - product(&column[1..columns - k], lower)) / column[0];
         }
         x[node.first..node.first + columns].copy_from_slice(top);
     }
@@ -69,31 +63,21 @@ pub(super) fn backward(factor: &dyn Supernodal, interior: usize, x: &mut [f64]) 
 /// The number of columns of `L` that are multiplied with the same rows at once.
 const TILE: usize = 4;
 
-/// The number of products in a partial sum. Partial sums reduce rounding.
-const BLOCK: usize = 64;
+/// The number of partial sums of a product. A processor adds several of them at once, and they reduce rounding.
+const LANES: usize = 8;
 
-/// Subtracts `Σ_i l_i x_i` from the first entry of `from` for the first of four `columns`, and so on. The columns are as
-/// long as `x`.
-fn subtract_four_products(columns: [&[f64]; TILE], x: &[f64], from: &mut [f64]) {
-    let mut parts = columns.map(|column| column.chunks(BLOCK));
-    for x in x.chunks(BLOCK) {
-        let [a, b, c, d] = parts.each_mut().map(|part| part.next().unwrap_or_default());
-        let mut sums = [0.0; TILE];
-        for ((((x, a), b), c), d) in x.iter().zip(a).zip(b).zip(c).zip(d) {
-            sums[0] += a * x;
-            sums[1] += b * x;
-            sums[2] += c * x;
-            sums[3] += d * x;
+/// Returns `Σ_i l_i x_i`.
+fn product(l: &[f64], x: &[f64]) -> f64 {
+    let ((l, l_rest), (x, x_rest)) = (l.as_chunks::<LANES>(), x.as_chunks::<LANES>());
+    let mut sums = [0.0; LANES];
+    for (l, x) in l.iter().zip(x) {
+        for lane in 0..LANES {
+            sums[lane] += l[lane] * x[lane];
         }
-        from.iter_mut().zip(sums).for_each(|(from, sum)| *from -= sum);
     }
-}
-
-/// Subtracts `Σ_i l_i x_i` from `from`, in the order of terms of [`subtract_four_products`].
-fn subtract_product(column: &[f64], x: &[f64], from: &mut f64) {
-    for (column, x) in column.chunks(BLOCK).zip(x.chunks(BLOCK)) {
-        *from -= column.iter().zip(x).map(|(l, x)| l * x).fold(0.0, |sum, term| sum + term);
-    }
+    let rest: f64 = l_rest.iter().zip(x_rest).map(|(l, x)| l * x).sum();
+    let [a, b, c, d, e, f, g, h] = sums;
+    ((a + b) + (c + d)) + ((e + f) + (g + h)) + rest
 }
 
 /// Gathers the values in the rows of a supernode.
