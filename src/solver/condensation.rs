@@ -1,7 +1,7 @@
 //! Static condensation (33)–(35): the problem on the contact displacements alone, and the recovery of the interior.
 
 use std::borrow::Cow;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::algebra::linear::{Cholesky, FactorInfo, LinearError, Reduced, SparseCholesky};
 use crate::algebra::sparse::{Csr, DenseSymmetric, Symmetric};
@@ -27,24 +27,100 @@ use crate::solver::problem::{ContactProblem, OwnBasis, Parts, State};
 ///
 /// If only contact holds a body, `K` is singular. Then `ρ`, usually the diagonal of `K`, is added to the contact
 /// block and subtracted again, `S = L_cc L_ccᵀ - ρ`, which changes nothing else.
+///
+/// A condensation and its clones keep the factors and `S` of the last body: problems with equal stiffness and contact
+/// rows, which may differ in friction, gaps and loads, are condensed once.
+///
+/// ```
+/// use stickslip::algebra::{Csr, Symmetric};
+/// use stickslip::algebra::linear::SparseCholesky;
+/// use stickslip::solver::history::{HistorySettings, Method, SystemSolver, run};
+/// use stickslip::solver::{Condensation, ContactProblem, LoadCase, Loading, Parts};
+///
+/// // A node on two springs of 2 N/m, pressed onto a floor with 1 N and pulled along it with 0.5 N.
+/// let stiffness = Symmetric::from_triplets(2, &[(0, 0, 2.0), (1, 1, 2.0)])?;
+/// let (c_n, c_t) = (Csr::from_rows(2, [[(1, -1.0)]])?, Csr::from_rows(2, [[(0, 1.0)]])?);
+/// let problem = ContactProblem::new(Parts { c_t, mu: vec![0.1], ..Parts::new(stiffness, c_n) })?;
+/// let loading = Loading::new(vec![LoadCase::new(vec![0.5, -1.0], vec![])?], vec![0.0])?;
+/// let condensation = Condensation::from(SparseCholesky::default());
+/// for (mu, slip) in [(0.1, 0.2), (0.3, 0.1), (0.7, 0.0)] {
+///     let problem = problem.with_friction(vec![mu])?;
+///     let settings = HistorySettings::new(&problem, &loading, Method::BN)?;
+///     let system = SystemSolver::Condensed(condensation.clone());
+///     let outcome = run(&problem, &loading, &[1.0], &settings, system, &mut ())?;
+///     assert!((outcome.state.u[0] - slip).abs() < 1e-15);
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone)]
 pub struct Condensation {
     cholesky: SparseCholesky,
     /// The factors of `K` with the displacements of all contact nodes last, if they exist already.
     factor: Option<Arc<Cholesky>>,
+    /// The body condensed last.
+    last: Arc<Mutex<Option<CondensedStiffness>>>,
+}
+
+/// The condensed stiffness of a body, with what it was computed from.
+#[derive(Clone)]
+struct CondensedStiffness {
+    /// `K`.
+    whole: Arc<Symmetric>,
+    border: Vec<usize>,
+    basis: Option<OwnBasis>,
+    factor: Arc<Cholesky>,
+    /// `S`, on the basis.
+    condensed: Symmetric,
 }
 
 impl From<SparseCholesky> for Condensation {
     /// Creates a condensation that factors `K` with `cholesky`.
     fn from(cholesky: SparseCholesky) -> Self {
-        Condensation { cholesky, factor: None }
+        Condensation::factored(cholesky, None)
     }
 }
 
 impl Condensation {
     /// Creates a condensation that can reuse the `factor` of `K`.
     pub(crate) fn factored(cholesky: SparseCholesky, factor: Option<Arc<Cholesky>>) -> Self {
-        Condensation { cholesky, factor }
+        Condensation { cholesky, factor, last: Arc::default() }
+    }
+
+    /// Returns the condensed stiffness of a body, which is computed unless it is that of the last one.
+    fn stiffness(
+        &self,
+        whole: &Arc<Symmetric>,
+        border: &[usize],
+        basis: Option<&OwnBasis>,
+    ) -> Result<CondensedStiffness, LinearError> {
+        let is_of = |last: &CondensedStiffness| {
+            last.border == border
+                && last.basis.as_ref() == basis
+                && (Arc::ptr_eq(&last.whole, whole) || last.whole == *whole)
+        };
+        let known = self.last.lock().unwrap_or_else(PoisonError::into_inner).clone().filter(is_of);
+        if let Some(known) = known {
+            return Ok(known);
+        }
+        let (factor, shift) = if let Some(factor) = &self.factor {
+            (Arc::clone(factor), Vec::new())
+        } else {
+            let (factor, shift) = self.cholesky.factor_held(whole, border)?;
+            (Arc::new(factor), shift)
+        };
+        let mut values = factor.schur_complement(&shift)?;
+        if let Some(basis) = basis {
+            basis.congruence(border, &mut values);
+        }
+        let condensed = CondensedStiffness {
+            whole: Arc::clone(whole),
+            border: border.to_vec(),
+            basis: basis.cloned(),
+            factor,
+            condensed: DenseSymmetric::of_lower(border.len(), values).into(),
+        };
+        *self.last.lock().unwrap_or_else(PoisonError::into_inner) = Some(condensed.clone());
+        Ok(condensed)
     }
 
     /// Returns the factorisation of `K`.
@@ -88,7 +164,8 @@ impl Condensed {
         let border = problem.contact_displacements();
         let basis = OwnBasis::of(problem);
         let whole = problem.stiffness().assembled()?;
-        let (factor, stiffness) = schur_complement(&whole, &border, basis.as_ref(), by.into())?;
+        let CondensedStiffness { factor, condensed: stiffness, .. } =
+            by.into().stiffness(&whole, &border, basis.as_ref())?;
         let mut condensed = Condensed {
             problem: ContactProblem::of(Parts {
                 stiffness: stiffness.into(),
@@ -268,26 +345,6 @@ fn forces(border: &[usize], basis: Option<&OwnBasis>, reduced: &Reduced) -> Vec<
     border.iter().zip(&reduced.border).for_each(|(&dof, force)| all[dof] = *force);
     basis.apply_transposed(&mut all);
     border.iter().map(|&dof| all[dof]).collect()
-}
-
-/// Computes the factors of `K`, and `S` transformed by `basis`.
-fn schur_complement(
-    stiffness: &Symmetric,
-    border: &[usize],
-    basis: Option<&OwnBasis>,
-    Condensation { cholesky, factor }: Condensation,
-) -> Result<(Arc<Cholesky>, Symmetric), LinearError> {
-    let (factor, shift) = if let Some(factor) = factor {
-        (factor, Vec::new())
-    } else {
-        let (factor, shift) = cholesky.factor_held(stiffness, border)?;
-        (Arc::new(factor), shift)
-    };
-    let mut values = factor.schur_complement(&shift)?;
-    if let Some(basis) = basis {
-        basis.congruence(border, &mut values);
-    }
-    Ok((factor, DenseSymmetric::of_lower(border.len(), values).into()))
 }
 
 /// Returns the `wanted` rows of `map` on the contact displacements, transformed by `basis`; all other rows are empty.

@@ -161,6 +161,16 @@ impl ContactProblem {
         Ok(ContactProblem { tangents_alone: Some([c_t, c_o]), ..self })
     }
 
+    /// Returns the problem with other friction coefficients `mu`, n_c. It shares the stiffness with this one.
+    ///
+    /// # Errors
+    /// As [`ContactProblem::new`] for the coefficients.
+    pub fn with_friction(&self, mu: Vec<f64>) -> Result<Self, ProblemError> {
+        check::friction(&mu, self.contacts())?;
+        let problem = self.clone();
+        Ok(ContactProblem { parts: Parts { mu, ..problem.parts }, ..problem })
+    }
+
     /// Restricts the problem to these contact `nodes`. The result must not be used to judge whether loads can be
     /// balanced.
     pub(crate) fn of_nodes(&self, nodes: &[usize]) -> Self {

@@ -14,6 +14,7 @@ pub mod vtu;
 
 use std::io::Write;
 use std::ops::ControlFlow;
+use std::sync::Arc;
 use stickslip::algebra::linear::{RefinedSolver, Stiffness, SystemMatrix};
 use stickslip::algebra::{Csc, Symmetric};
 use stickslip::body::Model;
@@ -42,7 +43,7 @@ pub fn block(overrides: &[&str]) -> Scene {
 
 /// Multiplies the stiffness.
 pub fn scale(stiffness: &mut Stiffness, factor: f64) {
-    let mut k = stiffness.assembled().unwrap().into_owned();
+    let mut k = Arc::unwrap_or_clone(stiffness.assembled().unwrap());
     k.scale(factor);
     *stiffness = k.into();
 }

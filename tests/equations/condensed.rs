@@ -8,7 +8,7 @@ use stickslip::body::Model;
 use stickslip::run::discretise;
 use stickslip::scene::Scene;
 use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, SystemSolver};
-use stickslip::solver::{Condensed, State};
+use stickslip::solver::{Condensation, Condensed, State};
 
 const BLOCK: &str = include_str!("../../data/scenes/block.toml");
 const SUPPORT: &str = "[[support]]\nboundary = \"left\"\nfix = [\"x\", \"y\"]\n";
@@ -122,4 +122,35 @@ fn slender_bodies_are_refined() {
     let sum = |state: &State| state.p_n.iter().sum::<f64>();
     let (a, b) = (sum(&whole.0.state), sum(&condensed.0.state));
     assert!((a - b).abs() <= 1e-8 * a.abs(), "{a} {b}");
+}
+
+/// Problems that differ in friction share the factors of the body. Another stiffness or other contact rows have their
+/// own.
+#[test]
+fn a_condensation_is_used_again() {
+    let cube = include_str!("../../data/scenes/cube.toml");
+    let bodies = [
+        model(BLOCK, &["mesh.elements=[12,10]"]),
+        model(BLOCK, &["mesh.elements=[12,10]", "material.young=1e11"]),
+        model(&BLOCK.replace(SUPPORT, ""), &["mesh.elements=[12,10]"]),
+        model(BLOCK, &["mesh.elements=[8,8]", "mesh.cells=\"triangle6\""]),
+        model(cube, &["mesh.elements=[3,3,3]"]),
+    ];
+    let shared = Condensation::from(SparseCholesky::default());
+    for model in bodies.iter().chain(&bodies) {
+        for mu in [0.0, 0.2, 0.5] {
+            let friction = (0..model.problem.contacts()).map(|i| mu * (1.0 + (i as f64).sin())).collect();
+            let problem = model.problem.with_friction(friction).unwrap();
+            let settings = HistorySettings::new(&problem, &model.loading, Method::BN).unwrap().until(100, 1e-10);
+            let [first, second] = [&shared, &Condensation::from(SparseCholesky::default())].map(|condensation| {
+                let system = SystemSolver::Condensed(condensation.clone());
+                history::run(&problem, &model.loading, &[0.5, 1.0], &settings, system, &mut ()).unwrap()
+            });
+            assert_eq!(first.status, second.status);
+            assert_eq!(first.state, second.state);
+        }
+    }
+    let refused = bodies[0].problem.with_friction(vec![-1.0; bodies[0].problem.contacts()]).unwrap_err();
+    assert_eq!(refused.to_string(), "mu[0] is -1, but must be 0 or more");
+    assert!(bodies[0].problem.with_friction(vec![0.1]).is_err());
 }

@@ -109,7 +109,7 @@ fn solved(method: Method, answers: Option<usize>) -> Result<HistoryOutcome, Hist
     let parts = model.problem.clone().into_parts();
     let stiffness = match (answers, parts.stiffness.assembled().unwrap()) {
         (Some(answers), k) => Stiffness::Distributed(Arc::new(Elsewhere::new(&k, answers))),
-        (None, k) => k.into_owned().into(),
+        (None, k) => Stiffness::Assembled(k),
     };
     let problem = match ContactProblem::new(Parts { stiffness, ..parts }) {
         Ok(problem) => problem,

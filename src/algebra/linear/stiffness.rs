@@ -13,7 +13,7 @@ use crate::algebra::sparse::{Csc, DoubleDouble, Symmetric};
 #[derive(Debug, Clone)]
 pub enum Stiffness {
     /// All entries are in this process.
-    Assembled(Symmetric),
+    Assembled(Arc<Symmetric>),
     /// Several processes have the rows.
     Distributed(Arc<dyn Distributed>),
 }
@@ -70,7 +70,7 @@ pub trait Distributed: fmt::Debug + Send + Sync {
 
 impl From<Symmetric> for Stiffness {
     fn from(assembled: Symmetric) -> Self {
-        Stiffness::Assembled(assembled)
+        Stiffness::Assembled(Arc::new(assembled))
     }
 }
 
@@ -103,10 +103,10 @@ impl Stiffness {
     ///
     /// # Errors
     /// [`LinearError`] if a process has failed.
-    pub fn assembled(&self) -> Result<Cow<'_, Symmetric>, LinearError> {
+    pub fn assembled(&self) -> Result<Arc<Symmetric>, LinearError> {
         match self {
-            Stiffness::Assembled(k) => Ok(Cow::Borrowed(k)),
-            Stiffness::Distributed(k) => k.gathered().map(Cow::Owned),
+            Stiffness::Assembled(k) => Ok(Arc::clone(k)),
+            Stiffness::Distributed(k) => k.gathered().map(Arc::new),
         }
     }
 

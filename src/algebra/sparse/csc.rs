@@ -6,7 +6,7 @@ use super::error::expect_length;
 use super::{MatrixError, Pattern};
 
 /// A matrix in compressed columns: values on a shared [`Pattern`].
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Csc {
     pattern: Arc<Pattern>,
     values: Vec<f64>,

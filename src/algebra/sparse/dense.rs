@@ -32,6 +32,13 @@ struct Shared {
     row_norms: OnceLock<Vec<f64>>,
 }
 
+impl PartialEq for DenseSymmetric {
+    fn eq(&self, other: &Self) -> bool {
+        let is_one = Arc::ptr_eq(&self.shared, &other.shared);
+        self.factor == other.factor && (is_one || self.shared.values == other.shared.values)
+    }
+}
+
 impl DenseSymmetric {
     /// Creates the matrix of order `n` with the lower triangle of these `values`, column by column. Values above the
     /// diagonal are ignored.

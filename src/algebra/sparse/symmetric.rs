@@ -7,12 +7,12 @@ use super::error::expect_length;
 use super::{Csc, DenseSymmetric, MatrixError, Pattern};
 
 /// A symmetric matrix.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Symmetric {
     stored: Stored,
 }
 
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 enum Stored {
     /// The lower triangle, including the diagonal.
     Lower(Csc),

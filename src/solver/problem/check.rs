@@ -29,13 +29,18 @@ pub(super) fn parts(parts: &Parts) -> Result<(), ProblemError> {
     for (name, map) in [("c_n", c_n), ("c_t", c_t), ("c_o", c_o)] {
         size(name, map, n_c, n_u)?;
     }
-    expect_length("mu", n_c, mu.len(), PER_CONTACT)?;
-    expect_each("mu", mu, "0 or more", |mu| mu >= 0.0 && mu.is_finite())?;
+    friction(mu, n_c)?;
     if let Some(weight) = weight {
         expect_length("weight", n_c, weight.len(), PER_CONTACT)?;
         expect_each("weight", weight, "above 0", |l| l > 0.0 && l.is_finite())?;
     }
     Ok(())
+}
+
+/// Checks friction coefficients of `n_c` contact nodes.
+pub(super) fn friction(mu: &[f64], n_c: usize) -> Result<(), ProblemError> {
+    expect_length("mu", n_c, mu.len(), PER_CONTACT)?;
+    expect_each("mu", mu, "0 or more", |mu| mu >= 0.0 && mu.is_finite())
 }
 
 fn size(name: &str, map: &Csr, rows: usize, columns: usize) -> Result<(), ProblemError> {
