@@ -158,7 +158,7 @@ fn main() {
     for &(name, file, changes) in ROWS.iter().filter(|(name, ..)| chosen(name)) {
         let scene = scene(file, changes);
         let run = Run::new(&scene).unwrap();
-        let interior = scene.solver.method.is_interior();
+        let interior = scene.solver.method.increments().is_interior();
         let solver = |multigrid: bool| -> Box<dyn LinearSolver> {
             let form = if interior { Form::Oblique } else { Form::Symmetric };
             match grid(run.model()).filter(|_| multigrid) {

@@ -16,7 +16,7 @@
 //! | --- | --- | --- |
 //! | a scene, a TOML file | forces, pressures, slip, their errors | [`Scene::read`], [`Run::new`], [`Run::solve`]: a [`RunReport`] |
 //! | a mesh and loads in Rust | the same | [`body::Description`], [`body::Model::build`], [`Run::of`] |
-//! | matrices `K`, `C_n`, `C_t` | states and records | [`ContactProblem::new`], [`solver::Loading`], [`solver::history::run`] |
+//! | matrices `K`, `C_n`, `C_t` | states and records | [`ContactProblem::new`], [`solver::Loading`], [`solver::history::run`] or [`solver::history::follow_exact_path`] |
 //! | a time loop of your own | one increment after the other | [`solver::history::Stepper`] |
 //! | a linear solver of your own | BN and IP on it | the trait [`LinearSolver`] |
 //! | a method of your own | histories, verdicts, checkpoints for it | the traits [`solver::history::IncrementSolver`] and [`solver::history::Algorithm`], [`solver::history::run_with`] |

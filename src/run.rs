@@ -142,8 +142,9 @@ impl<'a> Run<'a> {
         let budget = Budget::of_process();
         // If the factors of the body do not fit into memory, the extent of contact is not estimated with them.
         let has_room = || MemoryEstimate::check(&model, LinearAlgebra::condensed(), budget).is_ok();
-        let may_condense =
-            solver.linear.is_none_or(LinearAlgebra::condenses) && !solver.method.is_of_paper() && has_room();
+        let may_condense = solver.linear.is_none_or(LinearAlgebra::condenses)
+            && !solver.method.increments().is_of_paper()
+            && has_room();
         let condensing = match solver.linear {
             Some(LinearAlgebra::Condensed(cholesky)) => Some(cholesky),
             _ => None,
@@ -392,7 +393,7 @@ impl<'a> Run<'a> {
             }
             LinearAlgebra::Condensed(cholesky) => SystemSolver::condensed(cholesky, self.reach.factor.clone()),
             #[cfg(feature = "petsc")]
-            LinearAlgebra::Multigrid => grid::system(&self.model, self.solver.method),
+            LinearAlgebra::Multigrid => grid::system(&self.model, self.solver.method.increments()),
             #[cfg(not(feature = "petsc"))]
             LinearAlgebra::Multigrid => SystemSolver::from(LinearAlgebra::Multigrid),
         }
@@ -449,7 +450,7 @@ impl<'a> Run<'a> {
         observer: &mut dyn Observer,
     ) -> Result<HistoryOutcome, RunError> {
         let Model { problem, loading, .. } = &*self.model;
-        Ok(history::run(problem, loading, times, settings, system, observer)?)
+        Ok(self.solver.solve(problem, loading, times, settings, system, observer)?)
     }
 
     fn critical_friction(

@@ -139,7 +139,7 @@ fn run(case: Case, who: &str, method: Method) -> Measured {
         Choice::cheapest(
             problem,
             &InitialWorkingSet::default(),
-            method,
+            method.into(),
             scene.time.increments,
             AvailableSolvers::of_process(),
         )

@@ -41,7 +41,6 @@ fn of_history(error: HistoryError) -> PyErr {
         HistoryError::Linear(LinearError::OutOfMemory { .. }) => PyMemoryError::new_err(error.to_string()),
         HistoryError::Linear(LinearError::NotBuiltIn { .. })
         | HistoryError::Problem(_)
-        | HistoryError::NotInSteps { .. }
         | HistoryError::NoWeight { .. } => PyValueError::new_err(error.to_string()),
         error => PyRuntimeError::new_err(error.to_string()),
     }

@@ -12,7 +12,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::Arc;
 use stickslip::run::{AvailableSolvers, Choice, RunError};
-use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, SolverChoice, SystemSolver};
+use stickslip::solver::history::{HistoryOutcome, HistorySettings, LinearAlgebra, SolverChoice, SystemSolver};
 use stickslip::solver::{self, ContactProblem, Increment, InitialWorkingSet, Loading, Parts, State};
 use stickslip::solver::{KktErrors, KktScales, statuses};
 use stickslip_exchange::{Info, Way};
@@ -106,7 +106,7 @@ fn prepared(
         _ => None,
     };
     let mut reach = InitialWorkingSet::default();
-    if !solver.method.is_of_paper() {
+    if !solver.method.increments().is_of_paper() {
         reach = solver::working_set(problem, loading, times, solver::AFFORDABLE, condensing)?;
     }
     let linear = if let Some(linear) = solver.linear {
@@ -260,7 +260,7 @@ impl Problem {
         let solver = options.solver(linear)?;
         let (outcome, recorder) = watched(py, Recorder::new(keep, callback, raised), |recorder| {
             let (system, settings) = prepared(problem, &loading, &times, &solver)?;
-            Ok(history::run(problem, &loading, &times, &settings, own.unwrap_or(system), recorder)?)
+            Ok(solver.solve(problem, &loading, &times, &settings, own.unwrap_or(system), recorder)?)
         })?;
         exported(py, &outcome, recorder)
     }

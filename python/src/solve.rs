@@ -12,7 +12,7 @@ use std::process;
 use std::sync::OnceLock;
 use stickslip::algebra::keep_in_this_thread;
 use stickslip::run::RunError;
-use stickslip::solver::history::{LinearAlgebra, Method, Start, SystemSolver};
+use stickslip::solver::history::{HistoryMethod, LinearAlgebra, Method, Start, SystemSolver};
 
 /// The linear algebra that was asked for.
 pub(crate) enum Algebra {
@@ -57,18 +57,19 @@ impl Algebra {
 }
 
 /// A method with its setting, as scenes call them.
-pub(crate) fn method(name: &str, setting: &str, r_factor: f64) -> PyResult<Method> {
+pub(crate) fn method(name: &str, setting: &str, r_factor: f64) -> PyResult<HistoryMethod> {
     if !(r_factor > 0.0 && r_factor.is_finite()) {
         return Err(PyValueError::new_err(format!("r_factor is {r_factor}, but must be finite and above 0")));
     }
-    match (name, setting) {
-        ("bn", "default") => Ok(Method::Bn { r_factor, rescue: true }),
-        ("bn", "paper") => Ok(Method::PaperBn),
-        ("ip", "default") => Ok(Method::Ip),
-        ("ip", "paper") => Ok(Method::paper_ip(Start::Safe)),
-        ("events", "default") => Ok(Method::EVENTS),
-        _ => Err(PyValueError::new_err(format!("method: no {name:?} in the setting {setting:?}"))),
-    }
+    let method = match (name, setting) {
+        ("bn", "default") => Method::Bn { r_factor, rescue: true },
+        ("bn", "paper") => Method::PaperBn,
+        ("ip", "default") => Method::Ip,
+        ("ip", "paper") => Method::paper_ip(Start::Safe),
+        ("events", "default") => return Ok(HistoryMethod::EVENTS),
+        _ => return Err(PyValueError::new_err(format!("method: no {name:?} in the setting {setting:?}"))),
+    };
+    Ok(method.into())
 }
 
 /// The process that the threads of this module belong to: the first that has computed.

@@ -5,7 +5,7 @@ use crate::loading::Tables;
 use crate::problem::{Options, Problem, exported};
 use crate::recorder::{Keep, Recorder};
 use crate::solve::{Algebra, watched};
-use pyo3::exceptions::PyRuntimeError;
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::{Arc, Mutex};
@@ -54,6 +54,11 @@ impl Stepper {
         let raised = Raised::default();
         let (linear, own) = Algebra::new(linear, &raised)?.split(None);
         let solver = options.solver(linear)?;
+        if solver.method.is_exact_path() {
+            let message =
+                "the method events (default) takes no single increments: it follows the whole path of the loads";
+            return Err(PyValueError::new_err(message));
+        }
         Ok(Stepper { problem: Arc::clone(&problem.0), solver, raised, on_the_way: Mutex::new((own, None)) })
     }
 

@@ -7,7 +7,7 @@ use crate::algebra::vector::{minus, norm};
 use crate::base::memory::Budget;
 use crate::body::model::Model;
 use crate::run::auto::AvailableSolvers;
-use crate::solver::history::{LinearAlgebra, Method};
+use crate::solver::history::{HistoryMethod, LinearAlgebra};
 
 /// The largest Poisson's ratio for multigrid. Beyond it iterations grow: 35 to 41 at 0.45 and 76 to 84 at 0.49 on a
 /// cube.
@@ -41,17 +41,17 @@ pub enum Unsuited {
 }
 
 /// Returns the linear solvers available for `model` with `method`.
-pub(super) fn means(model: &Model, method: Method, budget: Option<Budget>) -> AvailableSolvers {
+pub(super) fn means(model: &Model, method: HistoryMethod, budget: Option<Budget>) -> AvailableSolvers {
     let multigrid = LinearAlgebra::Multigrid.is_built_in() && unsuited(model, method).is_none();
     AvailableSolvers { available: budget.map(|budget| budget.bytes), multigrid, ranks: ranks() }
 }
 
 /// Returns the reason why multigrid is not chosen for `model` with `method`; `None` if it is suitable.
-pub fn unsuited(model: &Model, method: Method) -> Option<Unsuited> {
+pub fn unsuited(model: &Model, method: HistoryMethod) -> Option<Unsuited> {
     if model.mesh.dimension == 2 {
         return Some(Unsuited::Plane);
     }
-    if method.is_interior() || matches!(method, Method::Events { .. }) {
+    if method.is_exact_path() || method.increments().is_interior() {
         return Some(Unsuited::Method);
     }
     let poisson = model.materials().iter().map(|law| law.lambda / (2.0 * (law.lambda + law.mu))).fold(-1.0, f64::max);
@@ -66,7 +66,7 @@ pub fn unsuited(model: &Model, method: Method) -> Option<Unsuited> {
 }
 
 /// Returns the reason why multigrid fell back to another solver, if it did and the reason is known.
-pub(super) fn fell_back(linear: &Statistics, model: &Model, method: Method) -> Option<String> {
+pub(super) fn fell_back(linear: &Statistics, model: &Model, method: HistoryMethod) -> Option<String> {
     linear.instead.and_then(|_| unsuited(model, method)).map(|why| why.to_string())
 }
 

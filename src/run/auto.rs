@@ -10,7 +10,7 @@ use crate::algebra::linear::cost::{self, Cost, Sizes, Work};
 use crate::algebra::linear::{Cholesky, FactorInfo, LinearError, SparseLu};
 use crate::base::memory::{Budget, in_words};
 use crate::solver::formulation::Layout;
-use crate::solver::history::{LinearAlgebra, Method};
+use crate::solver::history::{HistoryMethod, LinearAlgebra};
 use crate::solver::initial_working_set::InitialWorkingSet;
 use crate::solver::problem::ContactProblem;
 
@@ -120,7 +120,7 @@ impl Choice {
     pub fn cheapest(
         problem: &ContactProblem,
         reach: &InitialWorkingSet,
-        method: Method,
+        method: HistoryMethod,
         increments: usize,
         means: AvailableSolvers,
     ) -> Result<Self, LinearError> {
@@ -155,7 +155,7 @@ impl Choice {
         &self,
         problem: &ContactProblem,
         reach: &InitialWorkingSet,
-        method: Method,
+        method: HistoryMethod,
         means: AvailableSolvers,
         done: &Done,
     ) -> Result<Option<Faster>, LinearError> {
@@ -234,18 +234,18 @@ impl AvailableSolvers {
 }
 
 /// Estimates the number of factorisations of `method` for `increments` increments.
-pub(crate) fn factorizations(layout: &Layout, method: Method, increments: usize) -> f64 {
+pub(crate) fn factorizations(layout: &Layout, method: HistoryMethod, increments: usize) -> f64 {
     match method {
         // Without contact the problem is linear and has one matrix.
         _ if layout.contacts() == 0 => 1.0,
         // One for each rate, independent of the increments.
-        Method::Events { .. } => EVENT_RATES * layout.contacts() as f64,
-        method if method.is_interior() && layout.has_second_tangent() => {
+        HistoryMethod::ExactPath { .. } => EVENT_RATES * layout.contacts() as f64,
+        HistoryMethod::Increments(method) if method.is_interior() && layout.has_second_tangent() => {
             IP_FACTORIZATIONS_IN_A_PLANE * increments as f64
         }
-        method if method.is_interior() => IP_FACTORIZATIONS * increments as f64,
-        _ if layout.has_second_tangent() => BN_FACTORIZATIONS_IN_A_PLANE * increments as f64,
-        _ => BN_FACTORIZATIONS * (increments as f64).sqrt(),
+        HistoryMethod::Increments(method) if method.is_interior() => IP_FACTORIZATIONS * increments as f64,
+        HistoryMethod::Increments(_) if layout.has_second_tangent() => BN_FACTORIZATIONS_IN_A_PLANE * increments as f64,
+        HistoryMethod::Increments(_) => BN_FACTORIZATIONS * (increments as f64).sqrt(),
     }
 }
 
@@ -260,7 +260,7 @@ impl Estimates {
     fn new(
         problem: &ContactProblem,
         reach: &InitialWorkingSet,
-        method: Method,
+        method: HistoryMethod,
         [increments, factorizations]: [f64; 2],
         stiffness: FactorInfo,
     ) -> Self {
@@ -271,7 +271,7 @@ impl Estimates {
         };
         let sizes = Sizes { unknowns: layout.unknowns(), contact_displacements: held.len(), stiffness };
         // Most nodes of a partial working set are taken to be open.
-        let all_free = method.is_interior() || reach.nodes.is_some();
+        let all_free = method.increments().is_interior() || reach.nodes.is_some();
         let work = Work { increments, factorizations, all_free };
         Estimates { displacements: layout.displacements(), sizes, work }
     }

@@ -12,7 +12,7 @@ use crate::body::model::{Model, ModelError, Share};
 use crate::run::report::ProbeTable;
 use crate::scene::Scene;
 use crate::solver::formulation::Layout;
-use crate::solver::history::{LinearAlgebra, Method, SolverChoice};
+use crate::solver::history::{LinearAlgebra, SolverChoice};
 
 /// The number of equal parts of a history whose gaps are curved in time. Within each part the gaps follow a chord.
 const CHORDS: usize = 512;
@@ -81,7 +81,7 @@ fn model_of(scene: &Scene, share: Option<Share<'_>>) -> Result<Model, RunError> 
 
 /// Returns the model of `scene`, or an error if the method cannot solve such a problem.
 fn suitable(scene: &Scene, mut model: Model) -> Result<Model, RunError> {
-    if let Method::Events { .. } = scene.solver.method {
+    if scene.solver.method.is_exact_path() {
         let layout = Layout::new(&model.problem);
         let help = "use the method \"bn\"";
         if (0..layout.contacts()).any(|i| layout.slides_in_a_plane(i)) {

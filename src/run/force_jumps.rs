@@ -11,7 +11,7 @@ use crate::body::model::Model;
 use crate::run::report::ForceJump;
 use crate::solver::formulation::Layout;
 use crate::solver::history::{
-    Error, HistorySettings, IncrementView, JumpSolver, Method, Observer, RestartPoint, Status,
+    Error, HistoryMethod, HistorySettings, IncrementView, JumpSolver, Observer, RestartPoint, Status,
 };
 use crate::solver::laws::KktScales;
 use crate::solver::newton::IterationRecord;
@@ -73,10 +73,10 @@ struct Suspect {
 
 impl JumpDetector {
     /// Begins a history of `model` solved by `method`.
-    pub(super) fn new(model: &Model, method: Method) -> Self {
+    pub(super) fn new(model: &Model, method: HistoryMethod) -> Self {
         let layout = Layout::new(&model.problem);
         let has_friction = (0..layout.contacts()).any(|i| layout.has_friction(i));
-        let may_jump = has_friction && !matches!(method, Method::Events { .. });
+        let may_jump = has_friction && !method.is_exact_path();
         JumpDetector { may_jump, last: None, suspected: Vec::new(), largest: 0.0 }
     }
 

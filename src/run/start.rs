@@ -9,7 +9,7 @@ use super::companion::Quiet;
 use super::{Run, RunError};
 use crate::body::model::Model;
 use crate::solver::formulation::Layout;
-use crate::solver::history::{HistorySettings, Method, Observer, Status};
+use crate::solver::history::{HistorySettings, Observer, Status};
 use crate::solver::problem::State;
 
 /// The length of the increment that applies the actions at t = 0, relative to the first increment.
@@ -26,7 +26,7 @@ impl Run<'_> {
     pub(super) fn friction_by_start(&self, observer: &mut dyn Observer) -> Result<Option<f64>, RunError> {
         let times = &self.times[..self.times.len().min(2)];
         let Some(&first) = times.first() else { return Ok(None) };
-        if matches!(self.solver.method, Method::Events { .. }) || !begins_loaded(&self.model, first) {
+        if self.solver.method.is_exact_path() || !begins_loaded(&self.model, first) {
             return Ok(None);
         }
         let settings = HistorySettings { keeps_records: false, ..self.settings()? };

@@ -51,7 +51,7 @@ pub(super) fn scene(mut document: Document, mut source: Source) -> Result<Scene,
     let description = given.given_in(document.units);
     description.check().map_err(|fault| at(fault.in_si()))?;
     let solver = solver::solver(&document.solver, !description.contacts.is_empty()).map_err(at)?;
-    let one_tangent_key = solver::one_tangent_key(solver.method);
+    let one_tangent_key = solver::one_tangent_key(solver.method.increments());
     let mut output = output::output(document.output, &time).map_err(at)?;
     output.probes = output.probes.into_iter().map(|probe| probe.given_in(document.units)).collect();
     let stem = || Path::new(&source.name).file_stem().map_or(String::new(), |stem| stem.to_string_lossy().into_owned());

@@ -7,6 +7,7 @@
 //! | the default interior point method | `predictor_corrector.rs` |
 //! | what is tried for an increment, in which order | `strategy.rs` |
 //! | the choice of a [`Method`], its construction, and the settings | `method.rs`, `algorithm.rs`, `settings.rs` |
+//! | the choices of a user: increments or the exact path, tolerance, linear solver | `choice.rs` |
 //! | the linear system: whole or condensed | `system.rs` |
 //! | one increment: its substeps and its verdict | `increment.rs` |
 //! | the loop over increments, within a loop over stages | `driver.rs` |
@@ -42,6 +43,7 @@
 
 mod algorithm;
 mod bn;
+mod choice;
 mod driver;
 mod error;
 mod events;
@@ -73,11 +75,12 @@ use crate::solver::loading::Loading;
 use crate::solver::problem::error::{expect_each, expect_finite, expect_increasing};
 use crate::solver::problem::{ContactProblem, ProblemError, State};
 use driver::HistoryDriver;
-use events::ExactHistory;
 use state::HistoryState;
 use std::time::Instant;
 
+pub use choice::{HistoryMethod, SolverChoice};
 pub use error::Error;
+pub use events::{ExactPathSettings, follow_exact_path};
 pub use increment_error::{IncrementError, IncrementErrors};
 pub(crate) use jump::{JumpSolver, RestartPoint};
 pub use method::{Method, Start};
@@ -85,7 +88,6 @@ pub use observer::{IncrementView, Observer};
 pub use record::{ContactCounts, IncrementRecord, Seconds, Status, Tally};
 pub use saved::Snapshot;
 pub use settings::HistorySettings;
-pub use settings::SolverChoice;
 pub use stepper::Stepper;
 pub use system::{LinearAlgebra, SystemSolver, UnknownLinearAlgebra};
 pub use task::{Algorithm, IncrementSolver, Observe, Response, Task};
@@ -195,10 +197,6 @@ pub fn run_with(
     settings.check(problem)?;
     check_times(times)?;
     let outcome = HistoryOutcome::begun(problem);
-    if let Method::Events { .. } = settings.method {
-        let history = ExactHistory { problem, loading, times, settings, observer, outcome };
-        return history.follow(system, start);
-    }
     if !algorithm.knows(&outcome.layout) {
         return Ok(HistoryOutcome { status: Status::Unsupported, ..outcome });
     }

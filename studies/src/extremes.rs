@@ -263,7 +263,7 @@ impl Case {
 
     /// What solves it by `method`: the whole system, whatever the scene says.
     pub fn solver(&self, scene: &Scene, method: SuiteMethod) -> SolverChoice {
-        let method = match (method, scene.solver.method) {
+        let method = match (method, scene.solver.method.increments()) {
             (SuiteMethod::BnPaper, _) => Method::PaperBn,
             (SuiteMethod::Ip, _) => Method::Ip,
             (SuiteMethod::Bn, Method::Bn { r_factor, .. }) => Method::Bn { r_factor, rescue: true },

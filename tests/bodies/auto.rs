@@ -72,7 +72,7 @@ fn a_much_faster_linear_algebra_is_named() {
     let faster = |choice: &Choice, seconds: f64| {
         let done = Done { increments: 40, factorizations: 250, seconds };
         let means = AvailableSolvers { available: None, multigrid: false, ranks: 1 };
-        choice.faster(&model.problem, &InitialWorkingSet::default(), Method::default(), means, &done).unwrap()
+        choice.faster(&model.problem, &InitialWorkingSet::default(), Method::default().into(), means, &done).unwrap()
     };
     let whole = Choice::named(LinearAlgebra::default());
     let condensed = faster(&whole, 1e3).unwrap();
@@ -108,10 +108,10 @@ fn what_memory_does_not_hold_is_not_chosen() {
 #[test]
 fn who_multigrid_is_for() {
     let built_in = LinearAlgebra::Multigrid.is_built_in();
-    let of = |overrides: &[&str], method| {
+    let of = |overrides: &[&str], method: Method| {
         let text = include_str!("../../data/scenes/cube.toml");
         let overrides: Vec<_> = overrides.iter().map(|text| text.parse().unwrap()).collect();
-        unsuited(&discretise(&Scene::parse("cube.toml", text, &overrides).unwrap()).unwrap(), method)
+        unsuited(&discretise(&Scene::parse("cube.toml", text, &overrides).unwrap()).unwrap(), method.into())
     };
     let small = "mesh.elements=[3,3,3]";
     assert_eq!(of(&[small], Method::BN), (!built_in).then_some(Unsuited::NotBuiltIn));
@@ -119,7 +119,7 @@ fn who_multigrid_is_for() {
     assert_eq!(of(&[small, "material.poisson=0.46"], Method::BN), Some(Unsuited::NearlyIncompressible(0.46)));
     let told = of(&[small, "mesh.size=[1,1,0.03]"], Method::BN).unwrap().to_string();
     assert_eq!(told, "the longest distance between corners of an element is 47 times the shortest");
-    assert_eq!(unsuited(&scene(&["mesh.elements=[3,3]"]).1, Method::BN), Some(Unsuited::Plane));
+    assert_eq!(unsuited(&scene(&["mesh.elements=[3,3]"]).1, Method::BN.into()), Some(Unsuited::Plane));
 }
 
 #[test]

@@ -61,7 +61,7 @@ fn parabolas_on_cylinders() {
             let cannot = |contact: &ContactNode| contact.tangents[0].is_empty() == (contact.position[0] == 0.0);
             assert!(model.contacts.iter().all(cannot));
             for (method, linear) in METHODS {
-                let solver = SolverChoice { method, linear: Some(linear), ..SolverChoice::default() };
+                let solver = SolverChoice { method: method.into(), linear: Some(linear), ..SolverChoice::default() };
                 let state = solve(&model, &[1.0], solver, &mut ()).state;
                 let mut found = sums(&state);
                 // The node between the axis and the next corner pulls at the axis with half its friction, which the other program
@@ -90,7 +90,7 @@ fn methods_agree_over_a_history() {
         let model = discretise(&scene).unwrap();
         let all = METHODS.map(|(method, linear)| {
             let mut keep = Keep::default();
-            let solver = SolverChoice { method, linear: Some(linear), ..SolverChoice::default() };
+            let solver = SolverChoice { method: method.into(), linear: Some(linear), ..SolverChoice::default() };
             solve(&model, &times, solver, &mut keep);
             keep.states
         });

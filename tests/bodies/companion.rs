@@ -5,7 +5,7 @@ use stickslip::run::discretise;
 use stickslip::run::report::CompanionEstimate;
 use stickslip::run::{Recording, Run, increments_for};
 use stickslip::scene::{Override, Scene};
-use stickslip::solver::history::{LinearAlgebra, Method, Status};
+use stickslip::solver::history::{HistoryMethod, LinearAlgebra, Status};
 
 const PUNCH: &str = include_str!("../../data/scenes/punch.toml");
 const BLOCK: &str = include_str!("../../data/scenes/block.toml");
@@ -44,7 +44,7 @@ impl History {
     /// `p_t / √l` at the ends of all stretches, along the exact path.
     fn exact(&self) -> Vec<Vec<f64>> {
         let mut scene = self.with(1);
-        scene.solver.method = Method::EVENTS;
+        scene.solver.method = HistoryMethod::EVENTS;
         self.ends(&scene, 1, false).0
     }
 

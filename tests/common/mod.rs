@@ -75,7 +75,7 @@ pub fn scene(name: &str, overrides: &[&str]) -> Scene {
 
 /// The same with BN in its default setting on condensed matrices, whatever the scene says.
 pub fn run_default(scene: &Scene, model: &Model, observer: &mut dyn Observer) -> HistoryOutcome {
-    let solver = SolverChoice { method: Method::BN, linear: Some(LinearAlgebra::condensed()), ..scene.solver };
+    let solver = SolverChoice { method: Method::BN.into(), linear: Some(LinearAlgebra::condensed()), ..scene.solver };
     Run::of(model, scene.time.all(), solver).unwrap().history(observer).unwrap()
 }
 

@@ -51,7 +51,7 @@ pub fn pushed(description: Description, slave: Side) -> Description {
 
 /// BN on the condensed system to the last digits.
 pub fn solver(method: Method, linear: LinearAlgebra) -> SolverChoice {
-    SolverChoice { method, linear: Some(linear), tolerance: 1e-12, ..SolverChoice::default() }
+    SolverChoice { linear: Some(linear), tolerance: 1e-12, ..SolverChoice::new(method) }
 }
 
 /// The history of `model`, and its end, which is converged.

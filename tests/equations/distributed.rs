@@ -8,7 +8,7 @@ use stickslip::algebra::linear::{Distributed, LinearError, Stiffness};
 use stickslip::algebra::{Csc, DoubleDouble, Symmetric};
 use stickslip::run::discretise;
 use stickslip::solver::history::{
-    self, Error as HistoryError, HistoryOutcome, HistorySettings, Method, Status, SystemSolver,
+    Error as HistoryError, HistoryMethod, HistoryOutcome, Method, SolverChoice, Status, SystemSolver,
 };
 use stickslip::solver::{ContactProblem, Parts, ProblemError, State};
 
@@ -103,7 +103,7 @@ impl Distributed for Elsewhere {
 }
 
 /// Solves a block whose stiffness answers as often as this, or one that is assembled.
-fn solved(method: Method, answers: Option<usize>) -> Result<HistoryOutcome, HistoryError> {
+fn solved(method: HistoryMethod, answers: Option<usize>) -> Result<HistoryOutcome, HistoryError> {
     let scene = common::block(&["mesh.elements=[4,4]", "time.increments=2"]);
     let model = discretise(&scene).unwrap();
     let parts = model.problem.clone().into_parts();
@@ -116,11 +116,13 @@ fn solved(method: Method, answers: Option<usize>) -> Result<HistoryOutcome, Hist
         Err(ProblemError::Linear(error)) => return Err(HistoryError::Linear(error)),
         Err(error) => panic!("{error}"),
     };
-    let settings = HistorySettings::new(&problem, &model.loading, method).unwrap();
-    history::run(&problem, &model.loading, &scene.time.all(), &settings, SystemSolver::default(), &mut ())
+    let solver = SolverChoice::new(method);
+    let settings = solver.settings(&problem, &model.loading).unwrap();
+    solver.solve(&problem, &model.loading, &scene.time.all(), &settings, SystemSolver::default(), &mut ())
 }
 
-const METHODS: [Method; 3] = [Method::BN, Method::Ip, Method::EVENTS];
+const METHODS: [HistoryMethod; 3] =
+    [HistoryMethod::Increments(Method::BN), HistoryMethod::Increments(Method::Ip), HistoryMethod::EVENTS];
 
 #[test]
 fn every_method_solves_with_it() {

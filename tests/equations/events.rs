@@ -10,7 +10,7 @@ use stickslip::run::discretise;
 use stickslip::scene::Scene;
 use stickslip::solver::NodeStatus;
 use stickslip::solver::history::{
-    self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Observer, Status, SystemSolver,
+    HistoryMethod, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Observer, SolverChoice, Status,
 };
 use stickslip::solver::{Checkpoint, ContactProblem, LoadCase, Loading, Motion, Parts};
 
@@ -30,15 +30,16 @@ fn solve(
     problem: &ContactProblem,
     loading: &Loading,
     times: &[f64],
-    method: Method,
+    method: impl Into<HistoryMethod>,
     linear: LinearAlgebra,
 ) -> HistoryOutcome {
-    let settings = HistorySettings::new(problem, loading, method).unwrap();
-    history::run(problem, loading, times, &settings, SystemSolver::from(linear), &mut ()).unwrap()
+    let solver = SolverChoice::new(method);
+    let settings = solver.settings(problem, loading).unwrap();
+    solver.solve(problem, loading, times, &settings, linear.into(), &mut ()).unwrap()
 }
 
 fn exact(model: &Model, times: &[f64], linear: LinearAlgebra) -> HistoryOutcome {
-    solve(&model.problem, &model.loading, times, Method::EVENTS, linear)
+    solve(&model.problem, &model.loading, times, HistoryMethod::EVENTS, linear)
 }
 
 fn worst(outcome: &HistoryOutcome) -> f64 {
@@ -59,11 +60,12 @@ impl Observer for Kept {
 }
 
 /// From each of its checkpoints a history goes on to the same end.
-fn taken_up(problem: &ContactProblem, loading: &Loading, times: &[f64], method: Method, linear: LinearAlgebra) {
-    let settings = HistorySettings::new(problem, loading, method).unwrap();
+fn taken_up(problem: &ContactProblem, loading: &Loading, times: &[f64], method: HistoryMethod, linear: LinearAlgebra) {
+    let solver = SolverChoice::new(method);
+    let settings = solver.settings(problem, loading).unwrap();
     let mut kept = Kept(Vec::new());
     let run = |settings: &HistorySettings, observer: &mut dyn Observer| {
-        history::run(problem, loading, times, settings, SystemSolver::from(linear), observer).unwrap()
+        solver.solve(problem, loading, times, settings, linear.into(), observer).unwrap()
     };
     let whole = run(&settings, &mut kept);
     assert_eq!(kept.0.len(), times.len());
@@ -109,7 +111,7 @@ fn the_first_touch_of_an_obstacle_is_no_penetration() {
         let motion = Motion::new(0..1, vec![1.0], vec![[0.3, 0.0]], history).unwrap();
         let loading = Loading::new(Vec::new(), vec![gap]).unwrap().with_motions(vec![motion], Vec::new()).unwrap();
         for linear in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
-            let outcome = solve(&node(2.0, 0.5, 0.4), &loading, &[1.0, 2.0], Method::EVENTS, linear);
+            let outcome = solve(&node(2.0, 0.5, 0.4), &loading, &[1.0, 2.0], HistoryMethod::EVENTS, linear);
             assert_eq!((outcome.status, worst(&outcome) < 1e-12), (Status::Converged, true), "{gap} {outcome:?}");
         }
     }
@@ -234,7 +236,7 @@ fn random_paths(seeds: std::ops::Range<u64>) {
     let mut failed = Vec::new();
     for seed in seeds {
         let (problem, loading, end) = random_problem(&mut Random(seed));
-        let outcome = solve(&problem, &loading, &[end], Method::EVENTS, LinearAlgebra::condensed());
+        let outcome = solve(&problem, &loading, &[end], HistoryMethod::EVENTS, LinearAlgebra::condensed());
         if outcome.status != Status::Converged || worst(&outcome) > 1e-12 {
             failed.push((seed, outcome.status, outcome.reached, worst(&outcome)));
         }
@@ -293,7 +295,7 @@ fn of_three_continuations_one_is_taken() {
     for mu in [0.5, 3.0] {
         let (problem, loading) = (node(2.0, 1.5, mu), loads(&[(0.0, [0.0; 2]), (1.0, [1.0, 1.0])]));
         for linear in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
-            let outcome = solve(&problem, &loading, &[1.0], Method::EVENTS, linear);
+            let outcome = solve(&problem, &loading, &[1.0], HistoryMethod::EVENTS, linear);
             assert_eq!((outcome.status, worst(&outcome) < 1e-14), (Status::Converged, true), "{mu} {linear}");
         }
     }
@@ -310,7 +312,7 @@ fn a_lost_continuation_is_told_with_its_load() {
     let problem = node(2.0, 1.5, mu);
     let loading = loads(&[(0.0, [0.0; 2]), (1.0, [0.0, 1.0]), (2.0, [4.0, 1.0])]);
     for linear in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
-        let outcome = solve(&problem, &loading, &[1.0, 2.0], Method::EVENTS, linear);
+        let outcome = solve(&problem, &loading, &[1.0, 2.0], HistoryMethod::EVENTS, linear);
         assert_eq!(outcome.status, Status::NoContinuation, "{linear}");
         // f_t = mu f_n at half of the second second.
         let lost = outcome.lost.unwrap();
@@ -321,7 +323,7 @@ fn a_lost_continuation_is_told_with_its_load() {
         assert_eq!(outcome.records.len(), 2);
     }
     // With less friction it slips on.
-    let outcome = solve(&node(2.0, 1.5, 1.0), &loading, &[1.0, 2.0], Method::EVENTS, LinearAlgebra::default());
+    let outcome = solve(&node(2.0, 1.5, 1.0), &loading, &[1.0, 2.0], HistoryMethod::EVENTS, LinearAlgebra::default());
     assert_eq!(outcome.status, Status::Converged);
     assert!(outcome.events.iter().any(|event| event.to == NodeStatus::Forward));
 }
@@ -331,7 +333,7 @@ fn a_lost_continuation_is_told_with_its_load() {
 fn a_lost_path_goes_on_with_a_jump() {
     let problem = node(2.0, 1.5, 2.0);
     let loading = loads(&[(0.0, [0.0; 2]), (1.0, [0.0, 1.0]), (2.0, [4.0, 1.0]), (3.0, [0.0, 3.0])]);
-    let jump = Method::Events { jump: true };
+    let jump = HistoryMethod::ExactPath { jump: true };
     for (linear, times) in [
         (LinearAlgebra::default(), vec![1.0, 2.0, 3.0]),
         (LinearAlgebra::condensed(), vec![1.0, 2.0, 3.0]),
@@ -361,7 +363,7 @@ fn a_body_that_slides_freely_is_lost_when_friction_gives_way() {
     let problem = node(0.0, 0.0, 0.5);
     let loading = loads(&[(0.0, [0.0; 2]), (1.0, [0.0, 2.0]), (2.0, [4.0, 2.0])]);
     for linear in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
-        let outcome = solve(&problem, &loading, &[1.0, 2.0], Method::EVENTS, linear);
+        let outcome = solve(&problem, &loading, &[1.0, 2.0], HistoryMethod::EVENTS, linear);
         assert_eq!(outcome.status, Status::NoContinuation, "{linear}");
         assert!((outcome.reached - 1.25).abs() < 1e-12, "{}", outcome.reached);
     }

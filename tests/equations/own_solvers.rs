@@ -10,7 +10,7 @@ use stickslip::algebra::{Csr, Pattern, Symmetric};
 use stickslip::base::Scaling;
 use stickslip::run::discretise;
 use stickslip::solver::KktScales;
-use stickslip::solver::history::{self, Error, HistorySettings, Method, Status, SystemSolver};
+use stickslip::solver::history::{self, Error, ExactPathSettings, HistorySettings, Method, Status, SystemSolver};
 use stickslip::solver::{ContactProblem, CriticalFriction, Increment, Parts, State, critical_friction};
 
 /// The sparse LU of this build behind a mask.
@@ -124,11 +124,13 @@ fn a_critical_friction_of_bad_solves_is_an_error() {
 #[test]
 fn events_are_followed_by_any_solver() {
     let model = discretise(&common::block(&["mesh.elements=[6,6]", "time.increments=5"])).unwrap();
-    let settings = HistorySettings::new(&model.problem, &model.loading, Method::EVENTS).unwrap();
+    let increments = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap();
+    let settings = ExactPathSettings { jump: false, increments };
     let times = [0.5, 1.0];
     let run = |system: SystemSolver| {
         let mut keep = Keep::default();
-        let outcome = history::run(&model.problem, &model.loading, &times, &settings, system, &mut keep).unwrap();
+        let outcome =
+            history::follow_exact_path(&model.problem, &model.loading, &times, &settings, system, &mut keep).unwrap();
         (outcome.status, keep.states)
     };
     let expected = run(SystemSolver::from(SparseLu::default().solver()));

@@ -9,7 +9,7 @@ use stickslip::solver::history::{HistoryOutcome, LinearAlgebra, Method, SolverCh
 /// The history of a scene by `method`.
 fn history(scene: &Scene, method: Method, linear: LinearAlgebra) -> (HistoryOutcome, Keep) {
     let mut scene = scene.clone();
-    scene.solver = SolverChoice { method, linear: Some(linear), ..scene.solver };
+    scene.solver = SolverChoice { method: method.into(), linear: Some(linear), ..scene.solver };
     let (model, mut keep) = (discretise(&scene).unwrap(), Keep::default());
     let outcome = run(&scene, &model, &mut keep);
     assert_eq!(outcome.status, Status::Converged, "{method}, {linear}");

@@ -29,7 +29,7 @@ use stickslip::base::UnitSystem;
 use stickslip::run::RunError;
 use stickslip::run::report::Estimates;
 use stickslip::scene::Scene;
-use stickslip::solver::history::{LinearAlgebra, Method, Status};
+use stickslip::solver::history::{HistoryMethod, LinearAlgebra, Status};
 
 pub use answers::{Estimate, Lead};
 pub use cell::Cells;
@@ -43,7 +43,7 @@ pub use tractions::{Interior, TractionNode, Tractions};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SolverPath {
     /// The method with its constants.
-    pub method: Method,
+    pub method: HistoryMethod,
     /// The linear solver.
     pub linear: LinearAlgebra,
 }

@@ -7,7 +7,7 @@
 use stickslip::algebra::Csr;
 use stickslip::body::Model;
 use stickslip::run::RecordedIncrement;
-use stickslip::solver::history::{Method, SolverChoice, Status};
+use stickslip::solver::history::{SolverChoice, Status};
 use stickslip::solver::{Loading, State};
 
 /// A law that is met by so many tolerances is met: the scales here are not quite those of the library.
@@ -186,7 +186,7 @@ pub fn contact_faults(
         }
     };
     // The exact path asks for the law of friction all along, and not of the ends of increments.
-    let dissipates = !matches!(solver.method, Method::Events { .. });
+    let dissipates = !solver.method.is_exact_path();
     let friction = data.friction(&found.state, slip, found.record.time, dissipates);
     data.contact(&found.state).into_iter().chain(friction).collect()
 }

@@ -5,7 +5,7 @@ use stickslip::body::Model;
 use stickslip::run::report::RunReport;
 use stickslip::run::{RecordedIncrement, Recording, Run};
 use stickslip::scene::Scene;
-use stickslip::solver::history::{Method, SolverChoice, Status};
+use stickslip::solver::history::{SolverChoice, Status};
 
 /// What a run is and what it gave.
 pub(super) struct Solved {
@@ -57,7 +57,6 @@ impl Solved {
         const LITTLE: f64 = 0.3;
         let problem = &self.model.problem;
         let friction = problem.mu().iter().fold(0.0_f64, |m, mu| m.max(*mu));
-        let events = matches!(self.solver.method, Method::Events { .. });
-        friction <= LITTLE && problem.rigid_modes().is_empty() && !events
+        friction <= LITTLE && problem.rigid_modes().is_empty() && !self.solver.method.is_exact_path()
     }
 }

@@ -6,7 +6,7 @@ use super::warnings::{Warning, WarningKind};
 use crate::base::units::Quantity;
 use crate::body::model::Model;
 use crate::solver::events::{Jump, PathEnd};
-use crate::solver::history::{HistoryOutcome, Method};
+use crate::solver::history::HistoryOutcome;
 
 /// The course of an exact path.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -27,8 +27,7 @@ pub struct ExactPath {
 const OFF: f64 = 1e-6;
 
 /// Warns that the exact path followed curved gaps along chords.
-pub(super) fn curved_gaps(method: Method, model: &Model, outcome: &HistoryOutcome) -> Option<Warning> {
-    let Method::Events { .. } = method else { return None };
+pub(super) fn curved_gaps(model: &Model, outcome: &HistoryOutcome) -> Option<Warning> {
     let off = model.loading.off_the_chords();
     if off <= OFF * outcome.scales.length {
         return None;
@@ -61,8 +60,7 @@ pub(super) fn jumps(jumps: &[Jump]) -> Option<Warning> {
 }
 
 impl ExactPath {
-    pub(super) fn of(method: Method, outcome: &HistoryOutcome) -> Option<Self> {
-        let Method::Events { .. } = method else { return None };
-        Some(ExactPath { events: outcome.event_count, jumps: outcome.jumps.clone(), lost: outcome.lost })
+    pub(super) fn of(outcome: &HistoryOutcome) -> Self {
+        ExactPath { events: outcome.event_count, jumps: outcome.jumps.clone(), lost: outcome.lost }
     }
 }

@@ -49,11 +49,12 @@ impl Explanation {
 }
 
 fn reason(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome) -> String {
+    let exact_path = solver.method.is_exact_path();
     let Some(record) = outcome.records.iter().find(|record| record.status != Status::Converged) else {
         return match outcome.status {
             Status::Singular => unheld(model, outcome),
             Status::Interrupted => "stopped on request".to_string(),
-            Status::Unsupported if matches!(solver.method, Method::Events { .. }) => {
+            Status::Unsupported if exact_path => {
                 "the exact path requires nodes that slide along lines, constant friction and independent contact \
                  rows; use the method bn"
                     .to_string()
@@ -85,7 +86,7 @@ fn reason(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome) -> Str
             "{violated}, which is the rounding error of the displacements of so slender a body; if this accuracy \
              suffices, set solver.tolerance above it"
         ),
-        Status::Inaccurate if matches!(solver.method, Method::Events { .. }) => {
+        Status::Inaccurate if exact_path => {
             format!(
                 "{violated} on the exact path, most likely by rounding; compare with the method bn, and with \
                  another solver.linear"
@@ -117,25 +118,25 @@ fn reason(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome) -> Str
         }
         Status::Converged | Status::OutOfMemory | Status::Unsupported => violated,
     };
-    let reached = match solver.method {
-        Method::Events { .. } => String::new(),
-        _ if record.parts == 0 => String::new(),
-        _ => format!("; substeps of it converged until t = {} s", outcome.reached),
+    let reached = if exact_path || record.parts == 0 {
+        String::new()
+    } else {
+        format!("; substeps of it converged until t = {} s", outcome.reached)
     };
     format!("increment {} (t = {} s): {why}{reached}", record.index, record.time)
 }
 
 /// Suggests a cure if the iteration stops too late or too early.
 fn advice(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome) -> String {
-    let words = match solver.method {
+    let words = match solver.method.increments() {
         Method::Bn { r_factor, .. } if r_factor != 1.0 => {
             "r is not scaled to the problem: remove solver.r_factor from the scene"
         }
-        Method::Bn { .. } | Method::Events { .. } => {
+        Method::Bn { .. } => {
             "there may be no equilibrium beyond this load, or several: try solver.method = \"ip\", more increments \
              (time.increments) or less friction; `stickslip check` shows what holds the body"
         }
-        Method::Ip { .. } => {
+        Method::Ip => {
             "try solver.method = \"bn\" or more increments (time.increments); `stickslip check` shows what holds \
              the body"
         }

@@ -285,8 +285,10 @@ impl RunReport {
         if validity.passage().is_none() {
             warnings.extend(increment_warnings::warnings(&known, &model.units()));
         }
-        warnings.extend(exact_path::curved_gaps(solver.method, model, outcome));
-        warnings.extend(exact_path::jumps(&outcome.jumps));
+        if solver.method.is_exact_path() {
+            warnings.extend(exact_path::curved_gaps(model, outcome));
+            warnings.extend(exact_path::jumps(&outcome.jumps));
+        }
         warnings.extend(facts.leap.map(|leap| leap.warning()));
         warnings.extend(facts.balance.unbalanced(model, solver.tolerance));
         warnings.extend(facts.missing);
@@ -320,13 +322,13 @@ impl RunReport {
             largest_pressure: facts.largest_pressure,
             range_left: validity.range_left,
             estimates: facts.estimates,
-            unknowns: Unknowns::new(&outcome.layout, solver.method),
+            unknowns: Unknowns::new(&outcome.layout, solver.method.increments()),
             left_out: EliminatedUnknown::all(model, facts.condensed, facts.working_set),
             working_set: outcome.working_set,
             chosen_increments: None,
             kinks: scene.map(|scene| scene.time.kinks.clone()).unwrap_or_default(),
             increments: facts.increments,
-            exact_path: ExactPath::of(solver.method, outcome),
+            exact_path: solver.method.is_exact_path().then(|| ExactPath::of(outcome)),
             totals: Totals {
                 converged: outcome.tally.converged,
                 kkt: outcome.tally.kkt,

@@ -5,7 +5,7 @@ use crate::algebra::linear::SparseLu;
 use crate::base::input_error::{InputError, ensure, finite};
 use crate::scene::document;
 use crate::scene::solver::{LinearName, MethodName, Setting};
-use crate::solver::history::{LinearAlgebra, Method, SolverChoice};
+use crate::solver::history::{HistoryMethod, LinearAlgebra, Method, SolverChoice};
 
 const NOTHING_BUILT_IN: &str = "this build has no linear algebra to choose from";
 const BUILD_IT: &str = "build it with the cargo feature umfpack or faer";
@@ -22,7 +22,7 @@ pub(super) fn solver(given: &document::SolverTable, touches: bool) -> Result<Sol
     let help = "an increment that needs more iterations has not converged";
     let sound = (1..=1_000_000).contains(&max_iterations);
     ensure(sound, "solver.max_iterations", &max_iterations, "at least 1 and at most a million", help)?;
-    let tolerance = given.tolerance.unwrap_or(method.default_tolerance());
+    let tolerance = given.tolerance.unwrap_or(method.increments().default_tolerance());
     finite("solver.tolerance", tolerance)?;
     let help = "the relative error that every law may have, e.g. 1e-10";
     let sound = tolerance > 0.0 && tolerance < 1.0;
@@ -59,7 +59,7 @@ fn linear(given: Option<LinearName>, touches: bool) -> Result<Option<LinearAlgeb
     Err(fault(&format!("this build has no {missing}"), &help))
 }
 
-fn method(solver: &document::SolverTable) -> Result<Method, InputError> {
+fn method(solver: &document::SolverTable) -> Result<HistoryMethod, InputError> {
     let document::SolverTable { method, setting, start, partition, r_factor, jump, .. } = *solver;
     let setting = setting.unwrap_or_default();
     let whose = match (method, setting) {
@@ -85,19 +85,19 @@ fn method(solver: &document::SolverTable) -> Result<Method, InputError> {
     }
     if method == MethodName::Events {
         foreign("max_iterations", solver.max_iterations.as_ref(), whose).map_err(in_solver)?;
-    } else {
-        let whose = if method == MethodName::Ip { "the method ip" } else { "the method bn" };
-        foreign("jump", jump.as_ref(), whose).map_err(in_solver)?;
+        return Ok(HistoryMethod::ExactPath { jump: jump.unwrap_or_default() });
     }
-    Ok(match (method, setting) {
+    let whose = if method == MethodName::Ip { "the method ip" } else { "the method bn" };
+    foreign("jump", jump.as_ref(), whose).map_err(in_solver)?;
+    let method = match (method, setting) {
         (MethodName::Ip, Setting::Paper) => {
             Method::PaperIp { start: start.unwrap_or_default().constants(), partition: partition.unwrap_or_default() }
         }
         (MethodName::Ip, Setting::Default) => Method::Ip,
-        (MethodName::Events, _) => Method::Events { jump: jump.unwrap_or_default() },
-        (MethodName::Bn, Setting::Paper) => Method::PaperBn,
-        (MethodName::Bn, Setting::Default) => Method::Bn { r_factor: checked_factor(r_factor)?, rescue: true },
-    })
+        (_, Setting::Paper) => Method::PaperBn,
+        (_, Setting::Default) => Method::Bn { r_factor: checked_factor(r_factor)?, rescue: true },
+    };
+    Ok(method.into())
 }
 
 fn checked_factor(given: Option<f64>) -> Result<f64, InputError> {

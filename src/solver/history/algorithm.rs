@@ -17,8 +17,6 @@ impl Algorithm for HistorySettings {
             Method::Bn { rescue, .. } => {
                 Box::new(Strategy::bn(BnMethod::measured(problem, loading, self), self, !rescue))
             }
-            // Increments are solved only where the path jumps.
-            Method::Events { .. } => Box::new(Strategy::bn(BnMethod::measured(problem, loading, self), self, false)),
             Method::PaperBn => Box::new(BnMethod::paper(problem, loading, self)),
             Method::Ip => Box::new(Strategy::ip(PredictorCorrectorMethod::new(problem, self), self)),
             Method::PaperIp { start, partition } => Box::new(IpMethod::new(problem, self, start, partition)),

@@ -226,7 +226,7 @@ impl<'a> HistoryDriver<'a> {
                 }
                 Err(error) => return outcome.end_by(error).map(|()| None),
             };
-            let statuses = statuses_of(problem, &path.data(), &increment.substep.state, &increment.substep.scales);
+            let statuses = statuses_of(problem, &path.data(), &increment.state, &increment.scales);
             let seconds = Seconds::between(
                 &before,
                 linear.statistics(),
@@ -237,20 +237,20 @@ impl<'a> HistoryDriver<'a> {
             let joined = std::mem::take(&mut self.joined);
             let record = record(problem, path.data().force, index, time, &increment, counts, seconds);
             let record = IncrementRecord { joined, ..record };
-            let IncrementResult { solved, substep, status, .. } = *increment;
-            let (flow, state) = path.show(&substep.state, |increment, state| {
+            let IncrementResult { solved, state, scales, status, .. } = *increment;
+            let (flow, shown) = path.show(&state, |increment, state| {
                 let step = IncrementView { record: &record, increment, state, statuses: &statuses };
                 (progress.observer.increment(&step), state.clone())
             });
             outcome.push(record, settings.keeps_records);
             outcome.linear = statistics(*linear.statistics(), body, path.at.worst_backward_error);
             if status != Status::Converged || index == times.len() {
-                outcome.rounding = rounding_level(problem, &substep.state, &substep.scales)?;
+                outcome.rounding = rounding_level(problem, &state, &scales)?;
             }
             outcome.status = status;
             outcome.reached = path.at.reached.unwrap_or(0.0);
             if status != Status::Converged {
-                outcome.violation = Some(Violation::worst(problem, &path.data(), &substep.state, &substep.scales)?);
+                outcome.violation = Some(Violation::worst(problem, &path.data(), &state, &scales)?);
                 if let Termination::Unconstrained(motion)
                 | Termination::NoEquilibrium(motion)
                 | Termination::EdgeFriction(motion) = solved.stop
@@ -259,9 +259,9 @@ impl<'a> HistoryDriver<'a> {
                 }
                 return Ok(None);
             }
-            outcome.state = state;
+            outcome.state = shown;
             outcome.increment_error = path.increment_error();
-            outcome.scales = substep.scales;
+            outcome.scales = scales;
             if flow.is_break() && index < times.len() {
                 outcome.status = Status::Interrupted;
                 return Ok(None);

@@ -20,12 +20,6 @@ pub enum Error {
         /// The method.
         method: Method,
     },
-    /// The method follows a path to a known end time, not single increments.
-    #[error("the method {method} takes no single increments: it follows the whole path of the loads")]
-    NotInSteps {
-        /// The method.
-        method: Method,
-    },
     /// The linear solver failed.
     #[error(transparent)]
     Linear(#[from] LinearError),

@@ -2,34 +2,46 @@
 
 use super::interior::{InteriorRecovery, RecoveredState, Responds};
 use super::jump::{AfterJump, JumpSolver, RestartPoint};
-use super::method::Method;
-use super::observer::{IncrementView, Observer};
+use super::observer::{IncrementView, Observer, record};
 use super::record::{ContactCounts, IncrementRecord, Seconds, Status, is_solution};
 use super::saved::SavedPath;
 use super::settings::HistorySettings;
+use super::state::IncrementResult;
 use super::system::{SystemSolver, statistics};
-use super::{Error, HistoryOutcome};
+use super::{Error, HistoryOutcome, check_times};
 use crate::algebra::linear::{LinearError, RefinedSolver, Statistics};
 use crate::solver::checkpoint::CheckpointError;
 use crate::solver::condensation::{Condensation, Condensed};
 use crate::solver::events::{Equations, Event, ExactPath, Jump, PathEnd, PathError, SegmentEnd};
 use crate::solver::laws::{KktErrors, KktScales, Violation, judge, rounding_level, statuses_of};
 use crate::solver::loading::Loading;
-use crate::solver::newton::IterationRecord;
+use crate::solver::newton::{IterationRecord, MethodResult};
 use crate::solver::problem::{ContactProblem, Increment, State};
 use crate::solver::solvability::{Load, driven_motion};
 use std::ops::ControlFlow;
 use std::time::Instant;
 
+/// The settings of an exact path in time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ExactPathSettings {
+    /// `true` if the path continues by a jump beyond the end of the quasi-static motion, to a state that the laws of an
+    /// increment allow.
+    pub jump: bool,
+    /// The settings of the increments that are solved where the path jumps. The path itself has their scaling,
+    /// tolerance, choice of records, and checkpoint.
+    pub increments: HistorySettings,
+}
+
 /// A history in which each step from event to event is judged, and each end of an increment on the whole body.
-pub(super) struct ExactHistory<'a> {
-    pub problem: &'a ContactProblem,
-    pub loading: &'a Loading,
+struct ExactHistory<'a> {
+    problem: &'a ContactProblem,
+    loading: &'a Loading,
     /// The ends of all increments, s.
-    pub times: &'a [f64],
-    pub settings: &'a HistorySettings,
-    pub observer: &'a mut dyn Observer,
-    pub outcome: HistoryOutcome,
+    times: &'a [f64],
+    jump: bool,
+    settings: &'a HistorySettings,
+    observer: &'a mut dyn Observer,
+    outcome: HistoryOutcome,
 }
 
 /// The start of a step, for the friction law.
@@ -53,15 +65,34 @@ struct IncrementSoFar {
     jumps: usize,
 }
 
+/// Follows the exact path in time from event to event, to the end of the history or to the end of the quasi-static
+/// motion. All nodes must slide along lines, as in the plane. `observer` sees the path at the `times` (s), which do not
+/// affect it.
+///
+/// # Errors
+/// As [`super::run`].
+pub fn follow_exact_path(
+    problem: &ContactProblem,
+    loading: &Loading,
+    times: &[f64],
+    settings: &ExactPathSettings,
+    system: SystemSolver,
+    observer: &mut dyn Observer,
+) -> Result<HistoryOutcome, Error> {
+    let start = Instant::now();
+    let ExactPathSettings { jump, increments: ref settings } = *settings;
+    loading.check(problem)?;
+    settings.check(problem)?;
+    check_times(times)?;
+    let outcome = HistoryOutcome::begun(problem);
+    ExactHistory { problem, loading, times, jump, settings, observer, outcome }.follow(system, start)
+}
+
 impl ExactHistory<'_> {
-    /// Follows the exact path to the end of the history, or to the end of the quasi-static motion.
-    ///
-    /// # Errors
-    /// As [`super::run`].
-    pub(super) fn follow(mut self, system: SystemSolver, start: Instant) -> Result<HistoryOutcome, Error> {
+    fn follow(mut self, system: SystemSolver, start: Instant) -> Result<HistoryOutcome, Error> {
         let (problem, loading, settings) = (self.problem, self.loading, self.settings);
-        let saved =
-            settings.from.as_ref().map(|from| SavedPath::read(from, problem, self.times, settings)).transpose()?;
+        let saved = settings.from.as_ref();
+        let saved = saved.map(|from| SavedPath::read(from, problem, self.times, settings, self.jump)).transpose()?;
         let (mut linear, condensation) = match system {
             SystemSolver::Whole(linear) => (linear, None),
             SystemSolver::Condensed(condensation) => (RefinedSolver::default(), Some(condensation)),
@@ -143,7 +174,7 @@ impl ExactHistory<'_> {
                 }
                 in_progress.friction_work += step.friction_work;
                 match step.stop {
-                    SegmentEnd::PathEnd(lost) if self.jumps() => {
+                    SegmentEnd::PathEnd(lost) if self.jump => {
                         if !self.jump(&mut walk, lost, &begun, &mut scales[1], condensed, &mut in_progress)? {
                             break (begun, Some(lost));
                         }
@@ -174,7 +205,7 @@ impl ExactHistory<'_> {
             self.outcome.lost = lost;
             self.outcome.free_motion = lost.and_then(|_| self.driven_motion(time));
             let status = lost.map(|_| Status::NoContinuation);
-            let flow = self.end(&in_progress, &data, balanced, scales[1], status, &walk)?;
+            let flow = self.end(in_progress, &data, balanced, scales[1], status, &walk)?;
             self.outcome.linear = statistics(walk.statistics(), body, 0.0);
             if self.outcome.status != Status::Converged {
                 return Ok(());
@@ -183,8 +214,8 @@ impl ExactHistory<'_> {
                 self.outcome.status = Status::Interrupted;
                 return Ok(());
             }
-            let (outcome, settings) = (&self.outcome, self.settings);
-            self.observer.rest(&|| SavedPath::checkpoint(settings, outcome, &walk, scales));
+            let (outcome, settings, jump) = (&self.outcome, self.settings, self.jump);
+            self.observer.rest(&|| SavedPath::checkpoint(settings, jump, outcome, &walk, scales));
         }
         Ok(())
     }
@@ -221,10 +252,6 @@ impl ExactHistory<'_> {
         loading.force(time, &mut force);
         let sizes = loading.force_sizes(time, problem.displacements());
         driven_motion(problem, problem.mu(), &Load { force: &force, sizes: &sizes })
-    }
-
-    fn jumps(&self) -> bool {
-        self.settings.method == Method::Events { jump: true }
     }
 
     /// Continues by a jump from the end of the quasi-static motion, at most to the end of the increment. Returns
@@ -308,7 +335,7 @@ impl ExactHistory<'_> {
     /// Judges the end of an increment on the whole body, and reports it.
     fn end(
         &mut self,
-        in_progress: &IncrementSoFar,
+        in_progress: IncrementSoFar,
         data: &Driven,
         balanced: RecoveredState,
         scales: KktScales,
@@ -323,23 +350,19 @@ impl ExactHistory<'_> {
         let judged = if is_solution(&kkt, tolerance) { Status::Converged } else { Status::Inaccurate };
         let status = status.unwrap_or(judged);
         let statuses = statuses_of(problem, &increment, &state, &scales);
-        let (after, all) = (walk.statistics(), in_progress.clock.elapsed().as_secs_f64());
-        let record = IncrementRecord {
-            index: in_progress.index,
-            time: data.time,
-            status,
-            jumps: in_progress.jumps,
-            parts: in_progress.ends.len(),
-            part_ends: if in_progress.ends.len() > 1 { in_progress.ends.clone() } else { Vec::new() },
+        let after = walk.statistics();
+        let solved = MethodResult {
             iterations: walk.effort().solves - in_progress.rates,
-            kkt,
             backward_error: after.worst_backward_error.max(backward_error),
-            contact: ContactCounts::of(&statuses),
-            friction_work: in_progress.friction_work,
-            strain_energy: problem.energy_in_equilibrium(&data.force, &state),
-            seconds: Seconds::between(&in_progress.before, &after, 0.0, all),
-            ..IncrementRecord::undeformed(0)
+            attempts: 0,
+            ..MethodResult::new(0.0)
         };
+        let seconds = Seconds::between(&in_progress.before, &after, 0.0, in_progress.clock.elapsed().as_secs_f64());
+        let IncrementSoFar { index, ends, friction_work, jumps, .. } = in_progress;
+        let walked = IncrementResult { solved, state, scales, kkt, status, ends, friction_work };
+        let counts = ContactCounts::of(&statuses);
+        let record = record(problem, &data.force, index, data.time, &walked, counts, seconds);
+        let (record, state) = (IncrementRecord { jumps, ..record }, walked.state);
         let flow = self.observer.increment(&IncrementView {
             record: &record,
             increment: &increment,

@@ -128,11 +128,12 @@ impl<'a> IncrementDriver<'a> {
                 ends.push(end);
                 pending.pop();
                 let status = Status::Converged;
-                let walked = IncrementResult { solved: so_far, substep, kkt, status, ends, friction_work };
+                let SubstepResult { state, scales, .. } = substep;
+                let walked = IncrementResult { solved: so_far, state, scales, kkt, status, ends, friction_work };
                 if pending.is_empty() {
                     return Ok(IncrementProgress::Ended(Box::new(walked)));
                 }
-                self.show(&walked.substep.state, |increment, state| {
+                self.show(&walked.state, |increment, state| {
                     progress.part(end, &self.data(), &walked, increment, state);
                 });
                 (solved, ends) = (Some(walked.solved), walked.ends);
@@ -148,7 +149,8 @@ impl<'a> IncrementDriver<'a> {
                 let no_time = from + half <= from || from + half >= end;
                 if half < smallest || no_time || !self.smaller_may_do(&substep)? {
                     let (kkt, status) = (substep.kkt, substep.status);
-                    let walked = IncrementResult { solved: so_far, substep, kkt, status, ends, friction_work };
+                    let SubstepResult { state, scales, .. } = substep;
+                    let walked = IncrementResult { solved: so_far, state, scales, kkt, status, ends, friction_work };
                     return Ok(IncrementProgress::Ended(Box::new(walked)));
                 }
                 self.go_back(begun);

@@ -27,13 +27,6 @@ pub enum Method {
     },
     /// The B-differentiable Newton method with the constants of the paper.
     PaperBn,
-    /// The exact path in time, from event to event, instead of increments. All nodes must slide along lines, as in
-    /// the plane.
-    Events {
-        /// `true` if the path continues by a jump beyond the end of the quasi-static motion, to a state that the laws
-        /// of an increment allow.
-        jump: bool,
-    },
     /// The predictor–corrector interior point method, without tuning.
     Ip,
     /// The potential reduction interior point method with the constants and starting points of the paper.
@@ -78,9 +71,6 @@ impl Start {
 }
 
 impl Method {
-    /// The exact path in time, without jumps.
-    pub const EVENTS: Method = Method::Events { jump: false };
-
     /// BN without tuning.
     pub const BN: Method = Method::Bn { r_factor: 1.0, rescue: true };
 
@@ -89,13 +79,9 @@ impl Method {
         Method::PaperIp { start, partition: Partition::Products }
     }
 
-    /// Returns the name in scenes and reports: `bn`, `ip` or `events`.
+    /// Returns the name in scenes and reports: `bn` or `ip`.
     pub fn name(self) -> &'static str {
-        match self {
-            Method::Events { .. } => "events",
-            _ if self.is_interior() => "ip",
-            _ => "bn",
-        }
+        if self.is_interior() { "ip" } else { "bn" }
     }
 
     /// Returns the name of the constants in scenes and reports: `paper` or `default`.

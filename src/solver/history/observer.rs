@@ -81,7 +81,7 @@ impl Progress<'_> {
         increment: &Increment<'_>,
         state: &State,
     ) {
-        let statuses = statuses_of(self.problem, data, &walked.substep.state, &walked.substep.scales);
+        let statuses = statuses_of(self.problem, data, &walked.state, &walked.scales);
         let counts = ContactCounts::of(&statuses);
         let record = record(self.problem, data.force, self.index, time, walked, counts, Seconds::default());
         self.observer.part(&IncrementView { record: &record, increment, state, statuses: &statuses });
@@ -116,7 +116,7 @@ pub(super) fn record(
         backward_error: solved.backward_error,
         contact,
         friction_work: walked.friction_work,
-        strain_energy: problem.energy_in_equilibrium(force, &walked.substep.state),
+        strain_energy: problem.energy_in_equilibrium(force, &walked.state),
         seconds,
     }
 }

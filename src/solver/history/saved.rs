@@ -57,6 +57,8 @@ pub(super) struct SavedPath {
     pub run: RunOf,
     pub outcome: Done,
     pub walk: SavedExactPath,
+    /// As [`super::ExactPathSettings::jump`].
+    jump: bool,
     /// The scales of the steps from event to event, and of the increments.
     pub scales: [KktScales; 2],
 }
@@ -167,12 +169,13 @@ impl SavedPath {
     /// Creates a checkpoint of an exact path after the increments so far.
     pub(super) fn checkpoint(
         settings: &HistorySettings,
+        jump: bool,
         outcome: &HistoryOutcome,
         walk: &ExactPath<'_>,
         scales: [KktScales; 2],
     ) -> Checkpoint {
         let run = RunOf::new(&outcome.layout, settings);
-        let saved = SavedPath { run, outcome: Done::of(outcome), walk: walk.save(), scales };
+        let saved = SavedPath { run, outcome: Done::of(outcome), walk: walk.save(), jump, scales };
         Checkpoint::new(outcome.tally.increments, outcome.reached, &saved)
     }
 
@@ -182,9 +185,13 @@ impl SavedPath {
         problem: &ContactProblem,
         times: &[f64],
         settings: &HistorySettings,
+        jump: bool,
     ) -> Result<Self, CheckpointError> {
         let saved: SavedPath = checkpoint.part(0)?;
         saved.run.is_that_of(problem, settings)?;
+        if saved.jump != jump {
+            return Err(CheckpointError::Other { what: "the method" });
+        }
         saved.outcome.ends_at(checkpoint, times)?;
         if saved.outcome.state.check(problem).is_err() {
             return Err(CheckpointError::Damaged);

@@ -1,6 +1,5 @@
 //! The settings of a history.
 
-use super::LinearAlgebra;
 use super::error::Error;
 use super::method::{Method, Start};
 use crate::base::units::Scaling;
@@ -79,9 +78,7 @@ impl HistorySettings {
                 conventions.scale_r(r_factor);
                 conventions
             }
-            Method::Ip { .. } | Method::Events { .. } => {
-                FormulationScaling::of_stiffness(&Layout::new(problem), &contact_stiffness)
-            }
+            Method::Ip => FormulationScaling::of_stiffness(&Layout::new(problem), &contact_stiffness),
         };
         let scaling = match method {
             // These units are the paper's: its starting points and constants are absolute.
@@ -144,48 +141,5 @@ impl HistorySettings {
         // After more halvings there is no time between two numbers.
         expect_value("halvings", f64::from(self.halvings), "at most 52", |most| most <= 52.0)?;
         Ok(())
-    }
-}
-
-/// The choices of a user about the solver. The other [`HistorySettings`] follow from the problem.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SolverChoice {
-    /// The algorithm with its named set of constants.
-    pub method: Method,
-    /// The linear solver; `None` lets [`crate::run::Choice`] choose.
-    pub linear: Option<LinearAlgebra>,
-    /// The limit of iterations in an increment.
-    pub max_iterations: usize,
-    /// The tolerance. An increment has converged if every component of the error measure is at most this.
-    pub tolerance: f64,
-}
-
-impl SolverChoice {
-    /// The default limit of iterations in an increment.
-    pub const MAX_ITERATIONS: usize = MAX_ITERATIONS;
-
-    /// Creates a choice of `method` with its default tolerance and limit, and this build's linear solver on the
-    /// uncondensed system.
-    pub fn new(method: Method) -> Self {
-        SolverChoice {
-            method,
-            linear: Some(LinearAlgebra::default()),
-            max_iterations: Self::MAX_ITERATIONS,
-            tolerance: method.default_tolerance(),
-        }
-    }
-
-    /// Returns the settings of a history of `problem` under `loading`.
-    ///
-    /// # Errors
-    /// As [`HistorySettings::new`].
-    pub fn settings(&self, problem: &ContactProblem, loading: &Loading) -> Result<HistorySettings, Error> {
-        Ok(HistorySettings::new(problem, loading, self.method)?.until(self.max_iterations, self.tolerance))
-    }
-}
-
-impl Default for SolverChoice {
-    fn default() -> Self {
-        SolverChoice::new(Method::BN)
     }
 }

@@ -109,8 +109,9 @@ pub(super) struct SubstepResult {
 pub(super) struct IncrementResult {
     /// The method result over all substeps, including failed ones.
     pub solved: MethodResult,
-    /// The last substep.
-    pub substep: SubstepResult,
+    /// The state at the end of the last substep, and the scales of its error measure.
+    pub state: State,
+    pub scales: KktScales,
     /// The largest errors of the substeps that count: all that converged, or the one that failed.
     pub kkt: KktErrors,
     pub status: Status,

@@ -7,7 +7,7 @@ use super::stage::Stage;
 use super::state::HistoryState;
 use super::system::SystemSolver;
 use super::task::Algorithm;
-use super::{Error, HistoryOutcome, HistorySettings, Method, Status};
+use super::{Error, HistoryOutcome, HistorySettings, Status};
 use crate::algebra::linear::{Dense, LinearError, RefinedSolver};
 use crate::solver::checkpoint::CheckpointError;
 use crate::solver::condensation::{Condensation, Condensed};
@@ -67,13 +67,9 @@ impl<P: Borrow<ContactProblem>> Stepper<P> {
     /// Creates a stepper at the undeformed body at t = 0.
     ///
     /// # Errors
-    /// As [`super::run`] for settings that do not fit; [`Error::NotInSteps`] for a method that follows a path to a
-    /// known end.
+    /// As [`super::run`], for settings that do not fit.
     pub fn new(problem: P, settings: HistorySettings, system: SystemSolver) -> Result<Self, Error> {
         settings.check(problem.borrow())?;
-        if let Method::Events { .. } = settings.method {
-            return Err(Error::NotInSteps { method: settings.method });
-        }
         let (body, linear) = match system {
             SystemSolver::Whole(linear) => (Body::Whole, linear),
             SystemSolver::Condensed(condensation) => {

@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 
 use stickslip::run::Run;
 use stickslip::run::discretise;
-use stickslip::solver::history::{HistoryOutcome, LinearAlgebra, Method, SolverChoice, Status};
+use stickslip::solver::history::{HistoryMethod, HistoryOutcome, LinearAlgebra, Method, SolverChoice, Status};
 use stickslip_studies::tables::{Case, PaperTable};
 
-fn solve(table: PaperTable, case: &Case, method: Method, linear: LinearAlgebra) -> HistoryOutcome {
+fn solve(table: PaperTable, case: &Case, method: impl Into<HistoryMethod>, linear: LinearAlgebra) -> HistoryOutcome {
     let scene = table.scene(case.contact_nodes, case.mu, case.increments).unwrap();
     let model = discretise(&scene).unwrap();
     let solver = SolverChoice { linear: Some(linear), ..SolverChoice::new(method) };
@@ -32,10 +32,12 @@ fn every_law_at_every_event(most_nodes: usize) -> usize {
         }
         for cases in scenes.values() {
             let what = format!("{table:?} n_c = {}, mu = {}", cases[0].contact_nodes, cases[0].mu);
-            let paths: Vec<HistoryOutcome> =
-                cases.iter().map(|case| solve(table, case, Method::EVENTS, LinearAlgebra::condensed())).collect();
+            let paths: Vec<HistoryOutcome> = cases
+                .iter()
+                .map(|case| solve(table, case, HistoryMethod::EVENTS, LinearAlgebra::condensed()))
+                .collect();
             let whole = (cases[0].contact_nodes <= 20)
-                .then(|| solve(table, &cases[0], Method::EVENTS, LinearAlgebra::default()));
+                .then(|| solve(table, &cases[0], HistoryMethod::EVENTS, LinearAlgebra::default()));
             for path in paths.iter().chain(&whole) {
                 let worst = path.records.iter().fold(0.0_f64, |m, record| m.max(record.kkt.worst().1));
                 let rates: usize = path.records.iter().map(|record| record.iterations).sum();

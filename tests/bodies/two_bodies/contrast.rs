@@ -32,7 +32,7 @@ fn stiff_on_soft() {
                 (Method::Ip, LinearAlgebra::Condensed(SparseCholesky::Cholmod)),
             ] {
                 let mut keep = Keep::default();
-                let solver = SolverChoice { method, linear: Some(linear), tolerance: 1e-10, ..SolverChoice::default() };
+                let solver = SolverChoice { linear: Some(linear), tolerance: 1e-10, ..SolverChoice::new(method) };
                 let run = Run::of(&model, model.times().to_vec(), solver).unwrap();
                 let outcome = run.history(&mut keep).unwrap();
                 let counts: Vec<usize> = outcome.records.iter().map(|record| record.iterations).collect();

@@ -48,7 +48,7 @@ fn solve(
 ) -> (Model, HistoryOutcome) {
     let model = Model::build(&cylinders(n, a, ratio, slave).0).unwrap();
     // What rounding leaves is 3e-12 on the finest of these meshes.
-    let solver = SolverChoice { method, linear: Some(linear), tolerance: 1e-11, ..SolverChoice::default() };
+    let solver = SolverChoice { linear: Some(linear), tolerance: 1e-11, ..SolverChoice::new(method) };
     let outcome = solved(&model, solver, &mut ());
     (model, outcome)
 }

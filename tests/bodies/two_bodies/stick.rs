@@ -43,11 +43,7 @@ fn solve(n: [usize; 2], a: f64, ratio: f64, slave: Side) -> (Model, HistoryOutco
     let (body, force) = cylinders(n, a, ratio, slave);
     let model = Model::build(&body).unwrap();
     let linear = Some(LinearAlgebra::default());
-    let outcome = solved(
-        &model,
-        SolverChoice { method: Method::BN, linear, tolerance: 1e-10, ..SolverChoice::default() },
-        &mut (),
-    );
+    let outcome = solved(&model, SolverChoice { linear, tolerance: 1e-10, ..SolverChoice::new(Method::BN) }, &mut ());
     (model, outcome, force)
 }
 

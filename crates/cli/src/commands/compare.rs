@@ -16,7 +16,7 @@ use stickslip::algebra::linear::{self, SparseLu};
 use stickslip::base::{Quantity, UnitSystem};
 use stickslip::run::report::Estimates;
 use stickslip::scene::{Override, Scene};
-use stickslip::solver::history::{LinearAlgebra, Method, Start, Status};
+use stickslip::solver::history::{HistoryMethod, LinearAlgebra, Method, Start, Status};
 use stickslip_cli::compare::{
     self, Cells, CompareError, Comparison, ElementChoice, End, MeshChoice, MeshResult, MeshSize, Plan, SolverPath,
 };
@@ -70,13 +70,13 @@ pub(super) struct CompareArgs {
 }
 
 /// Returns the method of these names. The paper's interior point method starts from the safe point.
-fn method(name: &str, setting: &str) -> Method {
+fn method(name: &str, setting: &str) -> HistoryMethod {
     match (name, setting) {
-        ("ip", "paper") => Method::paper_ip(Start::Safe),
-        ("ip", _) => Method::Ip,
-        ("events", _) => Method::EVENTS,
-        (_, "paper") => Method::PaperBn,
-        _ => Method::BN,
+        ("ip", "paper") => Method::paper_ip(Start::Safe).into(),
+        ("ip", _) => Method::Ip.into(),
+        ("events", _) => HistoryMethod::EVENTS,
+        (_, "paper") => Method::PaperBn.into(),
+        _ => Method::BN.into(),
     }
 }
 
@@ -130,7 +130,7 @@ pub(super) fn compare(args: &CompareArgs, threads: usize) -> Result<ExitCode, Fa
             say!("written to   {}", folder.display());
         }
     }
-    let runs = comparison.runs.iter().filter(|run| !run.path.method.is_of_paper()).map(|run| run.status);
+    let runs = comparison.runs.iter().filter(|run| !run.path.method.increments().is_of_paper()).map(|run| run.status);
     let mut statuses = runs.chain(comparison.meshes.iter().map(|result| result.status));
     let sound = statuses.all(|status| status == Status::Converged);
     Ok(if sound { ExitCode::SUCCESS } else { ExitCode::from(1) })

@@ -26,7 +26,7 @@ use stickslip::run::{MemoryEstimate, Run};
 use stickslip::scene::{Provenance, Scene, Time};
 use stickslip::solver::Checkpoint;
 use stickslip::solver::formulation::Layout;
-use stickslip::solver::history::{IncrementError, Method, Status, WorkingSet};
+use stickslip::solver::history::{IncrementError, Status, WorkingSet};
 use stickslip_output::{LockedOutputDir, ResultFolder};
 use watcher::Watcher;
 
@@ -182,7 +182,7 @@ fn prepared<'a>(args: &RunArgs, scene: &'a Scene, count: usize, left: Option<Che
     if args.uniqueness {
         run = run.with_uniqueness()?;
     }
-    if let (true, Method::Events { .. }) = (args.companion, scene.solver.method) {
+    if args.companion && scene.solver.method.is_exact_path() {
         let help = "remove --companion";
         return Err(Failure::Input(miette::miette!(
             help = help,
@@ -241,10 +241,11 @@ fn disk_failure(path: &Path, error: &io::Error) -> Failure {
 
 fn print_head(scene: &Scene, run: &Run<'_>) {
     let (model, choice, method) = (run.model(), run.choice(), scene.solver.method);
-    let Unknowns { u, p_t, p_o, p_n, v_n, s, lambda } = Unknowns::new(&Layout::new(&model.problem), method);
+    let Unknowns { u, p_t, p_o, p_n, v_n, s, lambda } =
+        Unknowns::new(&Layout::new(&model.problem), method.increments());
     let blocks = [(u, "u"), (p_t, "p_t"), (p_o, "p_o"), (p_n, "p_n"), (v_n, "v_n"), (s, "s"), (lambda, "lambda")];
     let present = blocks.iter().filter(|(count, _)| *count > 0).map(|(count, name)| format!("{count} {name}"));
-    let reduced = if method.is_interior() {
+    let reduced = if method.increments().is_interior() {
         format!(", reduced to {} in the matrix", u + p_t + p_o + p_n)
     } else {
         String::new()

@@ -63,10 +63,11 @@ impl Comparison {
 
     /// Compares BN with IP for every linear solver and setting in which both were run.
     pub fn leads(&self) -> Vec<Lead> {
-        let bn = self.paths().into_iter().filter(|path| matches!(path.method, Method::Bn { .. } | Method::PaperBn));
+        let bn = self.paths().into_iter().filter(|path| path.method.name() == "bn");
         let lead = |bn: SolverPath| {
-            let interior = if bn.method.is_of_paper() { Method::paper_ip(Start::Safe) } else { Method::Ip };
-            let ip = SolverPath { method: interior, ..bn };
+            let interior =
+                if bn.method.increments().is_of_paper() { Method::paper_ip(Start::Safe) } else { Method::Ip };
+            let ip = SolverPath { method: interior.into(), ..bn };
             let ratio = |result: &MeshResult| Some((result.mesh.clone(), self.ratio(&result.mesh, ip, bn)?));
             Lead {
                 linear: bn.linear,

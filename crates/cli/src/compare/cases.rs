@@ -13,11 +13,11 @@ use stickslip::run::{Run, RunError, discretise};
 use stickslip::scene::{Override, Scene};
 use stickslip::solver::IterationRecord;
 use stickslip::solver::formulation::Layout;
-use stickslip::solver::history::{IncrementView, Method, Observer, SolverChoice, Status};
+use stickslip::solver::history::{HistoryMethod, IncrementView, Method, Observer, SolverChoice, Status};
 
 /// Returns the solver of the reference: the linear solver with the least estimated time.
-fn reference_solver(method: Method, of_scene: &SolverChoice) -> SolverChoice {
-    SolverChoice { method, linear: None, ..*of_scene }
+fn reference_solver(method: impl Into<HistoryMethod>, of_scene: &SolverChoice) -> SolverChoice {
+    SolverChoice { method: method.into(), linear: None, ..*of_scene }
 }
 
 /// Returns `true` if the solution converges to the exact path for increasingly many increments. The exact path is known
@@ -124,7 +124,8 @@ fn solve_reference(scene: &Scene, model: &Model, built: [f64; 2], increments: us
     let end = scene.time.all().last().copied();
     let mut last = LastIncrement { model, end, watch: EstimateWatch::new(model) };
     if has_exact_path(model) {
-        let path = solve(scene, model, built, reference_solver(Method::EVENTS, &scene.solver), 1, Some(&mut last))?;
+        let path =
+            solve(scene, model, built, reference_solver(HistoryMethod::EVENTS, &scene.solver), 1, Some(&mut last))?;
         if path.status == Status::Converged {
             return Ok(Solved { increments: 0, ..path });
         }
@@ -186,8 +187,10 @@ impl SolverPath {
     fn solver(self, of_scene: &SolverChoice) -> SolverChoice {
         let SolverChoice { max_iterations, tolerance, .. } = *of_scene;
         let SolverPath { method, linear } = self;
-        let tolerance =
-            if let Method::PaperIp { .. } = method { tolerance.max(method.default_tolerance()) } else { tolerance };
+        let tolerance = match method.increments() {
+            paper @ Method::PaperIp { .. } => tolerance.max(paper.default_tolerance()),
+            _ => tolerance,
+        };
         SolverChoice { method, linear: Some(linear), max_iterations, tolerance }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{Comparison, Iterate, MeshChoice, SolverPath, TimeErrors, Trial, convergence, front};
 use stickslip::algebra::linear::SparseLu;
-use stickslip::solver::history::{LinearAlgebra, Method, Status};
+use stickslip::solver::history::{HistoryMethod, LinearAlgebra, Method, Status};
 use stickslip_output::{Axis, Chart, Curve, Dash, Line, Marker, Panel, Scale};
 
 const BLACK: [u8; 3] = [0, 0, 0];
@@ -149,11 +149,11 @@ fn curve(path: SolverPath, points: Vec<[f64; 2]>) -> Curve {
         LinearAlgebra::Multigrid => GREEN,
     };
     let (dash, marker) = match path.method {
-        Method::Bn { .. } => (Dash::Solid, Marker::Disc),
-        Method::PaperBn => (Dash::Solid, Marker::Triangle),
-        Method::Ip { .. } => (Dash::Dashed, Marker::Disc),
-        Method::PaperIp { .. } => (Dash::Dashed, Marker::Triangle),
-        Method::Events { .. } => (Dash::Dotted, Marker::Square),
+        HistoryMethod::Increments(Method::Bn { .. }) => (Dash::Solid, Marker::Disc),
+        HistoryMethod::Increments(Method::PaperBn) => (Dash::Solid, Marker::Triangle),
+        HistoryMethod::Increments(Method::Ip) => (Dash::Dashed, Marker::Disc),
+        HistoryMethod::Increments(Method::PaperIp { .. }) => (Dash::Dashed, Marker::Triangle),
+        HistoryMethod::ExactPath { .. } => (Dash::Dotted, Marker::Square),
     };
     let line = Some(Line { dash, width: 1.8 });
     Curve { label: path.to_string(), points, line, marker: Some(marker), colour }

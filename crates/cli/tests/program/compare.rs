@@ -8,16 +8,17 @@ use stickslip::base::UnitSystem;
 use stickslip::run::discretise;
 use stickslip::scene::Scene;
 use stickslip::solver::history::{
-    self, HistorySettings, IncrementView, LinearAlgebra, Method, Observer, Status, SystemSolver,
+    self, HistoryMethod, HistorySettings, IncrementView, LinearAlgebra, Method, Observer, Status, SystemSolver,
 };
 use stickslip_cli::compare::{
     self, Comparison, End, Estimate, MeshChoice, MeshErrors, MeshResult, MeshSize, Phases, Plan, SolverPath,
     TimeErrors, TractionNode, Tractions, Trial, front,
 };
 
-const BN: SolverPath = SolverPath { method: Method::BN, linear: LinearAlgebra::Whole(SparseLu::Umfpack) };
-const IP: SolverPath = SolverPath { method: Method::Ip, ..BN };
-const EVENTS: SolverPath = SolverPath { method: Method::EVENTS, ..BN };
+const BN: SolverPath =
+    SolverPath { method: HistoryMethod::Increments(Method::BN), linear: LinearAlgebra::Whole(SparseLu::Umfpack) };
+const IP: SolverPath = SolverPath { method: HistoryMethod::Increments(Method::Ip), ..BN };
+const EVENTS: SolverPath = SolverPath { method: HistoryMethod::EVENTS, ..BN };
 pub const CONDENSED: SolverPath = SolverPath { linear: LinearAlgebra::Condensed(SparseCholesky::Cholmod), ..BN };
 
 fn block(overrides: &[&str]) -> Scene {
@@ -164,7 +165,7 @@ fn friction_dissipates_what_the_loads_do_beyond_the_strain_energy() {
 #[test]
 fn time_stepping_is_of_first_order_on_every_path() {
     let scene = block(&["contact.friction=0.8"]);
-    let ip = SolverPath { method: Method::Ip, ..CONDENSED };
+    let ip = SolverPath { method: Method::Ip.into(), ..CONDENSED };
     let paths = vec![BN, ip, CONDENSED];
     let plan = Plan { paths, meshes: elements(&[20, 10]), increments: vec![20, 320, 80], reference: 8, jobs: 1 };
     let mut told = Vec::new();

@@ -60,7 +60,7 @@ fn square(n: usize) -> String {
 fn meshes_from_files_go_by_their_names() {
     let (folder, file) = from_files();
     let scene = Scene::read(file.as_ref(), &[]).unwrap();
-    let path = SolverPath { method: Method::BN, linear: LinearAlgebra::default() };
+    let path = SolverPath { method: Method::BN.into(), linear: LinearAlgebra::default() };
     let own = Plan { increments: vec![1, 2], ..Plan::modest(&scene, vec![path]) };
     assert_eq!((&own.meshes[..], own.histories()), (&[MeshSize::Own.into()][..], 3));
     let comparison = compare::compute(&scene, &own, &(), &mut |_| {}).unwrap();

@@ -36,7 +36,8 @@ impl Kept {
 fn compared(text: &str, meshes: &[usize], increments: &[usize], cells: &Kept) -> Comparison {
     let set = ["mesh.elements=[8,8]".parse().unwrap()];
     let scene = Scene::parse("block.toml", text, &set).unwrap();
-    let paths = [Method::BN, Method::Ip].map(|method| SolverPath { method, linear: LinearAlgebra::default() });
+    let paths =
+        [Method::BN, Method::Ip].map(|method| SolverPath { method: method.into(), linear: LinearAlgebra::default() });
     let plan = Plan {
         paths: paths.to_vec(),
         meshes: meshes.iter().map(|&n| MeshSize::Elements(n).into()).collect(),

@@ -8,7 +8,7 @@ use stickslip::run::increments_for;
 use stickslip::run::report::ChosenIncrements;
 use stickslip::scene::{Override, Scene};
 use stickslip::solver::IterationRecord;
-use stickslip::solver::history::{Method, Observer};
+use stickslip::solver::history::Observer;
 
 /// The default error of the tangential forces.
 const ERROR: f64 = 0.05;
@@ -57,7 +57,7 @@ impl IncrementArgs {
         match self.increments {
             None => Ok((scene, None)),
             Some(Increments::Number(number)) => Ok((with(i64::from(number))?, None)),
-            Some(Increments::Auto) if matches!(scene.solver.method, Method::Events { .. }) => {
+            Some(Increments::Auto) if scene.solver.method.is_exact_path() => {
                 let help = "give the number of times for output, or remove --increments";
                 Err(Failure::Input(miette::miette!(help = help, "the exact path has no increments to choose")))
             }
