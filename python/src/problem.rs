@@ -11,15 +11,22 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::Arc;
+use stickslip::algebra::linear::SparseCholesky;
 use stickslip::run::{AvailableSolvers, Choice, RunError};
 use stickslip::solver::history::{HistoryOutcome, HistorySettings, LinearAlgebra, SolverChoice, SystemSolver};
-use stickslip::solver::{self, ContactProblem, Increment, InitialWorkingSet, Loading, Parts, State};
+use stickslip::solver::{self, Condensation, ContactProblem, Increment, InitialWorkingSet, Loading, Parts, State};
 use stickslip::solver::{KktErrors, KktScales, statuses};
 use stickslip_exchange::{Info, Way};
 
 /// A body against rigid obstacles: K, `C_n`, `C_t`, `C_o`, mu, l and the free motions.
 #[pyclass(frozen, module = "stickslip._core")]
-pub(crate) struct Problem(pub Arc<ContactProblem>);
+pub(crate) struct Problem(pub Arc<ContactProblem>, Condensation);
+
+impl From<ContactProblem> for Problem {
+    fn from(problem: ContactProblem) -> Self {
+        Problem(Arc::new(problem), SparseCholesky::default().into())
+    }
+}
 
 /// A state and what drove it, as the judge wants it.
 #[derive(FromPyObject)]
@@ -90,9 +97,10 @@ impl Options {
     }
 }
 
-/// The linear system and the settings of a history: the cheapest where nobody says which.
+/// The linear system and the settings of a history: the cheapest where nobody says which. A body that `condensation`
+/// has condensed already stays so.
 fn prepared(
-    problem: &ContactProblem,
+    Problem(problem, condensation): &Problem,
     loading: &Loading,
     times: &[f64],
     solver: &SolverChoice,
@@ -105,6 +113,9 @@ fn prepared(
         Some(LinearAlgebra::Condensed(cholesky)) => Some(cholesky),
         _ => None,
     };
+    if condensing.is_none_or(|cholesky| cholesky == condensation.cholesky()) && condensation.has(problem) {
+        return Ok((SystemSolver::Condensed(condensation.clone()), settings));
+    }
     let mut reach = InitialWorkingSet::default();
     if !solver.method.increments().is_of_paper() {
         reach = solver::working_set(problem, loading, times, solver::AFFORDABLE, condensing)?;
@@ -114,7 +125,13 @@ fn prepared(
     } else {
         Choice::cheapest(problem, &reach, solver.method, times.len(), AvailableSolvers::of_process())?.linear
     };
-    Ok((linear.into(), HistorySettings { working_set: reach.nodes, ..settings }))
+    let system = match linear {
+        LinearAlgebra::Condensed(cholesky) if cholesky == condensation.cholesky() => {
+            SystemSolver::Condensed(condensation.clone())
+        }
+        linear => linear.into(),
+    };
+    Ok((system, HistorySettings { working_set: reach.nodes, ..settings }))
 }
 
 /// An outcome with what was recorded of it.
@@ -158,7 +175,13 @@ impl Problem {
             weight: weight.map(|weight| weight.as_slice().map(<[f64]>::to_vec)).transpose()?,
             rigid_modes: free_motions.as_ref().map(rows),
         };
-        detached(py, || ContactProblem::new(parts)).map(|problem| Problem(Arc::new(problem))).map_err(of_problem)
+        detached(py, || ContactProblem::new(parts)).map(Problem::from).map_err(of_problem)
+    }
+
+    /// The problem with other friction coefficients. It shares the stiffness, and the condensed body once there is one.
+    fn with_friction(&self, mu: Vector<'_>) -> PyResult<Self> {
+        let problem = self.0.with_friction(mu.as_slice()?.to_vec()).map_err(of_problem)?;
+        Ok(Problem(Arc::new(problem), self.1.clone()))
     }
 
     #[getter]
@@ -259,7 +282,7 @@ impl Problem {
         let (linear, own) = Algebra::new(linear, &raised)?.split(None);
         let solver = options.solver(linear)?;
         let (outcome, recorder) = watched(py, Recorder::new(keep, callback, raised), |recorder| {
-            let (system, settings) = prepared(problem, &loading, &times, &solver)?;
+            let (system, settings) = prepared(self, &loading, &times, &solver)?;
             Ok(solver.solve(problem, &loading, &times, &settings, own.unwrap_or(system), recorder)?)
         })?;
         exported(py, &outcome, recorder)

@@ -10,7 +10,6 @@ use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
-use std::sync::Arc;
 use stickslip::body::Model;
 use stickslip::body::mesh::{Boundary, Cell, CellKind, Mesh};
 use stickslip::run::{Run, discretise};
@@ -159,7 +158,7 @@ impl SceneModel {
     }
 
     fn problem(&self) -> Problem {
-        Problem(Arc::new(self.model.problem.clone()))
+        self.model.problem.clone().into()
     }
 
     /// The displacements (m) of all nodes at time `t` (s) that the unknowns `u` are.

@@ -246,6 +246,22 @@ class ContactProblem:
         u = vector("u", u, self.n_u)
         return np.stack([C @ u for C in self.C_t], axis=-1) if self.tangents else np.zeros((self.n_c, 0))
 
+    def with_friction(self, mu: ArrayLike) -> ContactProblem:
+        """The problem with other friction coefficients.
+
+        It shares the stiffness with this one. Once one of the two has been solved condensed, the other is not condensed anew.
+
+        Args:
+            mu: friction coefficients, a number or (n_c,).
+
+        Raises:
+            ValueError: mu has another shape, or is negative.
+        """
+        coefficients = vector("mu", mu, self.n_c)
+        if not self.tangents and coefficients.any():
+            raise ValueError("mu is above 0, but the problem has no C_t")
+        return ContactProblem._of(self._core.with_friction(coefficients), self.tangents)
+
     def solve(
         self, force: ArrayLike, factors: ArrayLike | None = None, *, gap: ArrayLike = 0.0, drift: ArrayLike | None = None,
         mu: ArrayLike | None = None, times: ArrayLike | None = None, method: str = "bn", setting: str = "default",

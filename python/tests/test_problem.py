@@ -49,6 +49,26 @@ def test_a_chain_of_increments_is_the_history() -> None:
         w = p.slip(step.u[0])
 
 
+@pytest.mark.parametrize("linear", ["auto", "faer", "condensed"])
+def test_other_friction_on_one_body(linear: str) -> None:
+    model = ss.Model(block(8))
+    p, h = model.problem, model.history
+    for mu in (0.0, 0.2, np.linspace(0.1, 0.9, p.n_c)):
+        other = p.with_friction(mu)
+        assert other.n_u == p.n_u and (other.mu == mu).all() and (p.mu == 0.4).all()
+        anew = ss.ContactProblem(p.K, p.C_n, p.C_t, mu, weight=p.weight)
+        for _ in range(2):
+            a, b = (q.solve(h["cases"], h["factors"], gap=h["gap"], linear=linear).check() for q in (other, anew))
+            np.testing.assert_allclose(a.p_n, b.p_n, rtol=0, atol=1e-12 * abs(b.p_n).max())
+            np.testing.assert_allclose(a.p_t, b.p_t, rtol=0, atol=1e-12 * abs(b.p_n).max())
+    with pytest.raises(ValueError, match="mu"):
+        p.with_friction(-0.1)
+    with pytest.raises(ValueError, match="shape"):
+        p.with_friction([0.1])
+    with pytest.raises(ValueError, match="no C_t"):
+        ss.ContactProblem(p.K, p.C_n).with_friction(0.1)
+
+
 class Scipy:
     """SuperLU as the linear algebra of a method."""
 

@@ -73,6 +73,14 @@ struct CondensedStiffness {
     condensed: Symmetric,
 }
 
+impl CondensedStiffness {
+    /// Returns `true` if this is the condensed stiffness of such a body.
+    fn is_of(&self, whole: &Arc<Symmetric>, border: &[usize], basis: Option<&OwnBasis>) -> bool {
+        let is_stiffness = || Arc::ptr_eq(&self.whole, whole) || self.whole == *whole;
+        self.border == border && self.basis.as_ref() == basis && is_stiffness()
+    }
+}
+
 impl From<SparseCholesky> for Condensation {
     /// Creates a condensation that factors `K` with `cholesky`.
     fn from(cholesky: SparseCholesky) -> Self {
@@ -93,13 +101,7 @@ impl Condensation {
         border: &[usize],
         basis: Option<&OwnBasis>,
     ) -> Result<CondensedStiffness, LinearError> {
-        let is_of = |last: &CondensedStiffness| {
-            last.border == border
-                && last.basis.as_ref() == basis
-                && (Arc::ptr_eq(&last.whole, whole) || last.whole == *whole)
-        };
-        let known = self.last.lock().unwrap_or_else(PoisonError::into_inner).clone().filter(is_of);
-        if let Some(known) = known {
+        if let Some(known) = self.last().filter(|last| last.is_of(whole, border, basis)) {
             return Ok(known);
         }
         let (factor, shift) = if let Some(factor) = &self.factor {
@@ -121,6 +123,18 @@ impl Condensation {
         };
         *self.last.lock().unwrap_or_else(PoisonError::into_inner) = Some(condensed.clone());
         Ok(condensed)
+    }
+
+    /// Returns `true` if the body condensed last has the stiffness and the contact rows of `problem`.
+    pub fn has(&self, problem: &ContactProblem) -> bool {
+        let Ok(whole) = problem.stiffness().assembled() else { return false };
+        let (border, basis) = (problem.contact_displacements(), OwnBasis::of(problem));
+        self.last().is_some_and(|last| last.is_of(&whole, &border, basis.as_ref()))
+    }
+
+    /// Returns the body condensed last.
+    fn last(&self) -> Option<CondensedStiffness> {
+        self.last.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     /// Returns the factorisation of `K`.

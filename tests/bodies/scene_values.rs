@@ -18,13 +18,6 @@ const VALUES: &[InputError] = &[
         "remove the key",
     ),
     ("\"bn\"", "\"ip\"\nr_factor = 2", "r_factor", &["the method ip has no r_factor"], "remove the key"),
-    (
-        "\"bn\"\nsetting = \"paper\"",
-        "\"bn\"\nnewton = \"reduced\"",
-        "newton",
-        &["the method bn has no newton"],
-        "remove the key",
-    ),
     ("setting = \"paper\"", "r_factor = 0", "r_factor", &["solver.r_factor is 0.0", "positive"], "studies of r"),
     ("setting = \"paper\"", "r_factor = -1.0", "r_factor", &["solver.r_factor is -1.0", "positive"], "studies of r"),
     (
