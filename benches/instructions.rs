@@ -41,7 +41,7 @@ fn main() {
     formulation.linearize(&first);
     let (mut h, mut dz) = (vec![0.0; first.len()], vec![0.0; first.len()]);
     formulation.residual(&first, &mut h).unwrap();
-    let mut direct = RefinedSolver::from(Dense::default());
+    let mut direct = RefinedSolver::new(Box::new(Dense::default()));
     direct.analyze(formulation.jacobian()).unwrap();
     match kernel.as_str() {
         "assembly" => measured_kernel(&mut || drop(discretise(&scene).unwrap())),

@@ -282,7 +282,7 @@ impl<'a> Run<'a> {
         let leaps = JumpDetector::new(&self.model, self.solver.method);
         let mut watch = ReportCollector::new(&self.model, self.uniqueness, numbers, leaps, &mut audience);
         if let Some(checkpoint) = &self.from {
-            watch.go_on_from(checkpoint).map_err(history::Error::from)?;
+            watch.continue_from(checkpoint).map_err(history::Error::from)?;
         }
         let settings = HistorySettings {
             keeps_records: false,

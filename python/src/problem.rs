@@ -113,7 +113,7 @@ fn prepared(
         Some(LinearAlgebra::Condensed(cholesky)) => Some(cholesky),
         _ => None,
     };
-    if condensing.is_none_or(|cholesky| cholesky == condensation.cholesky()) && condensation.has(problem) {
+    if condensing.is_none_or(|cholesky| cholesky == condensation.cholesky()) && condensation.is_for(problem) {
         return Ok((SystemSolver::Condensed(condensation.clone()), settings));
     }
     let mut reach = InitialWorkingSet::default();

@@ -106,7 +106,7 @@ impl<'a, 'b> ReportCollector<'a, 'b> {
     }
 
     /// Resumes from the data in a `checkpoint`.
-    pub(super) fn go_on_from(&mut self, checkpoint: &Checkpoint) -> Result<(), CheckpointError> {
+    pub(super) fn continue_from(&mut self, checkpoint: &Checkpoint) -> Result<(), CheckpointError> {
         let Known { validity, seen, balance, curves, last_reactions, last, states, leaps } = checkpoint.part(1)?;
         if !validity.fits(self.model) || !leaps.fit(self.model) || !self.estimates.go_on_with(self.model, seen) {
             return Err(CheckpointError::Other { what: "the mesh or its contact" });

@@ -25,11 +25,11 @@ use crate::solver::problem::{ContactProblem, OwnBasis, Parts, State};
 /// If contact rows couple displacements of several nodes, `OwnBasis` changes the displacements of the condensed
 /// problem, so that each node can be eliminated separately.
 ///
-/// If only contact holds a body, `K` is singular. Then `ρ`, usually the diagonal of `K`, is added to the contact
-/// block and subtracted again, `S = L_cc L_ccᵀ - ρ`, which changes nothing else.
+/// If only contact holds a body, `K` is singular; see `SparseCholesky::factor_held`.
 ///
-/// A condensation and its clones keep the factors and `S` of the last body: problems with equal stiffness and contact
-/// rows, which may differ in friction, gaps and loads, are condensed once.
+/// A condensation and its clones keep the factors and `S` of the body condensed last on all contact nodes. A later
+/// problem uses them if its stiffness, its contact displacements and its change of basis are equal. Gaps, loads and
+/// positive coefficients of friction may differ.
 ///
 /// ```
 /// use stickslip::algebra::{Csr, Symmetric};
@@ -89,7 +89,7 @@ impl From<SparseCholesky> for Condensation {
 }
 
 impl Condensation {
-    /// Creates a condensation that can reuse the `factor` of `K`.
+    /// Creates a condensation with the `factor` of `K`, which must belong to each problem that the condensation receives.
     pub(crate) fn factored(cholesky: SparseCholesky, factor: Option<Arc<Cholesky>>) -> Self {
         Condensation { cholesky, factor, last: Arc::default() }
     }
@@ -125,8 +125,8 @@ impl Condensation {
         Ok(condensed)
     }
 
-    /// Returns `true` if the body condensed last has the stiffness and the contact rows of `problem`.
-    pub fn has(&self, problem: &ContactProblem) -> bool {
+    /// Returns `true` if `problem` would be condensed with the kept factors.
+    pub fn is_for(&self, problem: &ContactProblem) -> bool {
         let Ok(whole) = problem.stiffness().assembled() else { return false };
         let (border, basis) = (problem.contact_displacements(), OwnBasis::of(problem));
         self.last().is_some_and(|last| last.is_of(&whole, &border, basis.as_ref()))

@@ -6,12 +6,13 @@
 //! | BN and IP along a history: starts and snapshots (the algorithms are in `newton/`) | `bn.rs`, `ip.rs` |
 //! | the default interior point method | `predictor_corrector.rs` |
 //! | what is tried for an increment, in which order | `strategy.rs` |
-//! | the choice of a [`Method`], its construction, and the settings | `method.rs`, `algorithm.rs`, `settings.rs` |
-//! | the choices of a user: increments or the exact path, tolerance, linear solver | `choice.rs` |
+//! | the algorithm of an increment ([`Method`]), its construction, and the settings | `method.rs`, `algorithm.rs`, `settings.rs` |
+//! | what a user chooses: increments or the exact path, tolerance, linear solver | `choice.rs` |
 //! | the linear system: whole or condensed | `system.rs` |
 //! | one increment: its substeps and its verdict | `increment.rs` |
 //! | the loop over increments, within a loop over stages | `driver.rs` |
-//! | a stage: one set-up of the equations; the state that one stage leaves to the next | `stage.rs`, `state.rs` |
+//! | a stage: one set-up of the equations | `stage.rs` |
+//! | the state that the history has reached | `state.rs` |
 //! | the working set: the contact nodes in condensed equations | `working_set.rs` |
 //! | the response with clamped contact nodes; the interior of a condensed body at the end of a substep | `interior.rs` |
 //! | the rigid offset of a body that only contact holds | `rigid_offset.rs` |
@@ -97,7 +98,7 @@ pub use working_set::WorkingSet;
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct HistoryOutcome {
-    /// The verdict: that of the first increment that did not converge, or [`Status::Converged`].
+    /// The verdict of the set-up, or of the first increment that did not converge, or [`Status::Converged`].
     pub status: Status,
     /// The record of each increment, up to the first that failed. Only the last two are kept unless the settings ask
     /// for all.
@@ -138,8 +139,8 @@ pub struct HistoryOutcome {
 }
 
 impl HistoryOutcome {
-    /// Creates the outcome of a history that has not begun.
-    fn begun(problem: &ContactProblem) -> Self {
+    /// Creates the outcome of a history before its first increment.
+    fn unsolved(problem: &ContactProblem) -> Self {
         HistoryOutcome {
             status: Status::Converged,
             records: Vec::new(),
@@ -196,7 +197,7 @@ pub fn run_with(
     loading.check(problem)?;
     settings.check(problem)?;
     check_times(times)?;
-    let outcome = HistoryOutcome::begun(problem);
+    let outcome = HistoryOutcome::unsolved(problem);
     if !algorithm.knows(&outcome.layout) {
         return Ok(HistoryOutcome { status: Status::Unsupported, ..outcome });
     }

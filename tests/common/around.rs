@@ -49,8 +49,8 @@ where
         self.inner.state()
     }
 
-    fn go_on_from(&mut self, state: &State) {
-        self.inner.go_on_from(state);
+    fn set_state(&mut self, state: &State) {
+        self.inner.set_state(state);
     }
 
     fn unknowns(&mut self) -> &mut Vec<f64> {

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{LinearSolver, Partial, built_in};
 
-/// A sparse LU factorisation, for the uncondensed system.
+/// A direct solver of the uncondensed system.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum SparseLu {

@@ -24,12 +24,14 @@
 //! `S` is read in place. The matrix to factor is gathered from it each time, although most of it is unchanged:
 //! storing it besides its factors would need one more copy, and copying it is as much work as gathering it.
 
+use std::sync::Arc;
+
 use faer::Mat;
 use rayon::prelude::*;
 
 use super::error::expect_length;
-use super::{FactorInfo, LinearError, SystemMatrix};
-use crate::algebra::sparse::{Csr, DenseSymmetric};
+use super::{FactorInfo, LinearError, LinearSolver, SystemMatrix};
+use crate::algebra::sparse::{Csc, Csr, DenseSymmetric, Pattern};
 
 mod blocks;
 mod local;
@@ -60,28 +62,41 @@ struct ContactFactors {
 }
 
 impl Dense {
-    /// Finds the groups of unknowns that the contact rows of `a` couple; once a run.
-    ///
-    /// # Errors
-    /// If `a` is not square.
-    pub fn analyze(&mut self, a: &SystemMatrix) -> Result<(), LinearError> {
-        (self.blocks, self.contact) = (None, None);
-        self.blocks = Some(Blocks::new(a)?);
-        Ok(())
-    }
-
     /// Returns the largest number of unknowns that contact rows couple; 0 before the analysis.
     pub(super) fn largest_group(&self) -> usize {
         let groups = self.blocks.iter().flat_map(|blocks| &blocks.groups);
         groups.map(|group| group.unknowns().count()).max().unwrap_or(0)
     }
+}
 
-    /// Factors `a`, whose pattern and dense block have the analysed sizes; once an iteration.
-    ///
+impl LinearSolver for Dense {
+    fn name(&self) -> &'static str {
+        "dense"
+    }
+
+    fn analyze(&mut self, pattern: &Arc<Pattern>) -> Result<(), LinearError> {
+        self.analyze_system(&Csc::zeros(Arc::clone(pattern)).into())
+    }
+
+    fn factorize(&mut self, values: &[f64]) -> Result<FactorInfo, LinearError> {
+        let blocks = self.blocks.as_ref().ok_or(LinearError::Order { missing: "analyze" })?;
+        expect_length("values of the matrix", blocks.pattern.len(), values.len())?;
+        let mut matrix = Csc::zeros(Arc::clone(&blocks.pattern));
+        matrix.values_mut().copy_from_slice(values);
+        self.factorize_system(&matrix.into())
+    }
+
+    /// Finds the groups of unknowns that the contact rows of `a` couple.
+    fn analyze_system(&mut self, a: &SystemMatrix) -> Result<(), LinearError> {
+        (self.blocks, self.contact) = (None, None);
+        self.blocks = Some(Blocks::new(a)?);
+        Ok(())
+    }
+
     /// # Errors
     /// [`LinearError::Singular`] if a pivot vanishes or may be mere rounding, [`LinearError::NotFinite`] if an entry
     /// is not finite.
-    pub fn factorize(&mut self, a: &SystemMatrix) -> Result<FactorInfo, LinearError> {
+    fn factorize_system(&mut self, a: &SystemMatrix) -> Result<FactorInfo, LinearError> {
         let blocks = self.blocks.as_ref().ok_or(LinearError::Order { missing: "analyze" })?;
         let stiffness = a.leading().map_or_else(|| DenseSymmetric::of_lower(0, Vec::new()), DenseSymmetric::clone);
         expect_length("values of the matrix", blocks.pattern.len(), a.pattern().len())?;
@@ -109,11 +124,7 @@ impl Dense {
         })
     }
 
-    /// Solves with the last factors, without refinement.
-    ///
-    /// # Errors
-    /// If there are no factors, or a vector has the wrong length.
-    pub fn solve(&self, b: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
+    fn solve(&mut self, b: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
         let (Some(blocks), Some(contact)) = (&self.blocks, &self.contact) else {
             return Err(LinearError::Order { missing: "factorize" });
         };

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::error::expect_length;
 use super::refine::{self, SolveInfo, Workspace};
-use super::{Dense, FactorInfo, Iterated, LinearError, LinearSolver, SparseLu, SystemMatrix};
+use super::{FactorInfo, Iterated, LinearError, LinearSolver, SparseLu, SystemMatrix};
 use crate::algebra::sparse::Pattern;
 
 /// The statistics of a [`RefinedSolver`].
@@ -27,7 +27,7 @@ pub struct Statistics {
     pub factor_seconds: f64,
     /// The time for solves, with refinement and backward error, s.
     pub solve_seconds: f64,
-    /// The largest backward error of all solves.
+    /// The largest backward error of all refined solves.
     pub worst_backward_error: f64,
     /// The number of iterations within the solves of an iterative solver.
     pub krylov_iterations: usize,
@@ -39,56 +39,12 @@ pub struct Statistics {
 
 /// A linear solver that refines and measures the solutions of a backend.
 pub struct RefinedSolver {
-    solver: Backend,
+    solver: Box<dyn LinearSolver>,
     pattern: Option<Arc<Pattern>>,
     work: Workspace,
     statistics: Statistics,
-    /// The number of factorisations begun, including failed ones. While it is unchanged, so are the factors.
+    /// The number of analyses and factorisations begun, including failed ones. While it is unchanged, so are the factors.
     generation: usize,
-}
-
-/// The backend that factors.
-enum Backend {
-    /// A solver for compressed columns; a dense block is converted to them.
-    Sparse(Box<dyn LinearSolver>),
-    /// The solver for matrices with a dense block.
-    Dense(Box<Dense>),
-}
-
-impl Backend {
-    fn analyze(&mut self, a: &SystemMatrix) -> Result<(), LinearError> {
-        match self {
-            Backend::Sparse(solver) => solver.analyze_system(a),
-            Backend::Dense(solver) => solver.analyze(a),
-        }
-    }
-
-    fn factorize(&mut self, a: &SystemMatrix) -> Result<FactorInfo, LinearError> {
-        match self {
-            Backend::Sparse(solver) => solver.factorize_system(a),
-            Backend::Dense(solver) => solver.factorize(a),
-        }
-    }
-
-    fn solve(&mut self, b: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
-        match self {
-            Backend::Sparse(solver) => solver.solve(b, x),
-            Backend::Dense(solver) => solver.solve(b, x),
-        }
-    }
-
-    fn iterated(&mut self) -> Iterated {
-        match self {
-            Backend::Sparse(solver) => solver.iterated(),
-            Backend::Dense(_) => Iterated::default(),
-        }
-    }
-}
-
-impl From<Dense> for RefinedSolver {
-    fn from(solver: Dense) -> Self {
-        RefinedSolver::with(Backend::Dense(Box::new(solver)))
-    }
 }
 
 impl Default for RefinedSolver {
@@ -99,12 +55,8 @@ impl Default for RefinedSolver {
 }
 
 impl RefinedSolver {
-    /// Wraps a sparse solver.
+    /// Wraps a solver.
     pub fn new(solver: Box<dyn LinearSolver>) -> Self {
-        RefinedSolver::with(Backend::Sparse(solver))
-    }
-
-    fn with(solver: Backend) -> Self {
         RefinedSolver {
             solver,
             pattern: None,
@@ -122,10 +74,7 @@ impl RefinedSolver {
 
     /// Returns the name of the solver in reports.
     pub fn name(&self) -> &'static str {
-        match &self.solver {
-            Backend::Sparse(solver) => solver.name(),
-            Backend::Dense(_) => "dense",
-        }
+        self.solver.name()
     }
 
     /// Returns a number that changes whenever the factors do, also if a factorisation fails and leaves none.
@@ -138,7 +87,7 @@ impl RefinedSolver {
         &self.statistics
     }
 
-    /// Analyses the pattern of `a`, once a run. A sparse pattern that equals the last one is not analysed again.
+    /// Analyses the pattern of `a`, once for a set-up of the equations. A sparse pattern that equals the last one is not analysed again.
     ///
     /// # Errors
     /// As [`LinearSolver::analyze`].
@@ -146,11 +95,11 @@ impl RefinedSolver {
         let start = Instant::now();
         self.generation += 1;
         let known = self.pattern.take().is_some_and(|pattern| pattern == *a.pattern());
-        if known && matches!(self.solver, Backend::Sparse(_)) {
+        if known && a.leading().is_none() {
             self.pattern = Some(Arc::clone(a.pattern()));
             return Ok(());
         }
-        self.solver.analyze(a)?;
+        self.solver.analyze_system(a)?;
         self.pattern = Some(Arc::clone(a.pattern()));
         self.statistics.analyses += 1;
         self.statistics.analysis_seconds += start.elapsed().as_secs_f64();
@@ -165,7 +114,7 @@ impl RefinedSolver {
         self.expect_analysed(a)?;
         let start = Instant::now();
         self.generation += 1;
-        let info = self.solver.factorize(a)?;
+        let info = self.solver.factorize_system(a)?;
         self.statistics.factorizations += 1;
         self.statistics.factor_seconds += start.elapsed().as_secs_f64();
         self.statistics.factor = info;
@@ -243,10 +192,7 @@ impl RefinedSolver {
 
     /// Returns `true` if the solver is iterative.
     pub fn iterates(&self) -> bool {
-        match &self.solver {
-            Backend::Sparse(solver) => solver.iterates(),
-            Backend::Dense(_) => false,
-        }
+        self.solver.iterates()
     }
 
     /// Solves `a x = b` to a relative residual of `tolerance` if the solver is iterative. There is no refinement
@@ -264,11 +210,10 @@ impl RefinedSolver {
     ) -> Result<SolveInfo, LinearError> {
         self.fits(a, b, x)?;
         let start = Instant::now();
-        let solver = match &mut self.solver {
-            Backend::Sparse(solver) if solver.iterates() => solver,
-            _ => return self.solve(a, b, x),
-        };
-        solver.solve_to(tolerance, b, x)?;
+        if !self.solver.iterates() {
+            return self.solve(a, b, x);
+        }
+        self.solver.solve_to(tolerance, b, x)?;
         let error = refine::backward_error(a, b, x)?;
         self.count_solve(start);
         if error.is_finite() {

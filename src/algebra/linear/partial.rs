@@ -1,6 +1,6 @@
 //! The uncondensed system with its interior factored once a run.
 //!
-//! Let `c` be the displacements on which contact acts, `r` the interior, and `q` all other unknowns. The matrices of a run are
+//! Let `c` be the displacements on which contact acts (in the code: the border), `r` the interior, and `q` all other unknowns. The matrices of a run are
 //!
 //! ```text
 //! [ K_rr K_rc  0 ] [u_r]   [b_r]
@@ -8,16 +8,16 @@
 //! [  0    A    D ] [ q ]   [b_q]
 //! ```
 //!
-//! and only the rows and columns of `q`, and springs on the diagonal of `K_cc'`, change between two iterations. The interior is
-//! therefore eliminated once, by a Cholesky factorisation of `K` with `c` last, which contains the Schur complement `S`. An
-//! iteration factors
+//! with `K_cc' = K_cc + pins`. Between two iterations only the rows and columns of `q` change, and the pins, which are on the
+//! diagonal. A Cholesky factorisation of `K` with `c` last eliminates the interior once; it contains the Schur complement `S`. With
+//! `S' = S + pins`, each iteration factors
 //!
 //! ```text
 //! [ S' B ]
 //! [ A  D ]
 //! ```
 //!
-//! as that of a condensed body. Unknowns, right-hand sides and residuals remain those of the whole system.
+//! which has the form of the matrix of a condensed body. Unknowns, right-hand sides and residuals are those of the whole system.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -28,8 +28,8 @@ use super::error::expect_length;
 use super::{Cholesky, Dense, FactorInfo, LinearError, LinearSolver, Lu, SparseCholesky, SystemMatrix};
 use crate::algebra::sparse::{Csc, DenseSymmetric, Pattern, Symmetric};
 
-/// The number of coupled unknowns above which contact is factored as one dense matrix. Eliminating a group of contact nodes
-/// before the others takes a multiple of the cube of its size.
+/// If a group of coupled contact unknowns is larger than this, the contact block is factored as one dense matrix: eliminating the
+/// group first costs a multiple of the cube of its size.
 const LARGE_GROUP: usize = 64;
 
 /// A direct solver that factors the interior of the body once a run, and contact in each iteration. The matrix must state the
@@ -123,7 +123,7 @@ impl LinearSolver for Partial {
     }
 
     fn solve(&mut self, b: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
-        let (Some(shape), Some(interior)) = (&self.shape, &self.interior) else {
+        let (Some(shape), Some(interior)) = (&self.shape, &mut self.interior) else {
             return Err(LinearError::Order { missing: "factorize" });
         };
         expect_length("right-hand side", shape.pattern.columns(), b.len())?;
@@ -224,7 +224,7 @@ impl Interior {
         let s = DenseSymmetric::of_lower(shape.border.len(), factor.schur_complement(&shift)?);
         let contact = SystemMatrix::new(s, Csc::zeros(Arc::clone(&shape.contact)))?;
         let mut dense = Dense::default();
-        dense.analyze(&contact)?;
+        dense.analyze_system(&contact)?;
         let trailing = match dense.largest_group() {
             0..=LARGE_GROUP => Trailing::ByNodes(Box::new(dense)),
             _ => Trailing::Coupled(None),
@@ -244,7 +244,7 @@ impl Interior {
 impl Trailing {
     fn factorize(&mut self, a: &SystemMatrix) -> Result<FactorInfo, LinearError> {
         let factors = match self {
-            Trailing::ByNodes(dense) => return dense.factorize(a),
+            Trailing::ByNodes(dense) => return dense.factorize_system(a),
             Trailing::Coupled(factors) => factors,
         };
         *factors = None;
@@ -263,7 +263,7 @@ impl Trailing {
         })
     }
 
-    fn solve(&self, b: &[f64]) -> Result<Vec<f64>, LinearError> {
+    fn solve(&mut self, b: &[f64]) -> Result<Vec<f64>, LinearError> {
         match self {
             Trailing::ByNodes(dense) => {
                 let mut x = vec![0.0; b.len()];

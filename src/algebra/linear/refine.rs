@@ -1,4 +1,5 @@
-//! Iterative refinement and the backward error, identical for every backend.
+//! Iterative refinement and the backward error, the same for every backend. A solve to a tolerance by an iterative solver is
+//! not refined.
 
 use super::error::expect_length;
 use super::{LinearError, SystemMatrix};
@@ -13,8 +14,8 @@ pub struct SolveInfo {
 }
 
 impl SolveInfo {
-    /// Returns an error if the backward error is above `bound`. Callers that conclude something from a solution, and check it in no
-    /// other way, use it.
+    /// Returns an error if the backward error is above `bound`. A caller that does not check the solution in another way calls
+    /// this.
     ///
     /// # Errors
     /// [`LinearError::Inaccurate`].
@@ -24,10 +25,11 @@ impl SolveInfo {
     }
 }
 
-/// The backward error at which refinement stops, within 1e-15. A sum over a row of a dozen or two entries has as much
-/// rounding of its own, and the step costs as much as the solve.
+/// The backward error at which refinement stops. The residual of a row of 12 to 24 entries has as much rounding itself, and a
+/// further step costs a solve.
 const TARGET: f64 = 4.0 * f64::EPSILON;
-/// The largest number of steps. With good factors one or two reach the target; more would only hide bad ones.
+/// The largest number of steps. With good factors one or two reach the target. Two more are allowed; further ones would hide
+/// bad factors.
 const MAX_STEPS: usize = 4;
 
 /// The workspace of refinement, kept between calls.
@@ -85,8 +87,8 @@ fn measure(a: &SystemMatrix, largest: f64, b: &[f64], x: &[f64], work: &mut Work
 /// Returns the componentwise backward error `max_i |b - A x|_i / (|A| |x| + |b|)_i`: the smallest relative change of
 /// the entries of `A` and `b` that makes `x` exact (Oettli and Prager).
 ///
-/// A row whose scale is itself at rounding level is judged against `‖A_i‖_∞ ‖x‖_1` instead, as in Arioli, Demmel and
-/// Duff (1989); otherwise a row such as `du_n = 0` would count noise as 100 %.
+/// If the scale `s_i` of a row is at rounding level, its residual is divided by `s_i + ‖A_i‖_∞ ‖x‖_1` (Arioli, Demmel and
+/// Duff, 1989). Without this, the rounding in a row such as `du_n = 0` would count as 100 %.
 ///
 /// # Errors
 /// [`LinearError`] if `b` or `x` does not fit `a`.
@@ -99,9 +101,9 @@ pub fn backward_error(a: &SystemMatrix, b: &[f64], x: &[f64]) -> Result<f64, Lin
     Ok(from_residual(a, a.largest_entry(), x, &r, &s))
 }
 
-/// Returns the error of `x` with residual `r` and scale `s`, where `scale` is the largest entry of `a`.
-fn from_residual(a: &SystemMatrix, scale: f64, x: &[f64], r: &[f64], s: &[f64]) -> f64 {
-    componentwise_error(x, r, s, scale, || a.row_norms())
+/// Returns the error of `x` with the residual `r` and its scale `s`.
+fn from_residual(a: &SystemMatrix, largest_entry: f64, x: &[f64], r: &[f64], s: &[f64]) -> f64 {
+    componentwise_error(x, r, s, largest_entry, || a.row_norms())
 }
 
 /// Computes [`backward_error`] of `x` from its residual `r`, the scale `s` of the residual, the largest entry of the

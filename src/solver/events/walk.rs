@@ -203,7 +203,7 @@ impl<'a> ExactPath<'a> {
 
     /// Continues from another `state` at `time`, later than the time reached, with these `statuses` of the contact
     /// nodes.
-    pub(crate) fn go_on_from(&mut self, time: f64, state: &State, statuses: &[ContactStatus]) {
+    pub(crate) fn continue_from(&mut self, time: f64, state: &State, statuses: &[ContactStatus]) {
         self.stretch.begin_at(time);
         (self.share, self.decided) = (0.0, false);
         let Scaling { force, length } = self.scaling;

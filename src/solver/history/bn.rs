@@ -202,7 +202,7 @@ impl IncrementSolver for BnMethod {
         self.formulation.layout().unpacked_with(&self.z, &self.rest, self.formulation.scaling())
     }
 
-    fn go_on_from(&mut self, state: &State) {
+    fn set_state(&mut self, state: &State) {
         let (layout, scaling) = (self.formulation.layout(), *self.formulation.scaling());
         self.z.copy_from_slice(&layout.packed(state, &scaling));
         self.rest.fill(0.0);
@@ -217,7 +217,7 @@ impl IncrementSolver for BnMethod {
         self.errors.as_mut()
     }
 
-    fn memory(&self, linear: &RefinedSolver) -> Snapshot {
+    fn snapshot(&self, linear: &RefinedSolver) -> Snapshot {
         Snapshot {
             unknowns: self.z.clone(),
             rest: self.rest.clone(),
@@ -229,8 +229,8 @@ impl IncrementSolver for BnMethod {
         }
     }
 
-    fn restore(&mut self, memory: Snapshot, linear: &mut RefinedSolver) -> Result<bool, LinearError> {
-        let Snapshot { unknowns, rest, last, errors, linearization, is_factored, .. } = memory;
+    fn restore(&mut self, snapshot: Snapshot, linear: &mut RefinedSolver) -> Result<bool, LinearError> {
+        let Snapshot { unknowns, rest, last, errors, linearization, is_factored, .. } = snapshot;
         let n = self.z.len();
         let errors_fit = match (&self.errors, &errors) {
             (Some(own), Some(kept)) => own.fit(kept),

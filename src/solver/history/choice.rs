@@ -6,7 +6,7 @@ use super::method::Method;
 use super::observer::Observer;
 use super::settings::{HistorySettings, MAX_ITERATIONS};
 use super::system::{LinearAlgebra, SystemSolver};
-use super::{HistoryOutcome, run};
+use super::{HistoryOutcome, run_with};
 use crate::solver::loading::Loading;
 use crate::solver::problem::ContactProblem;
 
@@ -26,8 +26,7 @@ impl HistoryMethod {
     /// The exact path in time, without jumps.
     pub const EVENTS: HistoryMethod = HistoryMethod::ExactPath { jump: false };
 
-    /// Returns the algorithm of the increments. BN solves those of an exact path, which has increments only where it
-    /// jumps.
+    /// Returns the algorithm of the increments. For an exact path it is BN, which solves the increment of a jump.
     pub fn increments(self) -> Method {
         match self {
             HistoryMethod::Increments(method) => method,
@@ -98,7 +97,7 @@ impl SolverChoice {
     /// Solves a history with the chosen method, where [`SolverChoice::settings`] made the `settings`.
     ///
     /// # Errors
-    /// As [`run`].
+    /// As [`super::run`].
     pub fn solve(
         &self,
         problem: &ContactProblem,
@@ -109,7 +108,7 @@ impl SolverChoice {
         observer: &mut dyn Observer,
     ) -> Result<HistoryOutcome, Error> {
         match self.method {
-            HistoryMethod::Increments(_) => run(problem, loading, times, settings, system, observer),
+            HistoryMethod::Increments(_) => run_with(problem, loading, times, settings, settings, system, observer),
             HistoryMethod::ExactPath { jump } => {
                 let settings = ExactPathSettings { jump, increments: settings.clone() };
                 follow_exact_path(problem, loading, times, &settings, system, observer)

@@ -1,7 +1,7 @@
 //! The driver of a history: the loop over its increments, within a loop over stages.
 
-use super::increment::{IncrementDriver, IncrementProgress};
-use super::observer::{IncrementView, Observer, Progress, record};
+use super::increment::{IncrementDriver, IncrementEnd};
+use super::observer::{IncrementObserver, IncrementView, Observer, record};
 use super::record::{ContactCounts, IncrementRecord, Seconds, Status};
 use super::saved::{Done, RunOf, Saved, SavedStage};
 use super::settings::HistorySettings;
@@ -33,7 +33,7 @@ pub(super) struct HistoryDriver<'a> {
     /// The start of the history.
     pub start: Instant,
     /// The start of the increment in progress, and the statistics of the linear solver at that time.
-    pub begun: Option<(Instant, Statistics)>,
+    pub increment_clock: Option<(Instant, Statistics)>,
     /// The statistics of the linear solver in the earlier stages.
     pub done: Statistics,
     /// The number of contact nodes that joined the working set since the end of the last increment.
@@ -60,10 +60,10 @@ impl<'a> HistoryDriver<'a> {
             times,
             settings,
             observer,
-            outcome: HistoryOutcome::begun(problem),
+            outcome: HistoryOutcome::unsolved(problem),
             position,
             start: Instant::now(),
-            begun: None,
+            increment_clock: None,
             done: Statistics::default(),
             joined: 0,
             is_ready: false,
@@ -79,7 +79,7 @@ impl<'a> HistoryDriver<'a> {
         let Some(from) = &self.settings.from else { return Ok(()) };
         let Saved { outcome, position, stage, statistics, .. } =
             Saved::read(from, self.problem, self.times, self.settings)?;
-        self.outcome = outcome.resume(HistoryOutcome::begun(self.problem));
+        self.outcome = outcome.resume(HistoryOutcome::unsolved(self.problem));
         (*self.position, self.done, self.saved) = (position, statistics, Some(stage));
         Ok(())
     }
@@ -110,7 +110,7 @@ impl<'a> HistoryDriver<'a> {
                     self.joined += more.len() - held;
                     nodes = (more.len() < all).then_some(more);
                 }
-                Err(Error::Linear(LinearError::OutOfMemory { .. })) if self.begun.is_some() => {
+                Err(Error::Linear(LinearError::OutOfMemory { .. })) if self.increment_clock.is_some() => {
                     self.outcome.status = Status::OutOfMemory;
                     return Ok(());
                 }
@@ -141,7 +141,7 @@ impl<'a> HistoryDriver<'a> {
             }
             Err(error) => return Err(error.into()),
         };
-        let mut dense = RefinedSolver::from(Dense::default()).after(self.done);
+        let mut dense = RefinedSolver::new(Box::new(Dense::default())).after(self.done);
         self.stage(own.as_deref().unwrap_or(algorithm), Some(&condensed), &mut dense)
     }
 
@@ -186,7 +186,7 @@ impl<'a> HistoryDriver<'a> {
             self.outcome.setup_seconds = self.start.elapsed().as_secs_f64();
             self.observer.ready();
         }
-        stage.go_on_from(self.position, condensed, loading);
+        stage.continue_from(self.position, condensed, loading);
         Ok(Some(stage))
     }
 
@@ -207,7 +207,7 @@ impl<'a> HistoryDriver<'a> {
         let (outcome, observer) = (&mut self.outcome, &mut *self.observer);
 
         if let Some(saved) = self.saved.take() {
-            if !path.stage.method.restore(saved.memory, linear)? {
+            if !path.stage.method.restore(saved.snapshot, linear)? {
                 return Err(CheckpointError::Other { what: "the method" }.into());
             }
             // Keeps the earlier value if there is nothing left to solve.
@@ -215,12 +215,12 @@ impl<'a> HistoryDriver<'a> {
         }
         while let Some(&time) = times.get(outcome.tally.increments) {
             let index = outcome.tally.increments + 1;
-            let (began, before) = self.begun.take().unwrap_or_else(|| (Instant::now(), *linear.statistics()));
-            let mut progress = Progress { problem, index, observer: &mut *observer };
+            let (began, before) = self.increment_clock.take().unwrap_or_else(|| (Instant::now(), *linear.statistics()));
+            let mut progress = IncrementObserver { problem, index, observer: &mut *observer };
             let increment = match path.increment(time, linear, &mut progress) {
-                Ok(IncrementProgress::Ended(increment)) => increment,
-                Ok(IncrementProgress::NeedsNodes(nodes)) => {
-                    self.begun = Some((began, before));
+                Ok(IncrementEnd::Ended(increment)) => increment,
+                Ok(IncrementEnd::NeedsNodes(nodes)) => {
+                    self.increment_clock = Some((began, before));
                     self.done = *linear.statistics();
                     return Ok(Some(nodes));
                 }
@@ -286,7 +286,7 @@ impl HistoryOutcome {
             run: RunOf::new(&self.layout, settings),
             outcome: Done::of(self),
             position: path.at.clone(),
-            stage: SavedStage { memory: path.stage.method.memory(linear), nodes },
+            stage: SavedStage { snapshot: path.stage.method.snapshot(linear), nodes },
             statistics: *linear.statistics(),
         };
         Checkpoint::new(self.tally.increments, self.reached, &saved)

@@ -1,4 +1,5 @@
-//! A history along its exact path in time. Its increments are output times and do not affect the path.
+//! A history along its exact path in time. An increment here is the interval between two output times; it does not affect
+//! the path.
 
 use super::interior::{InteriorRecovery, RecoveredState, Responds};
 use super::jump::{AfterJump, JumpSolver, RestartPoint};
@@ -45,7 +46,7 @@ struct ExactHistory<'a> {
 }
 
 /// The start of a step, for the friction law.
-struct Begun {
+struct StepStart {
     /// The displacements relative to the obstacles along both tangents, n_c, m.
     places: [Vec<f64>; 2],
     time: f64,
@@ -84,7 +85,7 @@ pub fn follow_exact_path(
     loading.check(problem)?;
     settings.check(problem)?;
     check_times(times)?;
-    let outcome = HistoryOutcome::begun(problem);
+    let outcome = HistoryOutcome::unsolved(problem);
     ExactHistory { problem, loading, times, jump, settings, observer, outcome }.follow(system, start)
 }
 
@@ -162,8 +163,8 @@ impl ExactHistory<'_> {
                 rates: walk.effort().solves,
                 jumps: 0,
             };
-            let (begun, lost) = loop {
-                let begun = Begun { places: walk.places(), time: walk.time() };
+            let (step_start, lost) = loop {
+                let step_start = StepStart { places: walk.places(), time: walk.time() };
                 let step = walk.step(time)?;
                 for event in &step.events {
                     self.observer.event(in_progress.index, event);
@@ -175,16 +176,16 @@ impl ExactHistory<'_> {
                 in_progress.friction_work += step.friction_work;
                 match step.stop {
                     SegmentEnd::PathEnd(lost) if self.jump => {
-                        if !self.jump(&mut walk, lost, &begun, &mut scales[1], condensed, &mut in_progress)? {
-                            break (begun, Some(lost));
+                        if !self.jump(&mut walk, lost, &step_start, &mut scales[1], condensed, &mut in_progress)? {
+                            break (step_start, Some(lost));
                         }
                     }
-                    SegmentEnd::PathEnd(lost) => break (begun, Some(lost)),
+                    SegmentEnd::PathEnd(lost) => break (step_start, Some(lost)),
                     SegmentEnd::Event if walk.is_beginning() => {}
                     stop => {
-                        self.judge_step(&walk, stop, &begun, &mut scales[0], condensed, &mut in_progress)?;
+                        self.judge_step(&walk, stop, &step_start, &mut scales[0], condensed, &mut in_progress)?;
                         if stop == SegmentEnd::Until {
-                            break (begun, None);
+                            break (step_start, None);
                         }
                     }
                 }
@@ -197,7 +198,7 @@ impl ExactHistory<'_> {
                 }
             };
             let reached = lost.map_or(time, |lost| lost.time);
-            let data = Driven::new(self.problem, self.loading, reached, &begun);
+            let data = StepData::new(self.problem, self.loading, reached, &step_start);
             in_progress.ends.push(reached);
             scales[1] = scales[1].with_load(self.problem, &data.increment());
             let balanced = self.balanced(&data, &scales[1], &mut walk, condensed)?;
@@ -225,21 +226,21 @@ impl ExactHistory<'_> {
         &self,
         walk: &ExactPath<'_>,
         stop: SegmentEnd,
-        begun: &Begun,
+        step_start: &StepStart,
         scales: &mut KktScales,
         condensed: Option<(&Condensed, &Condensation)>,
         in_progress: &mut IncrementSoFar,
     ) -> Result<(), LinearError> {
         let small = condensed.map_or(self.problem, |(condensed, _)| &condensed.problem);
         let (state, now) = (walk.state(), walk.time());
-        let data = Driven::by(walk, small, begun);
+        let data = StepData::by(walk, small, step_start);
         *scales = scales.with_load(small, &data.increment()).with_state(&state);
         let imbalance = small.imbalance(&data.force, &state)?;
         let (known, tolerance) = (self.above_rounding(*scales, small, &data), self.settings.tolerance);
         let kkt = judge(small, &data.increment(), &state, &imbalance, &known, tolerance)?;
         in_progress.kkt = in_progress.kkt.max(&kkt);
         // Loads at t = 0 are applied in a substep of their own, which takes no time.
-        if stop != SegmentEnd::Until && (now > begun.time || now == 0.0) {
+        if stop != SegmentEnd::Until && (now > step_start.time || now == 0.0) {
             in_progress.ends.push(now);
         }
         Ok(())
@@ -260,13 +261,13 @@ impl ExactHistory<'_> {
         &mut self,
         walk: &mut ExactPath<'_>,
         lost: PathEnd,
-        begun: &Begun,
+        step_start: &StepStart,
         scales: &mut KktScales,
         condensed: Option<(&Condensed, &Condensation)>,
         in_progress: &mut IncrementSoFar,
     ) -> Result<bool, Error> {
         let (problem, loading, settings) = (self.problem, self.loading, self.settings);
-        let data = Driven::new(problem, loading, lost.time, begun);
+        let data = StepData::new(problem, loading, lost.time, step_start);
         *scales = scales.with_load(problem, &data.increment());
         let RecoveredState { state, .. } = self.balanced(&data, scales, walk, condensed)?;
         *scales = scales.with_state(&state);
@@ -277,12 +278,12 @@ impl ExactHistory<'_> {
             (None, None) => None,
         };
         let Some(AfterJump { time, state, record }) = landed else { return Ok(false) };
-        let data = Driven::new(problem, loading, time, &Begun { places: walk.places(), time: lost.time });
+        let data = StepData::new(problem, loading, time, &StepStart { places: walk.places(), time: lost.time });
         *scales = scales.with_load(problem, &data.increment()).with_state(&state);
         let statuses = statuses_of(problem, &data.increment(), &state, scales);
         let before = walk.statuses().to_vec();
         let of_walk = condensed.map(|(condensed, _)| condensed.condensed_state(&state));
-        walk.go_on_from(time, of_walk.as_ref().unwrap_or(&state), &statuses);
+        walk.continue_from(time, of_walk.as_ref().unwrap_or(&state), &statuses);
         for (node, (from, to)) in before.into_iter().zip(walk.statuses()).enumerate().filter(|(_, (a, b))| a != *b) {
             let event = Event { time, node, from, to: *to };
             self.observer.event(in_progress.index, &event);
@@ -296,7 +297,7 @@ impl ExactHistory<'_> {
         in_progress.jumps += 1;
         in_progress
             .ends
-            .extend([lost.time, time].into_iter().filter(|end| *end < in_progress.end && *end > begun.time));
+            .extend([lost.time, time].into_iter().filter(|end| *end < in_progress.end && *end > step_start.time));
         self.outcome.jumps.push(Jump { from: lost.time, to: time, certain: lost.certain });
         Ok(true)
     }
@@ -304,7 +305,7 @@ impl ExactHistory<'_> {
     /// Returns the state of the whole body at the time that `walk` has reached.
     fn balanced(
         &self,
-        data: &Driven,
+        data: &StepData,
         scales: &KktScales,
         walk: &mut ExactPath<'_>,
         condensed: Option<(&Condensed, &Condensation)>,
@@ -324,7 +325,7 @@ impl ExactHistory<'_> {
 
     /// Raises the scales so that rounding does not count as an error: in gaps that closed from a large initial value,
     /// in loads that balance each other, and in a body that has moved as a whole.
-    fn above_rounding(&self, scales: KktScales, problem: &ContactProblem, data: &Driven) -> KktScales {
+    fn above_rounding(&self, scales: KktScales, problem: &ContactProblem, data: &StepData) -> KktScales {
         let largest = |values: &[f64]| values.iter().fold(0.0_f64, |m, value| m.max(value.abs()));
         let loads = largest(&self.loading.force_sizes(data.time, self.problem.displacements()));
         let elastic = f64::EPSILON * problem.stiffest() * scales.length;
@@ -336,7 +337,7 @@ impl ExactHistory<'_> {
     fn end(
         &mut self,
         in_progress: IncrementSoFar,
-        data: &Driven,
+        data: &StepData,
         balanced: RecoveredState,
         scales: KktScales,
         status: Option<Status>,
@@ -398,7 +399,7 @@ impl Responds for ExactPath<'_> {
 }
 
 /// The data of a step, with the arrays that an [`Increment`] borrows.
-struct Driven {
+struct StepData {
     time: f64,
     force: Vec<f64>,
     gap: Vec<f64>,
@@ -406,27 +407,27 @@ struct Driven {
     w_last: [Vec<f64>; 2],
 }
 
-impl Driven {
-    /// Creates the data of a step from `begun` to `time`.
-    fn new(problem: &ContactProblem, loading: &Loading, time: f64, begun: &Begun) -> Self {
+impl StepData {
+    /// Creates the data of a step from `step_start` to `time`.
+    fn new(problem: &ContactProblem, loading: &Loading, time: f64, step_start: &StepStart) -> Self {
         let mut force = vec![0.0; problem.displacements()];
         loading.force(time, &mut force);
         let w_last = [0, 1].map(|k| {
             let drift = loading.drift_at(time, k);
-            begun.places[k].iter().zip(drift).map(|(place, drift)| place + drift).collect()
+            step_start.places[k].iter().zip(drift).map(|(place, drift)| place + drift).collect()
         });
-        Driven { time, force, gap: loading.gaps_at(time), mu: problem.mu().to_vec(), w_last }
+        StepData { time, force, gap: loading.gaps_at(time), mu: problem.mu().to_vec(), w_last }
     }
 
     /// Creates the data of a step of `walk` on `problem`.
-    fn by(walk: &ExactPath<'_>, problem: &ContactProblem, begun: &Begun) -> Self {
+    fn by(walk: &ExactPath<'_>, problem: &ContactProblem, step_start: &StepStart) -> Self {
         let (force, gap, drift) = walk.given();
-        let past = |k: usize| begun.places[k].iter().zip(&drift[k]).map(|(place, drift)| place + drift).collect();
-        Driven { time: walk.time(), force, gap, mu: problem.mu().to_vec(), w_last: [0, 1].map(past) }
+        let past = |k: usize| step_start.places[k].iter().zip(&drift[k]).map(|(place, drift)| place + drift).collect();
+        StepData { time: walk.time(), force, gap, mu: problem.mu().to_vec(), w_last: [0, 1].map(past) }
     }
 
     fn increment(&self) -> Increment<'_> {
-        let Driven { force, gap, mu, w_last: [w_t_last, w_o_last], .. } = self;
+        let StepData { force, gap, mu, w_last: [w_t_last, w_o_last], .. } = self;
         Increment { force, gap, mu, w_t_last, w_o_last }
     }
 }

@@ -1,12 +1,12 @@
 //! One increment, halved if it fails.
 //!
-//! A substep is an increment of its own, and friction depends on the slip of each. A substep that fails and
-//! is halved leaves only its counts and its largest backward error. After a substep that converges, the other half of the
-//! interval that was halved is tried as a whole, so the size doubles back step by step.
+//! A substep is an increment of its own; friction depends on the slip in each. A substep that is halved leaves only its
+//! counts and its largest backward error. After a substep converges, the next one ends where the halved interval ended:
+//! T/4, T/4, T/2.
 
 use super::increment_error::{IncrementError, IncrementErrors};
 use super::interior::{InteriorRecovery, Linearized, RecoveredState};
-use super::observer::Progress;
+use super::observer::IncrementObserver;
 use super::rigid_offset::RigidOffset;
 use super::settings::HistorySettings;
 use super::stage::Stage;
@@ -36,7 +36,7 @@ pub(super) struct IncrementDriver<'a> {
 }
 
 /// The progress of an increment.
-pub(super) enum IncrementProgress {
+pub(super) enum IncrementEnd {
     /// The increment reached its end, or the place where it failed.
     Ended(Box<IncrementResult>),
     /// The equations lack contact nodes; the value is the working set needed to continue.
@@ -108,8 +108,8 @@ impl<'a> IncrementDriver<'a> {
         &mut self,
         time: f64,
         linear: &mut RefinedSolver,
-        progress: &mut Progress<'_>,
-    ) -> Result<IncrementProgress, LinearError> {
+        progress: &mut IncrementObserver<'_>,
+    ) -> Result<IncrementEnd, LinearError> {
         let in_progress = self.at.in_progress.take();
         let in_progress = in_progress.unwrap_or_else(|| IncrementInProgress::new(self.at.reached.unwrap_or(0.0), time));
         let IncrementInProgress { start, mut pending, mut solved, mut kkt, mut ends, mut friction_work } = in_progress;
@@ -117,7 +117,7 @@ impl<'a> IncrementDriver<'a> {
         loop {
             let end = pending.last().copied().unwrap_or(time);
             let from = self.at.reached.unwrap_or(0.0);
-            let begun = self.rollback();
+            let rollback = self.rollback();
             let substep = self.substep(end, linear, &mut |iteration| progress.iteration(iteration))?;
             let outcome = substep.outcome.clone();
             let so_far = solved.map_or(outcome.clone(), |solved| solved.then(outcome));
@@ -131,7 +131,7 @@ impl<'a> IncrementDriver<'a> {
                 let SubstepResult { state, scales, .. } = substep;
                 let walked = IncrementResult { solved: so_far, state, scales, kkt, status, ends, friction_work };
                 if pending.is_empty() {
-                    return Ok(IncrementProgress::Ended(Box::new(walked)));
+                    return Ok(IncrementEnd::Ended(Box::new(walked)));
                 }
                 self.show(&walked.state, |increment, state| {
                     progress.part(end, &self.data(), &walked, increment, state);
@@ -139,10 +139,10 @@ impl<'a> IncrementDriver<'a> {
                 (solved, ends) = (Some(walked.solved), walked.ends);
             } else if let Some(MissingNodes { nodes, solved }) = self.lack(&substep) {
                 self.at.estimate = solved.then_some(substep.state);
-                self.at.errors = begun.errors.zip(self.condensed.and_then(Condensed::nodes).map(<[usize]>::to_vec));
+                self.at.errors = rollback.errors.zip(self.condensed.and_then(Condensed::nodes).map(<[usize]>::to_vec));
                 let solved = Some(so_far);
                 self.at.in_progress = Some(IncrementInProgress { start, pending, solved, kkt, ends, friction_work });
-                return Ok(IncrementProgress::NeedsNodes(nodes));
+                return Ok(IncrementEnd::NeedsNodes(nodes));
             } else {
                 let half = 0.5 * (end - from);
                 // There is no time between neighbouring numbers.
@@ -151,9 +151,9 @@ impl<'a> IncrementDriver<'a> {
                     let (kkt, status) = (substep.kkt, substep.status);
                     let SubstepResult { state, scales, .. } = substep;
                     let walked = IncrementResult { solved: so_far, state, scales, kkt, status, ends, friction_work };
-                    return Ok(IncrementProgress::Ended(Box::new(walked)));
+                    return Ok(IncrementEnd::Ended(Box::new(walked)));
                 }
-                self.go_back(begun);
+                self.go_back(rollback);
                 pending.push(from + half);
                 solved = Some(so_far);
             }
@@ -306,7 +306,7 @@ impl<'a> IncrementDriver<'a> {
     /// Makes the method start from the estimate of the state at `time`, if there is one.
     fn take_estimate(&mut self, time: f64) -> Option<f64> {
         let (condensed, estimate) = (self.condensed?, self.at.estimate.take()?);
-        self.stage.method.go_on_from(&condensed.condensed_state(&estimate));
+        self.stage.method.set_state(&condensed.condensed_state(&estimate));
         Some(time)
     }
 

@@ -144,7 +144,7 @@ impl IncrementErrors {
 
     /// Continues with another working set at `time` (s), given all displacements (m). The errors of the `nodes` in
     /// the old working set are kept; nodes that join were open.
-    pub(super) fn go_on_from(
+    pub(super) fn continue_from(
         &mut self,
         before: &IncrementErrors,
         nodes: &[usize],

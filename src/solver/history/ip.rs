@@ -100,7 +100,7 @@ impl IncrementSolver for IpMethod {
     }
 
     /// Moves the positive unknowns that are not forces away from the border.
-    fn go_on_from(&mut self, state: &State) {
+    fn set_state(&mut self, state: &State) {
         let forces = self.formulation.layout().forces();
         let z = forces.packed(state, self.formulation.scaling());
         self.z[..forces.unknowns()].copy_from_slice(&z);
@@ -111,12 +111,12 @@ impl IncrementSolver for IpMethod {
         &mut self.z
     }
 
-    fn memory(&self, _linear: &RefinedSolver) -> Snapshot {
+    fn snapshot(&self, _linear: &RefinedSolver) -> Snapshot {
         Snapshot { unknowns: self.z.clone(), ..Snapshot::default() }
     }
 
-    fn restore(&mut self, memory: Snapshot, _linear: &mut RefinedSolver) -> Result<bool, LinearError> {
-        Ok(take_over(&mut self.z, &memory.unknowns))
+    fn restore(&mut self, snapshot: Snapshot, _linear: &mut RefinedSolver) -> Result<bool, LinearError> {
+        Ok(take_over(&mut self.z, &snapshot.unknowns))
     }
 }
 

@@ -57,13 +57,13 @@ pub trait Observer {
 impl Observer for () {}
 
 /// The observer of increment `index`.
-pub(super) struct Progress<'a> {
+pub(super) struct IncrementObserver<'a> {
     pub problem: &'a ContactProblem,
     pub index: usize,
     pub observer: &'a mut dyn Observer,
 }
 
-impl Progress<'_> {
+impl IncrementObserver<'_> {
     pub(super) fn iteration(&mut self, iteration: &Iteration<'_>) -> ControlFlow<()> {
         let flow = iteration
             .system

@@ -177,7 +177,7 @@ impl IncrementSolver for PredictorCorrectorMethod {
         self.formulation.forces().unpacked_with(&self.z, &self.rest, self.formulation.scaling())
     }
 
-    fn go_on_from(&mut self, state: &State) {
+    fn set_state(&mut self, state: &State) {
         let forces = self.formulation.forces();
         let z = forces.packed(state, self.formulation.scaling());
         self.z[..forces.unknowns()].copy_from_slice(&z);
@@ -187,13 +187,13 @@ impl IncrementSolver for PredictorCorrectorMethod {
         &mut self.z
     }
 
-    fn memory(&self, _linear: &RefinedSolver) -> Snapshot {
+    fn snapshot(&self, _linear: &RefinedSolver) -> Snapshot {
         let linearization = Some(self.end.linearization());
         Snapshot { unknowns: self.z.clone(), rest: self.rest.clone(), linearization, ..Snapshot::default() }
     }
 
-    fn restore(&mut self, memory: Snapshot, _linear: &mut RefinedSolver) -> Result<bool, LinearError> {
-        let Snapshot { unknowns, rest, linearization, .. } = memory;
+    fn restore(&mut self, snapshot: Snapshot, _linear: &mut RefinedSolver) -> Result<bool, LinearError> {
+        let Snapshot { unknowns, rest, linearization, .. } = snapshot;
         let end = linearization.is_some_and(|kept| self.end.linearize_as(&kept));
         Ok(take_over(&mut self.z, &unknowns) && take_over(&mut self.rest, &rest) && end)
     }

@@ -66,7 +66,7 @@ pub(super) struct SavedPath {
 /// A snapshot of the stage in progress.
 #[derive(Clone, Default, Serialize, Deserialize)]
 pub(super) struct SavedStage {
-    pub memory: Snapshot,
+    pub snapshot: Snapshot,
     /// The working set of the condensed equations, if it is not all contact nodes.
     pub nodes: Option<Vec<usize>>,
 }

@@ -94,13 +94,13 @@ impl Stage {
     }
 
     /// Starts from the state `at` that the history has reached, if an earlier stage has left it.
-    pub(super) fn go_on_from(&mut self, at: &mut HistoryState, condensed: Option<&Condensed>, loading: &Loading) {
+    pub(super) fn continue_from(&mut self, at: &mut HistoryState, condensed: Option<&Condensed>, loading: &Loading) {
         let Some(state) = &at.state else { return };
-        let Some(condensed) = condensed else { return self.method.go_on_from(state) };
-        self.method.go_on_from(&condensed.condensed_state(state));
+        let Some(condensed) = condensed else { return self.method.set_state(state) };
+        self.method.set_state(&condensed.condensed_state(state));
         let begun = (self.method.increment_errors(), at.errors.take(), at.reached);
         if let (Some(errors), Some((before, nodes)), Some(time)) = begun {
-            errors.go_on_from(&before, &nodes, condensed, loading, time, [&at.w_n, &at.w_t, &at.w_o]);
+            errors.continue_from(&before, &nodes, condensed, loading, time, [&at.w_n, &at.w_t, &at.w_o]);
         }
     }
 }

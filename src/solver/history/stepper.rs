@@ -73,11 +73,11 @@ impl<P: Borrow<ContactProblem>> Stepper<P> {
         let (body, linear) = match system {
             SystemSolver::Whole(linear) => (Body::Whole, linear),
             SystemSolver::Condensed(condensation) => {
-                (Body::ToCondense(condensation), RefinedSolver::from(Dense::default()))
+                (Body::ToCondense(condensation), RefinedSolver::new(Box::new(Dense::default())))
             }
         };
         Ok(Stepper {
-            done: Done::of(&HistoryOutcome::begun(problem.borrow())),
+            done: Done::of(&HistoryOutcome::unsolved(problem.borrow())),
             position: HistoryState::start(problem.borrow()),
             settings: HistorySettings { from: None, working_set: None, ..settings },
             problem,
@@ -126,7 +126,7 @@ impl<P: Borrow<ContactProblem>> Stepper<P> {
     fn increment(&mut self, loading: &Loading, observer: &mut dyn Observer) -> Result<HistoryOutcome, Error> {
         let Stepper { problem, settings, body, linear, times, position, stage, loading: last, restart, .. } = self;
         let problem = (*problem).borrow();
-        let outcome = self.done.clone().resume(HistoryOutcome::begun(problem));
+        let outcome = self.done.clone().resume(HistoryOutcome::unsolved(problem));
         if !settings.knows(&outcome.layout) {
             return Ok(HistoryOutcome { status: Status::Unsupported, ..outcome });
         }
@@ -153,7 +153,7 @@ impl<P: Borrow<ContactProblem>> Stepper<P> {
         if let Some(stage) = stage {
             let moves = stage.may_move_rigidly && new_forces;
             if moves && restart.is_none() {
-                *restart = Some(stage.method.memory(linear));
+                *restart = Some(stage.method.snapshot(linear));
             }
             if new_forces {
                 stage.clamped = None;
@@ -175,7 +175,7 @@ impl<P: Borrow<ContactProblem>> Stepper<P> {
             *stage = driver.set_up(settings, condensed, linear)?;
         }
         let Some(stage) = stage else { return Ok(driver.outcome) };
-        *restart = Some(stage.method.memory(linear));
+        *restart = Some(stage.method.snapshot(linear));
         driver.increments(stage, condensed, linear)?;
         Ok(driver.outcome)
     }

@@ -112,7 +112,7 @@ pub trait IncrementSolver: Send {
 
     /// Sets the state, for example from another method or from a smaller working set. An increment after the first
     /// starts there.
-    fn go_on_from(&mut self, state: &State);
+    fn set_state(&mut self, state: &State);
 
     /// Returns the unknowns, which are saved, and restored if an increment fails.
     fn unknowns(&mut self) -> &mut Vec<f64>;
@@ -124,7 +124,7 @@ pub trait IncrementSolver: Send {
     }
 
     /// Takes a snapshot of all data on which the next increment depends. `linear` is the solver of the method.
-    fn memory(&self, linear: &RefinedSolver) -> Snapshot {
+    fn snapshot(&self, linear: &RefinedSolver) -> Snapshot {
         let _ = linear;
         Snapshot::of_state(self.state())
     }
@@ -134,11 +134,11 @@ pub trait IncrementSolver: Send {
     ///
     /// # Errors
     /// If the linear solver fails.
-    fn restore(&mut self, memory: Snapshot, linear: &mut RefinedSolver) -> Result<bool, LinearError> {
+    fn restore(&mut self, snapshot: Snapshot, linear: &mut RefinedSolver) -> Result<bool, LinearError> {
         let _ = linear;
-        let (length, state) = (self.state().u.len(), memory.into_state());
+        let (length, state) = (self.state().u.len(), snapshot.into_state());
         let state = state.filter(|state| state.u.len() == length);
-        Ok(state.map(|state| self.go_on_from(&state)).is_some())
+        Ok(state.map(|state| self.set_state(&state)).is_some())
     }
 }
 
