@@ -42,8 +42,8 @@ use std::borrow::Cow;
 use std::time::Instant;
 
 pub use applicable::{Unsuited, unsuited};
-pub use discretise::discretise;
 use discretise::{as_chosen, for_run};
+pub use discretise::{discretise, expect_exact_path};
 pub use error::RunError;
 #[cfg(feature = "petsc")]
 pub use grid::grid;

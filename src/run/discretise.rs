@@ -79,20 +79,29 @@ fn model_of(scene: &Scene, share: Option<Share<'_>>) -> Result<Model, RunError> 
     })
 }
 
+/// Returns an error if the method `events` cannot follow the exact path of `model`, the model of `scene`.
+///
+/// # Errors
+/// [`RunError::Scene`] if nodes slide in a plane, or friction changes in time.
+pub fn expect_exact_path(scene: &Scene, model: &Model) -> Result<(), RunError> {
+    let layout = Layout::new(&model.problem);
+    let help = "use the method \"bn\"";
+    if (0..layout.contacts()).any(|i| layout.slides_in_a_plane(i)) {
+        let message = "the exact path requires nodes that slide along lines, as in two dimensions, but nodes of this \
+                       scene slide in a plane";
+        return Err(scene.error_at("solver.method", message, help).into());
+    }
+    if model.loading.friction().is_some() {
+        let message = "the exact path requires constant friction, but that of this scene changes in time";
+        return Err(scene.error_at("solver.method", message, help).into());
+    }
+    Ok(())
+}
+
 /// Returns the model of `scene`, or an error if the method cannot solve such a problem.
 fn suitable(scene: &Scene, mut model: Model) -> Result<Model, RunError> {
     if scene.solver.method.is_exact_path() {
-        let layout = Layout::new(&model.problem);
-        let help = "use the method \"bn\"";
-        if (0..layout.contacts()).any(|i| layout.slides_in_a_plane(i)) {
-            let message =
-                "the exact path requires nodes that slide along lines, but nodes of this scene slide in a plane";
-            return Err(scene.error_at("solver.method", message, help).into());
-        }
-        if model.loading.friction().is_some() {
-            let message = "the exact path requires constant friction, but that of this scene changes in time";
-            return Err(scene.error_at("solver.method", message, help).into());
-        }
+        expect_exact_path(scene, &model)?;
         if !model.loading.bends().is_empty() {
             let mut scene = scene.clone();
             scene.description.times = chords(&scene.description.times, &model.loading.kinks());
@@ -104,7 +113,7 @@ fn suitable(scene: &Scene, mut model: Model) -> Result<Model, RunError> {
     {
         let message = "this interior point method has only one tangent per node, but nodes of this scene slide in a \
          plane";
-        let help = "remove solver.setting and solver.newton, or use the method \"bn\"";
+        let help = "remove solver.setting, or use the method \"bn\"";
         return Err(scene.error_at(key, message, help).into());
     }
     ProbeTable::all(&model, &scene.output.probes).map_err(|fault| scene.located(fault))?;

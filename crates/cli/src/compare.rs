@@ -255,7 +255,7 @@ pub fn compute(
     let tell = |what: String| progress.lock().unwrap_or_else(PoisonError::into_inner)(what);
     let studies = parallel_map(&meshes, plan.jobs, |mesh| {
         tell(format!("{mesh}, reference with {reference} increments"));
-        Study::new(scene, mesh.clone(), reference, cells)
+        Study::new(scene, mesh.clone(), reference, &plan.paths, cells)
     })?;
     let units = studies.last().map_or(scene.description.system(3), Study::units);
     let mut tasks = Vec::new();

@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::base::units::Quantity;
 use crate::body::fem::RigidMotion;
 use crate::body::model::Model;
-use crate::solver::history::{HistoryOutcome, Method, SolverChoice, Status};
+use crate::solver::history::{HistoryMethod, HistoryOutcome, Method, SolverChoice, Status};
 use crate::solver::laws::Law;
 
 /// A smaller motion of contact nodes, relative to that of the body, is rounding.
@@ -80,7 +80,7 @@ fn reason(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome) -> Str
         Status::Singular => unheld(model, outcome),
         Status::NoEquilibrium => no_equilibrium(model, outcome),
         Status::EdgeFriction => edge_friction(model, outcome),
-        Status::NoContinuation => no_continuation(model, outcome),
+        Status::NoContinuation => no_continuation(solver, model, outcome),
         Status::Interrupted => "stopped on request".to_string(),
         Status::Inaccurate | Status::Stalled if law == "equilibrium" && error <= 10.0 * outcome.rounding => format!(
             "{violated}, which is the rounding error of the displacements of so slender a body; if this accuracy \
@@ -241,7 +241,7 @@ fn no_equilibrium(model: &Model, outcome: &HistoryOutcome) -> String {
 }
 
 /// Explains why the exact path ends, and suggests a cure.
-fn no_continuation(model: &Model, outcome: &HistoryOutcome) -> String {
+fn no_continuation(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome) -> String {
     if let Some(motion) = motion(model, outcome) {
         return format!(
             "the quasi-static motion ends here: within this increment the loads drive {}, and no contact force \
@@ -254,7 +254,10 @@ fn no_continuation(model: &Model, outcome: &HistoryOutcome) -> String {
     } else {
         "no rates that satisfy the laws were found"
     };
-    let cure = if model.rigid_motions.is_empty() {
+    let cure = if solver.method == (HistoryMethod::ExactPath { jump: true }) {
+        "no state to jump to was found up to the end of this increment: fewer increments let the jump reach further, \
+         and less friction may avoid it"
+    } else if model.rigid_motions.is_empty() {
         "the motion can continue only by a jump, with solver.jump = true; less friction may avoid it"
     } else {
         "supports leave the body a rigid motion, and rates are not unique if contact leaves it too: add a support, \

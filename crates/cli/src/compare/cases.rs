@@ -9,7 +9,7 @@ use std::time::Instant;
 use stickslip::base::UnitSystem;
 use stickslip::body::Model;
 use stickslip::run::report::{EstimateWatch, Estimates, thread_cpu_seconds};
-use stickslip::run::{Run, RunError, discretise};
+use stickslip::run::{Run, RunError, discretise, expect_exact_path};
 use stickslip::scene::{Override, Scene};
 use stickslip::solver::IterationRecord;
 use stickslip::solver::formulation::Layout;
@@ -47,12 +47,22 @@ pub(super) struct Study {
 
 impl Study {
     /// Builds `scene` on `mesh` and solves its reference with this number of increments, unless `cells` has stored it.
-    pub(super) fn new(scene: &Scene, mesh: MeshChoice, reference: usize, cells: &dyn Cells) -> Result<Self, RunError> {
+    /// All `paths` must suit the scene.
+    pub(super) fn new(
+        scene: &Scene,
+        mesh: MeshChoice,
+        reference: usize,
+        paths: &[SolverPath],
+        cells: &dyn Cells,
+    ) -> Result<Self, RunError> {
         // The gaps of moving obstacles are exact at the ends of the increments of the reference, and so for all
         // histories whose increments are unions of these.
         let scene = scene.with(&mesh.overrides(&scene.description.mesh))?.with(&[increments_of(reference)])?;
         let (wall, cpu) = (Instant::now(), thread_cpu_seconds());
         let model = discretise(&scene)?;
+        if paths.iter().any(|path| path.method.is_exact_path()) {
+            expect_exact_path(&scene, &model)?;
+        }
         let built = [wall.elapsed().as_secs_f64(), thread_cpu_seconds() - cpu];
         let reference = Solved::or_kept(cells, &format!("{mesh}, reference, {reference}"), &model.problem, || {
             solve_reference(&scene, &model, built, reference)
@@ -191,6 +201,8 @@ impl SolverPath {
             paper @ Method::PaperIp { .. } => tolerance.max(paper.default_tolerance()),
             _ => tolerance,
         };
+        // An exact path jumps if that of the scene does.
+        let method = if method.is_exact_path() && of_scene.method.is_exact_path() { of_scene.method } else { method };
         SolverChoice { method, linear: Some(linear), max_iterations, tolerance }
     }
 }
@@ -261,9 +273,14 @@ mod tests {
         let overrides = ["mesh.contact_elements=4", "mesh.outer_elements=4", "mesh.layers=4", "time.increments=1"];
         let moving = "contact.obstacle.motion.translation=[[0,0,0],[1,0.02,0]]";
         let overrides = overrides.into_iter().chain([moving]).map(|text| text.parse().unwrap()).collect::<Vec<_>>();
-        let study =
-            Study::new(&Scene::parse("roller.toml", text, &overrides).unwrap(), MeshSize::Elements(4).into(), 8, &())
-                .unwrap();
+        let study = Study::new(
+            &Scene::parse("roller.toml", text, &overrides).unwrap(),
+            MeshSize::Elements(4).into(),
+            8,
+            &[],
+            &(),
+        )
+        .unwrap();
         let ends: Vec<f64> = (0..=8).map(|k| f64::from(k) / 8.0).collect();
         assert_eq!(study.model.loading.bends()[0].times(), ends);
     }

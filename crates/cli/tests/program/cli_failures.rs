@@ -327,3 +327,36 @@ fn compare_takes_what_is_built_in() {
         assert!(stderr(&output).contains("--solvers") && stderr(&output).contains("help"), "{}", stderr(&output));
     }
 }
+
+/// A request to stop is seen between increments, too: an exact path without changes of status has no iterations.
+#[test]
+fn an_interrupted_exact_path_ends_with_its_results() {
+    let (folder, scene) = Folder::with_scene(&small());
+    let child = Command::new(env!("CARGO_BIN_EXE_stickslip"))
+        .args(["run", &scene, "--out", &folder.join("results"), "--method", "events", "--setting", "default"])
+        .args(["--set", "mesh.elements=[4,4]", "--set", "time.increments=1000000"])
+        .args(["--set", "contact.obstacle.gap=1", "--threads", "1"])
+        .stdout(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    let lines = || fs::read_to_string(folder.join("results/increments.csv")).map_or(0, |text| text.lines().count());
+    while lines() < 4 {
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+    send("INT", child.id());
+    let output = child.wait_with_output().unwrap();
+    assert_exit(&output, 1);
+    assert!(stdout(&output).contains("verdict      interrupted"), "{}", stdout(&output));
+    let report: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(folder.join("results/run.json")).unwrap()).unwrap();
+    assert_eq!(report["status"], "interrupted");
+}
+
+/// `compare` refuses what `run` refuses, before anything is solved.
+#[test]
+fn an_exact_path_that_does_not_exist_is_refused() {
+    let (_folder, scene) = Folder::with_scene(include_str!("../../../../data/scenes/cube.toml"));
+    let output = stickslip(&["compare", &scene, "--methods", "bn,events", "--meshes", "2", "--increments", "2"]);
+    assert_exit(&output, 2);
+    assert!(stderr(&output).contains("slide along lines") && stderr(&output).contains("\"bn\""), "{}", stderr(&output));
+}

@@ -232,11 +232,18 @@ fn checkpoints_that_are_damaged_and_tables_that_are_cut_are_told() {
         assert!(case.failing(name, 75, "kill", false).status.code().is_none());
         assert!(case.path(name).join(".checkpoint").exists());
     };
-    // An incomplete checkpoint is ignored: a new run begins.
+    // A damaged checkpoint is refused, so that the results beside it stay; a new run replaces them.
     left("cut");
     let bytes = fs::read(case.path("cut/.checkpoint")).unwrap();
-    fs::write(case.path("cut/.checkpoint"), &bytes[..bytes.len() / 2]).unwrap();
-    assert_exit(&case.command("cut", &["--resume"]).output().unwrap(), 0);
+    let increments = fs::read(case.path("cut/increments.csv")).unwrap();
+    for length in [0, bytes.len() / 2] {
+        fs::write(case.path("cut/.checkpoint"), &bytes[..length]).unwrap();
+        let output = case.command("cut", &["--resume"]).output().unwrap();
+        assert_exit(&output, 2);
+        assert!(told(&output).contains("checkpoint") && told(&output).contains("damaged"), "{}", told(&output));
+        assert_eq!(fs::read(case.path("cut/increments.csv")).unwrap(), increments);
+    }
+    assert_exit(&case.command("cut", &[]).output().unwrap(), 0);
     assert_same(&case.path("whole"), &case.path("cut"));
     left("table");
     fs::write(case.path("table/forces.csv"), "index\n").unwrap();

@@ -20,6 +20,7 @@ use stickslip::solver::{Checkpoint, CheckpointError};
 pub struct LockedOutputDir {
     place: Locked,
     kept: Option<(Checkpoint, Kept)>,
+    is_damaged: bool,
 }
 
 impl LockedOutputDir {
@@ -36,14 +37,21 @@ impl LockedOutputDir {
             let mut bytes = Vec::new();
             file.read_to_end(&mut bytes).map(|_| bytes)
         });
-        let kept = match kept {
+        let (kept, is_damaged) = match kept {
             Ok(bytes) => {
-                Checkpoint::from_bytes(&bytes).and_then(|checkpoint| Ok((checkpoint.part(2)?, checkpoint))).ok()
+                let kept = Checkpoint::from_bytes(&bytes).and_then(|checkpoint| Ok((checkpoint.part(2)?, checkpoint)));
+                let is_damaged = kept.is_err();
+                (kept.ok(), is_damaged)
             }
-            Err(error) if error.kind() == io::ErrorKind::NotFound => None,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => (None, false),
             Err(error) => return Err(error),
         };
-        Ok(LockedOutputDir { place, kept: kept.map(|(kept, checkpoint)| (checkpoint, kept)) })
+        Ok(LockedOutputDir { place, kept: kept.map(|(kept, checkpoint)| (checkpoint, kept)), is_damaged })
+    }
+
+    /// Returns `true` if an earlier run has left a checkpoint that cannot be read: it is damaged, or of another build.
+    pub fn is_damaged(&self) -> bool {
+        self.is_damaged
     }
 
     /// Returns the path of the folder.
@@ -118,7 +126,7 @@ impl LockedOutputDir {
     /// When the disk refuses, and [`CheckpointError::Damaged`] when a table is missing or shorter than at the
     /// checkpoint.
     pub fn resume(self, model: &Model, probes: Vec<ProbeTable>) -> io::Result<ResultFolder> {
-        let LockedOutputDir { mut place, kept } = self;
+        let LockedOutputDir { mut place, kept, .. } = self;
         let (_, Kept { origin, linear, files, fields, .. }) = kept.ok_or_else(damaged)?;
         place.go_on();
         let table = |name: &str| {

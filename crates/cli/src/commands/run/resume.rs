@@ -21,6 +21,14 @@ pub(super) enum Left {
 impl Left {
     /// Returns what `claim` holds for a scene of this `origin`. Returns an error if something has changed since.
     pub(super) fn of(claim: &LockedOutputDir, origin: &Provenance, args: &RunArgs) -> Result<Option<Self>, Failure> {
+        if args.results.resume && claim.is_damaged() {
+            return Err(Failure::Input(miette::miette!(
+                help = "run without --resume to start a new run; it replaces the existing results after its first \
+                        increment",
+                "the checkpoint in {} cannot be read: it is damaged, or of another build",
+                claim.path().display()
+            )));
+        }
         let Some((checkpoint, earlier, linear, ended)) = claim.left() else {
             if args.results.resume && !args.json {
                 say!("resume       no earlier run was found: a new run begins");

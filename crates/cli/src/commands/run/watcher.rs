@@ -72,6 +72,12 @@ impl Watcher<'_> {
         if is_failure || converged && self.is_wanted(step) { self.write(step) } else { Ok(()) }
     }
 
+    /// Asks the run to stop if the user has asked, or if a result cannot be written.
+    fn flow(&self) -> ControlFlow<()> {
+        let stop = interrupt::requested() || self.failed_write.is_some();
+        if stop { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+
     fn is_wanted(&self, step: &IncrementView<'_>) -> bool {
         self.wanted.binary_search(&step.record.index).is_ok()
     }
@@ -85,8 +91,7 @@ impl Observer for Watcher<'_> {
 
     fn iteration(&mut self, _index: usize, record: &IterationRecord) -> ControlFlow<()> {
         self.progress.iteration(record.iteration, record.theta);
-        let stop = interrupt::requested() || self.failed_write.is_some();
-        if stop { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        self.flow()
     }
 
     fn event(&mut self, index: usize, event: &Event) {
@@ -108,7 +113,7 @@ impl Observer for Watcher<'_> {
             self.failed_write = self.add(step).err();
         }
         self.progress.increment(step.record);
-        if self.failed_write.is_none() { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+        self.flow()
     }
 
     fn rest(&mut self, here: &dyn Fn() -> Checkpoint) {
