@@ -83,7 +83,8 @@ fn reason(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome) -> Str
         Status::NoContinuation => no_continuation(solver, model, outcome),
         Status::Interrupted => "stopped on request".to_string(),
         Status::Inaccurate | Status::Stalled if law == "equilibrium" && error <= 10.0 * outcome.rounding => format!(
-            "{violated}, which is the rounding error of the displacements of so slender a body; if this accuracy \
+            "{violated}; displacements that are so much larger than the deformation, as of a slender or a hardly held \
+             body, have this rounding error: hold the body by a support or stiffer springs, or, if this accuracy \
              suffices, set solver.tolerance above it"
         ),
         Status::Inaccurate if exact_path => {

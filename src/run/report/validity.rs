@@ -413,10 +413,14 @@ fn faceted_gaps(model: &Model, faceted: &Faceted) -> String {
 
 fn not_unique(model: &Model, neutral: &NeutralMotion, time: f64) -> Option<String> {
     let motion = RigidMotion::combination(&model.rigid_motions, &neutral.weights)?;
-    let room = neutral.room[0].min(neutral.room[1]);
+    // The body may move one way only.
+    let room = neutral.room[0].max(neutral.room[1]);
+    if room == 0.0 {
+        return None;
+    }
     let (units, told) = (model.units(), model.units().of_si(Quantity::Length, room));
     let (motion, unit) = (motion.against(&units), units.name(Quantity::Length));
-    let room = if room.is_finite() { format!("by {told:.2e} {unit}") } else { "by any distance".to_string() };
+    let room = if room.is_finite() { format!("by up to {told:.2e} {unit}") } else { "by any distance".to_string() };
     Some(format!(
         "at t = {time} s contact forces balance the loads, but nothing holds {motion}: displacements are one of \
          many solutions, which may differ {room} before another node touches, with the same stresses; add a \
