@@ -139,6 +139,12 @@ pub struct HistoryOutcome {
 }
 
 impl HistoryOutcome {
+    /// Ends a history whose body is unconstrained even with clamped contact nodes.
+    fn end_unconstrained(&mut self, algorithm: &dyn Algorithm, problem: &ContactProblem, loading: &Loading) {
+        self.free_motion = algorithm.start(problem, loading).clamp_contacts().err();
+        self.status = Status::Singular;
+    }
+
     /// Creates the outcome of a history before its first increment.
     fn unsolved(problem: &ContactProblem) -> Self {
         HistoryOutcome {

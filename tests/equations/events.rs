@@ -415,3 +415,17 @@ fn a_body_that_contact_alone_holds_comes_to_rest_first() {
         }
     }
 }
+
+/// A body that nothing holds: the motion is named whatever the linear algebra.
+#[test]
+fn a_body_that_nothing_holds_is_named() {
+    let contact = BLOCK.find("[[contact]]").unwrap();
+    let load = BLOCK.find("[[load]]").unwrap();
+    let text = [&BLOCK[..contact], &BLOCK[load..]].concat().replace("fix = [\"x\", \"y\"]", "fix = [\"x\"]");
+    let model = model(&text, &["mesh.elements=[4,4]"]);
+    for linear in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
+        let outcome = solve(&model.problem, &model.loading, &[1.0], HistoryMethod::EVENTS, linear);
+        assert!([Status::Singular, Status::NoContinuation].contains(&outcome.status), "{linear}");
+        assert!(outcome.free_motion.is_some(), "{linear}");
+    }
+}

@@ -135,8 +135,7 @@ impl<'a> HistoryDriver<'a> {
         let condensed = match condensed {
             Ok(condensed) => condensed,
             Err(LinearError::Singular { .. }) => {
-                self.outcome.free_motion = algorithm.start(self.problem, self.loading).clamp_contacts().err();
-                self.outcome.status = Status::Singular;
+                self.outcome.end_unconstrained(algorithm, self.problem, self.loading);
                 return Ok(None);
             }
             Err(error) => return Err(error.into()),

@@ -105,7 +105,7 @@ impl ExactHistory<'_> {
         let condensed = match condensed {
             Ok(condensed) => condensed,
             Err(LinearError::Singular { .. }) => {
-                self.outcome.status = Status::Singular;
+                self.outcome.end_unconstrained(settings, problem, loading);
                 return Ok(self.outcome);
             }
             Err(error) => return Err(error.into()),

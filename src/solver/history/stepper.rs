@@ -141,8 +141,9 @@ impl<P: Borrow<ContactProblem>> Stepper<P> {
             Body::ToCondense(condensation) => match Condensed::new(problem, loading, condensation.clone()) {
                 Ok(condensed) => *body = Body::Condensed(Box::new(condensed)),
                 Err(LinearError::Singular { .. }) => {
-                    let free_motion = settings.start(problem, loading).clamp_contacts().err();
-                    return Ok(HistoryOutcome { status: Status::Singular, free_motion, ..outcome });
+                    let mut outcome = outcome;
+                    outcome.end_unconstrained(settings, problem, loading);
+                    return Ok(outcome);
                 }
                 Err(error) => return Err(error.into()),
             },
