@@ -2,12 +2,12 @@
 //! on the contact nodes, and judged by an error measure that is independent of the solver.
 //!
 //! The problem of one load increment, in the notation of Christensen, Klarbring, Pang and Strömberg
-//! (Int. J. Numer. Meth. Engng 42, 1998), whose equation numbers stand throughout:
+//! (Int. J. Numer. Meth. Engng 42, 1998), whose equation numbers are used throughout:
 //!
 //! - equilibrium (15): `K u + C_nᵀ p_n + C_tᵀ p_t = f`;
 //! - contact (4): `w_n = C_n u ≤ g`, `p_n ≥ 0`, `p_n (w_n - g) = 0`;
-//! - friction, backward Euler (8): `|p_t| ≤ μ p_n`, and `p_t` maximises the dissipation `p_t · (w_t - w̄_t)` among all forces within
-//!   this limit, with `w_t = C_t u` and its value `w̄_t` at the end of the increment before, moved with the obstacle. In space
+//! - friction, backward Euler (8): with `w_t = C_t u`, and `w̄_t` its value at the end of the increment before, moved with the
+//!   obstacle, `p_t` satisfies `|p_t| ≤ μ p_n`. Among all such forces it maximises the dissipation `p_t · (w_t - w̄_t)`. In space
 //!   there are two tangents, `C_t` and `C_o`.
 //!
 //! # Start here
