@@ -280,7 +280,7 @@ class ContactProblem:
             times: ends of the increments, s, (m,), increasing from above 0; equal parts of 1 s without them.
             method, setting: "bn" or "ip", "default" or "paper"; "events" follows the exact path in the plane. Where contact rows depend
                 on each other, so that forces are not unique, each increment goes through the cascade for local problems instead.
-            linear: "auto", "faer", "condensed", "umfpack" where it is built in, or a `LinearSolver`.
+            linear: "auto", "faer", "partial", "condensed", "umfpack" where it is built in, or a `LinearSolver`.
             tolerance: the largest error of any law, relative; 1e-10 without it.
             max_iterations: of an increment.
             keep_u: of which increments displacements are kept: "all", "last", "none" or a list.

@@ -1,6 +1,7 @@
 //! The uncondensed system with its interior factored once a run.
 //!
-//! Let `c` be the displacements on which contact acts (in the code: the border), `r` the interior, and `q` all other unknowns. The matrices of a run are
+//! Let `c` be the displacements on which contact acts (in the code: the border), `r` the interior, and `q` all other unknowns.
+//! The matrices of a run are
 //!
 //! ```text
 //! [ K_rr K_rc  0 ] [u_r]   [b_r]
