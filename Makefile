@@ -12,13 +12,13 @@
 # make instructions the instructions of each kernel, counted by callgrind
 # make lines  files, lines and types, by room and crate
 # make tables the paper's Tables I and II, complete (minutes)
-# make extremes the suite of extreme scenes, into doc/stability (minutes)
-# make elements kinds of elements on Cook's membrane and Hertz' contacts, into doc/elements (minutes)
-# make compare error against time for six scenes, into doc/error-vs-time.md (minutes)
+# make extremes the suite of extreme scenes, into doc/method/stability (minutes)
+# make elements kinds of elements on Cook's membrane and Hertz' contacts, into doc/method/elements (minutes)
+# make compare error against time for six scenes, into doc/method/error-vs-time.md (minutes)
 # make fresh  demo and test from nothing, in a Debian 12 and a Debian 13 of their own (as root; an hour or more)
 # make fuzz   an hour of random input: readers, and runs that are judged by laws of their own
 # make sanitize the sanitizers over what calls C and what runs in several threads, and Miri where it is (an hour, compiling above all)
-# make report the paper's Figures 4 to 7, into doc/figures, both tables, and the comparison (minutes)
+# make report the paper's Figures 4 to 7, into doc/method/figures, both tables, and the comparison (minutes)
 # Each installs what is missing first.
 
 PACKAGES = libsuitesparse-dev libopenblas-dev libclang-dev
@@ -154,13 +154,13 @@ tables: deps
 	$(STUDIES) tables block
 
 extremes: deps
-	$(STUDIES) extremes --long --out doc/stability
+	$(STUDIES) extremes --long --out doc/method/stability
 
 elements: deps
-	$(STUDIES) elements --out doc/elements
+	$(STUDIES) elements --out doc/method/elements
 
 COMPARE = cargo run --release -- compare
-PAGE = doc/error-vs-time
+PAGE = doc/method/error-vs-time
 SOLID = --solvers umfpack,condensed
 PAPER = --methods bn,ip,events --settings default,paper $(SOLID)
 ONE = --threads 1
@@ -193,7 +193,7 @@ sanitize: deps
 	.ci/sanitize
 
 report: deps
-	$(STUDIES) figures --out doc/figures
+	$(STUDIES) figures --out doc/method/figures
 	$(MAKE) tables
 	$(MAKE) compare
 

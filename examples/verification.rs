@@ -1,6 +1,6 @@
-//! The pictures of doc/verification.md: Hertz's pressure and the shear of Cattaneo and Mindlin beside their closed forms.
+//! The pictures of doc/method/verification.md: Hertz's pressure and the shear of Cattaneo and Mindlin beside their closed forms.
 //!
-//! `cargo run --release --example verification -- doc/verification`
+//! `cargo run --release --example verification -- doc/method/verification`
 
 #[path = "../tests/common/hertz.rs"]
 mod hertz;

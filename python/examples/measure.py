@@ -1,4 +1,4 @@
-"""What the module costs: beside the program, callbacks, memory, imports. Prints what doc/python.md has.
+"""What the module costs: beside the program, callbacks, memory, imports. Prints what doc/howto/python.md has.
 
 python measure.py [PROGRAM]     the program of the same cargo profile
 """

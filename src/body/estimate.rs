@@ -1,7 +1,7 @@
 //! Estimates of discretisation errors. The error measure checks the laws on the given mesh only; the mesh may be too
 //! coarse.
 //!
-//! The estimates are dimensionless and need no reference solution; doc/estimates.md derives them and gives their
+//! The estimates are dimensionless and need no reference solution; doc/method/estimates.md derives them and gives their
 //! measured accuracy.
 
 mod corner;

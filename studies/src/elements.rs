@@ -98,7 +98,7 @@ impl Problem {
         }
     }
 
-    /// The answer, from much finer meshes where there is no closed form; see doc/verification.md.
+    /// The answer, from much finer meshes where there is no closed form; see doc/method/verification.md.
     pub fn exact(self) -> f64 {
         match self {
             Problem::Cook => 18.507,

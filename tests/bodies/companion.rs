@@ -1,4 +1,4 @@
-//! What a companion run tells of increments, beside the exact path in time. doc/estimates.md has the figures, which `--nocapture` prints.
+//! What a companion run tells of increments, beside the exact path in time. doc/method/estimates.md has the figures, which `--nocapture` prints.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use stickslip::run::discretise;

@@ -1,4 +1,4 @@
-//! What a report says of its own mesh. doc/estimates.md has the figures, which `--nocapture` prints.
+//! What a report says of its own mesh. doc/method/estimates.md has the figures, which `--nocapture` prints.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use crate::common::hertz::Hertz;

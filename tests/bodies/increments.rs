@@ -1,4 +1,4 @@
-//! What increments leave, by the run itself, beside the exact path in time. doc/estimates.md has the figures, which `--nocapture` prints.
+//! What increments leave, by the run itself, beside the exact path in time. doc/method/estimates.md has the figures, which `--nocapture` prints.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use stickslip::algebra::{Csr, Symmetric};

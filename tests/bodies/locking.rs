@@ -164,7 +164,7 @@ fn what_is_locked_altogether_is_told() {
         }
         let cook = Description::new(MeshSource::from(mesh), material(), vec![1.0]);
         let cook = cook.support("left", &[Axis::X, Axis::Y]).load(Load::new("right", &[0.0, 1.0 / 16.0]));
-        // By 245 to 257 %, see doc/elements.md.
+        // By 245 to 257 %, see doc/method/elements.md.
         assert_eq!(locking(cook), 1.0, "{n}");
     }
     let confined =

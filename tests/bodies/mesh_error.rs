@@ -1,4 +1,4 @@
-//! The error of the mesh in the energy norm beside what a run says of it. doc/estimates.md has the figures, which `--nocapture` prints.
+//! The error of the mesh in the energy norm beside what a run says of it. doc/method/estimates.md has the figures, which `--nocapture` prints.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use super::estimates::solved;

@@ -1,5 +1,5 @@
 //! Published cases and closed forms of contact: shrink fit, flat punch, receding contact, stick under a growing load.
-//! `doc/verification.md` has the figures, which `--nocapture` prints.
+//! `doc/method/verification.md` has the figures, which `--nocapture` prints.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use crate::common;

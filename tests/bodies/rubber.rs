@@ -1,5 +1,5 @@
 //! Bonded blocks of rubber that are pressed: how far elements for bodies that hardly change their volume are from fine bricks with B-bar.
-//! The tables of doc/verification.md are what the last two tests print.
+//! The tables of doc/method/verification.md are what the last two tests print.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use stickslip::run::Run;

@@ -1,5 +1,5 @@
 //! Deformable bodies in front of each other. Figures without a closed form are those of a program that shares nothing with this one.
-// Figures as that program prints them; those of doc/verification.md with --nocapture.
+// Figures as that program prints them; those of doc/method/verification.md with --nocapture.
 #![allow(clippy::unwrap_used, clippy::unreadable_literal, clippy::print_stdout)]
 
 mod chains;

@@ -1,6 +1,6 @@
-//! Closed forms and a published case, on the scenes of data/scenes; `doc/verification.md` has the figures.
+//! Closed forms and a published case, on the scenes of data/scenes; `doc/method/verification.md` has the figures.
 
-// The figures of doc/verification.md, with --nocapture.
+// The figures of doc/method/verification.md, with --nocapture.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use crate::common;

@@ -1,4 +1,4 @@
-//! Where an equation is: the table of doc/architecture.md against the numbers in the code's own comments.
+//! Where an equation is: the table of doc/method/architecture.md against the numbers in the code's own comments.
 
 #![allow(clippy::unwrap_used)]
 
@@ -51,7 +51,7 @@ fn rows(page: &str) -> Vec<(&str, Vec<String>)> {
 
 #[test]
 fn every_equation_is_where_the_table_says() {
-    let page = read("doc/architecture.md");
+    let page = read("doc/method/architecture.md");
     let mut listed = BTreeSet::new();
     for (what, files) in rows(&page) {
         let equations = numbers(what);
@@ -66,8 +66,8 @@ fn every_equation_is_where_the_table_says() {
         listed.extend(equations);
     }
     let missing: Vec<u32> = WANTED.into_iter().filter(|number| !listed.contains(number)).collect();
-    assert!(missing.is_empty(), "doc/architecture.md does not say where the equations {missing:?} are");
-    assert!(read("README.md").contains("](doc/architecture.md#where-an-equation-is)"));
+    assert!(missing.is_empty(), "doc/method/architecture.md does not say where the equations {missing:?} are");
+    assert!(read("README.md").contains("](doc/method/architecture.md#where-an-equation-is)"));
 }
 
 /// The names of the code that the glossary gives are there.
@@ -87,7 +87,7 @@ fn the_glossary_names_what_there_is() {
     let mut code = String::new();
     all(&root.join("src"), &mut code);
     all(&root.join("crates"), &mut code);
-    let page = read("doc/glossary.md").replace("\\|", "");
+    let page = read("doc/reference/glossary.md").replace("\\|", "");
     let columns = page.lines().filter_map(|line| line.strip_prefix("| **")?.strip_suffix(" |")?.rsplit('|').next());
     let names: Vec<&str> = columns.flat_map(|column| column.split('`').skip(1).step_by(2)).collect();
     assert!(names.len() > 40);
@@ -102,7 +102,7 @@ fn the_glossary_names_what_there_is() {
             Some(_) => root.join("src").join(name).exists() || root.join(name).exists(),
             None => parts.iter().all(|part| code.contains(part.as_str()) || code.contains(&part.replace('-', ""))),
         };
-        assert!(there, "doc/glossary.md names `{name}`, which the code does not have");
+        assert!(there, "doc/reference/glossary.md names `{name}`, which the code does not have");
     }
 }
 
@@ -124,7 +124,7 @@ fn the_architecture_names_what_there_is() {
         all(&root.join(folder), &mut files, &mut code);
     }
     let words: BTreeSet<&str> = code.split(|c: char| !c.is_alphanumeric() && c != '_').collect();
-    let page = read("doc/architecture.md");
+    let page = read("doc/method/architecture.md");
     let (mut named, mut missing) = (0, Vec::new());
     for name in page.split('`').skip(1).step_by(2) {
         if Path::new(name).extension().is_some_and(|extension| extension == "rs") && !name.contains(' ') {

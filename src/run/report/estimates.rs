@@ -40,7 +40,7 @@ pub struct Estimates {
     /// The error of the stresses at that time, as a share; none for Poisson's ratios below 0.45, where it is about that
     /// of the mesh.
     pub stresses: Option<f64>,
-    /// The largest error of the tangential forces caused by the error of the mesh, as a share, see doc/estimates.md;
+    /// The largest error of the tangential forces caused by the error of the mesh, as a share, see doc/method/estimates.md;
     /// none if no surface has such forces.
     pub tangential: Option<f64>,
     /// The number of nodes across slip zones adjacent to stick zones, weighted by the friction work; none if there are

@@ -56,7 +56,7 @@ const FIELDS: &Table = &[
     (&["status", "material", "body", "discretisation_error", "rank"], Number),
 ];
 
-/// The keys of a report whose values have a unit; doc/results.md lists them all.
+/// The keys of a report whose values have a unit; doc/reference/results.md lists them all.
 const KEYS: &Table = &[
     (
         &[

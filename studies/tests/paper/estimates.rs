@@ -1,4 +1,4 @@
-//! What the estimates of a run are worth, in a few states of the suite that doc/estimates.md tells of.
+//! What the estimates of a run are worth, in a few states of the suite that doc/method/estimates.md tells of.
 
 use stickslip::body::mesh::CellKind;
 use stickslip_studies::estimates::{Row, Task, cantilevers, lines, pressed};

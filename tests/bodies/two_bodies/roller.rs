@@ -148,7 +148,7 @@ fn a_roller_on_a_block() {
 }
 
 #[test]
-#[ignore = "takes a minute; doc/verification.md has the figures"]
+#[ignore = "takes a minute; doc/method/verification.md has the figures"]
 fn table_of_rollers() {
     assert_agrees(&LARGE);
 }

@@ -115,7 +115,7 @@ fn of_rings() {
 }
 
 #[test]
-#[ignore = "takes a minute; doc/verification.md has the figures"]
+#[ignore = "takes a minute; doc/method/verification.md has the figures"]
 fn table_of_rings() {
     use CellKind::{Quadrilateral, Triangle, Triangle6};
     for shape in [Ring::Quarter, Ring::Section] {

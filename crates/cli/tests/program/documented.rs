@@ -10,10 +10,21 @@ use crate::program::{stdout, stickslip};
 /// Returns the pages of the root and of doc.
 fn pages() -> Vec<(PathBuf, String)> {
     let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
-    let doc = fs::read_dir(root.join("doc")).unwrap().map(|entry| entry.unwrap().path());
-    let pages = doc.filter(|path| path.extension().is_some_and(|extension| extension == "md"));
-    let pages = pages.chain(["README.md", "CONTRIBUTING.md", "SECURITY.md"].map(|page| root.join(page)));
+    let mut pages = Vec::new();
+    add_pages(&root.join("doc"), &mut pages);
+    let pages = pages.into_iter().chain(["README.md", "CONTRIBUTING.md", "SECURITY.md"].map(|page| root.join(page)));
     pages.map(|path| (path.clone(), fs::read_to_string(path).unwrap())).collect()
+}
+
+/// Adds the pages of a folder. An introduction is a part of another page, which is in the folder above.
+fn add_pages(folder: &Path, pages: &mut Vec<PathBuf>) {
+    for path in fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+        if path.is_dir() {
+            add_pages(&path, pages);
+        } else if path.extension().is_some_and(|extension| extension == "md") && !path.ends_with("introduction.md") {
+            pages.push(path);
+        }
+    }
 }
 
 /// A shell such as zsh takes brackets for a file name pattern, and stops if there is no such file.

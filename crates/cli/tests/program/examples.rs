@@ -1,4 +1,4 @@
-//! The examples of doc/examples.md, with fewer increments.
+//! The examples of doc/tutorials/examples.md, with fewer increments.
 
 #![allow(clippy::unwrap_used)]
 

@@ -1,4 +1,4 @@
-//! The contracts: JSON Schemas of scenes and runs, and the keys documented in doc/results.md.
+//! The contracts: JSON Schemas of scenes and runs, and the keys documented in doc/reference/results.md.
 
 #![allow(clippy::unwrap_used)]
 
@@ -300,11 +300,11 @@ fn reports_are_as_their_schema_says() {
     assert!(faults(&schema, &schema, &broken, "run").len() > 5);
 }
 
-/// The table of doc/results.md contains exactly the keys of reports.
+/// The table of doc/reference/results.md contains exactly the keys of reports.
 #[test]
 fn every_key_of_a_report_is_documented() {
     let page =
-        fs::read_to_string(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("doc/results.md")).unwrap();
+        fs::read_to_string(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("doc/reference/results.md")).unwrap();
     let table = &page[page.find("| key |").unwrap()..page.find("## Verdicts").unwrap()];
     let first_cells = table.lines().filter_map(|line| line.strip_prefix("| `")?.split(" | ").next());
     let documented: Vec<&str> = first_cells.flat_map(|cell| cell.trim_end_matches('`').split("`, `")).collect();
@@ -341,11 +341,11 @@ fn problems_are_told_as_their_schemas_say() {
             keys_of(report, "", &mut met);
         }
         assert_eq!(met, known, "{of}");
-        let page = fs::read_to_string(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("doc/exchange.md"))
+        let page = fs::read_to_string(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("doc/howto/exchange.md"))
             .unwrap();
         for key in &known {
             let last = key.rsplit(['.', ']']).next().unwrap();
-            assert!(last.is_empty() || page.contains(&format!("`{last}`")), "doc/exchange.md lacks {last}");
+            assert!(last.is_empty() || page.contains(&format!("`{last}`")), "doc/howto/exchange.md lacks {last}");
         }
     }
 }

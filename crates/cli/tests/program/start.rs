@@ -47,7 +47,7 @@ fn starting_scenes_run() {
     }
 }
 
-/// The roller of doc/gmsh.md agrees with Hertz' line contact on a rigid plane, for its force.
+/// The roller of doc/howto/gmsh.md agrees with Hertz' line contact on a rigid plane, for its force.
 #[test]
 fn the_roller_has_hertz_pressure() {
     let folder = Folder::new();

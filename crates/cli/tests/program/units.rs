@@ -150,7 +150,7 @@ fn tables_are_told_in_the_units_of_the_scene() {
     }
 }
 
-/// Collects every number of a JSON value with its path, in the notation of doc/results.md.
+/// Collects every number of a JSON value with its path, in the notation of doc/reference/results.md.
 fn numbers(value: &Value, at: &str, into: &mut Vec<(String, f64)>) {
     match value {
         Value::Object(entries) => {

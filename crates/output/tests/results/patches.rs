@@ -1,4 +1,4 @@
-//! Pressures of nodes and of patches on irregular tetrahedra. doc/estimates.md has the figures, which `--nocapture`
+//! Pressures of nodes and of patches on irregular tetrahedra. doc/method/estimates.md has the figures, which `--nocapture`
 //! prints.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
