@@ -9,7 +9,8 @@ use stickslip::base::Quantity;
 use stickslip::run::report::{column_quantity, key_quantity};
 
 fn page(name: &str) -> String {
-    fs::read_to_string(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("doc/reference").join(name)).unwrap()
+    fs::read_to_string(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("doc/reference").join(name))
+        .unwrap()
 }
 
 /// Returns the rows of a table of a page, from its header on: the quoted words of the first cell, and the cells.

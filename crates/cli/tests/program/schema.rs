@@ -304,7 +304,8 @@ fn reports_are_as_their_schema_says() {
 #[test]
 fn every_key_of_a_report_is_documented() {
     let page =
-        fs::read_to_string(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("doc/reference/results.md")).unwrap();
+        fs::read_to_string(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("doc/reference/results.md"))
+            .unwrap();
     let table = &page[page.find("| key |").unwrap()..page.find("## Verdicts").unwrap()];
     let first_cells = table.lines().filter_map(|line| line.strip_prefix("| `")?.split(" | ").next());
     let documented: Vec<&str> = first_cells.flat_map(|cell| cell.trim_end_matches('`').split("`, `")).collect();
@@ -341,8 +342,9 @@ fn problems_are_told_as_their_schemas_say() {
             keys_of(report, "", &mut met);
         }
         assert_eq!(met, known, "{of}");
-        let page = fs::read_to_string(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("doc/howto/exchange.md"))
-            .unwrap();
+        let page =
+            fs::read_to_string(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("doc/howto/exchange.md"))
+                .unwrap();
         for key in &known {
             let last = key.rsplit(['.', ']']).next().unwrap();
             assert!(last.is_empty() || page.contains(&format!("`{last}`")), "doc/howto/exchange.md lacks {last}");
