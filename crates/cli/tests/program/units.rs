@@ -258,7 +258,7 @@ fn people_are_told_in_the_units_of_the_scene() {
     let check = printed(&["check"]);
     for said in [
         "block 1000 mm x 1000 mm",
-        "E = 2.1e5 MPa",
+        "E = 210000 MPa",
         "plane at 1e-2 mm",
         "(0, -1e1) MPa, in all (0, ",
         "load         [1000.0, 1000.0]: (0, -1e2) N/mm",
