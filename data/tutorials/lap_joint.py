@@ -32,7 +32,7 @@ print(f"work of a cycle: {area:.2f} mJ/mm by the loop, {friction:.2f} mJ/mm by f
 k = np.flatnonzero(np.isclose(time, 1.5))[0]
 print(f"at 1.5 s {np.sum(result.contact[k] == ss.SLIP)} nodes slip, {np.sum(result.contact[k] == ss.STICK)} stick")
 
-fig, ax = plt.subplots(figsize=(6, 4))
+fig, ax = plt.subplots(figsize=(6, 4), layout="constrained")
 ax.plot(path, pull, ".-")
 ax.set(xlabel="displacement of the grip, mm", ylabel="pull, N/mm", title="Lap joint")
 ax.grid(alpha=0.3)
