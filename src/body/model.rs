@@ -19,6 +19,7 @@ mod place;
 mod range;
 mod recovery;
 mod shared;
+mod sliding;
 mod stress;
 mod support;
 mod unseen;

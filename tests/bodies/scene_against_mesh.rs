@@ -127,14 +127,14 @@ const IN_SPACE: &[InputError] = &[
         "gap = 1e-5",
         "gap = -0.3",
         "obstacle =",
-        &["the obstacle starts 3e-1 m inside the body", "which is 1e0 m thick there"],
+        &["the obstacle starts 300 mm inside the body", "which is 1.00 m thick there"],
         "move the obstacle out",
     ),
     (
         "\"plane\", gap = 1e-5",
         "\"sphere\", radius = 9.0, apex = [0.5, 0.5, 0.4]",
         "obstacle =",
-        &["the obstacle starts 4e-1 m inside the body at (0.5, 0.5, 0) m"],
+        &["the obstacle starts 400 mm inside the body at (0.5, 0.5, 0) m"],
         "move the obstacle out",
     ),
     (

@@ -277,7 +277,8 @@ fn edge_friction(model: &Model, outcome: &HistoryOutcome) -> String {
 }
 
 fn motion(model: &Model, outcome: &HistoryOutcome) -> Option<RigidMotion> {
-    RigidMotion::combination(&model.rigid_motions, outcome.free_motion.as_ref()?)
+    let is_closed = |i: usize| outcome.state.p_n.get(i).is_some_and(|p| *p > 0.0);
+    model.motion_along_contact(outcome.free_motion.as_ref()?, is_closed)
 }
 
 /// Returns the node of the largest violation. `None` for a body that comes free, which violates no law at any node.

@@ -55,7 +55,14 @@ fn linear(given: Option<LinearName>, touches: bool) -> Result<Option<LinearAlgeb
         LinearAlgebra::Multigrid => "PETSc, which multigrid is of".to_string(),
         condensed => format!("Cholesky factorisation, which \"{condensed}\" needs"),
     };
-    let help = if whole.is_built_in() { format!("use \"{whole}\" or \"condensed\"") } else { BUILD_IT.to_string() };
+    let help = match linear {
+        _ if !whole.is_built_in() => BUILD_IT.to_string(),
+        LinearAlgebra::Multigrid => format!("use \"{whole}\" or \"condensed\", or compile with the feature petsc"),
+        LinearAlgebra::Whole(SparseLu::Mumps) => {
+            format!("use \"{whole}\" or \"condensed\", or compile with the feature mumps")
+        }
+        _ => format!("use \"{whole}\" or \"condensed\""),
+    };
     Err(fault(&format!("this build has no {missing}"), &help))
 }
 

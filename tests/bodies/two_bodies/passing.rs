@@ -66,10 +66,7 @@ fn a_search_that_is_too_short() {
     for upper_is_slave in [true, false] {
         let report = wedge(3e-3, upper_is_slave);
         let told = message(&report, WarningKind::PassedThrough).unwrap();
-        assert!(
-            told.contains("within the search distance of 3.00 mm") && told.contains("contact[0].search"),
-            "{told}"
-        );
+        assert!(told.contains("within the search distance of 3.00 mm") && told.contains("contact[0].search"), "{told}");
         assert_eq!(message(&wedge(0.05, upper_is_slave), WarningKind::PassedThrough), None);
     }
 }

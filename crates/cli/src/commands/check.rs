@@ -196,7 +196,7 @@ fn contacts(scene: &Scene, model: &Model) {
             let obstacle = obstacle.join(", ");
             if several {
                 let met = model.contacts.iter().filter(|contact| contact.obstacle() == Some(k)).count();
-                say!("             {obstacle}, met by {met} nodes");
+                say!("             {obstacle}, met by {met} node{}", if met == 1 { "" } else { "s" });
             } else {
                 say!("contact      {}: {obstacle}, mu = {mu}", contact.boundary);
             }
@@ -328,7 +328,7 @@ fn equilibrium(scene: &Scene, model: &Model) -> Result<(), ProblemError> {
         let force = model.loading.force_at(time, &model.problem)?;
         let mu = model.loading.friction().map(|friction| friction.at(time));
         let driven = rigid_equilibrium_with(&model.problem, mu.as_deref().unwrap_or(model.problem.mu()), &force)?;
-        if let Some(motion) = driven.and_then(|weights| named(model, &weights)) {
+        if let Some(motion) = driven.and_then(|weights| model.motion_along_contact(&weights, |_| true)) {
             say!(
                 "NO BALANCE   first at t = {time} s: the loads drive {}, and no contact force within the friction \
                  limit resists; change the loads or add a support",

@@ -1,5 +1,6 @@
 //! `stickslip solve` and `stickslip judge`: problems in exchange files.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -171,8 +172,8 @@ pub(super) fn destination(path: &Path) -> Result<(&Path, &str), Failure> {
         return Err(refused("name a file", "it is not a writable file"));
     };
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    if !folder.is_dir() {
-        return Err(refused("create the folder, or name another one", "its folder does not exist"));
+    if let Err(error) = fs::create_dir_all(folder) {
+        return Err(refused("name a file in a writable folder", &format!("its folder cannot be created: {error}")));
     }
     // Replacing would destroy a link or a device.
     match path.symlink_metadata() {

@@ -10,7 +10,7 @@ use stickslip::run::report::{
 };
 use stickslip::scene::{Scene, Time};
 use stickslip::solver::formulation::Layout;
-use stickslip::solver::history::{IncrementError, Status, WorkingSet};
+use stickslip::solver::history::{IncrementError, WorkingSet};
 
 /// The digits of forces. Those of the largest component are enough to see a balance.
 const FORCE_DIGITS: usize = 6;
@@ -64,12 +64,16 @@ fn print_set_up(scene: &Scene, run: &Run<'_>) {
 
 /// Prints the results at the end, the computation, and last, where the eye is, the peak and the verdict.
 pub(super) fn print_results(report: &RunReport, increments: usize, is_verbose: bool) {
-    let has_results =
-        report.totals.converged > 0 || !matches!(report.status, Status::Interrupted | Status::OutOfMemory);
-    if has_results && is_verbose {
+    let has_results = report.totals.converged > 0;
+    if is_verbose {
         say!("");
-        print_forces(report);
-        print_estimates(report);
+        if has_results {
+            print_forces(report);
+            print_estimates(report);
+            let (law, error) = report.totals.kkt.worst();
+            let backward = report.totals.backward_error;
+            say!("laws         error {error:.1e} at most ({law}); backward error of the solves {backward:.1e}");
+        }
         print_work(report);
     }
     for warning in report.warnings.iter().filter(|warning| warning.kind.needs_the_solution()) {
@@ -130,14 +134,20 @@ fn print_largest(report: &RunReport) {
     let Some(LargestPressure { pressure, peak_of, boundary, position, time, .. }) = &report.largest_pressure else {
         return;
     };
-    let at = format!("`{boundary}`, {}, t = {time} s", rounded_place(units, *position));
+    let across = report.estimates.peak.as_ref().and_then(|peak| peak.nodes_across);
+    let across = across.map_or(String::new(), |nodes| format!(", {nodes} nodes across"));
+    let error = match report.estimates.peak_error {
+        Some(error) => format!("error of the mesh up to {:.0} %", 100.0 * error),
+        None => "error of the mesh unknown".to_string(),
+    };
     match (peak_of, pressure.map(|pressure| units.rounded(Quantity::Stress, pressure, DIGITS))) {
-        (Some(PeakOf::Nodes), Some(pressure)) => say!("pressure     {pressure} at most: {at}"),
-        (Some(PeakOf::Patches), Some(pressure)) => {
-            say!("pressure     {pressure} at most, on a node with its neighbours: {at}");
+        (Some(of), Some(pressure)) => {
+            let of = if *of == PeakOf::Patches { " on a node with its neighbours" } else { "" };
+            say!("pressure     {pressure} at most{of}, {error}{across}");
         }
-        _ => say!("pressure     too few tetrahedra across the contact for a peak: {at}"),
+        _ => say!("pressure     too few tetrahedra across the contact for a peak"),
     }
+    say!("             at {} on `{boundary}`, t = {time} s", rounded_place(units, *position));
 }
 
 /// Formats a place with few digits.
@@ -156,7 +166,8 @@ fn print_estimates(report: &RunReport) {
     {
         let [work, corrected] =
             [friction_work, friction_work_corrected].map(|work| units.rounded(Quantity::Energy, work, DIGITS));
-        let share = 100.0 * work_error;
+        // Not -0.0.
+        let share = (1e3 * work_error).round() / 10.0 + 0.0;
         say!("friction     work {work}, {share:.1} % of it due to the increments: corrected {corrected}");
         if let Some(error) = force_error.filter(|error| *error > 0.0) {
             say!("time steps   error of the tangential forces about {:.1} %", 100.0 * error);
@@ -173,11 +184,9 @@ fn print_estimates(report: &RunReport) {
     }
 }
 
-/// Prints the errors of the equations, the counts of the solvers, time and memory.
+/// Prints the counts of the solvers, time and memory.
 fn print_work(report: &RunReport) {
     let totals = &report.totals;
-    let (law, error) = totals.kkt.worst();
-    say!("laws         error {error:.1e} at most ({law}); backward error of the solves {:.1e}", totals.backward_error);
     let linear = match totals.krylov_iterations {
         Some(krylov) => format!(
             "{} with {} entries, {} of GMRES",

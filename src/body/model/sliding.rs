@@ -1,0 +1,53 @@
+//! The motion of a body that slides.
+
+use super::Model;
+use crate::body::fem::RigidMotion;
+
+/// A part of a motion along the contact that is smaller than this share of it is rounding, or belongs to a body that is lifted.
+const LEAST: f64 = 0.1;
+
+/// A row of contact that is smaller than this share of itself after the other rows are removed depends on them.
+const DEPENDENT: f64 = 1e-9;
+
+impl Model {
+    /// Returns the rigid motion with these weights, of [`Model::rigid_motions`], without its components along the normals of the
+    /// contact nodes for which `is_closed` is `true`; if it has no others, the motion itself. The proof that nothing balances the
+    /// loads of a sliding body has a motion that also lifts it, by the friction angle.
+    pub fn motion_along_contact(&self, weights: &[f64], is_closed: impl Fn(usize) -> bool) -> Option<RigidMotion> {
+        let along = self.along_contact(weights, is_closed);
+        RigidMotion::combination(&self.rigid_motions, along.as_deref().unwrap_or(weights))
+    }
+
+    fn along_contact(&self, weights: &[f64], is_closed: impl Fn(usize) -> bool) -> Option<Vec<f64>> {
+        let modes: Vec<Vec<f64>> =
+            self.rigid_motions.iter().map(|motion| motion.displacements(&self.mesh, &self.dofs)).collect();
+        let normal: Vec<Vec<f64>> =
+            modes.iter().map(|mode| self.problem.c_n().times(mode)).collect::<Result<_, _>>().ok()?;
+        let mut basis = Vec::<Vec<f64>>::new();
+        for i in (0..self.contacts.len()).filter(|&i| is_closed(i)) {
+            let mut row: Vec<f64> = normal.iter().map(|w_n| w_n[i]).collect();
+            let before = size(&row);
+            remove(&basis, &mut row);
+            let length = size(&row);
+            if length > DEPENDENT * before {
+                row.iter_mut().for_each(|x| *x /= length);
+                basis.push(row);
+            }
+        }
+        let mut along = weights.to_vec();
+        remove(&basis, &mut along);
+        (size(&along) >= LEAST * size(weights)).then_some(along)
+    }
+}
+
+fn size(x: &[f64]) -> f64 {
+    x.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// Removes the components of a vector along an orthonormal basis.
+fn remove(basis: &[Vec<f64>], x: &mut [f64]) {
+    for b in basis {
+        let along: f64 = b.iter().zip(&*x).map(|(b, x)| b * x).sum();
+        x.iter_mut().zip(b).for_each(|(x, b)| *x -= along * b);
+    }
+}
