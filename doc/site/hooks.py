@@ -43,7 +43,9 @@ def on_config(config):
     for part in config.extra["parts"]:
         folder = ROOT / "doc" / part["folder"]
         if folder.is_dir():
-            config.nav.append({part["title"]: pages_of(folder, part["order"])})
+            pages = pages_of(folder, part["order"])
+            config.nav.append({part["title"]: pages})
+            PARTS[f"doc/{part['folder']}"] = pages[0]
     config.repo_url = REPOSITORY
     config.markdown_extensions.append(AsOnGithub())
     markdown.extensions.toc.unique = numbered_as_on_github
@@ -182,6 +184,7 @@ def on_page_content(content, page, config, files):
 
 REPOSITORY = tomllib.loads((ROOT / "Cargo.toml").read_text())["package"].get("repository")
 linked_files = set()
+PARTS = {}  # The folder of each part, and its first page: what a link to the folder means.
 
 
 def is_outside(page, link):
@@ -221,6 +224,9 @@ class OutwardLinks(markdown.treeprocessors.Treeprocessor):
             if path is None:
                 continue
             there = ROOT / path
+            if part := PARTS.get(path):
+                element.set(key, posixpath.relpath(part, posixpath.dirname(self.page) or "."))
+                continue
             if path.startswith("..") or not there.exists():
                 raise PluginError(f"doc/{self.page}: the link {element.get(key)} leads to nothing")
             if REPOSITORY:
