@@ -248,7 +248,7 @@ report: deps
 # SUITESPARSE_INCLUDE_DIR says that SuiteSparse is installed in a place of its own.
 deps:
 	@if [ -z "$$SUITESPARSE_INCLUDE_DIR" ] && ! dpkg -s $(PACKAGES) >/dev/null 2>&1; then \
-		command -v apt-get >/dev/null || { echo "install SuiteSparse, OpenBLAS and libclang; see README.md"; exit 1; }; \
+		command -v apt-get >/dev/null || { echo "install SuiteSparse, OpenBLAS and libclang; see doc/howto/install.md"; exit 1; }; \
 		$(SUDO) apt-get update -q && \
 		$(SUDO) env DEBIAN_FRONTEND=noninteractive apt-get install -qy --no-install-recommends $(PACKAGES); \
 	fi

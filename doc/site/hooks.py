@@ -1,8 +1,10 @@
 """What MkDocs does besides: navigation from folders, Markdown as GitHub reads it, formulas, links out of doc/."""
 
 import html
+import importlib.util
 import posixpath
 import re
+import shutil
 import subprocess
 import tomllib
 from pathlib import Path
@@ -13,18 +15,20 @@ import markdown.extensions.toc
 import pygments
 from markdown.util import AtomicString
 from math_core import LatexError, LatexToMathML
-from mkdocs.exceptions import PluginError
+from mkdocs.plugins import get_plugin_logger
 from pygments.formatters import HtmlFormatter
 from pygments.lexers import TextLexer, get_lexer_for_filename
 from pygments.util import ClassNotFound
 
 ROOT = Path(__file__).resolve().parents[2]
+# With --strict a warning ends the build.
+log = get_plugin_logger("pages")
 
 # ---- Navigation ------------------------------------------------------------------------------------------------------
 
 
 def pages_of(folder, order):
-    """The pages of `folder` below doc/: those of `order` first, then the others by name, subfolders as sections."""
+    """The pages of `folder` below doc/: those of `order` first, then the others by name; subfolders, in one order with it, as sections."""
     there = [path for path in sorted(folder.iterdir()) if path.suffix == ".md" or any(path.glob("**/*.md"))]
     place = {name: number for number, name in enumerate(order)}
     entries = []
@@ -33,13 +37,13 @@ def pages_of(folder, order):
             entries.append(path.relative_to(ROOT / "doc").as_posix())
         elif path.name != "error-vs-time":
             title = path.name.replace("_", " ").replace("-", " ").capitalize()
-            entries.append({title: pages_of(path, ["index.md"])})
+            entries.append({title: pages_of(path, order)})
     return entries
 
 
 def on_config(config):
     """Fills the navigation, and adds what pages need to be read as GitHub reads them."""
-    config.nav = ["index.md"]
+    config.nav = [{"Start": "index.md"}]
     for part in config.extra["parts"]:
         folder = ROOT / "doc" / part["folder"]
         if folder.is_dir():
@@ -148,9 +152,15 @@ def as_on_github(text):
     return "\n".join(out)
 
 
+# By the beginning of a page's path.
+BOOSTS = [("tutorials", 2), ("howto", 2), ("method/error-vs-time", 0.1), ("method", 0.5)]
+
+
 def on_page_markdown(text, page, config, files):
-    """Reads the page as GitHub does."""
+    """Reads the page as GitHub does. Search puts what most readers look for first."""
     OutwardLinks.page = page.file.src_uri
+    boost = next((factor for start, factor in BOOSTS if page.file.src_uri.startswith(start)), 1)
+    page.meta.setdefault("search", {}).setdefault("boost", boost)
     return as_on_github(text)
 
 
@@ -165,9 +175,11 @@ def mathml(latex, block, page):
     """Returns a formula as MathML, which browsers show without a script; its number is set on the right."""
     number = TAG.search(latex) if block else None
     try:
-        math = converter.convert_with_local_state(TAG.sub("", latex).strip(), displaystyle=block)
+        latex = TAG.sub("", latex).strip().replace("{split}", "{aligned}")
+        math = converter.convert_with_local_state(latex, displaystyle=block)
     except LatexError as error:
-        raise PluginError(f"doc/{page}: the formula {latex.strip()!r} cannot be read: {error}") from error
+        log.warning(f"doc/{page}: the formula {latex!r} cannot be read: {error}")
+        return html.escape(latex)
     if not block:
         return math
     label = f'<span class="number">({number[1]})</span>' if number else ""
@@ -228,7 +240,8 @@ class OutwardLinks(markdown.treeprocessors.Treeprocessor):
                 element.set(key, posixpath.relpath(part, posixpath.dirname(self.page) or "."))
                 continue
             if path.startswith("..") or not there.exists():
-                raise PluginError(f"doc/{self.page}: the link {element.get(key)} leads to nothing")
+                log.warning(f"doc/{self.page}: the link {element.get(key)} leads to nothing")
+                continue
             if REPOSITORY:
                 element.set(key, f"{REPOSITORY}/{'tree' if there.is_dir() else 'blob'}/main/{path}")
                 continue
@@ -268,6 +281,8 @@ def on_post_build(config):
         target.parent.mkdir(parents=True, exist_ok=True)
         up = "../" * (target.relative_to(site).as_posix().count("/"))
         target.write_text(SHEET.format(path=html.escape(path), up=up, body=body))
+    font = Path(importlib.util.find_spec("ziamath").origin).parent / "fonts/STIXTwoMath-Regular.ttf"
+    shutil.copy(font, site / "assets/STIXTwoMath-Regular.ttf")
     light = HtmlFormatter(style="default").get_style_defs(".highlight")
     dark = HtmlFormatter(style="github-dark").get_style_defs(".highlight")
     (site / "assets/source.css").write_text(
