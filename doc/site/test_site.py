@@ -156,7 +156,7 @@ def test_search_finds(words, tab, address):
     tab.wait_for_load_state()
     assert tab.url.split("?")[0] not in (address, f"{address}/", f"{address}/index.html")
     content = tab.locator(".md-content").inner_text().lower()
-    assert any(word in content for word in words.split())
+    assert all(word in content for word in words.split())
     assert tab.faults == []
 
 
