@@ -54,7 +54,7 @@ impl PartialEq for Formula {
 
 impl Formula {
     /// Parses a formula: numbers, `x`, `y`, `z`, `+ - * / ^`, brackets, functions and constants, as listed in
-    /// doc/reference/scene.md.
+    /// doc/reference/scene/formulas.md.
     ///
     /// `^` has the highest precedence and is right-associative. Signs follow, then `*` and `/`, then `+` and `-`:
     /// `-x^2` is `-(x^2)`, and `2^x^2` is `2^(x^2)`.

@@ -1,6 +1,7 @@
 //! Units: those of the internal numbers ([`Scaling`], numbers of order one), and those of input and output
 //! ([`Units`]). All other numbers are SI.
 
+mod rounded;
 mod system;
 mod user;
 

@@ -204,7 +204,7 @@ fn holes_under_the_body_are_told() {
         assert_eq!(warned(&whole, "whole.stl", direction), None);
         let inside = 2 * (8 * 4 + 4);
         let message = warned(&without(inside), "hole.stl", direction).unwrap();
-        assert!(message.contains("a hole in front of `bottom`") && message.contains("1.67e-1 m long"), "{message}");
+        assert!(message.contains("a hole in front of `bottom`") && message.contains("167 mm long"), "{message}");
         assert!(warned(&cracked(1e-3), "crack.stl", direction).is_some());
         // A seam with corners that differ by rounding lets nothing through.
         assert_eq!(warned(&cracked(1e-12), "seam.stl", direction), None);

@@ -140,8 +140,8 @@ impl DeformedBody {
             factor => format!("magnified {factor} times"),
         };
         let units = self.units.of_pictures();
-        let (largest, unit) = (units.of_si(Quantity::Length, self.largest), units.name(Quantity::Length));
-        let subtitle = format!("t = {} s, displacements {shown}, {largest:.3e} {unit} at most", self.time);
+        let largest = self.units.rounded(Quantity::Length, self.largest, 4);
+        let subtitle = format!("t = {} s, displacements {shown}, {largest} at most", self.time);
         svg.text([0.5 * WIDTH, 48.0], &subtitle, LABEL_SIZE, Anchor::Middle);
         let most = self.patches.iter().map(|(_, stress)| *stress).fold(0.0, f64::max);
         for (corners, stress) in &self.patches {

@@ -14,9 +14,11 @@
 // Without a backend nothing is factored.
 #![cfg_attr(not(any(feature = "umfpack", feature = "faer")), allow(dead_code))]
 
+mod branches;
 mod order;
 mod sweep;
 
+use self::branches::Branches;
 use super::error::expect_length;
 use super::supernodal::{Supernodal, Supernode};
 use super::{FactorInfo, LinearError, SparseCholesky, times_transposed};
@@ -29,6 +31,8 @@ pub struct Cholesky {
     order: Vec<usize>,
     /// The number of unknowns that come last.
     border: usize,
+    /// The branches of the interior.
+    tree: Branches,
     info: FactorInfo,
 }
 
@@ -159,7 +163,8 @@ impl Cholesky {
     fn new(factor: Box<dyn Supernodal>, order: Vec<usize>, border: usize) -> Result<Self, LinearError> {
         let pivot_ratio = pivot_ratio(&*factor, order.len())?;
         let info = FactorInfo { pivot_ratio, ..factor.info() };
-        Ok(Cholesky { factor, order, border, info })
+        let tree = Branches::new(&*factor, order.len() - border);
+        Ok(Cholesky { factor, order, border, tree, info })
     }
 
     /// Returns information about the factorisation. The entries are those of `L` without the zeros stored in
@@ -217,8 +222,8 @@ impl Cholesky {
     pub fn solve(&self, b: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
         expect_length("solution", self.order(), x.len())?;
         let mut ordered = self.ordered(b)?;
-        sweep::forward(&*self.factor, self.order(), &mut ordered);
-        sweep::backward(&*self.factor, self.order(), &mut ordered);
+        sweep::forward(&*self.factor, &self.tree, self.order(), &mut ordered);
+        sweep::backward(&*self.factor, &self.tree, self.order(), &mut ordered);
         self.scatter(&ordered, x);
         Ok(())
     }
@@ -232,7 +237,7 @@ impl Cholesky {
         let mut interior = self.ordered(b)?;
         // Many right-hand sides are zero there.
         if interior[..self.interior()].iter().any(|b| *b != 0.0) {
-            sweep::forward(&*self.factor, self.interior(), &mut interior);
+            sweep::forward(&*self.factor, &self.tree, self.interior(), &mut interior);
         }
         // b_c - L_cr y_r directly. Computing it from the rest y_c of the solution as L_cc y_c would involve the
         // condition of L_cc.
@@ -263,7 +268,7 @@ impl Cholesky {
             ordered.iter_mut().zip(&part.interior).for_each(|(sum, x)| *sum += factor * x);
         }
         ordered.extend(x_c);
-        sweep::backward(&*self.factor, self.interior(), &mut ordered);
+        sweep::backward(&*self.factor, &self.tree, self.interior(), &mut ordered);
         let mut x = vec![0.0; self.order()];
         self.scatter(&ordered, &mut x);
         Ok(x)

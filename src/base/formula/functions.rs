@@ -86,10 +86,10 @@ mod tests {
 
     #[test]
     fn every_name_is_documented() {
-        let page = include_str!("../../../doc/reference/scene.md");
+        let page = include_str!("../../../doc/reference/scene/formulas.md");
         let names = FUNCTIONS.iter().map(|(name, _)| name).chain(CONSTANTS.iter().map(|(name, _)| name));
         for name in names {
-            assert!(page.contains(&format!("`{name}`")), "`{name}` is not in doc/reference/scene.md");
+            assert!(page.contains(&format!("`{name}`")), "`{name}` is not in doc/reference/scene/formulas.md");
         }
     }
 

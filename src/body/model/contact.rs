@@ -363,11 +363,10 @@ fn met(
         if let Some(deepest) = own.min_by(|a, b| start(a).total_cmp(&start(b)))
             && start(deepest) < -DEEPEST * thickness
         {
-            let [depth, thickness] = [-start(deepest), thickness].map(|x| units.number(Quantity::Length, x));
-            let (place, unit) = (place(deepest.node), units.name(Quantity::Length));
-            let message = format!(
-                "the obstacle starts {depth:e} {unit} inside the body at {place}, which is {thickness:e} {unit} thick there"
-            );
+            let [depth, thickness] = [-start(deepest), thickness].map(|x| units.rounded(Quantity::Length, x, 3));
+            let place = place(deepest.node);
+            let message =
+                format!("the obstacle starts {depth} inside the body at {place}, which is {thickness} thick there");
             return Err(at_obstacle(j, message, "move the obstacle out, or the part of the motion before time 0"));
         }
     }

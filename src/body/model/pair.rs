@@ -252,11 +252,10 @@ fn pair(
         let thickness = [slave, master].map(|boundary| thickness(mesh, &bodies, boundary, row.normal));
         let thickness = thickness[0].min(thickness[1]);
         if *gap < -DEEPEST * thickness {
-            let [depth, thickness] = [-gap, thickness].map(|x| units.number(Quantity::Length, x));
-            let (place, unit) = (units.place(mesh.nodes[row.node]), units.name(Quantity::Length));
-            let message = format!(
-                "the bodies start {depth:e} {unit} inside each other at {place}, where one is {thickness:e} {unit} thick"
-            );
+            let [depth, thickness] = [-gap, thickness].map(|x| units.rounded(Quantity::Length, x, 3));
+            let place = units.place(mesh.nodes[row.node]);
+            let message =
+                format!("the bodies start {depth} inside each other at {place}, where one is {thickness} thick");
             let (place, help) = match opposite.gap {
                 FirstGap::Measured => ("against", "move a body out, or give the gap"),
                 _ => (
@@ -337,7 +336,7 @@ fn key_of(fault: &MortarFault) -> &'static str {
 /// Returns the message of a fault with lengths, in `units`.
 fn told(fault: &MortarFault, units: &UnitSystem) -> Option<String> {
     let place = |at: &Vector| units.place(at.components());
-    let length = |x: f64| format!("{:.3e} {}", units.number(Quantity::Length, x), units.name(Quantity::Length));
+    let length = |x: f64| units.rounded(Quantity::Length, x, 4);
     Some(match fault {
         MortarFault::NothingInFront { slave, master, search, least, at } => format!(
             "nothing of `{master}` is in front of `{slave}` within {}; the least distance is {}, at {}",

@@ -114,12 +114,11 @@ impl BalanceWatch {
         let message = match widest.filter(|_| of_forces <= BALANCED * tolerance * self.largest) {
             Some(pair) => format!(
                 "at t = {time} s the forces on the body balance, but their moments do not, by {share:.1e} of their \
-                 sizes: the meshes of `{}` and `{}`, which act on each other, are up to {:.2e} {} apart; let the \
+                 sizes: the meshes of `{}` and `{}`, which act on each other, are up to {} apart; let the \
                  two meet without a gap, on plane facets or with nodes at the same places",
                 pair.slave,
                 pair.master.name,
-                model.units().of_si(Quantity::Length, apart(pair)),
-                model.units().name(Quantity::Length)
+                model.units().rounded(Quantity::Length, apart(pair), 3)
             ),
             None => format!(
                 "at t = {time} s the forces on the body do not balance, by {share:.1e} of their sizes: rounding \

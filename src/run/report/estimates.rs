@@ -347,7 +347,7 @@ fn percent(share: f64) -> String {
 
 /// Warns of too narrow contact zones.
 fn of_zone(contact: &ContactEstimate, units: &UnitSystem) -> Vec<Warning> {
-    let length = |x: f64| told(units, Quantity::Length, x);
+    let length = |x: f64| units.rounded(Quantity::Length, x, 3);
     let at = at(contact);
     if contact.unresolved_share > ISOLATED || contact.isolated_share > ISOLATED {
         let bears = if contact.isolated_share > ISOLATED {
@@ -361,7 +361,7 @@ fn of_zone(contact: &ContactEstimate, units: &UnitSystem) -> Vec<Warning> {
                 "; for this force Hertz' half-width is {} and his peak pressure {}; elements there are {size}, make \
                  them {} (8 across)",
                 length(half_width),
-                told(units, Quantity::Stress, peak_pressure),
+                units.rounded(Quantity::Stress, peak_pressure, 3),
                 length(0.25 * half_width)
             ),
             None => format!("; elements there are {size}, make them smaller until 8 nodes are across"),
@@ -383,7 +383,7 @@ fn of_zone(contact: &ContactEstimate, units: &UnitSystem) -> Vec<Warning> {
 
 /// Warns if the largest pressure differs much from those around it.
 fn of_peak(contact: &ContactEstimate, units: &UnitSystem, simplices: bool) -> Vec<Warning> {
-    let stress = |x: f64| told(units, Quantity::Stress, x);
+    let stress = |x: f64| units.rounded(Quantity::Stress, x, 3);
     let at = at(contact);
     if contact.singular_edge {
         let message = format!(
@@ -464,9 +464,4 @@ fn narrow_slip(across: f64) -> Option<Warning> {
         100.0 / across
     );
     (across < FINE_FOR_SLIP).then_some(Warning { kind: WarningKind::SlipZoneCoarse, message })
-}
-
-/// Formats a number with its unit.
-fn told(units: &UnitSystem, quantity: Quantity, x: f64) -> String {
-    format!("{:.2e} {}", units.of_si(quantity, x), units.name(quantity))
 }

@@ -35,10 +35,9 @@ pub(super) fn curved_gaps(model: &Model, outcome: &HistoryOutcome) -> Option<War
     let units = model.units();
     let message = format!(
         "gaps in front of a moving obstacle are curved in time, and the exact path follows them along chords, with \
-         errors up to {:.1e} {} ({:.1e} of the largest displacement); four times as many increments as chords \
+         errors up to {} ({:.1e} of the largest displacement); four times as many increments as chords \
          reduce them to a sixteenth",
-        units.of_si(Quantity::Length, off),
-        units.name(Quantity::Length),
+        units.rounded(Quantity::Length, off, 2),
         off / outcome.scales.length
     );
     Some(Warning { kind: WarningKind::CurvedGaps, message })

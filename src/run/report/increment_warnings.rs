@@ -43,7 +43,7 @@ pub(super) fn warnings(known: &Known<'_>, units: &UnitSystem) -> Vec<Warning> {
 }
 
 fn work(found: &IncrementError, units: &UnitSystem) -> Warning {
-    let energy = |x: f64| format!("{:.3e} {}", units.of_si(Quantity::Energy, x), units.name(Quantity::Energy));
+    let energy = |x: f64| units.rounded(Quantity::Energy, x, 4);
     let share = found.work_error.abs();
     let is = if found.work_error > 0.0 { "too large" } else { "too small" };
     let message = format!(

@@ -277,10 +277,10 @@ impl Validity {
             && length > NOT_SMALL * size
         {
             let message = format!(
-                "displacements are assumed to be small, but the node {} moves by {:.2e} {unit} at t = {time} s, \
+                "displacements are assumed to be small, but the node {} moves by {} at t = {time} s, \
                  {:.0} % of the body's size; are lengths in {unit}, moduli and tractions in {}?",
                 units.place(position),
-                units.of_si(Quantity::Length, length),
+                units.rounded(Quantity::Length, length, 3),
                 100.0 * length / size,
                 units.name(Quantity::Stress)
             );
@@ -317,11 +317,11 @@ impl Validity {
         }
         if let Some((slid, time)) = self.slid.filter(|(slid, _)| slid.share > ACROSS_FACETS) {
             let message = format!(
-                "the contact node at {} has slid by {:.2e} {unit} at t = {time} s, {:.0} % of the opposing facet, \
+                "the contact node at {} has slid by {} at t = {time} s, {:.0} % of the opposing facet, \
                  but remains paired with its initial nodes; pressures may be off by as much as they change over \
                  that distance",
                 units.place(model.contacts[slid.contact].position),
-                units.of_si(Quantity::Length, slid.slip),
+                units.rounded(Quantity::Length, slid.slip, 3),
                 100.0 * slid.share
             );
             warn(WarningKind::SlidAcrossFacets, message);
@@ -364,8 +364,8 @@ fn beyond_the_end(pair: &Pair, share: f64, time: f64) -> String {
 fn passed_through(model: &Model, passed: &Passed, time: f64) -> String {
     let Passed { node, bodies, depth, apart } = *passed;
     let (units, all) = (model.units(), model.mesh.bodies());
-    let (of, unit) = (all.of_nodes(), units.name(Quantity::Length));
-    let [depth, apart] = [depth, apart].map(|x| format!("{:.2e} {unit}", units.of_si(Quantity::Length, x)));
+    let of = all.of_nodes();
+    let [depth, apart] = [depth, apart].map(|x| units.rounded(Quantity::Length, x, 3));
     let place = units.place(model.mesh.nodes[node]);
     let nodes_of = |name: &str| model.mesh.boundary(name).map_or(Vec::new(), Boundary::nodes);
     let is_between = |pair: &&Pair| {
@@ -375,7 +375,7 @@ fn passed_through(model: &Model, passed: &Passed, time: f64) -> String {
         faces(&slave, &master) || faces(&master, &slave)
     };
     if let Some(pair) = model.pairs.iter().find(is_between) {
-        let search = format!("{:.2e} {unit}", units.of_si(Quantity::Length, pair.mortar.search));
+        let search = units.rounded(Quantity::Length, pair.mortar.search, 3);
         return format!(
             "at t = {time} s the node at {place} is {depth} inside the other side of `{}` against `{}`, and no \
              contact stops it: nothing was in front of it within the search distance of {search}, and it was \
@@ -395,7 +395,7 @@ fn passed_through(model: &Model, passed: &Passed, time: f64) -> String {
 fn faceted_gaps(model: &Model, faceted: &Faceted) -> String {
     let pair = &model.pairs[faceted.pair];
     let (units, share) = (model.units(), faceted.bulge / faceted.closed);
-    let length = |x: f64| format!("{:.2e} {}", units.of_si(Quantity::Length, x), units.name(Quantity::Length));
+    let length = |x: f64| units.rounded(Quantity::Length, x, 3);
     format!(
         "the facets of `{}` and `{}` are chords of curved surfaces, which changes gaps by {} (median), {:.1} % of \
          the {} that contact closes: pressures may be off by about {:.0} %, forces by less; give contact[{}].gap \
@@ -418,9 +418,13 @@ fn not_unique(model: &Model, neutral: &NeutralMotion, time: f64) -> Option<Strin
     if room == 0.0 {
         return None;
     }
-    let (units, told) = (model.units(), model.units().of_si(Quantity::Length, room));
-    let (motion, unit) = (motion.against(&units), units.name(Quantity::Length));
-    let room = if room.is_finite() { format!("by up to {told:.2e} {unit}") } else { "by any distance".to_string() };
+    let units = model.units();
+    let motion = motion.against(&units);
+    let room = if room.is_finite() {
+        format!("by up to {}", units.rounded(Quantity::Length, room, 3))
+    } else {
+        "by any distance".to_string()
+    };
     Some(format!(
         "at t = {time} s contact forces balance the loads, but nothing holds {motion}: displacements are one of \
          many solutions, which may differ {room} before another node touches, with the same stresses; add a \
@@ -440,7 +444,7 @@ fn beside(length: f64, pressed: f64) -> String {
 fn not_met(model: &Model, overlap: Overlap, time: f64, pressed: f64) -> String {
     let Overlap { contact, obstacle, depth } = overlap;
     let units = model.units();
-    let (place, unit) = (units.place(model.contacts[contact].position), units.name(Quantity::Length));
+    let place = units.place(model.contacts[contact].position);
     let key = model.obstacle_key(obstacle);
     let boundary = model.contact_boundaries.iter().find(|boundary| boundary.obstacles.contains(&obstacle));
     let own = boundary.is_some_and(|boundary| boundary.nodes.contains(&contact));
@@ -453,8 +457,8 @@ fn not_met(model: &Model, overlap: Overlap, time: f64, pressed: f64) -> String {
             .to_string(),
     };
     format!(
-        "the contact node at {place} is {:.2e} {unit} inside {key} at t = {time} s, {}, {cure}",
-        units.of_si(Quantity::Length, depth),
+        "the contact node at {place} is {} inside {key} at t = {time} s, {}, {cure}",
+        units.rounded(Quantity::Length, depth, 3),
         beside(depth, pressed)
     )
 }
@@ -462,15 +466,15 @@ fn not_met(model: &Model, overlap: Overlap, time: f64, pressed: f64) -> String {
 fn between_nodes(model: &Model, between: &BetweenNodes, time: f64, pressed: f64) -> String {
     let BetweenNodes { boundary, position, missed, size } = between;
     let units = model.units();
-    let (unit, told) = (units.name(Quantity::Length), |x: f64| units.of_si(Quantity::Length, x));
+    let length = |x: f64| units.rounded(Quantity::Length, x, 3);
     format!(
         "the obstacle in front of `{boundary}` has details that are finer than the elements: between nodes, at {}, \
-         its distance at t = {time} s differs by {:.2e} {unit} from the distances at the nodes, {}, and pressures \
-         may be equally wrong; make the elements there, now {:.2e} {unit} long, smaller than these details",
+         its distance at t = {time} s differs by {} from the distances at the nodes, {}, and pressures \
+         may be equally wrong; make the elements there, now {} long, smaller than these details",
         units.place(*position),
-        told(*missed),
+        length(*missed),
         beside(*missed, pressed),
-        told(*size)
+        length(*size)
     )
 }
 
@@ -479,11 +483,10 @@ fn on_the_way(model: &Model, found: OnTheWay, pressed: f64) -> String {
     let OnTheWay { contact, time, distance } = found;
     let (units, does) = (model.units(), if distance < 0.0 { "goes through" } else { "leaves" });
     format!(
-        "within the increment that ends at t = {time} s an obstacle {does} the contact node at {}, by {:.2e} {}, \
-         {}: friction between the ends of increments is neglected; take more increments",
+        "within the increment that ends at t = {time} s an obstacle {does} the contact node at {}, by {}, {}: \
+         friction between the ends of increments is neglected; take more increments",
         units.place(model.contacts[contact].position),
-        units.of_si(Quantity::Length, distance.abs()),
-        units.name(Quantity::Length),
+        units.rounded(Quantity::Length, distance.abs(), 3),
         beside(distance.abs(), pressed)
     )
 }
@@ -491,8 +494,7 @@ fn on_the_way(model: &Model, found: OnTheWay, pressed: f64) -> String {
 fn out_of_range(model: &Model, left: &RangeLeft) -> String {
     let RangeLeft { position, time, linearised, exact, share, .. } = *left;
     let units = model.units();
-    let (place, unit) = (units.place(position), units.name(Quantity::Length));
-    let [linearised, exact] = [linearised, exact].map(|distance| units.of_si(Quantity::Length, distance));
+    let place = units.place(position);
     let remedy = "pressures may be equally wrong; place the obstacle of the scene nearer to where it presses, or let it move \
          less";
     if exact.is_nan() {
@@ -500,9 +502,9 @@ fn out_of_range(model: &Model, left: &RangeLeft) -> String {
     }
     let off =
         if share.is_finite() { format!(", off by {:.0} % of the indentation", 100.0 * share) } else { String::new() };
+    let [linearised, exact] = [linearised, exact].map(|distance| units.rounded(Quantity::Length, distance, 3));
     format!(
         "gaps are linearised in the undeformed state, and the contact leaves the range of this approximation: at \
-         the node {place} at t = {time} s the distance is {exact:.2e} {unit}, not {linearised:.2e} {unit}{off}; \
-         {remedy}"
+         the node {place} at t = {time} s the distance is {exact}, not {linearised}{off}; {remedy}"
     )
 }

@@ -321,13 +321,12 @@ fn surface_hole(model: &Model) -> Option<String> {
                 count => format!("{count} holes"),
             };
             Some(format!(
-                "the surface of {} has {what} in front of `{}`, the largest {:.2e} {} long at {}: nothing presses \
+                "the surface of {} has {what} in front of `{}`, the largest {} long at {}: nothing presses \
                  there. A triangle may be missing, or triangles on both sides of a crack may have different \
                  corners; close the hole in the file if the part has none",
                 model.obstacle_key(k),
                 contact.name,
-                units.of_si(Quantity::Length, largest.size),
-                units.name(Quantity::Length),
+                units.rounded(Quantity::Length, largest.size, 3),
                 units.place(largest.box_centre())
             ))
         })

@@ -113,14 +113,14 @@ fn words(rows: &[Row]) -> Vec<String> {
         if of(Some(true)) + of(Some(false)) + of(None) > 0 {
             let (right, wrong) = (of(Some(true)), of(Some(false)));
             lines.push(format!(
-                "{:<9} {right} of {} scenes as they should be; {} more of which nobody knows",
+                "{:<9} right verdict in {right} of {} scenes; unknown in {} more",
                 method.title(),
                 right + wrong,
                 of(None)
             ));
         }
     }
-    lines.push("! not what it should be   ? nobody knows".into());
+    lines.push("! wrong verdict   ? right verdict unknown".into());
     lines
 }
 

@@ -175,14 +175,15 @@ fn notes(table: PaperTable, columns: &[Column]) -> Vec<String> {
         let failed = column.cells.iter().filter(|cell| cell.status != Status::Converged).count();
         if failed > 0 {
             notes.push(format!(
-                "{}: {failed} of {} histories did not get through and are not compared; the table shows how far they got",
+                "{}: {failed} of {} histories did not converge and are not compared; the table shows how many increments did",
                 column.method.title(),
                 column.cells.len()
             ));
         }
         if (table, column.method) == (PaperTable::Punch, PaperMethod::IpPrev) {
-            notes
-                .push("IP prev: not the paper's rule (36) for sigma, but the block's (0.95), without a restart".into());
+            notes.push(
+                "IP prev: sigma by the block's rule (0.95) instead of the paper's (36), without a restart".into(),
+            );
         }
     }
     notes

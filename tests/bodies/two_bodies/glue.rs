@@ -98,7 +98,7 @@ fn the_moment_across_a_gap_is_told() {
         let report = Run::of(&model, vec![1.0], SolverChoice::new(Method::BN)).unwrap().solve(&mut ()).unwrap();
         let told = report.warnings.iter().find(|warning| warning.kind == WarningKind::Unbalanced);
         assert_eq!(told.is_some(), warned, "{told:?}");
-        let names_gap = |message: &str| message.contains("5.00e-2 m apart") && !message.contains("rounding");
+        let names_gap = |message: &str| message.contains("50.0 mm apart") && !message.contains("rounding");
         assert!(told.is_none_or(|told| names_gap(&told.message)), "{told:?}");
     }
 }

@@ -37,7 +37,7 @@ fn bodies_that_pass_through_each_other() {
     for space in [false, true] {
         let report = run(&pressed(1e-6, space));
         let told = message(&report, WarningKind::PassedThrough).unwrap();
-        assert!(told.contains("5.00e-3 m inside") && told.contains("[[contact]]"), "{told}");
+        assert!(told.contains("5.00 mm inside") && told.contains("[[contact]]"), "{told}");
         for slave in [["upper:bottom", "lower:top"], ["lower:top", "upper:bottom"]] {
             let report = run(&pressed(1e-6, space).pair(slave[0], 0.3, slave[1]));
             assert_eq!(message(&report, WarningKind::PassedThrough), None);
@@ -67,7 +67,7 @@ fn a_search_that_is_too_short() {
         let report = wedge(3e-3, upper_is_slave);
         let told = message(&report, WarningKind::PassedThrough).unwrap();
         assert!(
-            told.contains("within the search distance of 3.00e-3 m") && told.contains("contact[0].search"),
+            told.contains("within the search distance of 3.00 mm") && told.contains("contact[0].search"),
             "{told}"
         );
         assert_eq!(message(&wedge(0.05, upper_is_slave), WarningKind::PassedThrough), None);

@@ -60,6 +60,9 @@ fn numbers_as_such<S: Serializer>(values: &[String], serializer: S) -> Result<S:
 
 const COMPONENTS: [&str; 3] = ["f_x", "f_y", "f_z"];
 
+/// The digits of pressures and forces in the text.
+const DIGITS: usize = 6;
+
 impl Sweep {
     /// Creates the table of `scene` over `varied`, with a row for each combination.
     pub fn new(scene: &Scene, varied: Vec<Variation>, variants: Vec<Row>) -> Self {
@@ -135,19 +138,20 @@ impl Sweep {
         heads.extend(["error", "warnings"].map(String::from));
         let heads: Vec<&str> = heads.iter().map(String::as_str).collect();
         let mut table = Table::new(&heads);
-        let shown = |x: Option<f64>, show: fn(f64) -> String| x.map_or("-".to_string(), show);
+        let number = |x: f64| self.units.rounded(Quantity::Number, x, DIGITS);
+        let shown = |x: Option<f64>, show: &dyn Fn(f64) -> String| x.map_or("-".to_string(), show);
         for Row { values, outcome, .. } in &self.variants {
             let mut row = values.clone();
             row.extend([outcome.status.clone(), outcome.converged.to_string(), outcome.iterations.to_string()]);
-            row.push(shown(outcome.seconds, |seconds| format!("{seconds:.2}")));
+            row.push(shown(outcome.seconds, &|seconds| format!("{seconds:.2}")));
             let pressure = outcome.largest_pressure.as_ref().and_then(|largest| largest.pressure);
             let pressure = pressure.map(|pressure| self.pressure(pressure));
-            row.push(shown(pressure, |pressure| format!("{pressure:.5e}")));
+            row.push(shown(pressure, &number));
             for (name, components) in &boundaries {
                 let force = |c: usize| on(outcome, name).and_then(|found| found.force.get(c).copied());
-                row.extend((0..*components).map(|c| shown(force(c), |force| format!("{force:.5e}"))));
+                row.extend((0..*components).map(|c| shown(force(c), &number)));
             }
-            row.push(shown(outcome.error, |error| format!("{error:.1e}")));
+            row.push(shown(outcome.error, &|error| format!("{error:.1e}")));
             row.push(if outcome.warnings.is_empty() { "-".to_string() } else { outcome.warnings.join(" ") });
             table.push(row);
         }

@@ -141,7 +141,7 @@ time = { end = 1, increments = 2 }
     let told = report["warnings"].as_array().unwrap().iter().find(|warning| warning["kind"] == "not-unique").unwrap();
     let message = told["message"].as_str().unwrap();
     assert!(message.contains("at t = 0.5 s") && message.contains("a rotation about (0.5, 0) m"), "{message}");
-    assert!(message.contains("differ by up to 1.27e-1 m"), "{message}");
+    assert!(message.contains("differ by up to 127 mm"), "{message}");
     // With a support the solution is unique.
     let held = format!("{scene}support = [{{ boundary = \"left\", fix = [\"x\"] }}]\n");
     assert_eq!(kinds_but_of_the_mesh(&self::report(&held, 0)), [""; 0]);

@@ -41,10 +41,10 @@ fn quantity(unit: &str) -> Quantity {
 pub fn documented_keys() -> BTreeMap<String, String> {
     let mut units = BTreeMap::new();
     for (keys, cells) in rows(&page("results.md"), "| key | unit |") {
-        // Several keys share one unit, or have one each.
+        // Several keys share one unit, or have one each, where a dash is no unit.
         let of_each: Vec<&str> = cells[1].split(", ").collect();
         for (k, key) in keys.iter().enumerate() {
-            units.insert(key.clone(), (*of_each.get(k).unwrap_or(&of_each[of_each.len() - 1])).to_string());
+            units.insert(key.clone(), of_each.get(k).unwrap_or(&of_each[of_each.len() - 1]).replace('–', ""));
         }
     }
     units
@@ -62,9 +62,12 @@ fn every_documented_number_has_its_quantity() {
             assert_eq!(key_quantity(name), quantity(unit), "{key}");
         }
     }
-    for (columns, cells) in rows(&page("scene.md"), "| column | unit |") {
-        for column in columns {
-            assert_eq!(column_quantity(&column), Some(quantity(&cells[1])), "{column}");
+    let (results, header) = (page("results.md"), "| column | unit |");
+    for (at, _) in results.match_indices(header) {
+        for (columns, cells) in rows(&results[at..], header) {
+            for column in columns {
+                assert_eq!(column_quantity(&column), Some(quantity(&cells[1])), "{column}");
+            }
         }
     }
 }

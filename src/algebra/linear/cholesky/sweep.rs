@@ -3,61 +3,163 @@
 //! The solves of the backends have no border: they would include `L_cc` and leave `L_cr` to a second pass over the
 //! factors. The blocks are so small that calling a matrix product for each would cost more than its work.
 
-use super::{Supernodal, Supernode, nodes};
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::branches::Branches;
+use super::{Supernodal, Supernode};
 
 /// Computes `[b_r; b_c] → [L_rr⁻¹ b_r; b_c - L_cr L_rr⁻¹ b_r]`, in the order of the factors.
-pub(super) fn forward(factor: &dyn Supernodal, interior: usize, x: &mut [f64]) {
-    let mut work = Vec::new();
-    for node in fetched(nodes(factor).take_while(|node| node.first < interior)) {
-        gather(&node, x, &mut work);
-        let columns = node.columns.min(interior - node.first);
-        for first in (0..columns).step_by(TILE) {
-            // First the columns of the block, then all rows below them.
-            let end = columns.min(first + TILE);
-            for k in first..end {
-                let column = node.column(k);
-                let (top, below) = work[k..].split_at_mut(1);
-                top[0] /= column[0];
-                below[..end - k - 1].iter_mut().zip(&column[1..]).for_each(|(x, l)| *x -= l * top[0]);
-            }
-            let (top, below) = work.split_at_mut(end);
-            if let Ok(values) = <[f64; TILE]>::try_from(&top[first..]) {
-                let [a, b, c, d] = std::array::from_fn(|k| &node.column(first + k)[TILE - k..]);
-                let rows = below.iter_mut().zip(a).zip(b).zip(c).zip(d);
-                rows.for_each(|((((x, a), b), c), d)| {
-                    *x = *x - a * values[0] - b * values[1] - c * values[2] - d * values[3];
-                });
-            } else {
-                for (k, value) in (first..).zip(&top[first..]) {
-                    let column = &node.column(k)[end - k..];
-                    below.iter_mut().zip(column).for_each(|(x, l)| *x -= l * value);
-                }
-            }
+pub(super) fn forward(factor: &dyn Supernodal, tree: &Branches, interior: usize, x: &mut [f64]) {
+    let found = tree.map(|branch| {
+        let mut own = x[branch.columns.clone()].to_vec();
+        own.resize(own.len() + branch.outside.len(), 0.0);
+        let (mut places, mut work) = (&branch.places[..], Vec::new());
+        for node in fetched(branch.supernodes.clone().map(|k| factor.supernode(k))) {
+            let (rows, others) = places.split_at(node.below.len());
+            let own_rows = rows.iter().map(|&row| row as usize);
+            eliminate(&node, node.first - branch.columns.start, own_rows, node.columns, &mut own, &mut work);
+            places = others;
         }
-        let (block, below) = work.split_at(node.columns);
-        x[node.first..node.first + node.columns].copy_from_slice(block);
-        node.below.iter().zip(below).for_each(|(&row, &value)| x[row as usize] = value);
+        own
+    });
+    for (branch, own) in tree.branches.iter().zip(found) {
+        let (inside, outside) = own.split_at(branch.columns.len());
+        x[branch.columns.clone()].copy_from_slice(inside);
+        branch.outside.iter().zip(outside).for_each(|(&row, value)| x[row] += value);
+    }
+    let mut work = Vec::new();
+    let trunk = tree.trunk.iter().map(|&k| factor.supernode(k));
+    for node in fetched(trunk.take_while(|node| node.first < interior)) {
+        let rows = node.below.iter().map(|&row| row as usize);
+        eliminate(&node, node.first, rows, node.columns.min(interior - node.first), x, &mut work);
     }
 }
 
 /// Computes `[y_r; x_c] → [L_rr⁻ᵀ (y_r - L_crᵀ x_c); x_c]`, in the order of the factors.
-pub(super) fn backward(factor: &dyn Supernodal, interior: usize, x: &mut [f64]) {
+pub(super) fn backward(factor: &dyn Supernodal, tree: &Branches, interior: usize, x: &mut [f64]) {
     let mut work = Vec::new();
-    for node in fetched(nodes(factor).rev().filter(|node| node.first < interior)) {
-        let columns = node.columns.min(interior - node.first);
-        gather(&node, x, &mut work);
-        let (top, below) = work.split_at_mut(columns);
-        // First the rows below the block, in the order of memory; then the block.
-        for (k, x) in top.iter_mut().enumerate() {
-            *x -= product(&node.column(k)[columns - k..], below);
-        }
-        for k in (0..columns).rev() {
-            let column = node.column(k);
-            let (upper, lower) = top.split_at_mut(k + 1);
-            upper[k] = (upper[k] - product(&column[1..columns - k], lower)) / column[0];
-        }
-        x[node.first..node.first + columns].copy_from_slice(top);
+    let trunk = tree.trunk.iter().rev().map(|&k| factor.supernode(k));
+    for node in fetched(trunk.filter(|node| node.first < interior)) {
+        let rows = node.below.iter().map(|&row| row as usize);
+        substitute(&node, node.first, rows, node.columns.min(interior - node.first), x, &mut work);
     }
+    let found = tree.map(|branch| {
+        let mut own = x[branch.columns.clone()].to_vec();
+        own.extend(branch.outside.iter().map(|&row| x[row]));
+        let (mut places, mut work) = (&branch.places[..], Vec::new());
+        for node in fetched(branch.supernodes.clone().rev().map(|k| factor.supernode(k))) {
+            let (others, rows) = places.split_at(places.len() - node.below.len());
+            let own_rows = rows.iter().map(|&row| row as usize);
+            substitute(&node, node.first - branch.columns.start, own_rows, node.columns, &mut own, &mut work);
+            places = others;
+        }
+        own
+    });
+    for (branch, own) in tree.branches.iter().zip(found) {
+        x[branch.columns.clone()].copy_from_slice(&own[..branch.columns.len()]);
+    }
+}
+
+/// Eliminates the first `columns` of a supernode. In `x`, its columns begin at `first` and its rows below are `rows`.
+fn eliminate(
+    node: &Supernode<'_>,
+    first: usize,
+    rows: impl Iterator<Item = usize> + Clone,
+    columns: usize,
+    x: &mut [f64],
+    work: &mut Vec<f64>,
+) {
+    gather(&x[first..first + node.columns], rows.clone().map(|row| x[row]), work);
+    for panel in panels(columns) {
+        let (top, below) = work.split_at_mut(panel.end);
+        // First the columns of the panel, then all rows below them.
+        for k in panel.clone() {
+            let column = node.column(k);
+            let (value, others) = top[k..].split_at_mut(1);
+            value[0] /= column[0];
+            others.iter_mut().zip(&column[1..]).for_each(|(x, l)| *x -= l * value[0]);
+        }
+        let values = &top[panel.clone()];
+        let subtract = |(from, below): (usize, &mut [f64])| subtract_columns(node, &panel, values, from, below);
+        let threads = threads_for(values.len() * below.len());
+        if threads == 1 {
+            subtract((panel.end, below));
+        } else {
+            let length = below.len().div_ceil(threads);
+            let parts = below.par_chunks_mut(length).enumerate();
+            parts.map(|(part, below)| (panel.end + part * length, below)).for_each(subtract);
+        }
+    }
+    let (block, below) = work.split_at(node.columns);
+    x[first..first + node.columns].copy_from_slice(block);
+    rows.zip(below).for_each(|(row, &value)| x[row] = value);
+}
+
+/// Subtracts the columns of a panel, each times its value, from the rows of a supernode that begin at `from`.
+fn subtract_columns(node: &Supernode<'_>, panel: &Range<usize>, values: &[f64], from: usize, x: &mut [f64]) {
+    let column = |k: usize| &node.column(k)[from - k..];
+    for (values, first) in values.chunks(TILE).zip(panel.clone().step_by(TILE)) {
+        if let Ok(values) = <[f64; TILE]>::try_from(values) {
+            let [a, b, c, d] = std::array::from_fn(|k| column(first + k));
+            let rows = x.iter_mut().zip(a).zip(b).zip(c).zip(d);
+            rows.for_each(|((((x, a), b), c), d)| {
+                *x = *x - a * values[0] - b * values[1] - c * values[2] - d * values[3];
+            });
+        } else {
+            for (k, value) in (first..).zip(values) {
+                x.iter_mut().zip(column(k)).for_each(|(x, l)| *x -= l * value);
+            }
+        }
+    }
+}
+
+/// Solves for the first `columns` of a supernode. In `x`, its columns begin at `first` and its rows below are `rows`.
+fn substitute(
+    node: &Supernode<'_>,
+    first: usize,
+    rows: impl Iterator<Item = usize>,
+    columns: usize,
+    x: &mut [f64],
+    work: &mut Vec<f64>,
+) {
+    gather(&x[first..first + node.columns], rows.map(|row| x[row]), work);
+    for panel in panels(columns).rev() {
+        let (top, below) = work.split_at_mut(panel.end);
+        let top = &mut top[panel.start..];
+        // First the rows below the panel, in the order of memory; then the panel.
+        let subtract = |(k, x): (usize, &mut f64)| {
+            *x -= product(&node.column(panel.start + k)[panel.end - panel.start - k..], below);
+        };
+        if threads_for(top.len() * below.len()) == 1 {
+            top.iter_mut().enumerate().for_each(subtract);
+        } else {
+            top.par_iter_mut().enumerate().for_each(subtract);
+        }
+        for k in (0..top.len()).rev() {
+            let column = node.column(panel.start + k);
+            let (upper, lower) = top.split_at_mut(k + 1);
+            upper[k] = (upper[k] - product(&column[1..=lower.len()], lower)) / column[0];
+        }
+    }
+    x[first..first + columns].copy_from_slice(&work[..columns]);
+}
+
+/// The number of columns of a supernode that are swept before threads share the rows below them.
+const PANEL: usize = 128;
+
+/// With fewer values than this, threads take more time to begin than they save.
+const SHARED: usize = 1 << 17;
+
+/// Returns the panels of the first columns of a supernode.
+fn panels(columns: usize) -> impl DoubleEndedIterator<Item = Range<usize>> {
+    (0..columns.div_ceil(PANEL)).map(move |k| k * PANEL..columns.min((k + 1) * PANEL))
+}
+
+/// Returns the number of threads that share this number of values. The results do not depend on it.
+fn threads_for(values: usize) -> usize {
+    if values < SHARED { 1 } else { rayon::current_num_threads() }
 }
 
 /// The number of columns of `L` that are multiplied with the same rows at once.
@@ -84,10 +186,12 @@ fn product(l: &[f64], x: &[f64]) -> f64 {
 /// of the cache, and no read waits for another. Sweeps wait for the memory; these reads save a third to a half of their time.
 fn fetched<'a>(supernodes: impl Iterator<Item = Supernode<'a>>) -> impl Iterator<Item = Supernode<'a>> {
     const LINE: usize = 8;
+    // Larger supernodes would displace the values that are in use; they are read as a stream anyway.
+    const CACHE: usize = 1 << 15;
     let mut supernodes = supernodes.peekable();
     std::iter::from_fn(move || {
         let supernode = supernodes.next();
-        if let Some(next) = supernodes.peek() {
+        if let Some(next) = supernodes.peek().filter(|next| next.values.len() <= CACHE) {
             let lines = next.values.iter().step_by(LINE);
             std::hint::black_box(lines.fold(0_u64, |all, value| all.wrapping_add(value.to_bits())));
         }
@@ -96,8 +200,8 @@ fn fetched<'a>(supernodes: impl Iterator<Item = Supernode<'a>>) -> impl Iterator
 }
 
 /// Gathers the values in the rows of a supernode.
-fn gather(node: &Supernode<'_>, x: &[f64], work: &mut Vec<f64>) {
+fn gather(block: &[f64], below: impl Iterator<Item = f64>, work: &mut Vec<f64>) {
     work.clear();
-    work.extend_from_slice(&x[node.first..node.first + node.columns]);
-    work.extend(node.below.iter().map(|&row| x[row as usize]));
+    work.extend_from_slice(block);
+    work.extend(below);
 }

@@ -8,14 +8,25 @@ pub(super) fn listed(mut names: Vec<String>) -> String {
     if names.is_empty() { last } else { format!("{} and {last}", names.join(", ")) }
 }
 
-/// Formats a number in few digits, zero as 0.
+/// The digits of numbers of the scene.
+const DIGITS: usize = 6;
+
+/// Formats a number in few digits, without zeros at the end.
 pub(super) fn number(x: f64) -> String {
-    if x == 0.0 { "0".to_string() } else { format!("{:e}", (format!("{x:.5e}")).parse().unwrap_or(x)) }
+    shortened(&UnitSystem::si(3).rounded(Quantity::Number, x, DIGITS))
+}
+
+/// Removes the zeros at the end of the decimals of a number, which an exponent or a unit may follow.
+fn shortened(text: &str) -> String {
+    let end = text.find(['e', ' ']).unwrap_or(text.len());
+    let (number, rest) = text.split_at(end);
+    let number = if number.contains('.') { number.trim_end_matches('0').trim_end_matches('.') } else { number };
+    format!("{number}{rest}")
 }
 
 /// Formats a number of SI units in few digits, in the chosen units.
 pub(super) fn told(units: &UnitSystem, quantity: Quantity, x: f64) -> String {
-    format!("{} {}", number(units.of_si(quantity, x)), units.name(quantity))
+    shortened(&units.rounded(quantity, x, DIGITS))
 }
 
 /// Formats components in few digits, in the chosen units.

@@ -1,0 +1,217 @@
+//! What a run prints before and after its increments.
+
+use stickslip::algebra::linear::process::Blas;
+use stickslip::base::{Quantity, UnitSystem};
+use stickslip::body::PeakOf;
+use stickslip::run::Run;
+use stickslip::run::report::{
+    AppliedForce, BalanceRecord, CompanionEstimate, ComponentSums, EliminatedUnknown, LargestPressure, RankRecord,
+    Resultant, RunReport, Unknowns, Warning,
+};
+use stickslip::scene::{Scene, Time};
+use stickslip::solver::formulation::Layout;
+use stickslip::solver::history::{IncrementError, Status, WorkingSet};
+
+/// The digits of forces. Those of the largest component are enough to see a balance.
+const FORCE_DIGITS: usize = 6;
+
+/// The digits of other results: more than their errors leave.
+const DIGITS: usize = 4;
+
+/// Prints the method, the unknowns, and warnings that need no solution.
+pub(super) fn print_head(scene: &Scene, run: &Run<'_>, is_verbose: bool) {
+    if is_verbose {
+        print_set_up(scene, run);
+    }
+    let of_model = Warning::of_model(run.model()).into_iter().filter(|warning| !warning.kind.needs_the_solution());
+    let of_blas = Blas::loaded().as_ref().and_then(Warning::of_blas);
+    for warning in of_model.chain(of_blas) {
+        say!("warning      {}", warning.message);
+    }
+    if is_verbose {
+        say!("set-up       symbolic analysis");
+    }
+}
+
+fn print_set_up(scene: &Scene, run: &Run<'_>) {
+    let (model, choice, method) = (run.model(), run.choice(), scene.solver.method);
+    let Unknowns { u, p_t, p_o, p_n, v_n, s, lambda } =
+        Unknowns::new(&Layout::new(&model.problem), method.increments());
+    let blocks = [(u, "u"), (p_t, "p_t"), (p_o, "p_o"), (p_n, "p_n"), (v_n, "v_n"), (s, "s"), (lambda, "lambda")];
+    let present = blocks.iter().filter(|(count, _)| *count > 0).map(|(count, name)| format!("{count} {name}"));
+    let reduced = if method.increments().is_interior() {
+        format!(", reduced to {} in the matrix", u + p_t + p_o + p_n)
+    } else {
+        String::new()
+    };
+    say!("method       {}, setting {}", method.name(), method.setting());
+    if let Some(reason) = choice.reason() {
+        say!("solver       auto: {reason}");
+    }
+    let total: usize = blocks.iter().map(|(count, _)| count).sum();
+    let Time { increments, kinks, .. } = &scene.time;
+    if !kinks.is_empty() {
+        let fewer = if kinks.len() > *increments { "; histories with fewer points have fewer" } else { "" };
+        say!("increments   {increments} equal ones, and {} more to end at kinks of histories{fewer}", kinks.len());
+    }
+    say!("unknowns     {total} = {}{reduced}", present.collect::<Vec<_>>().join(" + "));
+    let condenses = choice.linear.condenses();
+    let left_out = EliminatedUnknown::all(model, condenses, run.working_set().filter(|_| condenses));
+    for (k, EliminatedUnknown { count, unknown, reason }) in left_out.iter().enumerate() {
+        say!("{:<12} {count} {unknown} {reason}", if k == 0 { "left out" } else { "" });
+    }
+}
+
+/// Prints the results at the end, the computation, and last, where the eye is, the peak and the verdict.
+pub(super) fn print_results(report: &RunReport, increments: usize, is_verbose: bool) {
+    let has_results =
+        report.totals.converged > 0 || !matches!(report.status, Status::Interrupted | Status::OutOfMemory);
+    if has_results && is_verbose {
+        say!("");
+        print_forces(report);
+        print_estimates(report);
+        print_work(report);
+    }
+    for warning in report.warnings.iter().filter(|warning| warning.kind.needs_the_solution()) {
+        say!("warning      {}", warning.message);
+    }
+    print_verdict(report, increments, has_results);
+}
+
+/// Prints the largest results, the verdict and its reason.
+fn print_verdict(report: &RunReport, increments: usize, has_results: bool) {
+    say!("");
+    if has_results {
+        print_largest(report);
+    }
+    let totals = &report.totals;
+    say!("verdict      {}, {} of {increments} increments", report.status, totals.converged);
+    if !report.explanation.reason.is_empty() {
+        say!("             {}", report.explanation.reason);
+    }
+}
+
+/// Prints the resultants of each contact, the reactions and their balance.
+fn print_forces(report: &RunReport) {
+    let units = &report.units;
+    let vector = |force: &[f64]| units.rounded_vector(Quantity::Force, force, FORCE_DIGITS);
+    for Resultant { boundary, force, sums: ComponentSums { sum_p_n, sum_p_t, sum_p_o }, obstacles, opposite, .. } in
+        &report.boundaries
+    {
+        let sum = |sum: f64| units.rounded(Quantity::Force, sum, FORCE_DIGITS);
+        let other = sum_p_o.map_or(String::new(), |p_o| format!(", of p_o {}", sum(p_o)));
+        say!("contact      {boundary}: sum of p_n {}, of p_t {}{other}", sum(*sum_p_n), sum(*sum_p_t));
+        let on = opposite.as_ref().map_or("the obstacle", |of| of.boundary.as_str());
+        say!("             force on {on} {}", vector(force));
+        for on in obstacles {
+            say!("             {} of it on {}", vector(&on.force), on.obstacle);
+        }
+    }
+    if let Some(BalanceRecord { supports, springs, balance, .. }) = &report.last_reactions {
+        for (kind, AppliedForce { at, force, .. }) in
+            supports.iter().map(|support| ("reaction", support)).chain(springs.iter().map(|spring| ("spring", spring)))
+        {
+            say!("{kind:<12} {at}: {} on the body", vector(force));
+        }
+        say!("balance      the forces on the body balance to {balance:.1e} of their sizes");
+    }
+}
+
+/// Prints the largest displacement and pressure.
+fn print_largest(report: &RunReport) {
+    let units = &report.units;
+    if let Some(largest) = &report.largest_displacement {
+        say!(
+            "displacement {} at most, at t = {} s",
+            units.rounded(Quantity::Length, largest.length, DIGITS),
+            largest.time
+        );
+    }
+    let Some(LargestPressure { pressure, peak_of, boundary, position, time, .. }) = &report.largest_pressure else {
+        return;
+    };
+    let at = format!("`{boundary}`, {}, t = {time} s", rounded_place(units, *position));
+    match (peak_of, pressure.map(|pressure| units.rounded(Quantity::Stress, pressure, DIGITS))) {
+        (Some(PeakOf::Nodes), Some(pressure)) => say!("pressure     {pressure} at most: {at}"),
+        (Some(PeakOf::Patches), Some(pressure)) => {
+            say!("pressure     {pressure} at most, on a node with its neighbours: {at}");
+        }
+        _ => say!("pressure     too few tetrahedra across the contact for a peak: {at}"),
+    }
+}
+
+/// Formats a place with few digits.
+fn rounded_place(units: &UnitSystem, place: [f64; 3]) -> String {
+    units.rounded_vector(Quantity::Length, &place[..units.dimension], DIGITS)
+}
+
+/// Prints the errors that mesh and increments leave.
+fn print_estimates(report: &RunReport) {
+    let units = &report.units;
+    if let Some(error) = report.estimates.discretisation {
+        say!("mesh error   about {:.1} % in the energy norm", 100.0 * error);
+    }
+    if let Some(IncrementError { friction_work, friction_work_corrected, work_error, force_error, .. }) =
+        report.estimates.increments.filter(|found| found.friction_work > 0.0)
+    {
+        let [work, corrected] =
+            [friction_work, friction_work_corrected].map(|work| units.rounded(Quantity::Energy, work, DIGITS));
+        let share = 100.0 * work_error;
+        say!("friction     work {work}, {share:.1} % of it due to the increments: corrected {corrected}");
+        if let Some(error) = force_error.filter(|error| *error > 0.0) {
+            say!("time steps   error of the tangential forces about {:.1} %", 100.0 * error);
+        }
+    }
+    if let Some(CompanionEstimate { increments, status, error, .. }) = report.estimates.companion {
+        match error {
+            Some(error) => say!(
+                "time steps   error of the tangential forces about {:.1} %, by a run with {increments} increments",
+                100.0 * error
+            ),
+            None => say!("time steps   error unknown: a run with {increments} increments ended {status}"),
+        }
+    }
+}
+
+/// Prints the errors of the equations, the counts of the solvers, time and memory.
+fn print_work(report: &RunReport) {
+    let totals = &report.totals;
+    let (law, error) = totals.kkt.worst();
+    say!("laws         error {error:.1e} at most ({law}); backward error of the solves {:.1e}", totals.backward_error);
+    let linear = match totals.krylov_iterations {
+        Some(krylov) => format!(
+            "{} with {} entries, {} of GMRES",
+            counted(totals.factorizations, "Newton matrix", "Newton matrices"),
+            totals.nnz_factors,
+            counted(krylov, "iteration", "iterations")
+        ),
+        None => format!(
+            "{}, {}, {} entries in L and U",
+            counted(totals.factorizations, "factorisation", "factorisations"),
+            counted(totals.symbolic_analyses, "symbolic analysis", "symbolic analyses"),
+            totals.nnz_factors
+        ),
+    };
+    say!("work         {}, {linear}", counted(totals.iterations, "iteration", "iterations"));
+    if let Some(WorkingSet { first, last, all, grown }) = report.working_set {
+        let then = match grown {
+            0 => String::new(),
+            1 => format!(" at first, {last} after it grew once"),
+            _ => format!(" at first, {last} after it grew {grown} times"),
+        };
+        say!("working set  {first} of {all} contact nodes{then}");
+    }
+    let memory = totals.peak_rss_bytes.map_or(String::new(), |bytes| format!(", {:.0} MB", bytes as f64 * 1e-6));
+    say!("time         {:.2} s ({:.2} s CPU){memory}", totals.wall_seconds, totals.cpu_seconds);
+    for RankRecord { rank, cpu_seconds, peak_rss_bytes } in &totals.ranks {
+        say!("rank {rank:<8}{cpu_seconds:.2} s CPU, {:.0} MB", *peak_rss_bytes as f64 * 1e-6);
+    }
+    if let Some(faster) = &report.faster_solver {
+        say!("faster       {faster}");
+    }
+}
+
+/// Formats a count with the word for it.
+fn counted(count: usize, one: &str, many: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { many })
+}
