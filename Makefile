@@ -2,6 +2,10 @@
 # make test   all tests
 # make python the Python module, compiled and tested in an environment of its own; needs a network once
 # make python-docs its pages, run, in target/python-docs
+# make book   the site of doc/, in target/book; needs a network once
+# make book-test the same in a headless Chromium, which it installs: links, search, formulas, pictures, phone width
+# make readability reading ease and sentence length of the pages
+# make archive the program with its licences, first page and manual, in target/archive
 # make wheel  its wheel for any Linux since glibc 2.17, in target/wheels
 # make wheel-test the same, installed and run in fresh environments of the Pythons at hand
 # make pure   all tests of the program without any C library
@@ -24,7 +28,7 @@
 PACKAGES = libsuitesparse-dev libopenblas-dev libclang-dev
 SUDO := $(shell test "$$(id -u)" = 0 || echo sudo)
 
-.PHONY: demo test pure campaign packages mumps petsc python python-module python-docs wheel wheel-test bench instructions lines tables report extremes elements compare fresh fuzz sanitize deps
+.PHONY: demo test pure campaign packages mumps petsc python python-module python-docs wheel wheel-test book book-test readability archive bench instructions lines tables report extremes elements compare fresh fuzz sanitize deps
 
 demo: deps
 	cargo run --release -- run data/scenes/block.toml --out results/block
@@ -121,6 +125,50 @@ wheel: $(PYTHON_TOOLS)
 wheel-test: wheel
 	python/wheel_test.sh target/wheels/stickslip-*-abi3-*.whl $(PYTHON_WHEELS)
 
+# What each environment was made of, as PYTHON_TOOLS above.
+BOOK_TOOLS = target/book-tools/requirements.txt
+BOOK_TEST_TOOLS = target/book-tools/requirements-test.txt
+BOOK_PIP = target/book-tools/bin/python -m pip install -q --disable-pip-version-check --retries 1
+
+$(BOOK_TOOLS): doc/requirements.txt
+	@python3 -c 'import ensurepip' 2>/dev/null || { $(INSTALL) python3-venv; }
+	rm -rf target/book-tools
+	python3 -m venv target/book-tools
+	$(BOOK_PIP) -r doc/requirements.txt
+	cp doc/requirements.txt $@
+
+$(BOOK_TEST_TOOLS): doc/site/requirements.txt $(BOOK_TOOLS)
+	$(BOOK_PIP) -r doc/site/requirements.txt
+	cp doc/site/requirements.txt $@
+
+book: $(BOOK_TOOLS)
+	@NO_MKDOCS_2_WARNING=1 target/book-tools/bin/mkdocs build --strict >target/book-tools/log 2>&1 || { cat target/book-tools/log; exit 1; }
+	@echo "the site is in target/book/index.html"
+
+# CHROMIUM names a browser that is installed elsewhere.
+book-test: book $(BOOK_TEST_TOOLS)
+	@[ -n "$$CHROMIUM" ] || command -v chromium >/dev/null || { $(INSTALL) chromium; }
+	target/book-tools/bin/python -m pytest -q -rs -p no:cacheprovider doc/site
+
+readability: $(BOOK_TEST_TOOLS)
+	target/book-tools/bin/python doc/site/readability.py
+
+# The program as it is handed on: what links UMFPACK is under the GPL (README.md, Licence). ARCHIVE_BUILD = --no-default-features
+# --features faer makes one without a C library.
+ARCHIVE_BUILD ?=
+ARCHIVE = stickslip-$(shell sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -1)-$(shell uname -m)-linux
+
+archive: $(if $(ARCHIVE_BUILD),,deps)
+	cargo build --release -p stickslip-cli $(ARCHIVE_BUILD)
+	rm -rf target/archive/$(ARCHIVE)
+	mkdir -p target/archive/$(ARCHIVE)/man
+	cp target/release/stickslip README.md CHANGELOG.md CITATION.cff LICENSE-APACHE LICENSE-MIT target/archive/$(ARCHIVE)
+	python/licences.sh stickslip-cli $(CURDIR)/target/archive/$(ARCHIVE) $(or $(ARCHIVE_BUILD),--features stickslip-cli/default)
+	cd target/archive/$(ARCHIVE) && for page in "" $$(./stickslip --help | sed -n '/^Commands:/,/^$$/s/^  \([a-z]*\) .*/\1/p' | grep -v help); do \
+		./stickslip man $$page >man/stickslip$${page:+-$$page}.1; done
+	tar -C target/archive -czf target/archive/$(ARCHIVE).tar.gz $(ARCHIVE)
+	@echo target/archive/$(ARCHIVE).tar.gz
+
 bench: deps
 	cargo bench -p stickslip-studies --bench factor
 	cargo bench -p stickslip-studies --bench history
@@ -200,7 +248,7 @@ report: deps
 # SUITESPARSE_INCLUDE_DIR says that SuiteSparse is installed in a place of its own.
 deps:
 	@if [ -z "$$SUITESPARSE_INCLUDE_DIR" ] && ! dpkg -s $(PACKAGES) >/dev/null 2>&1; then \
-		command -v apt-get >/dev/null || { echo "install SuiteSparse, OpenBLAS and libclang; see README.md"; exit 1; }; \
+		command -v apt-get >/dev/null || { echo "install SuiteSparse, OpenBLAS and libclang; see doc/howto/install.md"; exit 1; }; \
 		$(SUDO) apt-get update -q && \
 		$(SUDO) env DEBIAN_FRONTEND=noninteractive apt-get install -qy --no-install-recommends $(PACKAGES); \
 	fi

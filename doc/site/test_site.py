@@ -1,0 +1,260 @@
+"""The site of target/book in a headless Chromium: `make book-test`. Pictures of it go to target/book-pictures."""
+
+import functools
+import http.server
+import os
+import re
+import shutil
+import sys
+import threading
+from html.parser import HTMLParser
+from pathlib import Path
+from urllib.parse import unquote
+
+import markdown
+import pytest
+from playwright.sync_api import sync_playwright
+
+ROOT = Path(__file__).resolve().parents[2]
+BOOK = ROOT / "target/book"
+PICTURES = ROOT / "target/book-pictures"
+PHONE = {"width": 390, "height": 844}
+DESK = {"width": 1280, "height": 900}
+PAGES = sorted(
+    path.relative_to(BOOK).as_posix() for path in BOOK.rglob("*.html") if path.relative_to(BOOK).parts[0] != "source"
+)
+
+sys.path.insert(0, str(ROOT / "doc/site"))
+
+
+class Quiet(http.server.SimpleHTTPRequestHandler):
+    def log_message(self, *_):
+        pass
+
+
+@pytest.fixture(scope="session")
+def address():
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Quiet, directory=BOOK))
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    yield f"http://127.0.0.1:{server.server_port}"
+    server.shutdown()
+
+
+@pytest.fixture(scope="session")
+def browser(tmp_path_factory):
+    program = os.environ.get("CHROMIUM") or shutil.which("chromium") or "/usr/bin/chromium"
+    switches = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking"]
+    switches += ["--disable-component-update", "--disable-sync"]
+    PICTURES.mkdir(parents=True, exist_ok=True)
+    # Playwright gives the browser a new --user-data-dir.
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=program, headless=True, args=switches)
+        yield browser
+        browser.close()
+
+
+@pytest.fixture
+def tab(browser):
+    """A tab that notes errors of the console, of scripts and of requests, and requests to another host."""
+    context = browser.new_context(viewport=DESK, color_scheme="light")
+    tab = context.new_page()
+    tab.faults = []
+    tab.on("console", lambda message: message.type in ("error", "warning") and tab.faults.append(message.text))
+    tab.on("pageerror", lambda error: tab.faults.append(str(error)))
+    tab.on("requestfailed", lambda request: tab.faults.append(f"failed: {request.url}"))
+    tab.on("response", lambda answer: answer.status >= 400 and tab.faults.append(f"{answer.status}: {answer.url}"))
+    own = ("http://127.0.0.1:", "file://", "data:", "blob:")
+    tab.on("request", lambda request: request.url.startswith(own) or tab.faults.append(f"outside: {request.url}"))
+    yield tab
+    context.close()
+
+
+# What a page shows: pictures, formulas, and text that is still Markdown.
+SEEN = """async () => {
+  const pictures = [...document.querySelectorAll('.md-content img')];
+  await Promise.all(pictures.map(picture => { picture.loading = 'eager'; return picture.decode().catch(() => 0); }));
+  const text = [...document.querySelectorAll('.md-content p, .md-content li, .md-content td, .md-content dd')].map(element => {
+    const copy = element.cloneNode(true);
+    copy.querySelectorAll('code, pre, math, p, ul, ol, table, .highlight').forEach(child => child.remove());
+    return copy.textContent;
+  });
+  return {
+    empty: pictures.filter(picture => !picture.naturalWidth || !picture.naturalHeight).map(picture => picture.src),
+    flat: [...document.querySelectorAll('.md-content math')].filter(formula => {
+      const box = formula.getBoundingClientRect();
+      return !box.width || !box.height;
+    }).map(formula => formula.outerHTML.slice(0, 80)),
+    raw: text.filter(words => /\\]\\(|\\*\\*|\\$\\$|\\\\\\(|\\\\\\[|^\\s*[-*] |\\n\\s*([-*]|\\d\\.) |^\\s*\\| .* \\||```|\\[!/.test(words)).map(words => words.slice(0, 120)),
+    left: document.querySelectorAll('.arithmatex').length,
+    title: (document.querySelector('.md-content h1') || {}).textContent,
+  };
+}"""
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_page_is_whole(page, tab, address):
+    tab.goto(f"{address}/{page}", wait_until="load")
+    seen = tab.evaluate(SEEN)
+    assert seen["empty"] == [], "pictures without a size"
+    assert seen["flat"] == [], "formulas without a size"
+    assert seen["raw"] == [] and seen["left"] == 0, "Markdown or LaTeX that was not read"
+    assert seen["title"]
+    tab.set_viewport_size(PHONE)
+    wide = tab.evaluate("[document.documentElement.scrollWidth, document.documentElement.clientWidth]")
+    assert wide[0] <= wide[1], "the page can be scrolled sideways on a phone"
+    assert tab.faults == []
+
+
+class Links(HTMLParser):
+    def __init__(self, text):
+        super().__init__()
+        self.ids, self.links = set(), []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        attributes = dict(attributes)
+        self.ids |= {attributes[key] for key in ("id", "name") if attributes.get(key)}
+        if tag in ("a", "img", "script", "link"):
+            self.links += [attributes[key] for key in ("href", "src") if attributes.get(key)]
+
+
+def test_links_lead_somewhere():
+    parsed = {path: Links(path.read_text()) for path in BOOK.rglob("*.html")}
+    broken = []
+    for path, page in parsed.items():
+        if path.name == "404.html":
+            continue  # Its addresses begin at the root of a server.
+        for link in page.links:
+            if re.match(r"[a-z]+:", link):
+                continue
+            file, _, anchor = unquote(link).partition("#")
+            target = (path.parent / file).resolve() if file else path
+            if target.is_dir():
+                target = target / "index.html"
+            if not target.is_file() or (anchor and target in parsed and anchor not in parsed[target].ids):
+                # The scripts of the theme make these two themselves.
+                if anchor not in ("__search", "__drawer"):
+                    broken.append(f"{path.relative_to(BOOK)}: {link}")
+    assert broken == []
+    assert len(parsed) > 20
+
+
+def test_no_page_is_lost():
+    pages = [path for path in (ROOT / "doc").rglob("*.md") if not {"site", "error-vs-time"} & set(path.parts)]
+    front = (BOOK / "index.html").read_text()
+    for path in pages:
+        address = path.relative_to(ROOT / "doc").with_suffix(".html").as_posix()
+        assert (BOOK / address).is_file(), address
+        assert f'href="{address}"' in front or address == "index.html", f"{address} is not in the navigation"
+
+
+@pytest.mark.parametrize("words", ["press fit", "fretting", "friction"])
+def test_search_finds(words, tab, address):
+    tab.goto(address)
+    found = search(tab, words)
+    found.first.click()
+    tab.wait_for_load_state()
+    assert tab.url.split("?")[0] not in (address, f"{address}/", f"{address}/index.html")
+    content = tab.locator(".md-content").inner_text().lower()
+    assert all(word in content for word in words.split())
+    assert tab.faults == []
+
+
+def search(tab, words):
+    if tab.viewport_size["width"] < 1000:
+        tab.locator("label[for=__search]").first.click()
+    else:
+        tab.locator("input.md-search__input").click()
+    # The theme searches when a key is released, which filling in the field does not do.
+    tab.locator("input.md-search__input").press_sequentially(words)
+    found = tab.locator(".md-search-result__item a")
+    found.first.wait_for()
+    return found
+
+
+def test_search_without_a_server(tab):
+    tab.goto((BOOK / "index.html").as_uri())
+    found = search(tab, "friction")
+    assert found.count() > 3
+    assert tab.faults == []
+
+
+def test_dark_and_light(tab, address):
+    tab.emulate_media(color_scheme="dark")
+    tab.goto(address)
+    shade = "Math.max(...getComputedStyle(document.body).backgroundColor.match(/\\d+/g).slice(0, 3).map(Number))"
+    assert tab.evaluate(shade) < 80
+    tab.screenshot(path=PICTURES / "dark.png")
+    tab.locator("label[title=Light]").click()
+    tab.wait_for_function(f"{shade} > 200")
+
+
+FORMULAS = r"""
+Text with $\bar w_t$ and, right after it,
+$$
+K u + C_n^{\mathsf T} p_n = f \tag{15}
+$$
+- an item
+  - another $|p_t| \le \mu p_n$
+1. a step
+
+   ```sh
+   stickslip run x.toml
+   ```
+2. the next
+
+```math
+\begin{aligned} w_n &\le g \\ p_n &\ge 0 \end{aligned}
+```
+| a | b |
+| --- | --- |
+| `x \| y` | $\sigma_n$ |
+
+> [!WARNING]
+> Mind this.
+"""
+
+
+def test_formulas_and_github_markdown(tab, caplog):
+    import hooks
+
+    extensions = ["tables", "sane_lists", "admonition", "pymdownx.superfences", "pymdownx.arithmatex", hooks.AsOnGithub()]
+    text = markdown.markdown(
+        hooks.as_on_github(FORMULAS), extensions=extensions, extension_configs={"pymdownx.arithmatex": {"generic": True}}
+    )
+    page = type("Page", (), {"file": type("File", (), {"src_uri": "page.md"})})
+    text = hooks.on_page_content(text, page, None, None)
+    tab.set_content(f'<div class="md-content"><h1>Formulas</h1>{text}</div>')
+    seen = tab.evaluate(SEEN)
+    assert seen["raw"] == [] and seen["flat"] == [] and seen["left"] == 0
+    counted = {name: tab.locator(name).count() for name in ["math", "ul", "ol", "ol > li pre", ".number", ".admonition", "table"]}
+    assert counted == {"math": 5, "ul": 2, "ol": 1, "ol > li pre": 1, ".number": 1, ".admonition": 1, "table": 1}, text
+    assert tab.locator("td code").inner_text() == "x | y"
+    hooks.mathml(r"\unknown{x}", False, "page.md")
+    assert "the formula" in caplog.text
+
+
+def test_the_scene_of_the_first_page_is_the_one_that_is_drawn():
+    scene = (ROOT / "doc/lap.toml").read_text()
+    assert f"```toml\n{scene}```" in (ROOT / "README.md").read_text()
+
+
+def test_pictures(tab, address):
+    """Takes pictures for people to look at."""
+    tutorials = [page for page in PAGES if page.startswith("tutorials/")]
+    tutorial = next((page for page in tutorials if "lap-joint" in page), tutorials[0])
+    for name, page in [("front", "index.html"), ("tutorial", tutorial), ("theory", "method/theory.html")]:
+        tab.goto(f"{address}/{page}")
+        tab.screenshot(path=PICTURES / f"{name}.png")
+    tab.evaluate("(document.querySelectorAll('.formula')[1] || document.body).scrollIntoView({block: 'center'})")
+    tab.screenshot(path=PICTURES / "formulas.png")
+    tab.goto(address)
+    search(tab, "friction")
+    tab.wait_for_timeout(300)
+    tab.screenshot(path=PICTURES / "search.png")
+    tab.set_viewport_size(PHONE)
+    for name, page in [("phone_front", "index.html"), ("phone_tutorial", tutorial), ("phone_theory", "method/theory.html")]:
+        tab.goto(f"{address}/{page}")
+        tab.screenshot(path=PICTURES / f"{name}.png")
+    tab.evaluate("(document.querySelectorAll('.formula')[1] || document.body).scrollIntoView({block: 'center'})")
+    tab.screenshot(path=PICTURES / "phone_formulas.png")
