@@ -158,7 +158,7 @@ fn messages_quote_the_numbers_of_the_scene() {
     assert!(error.contains("the nearest is at (200, 1000) mm") || error.contains("(210, 1000) mm"), "{error}");
     let deep = edit(&block_in_mm(), "gap = 1e-2", "gap = -500");
     let error = no_model(&deep);
-    assert!(error.contains("starts 5e2 mm inside the body") && error.contains("1e3 mm thick"), "{error}");
+    assert!(error.contains("starts 500 mm inside the body") && error.contains("1000 mm thick"), "{error}");
 }
 
 /// The warning of large displacements is the same as in SI, and names the units.
