@@ -64,7 +64,10 @@ fn what_cannot_be_read_has_one_message() {
     let link = folder.join("link.hdf5");
     std::os::unix::fs::symlink(&bad, &link).unwrap();
     for (args, words) in [
-        (vec!["solve", &problem("local.hdf5"), "--out", &folder.join("bad.dat/x.hdf5")], "its folder cannot be created"),
+        (
+            vec!["solve", &problem("local.hdf5"), "--out", &folder.join("bad.dat/x.hdf5")],
+            "its folder cannot be created",
+        ),
         (vec!["solve", &problem("local.hdf5"), "--out", &link], "it exists and is no regular file"),
         (vec!["solve", &bad], "line 2: expected the entries of a matrix"),
         (vec!["judge", &problem("sliding.dat")], "the file contains no solution"),

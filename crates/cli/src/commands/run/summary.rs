@@ -102,9 +102,9 @@ fn print_forces(report: &RunReport) {
     for Resultant { boundary, force, sums: ComponentSums { sum_p_n, sum_p_t, sum_p_o }, obstacles, opposite, .. } in
         &report.boundaries
     {
-        let sum = |sum: f64| units.rounded(Quantity::Force, sum, FORCE_DIGITS);
-        let other = sum_p_o.map_or(String::new(), |p_o| format!(", of p_o {}", sum(p_o)));
-        say!("contact      {boundary}: sum of p_n {}, of p_t {}{other}", sum(*sum_p_n), sum(*sum_p_t));
+        let names = if sum_p_o.is_some() { "p_n, p_t, p_o" } else { "p_n, p_t" };
+        let sums: Vec<f64> = [*sum_p_n, *sum_p_t].into_iter().chain(*sum_p_o).collect();
+        say!("contact      {boundary}: sums of {names} {}", vector(&sums));
         let on = opposite.as_ref().map_or("the obstacle", |of| of.boundary.as_str());
         say!("             force on {on} {}", vector(force));
         for on in obstacles {
