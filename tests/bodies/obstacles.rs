@@ -249,7 +249,7 @@ fn bad_obstacles_get_one_message() {
     let kind = "kind = \"plane\", motion = { translation = [[0, 0, 0], [1, 0, 0], [2, 0.5, 0]] }";
     for (obstacle, message) in [
         ("kind = \"plane\", gap = -0.3", "the obstacle starts 300 mm inside the body"),
-        ("kind = \"plane\", gap = -0.05, approach = [[0, 0.1]]", "the obstacle starts 1.5"),
+        ("kind = \"plane\", gap = -0.05, approach = [[0, 0.1]]", "the obstacle starts 150 mm"),
         (
             "kind = \"formula\", formula = \"sqrt(x - 0.5)\"",
             "the formula has no finite value at the contact node at (0, 0) m",

@@ -12,6 +12,7 @@ mod history_chart;
 mod increments;
 mod lists;
 mod map;
+mod page;
 mod part;
 mod plot;
 mod pvd;

@@ -71,7 +71,7 @@ fn check_tells_every_obstacle() {
     let told = check(rollers);
     for words in [
         "contact      bottom: 2 obstacles, mu = 0.4\n",
-        "             cylinder, radius 200 mm, apex (0.5, -1e-5) m, moves in by 0 m at 0 s, 10 um at 1 s, met by 1 node\n",
+        "             cylinder, radius 0.2 m, apex (0.5, -0.00001) m, moves in by 0 m at 0 s, 10 um at 1 s, met by 1 node\n",
         "             bore, radius 90 m, apex (1, -0.02) m, met by 3 nodes\n             gaps to the nearest point",
     ] {
         assert!(told.contains(words), "{words}{told}");

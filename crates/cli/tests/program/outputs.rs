@@ -110,7 +110,7 @@ fn several_obstacles_are_told_apart() {
     let (out, report) = (folder.join("out"), folder.join("out/run.json"));
     let said = stickslip(&["run", &scene, "--out", &out]);
     assert_exit(&said, 0);
-    assert!(stdout(&said).contains("of it on contact[0].obstacle[1] ("), "{}", stdout(&said));
+    assert!(stdout(&said).contains(" of it on contact[0].obstacle[1]\n"), "{}", stdout(&said));
     let report: serde_json::Value = serde_json::from_str(&fs::read_to_string(report).unwrap()).unwrap();
     let (header, rows) = csv(&folder.0.join("out/forces.csv"));
     assert_eq!(header, "index,time,boundary,f_x,f_y,m_z,sum_p_n,sum_p_t,kind,balance,obstacle");

@@ -60,7 +60,16 @@ pub(super) fn is_ours(name: &str) -> bool {
     let numbered = |prefix: &str, suffix: &str| {
         name.strip_prefix(prefix).and_then(|rest| rest.strip_suffix(suffix)).is_some_and(is_number)
     };
-    let names = ["run.json", "increments.csv", "forces.csv", "events.csv", SERIES, "forces.svg", "iterations.svg"];
+    let names = [
+        "run.json",
+        "report.html",
+        "increments.csv",
+        "forces.csv",
+        "events.csv",
+        SERIES,
+        "forces.svg",
+        "iterations.svg",
+    ];
     names.contains(&name)
         || name.strip_prefix("contact_").and_then(line).unwrap_or(false)
         || increment_of_fields(name).is_some()

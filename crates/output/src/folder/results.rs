@@ -7,6 +7,7 @@ use super::series::Series;
 use super::table::Table;
 use crate::deformed::DeformedBody;
 use crate::history_chart::history_charts;
+use crate::page::page;
 use crate::vtu::Grid;
 use crate::{ContactSurface, increments, lists, plot};
 use std::io::{self, Read, Write};
@@ -177,8 +178,8 @@ impl ResultFolder {
         self.write(&format!("deformed_{:04}.svg", body.index), &body.to_svg(title).map_err(io::Error::other)?)
     }
 
-    /// Writes the charts `forces.svg` and `iterations.svg`, then the report with the stored lists as `run.json`, and
-    /// writes all to the disk. An interrupted run can still be resumed. Returns `false` and writes nothing if the run
+    /// Writes the charts `forces.svg` and `iterations.svg`, the report with the stored lists as `run.json`, the page
+    /// `report.html`, and writes all to the disk. An interrupted run can still be resumed. Returns `false` and writes nothing if the run
     /// was interrupted before its first results and results of an earlier run exist.
     ///
     /// # Errors
@@ -193,6 +194,8 @@ impl ResultFolder {
         }
         let lists = lists::FILES.map(|name| self.place.directory.read(name));
         self.place.write("run.json", |file| lists::write(report, lists, file))?;
+        let page = self.page()?;
+        self.write("report.html", &page)?;
         self.sync()?;
         if report.status == Status::Converged {
             let end = Checkpoint::new(report.totals.converged, 0.0, &()).with(&());
@@ -205,6 +208,12 @@ impl ResultFolder {
             lists::FILES.iter().try_for_each(|name| self.place.directory.remove(name))?;
         }
         Ok(true)
+    }
+
+    /// Returns the page of the results that are written.
+    fn page(&self) -> io::Result<String> {
+        let names = self.place.directory.names()?.into_iter().map(|(name, _)| name).filter(|name| is_ours(name));
+        page(&names.collect::<Vec<_>>(), |name| io::read_to_string(self.place.directory.read(name)?))
     }
 
     /// Opens the written report.
