@@ -24,8 +24,8 @@ Each run is a process of its own with one thread:
     difference of contact forces to those of `stickslip umfpack`, as a share of the largest force
     residual   of the contact laws, computed here from the forces alone, see `residual`; an answer above 1e-6 is marked as wrong
 
-Siconos 4.4 does not free the factors of NSN_AC and ADMM on the whole system: their memory grows with the increments. Its whole NSGS gives up
-after 1000 sweeps; forces stay near those it begins with.
+Siconos 4.4 does not free the factors of NSN_AC and ADMM on the whole system: their memory grows with the increments. Its NSGS on the whole system
+is given 1000 sweeps; on the cube with n = 4 it is still at forces of 0 after 20 000.
 """
 
 import argparse

@@ -9,8 +9,8 @@ phase and a solve of one right-hand side, CPU seconds of one thread, the least o
 reading memory. A solver that is not installed is left out with a line:
 
     PARDISO    pip install pypardiso
-    MUMPS      pip install python-mumps, built on Debian's libmumps-seq-dev
-    CHOLMOD    pip install 'scikit-sparse<0.5', built on Debian's libsuitesparse-dev
+    MUMPS      pip install --no-deps python-mumps, built on Debian's libmumps-seq-dev
+    CHOLMOD    pip install --no-deps 'scikit-sparse<0.5', built on Debian's libsuitesparse-dev
     UMFPACK    Debian's libumfpack5, called by ctypes
 
 MUMPS and UMFPACK get the order, of those they have, with the fewest entries. `cargo bench -p stickslip-studies --bench factor` and `--bench
