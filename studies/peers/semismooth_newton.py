@@ -12,7 +12,6 @@ import time
 
 import numpy as np
 import scipy.sparse as sp
-import stickslip as ss
 from pypardiso import PyPardisoSolver
 
 
@@ -34,19 +33,19 @@ def newton(p, forces, gap, tolerance=1e-10):
             slip = closed & ~stick
             e = trial / np.where(size > 0, size, 1)[:, None]
             # Rows of contact: w_n = g or p_n = 0; w_t = w_last, p_t = mu p_n e, or p_t = 0.
-            rows = [sp.diags_array(closed.astype(float)) @ C_n]
-            blocks = [sp.diags_array((~closed).astype(float))]
+            rows = [sp.diags(closed.astype(float)) @ C_n]
+            blocks = [sp.diags((~closed).astype(float))]
             right = [np.where(closed, gap, 0)]
             by_n = []
             for k, C in enumerate(tangents):
-                rows.append(sp.diags_array(stick.astype(float)) @ C)
+                rows.append(sp.diags(stick.astype(float)) @ C)
                 right.append(np.where(stick, w_last[:, k], 0))
-                blocks.append(sp.diags_array((~stick).astype(float)))
-                by_n.append(sp.diags_array(np.where(slip, -p.mu * e[:, k], 0)))
+                blocks.append(sp.diags((~stick).astype(float)))
+                by_n.append(sp.diags(np.where(slip, -p.mu * e[:, k], 0)))
             D = sp.block_diag(blocks).tolil()
             for k, block in enumerate(by_n):
                 D[(1 + k) * m:(2 + k) * m, :m] = block
-            A = sp.block_array([[p.K, B.T], [sp.vstack(rows), D.tocsr()]]).tocsr()
+            A = sp.bmat([[p.K, B.T], [sp.vstack(rows), D.tocsr()]]).tocsr()
             A.sort_indices()
             new = solver.solve(A, np.concatenate([f, *right]))
             iterations += 1
@@ -63,6 +62,8 @@ def newton(p, forces, gap, tolerance=1e-10):
 
 
 def main(scene, increments, *sizes):
+    import stickslip as ss
+
     for size in sizes:
         elements = [int(size)] * (3 if "cube" in scene else 2)
         model = ss.Model(scene, {"mesh.elements": elements, "time.increments": int(increments)})
