@@ -1,0 +1,13 @@
+SetFactory("OpenCASCADE");
+DefineConstant[size = 5];
+Box(1) = {0, 0, 0, 80, 40, 10};
+Box(2) = {0, 0, 0, 10, 40, 60};
+Cylinder(3) = {60, 20, -1, 0, 0, 12, 5};
+Cylinder(4) = {-1, 20, 40, 12, 0, 0, 6};
+BooleanUnion(5) = { Volume{1}; Delete; }{ Volume{2}; Delete; };
+BooleanDifference(6) = { Volume{5}; Delete; }{ Volume{3, 4}; Delete; };
+e = 1e-3;
+Physical Surface("back") = Surface In BoundingBox {-e, -e, -e, e, 40 + e, 60 + e};
+Physical Surface("top") = Surface In BoundingBox {10 - e, -e, 10 - e, 80 + e, 40 + e, 10 + e};
+Physical Volume("steel") = {6};
+Mesh.MeshSizeMax = size;
