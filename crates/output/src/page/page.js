@@ -115,6 +115,7 @@ function draw(into, curves, [across, up]) {
     const at = points.filter(([x, y]) => Number.isFinite(x) && Number.isFinite(y));
     add("polyline", { points: at.map(([x, y]) => `${X(x).toFixed(1)},${Y(y).toFixed(1)}`).join(" "), style: `stroke:${colour}` });
     if (marks) marks.forEach((fill, k) => fill && add("circle", { cx: X(points[k][0]), cy: Y(points[k][1]), r: 2.6, style: `fill:${fill}` }));
+    if (curves.length === 1) continue;
     const label = add("text", { x: right, y: 16, "text-anchor": "end", style: `fill:${colour}` }, name);
     right -= 9 * name.length + 20;
     label.setAttribute("font-weight", "600");
