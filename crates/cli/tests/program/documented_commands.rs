@@ -61,7 +61,7 @@ fn follow(page: &str, text: &str) -> Vec<(String, Option<String>)> {
         let has = |table: &str| toml::from_str::<toml::Table>(&block).unwrap().contains_key(table);
         if language == "toml" && has("time") && (has("mesh") || has("body")) {
             // The reader of a page with a scene, but without its file, saves it under this name.
-            fs::write(home.join("my.toml"), &block).unwrap();
+            fs::write(folder.join("my.toml"), &block).unwrap();
             lines.push("stickslip check my.toml".to_string());
         } else if language == "sh" {
             lines.extend(block.replace("\\\n", " ").lines().map(String::from));
