@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use crate::program::{stdout, stickslip};
 
 /// Returns the pages of the root and of doc.
-fn pages() -> Vec<(PathBuf, String)> {
+pub fn pages() -> Vec<(PathBuf, String)> {
     let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
     let mut pages = Vec::new();
     add_pages(&root.join("doc"), &mut pages);

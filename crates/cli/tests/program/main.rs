@@ -18,6 +18,7 @@ mod compare_resumed;
 mod cube;
 mod disk;
 mod documented;
+mod documented_commands;
 mod documented_units;
 mod events;
 mod examples;
