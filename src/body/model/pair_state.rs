@@ -9,6 +9,9 @@ use crate::body::contact::{ContactBoundary, Passed};
 use crate::solver::laws::ContactStatus;
 use crate::solver::problem::State;
 
+/// Facets whose bulge is smaller than this share of the size of the mesh are flat: coordinates are rounded.
+const FLAT: f64 = 1e-12;
+
 /// A contact node that has slid past the facets that were in front of it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Slid {
@@ -56,6 +59,9 @@ impl Model {
                 return None;
             }
             let bulge = *bulges.select_nth_unstable_by(middle, f64::total_cmp).1;
+            if bulge <= FLAT * self.mesh.size() {
+                return None;
+            }
             Some(Faceted { pair, force, bulge, closed: closed / force })
         };
         (0..self.pairs.len()).filter_map(of_pair).collect()

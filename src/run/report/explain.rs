@@ -277,7 +277,9 @@ fn edge_friction(model: &Model, outcome: &HistoryOutcome) -> String {
 }
 
 fn motion(model: &Model, outcome: &HistoryOutcome) -> Option<RigidMotion> {
-    let is_closed = |i: usize| outcome.state.p_n.get(i).is_some_and(|p| *p > 0.0);
+    // In the first increment nothing is known of the contact.
+    let knows = outcome.state.p_n.iter().any(|p| *p > 0.0);
+    let is_closed = |i: usize| !knows || outcome.state.p_n.get(i).is_some_and(|p| *p > 0.0);
     model.motion_along_contact(outcome.free_motion.as_ref()?, is_closed)
 }
 

@@ -127,7 +127,7 @@ pub(super) fn compare(args: &CompareArgs, threads: usize) -> Result<ExitCode, Fa
             cells.remove().map_err(|error| write_failure(folder, &error))?;
         }
         if !args.csv {
-            say!("written to   {}", folder.display());
+            say!("results      {}", folder.display());
         }
     }
     let runs = comparison.runs.iter().filter(|run| !run.path.method.increments().is_of_paper()).map(|run| run.status);

@@ -62,7 +62,7 @@ pub(super) struct RunArgs {
     /// Compute the friction coefficient up to which the rates at the end are unique for the contact statuses there
     #[arg(long)]
     uniqueness: bool,
-    /// Estimate the time-step error of the friction forces by a second run with a quarter of the increments
+    /// Estimate the time-step error of the tangential forces by a second run with a quarter of the increments
     #[arg(long)]
     companion: bool,
     #[command(flatten)]

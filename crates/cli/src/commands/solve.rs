@@ -157,7 +157,7 @@ fn tell(report: &ProblemReport, json: bool) -> Result<(), Failure> {
         say!("             the worst contact has number {}, from 0", report.errors.contact);
     }
     if !report.stages.is_empty() {
-        say!("took         {:.3} s CPU", report.cpu_seconds);
+        say!("time         {:.3} s CPU", report.cpu_seconds);
     }
     Ok(())
 }

@@ -15,6 +15,9 @@ use stickslip::solver::history::{IncrementError, WorkingSet};
 /// The digits of forces. Those of the largest component are enough to see a balance.
 const FORCE_DIGITS: usize = 6;
 
+/// A component of a force that is smaller than this share of the largest one is rounding.
+const NO_FORCE: f64 = 1e-12;
+
 /// The digits of other results: more than their errors leave.
 const DIGITS: usize = 4;
 
@@ -95,10 +98,22 @@ fn print_verdict(report: &RunReport, increments: usize, has_results: bool) {
     }
 }
 
+/// Returns the largest component of any force on the body, N.
+fn largest_force(report: &RunReport) -> f64 {
+    let supports = report.last_reactions.iter().flat_map(|all| all.supports.iter().chain(&all.springs));
+    let of_contact = report.boundaries.iter().flat_map(|boundary| &boundary.force);
+    let others = supports.flat_map(|support| &support.force);
+    of_contact.chain(others).fold(0.0, |m: f64, f| m.max(f.abs()))
+}
+
 /// Prints the resultants of each contact, the reactions and their balance.
 fn print_forces(report: &RunReport) {
     let units = &report.units;
-    let vector = |force: &[f64]| units.rounded_vector(Quantity::Force, force, FORCE_DIGITS);
+    let largest = largest_force(report);
+    let vector = |force: &[f64]| {
+        let force: Vec<f64> = force.iter().map(|f| if f.abs() > NO_FORCE * largest { *f } else { 0.0 }).collect();
+        units.rounded_vector(Quantity::Force, &force, FORCE_DIGITS)
+    };
     for Resultant { boundary, force, sums: ComponentSums { sum_p_n, sum_p_t, sum_p_o }, obstacles, opposite, .. } in
         &report.boundaries
     {
@@ -128,7 +143,7 @@ fn print_largest(report: &RunReport) {
         say!(
             "displacement {} at most, at t = {} s",
             units.rounded(Quantity::Length, largest.length, DIGITS),
-            largest.time
+            rounded(largest.time)
         );
     }
     let Some(LargestPressure { pressure, peak_of, boundary, position, time, .. }) = &report.largest_pressure else {
@@ -137,7 +152,7 @@ fn print_largest(report: &RunReport) {
     let across = report.estimates.peak.as_ref().and_then(|peak| peak.nodes_across);
     let across = across.map_or(String::new(), |nodes| format!(", {nodes} nodes across"));
     let error = match report.estimates.peak_error {
-        Some(error) => format!("error of the mesh up to {:.0} %", 100.0 * error),
+        Some(error) => format!("error of the mesh up to {}", percent(error)),
         None => "error of the mesh unknown".to_string(),
     };
     match (peak_of, pressure.map(|pressure| units.rounded(Quantity::Stress, pressure, DIGITS))) {
@@ -147,12 +162,23 @@ fn print_largest(report: &RunReport) {
         }
         _ => say!("pressure     too few tetrahedra across the contact for a peak"),
     }
-    say!("             at {} on `{boundary}`, t = {time} s", rounded_place(units, *position));
+    say!("             at {} on `{boundary}`, t = {} s", rounded_place(units, *position), rounded(*time));
+}
+
+/// Formats a share in percent, with two digits if it is small.
+fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    if percent < 9.5 { format!("{percent:.1} %") } else { format!("{percent:.0} %") }
+}
+
+/// Rounds a number to as many digits as are printed of places and times.
+fn rounded(x: f64) -> f64 {
+    format!("{x:.5e}").parse().unwrap_or(x)
 }
 
 /// Formats a place with few digits.
 fn rounded_place(units: &UnitSystem, place: [f64; 3]) -> String {
-    units.rounded_vector(Quantity::Length, &place[..units.dimension], DIGITS)
+    units.place(place.map(rounded))
 }
 
 /// Prints the errors that mesh and increments leave.
