@@ -51,7 +51,9 @@ const place = (x) => `(${x.slice(0, dimension).map((c) => plain(c)).join(", ")})
 const dimension = report.boundaries && report.boundaries[0] ? report.boundaries[0].force.length : 3;
 const { estimates = {}, largest_pressure: peak, largest_displacement: moved } = report;
 if (peak && peak.pressure) {
-  const error = estimates.peak_error == null ? "error of the mesh unknown" : `error of the mesh up to ${percent(estimates.peak_error)}`;
+  const singular = (report.warnings || []).some(({ kind }) => kind === "singular-edge");
+  const error = singular ? "singular: it depends on the mesh"
+    : estimates.peak_error == null ? "error of the mesh unknown" : `error of the mesh up to ${percent(estimates.peak_error)}`;
   card("largest pressure", rounded(peak.pressure, STRESS), `${error}; ${peak.boundary}, ${place(peak.position)}, t = ${peak.time} s`);
 }
 if (moved) card("largest displacement", rounded(moved.length, LENGTH), `${place(moved.position)}, t = ${moved.time} s`);

@@ -149,9 +149,11 @@ fn print_largest(report: &RunReport) {
     let Some(LargestPressure { pressure, peak_of, boundary, position, time, .. }) = &report.largest_pressure else {
         return;
     };
-    let across = report.estimates.peak.as_ref().and_then(|peak| peak.nodes_across);
+    let estimate = report.estimates.peak.as_ref();
+    let across = estimate.and_then(|peak| peak.nodes_across);
     let across = across.map_or(String::new(), |nodes| format!(", {nodes} nodes across"));
     let error = match report.estimates.peak_error {
+        _ if estimate.is_some_and(|peak| peak.singular_edge) => "singular: it depends on the mesh".to_string(),
         Some(error) => format!("error of the mesh up to {}", percent(error)),
         None => "error of the mesh unknown".to_string(),
     };
