@@ -173,6 +173,31 @@ fn a_grid_on_its_bottom_row() {
     }
 }
 
+/// Large factors are swept in branches, and the rows of wide supernodes in parts.
+#[test]
+fn results_do_not_depend_on_the_number_of_threads() {
+    let with = |threads: usize| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    for (k, last) in [(laplacian(140, 140), 140), (random(1400, 7), 60)] {
+        let n = k.order();
+        let (last, b) = ((0..last).collect::<Vec<_>>(), vector(n, 5));
+        for factor in BACKENDS {
+            let factor = factor(&k, &last).unwrap();
+            let sweeps = || {
+                let (mut x, mut completed) = (vec![0.0; n], vec![0.0; n]);
+                factor.solve(&b, &mut x).unwrap();
+                let reduced = factor.reduce(&b).unwrap();
+                let border: Vec<f64> = last.iter().map(|&i| x[i]).collect();
+                factor.expand(&reduced, &border, &mut completed).unwrap();
+                (x, reduced.border, completed)
+            };
+            let found = with(1).install(sweeps);
+            assert_eq!(with(3).install(sweeps), found);
+            close(&k.times(&found.0).unwrap(), &b, 1e-11);
+            close(&found.2, &found.0, 1e-11);
+        }
+    }
+}
+
 #[test]
 fn what_cannot_be_factored() {
     for factor in BACKENDS {
