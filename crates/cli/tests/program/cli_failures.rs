@@ -49,7 +49,7 @@ fn a_body_that_nothing_holds_is_singular_and_has_no_numbers() {
     assert!(reason.contains("translation along") || reason.contains("rotation about"), "{reason}");
     assert_eq!(report["increments"].as_array().unwrap().len(), 0);
     assert_eq!(report["final"], serde_json::json!({ "sum_p_n": 0.0, "sum_p_t": 0.0 }));
-    assert_eq!(folder.names("out"), ["forces.csv", "increments.csv", "run.json"]);
+    assert_eq!(folder.names("out"), ["forces.csv", "increments.csv", "report.html", "run.json"]);
     assert!(csv(&Path::new(&out).join("increments.csv")).1.is_empty());
 
     let check = stickslip(&["check", &scene]);

@@ -43,7 +43,7 @@ fn files_are_called_what_a_folder_takes() {
             let file = format!("contact_0001_{file}.{suffix}");
             assert!(names.contains(&file), "{file}: {names:?}");
         }
-        assert_eq!(names.len(), 2 * 2 + 5, "{names:?}");
+        assert_eq!(names.len(), 2 * 2 + 6, "{names:?}");
         assert!(forces.contains(&format!("1,1,{name},")), "{forces}");
     }
 }

@@ -32,7 +32,8 @@ fn a_scene_gets_what_it_asks_for() {
         .into_iter()
         .flat_map(|(prefix, suffix)| numbered(prefix, suffix))
         .collect();
-    let others = ["fields.pvd", "forces.csv", "forces.svg", "increments.csv", "iterations.svg", "run.json"];
+    let others =
+        ["fields.pvd", "forces.csv", "forces.svg", "increments.csv", "iterations.svg", "report.html", "run.json"];
     expected.extend(others.map(String::from));
     expected.extend(["probe_top_corner.csv", "probe_top_corner-2.csv"].map(String::from));
     expected.sort();
