@@ -62,7 +62,7 @@ fn a_scene_gets_what_it_asks_for() {
     assert_exit(&stickslip(&["run", &plain, "--out", &out]), 0);
     let names = folder.names("out");
     assert!(names.iter().all(|name| !name.starts_with("probe") && !name.starts_with("deformed")), "{names:?}");
-    assert_eq!(names.len(), 4 + 5);
+    assert_eq!(names.len(), 4 + 6);
 }
 
 /// The substeps of a halved increment for which contact nodes are requested.
