@@ -44,7 +44,9 @@ pub(crate) fn page(names: &[String], read: impl Fn(&str) -> io::Result<String>) 
     for name in names.iter().filter(|name| name.starts_with("probe_")) {
         files.insert(name.clone(), thinned(&read(name)?, rows.clone()).0);
     }
-    let shown = shown_states(names);
+    let mut shown = shown_states(names);
+    let peak = report.get("largest_pressure").and_then(|peak| peak.get("time")).and_then(Value::as_f64);
+    shown.extend(peak.and_then(|time| increment_at(time, files.get("increments.csv")?)));
     let mut pictures = BTreeMap::new();
     for name in names.iter().filter(|name| number(name).is_some_and(|k| shown.contains(&k)) && name.ends_with(".csv")) {
         let text = read(name)?;
@@ -87,6 +89,15 @@ fn split<'a>(text: &'a str, mark: &str) -> [&'a str; 2] {
 fn number(name: &str) -> Option<usize> {
     let stem = name.strip_prefix("contact_")?.strip_suffix(".csv")?;
     stem.split('_').next()?.parse().ok()
+}
+
+/// Returns the number of the increment that ends at this time.
+fn increment_at(time: f64, increments: &str) -> Option<usize> {
+    increments.lines().find_map(|line| {
+        let mut cells = line.split(',');
+        let index = cells.next()?.parse().ok()?;
+        (cells.next()?.parse() == Ok(time)).then_some(index)
+    })
 }
 
 /// Returns the increments whose contact is shown, the first and the last among them.

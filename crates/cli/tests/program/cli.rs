@@ -19,7 +19,8 @@ fn a_good_run_fills_its_folder() {
     let lines = ["contact_0002.csv", "contact_0002.svg", "contact_0004.csv", "contact_0004.svg"];
     assert_eq!(
         folder.names("new/out"),
-        [&lines[..], &["forces.csv", "forces.svg", "increments.csv", "iterations.svg", "report.html", "run.json"]].concat()
+        [&lines[..], &["forces.csv", "forces.svg", "increments.csv", "iterations.svg", "report.html", "run.json"]]
+            .concat()
     );
 
     let out = Path::new(&out);

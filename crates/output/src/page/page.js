@@ -39,7 +39,7 @@ document.title = `${report.title} – stickslip`;
 $(".program").textContent = `stickslip ${report.program_version} · ${report.scene || ""}`;
 $("h1").textContent = report.title;
 const verdict = $(".verdict");
-verdict.textContent = `${report.status}, ${report.totals.converged} increments`;
+verdict.textContent = `${report.status}, ${report.totals.converged} increments converged`;
 verdict.classList.add(report.status === "converged" ? "good" : "bad");
 $(".reason").textContent = report.reason || "";
 function card(name, value, note) {
@@ -142,7 +142,9 @@ function draw(into, curves, [across, up]) {
 }
 
 // The contact: a state for each file `contact_NNNN[_boundary].csv`.
-const times = new Map(files["increments.csv"] ? parse(files["increments.csv"]).rows.map((row) => [Number(row.index), Number(row.time)]) : []);
+const increments = files["increments.csv"] ? parse(files["increments.csv"]).rows : [];
+const times = new Map(increments.map((row) => [Number(row.index), Number(row.time)]));
+const failed = new Set(increments.filter((row) => row.status !== "converged").map((row) => Number(row.index)));
 const states = {};
 for (const name of [...Object.keys(files), ...Object.keys(pictures)]) {
   const found = name.match(/^contact_(\d+)(?:_(.*))?\.(csv|svg)$/);
@@ -172,8 +174,11 @@ function showState() {
   const numbers = [...all.keys()].sort((a, b) => a - b), slider = $("#state");
   slider.max = numbers.length - 1;
   const number = numbers[Math.min(Number(slider.value), numbers.length - 1)], state = all.get(number);
-  $("#when").textContent = `${number}${times.has(number) ? `, t = ${plain(times.get(number), 6)} s` : ""}`;
+  const when = times.has(number) ? `, t = ${plain(times.get(number), 6)} s` : "";
+  $("#when").textContent = `${number}${when}${failed.has(number) ? ", not converged" : ""}`;
   const picture = state.svg && pictures[state.svg];
+  $("#contact .note").textContent = (picture ? "" : "Blue nodes stick, orange ones slip. ")
+    + `${numbers.length} of ${times.size} increments are here; output.times in the scene chooses them.`;
   $("#surface").replaceChildren();
   for (const id of ["#stresses", "#slips"]) $(id).hidden = Boolean(picture);
   if (picture) {
@@ -204,11 +209,19 @@ function showState() {
 }
 for (const boundary of Object.keys(states)) $("#boundary").append(new Option(boundary));
 $("#contact").hidden = !Object.keys(states).length;
-$("#contact .note").textContent = "Blue nodes stick, orange ones slip. output.times in the scene says which increments are here.";
 addEventListener("resize", () => { showState(); showHistory(); });
 $("#boundary").addEventListener("change", showState);
 $("#state").addEventListener("input", showState);
-if (Object.keys(states).length) { $("#state").max = 1e6; $("#state").value = 1e6; showState(); $("#state").value = $("#state").max; }
+// The page opens at the largest pressure, or at the last increment that converged.
+if (Object.keys(states).length) {
+  if (peak && states[peak.boundary]) $("#boundary").value = peak.boundary;
+  const numbers = [...states[$("#boundary").value].keys()].sort((a, b) => a - b);
+  const good = numbers.filter((number) => !failed.has(number));
+  const start = numbers.find((number) => peak && times.get(number) === peak.time) ?? good[good.length - 1] ?? numbers[0];
+  $("#state").max = numbers.length - 1;
+  $("#state").value = numbers.indexOf(start);
+  showState();
+}
 
 // The history: any quantity against time or against a probe.
 const columns = new Map();
@@ -227,7 +240,7 @@ for (const [name, text] of Object.entries(files)) if (name.startsWith("probe_"))
 }
 if (files["increments.csv"]) {
   let sum = 0;
-  for (const row of parse(files["increments.csv"]).rows) {
+  for (const row of increments) {
     put("strain energy", ENERGY, Number(row.index), Number(row.strain_energy));
     put("friction work so far", ENERGY, Number(row.index), (sum += Number(row.friction_work)));
     for (const key of ["stick", "slip"]) put(`nodes that ${key}`, "", Number(row.index), Number(row[key]));
@@ -288,7 +301,7 @@ if (files["forces.csv"]) {
 } else $("#forces").hidden = true;
 if (files["increments.csv"]) {
   const names = ["index", "time", "status", "iterations", "open", "stick", "slip", "friction_work", "strain_energy"];
-  table("#increments", names, parse(files["increments.csv"]).rows.map((row) => cells(row, names)));
+  table("#increments", names, increments.map((row) => cells(row, names)));
 } else $("#increments").hidden = true;
 $("#scene pre").textContent = report.scene_text || "";
 $("#scene").hidden = !report.scene_text;
