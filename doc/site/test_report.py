@@ -5,7 +5,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from test_site import DESK, PHONE, PICTURES, ROOT, browser, tab  # noqa: F401
+from conftest import DESK, PHONE, PICTURES, ROOT
 
 PROGRAMS = [os.environ.get("STICKSLIP_PROGRAM"), ROOT / "target/release/stickslip", ROOT / "target/debug/stickslip"]
 SCENES = {"plane": "doc/lap.toml", "space": "data/scenes/cube.toml"}
@@ -29,7 +29,7 @@ def test_the_report_is_one_small_file(page):
     assert "https://" not in text
 
 
-def test_the_slider_shows_each_increment(page, tab):  # noqa: F811
+def test_the_slider_shows_each_increment(page, tab):
     tab.goto(page.as_uri())
     assert tab.inner_text(".verdict").startswith("converged")
     seen = set()
@@ -41,7 +41,7 @@ def test_the_slider_shows_each_increment(page, tab):  # noqa: F811
     tab.screenshot(path=PICTURES / f"report_{page.parent.name}.png", full_page=True)
 
 
-def test_tables_sort_and_histories_change(page, tab):  # noqa: F811
+def test_tables_sort_and_histories_change(page, tab):
     tab.goto(page.as_uri())
     tab.select_option("#up", label="friction work so far")
     assert "friction work so far" in tab.inner_html("#curve")
@@ -52,7 +52,7 @@ def test_tables_sort_and_histories_change(page, tab):  # noqa: F811
 
 
 @pytest.mark.parametrize("size", [DESK, PHONE], ids=["desk", "phone"])
-def test_nothing_is_wider_than_the_screen(page, browser, size):  # noqa: F811
+def test_nothing_is_wider_than_the_screen(page, browser, size):
     for scheme in ["light", "dark"]:
         context = browser.new_context(viewport=size, color_scheme=scheme)
         tab = context.new_page()
@@ -63,7 +63,7 @@ def test_nothing_is_wider_than_the_screen(page, browser, size):  # noqa: F811
         context.close()
 
 
-def test_it_prints(page, tab, tmp_path):  # noqa: F811
+def test_it_prints(page, tab, tmp_path):
     tab.goto(page.as_uri())
     tab.pdf(path=tmp_path / "report.pdf")
     assert (tmp_path / "report.pdf").stat().st_size > 10_000
