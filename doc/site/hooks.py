@@ -246,12 +246,22 @@ class OutwardLinks(markdown.treeprocessors.Treeprocessor):
                 element.set(key, f"{REPOSITORY}/{'tree' if there.is_dir() else 'blob'}/main/{path}")
                 continue
             linked_files.add(path)
+            if is_binary(there):
+                element.set("download", posixpath.basename(path))
             # MkDocs lets what has a scheme alone; on_post_page puts the address in.
             element.set(key, f"outside:{path}")
 
 
+def is_binary(file):
+    """Whether `file` cannot be shown as text: a browser then downloads it."""
+    return file.is_file() and b"\0" in file.read_bytes()[:4096]
+
+
 def source_address(path):
-    return f"source/{path}/index.html" if (ROOT / path).is_dir() else f"source/{path}.html"
+    there = ROOT / path
+    if there.is_dir():
+        return f"source/{path}/index.html"
+    return f"source/{path}" if is_binary(there) else f"source/{path}.html"
 
 
 def on_post_page(output, page, config):
@@ -269,6 +279,10 @@ def on_post_build(config):
     site = Path(config.site_dir)
     for path in sorted(linked_files):
         there, target = ROOT / path, site / source_address(path)
+        if is_binary(there):
+            target.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(there, target)
+            continue
         if there.is_dir():
             listed = subprocess.run(["git", "ls-files", "--", "."], cwd=there, capture_output=True, text=True).stdout
             body = f"<pre>{html.escape(listed)}</pre>"
