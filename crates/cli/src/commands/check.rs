@@ -293,7 +293,7 @@ fn holding(model: &Model) {
 fn theorem(model: &Model) {
     let conditions = Conditions::of(&model.problem);
     if conditions.hold() {
-        say!("theorem 3    holds: (a) no rigid motion leaves every obstacle; (b) contact rows independent");
+        say!("theorem 3    holds: (a) every rigid motion moves a node towards an obstacle; (b) contact rows independent");
         return;
     }
     let mut label = "theorem 3";

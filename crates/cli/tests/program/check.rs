@@ -26,7 +26,7 @@ fn check_explains_without_solving() {
         "estimated                            time    memory",
         "condensed, \"auto\"     0.00 s",
         "held         by its supports",
-        "theorem 3    holds: (a) no rigid motion leaves every obstacle; (b) contact rows independent",
+        "theorem 3    holds: (a) every rigid motion moves a node towards an obstacle; (b) contact rows independent",
     ] {
         assert!(stdout(&output).contains(words), "`{words}` is not in:\n{}", stdout(&output));
     }
