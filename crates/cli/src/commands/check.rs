@@ -6,7 +6,7 @@ mod obstacles;
 mod paths;
 mod words;
 
-use super::{Failure, SceneArgs};
+use super::{Failure, SceneArgs, origin};
 use clap::Args;
 use histories::points;
 use mesh::{bodies, made};
@@ -34,6 +34,8 @@ pub(super) struct CheckArgs {
 
 pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
     let scene = args.scene.read()?;
+    // A file that is missing is named with its line.
+    origin(&scene)?;
     let budget = Budget::of_process();
     let model = discretise(&scene)?;
     say!("{}", scene.title);
@@ -293,7 +295,9 @@ fn holding(model: &Model) {
 fn theorem(model: &Model) {
     let conditions = Conditions::of(&model.problem);
     if conditions.hold() {
-        say!("theorem 3    holds: (a) every rigid motion moves a node towards an obstacle; (b) contact rows independent");
+        say!(
+            "theorem 3    holds: (a) every rigid motion moves a node towards an obstacle; (b) contact rows independent"
+        );
         return;
     }
     let mut label = "theorem 3";

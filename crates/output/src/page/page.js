@@ -12,9 +12,8 @@ function plain(x, digits = 4) {
   if (!Number.isFinite(x)) return "–";
   if (x === 0) return "0";
   const size = Math.abs(Number(x.toPrecision(digits)));
-  if (Number.isInteger(x) && size < 1e6) return `${x}`;
   if (size < 1e-4 || size >= 1e6) return x.toExponential(digits - 1);
-  return x.toFixed(Math.max(0, digits - 1 - Math.floor(Math.log10(size))));
+  return `${Number.isInteger(x) ? x : Number(x.toPrecision(digits))}`;
 }
 function prefix(size, unit) {
   const found = size > 0 && SI[unit] ? PREFIXES.filter(([s]) => s <= SI[unit]) : [[1, ""]];
@@ -27,7 +26,10 @@ function rounded(x, unit, digits = 4) {
 const percent = (x) => `${100 * x < 0.05 ? 0 : plain(100 * x, 2)} %`;
 
 function parse(text) {
-  const [head, ...lines] = text.trimEnd().split("\n").map((line) => line.split(","));
+  // A cell in quotes may hold commas, and a quote twice.
+  const cells = (line) => (line.match(/("([^"]|"")*"|[^,]*)(,|$)/g) || []).slice(0, line.endsWith(",") ? undefined : -1)
+    .map((cell) => cell.replace(/,$/, "")).map((cell) => (cell.startsWith('"') ? cell.slice(1, -1).replaceAll('""', '"') : cell));
+  const [head, ...lines] = text.trimEnd().split("\n").map(cells);
   return { head, rows: lines.map((line) => Object.fromEntries(head.map((name, k) => [name, line[k]]))) };
 }
 const units = report.units || {};
@@ -178,7 +180,7 @@ function showState() {
   $("#when").textContent = `${number}${when}${failed.has(number) ? ", not converged" : ""}`;
   const picture = state.svg && pictures[state.svg];
   $("#contact .note").textContent = (picture ? "" : "Blue nodes stick, orange ones slip. ")
-    + `${numbers.length} of ${times.size} increments are here; output.times in the scene chooses them.`;
+    + `${numbers.length} of ${report.totals.converged} increments are here: those of output.times in the scene, at most 40.`;
   $("#surface").replaceChildren();
   for (const id of ["#stresses", "#slips"]) $(id).hidden = Boolean(picture);
   if (picture) {
@@ -227,12 +229,14 @@ if (Object.keys(states).length) {
 const columns = new Map();
 const put = (name, unit, index, value) => {
   if (!columns.has(name)) columns.set(name, { unit, values: new Map() });
-  columns.get(name).values.set(index, value);
+  // Several supports or loads may act on one boundary.
+  const { values } = columns.get(name);
+  values.set(index, (values.get(index) || 0) + value);
 };
-for (const [index, time] of times) put("time", "s", index, time);
+for (const [index, time] of times) if (!failed.has(index)) put("time", "s", index, time);
 if (files["forces.csv"]) for (const row of parse(files["forces.csv"]).rows)
   for (const key of ["f_x", "f_y", "f_z", "sum_p_n", "sum_p_t", "sum_p_o"])
-    if (row[key]) put(`${row.kind} ${row.boundary}: ${key}`, FORCE, Number(row.index), Number(row[key]));
+    if (row[key]) put(`${row.kind} ${row.boundary}${row.obstacle ? ` ${row.obstacle}` : ""}: ${key}`, FORCE, Number(row.index), Number(row[key]));
 for (const [name, text] of Object.entries(files)) if (name.startsWith("probe_")) {
   const { rows } = parse(text);
   for (const row of rows) for (const key of ["u_x", "u_y", "u_z"])
@@ -240,7 +244,7 @@ for (const [name, text] of Object.entries(files)) if (name.startsWith("probe_"))
 }
 if (files["increments.csv"]) {
   let sum = 0;
-  for (const row of increments) {
+  for (const row of increments.filter((row) => row.status === "converged")) {
     put("strain energy", ENERGY, Number(row.index), Number(row.strain_energy));
     put("friction work so far", ENERGY, Number(row.index), (sum += Number(row.friction_work)));
     for (const key of ["stick", "slip"]) put(`nodes that ${key}`, "", Number(row.index), Number(row[key]));
@@ -296,12 +300,15 @@ const cells = (row, names) => names.map((name) => (row[name] === "" || Number.is
 if (files["forces.csv"]) {
   const { head, rows } = parse(files["forces.csv"]);
   const last = rows.length ? rows[rows.length - 1].index : "";
-  const names = ["kind", "boundary", ...head.filter((name) => /^[fm]_|^sum/.test(name))];
+  const names = ["kind", "boundary", ...head.filter((name) => name === "obstacle" || /^[fm]_|^sum/.test(name))];
   table("#forces", names, rows.filter((row) => row.index === last).map((row) => cells(row, names)));
 } else $("#forces").hidden = true;
 if (files["increments.csv"]) {
   const names = ["index", "time", "status", "iterations", "open", "stick", "slip", "friction_work", "strain_energy"];
   table("#increments", names, increments.map((row) => cells(row, names)));
+  const all = increments.length ? Number(increments[increments.length - 1].index) : 0;
+  if (all > increments.length)
+    $("#increments").append(element("p", `${increments.length} of ${all} increments are here. Iterations and friction work are sums since the row before.`, "note"));
 } else $("#increments").hidden = true;
 $("#scene pre").textContent = report.scene_text || "";
 $("#scene").hidden = !report.scene_text;
