@@ -14,7 +14,7 @@ use stickslip::body::{Model, ModelError};
 use stickslip::run::{Run, RunError, discretise};
 use stickslip::scene::{Override, OverrideSyntax, Scene, SceneError};
 use stickslip::solver::KktErrors;
-use stickslip::solver::history::{self, HistoryOutcome, Method, SolverChoice, Status};
+use stickslip::solver::history::{self, HistoryOutcome, LinearAlgebra, Method, SolverChoice, Status};
 use vary::Vary;
 
 /// How the suite solves a scene.
@@ -276,12 +276,13 @@ impl Case {
     ///
     /// # Errors
     /// When the table is not sound, or memory is short before the first increment.
-    pub fn run(&self, method: SuiteMethod) -> Result<Row, ExtremeError> {
+    pub fn run(&self, method: SuiteMethod, linear: LinearAlgebra) -> Result<Row, ExtremeError> {
         let start = Instant::now();
         let scene = self.scene()?;
         let model = self.model(&scene)?;
         let times = scene.time.all();
-        let outcome = Run::of(&model, times.clone(), self.solver(&scene, method))?.history(&mut ())?;
+        let solver = SolverChoice { linear: Some(linear), ..self.solver(&scene, method) };
+        let outcome = Run::of(&model, times.clone(), solver)?.history(&mut ())?;
         let seconds = start.elapsed().as_secs_f64();
         let condition = vary::condition(&model)?;
         Ok(self.row(method, &outcome, times.len(), condition, seconds))

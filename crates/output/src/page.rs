@@ -31,9 +31,9 @@ const SUMS: [&str; 2] = ["iterations", "friction_work"];
 /// If a file cannot be read, or `run.json` is not a report.
 pub(crate) fn page(names: &[String], read: impl Fn(&str) -> io::Result<String>) -> io::Result<String> {
     let mut report: Map<String, Value> = serde_json::from_str(&read("run.json")?)?;
-    LISTS.iter().for_each(|list| {
-        report.remove(*list);
-    });
+    for list in LISTS {
+        report.remove(list);
+    }
     let mut files = BTreeMap::new();
     let mut rows = None;
     for name in ["increments.csv", "forces.csv"].into_iter().filter(|name| names.iter().any(|other| other == name)) {
@@ -48,7 +48,7 @@ pub(crate) fn page(names: &[String], read: impl Fn(&str) -> io::Result<String>) 
     let peak = report.get("largest_pressure").and_then(|peak| peak.get("time")).and_then(Value::as_f64);
     shown.extend(peak.and_then(|time| increment_at(time, files.get("increments.csv")?)));
     let mut pictures = BTreeMap::new();
-    for name in names.iter().filter(|name| number(name).is_some_and(|k| shown.contains(&k)) && name.ends_with(".csv")) {
+    for name in names.iter().filter(|name| number(name).is_some_and(|k| shown.contains(&k))) {
         let text = read(name)?;
         let head: Vec<&str> = text.lines().next().unwrap_or_default().split(',').collect();
         if head.contains(&"z") {

@@ -30,7 +30,9 @@ impl Model {
             remove(&basis, &mut row);
             let length = size(&row);
             if length > DEPENDENT * before {
-                row.iter_mut().for_each(|x| *x /= length);
+                for x in &mut row {
+                    *x /= length;
+                }
                 basis.push(row);
             }
         }

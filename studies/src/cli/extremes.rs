@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use miette::IntoDiagnostic;
 use stickslip::run::report::csv_table;
+use stickslip::solver::history::LinearAlgebra;
 use stickslip_output::Table;
 use stickslip_studies::extremes::{self, Case, Row, SuiteMethod};
 
@@ -18,6 +19,9 @@ pub(super) struct ExtremesArgs {
     /// Only these methods
     #[arg(long, value_delimiter = ',')]
     methods: Vec<SuiteMethod>,
+    /// The linear solver
+    #[arg(long, value_name = "NAME", default_value_t)]
+    solver: LinearAlgebra,
     /// The scenes that take minutes or gigabytes, too
     #[arg(long)]
     long: bool,
@@ -46,7 +50,7 @@ pub(super) fn extremes(args: &ExtremesArgs) -> miette::Result<Answer> {
     let tasks: Vec<(&Case, SuiteMethod)> = pairs.filter(|(case, method)| case.methods.contains(method)).collect();
     let describe =
         |(case, method): &(&Case, SuiteMethod)| format!("{} = {}, {}", case.sweep, case.value, method.title());
-    let rows = jobs::run(&tasks, jobs::count(args.jobs), describe, |(case, method)| case.run(*method))?;
+    let rows = jobs::run(&tasks, jobs::count(args.jobs), describe, |(case, method)| case.run(*method, args.solver))?;
     let csv = csv_table(&HEADER, rows.iter().map(fields));
     let mut lines = if args.csv { csv.lines().map(str::to_string).collect() } else { words(&rows) };
     if let Some(folder) = &args.out {

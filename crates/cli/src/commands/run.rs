@@ -47,18 +47,25 @@ struct ResultArgs {
     checkpoint_every: Option<Duration>,
 }
 
+/// What is printed.
 #[derive(Args)]
-pub(super) struct RunArgs {
-    #[command(flatten)]
-    scene: SceneArgs,
-    #[command(flatten)]
-    results: ResultArgs,
+struct PrintedArgs {
     /// Print only the report, as one JSON object
     #[arg(long)]
     json: bool,
     /// Print only warnings, the largest displacement and pressure, and the verdict
     #[arg(long, conflicts_with = "json")]
     quiet: bool,
+}
+
+#[derive(Args)]
+pub(super) struct RunArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    #[command(flatten)]
+    results: ResultArgs,
+    #[command(flatten)]
+    printed: PrintedArgs,
     /// Compute the friction coefficient up to which the rates at the end are unique for the contact statuses there
     #[arg(long)]
     uniqueness: bool,
@@ -72,7 +79,7 @@ pub(super) struct RunArgs {
 impl RunArgs {
     /// Returns `true` if everything is printed, for people.
     fn is_verbose(&self) -> bool {
-        !self.json && !self.quiet
+        !self.printed.json && !self.printed.quiet
     }
 
     /// Returns the data from which a rank assembles its rows, if the assembly can be shared.
@@ -117,11 +124,11 @@ pub(super) fn run(args: &RunArgs, count: usize) -> Result<ExitCode, Failure> {
     let run = prepared(args, &scene, count, left)?;
     let linear = run.choice().linear.to_string();
     let folder = claim.map(|claim| open_folder(claim, &scene, run.model(), (origin, linear), resumes)).transpose()?;
-    if !args.json {
+    if !args.printed.json {
         summary::print_head(&scene, &run, args.is_verbose());
     }
     // Records are kept only if the report is printed whole.
-    let keeps = args.json && folder.is_none();
+    let keeps = args.printed.json && folder.is_none();
     if keeps {
         MemoryEstimate::check_records(run.times().len() - done, Budget::of_process())?;
     }
@@ -148,7 +155,7 @@ pub(super) fn run(args: &RunArgs, count: usize) -> Result<ExitCode, Failure> {
         let written = failed_write.map_or_else(|| folder.add_report(&report), Err);
         is_written = written.map_err(|error| disk_failure(folder.path(), &error))?;
     }
-    if args.json {
+    if args.printed.json {
         resume::print_json(&report, folder.as_ref().filter(|_| is_written))?;
     } else {
         let lost = report.status == Status::NoContinuation;

@@ -72,7 +72,9 @@ impl Branches {
         }
         let branches: Vec<Branch> = ranges.into_iter().map(|(range, _)| Branch::new(factor, range)).collect();
         let mut is_trunk = vec![true; factor.len()];
-        branches.iter().for_each(|branch| is_trunk[branch.supernodes.clone()].fill(false));
+        for branch in &branches {
+            is_trunk[branch.supernodes.clone()].fill(false);
+        }
         Branches { branches, trunk: (0..factor.len()).filter(|&k| is_trunk[k]).collect() }
     }
 

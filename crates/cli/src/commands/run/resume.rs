@@ -30,13 +30,13 @@ impl Left {
             )));
         }
         let Some((checkpoint, earlier, linear, ended)) = claim.left() else {
-            if args.results.resume && !args.json {
+            if args.results.resume && !args.printed.json {
                 say!("resume       no earlier run was found: a new run begins");
             }
             return Ok(None);
         };
         if !args.results.resume {
-            if ended.is_none() && !args.json {
+            if ended.is_none() && !args.printed.json {
                 say!(
                     "unfinished   an earlier run was interrupted here after {} increments: --resume would continue \
                      it, this run replaces it",
@@ -68,7 +68,7 @@ impl Left {
             }
             return Ok(Some(Left::Ended(status)));
         }
-        if !args.json {
+        if !args.printed.json {
             say!("resume       after {} increments, at t = {} s", checkpoint.increments(), checkpoint.time());
         }
         Ok(Some(Left::Underway { checkpoint: checkpoint.clone(), linear }))
@@ -77,7 +77,7 @@ impl Left {
 
 /// Repeats the report of a run that has already finished.
 pub(super) fn told_again(claim: &LockedOutputDir, args: &RunArgs, status: Status) -> Result<ExitCode, Failure> {
-    if args.json {
+    if args.printed.json {
         print(claim.report().map_err(|error| unreadable(&error))?)?;
     } else {
         say!("resume       nothing to do: the run here is complete");
