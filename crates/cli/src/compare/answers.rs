@@ -132,7 +132,9 @@ impl Comparison {
             } else {
                 "there is nothing to compare with".to_string()
             };
-            let estimate = self.estimate(mesh, target).map_or(String::new(), |estimate| {
+            let most = self.on(mesh).map(|run| run.increments).max().unwrap_or(0) as f64;
+            let near = self.estimate(mesh, target).filter(|estimate| estimate.increments <= FARTHEST * most);
+            let estimate = near.map_or(String::new(), |estimate| {
                 let Estimate { path, order, increments, seconds } = estimate;
                 format!(
                     "; if its error keeps falling at order {order:.2}, {path} takes about {} increments and {} s",
@@ -151,6 +153,9 @@ impl Comparison {
         }
     }
 }
+
+/// Estimates for more increments than this, as a multiple of those that were tried, say nothing.
+const FARTHEST: f64 = 1e3;
 
 /// Formats two digits, without an exponent unless very large.
 fn round(x: f64) -> String {
