@@ -10,6 +10,26 @@ use crate::common::edit;
 use crate::program::{Folder, assert_exit, count, csv, json, number, report, small, stdout, stickslip, without};
 use serde_json::Value;
 
+/// The verdict is last, before the place of the results; with --quiet little else is printed.
+#[test]
+fn the_verdict_is_where_the_eye_is() {
+    let (folder, scene) = Folder::with_scene(&small());
+    let long = stickslip(&["run", &scene]);
+    let quiet = stickslip(&["run", &scene, "--quiet", "--out", &folder.join("out")]);
+    for (output, results) in [(&long, "results      not written: --out FOLDER writes them"), (&quiet, "results      ")]
+    {
+        assert_exit(output, 0);
+        let lines: Vec<&str> = stdout(output).lines().collect();
+        let [.., verdict, last] = lines[..] else { panic!("{lines:?}") };
+        assert!(verdict.starts_with("verdict      converged, 4 of 4 increments"), "{verdict}");
+        assert!(last.starts_with(results), "{last}");
+        assert!(lines.iter().any(|line| line.starts_with("pressure     ") && line.contains("MPa at most, ")));
+    }
+    let head = |line: &&str| !line.starts_with("warning ");
+    assert!(stdout(&quiet).lines().filter(head).count() <= 6, "{}", stdout(&quiet));
+    assert!(stdout(&long).contains("\nlaws         error ") && !stdout(&quiet).contains("laws "));
+}
+
 #[test]
 fn a_good_run_fills_its_folder() {
     let (folder, scene) = Folder::with_scene(&small());
