@@ -316,7 +316,7 @@ impl Case {
 const TOLERANCE: f64 = 1e-10;
 
 impl Row {
-    /// Whether the verdict is the right one; `None` if that is unknown.
+    /// Returns `true` if the verdict is the right one; `None` if that is unknown.
     pub fn right(&self) -> Option<bool> {
         match self.expect {
             Expect::Solved => Some(self.verdict == Status::Converged),

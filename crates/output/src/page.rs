@@ -13,7 +13,7 @@ const MOST_STATES: usize = 40;
 /// The page shows no more increments. Of others, the sums are shown with the next one.
 const MOST_ROWS: usize = 1000;
 
-/// Pictures take no more bytes; the last ones are kept.
+/// Pictures take no more bytes. Those that do not fit are left out, the first ones before the last.
 const MOST_PICTURES: usize = 3_000_000;
 
 /// The lists of the report that grow with the increments, which are in tables, too.
@@ -47,31 +47,28 @@ pub(crate) fn page(names: &[String], read: impl Fn(&str) -> io::Result<String>) 
     let mut shown = shown_states(names);
     let peak = report.get("largest_pressure").and_then(|peak| peak.get("time")).and_then(Value::as_f64);
     shown.extend(peak.and_then(|time| increment_at(time, files.get("increments.csv")?)));
-    let mut pictures = BTreeMap::new();
-    for name in names.iter().filter(|name| number(name).is_some_and(|k| shown.contains(&k))) {
-        let text = read(name)?;
-        let head: Vec<&str> = text.lines().next().unwrap_or_default().split(',').collect();
-        if head.contains(&"z") {
-            let picture = format!("{}.svg", name.trim_end_matches(".csv"));
-            if names.contains(&picture) {
-                pictures.insert(picture.clone(), read(&picture)?);
-            }
-        } else {
-            files.insert(name.clone(), columns(&text, &DRAWN));
+    // In space there are pictures of the contact, in the plane the page draws it.
+    let is_solid = report.get("final").is_some_and(|sums| sums.get("sum_p_o").is_some());
+    let contacts = || names.iter().filter(|name| number(name).is_some_and(|k| shown.contains(&k)));
+    let mut wanted: Vec<String> =
+        names.iter().filter(|name| name.starts_with("deformed_")).max().cloned().into_iter().collect();
+    if is_solid {
+        let mut maps: Vec<String> = contacts().map(|name| format!("{}.svg", name.trim_end_matches(".csv"))).collect();
+        maps.retain(|name| names.contains(name));
+        maps.sort_unstable_by(|a, b| b.cmp(a));
+        wanted.extend(maps);
+    } else {
+        for name in contacts() {
+            files.insert(name.clone(), columns(&read(name)?, &DRAWN));
         }
     }
-    if let Some(name) = names.iter().filter(|name| name.starts_with("deformed_")).max() {
-        pictures.insert(name.clone(), read(name)?);
+    let (mut pictures, mut left) = (BTreeMap::new(), MOST_PICTURES);
+    for name in wanted {
+        let picture = read(&name)?;
+        let Some(rest) = left.checked_sub(picture.len()) else { continue };
+        left = rest;
+        pictures.insert(name, BASE64_STANDARD.encode(picture));
     }
-    let mut left = MOST_PICTURES;
-    let pictures: BTreeMap<String, String> = (pictures.into_iter().rev())
-        .take_while(|(_, picture)| {
-            let fits = picture.len() <= left;
-            left = left.saturating_sub(picture.len());
-            fits
-        })
-        .map(|(name, picture)| (name, BASE64_STANDARD.encode(picture)))
-        .collect();
     let data = serde_json::json!({ "report": report, "files": files, "pictures": pictures });
     // Nothing in the data can end its element.
     let data = data.to_string().replace('<', "\\u003c");

@@ -6,7 +6,10 @@ use super::system::{Quantity, UnitSystem};
 const PREFIXES: [(f64, &str); 7] =
     [(1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "u"), (1e-9, "n")];
 
-/// Numbers from here on are written with an exponent, and so are the reciprocals of those above a hundredth of it.
+/// Smaller numbers are written with an exponent.
+const SMALL: f64 = 1e-4;
+
+/// Numbers from here on are written with an exponent.
 const LARGE: f64 = 1e6;
 
 impl UnitSystem {
@@ -57,7 +60,7 @@ fn round(x: f64, digits: usize) -> f64 {
 /// Returns the number of decimals with which `x` has so many digits, none if it is written with an exponent.
 fn decimals(x: f64, digits: usize) -> Decimals {
     let x = round(x.abs(), digits);
-    if x != 0.0 && !(1e2 / LARGE..LARGE).contains(&x) {
+    if x != 0.0 && !(SMALL..LARGE).contains(&x) {
         return Decimals::Exponent(digits.saturating_sub(1));
     }
     let before = if x == 0.0 { 1 } else { x.log10().floor() as i64 + 1 };

@@ -47,7 +47,7 @@ struct ResultArgs {
     checkpoint_every: Option<Duration>,
 }
 
-/// What is printed.
+/// Options for the printed text.
 #[derive(Args)]
 struct PrintedArgs {
     /// Print only the report, as one JSON object

@@ -20,7 +20,7 @@ use crate::program::{Folder, stderr, stdout};
 const EXCEPTIONS: [(&str, Option<i32>); 3] =
     [("lap-joint-fine.msh", None), ("benchmarks/bracket.toml", None), ("contact.friction=0.1:0.8:8", Some(1))];
 
-/// What commands name, and the files beside the scenes on the pages.
+/// The folders that commands name, and the files beside the scenes on the pages.
 const LINKS: &str = "data doc python data/tutorials/lap-joint.msh data/tutorials/die.stl data/init/roller.msh \
                      doc/howto/abaqus/two_blocks.msh";
 

@@ -1,4 +1,4 @@
-//! What a run prints before and after its increments.
+//! The text that a run prints before and after its increments.
 
 use stickslip::algebra::linear::process::Blas;
 use stickslip::base::{Quantity, UnitSystem};
