@@ -75,7 +75,7 @@ pub(super) fn forces_header(dimension: usize, several: bool) -> String {
     let obstacle: &[&str] = if several { &["obstacle"] } else { &[] };
     let forces: Vec<&str> = force_columns(dimension).iter().map(|column| column.name()).collect();
     let moved = DISPLACEMENT[..dimension].iter().map(|column| column.name()).collect::<Vec<_>>();
-    let header = [&["index", "time", "boundary"], &forces[..], &["kind", "balance"], &moved, obstacle].concat();
+    let header = [&["index", "time", "boundary"], &forces[..], &["kind", "balance"], obstacle, &moved].concat();
     csv_table(&header, std::iter::empty())
 }
 
@@ -103,9 +103,9 @@ pub(super) fn forces_lines(contact: &[ForceRecord], balance: &BalanceRecord, uni
             let mut fields = vec![index.to_string(), csv_number(*time), at.to_string()];
             fields.extend(numbers.map(|(column, x)| x.map_or(String::new(), |x| column.cell(units, x))));
             fields.extend([kind.to_string(), csv_number(*balance)]);
+            fields.extend(several.then(|| obstacle.to_string()));
             let moved = DISPLACEMENT[..force.len()].iter().enumerate().map(|(k, column)| (column, moved.get(k)));
             fields.extend(moved.map(|(column, u)| u.map_or(String::new(), |u| column.cell(units, *u))));
-            fields.extend(several.then(|| obstacle.to_string()));
             csv_line(&fields)
         };
     let components = |sums: &ComponentSums| [Some(sums.sum_p_n), Some(sums.sum_p_t), sums.sum_p_o];

@@ -351,7 +351,9 @@ impl Estimates {
         let locking = self.locking.and_then(|share| Warning::of_locking(model, share));
         let coarse = self.discretisation.and_then(coarse).or_else(|| self.tangential.and_then(coarse_for_friction));
         warnings.extend(locking.into_iter().chain(coarse).chain(self.rough(model)));
-        warnings.extend(self.strain.and_then(|strain| large_strains(strain, model)));
+        // The cause of large displacements is that of the strains.
+        let strain = self.strain.filter(|_| !validity.has_large_displacements(model));
+        warnings.extend(strain.and_then(|strain| large_strains(strain, model)));
         warnings
     }
 }

@@ -224,6 +224,16 @@ impl Validity {
         self.faceted.iter().filter(|faceted| STIFFER * faceted.bulge > FACETED * faceted.closed)
     }
 
+    /// Returns the largest displacement if it is not small.
+    fn large_displacement(&self, model: &Model) -> Option<LargestDisplacement> {
+        self.largest.filter(|largest| largest.length > NOT_SMALL * model.mesh.size())
+    }
+
+    /// Returns `true` if displacements are not small.
+    pub(super) fn has_large_displacements(&self, model: &Model) -> bool {
+        self.large_displacement(model).is_some()
+    }
+
     /// Returns `true` if facets change the gaps in front of `boundary` so much that warnings of its pressures would
     /// name the wrong cause.
     pub(super) fn has_faceted_gaps(&self, model: &Model, boundary: &str) -> bool {
@@ -273,9 +283,7 @@ impl Validity {
             warn(WarningKind::LeaningObstacle, message);
         }
         let size = model.mesh.size();
-        if let Some(LargestDisplacement { length, position, time }) = self.largest
-            && length > NOT_SMALL * size
-        {
+        if let Some(LargestDisplacement { length, position, time }) = self.large_displacement(model) {
             let message = format!(
                 "displacements are assumed to be small, but the node {} moves by {} at t = {time} s, \
                  {:.0} % of the body's size; are lengths in {unit}, moduli and tractions in {}?",

@@ -28,10 +28,12 @@ fn rows(page: &str, header: &str) -> Vec<(Vec<String>, Vec<String>)> {
 fn quantity(unit: &str) -> Quantity {
     match unit {
         "m" => Quantity::Length,
+        "m²" => Quantity::Area,
         "Pa" => Quantity::Stress,
         "N" => Quantity::Force,
         "N m" => Quantity::Moment,
         "J" => Quantity::Energy,
+        "J/m²" => Quantity::EnergyPerArea,
         "" | "s" | "B" => Quantity::Number,
         other => panic!("what is {other}?"),
     }

@@ -261,6 +261,7 @@ fn reports() -> Vec<Value> {
         json_of(&small(), &["--setting", "default", "--solver", "multigrid"]),
         json_of(include_str!("../../../../data/scenes/two_blocks.toml"), &["--set", "contact.slave=\"automatic\""]),
         json_of(LEVER, &[]),
+        json_of(&small(), &["--set", "output.cycle=[1.5, 2]"]),
         json_of(&lost_path(), &["--method", "events"]),
         json_of(OBLIQUE_BEAM, &["--set", "solver.jump=true"]),
     ]
