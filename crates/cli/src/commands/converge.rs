@@ -134,7 +134,9 @@ fn finer(scene: &Scene) -> Option<String> {
 
 fn write(folder: &Path, study: &Convergence, json: &str) -> Result<(), Failure> {
     let chart = study.chart().to_svg().map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
-    for (name, content) in [("converge.csv", study.to_csv().as_str()), ("converge.json", json), ("converge.svg", &chart)] {
+    for (name, content) in
+        [("converge.csv", study.to_csv().as_str()), ("converge.json", json), ("converge.svg", &chart)]
+    {
         write_file(folder, name, content).map_err(|error| write_failure(folder, &error))?;
     }
     Ok(())

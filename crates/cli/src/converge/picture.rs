@@ -1,7 +1,7 @@
 //! The chart of a study: the value against the element size, with the extrapolated value and its band.
 
-use super::steps::Step;
 use super::Convergence;
+use super::steps::Step;
 use stickslip_output::{Axis, Chart, Curve, Dash, Line, Panel, Scale, told_apart};
 
 const GREY: [u8; 3] = [120, 120, 120];

@@ -295,8 +295,7 @@ fn predict(steps: &[Step], next: Refined, growth: Option<f64>) -> Option<f64> {
     }
     let cost = |run: &Solved| run.seconds / run.increments as f64;
     let before = steps.iter().rev().map(|step| &step.run).find(|run| run.elements < last.elements);
-    let measured =
-        before.map(|run| (cost(last) / cost(run)).ln() / (last.elements as f64 / run.elements as f64).ln());
+    let measured = before.map(|run| (cost(last) / cost(run)).ln() / (last.elements as f64 / run.elements as f64).ln());
     let [least, usual, most] = GROWTH_OF_TIME;
     let exponent = measured.filter(|exponent| exponent.is_finite()).unwrap_or(usual).clamp(least, most);
     Some(last.seconds * growth?.powi(last.dimension as i32).powf(exponent))

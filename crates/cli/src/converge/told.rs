@@ -175,7 +175,9 @@ impl Convergence {
         let units = &self.units;
         let Some(last) = self.steps.last().map(|step| &step.run) else { return String::new() };
         let sought = self.sought;
-        let here = format!("mesh {} with {} increments", last.mesh, last.increments);
+        let increments =
+            if last.increments == 1 { "1 increment".into() } else { format!("{} increments", last.increments) };
+        let here = format!("mesh {} with {increments}", last.mesh);
         let percent = |share: f64| format!("{} %", units.rounded(Quantity::Number, 100.0 * share, 2));
         let asked = percent(self.to);
         let known = self.errors.as_ref().filter(|_| self.has_limit()).and_then(|errors| {
@@ -187,14 +189,10 @@ impl Convergence {
             Verdict::Known => format!("{so_far}: {here} is fine enough for {asked}"),
             Verdict::Singular => {
                 let growth = self.change(self.steps.len() - 1).unwrap_or_default();
-                let at = self.peak.as_ref().map_or(String::new(), |peak| {
-                    let place = peak.position.map(|x| units.of_si(Quantity::Length, x));
-                    let place: Vec<String> = place[..units.dimension]
-                        .iter()
-                        .map(|x| units.rounded(Quantity::Number, *x, DIGITS))
-                        .collect();
-                    format!(" at ({}) {} on `{}`", place.join(", "), units.name(Quantity::Length), peak.boundary)
-                });
+                let at = self
+                    .peak
+                    .as_ref()
+                    .map_or(String::new(), |peak| format!(" at {} on `{}`", units.place(peak.position), peak.boundary));
                 format!(
                     "no mesh will do: the pressure is singular{at}, it grew by {} with the last refinement; ask for \
                      the force (--for force), or give the edge its radius",
