@@ -214,7 +214,7 @@ impl Study<'_> {
             value: value.filter(|_| failure.is_none()),
             rounding: sought.rounding(&report),
             is_resolved: sought.is_resolved(&report),
-            singular_edge: report.estimates.peak.as_ref().is_some_and(|peak| peak.singular_edge),
+            singular_edge: report.largest_pressure.as_ref().is_some_and(|largest| largest.singular),
             follows_path,
             failure,
             seconds: start.elapsed().as_secs_f64(),

@@ -29,7 +29,7 @@ impl Convergence {
             curves.push(Curve { label, points, line, marker: Some(marker), colour });
         }
         if let (Some(errors), true) = (&self.errors, self.has_limit()) {
-            let across = |y: f64| vec![[1.0, value(y)], [coarsest / finest, value(y)]];
+            let across = |y: f64| vec![[0.0, value(y)], [coarsest / finest, value(y)]];
             let level = |label: &str, y: f64, dash| Curve {
                 label: label.to_string(),
                 points: across(y),
@@ -48,8 +48,8 @@ impl Convergence {
         let label = if unit.is_empty() { self.sought.to_string() } else { format!("{}, {unit}", self.sought) };
         Chart {
             title: self.title.clone(),
-            subtitle: format!("{}: {}", self.sought, self.outcome()),
-            x: Axis { label: "element size, relative to the finest mesh".into(), scale: Scale::Decades },
+            subtitle: self.in_short(),
+            x: Axis { label: "element size, relative to the finest mesh".into(), scale: Scale::Linear },
             y: Axis { label, scale: Scale::Linear },
             columns: 1,
             panels: vec![Panel { title: String::new(), curves }],

@@ -18,15 +18,15 @@ pub enum Sought {
     Force,
     /// The friction work of the whole history, J.
     FrictionWork,
-    /// The width of the stick zone as a share of the width of the contact, at the largest force.
+    /// The width of the stick zone as a share of the width of the contact, at the largest tangential force.
     StickRatio,
 }
 
 /// Narrower zones have no peak that says anything about finer meshes.
 const FINE_FOR_PEAK: usize = 5;
 
-/// In narrower zones the width of the stick zone is known to a quarter at best.
-const FINE_FOR_STICK: usize = 9;
+/// With a larger uncertainty of the mesh alone, as in zones of fewer than nine nodes, the stick ratio does not count.
+const FINE_FOR_STICK: f64 = 2.0 / 9.0;
 
 impl Sought {
     /// All quantities.
@@ -54,37 +54,33 @@ impl Sought {
 
     /// Returns the value in `report`, SI; `None` if the run has none.
     pub fn value(self, report: &RunReport) -> Option<f64> {
-        let positive = |x: &f64| *x > 0.0;
         match self {
             Sought::Peak => report.largest_pressure.as_ref()?.pressure,
             Sought::Force => {
-                let square = |force: &[f64]| force.iter().map(|f| f * f).sum::<f64>();
-                let forces = report.forces.iter().map(|record| square(&record.resultant.force).sqrt());
-                forces.reduce(f64::max).filter(positive)
+                let force = &report.largest_force.as_ref()?.force;
+                Some(force.iter().map(|f| f * f).sum::<f64>().sqrt())
             }
-            Sought::FrictionWork => {
-                Some(report.increments.iter().map(|record| record.friction_work).sum()).filter(positive)
-            }
-            Sought::StickRatio => Some(report.estimates.heaviest()?.stick?.ratio),
+            Sought::FrictionWork => Some(report.friction.as_ref()?.friction_work),
+            Sought::StickRatio => Some(report.stick_zone.as_ref()?.ratio),
         }
     }
 
-    /// Returns the share of the contact width by which the mesh rounds the value: half an element at each end of the
-    /// stick zone.
+    /// Returns the error of the value by rounding to whole elements: half an element at each end of the stick zone.
     pub(super) fn rounding(self, report: &RunReport) -> f64 {
-        let stick = || Some(report.estimates.heaviest()?.stick?.uncertainty);
-        if self == Sought::StickRatio { 0.5 * stick().unwrap_or(0.0) } else { 0.0 }
+        let stick = report.stick_zone.as_ref().filter(|_| self == Sought::StickRatio);
+        stick.map_or(0.0, |stick| 0.5 * stick.uncertainty)
     }
 
     /// Returns `true` if the contact has enough nodes across for the value to follow an order.
     pub(super) fn is_resolved(self, report: &RunReport) -> bool {
-        let estimates = &report.estimates;
-        let (contact, least) = match self {
-            Sought::Peak => (estimates.peak.as_ref(), FINE_FOR_PEAK),
-            Sought::StickRatio => (estimates.heaviest(), FINE_FOR_STICK),
-            Sought::Force | Sought::FrictionWork => return true,
-        };
-        contact.and_then(|contact| contact.nodes_across).is_none_or(|across| across >= least)
+        match self {
+            Sought::Peak => {
+                let across = report.largest_pressure.as_ref().and_then(|largest| largest.nodes_across);
+                across.is_none_or(|across| across >= FINE_FOR_PEAK)
+            }
+            Sought::StickRatio => report.stick_zone.as_ref().is_some_and(|stick| stick.uncertainty <= FINE_FOR_STICK),
+            Sought::Force | Sought::FrictionWork => true,
+        }
     }
 }
 

@@ -170,6 +170,28 @@ impl Convergence {
         measured && self.verdict != Verdict::Singular
     }
 
+    /// Returns the value with its uncertainty: `the peak pressure is 71.3 MPa ± 1.4 %`; `None` without a limit.
+    fn known(&self) -> Option<String> {
+        let errors = self.errors.as_ref().filter(|_| self.has_limit())?;
+        let value = self.units.of_pictures().rounded(self.sought.quantity(), errors.value, DIGITS);
+        Some(format!("the {} is {value} ± {}", self.sought, self.percent(errors.total()?)))
+    }
+
+    /// Returns the verdict as a heading.
+    pub(super) fn in_short(&self) -> String {
+        match (&self.verdict, self.known()) {
+            (Verdict::Known, Some(known)) => known,
+            (Verdict::Singular, _) => format!("the {} is singular", self.sought),
+            (_, Some(known)) => format!("{known}, not {}", self.percent(self.to)),
+            (_, None) => format!("the {} is not known", self.sought),
+        }
+    }
+
+    /// Formats a share in percent.
+    fn percent(&self, share: f64) -> String {
+        format!("{} %", self.units.rounded(Quantity::Number, 100.0 * share, 2))
+    }
+
     /// Returns the verdict in one sentence.
     pub fn outcome(&self) -> String {
         let units = &self.units;
@@ -178,13 +200,8 @@ impl Convergence {
         let increments =
             if last.increments == 1 { "1 increment".into() } else { format!("{} increments", last.increments) };
         let here = format!("mesh {} with {increments}", last.mesh);
-        let percent = |share: f64| format!("{} %", units.rounded(Quantity::Number, 100.0 * share, 2));
-        let asked = percent(self.to);
-        let known = self.errors.as_ref().filter(|_| self.has_limit()).and_then(|errors| {
-            let value = units.of_pictures().rounded(sought.quantity(), errors.value, DIGITS);
-            Some(format!("the {sought} is {value} ± {}", percent(errors.total()?)))
-        });
-        let so_far = known.clone().unwrap_or_else(|| format!("the error of the {sought} cannot be estimated yet"));
+        let asked = self.percent(self.to);
+        let so_far = self.known().unwrap_or_else(|| format!("the error of the {sought} cannot be estimated yet"));
         match self.verdict {
             Verdict::Known => format!("{so_far}: {here} is fine enough for {asked}"),
             Verdict::Singular => {
@@ -196,7 +213,7 @@ impl Convergence {
                 format!(
                     "no mesh will do: the pressure is singular{at}, it grew by {} with the last refinement; ask for \
                      the force (--for force), or give the edge its radius",
-                    percent(growth)
+                    self.percent(growth)
                 )
             }
             Verdict::NotConverged => {
@@ -214,7 +231,7 @@ impl Convergence {
 
     /// Returns the lines below the table, each with its label: the limit, the uncertainty, the verdict.
     pub fn lines(&self) -> Vec<(&'static str, String)> {
-        let percent = |share: f64| format!("{} %", self.units.rounded(Quantity::Number, 100.0 * share, 2));
+        let percent = |share: f64| self.percent(share);
         let mut lines = Vec::new();
         if let Some(errors) = self.errors.as_ref().filter(|_| self.has_limit())
             && let (Some(total), Some(of_mesh), Some(of_increments)) =
