@@ -75,6 +75,10 @@ const NO_ORDER: f64 = 0.3;
 /// A singular value grows at least so fast: as `h^-0.1`, by 7 % with half the element size.
 const SINGULAR_GROWTH: f64 = 0.1;
 
+/// A singular value keeps this share of its rate of growth. At an edge with a radius the rate falls as soon as elements are
+/// a few times as large as the radius.
+const STEADY: f64 = 0.9;
+
 /// Returns the limit of `values`, the finest last, with the element sizes or increments `sizes`. `None` for fewer than
 /// two values.
 pub fn limit(sizes: &[f64], values: &[f64]) -> Option<Limit> {
@@ -145,7 +149,7 @@ pub fn is_singular(sizes: &[f64], values: &[f64]) -> bool {
     let (before, last) = (rate([h3, f3], [h2, f2]), rate([h2, f2], [h1, f1]));
     let limit = limit(&[h3, h2, h1], &[f3, f2, f1]);
     last > SINGULAR_GROWTH
-        && last > 0.7 * before
+        && last > STEADY * before
         && before > 0.5 * SINGULAR_GROWTH
         && limit.is_some_and(|limit| limit.behaviour == Behaviour::Growing)
 }

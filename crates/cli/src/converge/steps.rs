@@ -341,7 +341,9 @@ mod tests {
             let errors = ended.errors.unwrap();
             let truth = (errors.value / 5.0 - 1.0).abs();
             let told = errors.total().unwrap();
-            assert!(told <= 0.02 && truth <= told && told < 5.0 * truth + 0.01, "{p} {c} {d}: {truth} {told}");
+            assert!(told <= 0.02 && truth <= told, "{p} {c} {d}: {truth} {told}");
+            // Errors of opposite signs cancel in the value, but not in the uncertainty.
+            assert!(c * d < 0.0 || told < 3.0 * truth, "{p} {c} {d}: {truth} {told}");
             let mesh = errors.mesh.unwrap();
             assert!((mesh.order.unwrap() - p).abs() < 0.01, "{mesh:?}");
         }
