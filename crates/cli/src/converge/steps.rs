@@ -17,6 +17,11 @@ const GROWING: usize = 4;
 /// The order below which an edge that the run calls singular is so.
 const SINGULAR_ORDER: f64 = 0.5;
 
+/// A peak is erratic if each of the last four changes is at least the first share of the one before, and the last one at
+/// least the second share of the value.
+const ERRATIC_FALL: f64 = 0.7;
+const ERRATIC: f64 = 0.2;
+
 /// The exponent by which the time grows with the number of elements: its range, and its value before it is measured.
 const GROWTH_OF_TIME: [f64; 3] = [1.0, 1.5, 2.5];
 
@@ -255,6 +260,9 @@ fn is_known(steps: &[Step], errors: Option<&Errors>, to: f64) -> bool {
 
 /// Returns `true` if the peak is singular.
 fn grows(steps: &[Step]) -> bool {
+    if is_erratic(steps) {
+        return true;
+    }
     let Series { sizes, values, steps: at } = series(steps, true, true);
     let n = values.len();
     if n >= GROWING && is_singular(&sizes, &values) && is_singular(&sizes[..n - 1], &values[..n - 1]) {
@@ -266,6 +274,19 @@ fn grows(steps: &[Step]) -> bool {
         && limit(&sizes, &values).is_some_and(|limit| {
             limit.behaviour == Behaviour::Growing || limit.order.is_some_and(|order| order < SINGULAR_ORDER)
         })
+}
+
+/// Returns `true` if the peak goes up and down by much on ever finer meshes, as elements of second order let it at a sharp
+/// edge. Where no mesh has enough nodes across, the contact is only narrow.
+fn is_erratic(steps: &[Step]) -> bool {
+    let Series { values, steps: at, .. } = series(steps, true, false);
+    let n = values.len();
+    if n <= GROWING || at[n - GROWING..].iter().filter(|&&k| steps[k].run.is_resolved).count() < 2 {
+        return false;
+    }
+    let changes: Vec<f64> = values[n - GROWING - 1..].windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
+    let last = changes[changes.len() - 1];
+    changes.windows(2).all(|pair| pair[1] >= ERRATIC_FALL * pair[0]) && last >= ERRATIC * values[n - 1].abs()
 }
 
 /// Returns what to refine: first both until each has an error, then the one with the larger error.
@@ -365,6 +386,13 @@ mod tests {
             assert_eq!(ended.verdict, Verdict::Singular, "{ended:?}");
             assert_eq!(ended.steps.last().unwrap().mesh + 1, meshes);
         }
+        // Elements of second order: up and down.
+        let erratic = |h: f64, _: f64| if (1.0 / h).log2() as i32 % 2 == 0 { 370.0 } else { 3250.0 } / h.sqrt();
+        let ended = study(0.02, erratic, |run, h| run.is_resolved = (1.0 / h).log2() as i32 % 2 == 0);
+        assert_eq!((ended.verdict, ended.steps.last().unwrap().mesh), (Verdict::Singular, 4));
+        // A contact of one node on all meshes.
+        let narrow = study(0.02, |h, _| 1.0 / h, |run, _| run.is_resolved = false);
+        assert_eq!(narrow.verdict, Verdict::Runs);
         // A rounded edge: the growth ends.
         let rounded = |h: f64, _: f64| (h + 0.2).powf(-0.5);
         assert_eq!(study(0.05, rounded, |_, _| ()).verdict, Verdict::Known);

@@ -211,7 +211,7 @@ impl Convergence {
                     .as_ref()
                     .map_or(String::new(), |peak| format!(" at {} on `{}`", units.place(peak.position), peak.boundary));
                 format!(
-                    "no mesh will do: the pressure is singular{at}, it grew by {} with the last refinement; ask for \
+                    "no mesh will do: the pressure is singular{at}, it changed by {} with the last refinement; ask for \
                      the force (--for force), or give the edge its radius",
                     self.percent(growth)
                 )
