@@ -21,16 +21,18 @@ SHARP = 'contact.obstacle.formula="%s * max(0, x - 5)"'
 CONDENSED = "solver.linear=condensed"
 PUNCH_GRADING = "mesh.grading=[[1,1,20],0.1]"
 
-# Name, scene, overrides, first meshes with the ratio of the next, the mesh of the truth, first increments, increments of
-# the truth, quantities, shares.
+# Name, scene, overrides, first meshes with the ratio of the next and at most so many, the mesh of the truth, first
+# increments, increments of the truth, quantities, shares.
 CASES = [
     dict(name="line", scene=SCENES + "hertz_line.toml", half_plane=True, truth=(160, 160, 96), increments=1, steps=1,
-         first=[((6, 6, 4), 2), ((10, 10, 6), 2)], quantities=["peak", "force"], shares=[0.1, 0.01]),
+         first=[((6, 6, 4), 2), ((10, 10, 6), 2), ((2, 2, 1), 1.5, 3), ((3, 3, 2), 1.5, 3)],
+         quantities=["peak", "force"], shares=[0.1, 0.01]),
     dict(name="line with friction", scene=SCENES + "punch.toml", half_plane=True, truth=(80, 128, 32), increments=4,
-         first=[((5, 8, 2), 2), ((8, 13, 3), 1.5)], steps=64, quantities=PATH + ["stick_ratio"], shares=[0.2, 0.05]),
+         first=[((5, 8, 2), 2), ((8, 13, 3), 1.5), ((3, 5, 1), 1.5, 3)], steps=64,
+         quantities=PATH + ["stick_ratio"], shares=[0.2, 0.05]),
     dict(name="rounded punch", scene=TUTORIALS + "punch.toml", sets=[PUNCH_GRADING], truth="[[40,56,48],64]",
-         first=[("[[3,4,3],4]", 1.5), ("[[5,7,6],8]", 1.41)], increments=4, steps=64, quantities=PATH,
-         shares=[0.2, 0.05]),
+         first=[("[[3,4,3],4]", 1.5), ("[[5,7,6],8]", 1.41), ("[[2,2,2],2]", 1.41, 3)], increments=4, steps=64,
+         quantities=PATH, shares=[0.2, 0.05]),
     dict(name="rounded punch, second order", scene=TUTORIALS + "punch.toml", truth="[[24,32,24],32]",
          sets=[PUNCH_GRADING, "mesh.cells=triangle6"], first=[("[[3,4,3],4]", 1.41)], increments=4, steps=64,
          quantities=PATH, shares=[0.2, 0.05]),
@@ -41,12 +43,13 @@ CASES = [
          sets=[PUNCH_GRADING, "mesh.cells=triangle6", "contact.friction=0", "contact.obstacle.formula='x^2/2000'"],
          first=[("[[3,4,3],4]", 1.41), ("[[2,3,2],3]", 1.41)], quantities=["peak", "force"], shares=[0.2, 0.05]),
     dict(name="cylinder pushed", scene=SCENES + "cattaneo_mindlin.toml", truth="[[48,96,48],64]", increments=3,
-         first=[("[[6,12,6],8]", 1.41), ("[[4,7,4],6]", 1.5)], steps=48, friction=0.4, quantities=PATH + ["stick_ratio"],
+         first=[("[[6,12,6],8]", 1.41), ("[[4,7,4],6]", 1.5), ("[[3,5,3],4]", 1.41, 3)], steps=48, friction=0.4, quantities=PATH + ["stick_ratio"],
          shares=[0.3, 0.1]),
     dict(name="block", scene=SCENES + "block.toml", sets=["solver.setting=default"], truth="[128,128]", increments=4,
          first=[("[5,5]", 2), ("[8,8]", 2)], steps=64, quantities=["force", "friction_work"], shares=[0.1, 0.03]),
     dict(name="fretting, two bodies", scene=TUTORIALS + "fretting.toml", bodies=True, truth="[[32,96,32],40]",
-         first=[("[[4,12,4],5]", 1.41)], increments=12, steps=96, quantities=PATH + ["stick_ratio"], shares=[0.3, 0.1],
+         first=[("[[4,12,4],5]", 1.41), ("[[2,5,2],3]", 1.41, 3)], increments=12, steps=96, shares=[0.3, 0.1],
+         quantities=PATH + ["stick_ratio"],
          sets=["body.mesh.grading=[[0.05,1,20],0.05]", "body[1].mesh.grading=[[0.05,1,20],20]"]),
     dict(name="fretting, unequal bodies", scene=TUTORIALS + "fretting.toml", bodies=True, truth="[[32,96,32],40]",
          first=[("[[4,12,4],5]", 1.41), ("[[3,10,3],4]", 1.5)], increments=12, steps=96, shares=[0.3, 0.1],
@@ -138,12 +141,12 @@ def along(case, elements):
     return sum(first) if isinstance(first, list) else first
 
 
-def ladder(case, first, ratio):
-    """The meshes of a study, the last one at least four times coarser than the truth."""
+def ladder(case, first, ratio, most=9):
+    """The meshes of a study, at most so many, the last one at least four times coarser than the truth."""
     numbers = [float(along(case, first))]
     while round(numbers[-1] * ratio) <= along(case, case["truth"]) / 4:
         numbers.append(numbers[-1] * ratio)
-    return ",".join(str(round(number)) for number in numbers)
+    return ",".join(str(round(number)) for number in numbers[:most])
 
 
 def main(program, out, only=None):
@@ -157,13 +160,13 @@ def main(program, out, only=None):
             fine = overrides + mesh(case, case["truth"])
             truth, seconds = limit(program, case, fine)
             print(f"{case['name']}: truth {truth}, {seconds:.0f} s", flush=True)
-        studies = [(*first, quantity, to) for first in case["first"]
+        studies = [(first, quantity, to) for first in case["first"]
                    for quantity in case["quantities"] for to in case["shares"]]
-        for first, ratio, quantity, to in studies:
-            more = sets(overrides + mesh(case, first) + [f"time.increments={case['increments']}"])
+        for first, quantity, to in studies:
+            more = sets(overrides + mesh(case, first[0]) + [f"time.increments={case['increments']}"])
             limits = ["--to", str(to), "--max-runs", "10", "--within", "60"]
             if truth:
-                limits += ["--meshes", ladder(case, first, ratio)]
+                limits += ["--meshes", ladder(case, *first)]
             study, seconds = run(program, ["converge", case["scene"], "--for", quantity, *limits, *more])
             if "runs" not in study:
                 print(case["name"], quantity, study["message"])

@@ -17,7 +17,7 @@ use serde::Serialize;
 
 use crate::compare::{CompareError, MeshSize};
 use ladder::Numbers;
-use steps::{Ended, Limits, Solved};
+use steps::{Ended, Limits, Own, Solved};
 use stickslip::base::UnitSystem;
 use stickslip::run::report::{LargestPressure, RunReport};
 use stickslip::run::{Run, RunError};
@@ -206,8 +206,11 @@ impl Study<'_> {
         }
         let solved = Solved {
             mesh: name,
-            is_own: ladder.is_own(mesh, &self.scene.description.mesh) && number == self.scene.time.increments,
-            is_own_mesh: ladder.is_own(mesh, &self.scene.description.mesh),
+            own: match ladder.is_own(mesh, &self.scene.description.mesh) {
+                false => Own::No,
+                true if number == self.scene.time.increments => Own::Whole,
+                true => Own::Mesh,
+            },
             elements,
             dimension,
             increments: number,

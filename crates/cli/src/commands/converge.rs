@@ -95,8 +95,10 @@ pub(super) fn converge(args: &ConvergeArgs) -> Result<ExitCode, Failure> {
         say!("{json}");
     } else {
         print(&study);
-        if study.verdict == Verdict::Meshes {
-            finer(&scene).iter().for_each(|command| say!("             {command}"));
+        if study.verdict == Verdict::Meshes
+            && let Some(command) = finer(&scene)
+        {
+            say!("             {command}");
         }
     }
     if let Some(folder) = &args.out {

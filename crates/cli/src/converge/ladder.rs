@@ -54,7 +54,7 @@ impl Ladder {
             Meshes::Named(each(mesh, &choices)?.into_iter().map(|choice| choice.size).collect())
         };
         let own = scene.time.increments;
-        let first_increments = if own % 2 == 0 && own >= 2 * LEAST_INCREMENTS { own / 2 } else { own };
+        let first_increments = if own.is_multiple_of(2) && own >= 2 * LEAST_INCREMENTS { own / 2 } else { own };
         Ok(Ladder { meshes, first_increments })
     }
 

@@ -13,8 +13,8 @@ impl Convergence {
         let units = self.units.of_pictures();
         let value = |x: f64| units.of_si(quantity, x);
         let unit = units.name(quantity);
-        let finest = self.steps.iter().map(|step| size(step)).fold(f64::INFINITY, f64::min);
-        let coarsest = self.steps.iter().map(|step| size(step)).fold(0.0, f64::max);
+        let finest = self.steps.iter().map(size).fold(f64::INFINITY, f64::min);
+        let coarsest = self.steps.iter().map(size).fold(0.0, f64::max);
         let mut levels: Vec<usize> = self.steps.iter().map(|step| step.run.increments).collect();
         levels.sort_unstable();
         levels.dedup();

@@ -41,10 +41,8 @@ pub(super) struct Limits {
 pub(super) struct Solved {
     /// The name of the mesh.
     pub mesh: String,
-    /// `true` if mesh and increments are those of the scene.
-    pub is_own: bool,
-    /// `true` if the mesh is that of the scene.
-    pub is_own_mesh: bool,
+    /// Whether it is the scene's own.
+    pub own: Own,
     /// The number of elements.
     pub elements: usize,
     /// The dimension of the mesh.
@@ -65,6 +63,18 @@ pub(super) struct Solved {
     pub failure: Option<String>,
     /// Wall time, s.
     pub seconds: f64,
+}
+
+/// What a run has from the scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) enum Own {
+    /// Not the mesh.
+    #[default]
+    No,
+    /// The mesh.
+    Mesh,
+    /// The mesh and the increments.
+    Whole,
 }
 
 /// A run of a study.

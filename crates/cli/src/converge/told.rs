@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use super::steps::{Step, series};
-use super::{Convergence, Limit, Verdict};
+use super::steps::{Own, Step, series};
+use super::{Convergence, Errors, Limit, Verdict};
 use stickslip::base::Quantity;
 use stickslip::run::report::{SCHEMA_VERSION, csv_number, csv_table};
 use stickslip_output::Table;
@@ -89,7 +89,7 @@ impl Convergence {
             let number = |x: f64| units.rounded(Quantity::Number, units.of_si(quantity, x), DIGITS);
             let remark = match (run.value, run.is_resolved) {
                 (None, _) | (_, false) => "too coarse to count",
-                _ if run.is_own => "the scene's own",
+                _ if run.own == Own::Whole => "the scene's own",
                 _ => "",
             };
             table.push(vec![
@@ -151,9 +151,9 @@ impl Convergence {
             message: self.outcome(),
             value: errors.map(|errors| value(errors.value)),
             extrapolated: errors.filter(|_| self.has_limit()).map(|errors| value(errors.extrapolated())),
-            uncertainty: errors.filter(|_| self.has_limit()).and_then(|errors| errors.total()),
-            uncertainty_mesh: errors.filter(|_| self.has_limit()).and_then(|errors| errors.of_mesh()),
-            uncertainty_increments: errors.filter(|_| self.has_limit()).and_then(|errors| errors.of_increments()),
+            uncertainty: errors.filter(|_| self.has_limit()).and_then(Errors::total),
+            uncertainty_mesh: errors.filter(|_| self.has_limit()).and_then(Errors::of_mesh),
+            uncertainty_increments: errors.filter(|_| self.has_limit()).and_then(Errors::of_increments),
             order_mesh: errors.and_then(|errors| errors.mesh?.order),
             order_increments: errors.and_then(|errors| errors.increments?.order),
             own_mesh_error: self.own_mesh().map(|(_, error)| error),
@@ -258,7 +258,7 @@ impl Convergence {
     fn own_mesh(&self) -> Option<(String, f64)> {
         let limit = self.errors.as_ref().filter(|_| self.has_limit())?.mesh?;
         let series = series(&self.steps, true, false);
-        let found = series.steps.iter().zip(&series.values).find(|(k, _)| self.steps[**k].run.is_own_mesh)?;
+        let found = series.steps.iter().zip(&series.values).find(|(k, _)| self.steps[**k].run.own != Own::No)?;
         let error = (found.1 / limit.extrapolated - 1.0).abs();
         Some((self.steps[*found.0].run.mesh.clone(), error)).filter(|(_, error)| error.is_finite())
     }
