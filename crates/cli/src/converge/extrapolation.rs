@@ -67,7 +67,7 @@ const ORDER_OF_TWO: f64 = 1.0;
 const ORDERS: [f64; 2] = [0.5, 2.0];
 
 /// Differences below this share of the value are rounding errors, and errors of the solver.
-const ROUNDING: f64 = 1e-8;
+pub(super) const ROUNDING: f64 = 1e-8;
 
 /// Values with a smaller observed order have no limit.
 const NO_ORDER: f64 = 0.3;
@@ -88,7 +88,9 @@ pub fn limit(sizes: &[f64], values: &[f64]) -> Option<Limit> {
     let growth = |p: f64| r.powf(p) - 1.0;
     let (&[.., h3, _, _], &[.., f3, _, _]) = (sizes, values) else {
         let uncertainty = SAFETY_OF_TWO * last.abs() / growth(ORDER_OF_TWO);
-        return Some(Limit { behaviour: Behaviour::TwoValues, order: None, extrapolated: f1, uncertainty });
+        let is_constant = last.abs() <= ROUNDING * f1.abs();
+        let behaviour = if is_constant { Behaviour::Constant } else { Behaviour::TwoValues };
+        return Some(Limit { behaviour, order: None, extrapolated: f1, uncertainty });
     };
     let before = f2 - f3;
     // The last difference that follows from the one before with order p.

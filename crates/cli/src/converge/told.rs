@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::extrapolation::ROUNDING;
 use super::steps::{Own, Step, series};
 use super::{Convergence, Errors, Limit, Verdict};
 use stickslip::base::Quantity;
@@ -189,6 +190,8 @@ impl Convergence {
 
     /// Formats a share in percent.
     fn percent(&self, share: f64) -> String {
+        // Smaller shares are rounding errors.
+        let share = if share.abs() < ROUNDING { 0.0 } else { share };
         format!("{} %", self.units.rounded(Quantity::Number, 100.0 * share, 2))
     }
 
