@@ -183,7 +183,7 @@ impl Convergence {
         match (&self.verdict, self.known()) {
             (Verdict::Known, Some(known)) => known,
             (Verdict::Singular, _) => format!("the {} is singular", self.sought),
-            (_, Some(known)) => format!("{known}, not {}", self.percent(self.to)),
+            (_, Some(known)) => format!("{known}, not yet known to {}", self.percent(self.to)),
             (_, None) => format!("the {} is not known", self.sought),
         }
     }
@@ -205,6 +205,9 @@ impl Convergence {
         let here = format!("mesh {} with {increments}", last.mesh);
         let asked = self.percent(self.to);
         let so_far = self.known().unwrap_or_else(|| format!("the error of the {sought} cannot be estimated yet"));
+        let total = self.errors.as_ref().and_then(Errors::total);
+        let by_few = total.is_some_and(|total| total <= self.to);
+        let short = if by_few { ", but by too few meshes".to_string() } else { format!(", not {asked}") };
         match self.verdict {
             Verdict::Known => format!("{so_far}: {here} is fine enough for {asked}"),
             Verdict::Singular => {
@@ -222,13 +225,13 @@ impl Convergence {
             Verdict::NotConverged => {
                 format!("{here} did not converge: {}; see stickslip run with this mesh", self.reason)
             }
-            Verdict::Runs => format!("{so_far}, not {asked}: {} runs are done (--max-runs)", self.steps.len()),
+            Verdict::Runs => format!("{so_far}{short}: {} runs are done (--max-runs)", self.steps.len()),
             Verdict::Time => {
                 let next = self.predicted.unwrap_or_default();
-                format!("{so_far}, not {asked}: the next run would take about {next:.0} s more (--within)")
+                format!("{so_far}{short}: the next run would take about {next:.0} s more (--within)")
             }
-            Verdict::Meshes => format!("{so_far}, not {asked}: no finer mesh is named (--meshes)"),
-            Verdict::Memory => format!("{so_far}, not {asked}: {}", self.reason),
+            Verdict::Meshes => format!("{so_far}{short}: no finer mesh is named (--meshes)"),
+            Verdict::Memory => format!("{so_far}{short}: {}", self.reason),
         }
     }
 
