@@ -66,6 +66,7 @@ pub(super) fn is_ours(name: &str) -> bool {
         "increments.csv",
         "forces.csv",
         "events.csv",
+        "cycle.csv",
         SERIES,
         "forces.svg",
         "iterations.svg",
