@@ -12,6 +12,7 @@ mod bug;
 mod check;
 mod collection;
 mod compare;
+mod converge;
 mod export;
 mod init;
 mod interrupt;
@@ -59,6 +60,8 @@ enum Command {
     Schema(schema::SchemaArgs),
     /// Compare methods, linear solvers, increments and meshes on one scene: error against time
     Compare(compare::CompareArgs),
+    /// Refine mesh and increments of a scene until a quantity is known to an asked share
+    Converge(converge::ConvergeArgs),
     /// Run a scene for all combinations of several values of its keys, in parallel
     Sweep(sweep::SweepArgs),
     /// Solve a problem from an exchange file: FCLIB (HDF5) or Siconos text
@@ -165,6 +168,7 @@ impl Cli {
         #[cfg(feature = "mpi")]
         match (&self.command, ranks::lead()?) {
             (Command::Compare(_), count) => ranks::refuse("compare", count)?,
+            (Command::Converge(_), count) => ranks::refuse("converge", count)?,
             (Command::Sweep(_), count) => ranks::refuse("sweep", count)?,
             _ => {}
         }
@@ -172,6 +176,7 @@ impl Cli {
             Command::Run(args) => run::run(args, threads),
             Command::Check(args) => check::check(args).map(|()| ExitCode::SUCCESS),
             Command::Compare(args) => compare::compare(args, threads),
+            Command::Converge(args) => converge::converge(args),
             Command::Sweep(args) => sweep::sweep(args, self),
             Command::Solve(args) => solve::solve_file(args),
             Command::Judge(args) => solve::judge_file(args),

@@ -19,7 +19,7 @@ mod picture;
 mod tractions;
 
 use cases::Study;
-use mesh::first_elements;
+pub(crate) use mesh::{each, first_elements, multiplied};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::sync::{Mutex, PoisonError};
@@ -249,7 +249,7 @@ pub fn compute(
     let mut increments = plan.increments.clone();
     increments.sort_unstable();
     increments.dedup();
-    let meshes = mesh::each(&scene.description.mesh, &plan.meshes)?;
+    let meshes = each(&scene.description.mesh, &plan.meshes)?;
     let reference = plan.reference * increments.last().copied().unwrap_or(1);
     let progress = Mutex::new(progress);
     let tell = |what: String| progress.lock().unwrap_or_else(PoisonError::into_inner)(what);

@@ -2,5 +2,6 @@
 //! exchange files.
 
 pub mod compare;
+pub mod converge;
 pub mod problems;
 pub mod sweep;

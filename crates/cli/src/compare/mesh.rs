@@ -110,7 +110,7 @@ impl FromStr for ElementChoice {
 
 impl MeshChoice {
     /// Returns the overrides that replace `mesh` by it.
-    pub(super) fn overrides(&self, mesh: &MeshSource) -> Vec<Override> {
+    pub(crate) fn overrides(&self, mesh: &MeshSource) -> Vec<Override> {
         // A key without a number refers to all bodies.
         let key =
             |key: &str| if matches!(mesh, MeshSource::Bodies(_)) { format!("body.{key}") } else { key.to_string() };
@@ -130,7 +130,7 @@ impl MeshChoice {
 }
 
 /// Returns each of the `choices` once, or an error if one cannot replace `mesh`.
-pub(super) fn each(mesh: &MeshSource, choices: &[MeshChoice]) -> Result<Vec<MeshChoice>, CompareError> {
+pub(crate) fn each(mesh: &MeshSource, choices: &[MeshChoice]) -> Result<Vec<MeshChoice>, CompareError> {
     let mut each: Vec<MeshChoice> = Vec::new();
     let sources: Vec<&MeshSource> = match mesh {
         MeshSource::Bodies(bodies) => bodies.iter().map(|body| &body.mesh).collect(),
@@ -153,7 +153,7 @@ pub(super) fn each(mesh: &MeshSource, choices: &[MeshChoice]) -> Result<Vec<Mesh
 
 /// Returns the number of elements in the first direction, or along the contact zone, of the first body. `None` for a
 /// mesh that cannot be refined.
-pub(super) fn first_elements(mesh: &MeshSource) -> Option<usize> {
+pub(crate) fn first_elements(mesh: &MeshSource) -> Option<usize> {
     match mesh {
         MeshSource::Block { axes, .. } => Some(axes[0].iter().map(|segment| segment.elements).sum()),
         MeshSource::HalfPlane(HalfPlane { contact_elements, .. }) => Some(*contact_elements),
@@ -165,7 +165,11 @@ pub(super) fn first_elements(mesh: &MeshSource) -> Option<usize> {
 /// Returns the overrides that give the mesh `first` elements in the first direction, and the other numbers in
 /// proportion.
 fn refined(mesh: &MeshSource, first: usize) -> Vec<Override> {
-    let share = first as f64 / first_elements(mesh).unwrap_or(first) as f64;
+    multiplied(mesh, first as f64 / first_elements(mesh).unwrap_or(first) as f64)
+}
+
+/// Returns the overrides that multiply all numbers of elements of the mesh by `share`.
+pub(crate) fn multiplied(mesh: &MeshSource, share: f64) -> Vec<Override> {
     match mesh {
         MeshSource::Bodies(bodies) => {
             let body = |(k, body): (usize, &Body)| scaled(&body.mesh, share, &format!("body[{k}].mesh"));

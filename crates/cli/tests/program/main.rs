@@ -15,6 +15,7 @@ mod compare;
 mod compare_elements;
 mod compare_meshes;
 mod compare_resumed;
+mod converge;
 mod cube;
 mod disk;
 mod documented;

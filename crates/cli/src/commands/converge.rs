@@ -1,0 +1,145 @@
+//! `stickslip converge`.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Args;
+use stickslip::algebra::linear;
+use stickslip::body::mesh::MeshSource;
+use stickslip::scene::{Override, Scene};
+use stickslip_cli::compare::MeshSize;
+use stickslip_cli::converge::{self, ConvergeError, Convergence, Plan, Sought, Verdict};
+use stickslip_output::write_file;
+
+use super::Failure;
+use super::progress::bar;
+use super::run::write_failure;
+
+#[derive(Args)]
+pub(super) struct ConvergeArgs {
+    /// Scene file (TOML)
+    scene: PathBuf,
+    /// The quantity: peak (largest contact pressure), force (largest contact force), friction_work or stick_ratio
+    #[arg(long = "for", value_name = "QUANTITY")]
+    sought: Sought,
+    /// The share to which it is to be known, e.g. 0.02 for 2 %
+    #[arg(long, value_name = "SHARE", default_value_t = 0.02, value_parser = share)]
+    to: f64,
+    /// Replace a value of the scene, e.g. contact.friction=0
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    overrides: Vec<Override>,
+    /// Meshes from coarse to fine, each by its first number of elements, the other numbers in the proportions of the
+    /// scene; for a scene with a mesh file, mesh files: a.msh,b.msh [default: a quarter, half, all of the scene's
+    /// elements along each axis, and so on]
+    #[arg(long, value_delimiter = ',')]
+    meshes: Vec<MeshSize>,
+    /// Factor of the elements along each axis from mesh to mesh
+    #[arg(long, value_name = "R", default_value_t = 2.0, value_parser = ratio)]
+    ratio: f64,
+    /// Largest number of runs
+    #[arg(long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u16).range(3..))]
+    max_runs: u16,
+    /// Largest time of the whole study: a run that is predicted to exceed it is not started
+    #[arg(long, value_name = "SECONDS", default_value_t = 600.0)]
+    within: f64,
+    /// Write the table (converge.csv), all results (converge.json) and the chart (converge.svg) into this folder
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print only the results, as one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    let share: Option<f64> = text.parse().ok();
+    share.filter(|share| *share > 0.0 && *share < 1.0).ok_or_else(|| "give a share between 0 and 1".to_string())
+}
+
+fn ratio(text: &str) -> Result<f64, String> {
+    let ratio: Option<f64> = text.parse().ok();
+    ratio.filter(|ratio| (1.2..=4.0).contains(ratio)).ok_or_else(|| "give a factor from 1.2 to 4".to_string())
+}
+
+/// Exit status 1: the quantity is not known to the asked share.
+pub(super) fn converge(args: &ConvergeArgs) -> Result<ExitCode, Failure> {
+    let scene = Scene::read(&args.scene, &args.overrides)?;
+    if let Some(folder) = &args.out {
+        fs::create_dir_all(folder).map_err(|error| write_failure(folder, &error))?;
+    }
+    let plan = Plan {
+        sought: args.sought,
+        to: args.to,
+        meshes: args.meshes.clone(),
+        ratio: args.ratio,
+        most_runs: usize::from(args.max_runs),
+        within: args.within,
+    };
+    linear::process::keep_freed_memory();
+    let bar = bar(plan.most_runs, "runs at most");
+    let mut started = false;
+    let mut progress = |what: String| {
+        bar.inc(u64::from(started));
+        started = true;
+        bar.set_message(what);
+    };
+    let study = converge::compute(&scene, &plan, &mut progress).map_err(|error| match error {
+        ConvergeError::Run(error) => Failure::from(error),
+        ConvergeError::NoFinerMesh => no_finer_mesh(&scene),
+        of_the_plan => Failure::Input(of_the_plan.into()),
+    })?;
+    bar.finish_and_clear();
+    let json = serde_json::to_string_pretty(&study.told());
+    let json = json.map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
+    if args.json {
+        say!("{json}");
+    } else {
+        print(&study);
+        if study.verdict == Verdict::Meshes
+            && let Some(command) = finer(&scene)
+        {
+            say!("             {command}");
+        }
+    }
+    if let Some(folder) = &args.out {
+        write(folder, &study, &json)?;
+        if !args.json {
+            say!("results      {}", folder.display());
+        }
+    }
+    Ok(if study.verdict == Verdict::Known { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+fn print(study: &Convergence) {
+    say!("{}\n\n{}", study.title, study.table());
+    for (label, text) in study.lines() {
+        say!("{label:<13}{text}");
+    }
+}
+
+fn no_finer_mesh(scene: &Scene) -> Failure {
+    let error = ConvergeError::NoFinerMesh;
+    let Some(command) = finer(scene) else { return Failure::Input(error.into()) };
+    let help = format!("make finer meshes, e.g. {command}, and name all from coarse to fine (--meshes a.msh,b.msh)");
+    Failure::Input(miette::miette!(help = help, "{error}"))
+}
+
+/// Returns the command by which Gmsh makes a mesh of half the element size, if the geometry lies beside the mesh of the
+/// scene.
+fn finer(scene: &Scene) -> Option<String> {
+    let MeshSource::Gmsh { file, .. } = &scene.description.mesh else { return None };
+    let geometry = file.with_extension("geo");
+    let fine = file.with_file_name(format!("{}-fine.msh", file.file_stem()?.to_str()?));
+    let [geometry, fine] = [&geometry, &fine].map(|path| path.display().to_string());
+    Path::new(&geometry).is_file().then(|| format!("gmsh -3 -clscale 0.5 {geometry} -format msh41 -o {fine}"))
+}
+
+fn write(folder: &Path, study: &Convergence, json: &str) -> Result<(), Failure> {
+    let chart = study.chart().to_svg().map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
+    for (name, content) in
+        [("converge.csv", study.to_csv().as_str()), ("converge.json", json), ("converge.svg", &chart)]
+    {
+        write_file(folder, name, content).map_err(|error| write_failure(folder, &error))?;
+    }
+    Ok(())
+}

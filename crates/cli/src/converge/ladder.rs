@@ -1,0 +1,211 @@
+//! The meshes and numbers of increments of a study, from coarse to fine.
+
+use std::fmt;
+
+use stickslip::body::mesh::{Body, HalfPlane, MeshSource, Segment};
+use stickslip::scene::{Override, Scene};
+
+use super::ConvergeError;
+use crate::compare::{MeshChoice, MeshSize, each, first_elements, multiplied};
+
+/// Coarser meshes than the scene's have at least this number of elements along each axis and segment, unless they are
+/// exact halves.
+const LEAST_ELEMENTS: f64 = 8.0;
+
+/// The largest number of meshes coarser than the scene's.
+const COARSER: i32 = 2;
+
+/// Fewer increments than this are not halved.
+const LEAST_INCREMENTS: usize = 4;
+
+/// The meshes and increments of a study.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ladder {
+    meshes: Meshes,
+    /// The number of increments of the first run.
+    first_increments: usize,
+}
+
+/// The meshes.
+#[derive(Debug, Clone, PartialEq)]
+enum Meshes {
+    /// The elements of the scene times a power of `ratio`, beginning with the power `first`.
+    Multiplied { ratio: f64, first: i32 },
+    /// Meshes named by the user.
+    Named(Vec<MeshSize>),
+}
+
+impl Ladder {
+    /// Returns the meshes `named`, or those of `scene` with all numbers of elements times powers of `ratio`. They begin
+    /// up to two steps below the mesh of the scene. Increments begin with half of those of the scene.
+    ///
+    /// # Errors
+    /// When the scene has no meshes of this kind.
+    pub fn new(scene: &Scene, named: &[MeshSize], ratio: f64) -> Result<Self, ConvergeError> {
+        let mesh = &scene.description.mesh;
+        let meshes = if named.is_empty() {
+            if first_elements(mesh).is_none() {
+                return Err(ConvergeError::NoFinerMesh);
+            }
+            let coarser = (1..=COARSER).take_while(|&step| is_halved(mesh, ratio.powi(-step))).count() as i32;
+            Meshes::Multiplied { ratio, first: -coarser }
+        } else {
+            let choices: Vec<MeshChoice> = named.iter().cloned().map(MeshChoice::from).collect();
+            Meshes::Named(each(mesh, &choices)?.into_iter().map(|choice| choice.size).collect())
+        };
+        let own = scene.time.increments;
+        let first_increments = if own.is_multiple_of(2) && own >= 2 * LEAST_INCREMENTS { own / 2 } else { own };
+        Ok(Ladder { meshes, first_increments })
+    }
+
+    /// Returns the number of meshes; `None` for any number.
+    pub fn meshes(&self) -> Option<usize> {
+        match &self.meshes {
+            Meshes::Multiplied { .. } => None,
+            Meshes::Named(named) => Some(named.len()),
+        }
+    }
+
+    /// Returns the number of increments of `level`.
+    pub fn increments(&self, level: usize) -> usize {
+        self.first_increments << level
+    }
+
+    /// Returns `true` if mesh `level` is the scene's own.
+    pub fn is_own(&self, level: usize, mesh: &MeshSource) -> bool {
+        match &self.meshes {
+            Meshes::Multiplied { first, .. } => first + level as i32 == 0,
+            Meshes::Named(named) => match &named[level] {
+                MeshSize::Own => true,
+                MeshSize::Elements(n) => first_elements(mesh) == Some(*n),
+                MeshSize::File(file) => matches!(mesh, MeshSource::Gmsh { file: own, .. } if own.ends_with(file)),
+            },
+        }
+    }
+
+    /// Returns `true` if mesh `level` is coarser than the scene's, or one of the named that has a finer one.
+    pub fn is_coarse(&self, level: usize) -> bool {
+        match &self.meshes {
+            Meshes::Multiplied { first, .. } => first + (level as i32) < 0,
+            Meshes::Named(named) => level + 1 < named.len(),
+        }
+    }
+
+    /// Returns the overrides that give `scene` the mesh `level`.
+    pub fn mesh(&self, scene: &Scene, level: usize) -> Vec<Override> {
+        let mesh = &scene.description.mesh;
+        match &self.meshes {
+            Meshes::Multiplied { first, .. } if *first + level as i32 == 0 => Vec::new(),
+            Meshes::Multiplied { ratio, first } => multiplied(mesh, ratio.powi(first + level as i32)),
+            Meshes::Named(named) => MeshChoice::from(named[level].clone()).overrides(mesh),
+        }
+    }
+
+    /// Returns the factor by which the next mesh after `level` has more elements along an axis; `None` if there is none,
+    /// or its size is not known before it is read.
+    pub fn growth(&self, level: usize) -> Option<f64> {
+        match &self.meshes {
+            Meshes::Multiplied { ratio, .. } => Some(*ratio),
+            Meshes::Named(named) => match (named.get(level)?, named.get(level + 1)?) {
+                (MeshSize::Elements(n), MeshSize::Elements(next)) => Some(*next as f64 / *n as f64),
+                _ => None,
+            },
+        }
+    }
+}
+
+/// Returns all numbers of elements of a mesh that is generated.
+fn counts(mesh: &MeshSource) -> Vec<usize> {
+    match mesh {
+        MeshSource::Block { axes, .. } => axes.concat().iter().map(|segment| segment.elements).collect(),
+        MeshSource::HalfPlane(HalfPlane { contact_elements, outer_elements, layers, .. }) => {
+            vec![*contact_elements, *outer_elements, *layers]
+        }
+        MeshSource::Gmsh { .. } | MeshSource::Given(_) => Vec::new(),
+        MeshSource::Bodies(bodies) => bodies.iter().flat_map(|body| counts(&body.mesh)).collect(),
+    }
+}
+
+/// Returns `true` if the mesh with all numbers times `share` is similar: rounding hardly changes the proportions.
+fn is_halved(mesh: &MeshSource, share: f64) -> bool {
+    counts(mesh).into_iter().all(|count| {
+        let exact = share * count as f64;
+        exact >= LEAST_ELEMENTS || (exact >= 1.0 && (exact - exact.round()).abs() < 1e-9)
+    })
+}
+
+/// The numbers of elements of a mesh, as in the scene: `[80, 40]`.
+pub(super) struct Numbers<'a>(pub &'a MeshSource);
+
+impl fmt::Display for Numbers<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let join = |parts: Vec<String>| parts.join(", ");
+        match self.0 {
+            MeshSource::Block { axes, .. } => {
+                let along = |axis: &Vec<Segment>| {
+                    let counts: Vec<String> = axis.iter().map(|segment| segment.elements.to_string()).collect();
+                    if counts.len() == 1 { counts[0].clone() } else { format!("[{}]", join(counts)) }
+                };
+                write!(f, "[{}]", join(axes.iter().map(along).collect()))
+            }
+            MeshSource::HalfPlane(HalfPlane { contact_elements, outer_elements, layers, .. }) => {
+                write!(f, "{contact_elements} + {outer_elements}, {layers} layers")
+            }
+            MeshSource::Gmsh { file, .. } => write!(f, "{}", file.display()),
+            MeshSource::Given(_) => f.write_str("the mesh in memory"),
+            MeshSource::Bodies(bodies) => {
+                let each = bodies.iter().map(|Body { mesh, .. }| Numbers(mesh).to_string()).collect::<Vec<_>>();
+                f.write_str(&each.join(" "))
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+
+    fn block(elements: &str, increments: usize) -> Scene {
+        let overrides = [format!("mesh.elements={elements}"), format!("time.increments={increments}")];
+        let overrides = overrides.map(|text| text.parse().unwrap());
+        Scene::parse("block.toml", include_str!("../../../../data/scenes/block.toml"), &overrides).unwrap()
+    }
+
+    fn meshes(scene: &Scene, ratio: f64) -> [String; 4] {
+        let ladder = Ladder::new(scene, &[], ratio).unwrap();
+        [0, 1, 2, 3].map(|level| {
+            let scene = scene.with(&ladder.mesh(scene, level)).unwrap();
+            Numbers(&scene.description.mesh).to_string()
+        })
+    }
+
+    #[test]
+    fn meshes_begin_below_that_of_the_scene() {
+        assert_eq!(meshes(&block("[20,8]", 4), 2.0), ["[5, 2]", "[10, 4]", "[20, 8]", "[40, 16]"]);
+        // An odd number of few elements has no half.
+        assert_eq!(meshes(&block("[20,5]", 4), 2.0), ["[20, 5]", "[40, 10]", "[80, 20]", "[160, 40]"]);
+        assert_eq!(meshes(&block("[30,30]", 4), 1.5), ["[13, 13]", "[20, 20]", "[30, 30]", "[45, 45]"]);
+        let ladder = Ladder::new(&block("[20,8]", 4), &[], 2.0).unwrap();
+        let mesh = &block("[20,8]", 4).description.mesh;
+        assert_eq!([1, 2, 3].map(|level| ladder.is_own(level, mesh)), [false, true, false]);
+    }
+
+    #[test]
+    fn increments_begin_with_half_of_many() {
+        for (own, first) in [(20, 10), (8, 4), (6, 6), (7, 7), (1, 1)] {
+            let ladder = Ladder::new(&block("[8,8]", own), &[], 2.0).unwrap();
+            assert_eq!([0, 2].map(|level| ladder.increments(level)), [first, 4 * first]);
+        }
+    }
+
+    #[test]
+    fn named_meshes_are_taken_in_order() {
+        let scene = block("[20,8]", 4);
+        let named = [MeshSize::Elements(10), MeshSize::Elements(20)];
+        let ladder = Ladder::new(&scene, &named, 2.0).unwrap();
+        assert_eq!((ladder.meshes(), ladder.growth(0), ladder.growth(1)), (Some(2), Some(2.0), None));
+        assert!(Ladder::new(&scene, &[MeshSize::File("a.msh".into())], 2.0).is_err());
+    }
+}

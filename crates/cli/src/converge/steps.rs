@@ -1,0 +1,430 @@
+//! The loop of a study: what is refined next, and when it ends.
+
+use std::time::Instant;
+
+use stickslip::run::RunError;
+
+use super::extrapolation::{Behaviour, Limit, is_singular, limit};
+use super::{ConvergeError, Ladder, Verdict};
+
+/// Meshes with known values before a quantity counts as known.
+const MESHES: usize = 3;
+
+/// Meshes whose values grow without a limit before a peak counts as singular. An edge that is rounded looks singular as
+/// long as elements are larger than its radius. If the run itself sees a singular edge, three are enough.
+const GROWING: usize = 4;
+
+/// The order below which an edge that the run calls singular is so.
+const SINGULAR_ORDER: f64 = 0.5;
+
+/// A peak is erratic if each of the last four changes is at least the first share of the one before, and the last one at
+/// least the second share of the value.
+const ERRATIC_FALL: f64 = 0.7;
+const ERRATIC: f64 = 0.2;
+
+/// The exponent by which the time grows with the number of elements: its range, and its value before it is measured.
+const GROWTH_OF_TIME: [f64; 3] = [1.0, 1.5, 2.5];
+
+/// The limits of a study.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Limits {
+    /// The share to which the quantity is to be known.
+    pub to: f64,
+    /// The largest number of runs.
+    pub most_runs: usize,
+    /// The largest time, s.
+    pub within: f64,
+}
+
+/// A solved run.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct Solved {
+    /// The name of the mesh.
+    pub mesh: String,
+    /// Whether it is the scene's own.
+    pub own: Own,
+    /// The number of elements.
+    pub elements: usize,
+    /// The dimension of the mesh.
+    pub dimension: usize,
+    /// The number of increments.
+    pub increments: usize,
+    /// The value, SI; `None` if the run has none.
+    pub value: Option<f64>,
+    /// The error of the value by rounding to whole elements.
+    pub rounding: f64,
+    /// `true` if the contact has enough nodes across.
+    pub is_resolved: bool,
+    /// `true` if the run says that the pressure is singular at an edge.
+    pub singular_edge: bool,
+    /// `true` if the value depends on the increments.
+    pub follows_path: bool,
+    /// The reason why the run did not converge.
+    pub failure: Option<String>,
+    /// Wall time, s.
+    pub seconds: f64,
+}
+
+/// What a run has from the scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) enum Own {
+    /// Not the mesh.
+    #[default]
+    No,
+    /// The mesh.
+    Mesh,
+    /// The mesh and the increments.
+    Whole,
+}
+
+/// A run of a study.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Step {
+    /// The run.
+    pub(super) run: Solved,
+    /// The level of the mesh.
+    pub(super) mesh: usize,
+}
+
+/// The errors of the last run of a study.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Errors {
+    /// The limit for ever finer meshes.
+    pub mesh: Option<Limit>,
+    /// The limit for ever more increments; `None` if the value does not depend on them.
+    pub increments: Option<Limit>,
+    /// The error by rounding to whole elements.
+    pub rounding: f64,
+    /// The value of the last run.
+    pub value: f64,
+}
+
+impl Errors {
+    /// Returns the uncertainty of the mesh as a share of the value.
+    pub fn of_mesh(&self) -> Option<f64> {
+        self.share(self.mesh?.uncertainty.max(self.rounding))
+    }
+
+    /// Returns the uncertainty of the increments as a share of the value; 0 if it does not depend on them.
+    pub fn of_increments(&self) -> Option<f64> {
+        self.increments.map_or(Some(0.0), |limit| self.share(limit.uncertainty))
+    }
+
+    /// Returns the uncertainty of the value as a share.
+    pub fn total(&self) -> Option<f64> {
+        Some(self.of_mesh()? + self.of_increments()?)
+    }
+
+    /// Returns the value for ever finer meshes and ever more increments.
+    pub fn extrapolated(&self) -> f64 {
+        let steps = self.mesh.iter().chain(&self.increments).map(|limit| limit.extrapolated - self.value);
+        self.value + steps.sum::<f64>()
+    }
+
+    fn share(&self, uncertainty: f64) -> Option<f64> {
+        if uncertainty == 0.0 { Some(0.0) } else { Some(uncertainty / self.value.abs()).filter(|x| x.is_finite()) }
+    }
+}
+
+/// An ended study.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Ended {
+    pub verdict: Verdict,
+    pub reason: String,
+    pub steps: Vec<Step>,
+    pub errors: Option<Errors>,
+    pub predicted: Option<f64>,
+}
+
+/// What a run refines.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Refined {
+    Mesh,
+    Increments,
+}
+
+/// The values that count for one kind of refinement, coarse to fine, all at the last level of the other kind.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct Series {
+    /// Element sizes, or lengths of increments, relative.
+    pub sizes: Vec<f64>,
+    /// Values.
+    pub values: Vec<f64>,
+    /// The steps that refined so.
+    pub steps: Vec<usize>,
+}
+
+/// Returns the series of the steps that refined the mesh, or the increments. It ends at the first step, from the last
+/// one on, without a value, or with `resolved` at the first one with too few nodes across.
+pub(super) fn series(steps: &[Step], of_mesh: bool, resolved: bool) -> Series {
+    let mut series = Series::default();
+    let usable = |step: &Step| step.run.value.filter(|_| !resolved || step.run.is_resolved);
+    let Some(last) = steps.len().checked_sub(1) else { return series };
+    let Some(mut value) = usable(&steps[last]) else { return series };
+    let size = |step: &Step| {
+        if of_mesh {
+            (step.run.elements as f64).powf(-1.0 / step.run.dimension.max(1) as f64)
+        } else {
+            1.0 / step.run.increments as f64
+        }
+    };
+    series.sizes.push(size(&steps[last]));
+    series.values.push(value);
+    series.steps.push(last);
+    for (k, pair) in steps.windows(2).enumerate().rev() {
+        let (Some(before), Some(after)) = (usable(&pair[0]), usable(&pair[1])) else { break };
+        if (pair[0].mesh == pair[1].mesh) == of_mesh {
+            // The step before refined the other kind: it is an earlier run of the same level.
+            if let Some(first) = series.steps.last_mut() {
+                *first = k;
+            }
+            continue;
+        }
+        value -= after - before;
+        series.sizes.push(size(&pair[0]));
+        series.values.push(value);
+        series.steps.push(k);
+    }
+    series.sizes.reverse();
+    series.values.reverse();
+    series.steps.reverse();
+    series
+}
+
+/// Refines until the value is known, calling `solve` with the levels of mesh and increments.
+pub(super) fn refine(
+    ladder: &Ladder,
+    limits: Limits,
+    may_be_singular: bool,
+    solve: &mut dyn FnMut(usize, usize) -> Result<Solved, ConvergeError>,
+) -> Result<Ended, ConvergeError> {
+    let start = Instant::now();
+    let (mut mesh, mut increments) = (0, 0);
+    let mut steps: Vec<Step> = Vec::new();
+    let mut predicted = None;
+    let (verdict, reason) = loop {
+        match solve(mesh, increments) {
+            Ok(run) => steps.push(Step { run, mesh }),
+            Err(ConvergeError::Run(error)) if is_for_lack_of_memory(&error) && !steps.is_empty() => {
+                break (Verdict::Memory, error.to_string());
+            }
+            Err(error) => return Err(error),
+        }
+        if let Some(reason) = steps.last().and_then(|step| step.run.failure.clone()) {
+            break (Verdict::NotConverged, reason);
+        }
+        let found = errors(&steps);
+        if is_known(&steps, found.as_ref(), limits.to) {
+            break (Verdict::Known, String::new());
+        }
+        if may_be_singular && grows(&steps) {
+            break (Verdict::Singular, String::new());
+        }
+        if steps.len() >= limits.most_runs {
+            break (Verdict::Runs, String::new());
+        }
+        let next = next(&steps, found.as_ref());
+        let last_mesh = ladder.meshes().is_some_and(|number| mesh + 1 >= number);
+        let growth = match next {
+            Refined::Mesh if last_mesh => break (Verdict::Meshes, String::new()),
+            Refined::Mesh => ladder.growth(mesh),
+            Refined::Increments => None,
+        };
+        let seconds = predict(&steps, next, growth);
+        if seconds.is_some_and(|seconds| start.elapsed().as_secs_f64() + seconds > limits.within) {
+            predicted = seconds;
+            break (Verdict::Time, String::new());
+        }
+        match next {
+            Refined::Mesh => mesh += 1,
+            Refined::Increments => increments += 1,
+        }
+    };
+    let errors = errors(&steps);
+    Ok(Ended { verdict, reason, steps, errors, predicted })
+}
+
+fn is_for_lack_of_memory(error: &RunError) -> bool {
+    !error.is_of_the_input()
+}
+
+/// Returns the errors of the last run; `None` without a value.
+fn errors(steps: &[Step]) -> Option<Errors> {
+    let last = &steps.last()?.run;
+    let value = last.value?;
+    let of = |of_mesh: bool, resolved: bool| {
+        let Series { sizes, values, .. } = series(steps, of_mesh, resolved);
+        limit(&sizes, &values)
+    };
+    let increments = if last.follows_path { of(false, false) } else { None };
+    Some(Errors { mesh: of(true, true), increments, rounding: last.rounding, value })
+}
+
+fn is_known(steps: &[Step], errors: Option<&Errors>, to: f64) -> bool {
+    let Some(total) = errors.and_then(Errors::total) else { return false };
+    let follows_path = steps.last().is_some_and(|step| step.run.follows_path);
+    let enough = series(steps, true, true).values.len() >= MESHES
+        && (!follows_path || errors.is_some_and(|errors| errors.increments.is_some()));
+    enough && total <= to
+}
+
+/// Returns `true` if the peak is singular.
+fn grows(steps: &[Step]) -> bool {
+    if is_erratic(steps) {
+        return true;
+    }
+    let Series { sizes, values, steps: at } = series(steps, true, true);
+    let n = values.len();
+    if n >= GROWING && is_singular(&sizes, &values) && is_singular(&sizes[..n - 1], &values[..n - 1]) {
+        return true;
+    }
+    let flagged = n >= MESHES && at[n - 2..].iter().all(|&k| steps[k].run.singular_edge);
+    flagged
+        && values[n - 1] > values[n - 2]
+        && limit(&sizes, &values).is_some_and(|limit| {
+            limit.behaviour == Behaviour::Growing || limit.order.is_some_and(|order| order < SINGULAR_ORDER)
+        })
+}
+
+/// Returns `true` if the peak goes up and down by much on ever finer meshes, as elements of second order let it at a sharp
+/// edge. Where no mesh has enough nodes across, the contact is only narrow.
+fn is_erratic(steps: &[Step]) -> bool {
+    let Series { values, steps: at, .. } = series(steps, true, false);
+    let n = values.len();
+    if n <= GROWING || at[n - GROWING..].iter().filter(|&&k| steps[k].run.is_resolved).count() < 2 {
+        return false;
+    }
+    let changes: Vec<f64> = values[n - GROWING - 1..].windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
+    let last = changes[changes.len() - 1];
+    changes.windows(2).all(|pair| pair[1] >= ERRATIC_FALL * pair[0]) && last >= ERRATIC * values[n - 1].abs()
+}
+
+/// Returns what to refine: first both until each has an error, then the one with the larger error.
+fn next(steps: &[Step], errors: Option<&Errors>) -> Refined {
+    let follows_path = steps.last().is_some_and(|step| step.run.follows_path);
+    let number = |of_mesh, resolved| series(steps, of_mesh, resolved).values.len();
+    let (meshes, increments) = (number(true, true), number(false, false));
+    if !follows_path || meshes < 2 {
+        return Refined::Mesh;
+    }
+    if increments < 2 {
+        return Refined::Increments;
+    }
+    let shares = errors.and_then(|errors| Some((errors.of_mesh()?, errors.of_increments()?)));
+    match shares {
+        Some((of_mesh, of_increments)) if meshes >= MESHES && of_increments > of_mesh => Refined::Increments,
+        _ => Refined::Mesh,
+    }
+}
+
+/// Returns the expected time of the next run, s, from the last ones. `growth` is the factor of the elements along an
+/// axis; without it a finer mesh has no prediction.
+fn predict(steps: &[Step], next: Refined, growth: Option<f64>) -> Option<f64> {
+    let last = &steps.last()?.run;
+    if next == Refined::Increments {
+        return Some(2.0 * last.seconds);
+    }
+    let cost = |run: &Solved| run.seconds / run.increments as f64;
+    let before = steps.iter().rev().map(|step| &step.run).find(|run| run.elements < last.elements);
+    let measured = before.map(|run| (cost(last) / cost(run)).ln() / (last.elements as f64 / run.elements as f64).ln());
+    let [least, usual, most] = GROWTH_OF_TIME;
+    let exponent = measured.filter(|exponent| exponent.is_finite()).unwrap_or(usual).clamp(least, most);
+    Some(last.seconds * growth?.powi(last.dimension as i32).powf(exponent))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+    use stickslip::scene::Scene;
+
+    /// Refines a manufactured value of the element size h and the length of increments k, both halved each time.
+    fn study(to: f64, value: impl Fn(f64, f64) -> f64, more: impl Fn(&mut Solved, f64)) -> Ended {
+        let text = include_str!("../../../../data/scenes/block.toml");
+        let overrides = ["mesh.elements=[8,8]".parse().unwrap(), "time.increments=8".parse().unwrap()];
+        let ladder = Ladder::new(&Scene::parse("block.toml", text, &overrides).unwrap(), &[], 2.0).unwrap();
+        let limits = Limits { to, most_runs: 12, within: 1e9 };
+        refine(&ladder, limits, true, &mut |mesh, level| {
+            let [h, k] = [mesh, level].map(|level| 0.5_f64.powi(level as i32));
+            let mut run = Solved {
+                elements: 4 << (2 * mesh),
+                dimension: 2,
+                increments: ladder.increments(level),
+                value: Some(value(h, k)),
+                is_resolved: true,
+                follows_path: true,
+                seconds: 1.0,
+                ..Solved::default()
+            };
+            more(&mut run, h);
+            Ok(run)
+        })
+        .unwrap()
+    }
+
+    /// The error that is told is never below the true one, of mesh and increments together.
+    #[test]
+    fn both_errors_are_found() {
+        for (p, c, d) in [(1.0, 0.1, 0.01), (2.0, 0.3, 0.2), (1.0, 0.01, 0.4), (0.5, 0.02, -0.1), (1.5, 0.2, 0.0)] {
+            let ended = study(0.02, |h, k| 5.0 * (1.0 + c * h.powf(p) + d * k), |_, _| ());
+            assert_eq!(ended.verdict, Verdict::Known, "{p} {c} {d}: {ended:?}");
+            let errors = ended.errors.unwrap();
+            let truth = (errors.value / 5.0 - 1.0).abs();
+            let told = errors.total().unwrap();
+            assert!(told <= 0.02 && truth <= told, "{p} {c} {d}: {truth} {told}");
+            // Errors of opposite signs cancel in the value, but not in the uncertainty.
+            assert!(c * d < 0.0 || told < 3.0 * truth, "{p} {c} {d}: {truth} {told}");
+            let mesh = errors.mesh.unwrap();
+            assert!((mesh.order.unwrap() - p).abs() < 0.01, "{mesh:?}");
+        }
+    }
+
+    #[test]
+    fn without_a_path_only_the_mesh_is_refined() {
+        let ended = study(0.02, |h, _| 1.0 + 0.2 * h * h, |run, _| run.follows_path = false);
+        let increments: Vec<usize> = ended.steps.iter().map(|step| step.run.increments).collect();
+        assert_eq!((ended.verdict, increments), (Verdict::Known, vec![4; 3]));
+        assert_eq!(ended.errors.unwrap().increments, None);
+    }
+
+    /// Four meshes show a singular peak, three if the run sees it as well.
+    #[test]
+    fn singular_peaks_end_the_study() {
+        for (seen, meshes) in [(false, 4), (true, 3)] {
+            let ended = study(0.02, |h, _| h.powf(-0.5), |run, _| run.singular_edge = seen);
+            assert_eq!(ended.verdict, Verdict::Singular, "{ended:?}");
+            assert_eq!(ended.steps.last().unwrap().mesh + 1, meshes);
+        }
+        // Elements of second order: up and down.
+        let erratic = |h: f64, _: f64| if (1.0 / h).log2() as i32 % 2 == 0 { 370.0 } else { 3250.0 } / h.sqrt();
+        let ended = study(0.02, erratic, |run, h| run.is_resolved = (1.0 / h).log2() as i32 % 2 == 0);
+        assert_eq!((ended.verdict, ended.steps.last().unwrap().mesh), (Verdict::Singular, 4));
+        // A contact of one node on all meshes.
+        let narrow = study(0.02, |h, _| 1.0 / h, |run, _| run.is_resolved = false);
+        assert_eq!(narrow.verdict, Verdict::Runs);
+        // A rounded edge: the growth ends.
+        let rounded = |h: f64, _: f64| (h + 0.2).powf(-0.5);
+        assert_eq!(study(0.05, rounded, |_, _| ()).verdict, Verdict::Known);
+    }
+
+    #[test]
+    fn coarse_meshes_and_failed_runs_do_not_count() {
+        // Two meshes with garbage are left out.
+        let value = |h: f64, _: f64| if h > 0.4 { 100.0 * h } else { 1.0 + 0.1 * h };
+        let ended = study(0.02, value, |run, h| run.is_resolved = h < 0.4);
+        assert_eq!(ended.verdict, Verdict::Known);
+        assert!((ended.errors.unwrap().extrapolated() - 1.0).abs() < 1e-6);
+        let ended = study(0.02, |h, _| 1.0 + h, |run, h| run.failure = (h < 0.6).then(|| "no equilibrium".into()));
+        assert_eq!((ended.verdict, ended.steps.len()), (Verdict::NotConverged, 2));
+    }
+
+    #[test]
+    fn limits_end_the_study() {
+        let slow = |h: f64, _: f64| 1.0 + h.sqrt();
+        assert_eq!(study(1e-6, slow, |_, _| ()).verdict, Verdict::Runs);
+        let ended = study(1e-6, slow, |run, h| run.seconds = 1e6 / (h * h));
+        assert_eq!(ended.verdict, Verdict::Time);
+        assert!(ended.predicted.unwrap() > 1e9);
+    }
+}

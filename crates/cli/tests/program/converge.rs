@@ -1,0 +1,166 @@
+//! `stickslip converge`: a quantity is known to the asked share, or the program says why not.
+
+#![allow(clippy::unwrap_used)]
+
+use std::fs;
+
+use crate::program::{Folder, assert_exit, json, number, small, stderr, stdout, stickslip};
+
+/// Hertz's cylinder on a half-plane.
+const LINE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/scenes/hertz_line.toml");
+const PUNCH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/tutorials/punch.toml");
+
+fn converge<'a>(scene: &'a str, sought: &'a str, more: &[&'a str]) -> Vec<&'a str> {
+    [&["converge", scene, "--for", sought], more].concat()
+}
+
+#[test]
+fn a_peak_is_known_to_two_percent() {
+    let folder = Folder::new();
+    let out = folder.join("out");
+    let output = stickslip(&converge(LINE, "peak", &["--to", "0.02", "--out", &out]));
+    assert_exit(&output, 0);
+    let text = stdout(&output);
+    let verdict = text.lines().find(|line| line.starts_with("verdict")).unwrap();
+    assert!(verdict.contains("the peak pressure is 53.6") && verdict.ends_with("fine enough for 2.0 %"), "{text}");
+    assert!(text.contains("the scene's own mesh 48 + 48, 28 layers is fine enough"), "{text}");
+    assert_eq!(folder.names("out"), ["converge.csv", "converge.json", "converge.svg"]);
+    let table = fs::read_to_string(folder.join("out/converge.csv")).unwrap();
+    assert!(table.starts_with("mesh,elements,increments,peak,change,resolved,seconds\n\"12 + 12, 7 layers\",168,1,"));
+    let told: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(folder.join("out/converge.json")).unwrap()).unwrap();
+    assert_eq!((told["verdict"].as_str(), told["unit"].as_str()), (Some("known"), Some("Pa")));
+    assert_eq!(told["runs"].as_array().unwrap().len() + 1, table.lines().count());
+    assert!(number(&told["uncertainty"]) <= 0.02 && number(&told["uncertainty_increments"]) == 0.0, "{told}");
+    // Eight times as fine: 53.505 MPa.
+    assert!((number(&told["extrapolated"]) / 53.505e6 - 1.0).abs() < 2e-3, "{told}");
+    let svg = fs::read_to_string(folder.join("out/converge.svg")).unwrap();
+    for text in ["element size, relative to the finest mesh", "extrapolated", "peak pressure, MPa"] {
+        assert!(svg.contains(text), "{text}");
+    }
+}
+
+/// The last run is that of `stickslip run` to the last bit.
+#[test]
+fn values_are_those_of_a_run() {
+    let study = stickslip(&converge(LINE, "peak", &["--json"]));
+    let run = stickslip(&["run", LINE, "--json"]);
+    let (study, run) = (json(&study), json(&run));
+    assert_eq!(study["value"], run["largest_pressure"]["pressure"]);
+    let set = ["--set", "mesh.elements=[[5,7,6],8]", "--set", "mesh.grading=[[1,1,20],0.1]"];
+    let more = [&set[..], &["--to", "0.5", "--json"]].concat();
+    let study = json(&stickslip(&converge(PUNCH, "friction_work", &more)));
+    let last = study["runs"].as_array().unwrap().last().unwrap().clone();
+    let mesh = format!("mesh.elements={}", last["mesh"].as_str().unwrap());
+    let increments = format!("time.increments={}", last["increments"]);
+    let run = stickslip(&[
+        "run",
+        PUNCH,
+        "--json",
+        "--set",
+        &mesh,
+        "--set",
+        "mesh.grading=[[1,1,20],0.1]",
+        "--set",
+        &increments,
+    ]);
+    let increments = json(&run)["increments"].as_array().unwrap().clone();
+    let work: f64 = increments.iter().map(|increment| number(&increment["friction_work"])).sum();
+    assert!((number(&study["value"]) / work - 1.0).abs() < 1e-12, "{study}");
+}
+
+#[test]
+fn mesh_and_increments_are_refined_in_turn() {
+    let set = ["--set", "mesh.elements=[[5,7,6],8]", "--set", "mesh.grading=[[1,1,20],0.1]"];
+    let output = stickslip(&converge(PUNCH, "friction_work", &[&set[..], &["--to", "0.1", "--json"]].concat()));
+    let told = json(&output);
+    assert_exit(&output, 0);
+    let runs = told["runs"].as_array().unwrap();
+    for pair in runs.windows(2) {
+        let same = |key: &str| pair[0][key] == pair[1][key];
+        assert!(same("mesh") != same("increments"), "{told}");
+    }
+    assert!(number(&told["uncertainty_increments"]) > 0.0 && number(&told["uncertainty_mesh"]) > 0.0);
+    assert!((number(&told["order_increments"]) - 1.0).abs() < 0.3, "{told}");
+}
+
+#[test]
+fn singular_peaks_have_no_mesh() {
+    let sharp = "contact.obstacle.formula=\"0.1 * max(0, x - 5)\"";
+    let set = ["--set", sharp, "--set", "mesh.elements=[[4,6,5],8]", "--set", "mesh.grading=[[1,1,20],0.1]"];
+    let output = stickslip(&converge(PUNCH, "peak", &set));
+    assert_exit(&output, 1);
+    let text = stdout(&output);
+    assert!(text.contains("no mesh will do: the pressure is singular at (5, 50) mm on `top`"), "{text}");
+    assert!(text.contains("--for force") && !text.contains("extrapolated"), "{text}");
+    // The force has a limit.
+    let output = stickslip(&converge(PUNCH, "force", &[&set[..], &["--to", "0.05"]].concat()));
+    assert_exit(&output, 0);
+}
+
+#[test]
+fn limits_and_failures_end_with_status_1() {
+    let output = stickslip(&converge(LINE, "peak", &["--to", "1e-6", "--max-runs", "3"]));
+    assert_exit(&output, 1);
+    assert!(stdout(&output).contains("3 runs are done (--max-runs)"), "{}", stdout(&output));
+    let output = stickslip(&converge(LINE, "peak", &["--to", "1e-6", "--within", "0.01"]));
+    assert_exit(&output, 1);
+    assert!(stdout(&output).contains("(--within)"), "{}", stdout(&output));
+    let output = stickslip(&converge(LINE, "peak", &["--to", "1e-6", "--meshes", "12,24,48", "--json"]));
+    assert_exit(&output, 1);
+    let told = json(&output);
+    assert_eq!((told["verdict"].as_str(), told["runs"].as_array().unwrap().len()), (Some("meshes"), 3));
+    let output = stickslip(&converge(PUNCH, "peak", &["--set", "solver.max_iterations=1"]));
+    assert_exit(&output, 1);
+    assert!(stdout(&output).contains("did not converge"), "{}", stdout(&output));
+}
+
+#[test]
+fn bad_questions_are_refused() {
+    let output = stickslip(&converge(LINE, "friction_work", &[]));
+    assert_exit(&output, 2);
+    assert!(stderr(&output).contains("the scene has no friction work"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("ask for peak, force"), "{}", stderr(&output));
+    for (more, word) in [
+        (["--to", "2"], "between 0 and 1"),
+        (["--meshes", "a.msh"], "generates its mesh"),
+        (["--ratio", "1"], "from 1.2 to 4"),
+    ] {
+        let output = stickslip(&converge(LINE, "peak", &more));
+        assert_exit(&output, 2);
+        assert!(stderr(&output).contains(word), "{}", stderr(&output));
+    }
+    let output = stickslip(&converge(LINE, "pressure", &[]));
+    assert_exit(&output, 2);
+    assert!(stderr(&output).contains("friction_work"), "{}", stderr(&output));
+    let output = stickslip(&converge(LINE, "peak", &["--meshes", "24,12,6"]));
+    assert_exit(&output, 2);
+    assert!(stderr(&output).contains("from coarse to fine"), "{}", stderr(&output));
+}
+
+/// A mesh file has finer ones only by name. If its geometry lies beside it, the command of Gmsh is printed.
+#[test]
+fn mesh_files_are_named() {
+    let scene = small();
+    assert!(!scene.contains("gmsh"));
+    let (folder, file) = Folder::with_scene(
+        "mesh = { kind = 'gmsh', file = 'a.msh' }
+        material = { young = 1e9, poisson = 0.3 }
+        support = [{ boundary = 'top', fix = ['x', 'y'] }]
+        contact = [
+          { boundary = 'bottom', friction = 0.3, obstacle = { kind = 'plane', approach = [[0, 0], [1, 1e-3]] } },
+        ]
+        time = { end = 1, increments = 2 }",
+    );
+    fs::write(folder.join("a.msh"), include_str!("../../../../data/meshes/square_triangles.msh")).unwrap();
+    let output = stickslip(&converge(&file, "peak", &[]));
+    assert_exit(&output, 2);
+    assert!(stderr(&output).contains("--meshes coarse.msh,fine.msh"), "{}", stderr(&output));
+    fs::write(folder.join("a.geo"), "").unwrap();
+    let output = stickslip(&converge(&file, "peak", &[]));
+    assert_exit(&output, 2);
+    assert!(stderr(&output).contains("-clscale 0.5"), "{}", stderr(&output));
+    let output = stickslip(&converge(&file, "force", &["--meshes", "a.msh"]));
+    assert_exit(&output, 1);
+    assert!(stdout(&output).contains("no finer mesh is named") && stdout(&output).contains("gmsh -3 -clscale 0.5"));
+}
