@@ -123,7 +123,7 @@ fn several_obstacles_are_told_apart() {
     for (k, key) in ["contact[0].obstacle[0]", "contact[0].obstacle[1]"].into_iter().enumerate() {
         let own: Vec<_> = nodes.iter().filter(|node| node.last().unwrap() == key).collect();
         assert!(!own.is_empty() && own.len() < nodes.len());
-        let line = rows.iter().rfind(|row| row.last().unwrap() == key).unwrap();
+        let line = rows.iter().rfind(|row| row[10] == key).unwrap();
         assert_eq!((line[0].as_str(), line[2].as_str(), line[8].as_str()), ("4", "bottom", "obstacle"));
         let of = |node: &[String]| {
             let [x, y, f_x, f_y, p_n, p_t] = ["x", "y", "f_x", "f_y", "p_n", "p_t"].map(|c| number(&node[column(c)]));
