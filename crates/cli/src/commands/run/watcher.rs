@@ -48,6 +48,7 @@ impl Watcher<'_> {
         for surface in ContactSurface::all(self.model, step) {
             folder.add_contact_surface(&surface, self.title)?;
         }
+        folder.add_state(self.model, step)?;
         if self.output.fields {
             folder.add_fields(step.record.index, step.record.time, &fields(self.model, step))?;
         }
