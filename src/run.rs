@@ -292,7 +292,16 @@ impl<'a> Run<'a> {
         };
         let outcome = self.history_with(system, &self.times, &settings, &mut watch)?;
         let ReportCollector {
-            validity, estimates, balance, curves, increments, forces, reactions, last_reactions, ..
+            validity,
+            estimates,
+            balance,
+            curves,
+            key,
+            increments,
+            forces,
+            reactions,
+            last_reactions,
+            ..
         } = watch;
         let (last, states, leaps) = (watch.last, watch.states, watch.leaps);
         let mut all_estimates = Estimates { increments: outcome.increment_error, ..estimates.estimates(&self.model) };
@@ -353,7 +362,8 @@ impl<'a> Run<'a> {
             unsuited: fell_back(&outcome.linear, &self.model, self.solver.method),
             outcome: &outcome,
             validity: &validity,
-            largest_pressure: estimates.largest_pressure(&self.model),
+            largest_pressure: estimates.largest_pressure(&self.model, &all_estimates),
+            key,
             estimates: all_estimates,
             increments,
             forces,

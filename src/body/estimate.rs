@@ -26,6 +26,7 @@ pub use graph::ContactGraph;
 pub use hertz::HertzContact;
 pub(crate) use locking::expected_locking;
 pub(crate) use slip::SlipZones;
+pub(crate) use zone::PeakZone;
 pub use zone::{ContactEstimate, PeakOf, StickZone, peak_error};
 
 /// Estimates of locking and of the mesh error, from the strains of the body.

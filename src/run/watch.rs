@@ -6,7 +6,7 @@ use super::force_jumps::JumpDetector;
 use super::recording::RecordedIncrement;
 use crate::body::model::Model;
 use crate::run::report::{
-    Accumulated, BalanceRecord, BalanceWatch, EstimateWatch, ForceRecord, HistoryCurves, Validity,
+    Accumulated, BalanceRecord, BalanceWatch, EstimateWatch, ForceRecord, HistoryCurves, KeyWatch, Validity,
 };
 use crate::solver::checkpoint::{Checkpoint, CheckpointError};
 use crate::solver::events::Event;
@@ -48,6 +48,7 @@ pub(super) struct ReportCollector<'a, 'b> {
     pub estimates: EstimateWatch,
     pub balance: BalanceWatch,
     pub curves: HistoryCurves,
+    pub key: KeyWatch,
     /// The records of all increments so far; empty with a ledger.
     pub increments: Vec<IncrementRecord>,
     /// The resultants of the contact forces at the ends of increments.
@@ -72,6 +73,7 @@ struct Known {
     seen: Accumulated,
     balance: BalanceWatch,
     curves: HistoryCurves,
+    key: KeyWatch,
     last_reactions: Option<BalanceRecord>,
     last: Option<RecordedIncrement>,
     states: Vec<State>,
@@ -93,6 +95,7 @@ impl<'a, 'b> ReportCollector<'a, 'b> {
             estimates: EstimateWatch::new(model),
             balance: BalanceWatch::default(),
             curves: HistoryCurves::default(),
+            key: KeyWatch::default(),
             increments: Vec::new(),
             forces: Vec::new(),
             reactions: Vec::new(),
@@ -107,7 +110,7 @@ impl<'a, 'b> ReportCollector<'a, 'b> {
 
     /// Resumes from the data in a `checkpoint`.
     pub(super) fn continue_from(&mut self, checkpoint: &Checkpoint) -> Result<(), CheckpointError> {
-        let Known { validity, seen, balance, curves, last_reactions, last, states, leaps } = checkpoint.part(1)?;
+        let Known { validity, seen, balance, curves, key, last_reactions, last, states, leaps } = checkpoint.part(1)?;
         if !validity.fits(self.model) || !leaps.fit(self.model) || !self.estimates.go_on_with(self.model, seen) {
             return Err(CheckpointError::Other { what: "the mesh or its contact" });
         }
@@ -115,7 +118,7 @@ impl<'a, 'b> ReportCollector<'a, 'b> {
         if states.len() != before || last.is_some() != self.keeps_last {
             return Err(CheckpointError::Other { what: "what is asked for (--companion, --uniqueness)" });
         }
-        (self.validity, self.balance, self.curves) = (validity, balance, curves);
+        (self.validity, self.balance, self.curves, self.key) = (validity, balance, curves, key);
         (self.last_reactions, self.last, self.states, self.leaps) = (last_reactions, last, states, leaps);
         Ok(())
     }
@@ -134,6 +137,7 @@ impl<'a, 'b> ReportCollector<'a, 'b> {
         let forces = if converged { ForceRecord::all(self.model, step) } else { Vec::new() };
         let reactions = converged.then(|| BalanceRecord::new(self.model, step));
         self.curves.add(step.record, &forces);
+        self.key.see(step.record, &forces);
         if let Some(reactions) = &reactions {
             self.balance.see(reactions);
         }
@@ -190,13 +194,24 @@ impl Observer for ReportCollector<'_, '_> {
 
     fn rest(&mut self, here: &dyn Fn() -> Checkpoint) {
         let ReportCollector {
-            validity, estimates, balance, curves, last_reactions, last, states, leaps, audience, ..
+            validity,
+            estimates,
+            balance,
+            curves,
+            key,
+            last_reactions,
+            last,
+            states,
+            leaps,
+            audience,
+            ..
         } = self;
         let known = || Known {
             validity: validity.clone(),
             seen: estimates.seen().clone(),
             balance: *balance,
             curves: curves.clone(),
+            key: key.clone(),
             last_reactions: last_reactions.clone(),
             last: last.clone(),
             states: states.clone(),

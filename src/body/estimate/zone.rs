@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::corner::Corners;
-use super::graph::ContactGraph;
+use super::graph::{ContactGraph, ContactPatch};
 use super::hertz::HertzContact;
 use crate::algebra::vector::{dot, minus, norm, unit};
 use crate::body::mesh::CellKind;
@@ -55,20 +55,26 @@ pub struct ContactEstimate {
     /// The ratio, at least 1, of the lengths of the elements inside and beyond the end of the zone, if the zone ends
     /// with the boundary.
     pub edge_ratio: Option<f64>,
-    /// The stick zone, if other nodes slip.
+    /// The stick zone when the tangential forces of the surface were largest, if other nodes slip.
     pub stick: Option<StickZone>,
     /// The Hertz contact for the force, if the obstacle is a cylinder or a sphere and the zone has at most three nodes
     /// across.
     pub hertz: Option<HertzContact>,
 }
 
-/// The sticking part of a zone.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+/// The sticking part of the zone with the largest force.
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
 pub struct StickZone {
+    /// The names of the boundaries, separated by commas.
+    pub boundary: String,
+    /// The time, s.
+    pub time: f64,
     /// The width of the stick zone as a share of the width of the zone.
     pub ratio: f64,
-    /// The uncertainty of the ratio, one element at each end: `2 / n`.
+    /// The uncertainty of the ratio, one element at each end: `2 / n`, with n the nodes across the zone, or along it if the
+    /// whole surface is in contact.
     pub uncertainty: f64,
 }
 
@@ -100,9 +106,7 @@ impl PeakOf {
 
     /// Returns the values for the zone of contact node `i` with the contact forces `p_n` (N).
     pub(crate) fn at(model: &Model, graph: &ContactGraph, p_n: &[f64], i: usize) -> Option<Self> {
-        let surface = graph.surfaces().iter().find(|surface| surface.nodes.contains(&i))?;
-        let zones = zones(model, graph, &surface.nodes, p_n);
-        let (_, across) = zones.into_iter().find(|(zone, _)| zone.contains(&i))?;
+        let (_, across) = zone_of(model, graph, p_n, i)?;
         Self::zone(model, across)
     }
 }
@@ -126,16 +130,9 @@ pub fn peak_error(n: usize) -> f64 {
 }
 
 impl ContactEstimate {
-    /// Estimates the resolution of surface `k` of `graph` in a `state` at `time` (s) with `statuses`; `None` without
+    /// Estimates the resolution of surface `k` of `graph` in a `state` at `time` (s), without its stick zone; `None` without
     /// contact.
-    pub(crate) fn new(
-        model: &Model,
-        graph: &ContactGraph,
-        k: usize,
-        time: f64,
-        state: &State,
-        statuses: &[ContactStatus],
-    ) -> Option<Self> {
+    pub(crate) fn new(model: &Model, graph: &ContactGraph, k: usize, time: f64, state: &State) -> Option<Self> {
         let surface = &graph.surfaces()[k];
         let p_n = &state.p_n;
         let closed: Vec<usize> = surface.nodes.iter().copied().filter(|&i| p_n[i] > 0.0).collect();
@@ -198,7 +195,7 @@ impl ContactEstimate {
             edge_share: sum(&edge) / sum(around_peak),
             singular_edge,
             edge_ratio: edge_ratio(model, graph, heaviest),
-            stick: nodes_across.and_then(|n| stick_zone(model, heaviest, statuses, n)),
+            stick: None,
             hertz: (nodes_across.is_some_and(|n| n <= NOTHING))
                 .then(|| HertzContact::under(model, time, p_n, &closed, peak))
                 .flatten(),
@@ -216,6 +213,12 @@ fn zones(model: &Model, graph: &ContactGraph, surface: &[usize], p_n: &[f64]) ->
         (zone, across)
     };
     graph.parts(&closed).into_iter().map(with).collect()
+}
+
+/// Returns the zone of contact node `i` with the number of nodes across it.
+fn zone_of(model: &Model, graph: &ContactGraph, p_n: &[f64], i: usize) -> Option<(Vec<usize>, Option<usize>)> {
+    let surface = graph.surfaces().iter().find(|surface| surface.nodes.contains(&i))?;
+    zones(model, graph, &surface.nodes, p_n).into_iter().find(|(zone, _)| zone.contains(&i))
 }
 
 /// Returns the number of nodes across a zone: in two dimensions the nodes along it, including mirrored ones behind a
@@ -263,16 +266,66 @@ fn edge_ratio(model: &Model, graph: &ContactGraph, zone: &[usize]) -> Option<f64
 /// The cosine of the largest angle, 10 degrees, by which a straight side may bend.
 const STRAIGHT: f64 = 0.985;
 
-/// Returns the stick zone; `None` if all nodes with friction stick, or none does.
-fn stick_zone(model: &Model, zone: &[usize], statuses: &[ContactStatus], n: usize) -> Option<StickZone> {
-    let area = |status: ContactStatus| {
-        let of = zone.iter().filter(|&&i| statuses[i] == status && !model.contacts[i].tangents[0].is_empty());
-        of.map(|&i| model.contacts[i].weight).sum::<f64>()
-    };
-    let (stick, slip) = (area(ContactStatus::Stick), area(ContactStatus::Slip));
-    let share = stick / (stick + slip);
-    // Around an axis, as in three dimensions, areas grow with the square of the width.
-    let disc = model.mesh.dimension == 3 || zone.iter().any(|&i| model.mesh.is_on_axis(model.contacts[i].node));
-    let ratio = if disc { share.sqrt() } else { share };
-    (stick > 0.0 && slip > 0.0).then_some(StickZone { ratio, uncertainty: 2.0 / n as f64 })
+/// A zone of closed nodes with its largest pressure.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct PeakZone {
+    /// The number of nodes across it; `None` if no open node is next to it.
+    pub across: Option<usize>,
+    /// The largest pressure of a node, Pa.
+    peak: f64,
+}
+
+impl PeakZone {
+    /// Returns the zones of all contact surfaces in a `state`.
+    pub(crate) fn all(model: &Model, graph: &ContactGraph, state: &State) -> Vec<Self> {
+        let pressures = model.contact_pressures(state);
+        let of_surface = |surface: &ContactPatch| zones(model, graph, &surface.nodes, &state.p_n);
+        let zones = graph.surfaces().iter().flat_map(of_surface);
+        zones.map(|(zone, across)| PeakZone { across, peak: largest(&pressures, &zone) }).collect()
+    }
+
+    /// Returns the zone of contact node `i` in a `state`.
+    pub(crate) fn around(model: &Model, graph: &ContactGraph, state: &State, i: usize) -> Option<Self> {
+        let (zone, across) = zone_of(model, graph, &state.p_n, i)?;
+        Some(PeakZone { across, peak: largest(&model.contact_pressures(state), &zone) })
+    }
+
+    /// Returns the largest pressure that the zone may have on a fine mesh, Pa; `None` if it is unknown.
+    pub(crate) fn largest_possible(&self) -> Option<f64> {
+        self.across.map(|n| self.peak * (1.0 + peak_error(n)))
+    }
+}
+
+fn largest(pressures: &[f64], zone: &[usize]) -> f64 {
+    zone.iter().map(|&i| pressures[i]).fold(0.0, f64::max)
+}
+
+impl StickZone {
+    /// Returns the stick zone of surface `k` of `graph` with the normal forces `p_n` (N) and `statuses` at `time` (s);
+    /// `None` if all nodes with friction stick, or none does.
+    pub(crate) fn new(
+        model: &Model,
+        graph: &ContactGraph,
+        k: usize,
+        time: f64,
+        p_n: &[f64],
+        statuses: &[ContactStatus],
+    ) -> Option<Self> {
+        let surface = &graph.surfaces()[k];
+        let sum = |nodes: &[usize]| nodes.iter().map(|&i| p_n[i]).sum::<f64>();
+        let zones = zones(model, graph, &surface.nodes, p_n);
+        let (zone, across) = zones.into_iter().max_by(|a, b| sum(&a.0).total_cmp(&sum(&b.0)))?;
+        let area = |status: ContactStatus| {
+            let of = zone.iter().filter(|&&i| statuses[i] == status && !model.contacts[i].tangents[0].is_empty());
+            of.map(|&i| model.contacts[i].weight).sum::<f64>()
+        };
+        let (stick, slip) = (area(ContactStatus::Stick), area(ContactStatus::Slip));
+        let share = stick / (stick + slip);
+        // Around an axis, as in three dimensions, areas grow with the square of the width.
+        let disc = model.mesh.dimension == 3 || zone.iter().any(|&i| model.mesh.is_on_axis(model.contacts[i].node));
+        let ratio = if disc { share.sqrt() } else { share };
+        let along = if model.mesh.dimension == 3 { zone.len().isqrt() } else { zone.len() };
+        let uncertainty = 2.0 / across.unwrap_or(along) as f64;
+        (stick > 0.0 && slip > 0.0).then(|| StickZone { boundary: surface.name.clone(), time, ratio, uncertainty })
+    }
 }

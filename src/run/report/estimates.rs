@@ -11,7 +11,7 @@ use super::warnings::{Warning, WarningKind};
 use crate::base::units::{Quantity, UnitSystem};
 use crate::body::contact::ContactBoundary;
 use crate::body::estimate::{
-    ContactEstimate, ContactGraph, ElementEstimate, HertzContact, PeakOf, SlipZones, peak_error,
+    ContactEstimate, ContactGraph, ElementEstimate, HertzContact, PeakOf, SlipZones, StickZone, peak_error,
 };
 use crate::body::fem::Element;
 use crate::body::model::Model;
@@ -29,7 +29,8 @@ pub struct Estimates {
     /// The estimate of the surface with the largest contact pressure of all increments, at the time of that pressure.
     #[serde(skip)]
     pub peak: Option<ContactEstimate>,
-    /// The upper estimate of the error of that pressure, as a share; none if the whole surface is in contact.
+    /// The upper estimate of the error of that pressure, as a share; none if the strains are unknown and the whole surface is
+    /// in contact.
     pub peak_error: Option<f64>,
     /// The approximate share by which locking makes the body too stiff, when its strain energy was largest, within a
     /// factor of two for values below 1; none if no cell can lock.
@@ -67,6 +68,8 @@ pub struct EstimateWatch {
 pub struct Accumulated {
     /// The state of each contact surface at its largest force.
     heaviest: Vec<Heaviest>,
+    /// The state of each contact surface at its largest tangential force.
+    dragged: Vec<Heaviest>,
     peak: Option<Peak>,
     strained: Option<Strained>,
     slip: SlipZones,
@@ -83,7 +86,8 @@ struct Strained {
     p_n: Vec<f64>,
 }
 
-/// The largest force on a contact surface so far, N, with its time and state; 0 before anything touches.
+/// The largest normal or tangential force on a contact surface so far, N, with its time and state; 0 before anything
+/// touches.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 struct Heaviest {
     force: f64,
@@ -91,6 +95,21 @@ struct Heaviest {
     /// The contact forces; displacements are omitted.
     state: State,
     statuses: Vec<ContactStatus>,
+}
+
+impl Heaviest {
+    /// Replaces the state if this `force` is as large. `p_n` are the normal forces without those of open nodes.
+    fn see(&mut self, force: f64, p_n: &[f64], step: &IncrementView<'_>) {
+        if force > 0.0 && is_as_large(force, self.force) {
+            (self.force, self.time) = (force.max(self.force), step.record.time);
+            self.state.p_n.clear();
+            self.state.p_n.extend_from_slice(p_n);
+            self.state.p_t.clone_from(&step.state.p_t);
+            self.state.p_o.clone_from(&step.state.p_o);
+            self.statuses.clear();
+            self.statuses.extend_from_slice(step.statuses);
+        }
+    }
 }
 
 /// The largest sums of the forces of a boundary so far, N: normal forces, tangential forces, and the largest possible
@@ -164,7 +183,7 @@ impl EstimateWatch {
         EstimateWatch {
             graph,
             peak_of: PeakOf::of(model),
-            seen: Accumulated { heaviest, sums, ..Accumulated::default() },
+            seen: Accumulated { dragged: heaviest.clone(), heaviest, sums, ..Accumulated::default() },
         }
     }
 
@@ -181,7 +200,8 @@ impl EstimateWatch {
         let strained = |of: &Strained| of.u.len() == model.problem.displacements() && of.p_n.len() == contacts;
         let fits = seen.heaviest.len() == self.seen.heaviest.len()
             && seen.sums.len() == self.seen.sums.len()
-            && seen.heaviest.iter().all(heaviest)
+            && seen.dragged.len() == self.seen.dragged.len()
+            && seen.heaviest.iter().chain(&seen.dragged).all(heaviest)
             && seen.peak.as_ref().is_none_or(|peak| peak.fits(model))
             && seen.strained.as_ref().is_none_or(strained);
         if fits {
@@ -201,14 +221,11 @@ impl EstimateWatch {
             step.state.p_n.iter().zip(step.statuses).map(|(p, status)| if is_open(status) { 0.0 } else { *p });
         let p_n: Vec<f64> = of_closed.collect();
         for (heaviest, force) in self.seen.heaviest.iter_mut().zip(self.graph.forces(&p_n)) {
-            if force > 0.0 && is_as_large(force, heaviest.force) {
-                (heaviest.force, heaviest.time) = (force.max(heaviest.force), step.record.time);
-                heaviest.state.p_n.clone_from(&p_n);
-                heaviest.state.p_t.clone_from(&step.state.p_t);
-                heaviest.state.p_o.clone_from(&step.state.p_o);
-                heaviest.statuses.clear();
-                heaviest.statuses.extend_from_slice(step.statuses);
-            }
+            heaviest.see(force, &p_n, step);
+        }
+        let p_of: Vec<f64> = step.state.p_t.iter().zip(&step.state.p_o).map(|(t, o)| t.hypot(*o)).collect();
+        for (dragged, force) in self.seen.dragged.iter_mut().zip(self.graph.forces(&p_of)) {
+            dragged.see(force, &p_n, step);
         }
         self.seen.slip.see(model, &self.graph, step);
         for (sums, boundary) in self.seen.sums.iter_mut().zip(&model.contact_boundaries) {
@@ -230,9 +247,9 @@ impl EstimateWatch {
         }
     }
 
-    /// Returns the largest contact pressure, if there was any.
-    pub fn largest_pressure(&self, model: &Model) -> Option<LargestPressure> {
-        self.seen.peak.as_ref().map(|peak| peak.told(model, &self.graph))
+    /// Returns the largest contact pressure, with its errors from the `estimates`, if there was any.
+    pub fn largest_pressure(&self, model: &Model, estimates: &Estimates) -> Option<LargestPressure> {
+        self.seen.peak.as_ref().map(|peak| peak.told(model, &self.graph, estimates))
     }
 
     /// Returns the estimates of the mesh errors.
@@ -242,14 +259,18 @@ impl EstimateWatch {
             ElementEstimate::new(model, &model.thermal_factors(*time), &model.displaced(*time, u), &pressed)
         });
         let contact = |(k, heaviest): (usize, &Heaviest)| {
-            let Heaviest { force, time, state, statuses } = heaviest;
-            (*force > 0.0).then(|| ContactEstimate::new(model, &self.graph, k, *time, state, statuses)).flatten()
+            let Heaviest { force, time, state, .. } = heaviest;
+            let estimate =
+                (*force > 0.0).then(|| ContactEstimate::new(model, &self.graph, k, *time, state)).flatten()?;
+            let Heaviest { force, time, state, statuses } = &self.seen.dragged[k];
+            let stick = (*force > 0.0).then(|| StickZone::new(model, &self.graph, k, *time, &state.p_n, statuses));
+            Some(ContactEstimate { stick: stick.flatten(), ..estimate })
         };
         let peak = self.seen.peak.as_ref().and_then(|peak| peak.estimate(model, &self.graph));
         let discretisation =
             elements.as_ref().and_then(|elements| elements.discretisation.as_ref()).map(|error| error.whole);
         Estimates {
-            peak_error: peak.as_ref().and_then(|peak| peak.peak_error),
+            peak_error: self.seen.peak.as_ref().and_then(|peak| peak.error(model, &self.graph, discretisation)),
             peak,
             contact: self.seen.heaviest.iter().enumerate().filter_map(contact).collect(),
             locking: elements.as_ref().and_then(|elements| elements.locking),
@@ -281,6 +302,18 @@ impl Estimates {
     /// Returns the estimate of the contact surface with the largest force.
     pub fn heaviest(&self) -> Option<&ContactEstimate> {
         self.contact.iter().max_by(|a, b| a.force.total_cmp(&b.force))
+    }
+
+    /// Returns the stick zone of the surface with the largest force that has one.
+    pub fn stick_zone(&self) -> Option<&StickZone> {
+        let sticking = self.contact.iter().filter(|contact| contact.stick.is_some());
+        sticking.max_by(|a, b| a.force.total_cmp(&b.force)).and_then(|contact| contact.stick.as_ref())
+    }
+
+    /// Returns the error of forces by the mesh, as a share: the square of the error in the energy norm, with the allowance
+    /// for singular corners.
+    pub(super) fn force_error_of_mesh(&self) -> Option<f64> {
+        self.discretisation.map(|error| (error / OF_SINGULAR).powi(2))
     }
 
     /// Returns the time-step error of the tangential forces, as a share. It is the larger of the estimates by the run
@@ -421,11 +454,11 @@ fn of_ends(contact: &ContactEstimate) -> Vec<Warning> {
         warnings.push(Warning { kind: WarningKind::UnevenElements, message });
     }
     let n = contact.nodes_across.filter(|n| (FINE..FINE_FOR_STICK).contains(n));
-    if let (Some(stick), Some(n)) = (contact.stick, n) {
+    if let (Some(stick), Some(n)) = (&contact.stick, n) {
         let message = format!(
-            "{at}: the size of the stick zone is known only to one element: its width is {:.2} ± {:.2} of the \
-             contact width ({n} nodes)",
-            stick.ratio, stick.uncertainty
+            "`{}` at t = {} s: the size of the stick zone is known only to one element: its width is {:.2} ± {:.2} of \
+             the contact width ({n} nodes)",
+            stick.boundary, stick.time, stick.ratio, stick.uncertainty
         );
         warnings.push(Warning { kind: WarningKind::StickZoneCoarse, message });
     }

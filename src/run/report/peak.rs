@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::body::estimate::{ContactEstimate, ContactGraph, PeakOf};
+use super::estimates::Estimates;
+use crate::body::estimate::{ContactEstimate, ContactGraph, PeakOf, PeakZone};
 use crate::body::model::Model;
 use crate::solver::history::IncrementView;
 use crate::solver::laws::ContactStatus;
@@ -26,6 +27,14 @@ pub struct LargestPressure {
     pub position: [f64; 3],
     /// The time, s.
     pub time: f64,
+    /// The number of nodes across the zone of the node; none if the whole surface is in contact.
+    pub nodes_across: Option<usize>,
+    /// An upper estimate of the error of the mesh, as a share: how far the pressure of this zone, or of a less resolved one,
+    /// may exceed the value. `None` if it is unknown.
+    pub mesh_error: Option<f64>,
+    /// `true` if the pressure is singular at a corner, so that it depends on the mesh.
+    #[serde(default)]
+    pub singular: bool,
 }
 
 /// The largest pressure so far, with its place, time and state.
@@ -88,11 +97,20 @@ impl Peak {
     /// Estimates the mesh error of its contact surface at that time.
     pub(super) fn estimate(&self, model: &Model, graph: &ContactGraph) -> Option<ContactEstimate> {
         let surface = graph.surfaces().iter().position(|surface| surface.nodes.contains(&self.at[1]))?;
-        ContactEstimate::new(model, graph, surface, self.time, &self.state, &self.statuses)
+        ContactEstimate::new(model, graph, surface, self.time, &self.state)
+    }
+
+    /// Estimates how far the peak of this mesh may be off, as a share, if the error in the energy norm is
+    /// `discretisation`. A less resolved zone with a smaller pressure may hold the true peak.
+    pub(super) fn error(&self, model: &Model, graph: &ContactGraph, discretisation: Option<f64>) -> Option<f64> {
+        let surface = self.estimate(model, graph)?;
+        let own = surface.peak_error.or_else(|| Some(discretisation?.max(surface.scatter)))?;
+        let possible = PeakZone::all(model, graph, &self.state).into_iter().filter_map(|zone| zone.largest_possible());
+        Some(possible.fold(own, |error, possible| error.max(possible / self.pressure - 1.0)))
     }
 
     /// Returns the pressure for the report.
-    pub(super) fn told(&self, model: &Model, graph: &ContactGraph) -> LargestPressure {
+    pub(super) fn told(&self, model: &Model, graph: &ContactGraph, estimates: &Estimates) -> LargestPressure {
         let [boundary, i] = self.at;
         let peak_of = PeakOf::at(model, graph, &self.state.p_n, i);
         LargestPressure {
@@ -101,6 +119,9 @@ impl Peak {
             boundary: model.contact_boundaries[boundary].name.clone(),
             position: model.contacts[i].position,
             time: self.time,
+            nodes_across: PeakZone::around(model, graph, &self.state, i).and_then(|zone| zone.across),
+            mesh_error: estimates.peak_error,
+            singular: estimates.peak.as_ref().is_some_and(|peak| peak.singular_edge),
         }
     }
 }

@@ -10,6 +10,7 @@ use super::explain::Explanation;
 use super::force_jump::ForceJump;
 use super::history_curves::HistoryCurves;
 use super::increment_warnings;
+use super::key_results::{FrictionResult, KeyWatch, LargestForce};
 use super::pairs::PairRecord;
 use super::peak::LargestPressure;
 use super::quantities;
@@ -22,6 +23,7 @@ use super::warnings::{Warning, WarningKind};
 use crate::algebra::linear::process::blas::Blas;
 use crate::base::units::UnitSystem;
 use crate::body::contact::RangeLeft;
+use crate::body::estimate::StickZone;
 use crate::body::model::Model;
 use crate::run::auto::{Choice, Faster};
 use crate::scene::Scene;
@@ -71,6 +73,18 @@ pub struct RunReport {
     /// The reason why the run ended early.
     #[serde(flatten)]
     pub explanation: Explanation,
+    /// The largest contact pressure.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub largest_pressure: Option<LargestPressure>,
+    /// The largest contact force.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub largest_force: Option<LargestForce>,
+    /// The friction work, if anything slipped.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub friction: Option<FrictionResult>,
+    /// The stick zone, if some nodes stick and others slip, when the tangential forces were largest.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stick_zone: Option<StickZone>,
     /// The bodies, if there are several, in the order of the field `body`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub bodies: Vec<BodyRecord>,
@@ -79,9 +93,6 @@ pub struct RunReport {
     /// The largest displacement.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub largest_displacement: Option<LargestDisplacement>,
-    /// The largest contact pressure.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub largest_pressure: Option<LargestPressure>,
     /// The node and time of the largest departure from the range of linearised gaps, if there was any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub range_left: Option<RangeLeft>,
@@ -237,6 +248,8 @@ pub struct ReportInput<'a> {
     pub validity: &'a Validity,
     /// The largest contact pressure, if there was any.
     pub largest_pressure: Option<LargestPressure>,
+    /// The largest force and the friction work.
+    pub key: KeyWatch,
     /// The error estimates.
     pub estimates: Estimates,
     /// The records of the increments, if they belong into the report.
@@ -316,10 +329,13 @@ impl RunReport {
             blas,
             status: outcome.status,
             explanation: Explanation::new(solver, model, outcome),
+            largest_pressure: facts.largest_pressure,
+            largest_force: facts.key.largest_force(&facts.estimates),
+            friction: facts.key.friction(&facts.estimates),
+            stick_zone: facts.estimates.stick_zone().cloned(),
             bodies: BodyRecord::all(model),
             warnings,
             largest_displacement: validity.largest,
-            largest_pressure: facts.largest_pressure,
             range_left: validity.range_left,
             estimates: facts.estimates,
             unknowns: Unknowns::new(&outcome.layout, solver.method.increments()),

@@ -2,11 +2,11 @@
 
 use stickslip::algebra::linear::process::Blas;
 use stickslip::base::{Quantity, UnitSystem};
-use stickslip::body::PeakOf;
+use stickslip::body::{PeakOf, StickZone};
 use stickslip::run::Run;
 use stickslip::run::report::{
-    AppliedForce, BalanceRecord, CompanionEstimate, ComponentSums, EliminatedUnknown, LargestPressure, RankRecord,
-    Resultant, RunReport, Unknowns, Warning,
+    AppliedForce, BalanceRecord, CompanionEstimate, ComponentSums, EliminatedUnknown, FrictionResult, LargestForce,
+    LargestPressure, RankRecord, Resultant, RunReport, Unknowns, Warning,
 };
 use stickslip::scene::{Scene, Time};
 use stickslip::solver::formulation::Layout;
@@ -146,15 +146,38 @@ fn print_largest(report: &RunReport) {
             rounded(largest.time)
         );
     }
-    let Some(LargestPressure { pressure, peak_of, boundary, position, time, .. }) = &report.largest_pressure else {
+    if let Some(LargestForce { boundary, force, time, mesh_error, .. }) = &report.largest_force {
+        let force = units.rounded(Quantity::Force, force.iter().map(|f| f * f).sum::<f64>().sqrt(), DIGITS);
+        let error = mesh_error.map_or(String::new(), |error| format!(", error of the mesh about {}", percent(error)));
+        say!("force        {force} at most on `{boundary}`, at t = {} s{error}", rounded(*time));
+    }
+    if let Some(FrictionResult { friction_work, mesh_error, time_error, .. }) = report.friction {
+        let energy = |work: f64| units.rounded(Quantity::Energy, work, DIGITS);
+        let of_mesh = mesh_error.map(|error| format!("error of the mesh up to {}", percent(error)));
+        let of_steps = time_error.map(|error| {
+            // Not -0.0.
+            let share = (1e3 * error).round() / 10.0 + 0.0;
+            format!("{share:.1} % of it due to the increments: corrected {}", energy(friction_work * (1.0 - error)))
+        });
+        let errors: String = of_mesh.into_iter().chain(of_steps).map(|error| format!(", {error}")).collect();
+        say!("friction     work {}{errors}", energy(friction_work));
+    }
+    if let Some(StickZone { boundary, time, ratio, uncertainty, .. }) = &report.stick_zone {
+        say!(
+            "stick zone   {ratio:.2} ± {uncertainty:.2} of the contact width on `{boundary}`, at t = {} s",
+            rounded(*time)
+        );
+    }
+    let Some(LargestPressure {
+        pressure, peak_of, boundary, position, time, nodes_across, mesh_error, singular, ..
+    }) = &report.largest_pressure
+    else {
         return;
     };
-    let estimate = report.estimates.peak.as_ref();
-    let across = estimate.and_then(|peak| peak.nodes_across);
-    let across = across.map_or(String::new(), |nodes| format!(", {nodes} nodes across"));
-    let error = match report.estimates.peak_error {
-        _ if estimate.is_some_and(|peak| peak.singular_edge) => "singular: it depends on the mesh".to_string(),
-        Some(error) => format!("error of the mesh up to {}", percent(error)),
+    let across = nodes_across.map_or(String::new(), |nodes| format!(", {nodes} nodes across"));
+    let error = match mesh_error {
+        _ if *singular => "singular: it depends on the mesh".to_string(),
+        Some(error) => format!("error of the mesh up to {}", percent(*error)),
         None => "error of the mesh unknown".to_string(),
     };
     match (peak_of, pressure.map(|pressure| units.rounded(Quantity::Stress, pressure, DIGITS))) {
@@ -170,7 +193,8 @@ fn print_largest(report: &RunReport) {
 /// Formats a share in percent, with two digits if it is small.
 fn percent(share: f64) -> String {
     let percent = 100.0 * share;
-    if percent < 9.5 { format!("{percent:.1} %") } else { format!("{percent:.0} %") }
+    // Not 0.0.
+    if percent < 9.5 { format!("{:.1} %", percent.max(0.1)) } else { format!("{percent:.0} %") }
 }
 
 /// Rounds a number to as many digits as are printed of places and times.
@@ -185,21 +209,14 @@ fn rounded_place(units: &UnitSystem, place: [f64; 3]) -> String {
 
 /// Prints the errors that mesh and increments leave.
 fn print_estimates(report: &RunReport) {
-    let units = &report.units;
     if let Some(error) = report.estimates.discretisation {
         say!("mesh error   about {:.1} % in the energy norm", 100.0 * error);
     }
-    if let Some(IncrementError { friction_work, friction_work_corrected, work_error, force_error, .. }) =
-        report.estimates.increments.filter(|found| found.friction_work > 0.0)
+    let slips = |found: &IncrementError| found.friction_work > 0.0;
+    if let Some(error) =
+        report.estimates.increments.filter(slips).and_then(|found| found.force_error).filter(|e| *e > 0.0)
     {
-        let [work, corrected] =
-            [friction_work, friction_work_corrected].map(|work| units.rounded(Quantity::Energy, work, DIGITS));
-        // Not -0.0.
-        let share = (1e3 * work_error).round() / 10.0 + 0.0;
-        say!("friction     work {work}, {share:.1} % of it due to the increments: corrected {corrected}");
-        if let Some(error) = force_error.filter(|error| *error > 0.0) {
-            say!("time steps   error of the tangential forces about {:.1} %", 100.0 * error);
-        }
+        say!("time steps   error of the tangential forces about {:.1} %", 100.0 * error);
     }
     if let Some(CompanionEstimate { increments, status, error, .. }) = report.estimates.companion {
         match error {

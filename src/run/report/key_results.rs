@@ -1,0 +1,90 @@
+//! The results that a reader asks for first, each with its errors: the largest force, the friction work, the stick zone.
+//! The largest pressure is in [`super::LargestPressure`].
+
+use serde::{Deserialize, Serialize};
+
+use super::estimates::Estimates;
+use super::largest::is_as_large;
+use super::resultant::ForceRecord;
+use crate::solver::history::{IncrementRecord, Status};
+
+/// The largest contact force of a history.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
+pub struct LargestForce {
+    /// The boundary.
+    pub boundary: String,
+    /// The resultant on the obstacle or the opposing body: x, y and, in three dimensions, z, N; in two dimensions N per
+    /// m of depth.
+    pub force: Vec<f64>,
+    /// The time, s.
+    pub time: f64,
+    /// The error of the mesh, as a share, if the bodies are moved by supports or obstacles: the square of the error in the
+    /// energy norm, at singular corners. `None` if that error is unknown.
+    pub mesh_error: Option<f64>,
+    /// The error of the tangential forces by the time steps, as a share of the largest tangential force, if it was
+    /// estimated.
+    pub time_error: Option<f64>,
+}
+
+/// The friction work of a history.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
+pub struct FrictionResult {
+    /// The friction work of all increments, J; in two dimensions J per m of depth.
+    pub friction_work: f64,
+    /// An upper estimate of the error of the mesh, as a share: one node of the width of the slip zones, or the error of the
+    /// tangential forces if that is larger. `None` if both are unknown.
+    pub mesh_error: Option<f64>,
+    /// The error of the time steps, as a share, if it was estimated; it is positive if the work is too large.
+    pub time_error: Option<f64>,
+}
+
+/// Collects the largest force and the friction work during a history.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct KeyWatch {
+    largest: Option<LargestForce>,
+    work: f64,
+}
+
+impl KeyWatch {
+    /// Examines an increment, with the `forces` at its end. Increments that did not converge are ignored.
+    pub fn see(&mut self, record: &IncrementRecord, forces: &[ForceRecord]) {
+        if record.status != Status::Converged {
+            return;
+        }
+        self.work += record.friction_work;
+        let size = |force: &[f64]| force.iter().map(|f| f * f).sum::<f64>().sqrt();
+        for ForceRecord { time, resultant, .. } in forces {
+            let (force, so_far) = (size(&resultant.force), self.largest.as_ref().map_or(0.0, |of| size(&of.force)));
+            // The first of equally large forces counts.
+            if force > 0.0 && !is_as_large(so_far, force) {
+                self.largest = Some(LargestForce {
+                    boundary: resultant.boundary.clone(),
+                    force: resultant.force.clone(),
+                    time: *time,
+                    mesh_error: None,
+                    time_error: None,
+                });
+            }
+        }
+    }
+
+    /// Returns the largest force with its errors; `None` without contact.
+    pub(super) fn largest_force(&self, estimates: &Estimates) -> Option<LargestForce> {
+        let (mesh_error, time_error) = (estimates.force_error_of_mesh(), estimates.force_error());
+        self.largest.clone().map(|largest| LargestForce { mesh_error, time_error, ..largest })
+    }
+
+    /// Returns the friction work with its errors; `None` if nothing slipped.
+    pub(super) fn friction(&self, estimates: &Estimates) -> Option<FrictionResult> {
+        let by_width = estimates.slip_across.map(|across| 1.0 / across);
+        (self.work > 0.0).then_some(FrictionResult {
+            friction_work: self.work,
+            mesh_error: by_width.into_iter().chain(estimates.tangential).reduce(f64::max),
+            time_error: estimates.increments.map(|increments| increments.work_error),
+        })
+    }
+}
