@@ -37,8 +37,8 @@ const MOST_STATES: usize = 40;
 /// The tables of these states take no more bytes, or there are fewer states.
 const MOST_CONTACT: usize = 1_500_000;
 
-/// The states of the body take no more bytes, or there are fewer. One is always shown.
-const MOST_BODY: usize = 400_000;
+/// The mesh and the states of the body take no more bytes, or there are fewer. One is always shown.
+const MOST_BODY: usize = 300_000;
 
 /// Pictures take no more bytes. Those that do not fit are left out, the first ones before the last.
 const MOST_PICTURES: usize = 3_000_000;
@@ -236,7 +236,7 @@ fn body(head: Option<&view::Head>, states: &str, peak: Option<usize>) -> Vec<Val
     // A run that is being killed may leave a part of the last line.
     let lines: Vec<&str> = states.split_inclusive('\n').filter(|line| line.ends_with('\n')).collect();
     let each = lines.iter().map(|line| line.len()).max().unwrap_or(1);
-    let most = (MOST_BODY / each).clamp(1, MOST_STATES);
+    let most = (MOST_BODY.saturating_sub(mesh.to_string().len()) / each).clamp(1, MOST_STATES);
     let mut shown = chosen(&(0..lines.len()).collect::<Vec<_>>(), most);
     let is_peak = |line: &&str| peak.is_some_and(|peak| line.starts_with(&format!("{{\"index\":{peak},")));
     shown.extend(lines.iter().position(is_peak));

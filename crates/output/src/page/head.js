@@ -7,27 +7,41 @@ const verdict = $(".verdict"), converged = [...times.keys()].filter((index) => !
 verdict.textContent = ended ? `${report.status}, ${report.totals.converged} increments converged` : `unfinished, ${converged} increments converged so far`;
 verdict.classList.add(report.status === "converged" ? "good" : "bad");
 $(".reason").textContent = report.reason || (ended ? "" : "run.json is missing: the run still goes on, or was killed. `stickslip run` with --resume ends it. Verdict, warnings and errors come with its end.");
-function card(name, value, note) {
-  const box = element("div", "", "card");
-  box.append(element("span", name), element("b", value), element("span", note));
-  $("#numbers").append(box);
-}
-const place = (x) => `(${x.slice(0, dimension).map((c) => plain(c)).join(", ")}) ${LENGTH}`;
-const dimension = report.boundaries && report.boundaries[0] ? report.boundaries[0].force.length : 3;
+
+// The key results: value, place and time, and what mesh and time steps may have spoiled.
+const { largest_pressure: peak, largest_force: force, friction, stick_zone: stick, largest_displacement: moved } = report;
 const estimates = report.estimates || {};
-const { largest_pressure: peak, largest_displacement: moved } = report;
+const dimension = report.boundaries && report.boundaries[0] ? report.boundaries[0].force.length : 3;
+const placeOf = (x) => `(${x.slice(0, dimension).map((c) => plain(c)).join(", ")}) ${LENGTH}`;
+const upTo = (error) => (error == null ? "unknown" : `up to ${percent(error)}`);
+const about = (error) => (error == null ? "unknown" : `about ${percent(Math.abs(error))}`);
+const keyRow = (...cells) => {
+  const row = element("tr");
+  row.append(...["quantity", "value", "where and when", "error of the mesh", "error of the time steps"].map((name, k) => {
+    const cell = element("td", cells[k]);
+    cell.dataset.name = name;
+    return cell;
+  }));
+  $("#results tbody").append(row);
+};
 if (peak && peak.pressure) {
-  const singular = (report.warnings || []).some(({ kind }) => kind === "singular-edge");
-  const error = singular ? "singular: it depends on the mesh"
-    : estimates.peak_error == null ? "error of the mesh unknown" : `error of the mesh up to ${percent(estimates.peak_error)}`;
-  card("largest pressure", rounded(peak.pressure, STRESS), `${error}; ${peak.boundary}, ${place(peak.position)}, t = ${peak.time} s`);
+  const singular = peak.singular ?? (report.warnings || []).some(({ kind }) => kind === "singular-edge");
+  const across = peak.nodes_across ? `, ${peak.nodes_across} nodes across` : "";
+  keyRow("largest pressure", rounded(peak.pressure, STRESS), `${peak.boundary}, ${placeOf(peak.position)}, t = ${plain(peak.time)} s`,
+    (singular ? "singular: it depends on the mesh" : upTo(peak.mesh_error ?? estimates.peak_error)) + across, "");
 }
-if (moved) card("largest displacement", rounded(moved.length, LENGTH), `${place(moved.position)}, t = ${moved.time} s`);
-const steps = estimates.increments;
-if (steps && steps.friction_work > 0)
-  card("friction work", rounded(steps.friction_work, ENERGY), `${percent(Math.abs(steps.work_error))} of it due to the increments; better ${rounded(steps.friction_work_corrected, ENERGY)}`);
-if (estimates.discretisation != null) card("mesh error", percent(estimates.discretisation), "in the energy norm");
-if (ended) card("computed in", `${plain(report.totals.wall_seconds, 3)} s`, `${report.method}, ${report.solver}; error of the laws ${Math.max(...Object.values(report.totals.kkt)).toExponential(1)}`);
+if (force) keyRow("largest contact force", rounded(Math.hypot(...force.force), FORCE), `${force.boundary}, t = ${plain(force.time)} s: (${force.force.map((f) => rounded(f, FORCE)).join(", ")})`,
+  about(force.mesh_error), `tangential part ${about(force.time_error)}`);
+if (friction) keyRow("friction work", rounded(friction.friction_work, ENERGY), "all increments", upTo(friction.mesh_error),
+  friction.time_error == null ? "unknown" : `${about(friction.time_error)}: better ${rounded(friction.friction_work * (1 - friction.time_error), ENERGY)}`);
+if (stick) keyRow("stick zone", `${plain(stick.ratio, 2)} ± ${plain(stick.uncertainty, 1)}`, `of the contact width, ${stick.boundary}, t = ${plain(stick.time)} s`, "± two elements", "");
+if (moved) keyRow("largest displacement", rounded(moved.length, LENGTH), `${placeOf(moved.position)}, t = ${plain(moved.time)} s`, "", "");
+const remarks = [
+  estimates.discretisation == null ? "" : `Error of the mesh in the energy norm: about ${percent(estimates.discretisation)}.`,
+  ended ? `Computed in ${plain(report.totals.wall_seconds, 3)} s by ${report.method} with ${report.solver}; largest error of any law ${Math.max(...Object.values(report.totals.kkt)).toExponential(1)}.` : "",
+];
+$("#results .note").textContent = remarks.join(" ").trim();
+$("#results").hidden = !ended;
 
 for (const { kind, message } of report.warnings || []) {
   const item = element("li");
@@ -39,6 +53,5 @@ $("#warnings").hidden = !(report.warnings || []).length;
 
 $("#scene pre").textContent = report.scene_text || "";
 $("#scene").hidden = !report.scene_text;
-$("#results").hidden = true;
 $("footer").textContent = (known ? `Forces in ${FORCE}, lengths in ${LENGTH}, energies in ${ENERGY}` : "Numbers are in the units of the scene")
   + ". All digits are in the files beside this page.";
