@@ -26,7 +26,7 @@ use stickslip::run::report::column_quantity;
 use crate::file_names::file_names;
 use crate::view;
 use error::PageError;
-use tables::{chosen, columns, limited, thinned};
+use tables::{chosen, columns, limited, shown_increments, thinned};
 
 pub(crate) mod error;
 mod tables;
@@ -41,7 +41,10 @@ const MOST_CONTACT: usize = 1_500_000;
 const MOST_BODY: usize = 300_000;
 
 /// Pictures take no more bytes. Those that do not fit are left out, the first ones before the last.
-const MOST_PICTURES: usize = 3_000_000;
+const MOST_PICTURES: usize = 2_000_000;
+
+/// The table of increments, that of forces, and those of all probes take no more bytes each, or show fewer increments.
+const MOST_HISTORY: usize = 700_000;
 
 /// The lists of the report that grow with the increments, which are in tables, too.
 const LISTS: [&str; 3] = ["increments", "forces", "reactions"];
@@ -87,14 +90,17 @@ pub(crate) fn page(names: &[String], read: impl Fn(&str) -> io::Result<String>) 
     let head: Option<view::Head> = serde_json::from_str(head).ok();
 
     let mut files = BTreeMap::new();
-    let mut rows = None;
-    for name in ["increments.csv", "forces.csv"].into_iter().filter(|name| is_there(name)) {
-        let (text, kept) = thinned(&read(name)?, rows.take());
-        rows = Some(kept);
-        files.insert(name.to_string(), text);
+    let increments = if is_there("increments.csv") { read("increments.csv")? } else { String::new() };
+    let rows = shown_increments(&increments);
+    if !increments.is_empty() {
+        files.insert("increments.csv".to_string(), thinned(&increments, &rows, MOST_HISTORY));
     }
-    for name in names.iter().filter(|name| name.starts_with("probe_")) {
-        files.insert(name.clone(), thinned(&read(name)?, rows.clone()).0);
+    if is_there("forces.csv") {
+        files.insert("forces.csv".to_string(), thinned(&read("forces.csv")?, &rows, MOST_HISTORY));
+    }
+    let probes = probes(head.as_ref(), names);
+    for name in probes.keys() {
+        files.insert(name.clone(), thinned(&read(name)?, &rows, MOST_HISTORY / probes.len()));
     }
     for name in names.iter().filter(|name| is_table_of_the_whole(name)) {
         files.insert(name.clone(), limited(&read(name)?));
@@ -136,7 +142,7 @@ pub(crate) fn page(names: &[String], read: impl Fn(&str) -> io::Result<String>) 
         "units": units(report.as_ref(), head.as_ref()),
         "report": report,
         "quantities": files.values().flat_map(|text| header(text)).filter_map(quantity).collect::<BTreeMap<_, _>>(),
-        "probes": probes(head.as_ref(), names),
+        "probes": probes,
         "contacts": contacts,
         "files": files,
         "pictures": pictures,
@@ -187,9 +193,9 @@ fn units(report: Option<&Map<String, Value>>, head: Option<&view::Head>) -> Opti
 
 /// Returns the boundaries with contact, each with the ending of its file names.
 fn boundaries(report: Option<&Map<String, Value>>, head: Option<&view::Head>) -> Vec<(String, String)> {
-    let of_report = report.and_then(|report| report.get("boundaries")?.as_array()).map(|list| {
-        list.iter().filter_map(|of| of.get("boundary")?.as_str().map(String::from)).collect::<Vec<_>>()
-    });
+    let of_report = report
+        .and_then(|report| report.get("boundaries")?.as_array())
+        .map(|list| list.iter().filter_map(|of| of.get("boundary")?.as_str().map(String::from)).collect::<Vec<_>>());
     let names = of_report.or_else(|| Some(head?.boundaries.clone())).unwrap_or_default();
     let files = file_names(names.iter().map(String::as_str));
     names.into_iter().zip(files).collect()
@@ -245,10 +251,7 @@ fn body(head: Option<&view::Head>, states: &str, peak: Option<usize>) -> Vec<Val
 }
 
 /// Returns the pictures that fit, the first ones before the others.
-fn encoded(
-    wanted: &[String],
-    read: impl Fn(&str) -> io::Result<String>,
-) -> io::Result<BTreeMap<String, String>> {
+fn encoded(wanted: &[String], read: impl Fn(&str) -> io::Result<String>) -> io::Result<BTreeMap<String, String>> {
     let (mut pictures, mut left) = (BTreeMap::new(), MOST_PICTURES);
     for name in wanted {
         let picture = read(name)?;

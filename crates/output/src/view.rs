@@ -65,7 +65,8 @@ impl View {
         }
         let has_cells = mesh.cells.len() <= MOST_CELLS;
         let patches: Vec<Vec<usize>> = if has_cells {
-            let corners = |around: Vec<usize>, count: usize| around.iter().step_by(around.len() / count).copied().collect();
+            let corners =
+                |around: Vec<usize>, count: usize| around.iter().step_by(around.len() / count).copied().collect();
             mesh.cells.iter().map(|cell| corners(cell.around(), cell.kind.corners())).collect()
         } else {
             mesh.surface().iter().map(|(side, _)| vec![side[0], side[side.len() - 1]]).collect()
@@ -118,7 +119,8 @@ impl View {
         if self.has_cells {
             let stresses: Vec<f64> = model.stresses(&factors, &displacements).into_iter().map(von_mises).collect();
             let most = stresses.iter().copied().fold(0.0, f64::max);
-            let shares = stresses.iter().map(|s| if most > 0.0 { (s / most * f64::from(u8::MAX)).round() as u8 } else { 0 });
+            let shares =
+                stresses.iter().map(|s| if most > 0.0 { (s / most * f64::from(u8::MAX)).round() as u8 } else { 0 });
             rest["most"] = self.units.of_si(Quantity::Stress, most).into();
             rest["stress"] = encoded(shares).into();
         }

@@ -22,7 +22,15 @@ function showPlaneBody([mesh, ...states]) {
     const b = patch[(k + 1) % patch.length], key = `${Math.min(a, b)} ${Math.max(a, b)}`;
     if (a !== b) sides.set(key, sides.has(key) && mesh.corners > 2 ? null : [a, b]);
   });
-  const outline = [...sides.values()].filter(Boolean);
+  // In chains, so that dashes do not begin again at each side.
+  const next = new Map();
+  for (const [a, b] of [...sides.values()].filter(Boolean)) next.set(a, [...(next.get(a) || []), b]);
+  const outline = [];
+  for (const first of next.keys()) while (next.get(first).length) {
+    const chain = [first];
+    for (let node = first; (next.get(node) || []).length;) chain.push((node = next.get(node).pop()));
+    outline.push(chain);
+  }
   const size = [0, 1].map((c) => { let [low, high] = [Infinity, -Infinity]; for (let k = c; k < x.length; k += 2) [low, high] = [Math.min(low, x[k]), Math.max(high, x[k])]; return high - low; });
   const largest = Math.max(...states.map((state) => 32767 * state.step)), most = Math.max(...states.map((state) => state.most || 0));
   const usual = largest > 0 ? readable((0.05 * Math.hypot(...size)) / largest) : 1;
@@ -32,7 +40,8 @@ function showPlaneBody([mesh, ...states]) {
   slider.max = states.length - 1; slider.value = Math.max(0, states.findIndex((state) => peak && state.time === peak.time) + 1 || states.length) - 1;
   slider.parentElement.hidden = states.length < 2;
   scale.max = scales.length - 1; scale.value = scales.indexOf(usual);
-  let drawn = null;
+  const note = $("#drawn .note");
+  let drawn = null, usualNote = "";
   function show() {
     const state = states[slider.value], factor = scales[scale.value], u = new Int16Array(bytes(state.u));
     const stress = state.stress && new Uint8Array(bytes(state.stress)), share = most > 0 && state.most ? state.most / most / 255 : 0;
@@ -50,21 +59,21 @@ function showPlaneBody([mesh, ...states]) {
     const at = (places, node) => [start + px * (places[2 * node] - left), 6 + px * (high - places[2 * node + 1])];
     pen.scale(sharp, sharp);
     const style = getComputedStyle(document.documentElement), colour = (name) => style.getPropertyValue(name).trim();
-    const line = (places, list) => { pen.beginPath(); for (const [a, b] of list) { pen.moveTo(...at(places, a)); pen.lineTo(...at(places, b)); } pen.stroke(); };
-    // Cells smaller than four dots would be hidden by their sides.
-    const side = px * Math.sqrt((size[0] * size[1]) / patches.length), isFine = side < 4;
+    const line = (places, list) => { pen.beginPath(); for (const chain of list) chain.forEach((node, k) => pen[k ? "lineTo" : "moveTo"](...at(places, node))); pen.stroke(); };
     if (stress) patches.forEach((patch, e) => {
-      pen.beginPath(); patch.forEach((node, k) => pen[k ? "lineTo" : "moveTo"](...at(moved, node))); pen.closePath();
+      const corners = Array.from(patch, (node) => at(moved, node));
+      // The sides of cells that are thinner than four dots would hide their colours.
+      const isFine = corners.some(([a, b], k) => { const [c, d] = corners[(k + 1) % corners.length]; return patch[k] !== patch[(k + 1) % patch.length] && Math.hypot(c - a, d - b) < 4; });
+      pen.beginPath(); corners.forEach((corner, k) => pen[k ? "lineTo" : "moveTo"](...corner)); pen.closePath();
       pen.fillStyle = shade(share * stress[e]); pen.fill();
       pen.strokeStyle = isFine ? pen.fillStyle : "rgb(110,110,110)"; pen.lineWidth = isFine ? 0.5 : 0.4; pen.stroke();
     });
     pen.lineWidth = 1.2; pen.strokeStyle = colour("--ink"); line(moved, outline);
     if (factor) { pen.setLineDash([5, 4]); pen.strokeStyle = colour("--two"); line(x, outline); pen.setLineDash([]); }
+    const length = u.reduce((most, _, k) => (k % 2 ? most : Math.max(most, Math.hypot(u[k], u[k + 1]))), 0) * state.step;
+    note.textContent = usualNote = `Dashes: the body before the deformation. Magnified bodies may overlap. Largest displacement here ${rounded(length, LENGTH)}.${mesh.corners === 2 ? " The body has many elements: its outline is drawn." : " Point at a node to read it."}`;
     drawn = { state, stress, share, u, moved, at };
   }
-  const usualNote = `Dashes: the body before the deformation. Largest displacement here ${rounded(largest, LENGTH)}.${mesh.corners === 2 ? " The body has many elements: its outline is drawn." : " Point at a node to read it."}`;
-  const note = $("#drawn .note");
-  note.textContent = usualNote;
   canvas.addEventListener("pointermove", (event) => {
     let best = { distance: 12 };
     for (let node = 0; node < x.length / 2; node++) {

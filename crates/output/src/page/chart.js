@@ -5,7 +5,9 @@ function draw(into, curves, [across, up]) {
   into.replaceChildren();
   const points = curves.flatMap((curve) => curve.points).filter(([x, y]) => Number.isFinite(x) && Number.isFinite(y));
   if (!points.length) return;
-  const W = Math.min(900, Math.max(360, into.clientWidth || 900)), H = 300, L = 78, R = 16, T = 30, B = 46;
+  const W = Math.min(900, Math.max(360, into.clientWidth || 900)), H = 300, L = 78, R = 16, B = 46;
+  // Names that do not fit beside the title of the axis are below it.
+  const named = curves.length > 1 ? curves.reduce((sum, { name }) => sum + 9 * name.length + 20, 0) : 0, isNarrow = 8 * up.length + named > W, T = isNarrow ? 48 : 30;
   const range = (k, zero) => {
     let low = Math.min(...points.map((p) => p[k])), high = Math.max(...points.map((p) => p[k]));
     if (zero) [low, high] = [Math.min(low, 0), Math.max(high, 0)];
@@ -50,7 +52,7 @@ function draw(into, curves, [across, up]) {
     if (ends) [shown[0], shown[shown.length - 1]].forEach(([cx, cy], k) => add("circle", { cx, cy, r: 4, style: `fill:${k ? colour : "var(--paper)"};stroke:${colour}` }));
     if (marks) marks.forEach((fill, k) => fill && Number.isFinite(points[k][0] + points[k][1]) && add("circle", { cx: X(points[k][0]), cy: Y(points[k][1]), r: 2.6, style: `fill:${fill}` }));
     if (curves.length === 1) continue;
-    const label = add("text", { x: right, y: 16, "text-anchor": "end", style: `fill:${colour}` }, name);
+    const label = add("text", { x: right, y: isNarrow ? 36 : 16, "text-anchor": "end", style: `fill:${colour}` }, name);
     right -= 9 * name.length + 20;
     label.setAttribute("font-weight", "600");
   }

@@ -33,9 +33,7 @@ impl PageError {
     pub fn help(&self) -> &'static str {
         match self {
             PageError::Folder { .. } => "name the folder that `stickslip run SCENE --out DIR` has filled",
-            PageError::NoResults { .. } => {
-                "name the folder of `--out`; a run has results from its first increment on"
-            }
+            PageError::NoResults { .. } => "name the folder of `--out`; a run has results from its first increment on",
             PageError::Report(_) => "remove run.json: the page is then made from the tables; or repeat the run",
             PageError::Disk(_) => "check that the folder can be read and written, and that the disk is not full",
         }

@@ -14,7 +14,7 @@ const estimates = report.estimates || {};
 const dimension = report.boundaries && report.boundaries[0] ? report.boundaries[0].force.length : 3;
 const placeOf = (x) => `(${x.slice(0, dimension).map((c) => plain(c)).join(", ")}) ${LENGTH}`;
 const upTo = (error) => (error == null ? "unknown" : `up to ${percent(error)}`);
-const about = (error) => (error == null ? "unknown" : `about ${percent(Math.abs(error))}`);
+const about = (error) => (error == null ? "unknown" : Math.abs(error) < 0.001 ? "below 0.1 %" : `about ${percent(Math.abs(error))}`);
 const keyRow = (...cells) => {
   const row = element("tr");
   row.append(...["quantity", "value", "where and when", "error of the mesh", "error of the time steps"].map((name, k) => {
@@ -33,8 +33,8 @@ if (peak && peak.pressure) {
 if (force) keyRow("largest contact force", rounded(Math.hypot(...force.force), FORCE), `${force.boundary}, t = ${plain(force.time)} s: (${force.force.map((f) => rounded(f, FORCE)).join(", ")})`,
   about(force.mesh_error), `tangential part ${about(force.time_error)}`);
 if (friction) keyRow("friction work", rounded(friction.friction_work, ENERGY), "all increments", upTo(friction.mesh_error),
-  friction.time_error == null ? "unknown" : `${about(friction.time_error)}: better ${rounded(friction.friction_work * (1 - friction.time_error), ENERGY)}`);
-if (stick) keyRow("stick zone", `${plain(stick.ratio, 2)} ± ${plain(stick.uncertainty, 1)}`, `of the contact width, ${stick.boundary}, t = ${plain(stick.time)} s`, "± two elements", "");
+  about(friction.time_error) + (Math.abs(friction.time_error) >= 0.001 ? `: better ${rounded(friction.friction_work * (1 - friction.time_error), ENERGY)}` : ""));
+if (stick) keyRow("stick zone", plain(stick.ratio, 2), `of the contact width, ${stick.boundary}, t = ${plain(stick.time)} s`, `± ${plain(stick.uncertainty, 1)}`, "");
 if (moved) keyRow("largest displacement", rounded(moved.length, LENGTH), `${placeOf(moved.position)}, t = ${plain(moved.time)} s`, "", "");
 const remarks = [
   estimates.discretisation == null ? "" : `Error of the mesh in the energy norm: about ${percent(estimates.discretisation)}.`,

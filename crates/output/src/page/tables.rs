@@ -25,14 +25,28 @@ pub(super) fn chosen(all: &[usize], most: usize) -> BTreeSet<usize> {
     (0..most).map(|k| all[k * (all.len() - 1) / (most - 1)]).collect()
 }
 
-/// Returns a table that begins with the number of the increment, and the numbers of its increments: those in `kept`, or as many as
-/// the page shows. A sum is that since the row before.
-pub(super) fn thinned(text: &str, kept: Option<BTreeSet<usize>>) -> (String, BTreeSet<usize>) {
-    let index = |line: &str| line.split(',').next().and_then(|index| index.parse::<usize>().ok());
-    let kept = kept.unwrap_or_else(|| {
-        let all: Vec<usize> = text.lines().filter_map(index).collect();
-        chosen(&all, MOST_ROWS)
-    });
+/// Returns the number of the increment at the beginning of a line.
+fn index(line: &str) -> Option<usize> {
+    line.split(',').next()?.parse().ok()
+}
+
+/// Returns the increments of a table that begins with their numbers, as many as the page shows.
+pub(super) fn shown_increments(text: &str) -> BTreeSet<usize> {
+    chosen(&text.lines().filter_map(index).collect::<Vec<_>>(), MOST_ROWS)
+}
+
+/// Returns the `kept` increments of such a table, or fewer if they take more than `most` bytes. A sum is that since the row
+/// before.
+pub(super) fn thinned(text: &str, kept: &BTreeSet<usize>, most: usize) -> String {
+    let all = rows_of(text, kept);
+    if all.len() <= most {
+        return all;
+    }
+    let fewer = (kept.len() as f64 * most as f64 / all.len() as f64) as usize;
+    rows_of(text, &chosen(&kept.iter().copied().collect::<Vec<_>>(), fewer.max(2)))
+}
+
+fn rows_of(text: &str, kept: &BTreeSet<usize>) -> String {
     let head: Vec<&str> = text.lines().next().unwrap_or_default().split(',').collect();
     let sums: Vec<usize> = (0..head.len()).filter(|&k| SUMS.contains(&head[k])).collect();
     let time = head.iter().position(|name| *name == "time");
@@ -56,7 +70,7 @@ pub(super) fn thinned(text: &str, kept: Option<BTreeSet<usize>>) -> (String, BTr
             found.push('\n');
         }
     }
-    (found, kept)
+    found
 }
 
 /// Returns these columns of a table.
@@ -92,16 +106,20 @@ fn short(cell: &str) -> String {
 mod tests {
     #![allow(clippy::unwrap_used)]
 
-    use super::{chosen, columns, limited, short, thinned};
+    use super::{chosen, columns, limited, short, shown_increments, thinned};
 
     #[test]
     fn long_tables_keep_their_sums() {
         let text: String =
             ["index,friction_work\n".to_string()].into_iter().chain((1..=2000).map(|k| format!("{k},0.5\n"))).collect();
-        let (thin, kept) = thinned(&text, None);
+        let kept = shown_increments(&text);
         assert!(kept.len() == 1000 && kept.contains(&1) && kept.contains(&2000));
-        let sum: f64 = thin.lines().skip(1).map(|line| line.split(',').nth(1).unwrap().parse::<f64>().unwrap()).sum();
-        assert_eq!(sum, 1000.0);
+        for most in [1_000_000, 2000] {
+            let thin = thinned(&text, &kept, most);
+            assert!(thin.len() <= most && thin.lines().count() > 100, "{}", thin.len());
+            let works = thin.lines().skip(1).map(|line| line.split(',').nth(1).unwrap().parse::<f64>().unwrap());
+            assert_eq!(works.sum::<f64>(), 1000.0);
+        }
         assert_eq!(limited(&text).lines().count(), 2001);
         assert_eq!(limited(&text.replace('\n', "\n1,2\n")).lines().count(), 2001);
     }
@@ -111,11 +129,9 @@ mod tests {
         assert_eq!(chosen(&[3, 5], 40).len(), 2);
         assert_eq!(chosen(&[3, 5, 7], 1).into_iter().collect::<Vec<_>>(), [7]);
         assert_eq!(columns("a,x,y\n1,2,3\n", &["x", "y"]), "x,y\n2,3\n");
-        assert_eq!(["-0.123456789", "1e-5", "strap:bottom", "12345678.25"].map(short), [
-            "-1.23457e-1",
-            "1e-5",
-            "strap:bottom",
-            "1.23457e7"
-        ]);
+        assert_eq!(
+            ["-0.123456789", "1e-5", "strap:bottom", "12345678.25"].map(short),
+            ["-1.23457e-1", "1e-5", "strap:bottom", "1.23457e7"]
+        );
     }
 }
