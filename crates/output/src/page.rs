@@ -78,10 +78,9 @@ struct Contact {
 /// If a file cannot be read, or `run.json` is not a report.
 pub(crate) fn page(names: &[String], read: impl Fn(&str) -> io::Result<String>) -> Result<String, PageError> {
     let is_there = |name: &str| names.iter().any(|other| other == name);
-    let mut report: Option<Map<String, Value>> = match is_there("run.json") {
-        true => Some(serde_json::from_str(&read("run.json")?).map_err(PageError::Report)?),
-        false => None,
-    };
+    let report = is_there("run.json").then(|| read("run.json")).transpose()?;
+    let report = report.map(|text| serde_json::from_str(&text)).transpose();
+    let mut report: Option<Map<String, Value>> = report.map_err(PageError::Report)?;
     for list in LISTS {
         report.as_mut().and_then(|report| report.remove(list));
     }
@@ -163,7 +162,9 @@ fn split<'a>(text: &'a str, mark: &str) -> [&'a str; 2] {
 /// Returns `true` for a table that is neither of a state nor of the increments.
 fn is_table_of_the_whole(name: &str) -> bool {
     let others = ["increments.csv", "forces.csv", "events.csv"];
-    name.ends_with(".csv") && !others.contains(&name) && !["contact_", "probe_"].iter().any(|of| name.starts_with(of))
+    name.strip_suffix(".csv").is_some()
+        && !others.contains(&name)
+        && !["contact_", "probe_"].iter().any(|of| name.starts_with(of))
 }
 
 /// Returns the names in the header of a table.
