@@ -1,5 +1,6 @@
 //! Estimates the disk space for the results of a run before the run.
 
+use crate::page::MOST_STATES;
 use stickslip::body::{Model, Probe, ProbePlace};
 use stickslip::scene::Scene;
 
@@ -39,6 +40,7 @@ pub fn bytes_on_disk(scene: &Scene, model: &Model) -> u64 {
     let deformed = if scene.output.deformed { PICTURE + nodes * DEFORMED } else { 0 };
     let state = if model.mesh.dimension == 2 { nodes * STATE } else { 0 };
     let each = INCREMENT + boundaries * FORCE + probes * PROBE;
-    let written = scene.output.increments(&ends).len() * (pictures + fields + deformed + state);
+    let times = scene.output.increments(&ends).len();
+    let written = times.min(MOST_STATES) * state + times * (pictures + fields + deformed);
     (ends.len() * each + written) as u64
 }

@@ -31,6 +31,7 @@ pub use disk::bytes_on_disk;
 pub use fields::fields;
 pub use folder::{FolderLock, LockedOutputDir, ResultFolder, write_file, write_page};
 pub use history_chart::history_charts;
+pub use page::MOST_STATES;
 pub use page::error::PageError;
 pub use plot::{contact_stresses, stress_chart};
 pub use pvd::series as pvd_series;

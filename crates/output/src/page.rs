@@ -31,8 +31,8 @@ use tables::{chosen, columns, limited, shown_increments, thinned};
 pub(crate) mod error;
 mod tables;
 
-/// The page shows no more states of the contact.
-const MOST_STATES: usize = 40;
+/// The page shows no more states of the contact, and of the body.
+pub const MOST_STATES: usize = 40;
 
 /// The tables of these states take no more bytes, or there are fewer states.
 const MOST_CONTACT: usize = 1_500_000;

@@ -1,6 +1,6 @@
 //! What the page of a run needs beside the tables: names, units, and the body in the plane.
 //!
-//! The hidden file begins with a line of JSON, [`Head`]. A further line for each of the output times holds the state of
+//! The hidden file begins with a line of JSON, [`Head`]. A further line for some of the output times holds the state of
 //! the body, so that the page can magnify displacements as its reader likes. Numbers are small integers in base64:
 //!
 //! | key | contents |

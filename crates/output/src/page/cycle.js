@@ -12,7 +12,7 @@ function entries(value, key = "", path = "") {
 if (cycle) {
   const { verdict, ...others } = cycle;
   $("#per-cycle .words").textContent = typeof verdict === "string" ? words(verdict) : "";
-  table($("#per-cycle .words").parentElement, ["of the cycle", "value"], entries(typeof verdict === "string" ? others : cycle));
+  table($("#facts"), ["of the cycle", "value"], entries(typeof verdict === "string" ? others : cycle));
 }
 if (perNode.rows.length) {
   const numeric = perNode.head.filter((name) => perNode.rows.some((row) => Number.isFinite(number(row[name]))));
