@@ -37,25 +37,27 @@ for (const id of ["#across", "#up"]) {
 }
 
 // Returns the cycles between two returns of a curve, the last first, each as its points and their first and last place. A curve has returned if it is
-// closer to a place than 2 % of its extent, after it was farther away than 20 %.
-const CLOSED = 0.02, AWAY = 0.2;
+// closer to a place than 2 % of the extent of the cycle in both directions, after it was farther away than 20 % of the whole extent.
+const CLOSED = 0.02, AWAY = 0.2, BOTH = [0, 1];
 function cyclesOf(points) {
-  const low = [0, 1].map((c) => Math.min(...points.map((p) => p[c]))), size = [0, 1].map((c) => Math.max(...points.map((p) => p[c])) - low[c] || 1);
-  const at = points.map((p) => [0, 1].map((c) => (p[c] - low[c]) / size[c]));
+  const low = BOTH.map((c) => Math.min(...points.map((p) => p[c]))), size = BOTH.map((c) => Math.max(...points.map((p) => p[c])) - low[c] || 1);
+  const at = points.map((p) => BOTH.map((c) => (p[c] - low[c]) / size[c]));
   const found = [];
   for (let end = points.length - 1; end > 1;) {
+    const p = at[end], range = BOTH.map((c) => [p[c], p[c]]);
     let best = null, away = false;
     for (let k = end - 1; k >= 0; k--) {
-      const [a, b, p] = [at[k], at[k + 1], at[end]], along = [b[0] - a[0], b[1] - a[1]];
+      const [a, b] = [at[k], at[k + 1]], along = BOTH.map((c) => b[c] - a[c]);
+      for (const c of BOTH) range[c] = [Math.min(range[c][0], b[c]), Math.max(range[c][1], b[c])];
       if (!away) { away = Math.hypot(p[0] - a[0], p[1] - a[1]) > AWAY; continue; }
       const length = along[0] ** 2 + along[1] ** 2;
       const share = length ? Math.min(1, Math.max(0, ((p[0] - a[0]) * along[0] + (p[1] - a[1]) * along[1]) / length)) : 0;
-      const gap = Math.hypot(p[0] - a[0] - share * along[0], p[1] - a[1] - share * along[1]);
+      const gap = Math.max(...BOTH.map((c) => Math.abs(p[c] - a[c] - share * along[c]) / (range[c][1] - range[c][0] || 1)));
       if (gap < CLOSED && (!best || gap < best.gap)) best = { k, share, gap };
       else if (best && gap >= CLOSED) break;
     }
     if (!best) break;
-    const { k, share } = best, start = [0, 1].map((c) => points[k][c] + share * (points[k + 1][c] - points[k][c]));
+    const { k, share } = best, start = BOTH.map((c) => points[k][c] + share * (points[k + 1][c] - points[k][c]));
     found.push({ points: [start, ...points.slice(k + 1, end + 1)], from: k + share, to: end });
     end = Math.round(k + share);
   }
