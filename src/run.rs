@@ -53,10 +53,11 @@ pub use recording::{RecordedIncrement, Recording};
 
 use crate::algebra::linear::RefinedSolver;
 use crate::base::memory::Budget;
+use crate::body::description::CycleRequest;
 use crate::body::model::Model;
 use crate::run::report::{
-    CompanionEstimate, Estimates, ForceJump, Measured, RankRecord, ReportInput, RunReport, Warning, cpu_seconds,
-    peak_rss_bytes,
+    CompanionEstimate, CycleWatch, Estimates, ForceJump, Measured, RankRecord, ReportInput, RunReport, Warning,
+    cpu_seconds, peak_rss_bytes,
 };
 use crate::scene::Scene;
 use crate::solver::checkpoint::Checkpoint;
@@ -80,6 +81,14 @@ use watch::{ReportCollector, Sink};
 /// The number of factorisations from which on a better ordering is worth its time.
 const MANY: f64 = 10.0;
 
+/// The reason why there are no results of a load cycle.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "at no earlier increment did all loads have the values of the end, and change in the same direction; give the times \
+     of the cycle, output.cycle = [1.0, 2.0]"
+)]
+struct NoCycle;
+
 /// A model with its increments and its solver. A run may be solved several times.
 #[derive(Debug)]
 pub struct Run<'a> {
@@ -95,6 +104,7 @@ pub struct Run<'a> {
     reach: InitialWorkingSet,
     uniqueness: bool,
     companion: bool,
+    cycle: Option<CycleRequest>,
     /// The checkpoint from which the run resumes; `None` to begin with the unloaded body.
     from: Option<Checkpoint>,
     /// Wall time of mesh, assembly and choice of the linear solver, s.
@@ -169,8 +179,22 @@ impl<'a> Run<'a> {
         let model = as_chosen(scene, model, solver, choice.linear)?;
         MemoryEstimate::check(&model, choice.linear, budget)?;
         let model_seconds = start.elapsed().as_secs_f64();
+        let cycle = scene.and_then(|scene| scene.output.cycle);
         let (uniqueness, companion, from) = (false, false, None);
-        Ok(Run { scene, model, times, solver, choice, budget, reach, uniqueness, companion, from, model_seconds })
+        Ok(Run {
+            scene,
+            model,
+            times,
+            solver,
+            choice,
+            budget,
+            reach,
+            uniqueness,
+            companion,
+            cycle,
+            from,
+            model_seconds,
+        })
     }
 
     /// Requests the critical friction at the end.
@@ -190,6 +214,12 @@ impl<'a> Run<'a> {
     #[must_use]
     pub fn with_companion(self) -> Self {
         Run { companion: true, ..self }
+    }
+
+    /// Requests the results of a load cycle. A scene requests that of its output.
+    #[must_use]
+    pub fn with_cycle(self, cycle: CycleRequest) -> Self {
+        Run { cycle: Some(cycle), ..self }
     }
 
     /// Resumes from a `checkpoint` that an observer was offered in [`Observer::rest`]. Except for times and numbers of
@@ -280,7 +310,8 @@ impl<'a> Run<'a> {
         let companion = self.companion();
         let numbers = companion.as_ref().map_or(&[][..], |companion| &companion.ends[0]);
         let leaps = JumpDetector::new(&self.model, self.solver.method);
-        let mut watch = ReportCollector::new(&self.model, self.uniqueness, numbers, leaps, &mut audience);
+        let cycle = self.cycle.as_ref().and_then(|cycle| CycleWatch::new(&self.model, &self.times, cycle));
+        let mut watch = ReportCollector::new(&self.model, self.uniqueness, numbers, cycle, leaps, &mut audience);
         if let Some(checkpoint) = &self.from {
             watch.continue_from(checkpoint).map_err(history::Error::from)?;
         }
@@ -297,6 +328,7 @@ impl<'a> Run<'a> {
             balance,
             curves,
             key,
+            cycle,
             increments,
             forces,
             reactions,
@@ -312,6 +344,9 @@ impl<'a> Run<'a> {
                 Ok(compared) => all_estimates.companion = Some(compared),
                 Err(error) => missing.push(Warning::of_missing("the estimate by a companion run", &error)),
             }
+        }
+        if self.cycle.is_some() && cycle.is_none() {
+            missing.push(Warning::of_missing("the load cycle", &NoCycle));
         }
         let leap = match self.leap(&leaps, &settings, outcome.scales, audience.observer()) {
             Ok(leap) => leap,
@@ -364,6 +399,7 @@ impl<'a> Run<'a> {
             validity: &validity,
             largest_pressure: estimates.largest_pressure(&self.model, &all_estimates),
             key,
+            cycle: cycle.and_then(|cycle| cycle.report(&self.model)),
             estimates: all_estimates,
             increments,
             forces,

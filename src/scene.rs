@@ -43,7 +43,7 @@ pub use provenance::Provenance;
 
 use crate::base::input_error::InputError;
 use crate::base::timeline::{equal_increments, with_further_ends};
-use crate::body::description::{Description, Probe};
+use crate::body::description::{CycleRequest, Description, Probe};
 use crate::solver::history::SolverChoice;
 use error::Source;
 
@@ -94,6 +94,8 @@ pub struct Output {
     pub deformed: bool,
     /// The magnification of displacements in these pictures; `None` chooses one that shows them well.
     pub magnification: Option<f64>,
+    /// The load cycle whose results are written.
+    pub cycle: Option<CycleRequest>,
     /// Points whose displacements and stresses are written in every increment.
     pub probes: Vec<Probe>,
 }

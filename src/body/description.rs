@@ -2,6 +2,7 @@
 //! into the same values.
 
 mod check;
+mod cycle;
 mod field;
 mod formulas;
 mod kinks;
@@ -12,6 +13,7 @@ mod spring;
 mod support;
 mod units;
 
+pub use cycle::{CycleChoice, CycleRequest};
 pub use field::Field;
 pub use kinks::Kinks;
 pub use load::{Action, Load, Where};

@@ -6,7 +6,7 @@ use super::force_jumps::JumpDetector;
 use super::recording::RecordedIncrement;
 use crate::body::model::Model;
 use crate::run::report::{
-    Accumulated, BalanceRecord, BalanceWatch, EstimateWatch, ForceRecord, HistoryCurves, KeyWatch, Validity,
+    Accumulated, BalanceRecord, BalanceWatch, CycleWatch, EstimateWatch, ForceRecord, HistoryCurves, KeyWatch, Validity,
 };
 use crate::solver::checkpoint::{Checkpoint, CheckpointError};
 use crate::solver::events::Event;
@@ -49,6 +49,8 @@ pub(super) struct ReportCollector<'a, 'b> {
     pub balance: BalanceWatch,
     pub curves: HistoryCurves,
     pub key: KeyWatch,
+    /// The load cycle, if one is asked for.
+    pub cycle: Option<CycleWatch>,
     /// The records of all increments so far; empty with a ledger.
     pub increments: Vec<IncrementRecord>,
     /// The resultants of the contact forces at the ends of increments.
@@ -74,6 +76,7 @@ struct Known {
     balance: BalanceWatch,
     curves: HistoryCurves,
     key: KeyWatch,
+    cycle: Option<CycleWatch>,
     last_reactions: Option<BalanceRecord>,
     last: Option<RecordedIncrement>,
     states: Vec<State>,
@@ -85,6 +88,7 @@ impl<'a, 'b> ReportCollector<'a, 'b> {
         model: &'a Model,
         keeps_last: bool,
         numbers: &'a [usize],
+        cycle: Option<CycleWatch>,
         leaps: JumpDetector,
         audience: &'a mut Sink<'b>,
     ) -> Self {
@@ -96,6 +100,7 @@ impl<'a, 'b> ReportCollector<'a, 'b> {
             balance: BalanceWatch::default(),
             curves: HistoryCurves::default(),
             key: KeyWatch::default(),
+            cycle,
             increments: Vec::new(),
             forces: Vec::new(),
             reactions: Vec::new(),
@@ -110,15 +115,21 @@ impl<'a, 'b> ReportCollector<'a, 'b> {
 
     /// Resumes from the data in a `checkpoint`.
     pub(super) fn continue_from(&mut self, checkpoint: &Checkpoint) -> Result<(), CheckpointError> {
-        let Known { validity, seen, balance, curves, key, last_reactions, last, states, leaps } = checkpoint.part(1)?;
+        let Known { validity, seen, balance, curves, key, cycle, last_reactions, last, states, leaps } =
+            checkpoint.part(1)?;
         if !validity.fits(self.model) || !leaps.fit(self.model) || !self.estimates.go_on_with(self.model, seen) {
             return Err(CheckpointError::Other { what: "the mesh or its contact" });
+        }
+        let is_same_cycle = cycle.is_some() == self.cycle.is_some() && cycle.iter().all(|cycle| cycle.fits(self.model));
+        if !is_same_cycle {
+            return Err(CheckpointError::Other { what: "the load cycle" });
         }
         let before = self.numbers.iter().filter(|number| **number <= checkpoint.increments()).count();
         if states.len() != before || last.is_some() != self.keeps_last {
             return Err(CheckpointError::Other { what: "what is asked for (--companion, --uniqueness)" });
         }
-        (self.validity, self.balance, self.curves, self.key) = (validity, balance, curves, key);
+        (self.validity, self.balance, self.curves) = (validity, balance, curves);
+        (self.key, self.cycle) = (key, cycle);
         (self.last_reactions, self.last, self.states, self.leaps) = (last_reactions, last, states, leaps);
         Ok(())
     }
@@ -172,6 +183,9 @@ impl Observer for ReportCollector<'_, '_> {
     }
 
     fn part(&mut self, part: &IncrementView<'_>) {
+        if let Some(cycle) = &mut self.cycle {
+            cycle.part(self.model, part);
+        }
         let record = self.record(part);
         self.audience.observer().part(&IncrementView { record: record.as_ref().unwrap_or(part.record), ..*part });
     }
@@ -182,6 +196,9 @@ impl Observer for ReportCollector<'_, '_> {
         self.validity.see(self.model, step);
         self.estimates.see(self.model, step);
         self.leaps.see(self.model, step);
+        if let Some(cycle) = &mut self.cycle {
+            cycle.see(self.model, step);
+        }
         let converged = step.record.status == Status::Converged;
         if converged && self.numbers.binary_search(&step.record.index).is_ok() {
             self.states.push(tangential_forces(step.state));
@@ -199,6 +216,7 @@ impl Observer for ReportCollector<'_, '_> {
             balance,
             curves,
             key,
+            cycle,
             last_reactions,
             last,
             states,
@@ -212,6 +230,7 @@ impl Observer for ReportCollector<'_, '_> {
             balance: *balance,
             curves: curves.clone(),
             key: key.clone(),
+            cycle: cycle.clone(),
             last_reactions: last_reactions.clone(),
             last: last.clone(),
             states: states.clone(),

@@ -7,7 +7,7 @@ use std::fmt;
 use std::marker::PhantomData;
 
 pub(super) use body::{BodyTable, Material, MaterialGroup, Mesh, MeshKind};
-pub(super) use output::{Output, Probe, Times};
+pub(super) use output::{Cycle, Output, Probe, Times};
 
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{self, IntoDeserializer, MapAccess, SeqAccess, Visitor};

@@ -16,6 +16,7 @@ use super::error::Source;
 use super::{Scene, SceneError, Time};
 use crate::base::formula::Formula;
 use crate::base::input_error::{InputError, ensure, finite};
+use crate::base::timeline::with_further_ends;
 use crate::base::units::Units;
 use crate::body::description::Description;
 use bodies::Bodies;
@@ -46,7 +47,12 @@ pub(super) fn scene(mut document: Document, mut source: Source) -> Result<Scene,
     // numbers too large for the solver are found only in SI.
     given.check().map_err(at)?;
     let is_further = |t: &f64| given.times.binary_search_by(|end| end.total_cmp(t)).is_err();
-    time.kinks = given.ends_at_kinks(&given.times).into_iter().filter(is_further).collect();
+    let of_cycle = match &document.output.cycle {
+        Some(document::Cycle::Between(times)) => times.iter().copied().filter(|t| *t > 0.0 && *t <= time.end).collect(),
+        _ => Vec::new(),
+    };
+    let ends = with_further_ends(&given.ends_at_kinks(&given.times), of_cycle);
+    time.kinks = ends.into_iter().filter(is_further).collect();
     given.times = time.all();
     let description = given.given_in(document.units);
     description.check().map_err(|fault| at(fault.in_si()))?;
@@ -54,6 +60,7 @@ pub(super) fn scene(mut document: Document, mut source: Source) -> Result<Scene,
     let one_tangent_key = solver::one_tangent_key(solver.method.increments());
     let mut output = output::output(document.output, &time).map_err(at)?;
     output.probes = output.probes.into_iter().map(|probe| probe.given_in(document.units)).collect();
+    output.cycle = output.cycle.map(|cycle| cycle.given_in(document.units));
     let stem = || Path::new(&source.name).file_stem().map_or(String::new(), |stem| stem.to_string_lossy().into_owned());
     let title = document.title.unwrap_or_else(stem);
     Ok(Scene { title, description, time, solver, one_tangent_key, output, source })

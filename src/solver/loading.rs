@@ -268,6 +268,16 @@ impl Loading {
         self.bends.iter().map(|bend| bend.off_the_chords(&kinks)).fold(0.0, f64::max)
     }
 
+    /// Returns the factors of all loads, the motions of all obstacles and the factors of friction at time `t`: the loading
+    /// at two times is equal if these are.
+    pub(crate) fn factors_at(&self, t: f64) -> Vec<f64> {
+        let loads = self.cases.iter().map(|case| case.factor(t));
+        let motions = self.motions.iter().map(|motion| motion.at(t));
+        let friction = self.friction.iter().flat_map(|friction| &friction.cases);
+        let friction = friction.map(|(_, history)| piecewise_linear(history, t).unwrap_or(1.0));
+        loads.chain(motions).chain(friction).collect()
+    }
+
     /// Returns the gaps (n_c, m) at time `t`.
     pub fn gaps_at(&self, t: f64) -> Vec<f64> {
         let mut gap = self.gap.clone();

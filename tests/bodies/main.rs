@@ -13,6 +13,7 @@ mod closed_forms;
 mod companion;
 mod concave;
 mod cube;
+mod cycle;
 mod description;
 mod door;
 mod estimates;

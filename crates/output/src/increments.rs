@@ -74,7 +74,8 @@ pub(super) fn event_line(model: &Model, index: usize, event: &Event) -> String {
 pub(super) fn forces_header(dimension: usize, several: bool) -> String {
     let obstacle: &[&str] = if several { &["obstacle"] } else { &[] };
     let forces: Vec<&str> = force_columns(dimension).iter().map(|column| column.name()).collect();
-    let header = [&["index", "time", "boundary"], &forces[..], &["kind", "balance"], obstacle].concat();
+    let moved = DISPLACEMENT[..dimension].iter().map(|column| column.name()).collect::<Vec<_>>();
+    let header = [&["index", "time", "boundary"], &forces[..], &["kind", "balance"], &moved, obstacle].concat();
     csv_table(&header, std::iter::empty())
 }
 
@@ -87,34 +88,42 @@ fn force_columns(dimension: usize) -> &'static [Column] {
     if dimension == 2 { PLANE } else { SPACE }
 }
 
+/// The columns of the mean displacement of the nodes of a support, spring or load.
+const DISPLACEMENT: [Column; 3] = Column::all(["u_x", "u_y", "u_z"]).expect("columns with known quantities");
+
 /// Formats the force lines of an increment: the forces on the obstacles in front of each boundary, on each single
 /// obstacle if there are several, then the forces of supports, springs and loads on the body.
 pub(super) fn forces_lines(contact: &[ForceRecord], balance: &BalanceRecord, units: &UnitSystem) -> String {
     let BalanceRecord { index, time, supports, springs, loads, balance, .. } = balance;
     let several = contact.iter().any(|record| !record.resultant.obstacles.is_empty());
-    let line = |at: &str, force: &[f64], moment: &[f64], sums: [Option<f64>; 3], kind: &str, obstacle: &str| {
-        let numbers = force.iter().chain(moment).copied().map(Some).chain(sums);
-        let numbers = force_columns(force.len()).iter().zip(numbers);
-        let mut fields = vec![index.to_string(), csv_number(*time), at.to_string()];
-        fields.extend(numbers.map(|(column, x)| x.map_or(String::new(), |x| column.cell(units, x))));
-        fields.extend([kind.to_string(), csv_number(*balance)]);
-        fields.extend(several.then(|| obstacle.to_string()));
-        csv_line(&fields)
-    };
+    let line =
+        |at: &str, force: &[f64], moment: &[f64], moved: &[f64], sums: [Option<f64>; 3], kind: &str, obstacle: &str| {
+            let numbers = force.iter().chain(moment).copied().map(Some).chain(sums);
+            let numbers = force_columns(force.len()).iter().zip(numbers);
+            let mut fields = vec![index.to_string(), csv_number(*time), at.to_string()];
+            fields.extend(numbers.map(|(column, x)| x.map_or(String::new(), |x| column.cell(units, x))));
+            fields.extend([kind.to_string(), csv_number(*balance)]);
+            let moved = DISPLACEMENT[..force.len()].iter().enumerate().map(|(k, column)| (column, moved.get(k)));
+            fields.extend(moved.map(|(column, u)| u.map_or(String::new(), |u| column.cell(units, *u))));
+            fields.extend(several.then(|| obstacle.to_string()));
+            csv_line(&fields)
+        };
     let components = |sums: &ComponentSums| [Some(sums.sum_p_n), Some(sums.sum_p_t), sums.sum_p_o];
-    let on_each =
-        |at: &str, on: &OnObstacle| line(at, &on.force, &on.moment, components(&on.sums), "obstacle", &on.obstacle);
+    let on_each = |at: &str, on: &OnObstacle| {
+        line(at, &on.force, &on.moment, &[], components(&on.sums), "obstacle", &on.obstacle)
+    };
     let on_obstacle = |record: &ForceRecord| {
         let Resultant { boundary, force, moment, sums, obstacles, opposite } = &record.resultant;
-        let all = line(boundary, force, moment, components(sums), "contact", "");
-        let other_side = opposite.iter().map(|of| line(&of.boundary, &of.force, &of.moment, [None; 3], "opposite", ""));
+        let all = line(boundary, force, moment, &[], components(sums), "contact", "");
+        let other_side =
+            opposite.iter().map(|of| line(&of.boundary, &of.force, &of.moment, &[], [None; 3], "opposite", ""));
         [all].into_iter().chain(other_side).chain(obstacles.iter().map(|on| on_each(boundary, on))).collect::<String>()
     };
     let mut lines: String = contact.iter().map(on_obstacle).collect();
     for (kind, acting) in [("support", supports), ("spring", springs), ("load", loads)] {
-        lines.extend(
-            acting.iter().map(|AppliedForce { at, force, moment }| line(at, force, moment, [None; 3], kind, "")),
-        );
+        lines.extend(acting.iter().map(|AppliedForce { at, force, moment, displacement }| {
+            line(at, force, moment, displacement, [None; 3], kind, "")
+        }));
     }
     lines
 }

@@ -15,10 +15,14 @@ pub enum Quantity {
     /// A force, N. In two dimensions it is per depth, N per m, except for bodies of revolution; so are the following
     /// quantities.
     Force,
+    /// An area, m²; in two dimensions per depth.
+    Area,
     /// A moment, N m.
     Moment,
     /// An energy, J.
     Energy,
+    /// An energy per area, J/m², also in two dimensions.
+    EnergyPerArea,
     /// A mass density, kg/m³.
     Density,
     /// An acceleration, m/s².
@@ -131,6 +135,8 @@ impl UnitSystem {
                 Quantity::Length => "m",
                 Quantity::Stress => "Pa",
                 Quantity::Force => "N",
+                Quantity::Area => "m2",
+                Quantity::EnergyPerArea => "J/m2",
                 Quantity::Moment => "N m",
                 Quantity::Energy => "J",
                 Quantity::Density => "kg/m3",
@@ -149,6 +155,12 @@ impl UnitSystem {
             Quantity::Length => length.to_string(),
             Quantity::Stress => stress.to_string(),
             Quantity::Force => format!("{force}{depth}"),
+            Quantity::Area if self.per_depth => length.to_string(),
+            Quantity::Area => format!("{length}2"),
+            Quantity::EnergyPerArea => match named(volume, &ENERGIES) {
+                Some(energy) => format!("{energy}/{length}2"),
+                None => format!("{stress} {length}"),
+            },
             Quantity::Moment => format!("{force} {length}{depth}"),
             Quantity::Energy => match named(volume, &ENERGIES) {
                 Some(energy) => format!("{energy}{depth}"),
@@ -173,6 +185,8 @@ impl UnitSystem {
             Quantity::Length | Quantity::Acceleration => (0, 1),
             Quantity::Stress => (1, 0),
             Quantity::Force => (1, 2 - plane),
+            Quantity::Area => (0, 2 - plane),
+            Quantity::EnergyPerArea => (1, 1),
             Quantity::Moment | Quantity::Energy => (1, 3 - plane),
             Quantity::Density => (1, -2),
             Quantity::Foundation => (1, -1),

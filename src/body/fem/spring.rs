@@ -92,6 +92,11 @@ impl Spring {
         }
     }
 
+    /// Returns the nodes that it holds.
+    pub fn nodes(&self) -> &[usize] {
+        &self.nodes
+    }
+
     /// Computes the forces (N) that it exerts on its nodes for the displacements `u` (m, all nodes of the mesh).
     pub fn forces<'a>(&'a self, u: &'a [[f64; 3]]) -> impl Iterator<Item = (usize, [f64; 3])> + 'a {
         let along =

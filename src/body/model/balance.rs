@@ -84,6 +84,8 @@ pub(super) struct Statics {
     shares: Vec<Vec<(usize, [[f64; 3]; 3])>>,
     springs: Vec<Vec<Spring>>,
     loads: Vec<UnitLoad>,
+    /// The nodes of each support, spring or foundation, and load.
+    places: [Vec<Vec<usize>>; 3],
     /// For each motion of supports, the forces of springs (N) on the held nodes due to its rigid offset at factor 1.
     on_springs: Vec<Vec<[f64; 3]>>,
 }
@@ -120,9 +122,21 @@ impl Statics {
             let whole = forces.iter().map(|(node, force)| Wrench::at(mesh.geometry, mesh.nodes[*node], *force)).sum();
             UnitLoad { whole, size: forces.iter().map(|(_, force)| norm(*force)).sum(), on_held: on_held(forces) }
         };
+        let of_supports = |share: &Vec<(usize, _)>| share.iter().map(|(held, _)| rows.nodes()[*held]).collect();
+        let of_springs = |springs: &Vec<Spring>| springs.iter().flat_map(Spring::nodes).copied().collect();
+        let of_loads = |forces: &NodalForces| forces.iter().map(|(node, _)| *node).collect();
+        let mut places: [Vec<Vec<usize>>; 3] = [
+            shares.iter().map(of_supports).collect(),
+            springs.iter().map(of_springs).collect(),
+            loads.iter().map(of_loads).collect(),
+        ];
+        for nodes in places.iter_mut().flatten() {
+            nodes.sort_unstable();
+            nodes.dedup();
+        }
         let loads = loads.iter().map(acting).collect();
         let on_springs = on_springs.iter().map(on_held).collect();
-        Statics { rows, shares, springs, loads, on_springs }
+        Statics { rows, shares, springs, loads, places, on_springs }
     }
 
     /// Returns all springs; foundations have one for each facet.
@@ -254,7 +268,7 @@ impl Model {
 
     /// Computes all forces on the body; the lengths of the state are not checked.
     pub(crate) fn balanced(&self, t: f64, state: &State) -> Balance {
-        let Statics { rows, shares, springs, loads, on_springs } = &self.statics;
+        let Statics { rows, shares, springs, loads, on_springs, .. } = &self.statics;
         let (strained, rest) = if state.u_rest.is_empty() {
             (self.strained(t, &state.u), Vec::new())
         } else {
@@ -320,6 +334,17 @@ impl Model {
         left += contact;
         let [closure, force_closure] = self.left_of(left).map(|left| if size > 0.0 { left / size } else { 0.0 });
         Balance { loads, supports, springs, contact, closure, force_closure, size }
+    }
+
+    /// Returns the mean displacement (m) of the nodes of each support, of each spring or foundation, and of each load at
+    /// time `t` (s) in the `state` at that time.
+    pub(crate) fn mean_displacements(&self, t: f64, state: &State) -> [Vec<[f64; 3]>; 3] {
+        let all = self.displaced(t, &state.u);
+        let mean = |nodes: &Vec<usize>| {
+            let sum = nodes.iter().fold([0.0; 3], |sum, &node| plus(sum, 1.0, all[node]));
+            sum.map(|sum| if nodes.is_empty() { 0.0 } else { sum / nodes.len() as f64 })
+        };
+        self.statics.places.each_ref().map(|places| places.iter().map(mean).collect())
     }
 
     /// Returns the larger of the magnitudes of the force and of the moment about the middle of the body divided by its

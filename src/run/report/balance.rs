@@ -48,6 +48,9 @@ pub struct AppliedForce {
     /// The moment about the origin at the reference positions of the nodes: about z in two dimensions, about x, y and z
     /// in three, N m; in two dimensions N m per m of depth.
     pub moment: Vec<f64>,
+    /// The mean displacement of the nodes on which it acts: x, y and, in three dimensions, z, m.
+    #[serde(default)]
+    pub displacement: Vec<f64>,
 }
 
 impl BalanceRecord {
@@ -56,19 +59,21 @@ impl BalanceRecord {
         let (index, time) = (step.record.index, step.record.time);
         let Balance { loads, supports, springs, closure, force_closure, size, .. } = model.balanced(time, step.state);
         let (description, units) = (model.description(), model.units());
-        let acting = |names: Vec<String>, wrenches: Vec<Wrench>| {
-            names
-                .into_iter()
-                .zip(wrenches)
-                .map(|(at, wrench)| AppliedForce::new(at, wrench, model.mesh.dimension))
-                .collect()
+        let [of_supports, of_springs, of_loads] = model.mean_displacements(time, step.state);
+        let acting = |names: Vec<String>, wrenches: Vec<Wrench>, displacements: Vec<[f64; 3]>| {
+            let acting = names.into_iter().zip(wrenches).zip(displacements);
+            acting.map(|((at, wrench), u)| AppliedForce::new(at, wrench, u, model.mesh.dimension)).collect()
         };
         BalanceRecord {
             index,
             time,
-            supports: acting(description.supports.iter().map(|support| support.at.place(&units)).collect(), supports),
-            springs: acting(description.springs.iter().map(|bed| bed.place(&units)).collect(), springs),
-            loads: acting(description.loads.iter().map(|load| load.action.place(&units)).collect(), loads),
+            supports: acting(
+                description.supports.iter().map(|support| support.at.place(&units)).collect(),
+                supports,
+                of_supports,
+            ),
+            springs: acting(description.springs.iter().map(|bed| bed.place(&units)).collect(), springs, of_springs),
+            loads: acting(description.loads.iter().map(|load| load.action.place(&units)).collect(), loads, of_loads),
             balance: closure,
             of_forces: force_closure,
             size,
@@ -131,9 +136,10 @@ impl BalanceWatch {
 }
 
 impl AppliedForce {
-    fn new(at: String, wrench: Wrench, dimension: usize) -> Self {
+    fn new(at: String, wrench: Wrench, displacement: [f64; 3], dimension: usize) -> Self {
         let Wrench { force, moment } = wrench;
         let moment = if dimension == 2 { vec![moment[2]] } else { moment.to_vec() };
-        AppliedForce { at, force: force[..dimension].to_vec(), moment }
+        let displacement = displacement[..dimension].to_vec();
+        AppliedForce { at, force: force[..dimension].to_vec(), moment, displacement }
     }
 }

@@ -2,7 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::estimates::Estimates;
 use crate::body::estimate::{ContactEstimate, ContactGraph, PeakOf, PeakZone};
 use crate::body::model::Model;
 use crate::solver::history::IncrementView;
@@ -110,7 +109,13 @@ impl Peak {
     }
 
     /// Returns the pressure for the report.
-    pub(super) fn told(&self, model: &Model, graph: &ContactGraph, estimates: &Estimates) -> LargestPressure {
+    pub(super) fn told(
+        &self,
+        model: &Model,
+        graph: &ContactGraph,
+        mesh_error: Option<f64>,
+        singular: bool,
+    ) -> LargestPressure {
         let [boundary, i] = self.at;
         let peak_of = PeakOf::at(model, graph, &self.state.p_n, i);
         LargestPressure {
@@ -120,8 +125,8 @@ impl Peak {
             position: model.contacts[i].position,
             time: self.time,
             nodes_across: PeakZone::around(model, graph, &self.state, i).and_then(|zone| zone.across),
-            mesh_error: estimates.peak_error,
-            singular: estimates.peak.as_ref().is_some_and(|peak| peak.singular_edge),
+            mesh_error,
+            singular,
         }
     }
 }

@@ -6,7 +6,7 @@ use serde_json::Value;
 use super::csv;
 use crate::base::units::{Quantity, UnitSystem};
 
-use Quantity::{Energy, Force, Length, Moment, Number, Stress};
+use Quantity::{Area, Energy, EnergyPerArea, Force, Length, Moment, Number, Stress};
 
 /// The columns of all tables.
 const COLUMNS: &Table = &[
@@ -36,6 +36,20 @@ const COLUMNS: &Table = &[
     (&["x", "y", "z", "w_n", "w_t", "w_o", "gap", "slip_t", "slip_o", "u_x", "u_y", "u_z"], Length),
     (&["sigma_n", "sigma_t", "sigma_o", "sigma_patch"], Stress),
     (&["s_xx", "s_yy", "s_zz", "s_xy", "s_yz", "s_zx", "von_mises"], Stress),
+    (&["area"], Area),
+    (&["slip_range", "slip_path", "slip_drift", "wear_depth"], Length),
+    (&["energy_density", "ruiz_1"], EnergyPerArea),
+    (
+        &[
+            "pressure_mean",
+            "pressure_range",
+            "traction_t_mean",
+            "traction_t_range",
+            "traction_o_mean",
+            "traction_o_range",
+        ],
+        Stress,
+    ),
 ];
 
 /// The fields of bodies.
@@ -69,6 +83,9 @@ const KEYS: &Table = &[
             "least_gap",
             "largest_gap",
             "overlap",
+            "slip_range",
+            "slip_drift",
+            "displacement",
         ],
         Length,
     ),

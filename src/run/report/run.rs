@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::balance::{BalanceRecord, BalanceWatch};
 use super::companion::ChosenIncrements;
+use super::cycle::CycleReport;
 use super::estimates::Estimates;
 use super::exact_path::{self, ExactPath};
 use super::explain::Explanation;
@@ -85,6 +86,9 @@ pub struct RunReport {
     /// The stick zone, if some nodes stick and others slip, when the tangential forces were largest.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stick_zone: Option<StickZone>,
+    /// The load cycle that was asked for, if the history has reached its end.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cycle: Option<CycleReport>,
     /// The bodies, if there are several, in the order of the field `body`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub bodies: Vec<BodyRecord>,
@@ -250,6 +254,8 @@ pub struct ReportInput<'a> {
     pub largest_pressure: Option<LargestPressure>,
     /// The largest force and the friction work.
     pub key: KeyWatch,
+    /// The load cycle that was asked for.
+    pub cycle: Option<CycleReport>,
     /// The error estimates.
     pub estimates: Estimates,
     /// The records of the increments, if they belong into the report.
@@ -333,6 +339,7 @@ impl RunReport {
             largest_force: facts.key.largest_force(&facts.estimates),
             friction: facts.key.friction(&facts.estimates),
             stick_zone: facts.estimates.stick_zone().cloned(),
+            cycle: facts.cycle,
             bodies: BodyRecord::all(model),
             warnings,
             largest_displacement: validity.largest,

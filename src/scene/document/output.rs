@@ -18,6 +18,8 @@ pub(in crate::scene) struct Output {
     #[serde(default)]
     pub deformed: bool,
     pub magnification: Option<f64>,
+    pub cycle: Option<Cycle>,
+    pub wear_coefficient: Option<f64>,
     #[serde(default)]
     pub probe: Vec<Probe>,
 }
@@ -32,6 +34,14 @@ pub(in crate::scene) struct Probe {
     pub points: Option<i64>,
 }
 
+/// A load cycle.
+pub(in crate::scene) enum Cycle {
+    /// The last one.
+    Last,
+    /// The one between these times, s.
+    Between(Vec<f64>),
+}
+
 /// Times of output.
 pub(in crate::scene) enum Times {
     /// The beginning and the end of each increment.
@@ -42,24 +52,36 @@ pub(in crate::scene) enum Times {
 
 impl<'de> Deserialize<'de> for Times {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(TimesVisitor)
+        let visitor = WordOrTimes { word: "all", expected: "a list of times or \"all\"" };
+        Ok(deserializer.deserialize_any(visitor)?.map_or(Times::All, Times::These))
     }
 }
 
-struct TimesVisitor;
+impl<'de> Deserialize<'de> for Cycle {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let visitor = WordOrTimes { word: "last", expected: "the times of its beginning and its end, or \"last\"" };
+        Ok(deserializer.deserialize_any(visitor)?.map_or(Cycle::Last, Cycle::Between))
+    }
+}
 
-impl<'de> Visitor<'de> for TimesVisitor {
-    type Value = Times;
+/// Reads a list of times, or one word: `None`.
+struct WordOrTimes {
+    word: &'static str,
+    expected: &'static str,
+}
+
+impl<'de> Visitor<'de> for WordOrTimes {
+    type Value = Option<Vec<f64>>;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a list of times or \"all\"")
+        f.write_str(self.expected)
     }
 
-    fn visit_str<E: de::Error>(self, word: &str) -> Result<Times, E> {
-        if word == "all" { Ok(Times::All) } else { Err(E::invalid_value(de::Unexpected::Str(word), &self)) }
+    fn visit_str<E: de::Error>(self, word: &str) -> Result<Self::Value, E> {
+        if word == self.word { Ok(None) } else { Err(E::invalid_value(de::Unexpected::Str(word), &self)) }
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, values: A) -> Result<Times, A::Error> {
-        Vec::deserialize(SeqAccessDeserializer::new(values)).map(Times::These)
+    fn visit_seq<A: SeqAccess<'de>>(self, values: A) -> Result<Self::Value, A::Error> {
+        Vec::deserialize(SeqAccessDeserializer::new(values)).map(Some)
     }
 }

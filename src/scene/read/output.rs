@@ -2,13 +2,13 @@
 
 use super::{foreign, needed};
 use crate::base::input_error::{InputError, ensure, finite};
-use crate::body::description::{Probe, ProbePlace};
+use crate::body::description::{CycleChoice, CycleRequest, Probe, ProbePlace};
 use crate::scene::document::{self, Times};
 use crate::scene::{Output, Time};
 
 /// Converts `given` to the output of a history over `time`.
 pub(super) fn output(given: document::Output, time: &Time) -> Result<Output, InputError> {
-    let document::Output { times, every, fields, deformed, magnification, probe } = given;
+    let document::Output { times, every, fields, deformed, magnification, cycle, wear_coefficient, probe } = given;
     if let Some(every) = every {
         let help = "1 stands for each increment, 10 for every tenth; the last one is always written";
         ensure(every >= 1, "output.every", &every, "at least 1", help)?;
@@ -50,7 +50,31 @@ pub(super) fn output(given: document::Output, time: &Time) -> Result<Output, Inp
     let probes = probe.into_iter().enumerate().map(|(k, given)| self::probe(&format!("output.probe[{k}]"), given));
     let probes: Vec<Probe> = probes.collect::<Result<_, _>>()?;
     Probe::check(&probes)?;
-    Ok(Output { times, every, fields, deformed, magnification, probes })
+    let cycle = self::cycle(cycle, wear_coefficient, time).map_err(|fault| fault.with_key("output"))?;
+    Ok(Output { times, every, fields, deformed, magnification, cycle, probes })
+}
+
+/// Converts the keys of a load cycle.
+fn cycle(
+    given: Option<document::Cycle>,
+    wear_coefficient: Option<f64>,
+    time: &Time,
+) -> Result<Option<CycleRequest>, InputError> {
+    let choice = match given {
+        None => {
+            return foreign("wear_coefficient", wear_coefficient.as_ref(), "an output without a cycle").map(|()| None);
+        }
+        Some(document::Cycle::Last) => CycleChoice::Last,
+        Some(document::Cycle::Between(times)) => match times[..] {
+            [start, end] if end <= time.end => CycleChoice::Between([start, end]),
+            _ => {
+                let message = format!("cycle is {times:?}, but the history runs from 0 to {}", time.end);
+                let help = "give the times of the beginning and the end of the cycle, s, or \"last\"";
+                return Err(InputError::new("cycle", message, help));
+            }
+        },
+    };
+    CycleRequest::new(choice, wear_coefficient).map(Some)
 }
 
 fn probe(key: &str, given: document::Probe) -> Result<Probe, InputError> {

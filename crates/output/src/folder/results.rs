@@ -190,7 +190,7 @@ impl ResultFolder {
         self.view.as_ref().map_or(Ok(()), |view| self.states.append(&view.line(model, step)))
     }
 
-    /// Writes the charts `forces.svg` and `iterations.svg`, the report with the stored lists as `run.json`, the page
+    /// Writes the charts `forces.svg` and `iterations.svg`, `cycle.csv` if a load cycle was asked for, the report with the stored lists as `run.json`, the page
     /// `report.html`, and writes all to the disk. An interrupted run can still be resumed. Returns `false` and writes nothing if the run
     /// was interrupted before its first results and results of an earlier run exist.
     ///
@@ -206,6 +206,9 @@ impl ResultFolder {
         }
         let lists = lists::FILES.map(|name| self.place.directory.read(name));
         self.place.write("run.json", |file| lists::write(report, lists, file))?;
+        if let Some(cycle) = &report.cycle {
+            self.write("cycle.csv", &cycle.to_csv(&report.units))?;
+        }
         let page = page_of(&self.place.directory).map_err(io::Error::other)?;
         self.write(PAGE, &page)?;
         self.sync()?;

@@ -5,8 +5,8 @@ use stickslip::base::{Quantity, UnitSystem};
 use stickslip::body::{PeakOf, StickZone};
 use stickslip::run::Run;
 use stickslip::run::report::{
-    AppliedForce, BalanceRecord, CompanionEstimate, ComponentSums, EliminatedUnknown, FrictionResult, LargestForce,
-    LargestPressure, RankRecord, Resultant, RunReport, Unknowns, Warning,
+    AppliedForce, BalanceRecord, CompanionEstimate, ComponentSums, CycleReport, EliminatedUnknown, FrictionResult,
+    LargestForce, LargestPressure, RankRecord, Resultant, RunReport, Unknowns, Warning,
 };
 use stickslip::scene::{Scene, Time};
 use stickslip::solver::formulation::Layout;
@@ -168,6 +168,9 @@ fn print_largest(report: &RunReport) {
             rounded(*time)
         );
     }
+    if let Some(cycle) = &report.cycle {
+        print_cycle(cycle, units);
+    }
     let Some(LargestPressure {
         pressure, peak_of, boundary, position, time, nodes_across, mesh_error, singular, ..
     }) = &report.largest_pressure
@@ -188,6 +191,16 @@ fn print_largest(report: &RunReport) {
         _ => say!("pressure     too few tetrahedra across the contact for a peak"),
     }
     say!("             at {} on `{boundary}`, t = {} s", rounded_place(units, *position), rounded(*time));
+}
+
+/// Prints the results of a load cycle.
+fn print_cycle(cycle: &CycleReport, units: &UnitSystem) {
+    let work = units.rounded(Quantity::Energy, cycle.friction_work, DIGITS);
+    let change = cycle.change.map_or(String::new(), |change| {
+        format!(", {} {} than in the cycle before", percent(change.abs()), if change < 0.0 { "less" } else { "more" })
+    });
+    let ends = [cycle.start, cycle.end].map(rounded);
+    say!("cycle        t = {} to {} s: {}, friction work {work}{change}", ends[0], ends[1], cycle.regime.name());
 }
 
 /// Formats a share in percent, with two digits if it is small.
