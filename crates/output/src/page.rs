@@ -180,6 +180,8 @@ fn quantity(column: &str) -> Option<(&str, &'static str)> {
         Quantity::Force => "force",
         Quantity::Moment => "moment",
         Quantity::Energy => "energy",
+        Quantity::Area => "area",
+        Quantity::EnergyPerArea => "energy_per_area",
         _ => return None,
     };
     Some((column, key))
@@ -187,8 +189,9 @@ fn quantity(column: &str) -> Option<(&str, &'static str)> {
 
 /// Returns the names of the units: empty for SI, `None` if they are unknown.
 fn units(report: Option<&Map<String, Value>>, head: Option<&view::Head>) -> Option<Value> {
-    let of_report = report.map(|report| report.get("units").cloned());
-    let units = of_report.or_else(|| Some(head?.units.clone()))?;
+    // The former has more units than the report.
+    let of_head = head.map(|head| head.units.clone());
+    let units = of_head.or_else(|| Some(report?.get("units").cloned()))?;
     Some(units.unwrap_or_else(|| Value::Object(Map::new())))
 }
 

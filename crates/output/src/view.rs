@@ -132,8 +132,15 @@ impl View {
 /// Returns the first line of the file.
 pub(crate) fn head(model: &Model, view: Option<&View>, probes: &[&str]) -> String {
     let units = model.units();
+    let names = || {
+        let mut names = json!(UnitNames::of(&units));
+        for (key, quantity) in [("area", Quantity::Area), ("energy_per_area", Quantity::EnergyPerArea)] {
+            names[key] = json!({ "name": units.name(quantity), "si": units.to_si(quantity, 1.0) });
+        }
+        names
+    };
     let head = json!({
-        "units": (!units.is_si()).then(|| json!(UnitNames::of(&units))),
+        "units": (!units.is_si()).then(names),
         "boundaries": model.contact_boundaries.iter().map(|boundary| &boundary.name).collect::<Vec<_>>(),
         "probes": probes,
         "mesh": view.map(|view| view.mesh(model)),

@@ -7,7 +7,7 @@ const element = (name, text = "", className = "") =>
   Object.assign(document.createElement(name), { textContent: text, className });
 
 // The units of the run: those of the scene, or SI, where numbers get a prefix. They may be unknown if the run did not end.
-const SI = { length: "m", stress: "Pa", force: "N", moment: "N m", energy: "J" };
+const SI = { length: "m", stress: "Pa", force: "N", moment: "N m", energy: "J", area: "m2", energy_per_area: "J/m2" };
 const unit = (quantity) => (!known ? "" : known[quantity] ? known[quantity].name : SI[quantity]) || "";
 const factor = (quantity) => (known && known[quantity] ? known[quantity].si : 1);
 const unitOf = (column) => (column === "time" ? "s" : unit(quantities[column]));
@@ -15,7 +15,7 @@ const LENGTH = unit("length"), STRESS = unit("stress"), FORCE = unit("force"), E
 
 // Numbers with few digits.
 const PREFIXES = [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""], [1e-3, "m"], [1e-6, "u"], [1e-9, "n"]];
-const LARGEST = { Pa: Infinity, N: Infinity, J: Infinity, "N m": Infinity, m: 1 };
+const LARGEST = { Pa: Infinity, N: Infinity, J: Infinity, "N m": Infinity, "J/m2": Infinity, m: 1 };
 function plain(x, digits = 4) {
   if (!Number.isFinite(x)) return "–";
   if (x === 0) return "0";

@@ -1,18 +1,24 @@
-// The last load cycle: `cycle` of the report in words, and any column of cycle.csv along the surface.
+// The load cycle: `cycle` of the report in words, and any column of cycle.csv along the surface.
 const cycle = report.cycle, perNode = files["cycle.csv"] ? parse(files["cycle.csv"]) : { head: [], rows: [] };
 $("#per-cycle").hidden = !cycle && !perNode.rows.length;
-const words = (key) => key.replaceAll("_", " ");
-function entries(value, key = "", path = "") {
-  if (value === null || value === undefined) return [];
-  if (Array.isArray(value)) return value.every((x) => typeof x === "number") ? [[path, value.map((x) => plain(x)).join(", ")]] : value.flatMap((x, k) => entries(x, key, `${path} ${k + 1}`));
-  if (typeof value === "object") return Object.entries(value).flatMap(([name, x]) => entries(x, name, `${path} ${words(name)}`.trim()));
-  const unit = /energy|work/.test(key) && typeof value === "number" ? ENERGY : ["start", "end", "time"].includes(key) ? "s" : "";
-  return [[path, typeof value === "number" ? rounded(value, unit) : typeof value === "boolean" ? (value ? "yes" : "no") : value]];
-}
+const REGIMES = { stick: "no node slips", "partial-slip": "partial slip: nodes slip while others stick", "gross-slip": "gross slip: at some time all closed nodes slip" };
+// Cycles whose friction work differs by less from that of the cycle before have settled.
+const SETTLED = 0.01;
 if (cycle) {
-  const { verdict, ...others } = cycle;
-  $("#per-cycle .words").textContent = typeof verdict === "string" ? words(verdict) : "";
-  table($("#facts"), ["of the cycle", "value"], entries(typeof verdict === "string" ? others : cycle));
+  const { start, end, friction_work: work, change, earlier = [], boundaries = [] } = cycle;
+  const trend = change == null ? "" : `, ${percent(Math.abs(change))} ${change > 0 ? "more" : "less"} than in the cycle before: ${Math.abs(change) < SETTLED ? "it has settled" : "it still changes"}`;
+  $("#per-cycle .words").textContent = REGIMES[cycle.regime] || cycle.regime || "";
+  $("#facts").append(element("p", `From t = ${plain(start)} to ${plain(end)} s. Friction work ${rounded(work, ENERGY)}${trend}.`));
+  const all = [...earlier, { end, friction_work: work }], [works, worksUnit] = scaled(all.map((one) => one.friction_work), ENERGY);
+  if (all.length > 1) {
+    const chart = element("div", "", "chart");
+    $("#facts").append(chart);
+    const show = () => draw(chart, [{ name: "friction work", colour: "var(--two)", points: all.map((one, k) => [one.end, works[k]]), marks: all.map(() => "var(--two)") }], ["end of the cycle, s", titled("friction work of a cycle", worksUnit)]);
+    addEventListener("resize", show);
+    show();
+  }
+  const head = ["boundary", "slip", titled("friction work", ENERGY), titled("largest slip range", LENGTH), titled("largest net slip", LENGTH)];
+  if (boundaries.length) table($("#facts"), head, boundaries.map((of) => [of.boundary, of.regime, of.friction_work, of.slip_range, of.slip_drift]));
 }
 if (perNode.rows.length) {
   const numeric = perNode.head.filter((name) => perNode.rows.some((row) => Number.isFinite(number(row[name]))));

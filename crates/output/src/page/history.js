@@ -93,7 +93,20 @@ function areaOf(cycle, x, y) {
     return rounded((size * factor("force") * factor("length")) / factor("energy"), ENERGY);
   return [plain(size), [y.unit, x.unit].filter(Boolean).join(" · ")].join(" ").trim();
 }
-$("#up").value = [...columns.keys()].find((name) => /sum_p_t/.test(name)) || [...columns.keys()][1] || "";
+// The history opens at the loop of force against displacement that encloses most, or at friction over time.
+function widestLoop() {
+  let widest = null;
+  for (const [name, x] of columns) {
+    const up = name.replace(/: u_([xyz])$/, ": f_$1"), y = columns.get(up);
+    if (up === name || !y) continue;
+    const [last] = cyclesOf([...x.values.keys()].filter((index) => y.values.has(index)).map((index) => [x.values.get(index), y.values.get(index)]));
+    const size = last ? area(last.points) : 0;
+    if (size > (widest ? widest.size : 0)) widest = { names: [name, up], size };
+  }
+  return widest && widest.names;
+}
+const overTime = ["time", [...columns.keys()].find((name) => /sum_p_t/.test(name)) || [...columns.keys()][1] || ""];
+[$("#across").value, $("#up").value] = widestLoop() || overTime;
 for (const id of ["#across", "#up"]) $(id).addEventListener("change", showHistory);
 addEventListener("resize", showHistory);
 $("#history").hidden = times.size < 2;
