@@ -10,6 +10,11 @@ function along(rows) {
   let s = 0;
   return [rows.map((_, k) => (k ? (s += Math.hypot(...x.map((c) => c[k] - c[k - 1]))) : 0)), "distance along the contact"];
 }
+// Returns the numbers of the nodes in the contact zone and in half its width on both sides.
+function nearZone(s, closed) {
+  const zone = s.filter((_, k) => closed[k]), [low, high] = [Math.min(...zone), Math.max(...zone)], margin = 0.5 * (high - low);
+  return [...s.keys()].filter((k) => !(high > low) || (s[k] >= low - margin && s[k] <= high + margin));
+}
 function showState() {
   const all = states[$("#boundary").value];
   if (!all) return;
@@ -32,11 +37,7 @@ function showState() {
   const [place, name] = along(rows), [s, unit] = scaled(place, LENGTH);
   const column = (key) => rows.map((row) => number(row[key]));
   const [stress, stressUnit] = scaled([...column("sigma_n"), ...column("sigma_t")], STRESS), n = rows.length;
-  // The contact zone, with half its width on both sides.
-  const closed = s.filter((_, k) => rows[k].status !== "open");
-  const [low, high] = [Math.min(...closed), Math.max(...closed)], margin = 0.5 * (high - low);
-  const isNear = (x) => !closed.length || high === low || (x >= low - margin && x <= high + margin);
-  const near = rows.map((_, k) => k).filter((k) => isNear(s[k]));
+  const near = nearZone(s, rows.map((row) => row.status !== "open"));
   const points = (values) => near.map((k) => [s[k], values[k]]);
   const marks = near.map((k) => COLOURS[rows[k].status]);
   draw($("#stresses"), [

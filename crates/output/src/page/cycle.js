@@ -37,7 +37,8 @@ if (perNode.rows.length) {
     const [place, name, placeUnit] = chosen === "the surface" ? [...along(rows), LENGTH] : [rows.map((row) => number(row[chosen])), chosen, unitOf(chosen)];
     const [x, xUnit] = scaled(place, placeUnit), [y, yUnit] = scaled(rows.map((row) => number(row[column])), unitOf(column));
     const isLine = !inSpace && ["the surface", "x", "y"].includes(chosen);
-    const points = x.map((value, k) => [value, y[k]]);
+    const near = isLine ? nearZone(x, rows.map((row) => row.pressure_mean === undefined || number(row.pressure_mean) > 0)) : [...x.keys()];
+    const points = near.map((k) => [x[k], y[k]]);
     if (isLine) points.sort((a, b) => a[0] - b[0]);
     draw($("#cycle-chart"), [{ name: column, colour: "var(--one)", points, marks: isLine ? null : points.map(() => "var(--one)"), bare: !isLine }], [titled(name, xUnit), titled(column, yUnit)]);
   };
