@@ -37,6 +37,8 @@ pub struct ElementEstimate {
     pub locking: Option<f64>,
     /// The error of the mesh in the energy norm; `None` if too few cells of second order are connected.
     pub discretisation: Option<DiscretisationError>,
+    /// The root mean square of the magnitude of the strains, weighted by the strain energy.
+    pub strain: f64,
 }
 
 impl ElementEstimate {
@@ -55,12 +57,13 @@ impl ElementEstimate {
     pub fn new(model: &Model, factors: &[f64], displacements: &[[f64; 3]], pressed: &[usize]) -> Self {
         let strains = Strains::new(model, factors, displacements);
         if strains.are_rounding(displacements) {
-            return ElementEstimate { locking: None, discretisation: None };
+            return ElementEstimate { locking: None, discretisation: None, strain: 0.0 };
         }
         let places = Places::new(model);
         ElementEstimate {
             locking: locking::locking(model, &places, &strains, pressed),
             discretisation: DiscretisationError::new(model, &places, &strains),
+            strain: strains.magnitude(),
         }
     }
 }

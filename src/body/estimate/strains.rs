@@ -71,6 +71,20 @@ impl<'a> Strains<'a> {
         &self.energies
     }
 
+    /// Returns the root mean square of the magnitude `√(ε : ε)` of the strains, weighted by the strain energy; 0 without
+    /// strain energy.
+    pub(super) fn magnitude(&self) -> f64 {
+        let square =
+            |[xx, yy, zz, xy, yz, zx]: [f64; 6]| xx * xx + yy * yy + zz * zz + 0.5 * (xy * xy + yz * yz + zx * zx);
+        let mut sum = 0.0;
+        for (e, law) in self.body.model.materials().iter().enumerate() {
+            sum +=
+                self.of_cell(e).iter().map(|(v, strain)| v * law.energy_density(strain) * square(*strain)).sum::<f64>();
+        }
+        let energy: f64 = self.energies.iter().sum();
+        if energy > 0.0 { (sum / energy).sqrt() } else { 0.0 }
+    }
+
     /// Returns the mean dilatation of cell `e`.
     pub(super) fn mean_dilatation(&self, e: usize) -> f64 {
         mean_dilatation(self.of_cell(e), self.volumes[e])

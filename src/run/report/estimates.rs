@@ -38,6 +38,9 @@ pub struct Estimates {
     /// The error of the mesh in the energy norm at that time, as a share of the solution; none if it cannot be
     /// estimated.
     pub discretisation: Option<f64>,
+    /// The root mean square of the magnitude of the strains at that time, weighted by the strain energy. Linear elasticity
+    /// neglects effects of this size.
+    pub strain: Option<f64>,
     /// The error of the stresses at that time, as a share; none for Poisson's ratios below 0.45, where it is about that
     /// of the mesh.
     pub stresses: Option<f64>,
@@ -160,6 +163,9 @@ const UNEVEN: f64 = 3.0;
 /// In zones with fewer nodes across, the width of the stick zone is known to 5 % at best.
 const FINE_FOR_STICK: usize = 40;
 
+/// The mean strain above which a warning is given: forces are off by about a percent.
+const LARGE_STRAIN: f64 = 0.01;
+
 /// The ratio of the estimate to the error in the energy norm if corners make the solution singular.
 const OF_SINGULAR: f64 = 0.6;
 
@@ -276,6 +282,7 @@ impl EstimateWatch {
             contact: self.seen.heaviest.iter().enumerate().filter_map(contact).collect(),
             locking: elements.as_ref().and_then(|elements| elements.locking),
             discretisation,
+            strain: elements.as_ref().map(|elements| elements.strain),
             stresses: elements.and_then(|elements| elements.discretisation?.stresses),
             tangential: discretisation.and_then(|error| self.tangential(error)),
             slip_across: self.slip_across(),
@@ -344,6 +351,7 @@ impl Estimates {
         let locking = self.locking.and_then(|share| Warning::of_locking(model, share));
         let coarse = self.discretisation.and_then(coarse).or_else(|| self.tangential.and_then(coarse_for_friction));
         warnings.extend(locking.into_iter().chain(coarse).chain(self.rough(model)));
+        warnings.extend(self.strain.and_then(|strain| large_strains(strain, model)));
         warnings
     }
 }
@@ -464,6 +472,19 @@ fn of_ends(contact: &ContactEstimate) -> Vec<Warning> {
         warnings.push(Warning { kind: WarningKind::StickZoneCoarse, message });
     }
     warnings
+}
+
+/// Warns if strains are not small.
+fn large_strains(strain: f64, model: &Model) -> Option<Warning> {
+    let units = model.units();
+    let message = format!(
+        "strains are assumed to be small, but their mean is {:.1} %: forces and displacements may be off by about as much, \
+         because linear elasticity neglects their squares and the change of shape; press less, use a program for large \
+         strains, or correct the modulus, which is in {}",
+        100.0 * strain,
+        units.name(Quantity::Stress)
+    );
+    (strain > LARGE_STRAIN).then_some(Warning { kind: WarningKind::LargeStrains, message })
 }
 
 /// Warns if the mesh is too coarse for the body itself.

@@ -42,6 +42,8 @@ pub enum WarningKind {
     NoContact,
     /// Displacements that are not small.
     LargeDisplacements,
+    /// Strains that are not small.
+    LargeStrains,
     /// An obstacle whose surface is inclined against the contact normal.
     LeaningObstacle,
     /// A contact that leaves the range of its linearised gaps.
@@ -114,6 +116,7 @@ impl WarningKind {
             WarningKind::Locking
             | WarningKind::NoContact
             | WarningKind::LargeDisplacements
+            | WarningKind::LargeStrains
             | WarningKind::LeaningObstacle
             | WarningKind::GapsOutOfRange
             | WarningKind::BeyondTheEnd

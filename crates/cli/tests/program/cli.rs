@@ -132,6 +132,11 @@ fn warnings() {
             "large-displacements",
             "of the body's size",
         ),
+        (
+            edit(&edit(&small(), "young = 210e9", "young = 210e6"), "\"paper\"", "\"default\""),
+            "large-strains",
+            "their mean is",
+        ),
     ] {
         let report = report(&scene, 0);
         let mut told = report["warnings"].as_array().unwrap().iter().filter(|warning| warning["kind"] == kind);
