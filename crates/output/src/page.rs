@@ -18,7 +18,8 @@ use std::io;
 
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
-use serde::Serialize;
+use serde::de::IgnoredAny;
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use stickslip::base::Quantity;
 use stickslip::run::report::column_quantity;
@@ -46,9 +47,6 @@ const MOST_PICTURES: usize = 2_000_000;
 /// The table of increments, that of forces, and those of all probes take no more bytes each, or show fewer increments.
 const MOST_HISTORY: usize = 700_000;
 
-/// The lists of the report that grow with the increments, which are in tables, too.
-const LISTS: [&str; 3] = ["increments", "forces", "reactions"];
-
 /// The columns of a contact line that are drawn.
 const DRAWN: [&str; 7] = ["x", "y", "sigma_n", "sigma_t", "gap", "slip_t", "status"];
 
@@ -63,6 +61,19 @@ const SCRIPT: [&str; 8] = [
     include_str!("page/body.js"),
     include_str!("page/cycle.js"),
 ];
+
+/// The report without the lists that grow with the increments: they are in tables, too, and take most of the time to read.
+#[derive(Deserialize)]
+struct Report {
+    #[serde(default, rename = "increments")]
+    _increments: IgnoredAny,
+    #[serde(default, rename = "forces")]
+    _forces: IgnoredAny,
+    #[serde(default, rename = "reactions")]
+    _reactions: IgnoredAny,
+    #[serde(flatten)]
+    rest: Map<String, Value>,
+}
 
 /// A state of the contact.
 #[derive(Serialize)]
@@ -79,11 +90,8 @@ struct Contact {
 pub(crate) fn page(names: &[String], read: impl Fn(&str) -> io::Result<String>) -> Result<String, PageError> {
     let is_there = |name: &str| names.iter().any(|other| other == name);
     let report = is_there("run.json").then(|| read("run.json")).transpose()?;
-    let report = report.map(|text| serde_json::from_str(&text)).transpose();
-    let mut report: Option<Map<String, Value>> = report.map_err(PageError::Report)?;
-    for list in LISTS {
-        report.as_mut().and_then(|report| report.remove(list));
-    }
+    let report = report.map(|text| serde_json::from_str::<Report>(&text).map(|report| report.rest)).transpose();
+    let report = report.map_err(PageError::Report)?;
     let kept = if is_there(view::FILE) { read(view::FILE)? } else { String::new() };
     let (head, states) = kept.split_once('\n').unwrap_or_default();
     let head: Option<view::Head> = serde_json::from_str(head).ok();
