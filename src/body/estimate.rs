@@ -13,6 +13,7 @@ mod places;
 mod recovery;
 mod slip;
 mod strains;
+mod stresses;
 mod zone;
 
 use crate::body::model::Model;
@@ -25,7 +26,9 @@ pub use discretisation::DiscretisationError;
 pub use graph::ContactGraph;
 pub use hertz::HertzContact;
 pub(crate) use locking::expected_locking;
+pub(crate) use recovery::solve;
 pub(crate) use slip::SlipZones;
+pub(crate) use stresses::StressRecovery;
 pub use zone::{ContactEstimate, PeakOf, StickZone, peak_error};
 
 /// Estimates of locking and of the mesh error, from the strains of the body.

@@ -34,7 +34,7 @@ const COLUMNS: &Table = &[
     (&["f_x", "f_y", "f_z", "sum_p_n", "sum_p_t", "sum_p_o", "p_n", "p_t", "p_o"], Force),
     (&["m_x", "m_y", "m_z"], Moment),
     (&["x", "y", "z", "w_n", "w_t", "w_o", "gap", "slip_t", "slip_o", "u_x", "u_y", "u_z"], Length),
-    (&["sigma_n", "sigma_t", "sigma_o", "sigma_patch"], Stress),
+    (&["sigma_n", "sigma_t", "sigma_o", "sigma_patch", "sigma_along", "sigma_across", "sigma_shear"], Stress),
     (&["s_xx", "s_yy", "s_zz", "s_xy", "s_yz", "s_zx", "von_mises"], Stress),
 ];
 
@@ -47,6 +47,7 @@ const FIELDS: &Table = &[
             "patch_pressure",
             "tangential_traction",
             "nodal_stress",
+            "nodal_von_mises",
             "stress",
             "principal_stress",
             "von_mises",
