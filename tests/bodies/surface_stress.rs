@@ -2,15 +2,18 @@
 //! that falls with the size of the elements. doc/method/estimates.md has the figures, which `--nocapture` prints.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
+use crate::common::{self, hertz::Hertz};
 use std::f64::consts::FRAC_PI_2;
+use std::ops::ControlFlow;
 use stickslip::algebra::norm;
+use stickslip::base::Formula;
 use stickslip::body::fem::{Element, Material, Plane};
 use stickslip::body::mesh::{CellKind, Mesh, MeshSource};
 use stickslip::body::{
     Action, Axis, Description, Field, GapDirection, Model, Obstacle, Place, Shape, Support, SurfaceStress,
 };
-use stickslip::run::{Recording, Run};
-use stickslip::solver::history::{Method, SolverChoice, Status};
+use stickslip::run::{Recording, Run, discretise};
+use stickslip::solver::history::{IncrementView, Method, Observer, SolverChoice, Status};
 
 /// The nodal stresses of a body at the end, and those along its contact surface.
 struct Solved {
@@ -123,6 +126,10 @@ fn tube_errors(kind: CellKind, element: Element, plane: Option<Plane>, nu: f64, 
     for (contact, stress) in model.contacts.iter().zip(&surface) {
         let along = contact.frame[0];
         let around = if plane == Some(Plane::Axisymmetric) || along[2].abs() > 0.5 { stress.across } else { stress.along };
+        let at_end = plane != Some(Plane::Axisymmetric) && contact.position[..2].iter().any(|x| x.abs() < 1e-9);
+        if at_end {
+            continue;
+        }
         off[1] = off[1].max((around / hoop - 1.0).abs());
     }
     off
@@ -165,5 +172,117 @@ fn the_hoop_stress_of_a_tube() {
             fine[1],
             order(coarse[1], fine[1])
         );
+    }
+}
+
+/// A block bent by a traction that is linear over its height: the largest error of the stress at the nodes, relative to
+/// the largest stress.
+fn bent(kind: CellKind, n: usize) -> f64 {
+    let d = kind.dimension();
+    let mesh = MeshSource::segmented(&vec![vec![1.0]; d], &vec![vec![n]; d], None, Some(kind)).unwrap();
+    let across = format!("{PRESSURE} * (1 - 2 * y)");
+    let traction = [across.as_str(), "0", "0"];
+    let traction = traction[..d].iter().map(|text| Field::Formula(Formula::parse(text).unwrap())).collect();
+    let mut body = Description::new(mesh, Material::new(YOUNG, 0.3), vec![1.0])
+        .support("left", &[Axis::X])
+        .load(Action::Traction { boundary: "right".to_string(), traction }.into());
+    body = match d {
+        2 => body.held(Support::new("left", &[Axis::Y]).at([0.0, 0.0])),
+        _ => body
+            .held(Support::new("left", &[Axis::Y, Axis::Z]).at([0.0, 0.0, 0.0]))
+            .held(Support::new("left", &[Axis::Z]).at([0.0, 1.0, 0.0])),
+    };
+    let Solved { model, nodal, .. } = solved(&body);
+    let off = |(x, stress): (&[f64; 3], &[f64; 6])| (stress[0] / PRESSURE - (1.0 - 2.0 * x[1])).abs();
+    let inside = |(x, _): &(&[f64; 3], &[f64; 6])| (0.25..=0.75).contains(&x[0]);
+    model.mesh.nodes.iter().zip(&nodal).filter(inside).map(off).fold(0.0, f64::max)
+}
+
+#[test]
+fn the_stress_of_a_bent_block() {
+    use CellKind::{Hexahedron, Prism, Quadrilateral, Tetrahedron, Tetrahedron10, Triangle, Triangle6};
+    for (kind, sizes) in [
+        (Quadrilateral, [8, 16]),
+        (Triangle, [8, 16]),
+        (Triangle6, [2, 4]),
+        (Hexahedron, [4, 8]),
+        (Prism, [4, 8]),
+        (Tetrahedron, [4, 8]),
+        (Tetrahedron10, [2, 4]),
+    ] {
+        let [coarse, fine] = sizes.map(|n| bent(kind, n));
+        println!("bent {kind:?}: {coarse:.2e} {fine:.2e} order {:.2}", (coarse / fine).log2());
+    }
+}
+
+/// Keeps the stresses along the surface of all increments.
+struct Keep<'a> {
+    model: &'a Model,
+    states: Vec<(f64, f64, Vec<SurfaceStress>, Vec<[f64; 6]>)>,
+}
+
+impl Observer for Keep<'_> {
+    fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
+        let sum = |p: &[f64]| p.iter().sum::<f64>();
+        let stresses = self.model.surface_stresses(step.record.time, step.state);
+        let end = self.model.displacements(step.record.time, &step.state.u).unwrap();
+        let nodal = self.model.nodal_stresses_at(step.record.time, &end).unwrap();
+        self.states.push((sum(&step.state.p_n), -sum(&step.state.p_t), stresses, nodal));
+        ControlFlow::Continue(())
+    }
+}
+
+/// Hertz' contact of a cylinder, pushed sideways until it slides, after Cattaneo and Mindlin: along the surface the stress
+/// is `-p` under the pressure alone, and `2 p₀ √(μ Q / P)` at the edge behind which the surface is drawn. The errors of
+/// the stress, in the root mean square over five half-widths, and of its largest value for each of three states, relative
+/// to p₀ and to the exact value.
+fn cylinder(kind: (&str, &str), elements: usize) -> [[f64; 2]; 3] {
+    let mesh = format!("mesh.elements=[[{0},{1},{0}],{2}]", 4 * elements / 3, 2 * elements, 16 * elements / 9);
+    let motion = "contact.obstacle.motion.translation=[[1,0,0],[2,2.1e-5,0],[3,1e-4,0]]";
+    let (cells, element) = kind;
+    let [cells, element] = [("cells", cells), ("element", element)].map(|(key, value)| format!("mesh.{key}={value:?}"));
+    let scene = common::scene("cattaneo_mindlin.toml", &[&mesh, &cells, &element, motion]);
+    let model = discretise(&scene).unwrap();
+    let mut keep = Keep { model: &model, states: Vec::new() };
+    let outcome = common::run_default(&scene, &model, &mut keep);
+    assert_eq!(outcome.status, Status::Converged);
+    let (mu, nu, middle) = (0.4, 0.499_f64, 5.0);
+    [1, 3, 5].map(|k| {
+        let (load, pushed, stresses, nodal) = &keep.states[k];
+        let hertz = Hertz::line(*load, 100.0, 210e9 / (1.0 - nu * nu));
+        let q = (pushed / (mu * load)).clamp(0.0, 1.0);
+        let c = hertz.stick(q);
+        // ∫ of a Hertzian shear stress, over 2 μ p₀.
+        let drawn = |s: f64| if s.abs() <= 1.0 { s } else { s - s.signum() * (s * s - 1.0).sqrt() };
+        let of_stick = |x: f64| if c > 1e-3 * hertz.a { c / hertz.a * drawn(x / c) } else { 0.0 };
+        let exact = |x: f64| -hertz.pressure(x) - 2.0 * mu * hertz.p0 * (drawn(x / hertz.a) - of_stick(x));
+        let (mut squares, mut of_nodal, mut weight, mut most) = (0.0, 0.0, 0.0, f64::MIN);
+        for (contact, stress) in model.contacts.iter().zip(stresses) {
+            let x = contact.position[0] - middle;
+            if x.abs() < 2.5 * hertz.a {
+                squares += contact.weight * ((stress.along - exact(x)) / hertz.p0).powi(2);
+                of_nodal += contact.weight * ((nodal[contact.node][0] - exact(x)) / hertz.p0).powi(2);
+                if std::env::var("DUMP").is_ok() { println!("   {:.5} {:.4} {:.4} {:.4} mm {:.4} p {:.4}", x / hertz.a, stress.along / hertz.p0, exact(x) / hertz.p0, nodal[contact.node][0]/hertz.p0, stress.stress[1]/hertz.p0, hertz.pressure(x)/hertz.p0); }
+                weight += contact.weight;
+                most = most.max(stress.along);
+            }
+        }
+        let peak = 2.0 * mu * hertz.p0 * q.sqrt();
+        let off_peak = if k == 1 { 0.0 } else { most / peak - 1.0 };
+        println!("{kind:?} {elements} state {k}: q {q:.3}, a {:.5}, p0 {:.4e}, nodal rms {:.4}", hertz.a, hertz.p0, (of_nodal / weight).sqrt());
+        [(squares / weight).sqrt(), off_peak]
+    })
+}
+
+#[test]
+fn the_stress_along_a_fretted_surface() {
+    for kind in if std::env::var("DUMP").is_ok() { vec![("triangle6", "nodal-volume")] } else { vec![("quadrilateral", "b-bar"), ("triangle", "nodal-volume"), ("triangle6", "nodal-volume")] } {
+        let sizes = if kind.0 == "triangle6" { [9, 18, 36] } else { [18, 36, 72] };
+        let errors = sizes.map(|n| cylinder(kind, n));
+        for (k, state) in ["normal", "partial", "sliding"].iter().enumerate() {
+            let [a, b, c] = errors.map(|errors| errors[k][0]);
+            let peaks = errors.map(|errors| errors[k][1]);
+            println!("{kind:?} {state}: rms {a:.4} {b:.4} {c:.4}, orders {:.2} {:.2}, peak {peaks:.4?}", (a / b).log2(), (b / c).log2());
+        }
     }
 }

@@ -11,10 +11,13 @@ use std::collections::{BTreeSet, HashSet};
 
 use super::places::Places;
 use super::recovery::{LAYERS, MONOMIALS, SPARE, monomials, scaled, solve};
-use super::strains::{Sample, Strains, points_of};
+use super::strains::{Strains, points_of};
 use crate::algebra::vector::minus;
-use crate::body::mesh::ReferenceCells;
+use crate::body::mesh::{Mesh, ReferenceCells};
 use crate::body::model::Model;
+
+/// The number of rings of corners around a corner, itself included, in which inner corners are looked for.
+const RINGS: usize = 3;
 
 /// The set-up of the recovery: what depends on the mesh alone.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,10 +28,34 @@ pub(crate) struct StressRecovery {
     /// A node and a cell of each place.
     at: Vec<(usize, usize)>,
     patches: Vec<Patch>,
-    /// For each cell: `true` if it is in a patch.
-    needed: Vec<bool>,
-    /// Volume and position of the integration points of the cells in patches.
-    points: Vec<Vec<(f64, [f64; 3])>>,
+    /// The integration points of each cell that is in a patch.
+    points: Vec<Points>,
+}
+
+/// The integration points of a cell; none if no patch contains it.
+#[derive(Debug, Clone, Default, PartialEq)]
+struct Points {
+    positions: Vec<[f64; 3]>,
+    /// The shares of the points in the volume.
+    shares: Vec<f64>,
+    /// The mean position.
+    middle: [f64; 3],
+}
+
+impl Points {
+    fn new(mesh: &Mesh, kinds: &ReferenceCells, e: usize) -> Self {
+        let points = points_of(mesh, kinds, e);
+        let volume: f64 = points.iter().map(|(volume, _)| volume).sum();
+        let shares: Vec<f64> = points.iter().map(|(v, _)| v / volume).collect();
+        let positions: Vec<[f64; 3]> = points.into_iter().map(|(_, x)| x).collect();
+        let middle = weighted(&shares, positions.iter().copied());
+        Points { positions, shares, middle }
+    }
+}
+
+/// Computes `Σ w x`.
+fn weighted<const N: usize>(weights: &[f64], values: impl Iterator<Item = [f64; N]>) -> [f64; N] {
+    weights.iter().zip(values).fold([0.0; N], |sum, (w, x)| std::array::from_fn(|c| sum[c] + w * x[c]))
 }
 
 /// The polynomial of a patch, before its values are known.
@@ -44,40 +71,27 @@ struct Patch {
     inverse: Vec<[f64; MONOMIALS]>,
 }
 
-/// Returns the mean of `points` of a cell, weighted by volume, and the whole volume.
-fn mean<const N: usize>(points: &[(f64, [f64; N])]) -> [f64; N] {
-    let volume: f64 = points.iter().map(|(volume, _)| volume).sum();
-    let mut sum = [0.0; N];
-    for (v, x) in points {
-        sum.iter_mut().zip(x).for_each(|(sum, x)| *sum += v / volume * x);
-    }
-    sum
-}
-
-/// Calls `take` with each sample of a patch: the means of `cells`, or their points.
-fn samples<const N: usize>(
-    cells: &[usize],
-    at_points: bool,
-    of_cell: impl Fn(usize) -> Vec<(f64, [f64; N])>,
-) -> Vec<[f64; N]> {
-    let of = |&e: &usize| {
-        let points = of_cell(e);
-        if at_points { points.into_iter().map(|(_, x)| x).collect() } else { vec![mean(&points)] }
-    };
-    cells.iter().flat_map(of).collect()
-}
-
 impl Patch {
-    /// Prepares the fit of a polynomial with `count` monomials; `None` if the samples do not determine it.
+    /// Prepares the fit of a polynomial with `count` monomials about a point; `None` if the samples do not determine it.
     fn new(
         cells: Vec<usize>,
-        (count, spare): (usize, usize),
-        about: [f64; 3],
-        dimension: usize,
         at_points: bool,
-        points: impl Fn(usize) -> Vec<(f64, [f64; 3])>,
+        count: usize,
+        about: [f64; 3],
+        mesh: &Mesh,
+        points: &[Points],
     ) -> Option<Self> {
-        let positions = samples(&cells, at_points, points);
+        let dimension = mesh.dimension;
+        let positions: Vec<[f64; 3]> = if at_points {
+            cells.iter().flat_map(|&e| &points[e].positions).copied().collect()
+        } else {
+            cells.iter().map(|&e| points[e].middle).collect()
+        };
+        let spare = match count {
+            1 => 0,
+            _ if count == dimension + 1 => 1,
+            _ => SPARE,
+        };
         if positions.len() < count + spare {
             return None;
         }
@@ -117,9 +131,10 @@ struct Search<'a> {
     inner: Vec<bool>,
     at: Vec<(usize, usize)>,
     kinds: ReferenceCells,
+    /// The integration points of the cells that were needed so far.
+    points: Vec<Points>,
     /// The number of monomials.
     count: usize,
-    spare: usize,
     quadratic: bool,
     patches: Vec<Patch>,
     /// The patch of each inner corner, once it was tried.
@@ -154,10 +169,10 @@ impl<'a> Search<'a> {
         }
         let mut inner: Vec<bool> = around.iter().map(|cells| !cells.is_empty()).collect();
         outside.iter().flatten().filter(|&&place| place != usize::MAX).for_each(|&place| inner[place] = false);
-        let (count, spare) = match (quadratic, mesh.dimension) {
-            (false, d) => (d + 1, 1),
-            (true, 2) => (6, SPARE),
-            (true, _) => (MONOMIALS, SPARE),
+        let count = match (quadratic, mesh.dimension) {
+            (false, d) => d + 1,
+            (true, 2) => 6,
+            (true, _) => MONOMIALS,
         };
         Search {
             model,
@@ -167,8 +182,8 @@ impl<'a> Search<'a> {
             inner,
             at,
             kinds: ReferenceCells::new(mesh),
+            points: vec![Points::default(); mesh.cells.len()],
             count,
-            spare,
             quadratic,
             patches: Vec::new(),
         }
@@ -186,10 +201,12 @@ impl<'a> Search<'a> {
     /// Adds the patch of `cells` about a place, if its polynomial is determined.
     fn patch(&mut self, place: usize, cells: Vec<usize>, count: usize, at_points: bool) -> Option<usize> {
         let mesh = &self.model.mesh;
-        let spare = if count > 1 { self.spare } else { 0 };
-        let about = mesh.nodes[self.at[place].0];
-        let points = |e: usize| points_of(mesh, &self.kinds, e);
-        let patch = Patch::new(cells, (count, spare), about, mesh.dimension, at_points, points)?;
+        for &e in &cells {
+            if self.points[e].shares.is_empty() {
+                self.points[e] = Points::new(mesh, &self.kinds, e);
+            }
+        }
+        let patch = Patch::new(cells, at_points, count, mesh.nodes[self.at[place].0], mesh, &self.points)?;
         self.patches.push(patch);
         Some(self.patches.len() - 1)
     }
@@ -209,7 +226,7 @@ impl<'a> Search<'a> {
     /// integration points of its cells if their means do not determine the polynomial, and at last their mean.
     fn of_corner(&mut self, place: usize) -> Vec<usize> {
         let mut corners = BTreeSet::from([place]);
-        for _ in 0..3 {
+        for _ in 0..RINGS {
             let inner: Vec<usize> = corners.iter().copied().filter(|&corner| self.inner[corner]).collect();
             let patches: Vec<usize> = inner.into_iter().filter_map(|corner| self.of_inner(corner)).collect();
             if !patches.is_empty() {
@@ -237,11 +254,13 @@ impl StressRecovery {
         let places = Places::by_material(model);
         let mut search = Search::new(model, &places);
         let mut patches_of = vec![Vec::new(); places.count()];
-        let mut needed = vec![false; model.mesh.cells.len()];
         for (e, cell) in model.mesh.cells.iter().enumerate().filter(|(e, _)| wanted(*e)) {
             let own = places.of_cell(e);
             // Corners come before the nodes between them.
-            for (k, &place) in own.iter().enumerate().filter(|(_, place)| patches_of[**place].is_empty()).collect::<Vec<_>>() {
+            for (k, &place) in own.iter().enumerate() {
+                if !patches_of[place].is_empty() {
+                    continue;
+                }
                 patches_of[place] = match cell.kind.ends(k) {
                     None => search.of_corner(place),
                     Some(ends) => {
@@ -253,11 +272,12 @@ impl StressRecovery {
                 };
             }
         }
-        let Search { patches, at, kinds, .. } = search;
+        let Search { patches, at, mut points, .. } = search;
+        // Patches that were too small have been left behind.
+        let mut needed = vec![false; points.len()];
         patches.iter().flat_map(|patch| &patch.cells).for_each(|&e| needed[e] = true);
-        let points = |(e, needed): (usize, &bool)| if *needed { points_of(&model.mesh, &kinds, e) } else { Vec::new() };
-        let points = needed.iter().enumerate().map(points).collect();
-        StressRecovery { places, patches_of, at, patches, needed, points }
+        points.iter_mut().zip(needed).filter(|(_, needed)| !needed).for_each(|(points, _)| *points = Points::default());
+        StressRecovery { places, patches_of, at, patches, points }
     }
 
     /// Returns the indices of the values of the nodes of cell `e` in [`StressRecovery::stresses`].
@@ -269,14 +289,22 @@ impl StressRecovery {
     /// nodes (m) and the `factors` of `Model::thermal_factors`; 0 where no value is wanted.
     pub(crate) fn stresses(&self, model: &Model, factors: &[f64], displacements: &[[f64; 3]]) -> Vec<[f64; 6]> {
         let (mesh, d) = (&model.mesh, model.mesh.dimension);
-        let strains = Strains::in_cells(model, factors, displacements, |e| self.needed[e]);
+        let strains = Strains::in_cells(model, factors, displacements, |e| !self.points[e].shares.is_empty());
+        let of_cell = |e: usize| strains.of_cell(e).iter().map(|(_, strain)| *strain);
+        let means: Vec<[f64; 6]> =
+            self.points.iter().enumerate().map(|(e, points)| weighted(&points.shares, of_cell(e))).collect();
         let fit = |patch: &Patch| {
-            let positions = samples(&patch.cells, patch.at_points, |e| self.points[e].clone());
-            let values = samples(&patch.cells, patch.at_points, |e| -> Vec<Sample> { strains.of_cell(e).to_vec() });
             let mut sums = [[0.0; 6]; MONOMIALS];
-            for (x, strain) in positions.into_iter().zip(values) {
+            let mut add = |x: [f64; 3], strain: [f64; 6]| {
                 for (sum, q) in sums.iter_mut().zip(patch.monomials(x, d)) {
                     *sum = std::array::from_fn(|c| sum[c] + q * strain[c]);
+                }
+            };
+            for &e in &patch.cells {
+                if patch.at_points {
+                    self.points[e].positions.iter().zip(of_cell(e)).for_each(|(x, strain)| add(*x, strain));
+                } else {
+                    add(self.points[e].middle, means[e]);
                 }
             }
             let row = |row: &[f64; MONOMIALS]| {

@@ -1,8 +1,7 @@
 //! The stress along the contact surface.
 //!
 //! The strains along the surface are derivatives of the displacements of its own nodes: around each contact node a
-//! polynomial is fitted to them (Zhang and Naga, SIAM J. Sci. Comput. 26 (2005) 1192), quadratic on linear cells and
-//! cubic on cells of second order. Hooke's law and the known traction then give the rest of the stress. With m the
+//! quadratic polynomial is fitted to them (Zhang and Naga, SIAM J. Sci. Comput. 26 (2005) 1192). Hooke's law and the known traction then give the rest of the stress. With m the
 //! outward normal of the body, t and o along its surface,
 //!
 //! ```text
@@ -17,9 +16,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::Model;
 use crate::algebra::vector::{across, cross, dot, minus, norm, plus, unit};
 use crate::body::description::{Action, Bed, Where};
-use crate::body::estimate::solve;
+use crate::body::estimate::{ContactGraph, solve};
 use crate::body::fem::facet_normals;
-use crate::body::mesh::{Facet, Geometry};
+use crate::body::mesh::{CellKind, Facet, Geometry};
 use crate::solver::problem::State;
 
 /// Facets belong to one smooth surface if the cosine between their normals exceeds this: the angle of 40 degrees at which
@@ -32,8 +31,12 @@ const HELD: f64 = 0.1;
 /// The largest number of layers of facets for a fit.
 const LAYERS: usize = 4;
 
-/// The largest number of monomials: up to the third degree on a surface in space.
-const MONOMIALS: usize = 10;
+/// The degree of the polynomials. Near the end of a slip zone, where strains have a kink, those of higher degree
+/// oscillate.
+const DEGREE: i32 = 2;
+
+/// The number of monomials on a surface in space.
+const MONOMIALS: usize = 6;
 
 /// The stress at a contact node, with the known traction. Directions: t is that of the contact stresses, in space
 /// projected on the surface; o is at right angles to it.
@@ -54,6 +57,8 @@ pub struct SurfaceStress {
 pub(crate) struct Surface {
     /// One for each contact node.
     fits: Vec<Fit>,
+    /// For each contact node, itself and its neighbours; only with linear tetrahedra, whose nodal pressures scatter.
+    patches: Option<Vec<Vec<usize>>>,
 }
 
 #[derive(Debug, Clone)]
@@ -126,7 +131,12 @@ impl Surface {
             .collect();
         let loaded = loaded_elsewhere(model);
         let fits = (0..model.contacts.len()).map(|i| Fit::new(model, i, &sides, &in_contact, &loaded)).collect();
-        Surface { fits }
+        let scatters = mesh.cells.iter().any(|cell| cell.kind == CellKind::Tetrahedron);
+        let patches = scatters.then(|| {
+            let graph = ContactGraph::new(model);
+            (0..model.contacts.len()).map(|i| [&[i], graph.neighbours(i)].concat()).collect()
+        });
+        Surface { fits, patches }
     }
 }
 
@@ -136,7 +146,7 @@ fn sorted(facet: &Facet) -> Facet {
     nodes
 }
 
-/// Returns the facets on which loads or springs act.
+/// Returns the facets on which loads, springs or the contact forces of other nodes act.
 fn loaded_elsewhere(model: &Model) -> BTreeSet<Facet> {
     let description = model.description();
     let of_loads = description.loads.iter().filter_map(|load| match &load.action {
@@ -149,7 +159,8 @@ fn loaded_elsewhere(model: &Model) -> BTreeSet<Facet> {
         Bed::Surface { boundary, .. } | Bed::Axes { at: Where::Boundary(boundary), .. } => Some(boundary),
         Bed::Axes { .. } => None,
     });
-    let boundaries = of_loads.chain(of_springs).filter_map(|name| model.mesh.boundary(name));
+    let masters = model.pairs.iter().map(|pair| &pair.master);
+    let boundaries = of_loads.chain(of_springs).filter_map(|name| model.mesh.boundary(name)).chain(masters);
     boundaries.flat_map(|boundary| boundary.facets.iter().map(sorted)).collect()
 }
 
@@ -200,11 +211,10 @@ impl Fit {
         let axes = [m, t, cross(m, t)];
         let held: Vec<[f64; 3]> = model.dofs.held(node).collect();
         let is_loaded = own.iter().any(|&f| loaded.contains(&sorted(&sides.facets[f].0)));
-        let in_plane = |axis: [f64; 3]| d == 3 || axis[2].abs() < HELD;
-        let is_free = |axis: [f64; 3]| held.iter().filter(|held| in_plane(**held)).all(|held| dot(*held, axis).abs() < HELD);
+        // Nothing acts out of the plane.
+        let is_free = |axis: [f64; 3]| d == 2 && axis[2] != 0.0 || held.iter().all(|held| dot(*held, axis).abs() < HELD);
         let slopes = first.and_then(|first| {
-            let highest = if own.iter().any(|&f| mesh.is_quadratic(&sides.facets[f].0)) { 3 } else { 2 };
-            (1..=highest).rev().find_map(|degree| {
+            (1..=DEGREE).rev().find_map(|degree| {
                 let mut patch = sides.nodes(&own);
                 (0..LAYERS).find_map(|_| {
                     let nodes: Vec<usize> = patch.iter().copied().collect();
@@ -228,30 +238,36 @@ impl Fit {
         }
     }
 
-    /// Computes the stress for the `traction` (Pa) of the body on its surroundings.
+    /// Computes the stress for the `traction` (Pa) of the body on its surroundings. Where something else acts, the
+    /// traction is that of the cells.
     fn stress(&self, model: &Model, factors: &[f64], displacements: &[[f64; 3]], traction: [f64; 3]) -> SurfaceStress {
-        let mut of_cells = [0.0; 6];
-        for &e in &self.cells {
+        let Some([along, across, shear]) = self.strain(model, factors, displacements) else {
+            return SurfaceStress::of(self.of_cells(model, factors, displacements), self.axes);
+        };
+        let mut on_surface = self.axes.map(|axis| -dot(traction, axis));
+        if self.known.contains(&false) {
+            let [mm, _, _, mt, _, om] = self.of_cells(model, factors, displacements);
+            let of_cells = [mm, mt, om];
+            (0..3).filter(|&k| !self.known[k]).for_each(|k| on_surface[k] = of_cells[k]);
+        }
+        let law = model.materials()[self.cells[0]];
+        let [mm, mt, om] = on_surface;
+        let pressure = law.lambda / (law.lambda + 2.0 * law.mu) * (mm + 2.0 * law.mu * (along + across));
+        let direct = |strain: f64| pressure + 2.0 * law.mu * strain;
+        let out = if model.is_thin() { 0.0 } else { direct(across) };
+        SurfaceStress::of([mm, direct(along), out, mt, law.mu * shear, om], self.axes)
+    }
+
+    /// Returns the mean of the stresses of the cells in the node, on the axes.
+    fn of_cells(&self, model: &Model, factors: &[f64], displacements: &[[f64; 3]]) -> [f64; 6] {
+        let of_cell = |&e: &usize| {
             let cell = &model.mesh.cells[e];
             let k = cell.nodes.iter().position(|node| *node == self.node).unwrap_or(0);
-            let stress = model.stress_in(e, cell.kind.reference_node(k), factors, displacements);
-            of_cells = std::array::from_fn(|c| of_cells[c] + stress[c] / self.cells.len() as f64);
-        }
-        let of_cells = turned(of_cells, self.axes);
-        // σ_mm, τ_mt, τ_mo.
-        let on_surface = [0, 3, 5].map(|c| of_cells[c]);
-        let on_surface: [f64; 3] = std::array::from_fn(|k| {
-            if self.known[k] { -dot(traction, self.axes[k]) } else { on_surface[k] }
-        });
-        let Some(strain) = self.strain(model, factors, displacements) else {
-            return SurfaceStress::of(of_cells, self.axes);
+            model.stress_in(e, cell.kind.reference_node(k), factors, displacements)
         };
-        let [along, across, shear] = strain;
-        let law = model.materials()[self.cells[0]];
-        let pressure = law.lambda / (law.lambda + 2.0 * law.mu) * (on_surface[0] + 2.0 * law.mu * (along + across));
-        let across = if model.is_thin() { 0.0 } else { pressure + 2.0 * law.mu * across };
-        let stress = [on_surface[0], pressure + 2.0 * law.mu * along, across, on_surface[1], law.mu * shear, on_surface[2]];
-        SurfaceStress::of(stress, self.axes)
+        let share = 1.0 / self.cells.len() as f64;
+        let add = |sum: [f64; 6], stress: [f64; 6]| std::array::from_fn(|c| sum[c] + share * stress[c]);
+        turned(self.cells.iter().map(of_cell).fold([0.0; 6], add), self.axes)
     }
 
     /// Computes `(ε_tt, ε_oo, γ_to)` without the thermal strain; `None` if the derivatives along the surface are
@@ -274,13 +290,13 @@ impl Fit {
             strain[1] = if mesh.is_on_axis(self.node) { strain[0] } else { own[0] / r };
         }
         if !factors.is_empty() {
-            let of_cells = self.cells.iter().map(|&e| model.free_stretch(e, factors));
-            let free = of_cells.fold([0.0; 2], |sum, free| [sum[0] + free[0], sum[1] + free[2]]);
-            (strain[0], strain[1]) = (
-                strain[0] - free[0] / self.cells.len() as f64,
-                // Out of the plane, or along it in space.
-                strain[1] - free[1] / self.cells.len() as f64,
-            );
+            let share = 1.0 / self.cells.len() as f64;
+            for &e in &self.cells {
+                let free = model.free_stretch(e, factors);
+                strain[0] -= share * free[0];
+                // Out of the plane; in space the same as along the surface.
+                strain[1] -= share * free[2];
+            }
         }
         Some(strain)
     }
@@ -302,33 +318,42 @@ impl SurfaceStress {
 }
 
 impl Model {
-    /// Computes the stress at contact node `i` with the `traction` (Pa) of the body on its surroundings there, for the
-    /// displacements of all nodes (m) and the `factors` of `Model::thermal_factors`.
-    pub(crate) fn surface_stress(
-        &self,
-        i: usize,
-        factors: &[f64],
-        displacements: &[[f64; 3]],
-        traction: [f64; 3],
-    ) -> SurfaceStress {
-        let surface = self.surface.get_or_init(|| Surface::new(self));
-        surface.fits[i].stress(self, factors, displacements, traction)
+    fn surface(&self) -> &Surface {
+        self.surface.get_or_init(|| Surface::new(self))
     }
 
-    /// Computes the stress at each contact node in a `state` at time `t` (s); what depends on the mesh is computed once
+    /// Computes the stress at each contact node in a `state` at time `t` (s). What depends on the mesh is computed once
     /// for each model.
     pub fn surface_stresses(&self, t: f64, state: &State) -> Vec<SurfaceStress> {
-        let (factors, displacements) = (self.thermal_factors(t), self.displaced(t, &state.u));
-        let tractions = self.contact_tractions(state);
-        let at = |(i, traction)| self.surface_stress(i, &factors, &displacements, traction);
-        tractions.into_iter().enumerate().map(at).collect()
+        self.surface_stresses_of(&self.thermal_factors(t), &self.displaced(t, &state.u), state)
+    }
+
+    /// Computes [`Model::surface_stresses`] for the displacements of all nodes (m) and the `factors` of
+    /// `Model::thermal_factors`.
+    pub(crate) fn surface_stresses_of(
+        &self,
+        factors: &[f64],
+        displacements: &[[f64; 3]],
+        state: &State,
+    ) -> Vec<SurfaceStress> {
+        let fits = self.surface().fits.iter().zip(self.surface_tractions(state));
+        fits.map(|(fit, traction)| fit.stress(self, factors, displacements, traction)).collect()
     }
 
     /// Returns the traction (Pa) of the body on its surroundings at each contact node: that of
-    /// [`Model::recovered_tractions`], or the contact force divided by the node's weight (32).
-    pub fn contact_tractions(&self, state: &State) -> Vec<[f64; 3]> {
-        self.recovered_tractions(state).unwrap_or_else(|| {
+    /// [`Model::recovered_tractions`], or the contact force divided by the node's weight (32), with linear tetrahedra of
+    /// the node and its neighbours together.
+    fn surface_tractions(&self, state: &State) -> Vec<[f64; 3]> {
+        let recovered = self.recovered_tractions(state);
+        recovered.unwrap_or_else(|| {
             let forces: Vec<[f64; 3]> = (0..self.contacts.len()).map(|i| self.contact_force(state, i)).collect();
+            if let Some(patches) = &self.surface().patches {
+                let mean = |patch: &Vec<usize>| {
+                    let weight: f64 = patch.iter().map(|&j| self.contacts[j].weight).sum();
+                    patch.iter().fold([0.0; 3], |sum, &j| plus(sum, 1.0 / weight, forces[j]))
+                };
+                return patches.iter().map(mean).collect();
+            }
             let [x, y, z] = [0, 1, 2].map(|c| self.over_weights(|i| forces[i][c]));
             (0..forces.len()).map(|i| [x[i], y[i], z[i]]).collect()
         })

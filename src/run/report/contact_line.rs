@@ -6,7 +6,7 @@ use super::csv;
 use super::deformation::deformation;
 use super::principal::von_mises;
 use super::quantities;
-use crate::algebra::vector::{dot, minus, norm, plus};
+use crate::algebra::vector::{dot, minus, norm};
 use crate::base::units::UnitSystem;
 use crate::body::contact::ContactBoundary;
 use crate::body::estimate::ContactGraph;
@@ -229,6 +229,7 @@ pub fn points(model: &Model, nodes: impl Iterator<Item = usize>, step: &Incremen
     let patches = tetrahedra.then(|| ContactGraph::new(model).patch_pressures(model, &state.p_n));
     let drift = [0, 1].map(|k| model.loading.drift_at(step.record.time, k));
     let (displacements, factors) = deformation(model, step);
+    let surface = model.surface_stresses_of(&factors, &displacements, state);
     let mut s = 0.0;
     let mut last: Option<[f64; 3]> = None;
     let point = |i: usize| {
@@ -260,9 +261,6 @@ pub fn points(model: &Model, nodes: impl Iterator<Item = usize>, step: &Incremen
             None => [&sigma_n, &sigma_t, &sigma_o].map(|sigma| sigma[i]),
             Some(all) => [contact.facing.normal, t, o].map(|axis| dot(axis, all[i])),
         };
-        let traction = [(sigma_n, contact.facing.normal), (sigma_t, t), (sigma_o, o)];
-        let traction = traction.into_iter().fold([0.0; 3], |sum, (sigma, axis)| plus(sum, sigma, axis));
-        let surface = model.surface_stress(i, &factors, &displacements, traction);
         ContactPoint {
             node: contact.node,
             frame: [contact.facing.normal, t, o],
@@ -286,10 +284,10 @@ pub fn points(model: &Model, nodes: impl Iterator<Item = usize>, step: &Incremen
             force: model.force_of_row(state, i),
             mu: step.increment.mu[i],
             status: step.statuses[i],
-            sigma_along: surface.along,
-            sigma_across: surface.across,
-            sigma_shear: surface.shear,
-            stress: surface.stress,
+            sigma_along: surface[i].along,
+            sigma_across: surface[i].across,
+            sigma_shear: surface[i].shear,
+            stress: surface[i].stress,
         }
     };
     nodes.map(point).collect()
