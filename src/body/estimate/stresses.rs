@@ -13,7 +13,7 @@ use super::places::Places;
 use super::recovery::{LAYERS, MONOMIALS, SPARE, monomials, scaled, solve};
 use super::strains::{Strains, points_of};
 use crate::algebra::vector::minus;
-use crate::body::mesh::{Mesh, ReferenceCells};
+use crate::body::mesh::{CellKind, Mesh, ReferenceCells};
 use crate::body::model::Model;
 
 /// The number of rings of corners around a corner, itself included, in which inner corners are looked for.
@@ -111,7 +111,8 @@ impl Patch {
         }
         rows.iter_mut().enumerate().for_each(|(k, row)| row[count + k] = 1.0 / positions.len() as f64);
         solve(rows)?;
-        let inverse = |row: &[f64; 2 * MONOMIALS]| std::array::from_fn(|c| if c < count { row[count + c] } else { 0.0 });
+        let inverse =
+            |row: &[f64; 2 * MONOMIALS]| std::array::from_fn(|c| if c < count { row[count + c] } else { 0.0 });
         Some(Patch { inverse: rows.iter().map(inverse).collect(), cells, at_points, about, size })
     }
 
@@ -234,8 +235,13 @@ impl<'a> Search<'a> {
             }
             corners = self.beside(&corners);
         }
+        // Strains that are constant along a triangle scatter from cell to cell.
+        let kind = self.model.mesh.cells[self.at[place].1].kind;
+        let scatter = matches!(kind, CellKind::Triangle | CellKind::Tetrahedron | CellKind::Prism);
+        let own = BTreeSet::from([place]);
+        let first = if scatter { self.beside(&own) } else { own };
         for at_points in [self.quadratic, true] {
-            let mut corners = BTreeSet::from([place]);
+            let mut corners = first.clone();
             for _ in 0..LAYERS {
                 let cells: BTreeSet<usize> = corners.iter().flat_map(|&corner| &self.around[corner]).copied().collect();
                 if let Some(patch) = self.patch(place, cells.into_iter().collect(), self.count, at_points) {

@@ -198,7 +198,8 @@ impl Fit {
         let contact_node = &model.contacts[i];
         let (node, normal, tangent) = (contact_node.node, contact_node.facing.normal, contact_node.frame[0]);
         let all = sides.at_node.get(&node).map_or(&[][..], |all| all);
-        let towards = |f: usize| dot(sides.normals[f], normal) + f64::from(contact.contains(&sorted(&sides.facets[f].0)));
+        let towards =
+            |f: usize| dot(sides.normals[f], normal) + f64::from(contact.contains(&sorted(&sides.facets[f].0)));
         let first = all.iter().copied().max_by(|&a, &b| towards(a).total_cmp(&towards(b)));
         let own = first.map_or_else(BTreeSet::new, |first| sides.beside(model, [node].iter(), first));
         let mut sum = [0.0; 3];
@@ -212,7 +213,8 @@ impl Fit {
         let held: Vec<[f64; 3]> = model.dofs.held(node).collect();
         let is_loaded = own.iter().any(|&f| loaded.contains(&sorted(&sides.facets[f].0)));
         // Nothing acts out of the plane.
-        let is_free = |axis: [f64; 3]| d == 2 && axis[2] != 0.0 || held.iter().all(|held| dot(*held, axis).abs() < HELD);
+        let is_free =
+            |axis: [f64; 3]| d == 2 && axis[2] != 0.0 || held.iter().all(|held| dot(*held, axis).abs() < HELD);
         let slopes = first.and_then(|first| {
             (1..=DEGREE).rev().find_map(|degree| {
                 let mut patch = sides.nodes(&own);
