@@ -26,7 +26,6 @@ pub use discretisation::DiscretisationError;
 pub use graph::ContactGraph;
 pub use hertz::HertzContact;
 pub(crate) use locking::expected_locking;
-pub(crate) use recovery::solve;
 pub(crate) use slip::SlipZones;
 pub(crate) use stresses::StressRecovery;
 pub use zone::{ContactEstimate, PeakOf, StickZone, peak_error};

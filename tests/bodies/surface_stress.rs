@@ -50,7 +50,7 @@ fn tube(kind: CellKind, n: usize) -> Mesh {
 
 /// The loads of a tube: a pressure inside, or a rigid core that is too large.
 #[derive(Clone, Copy, PartialEq)]
-pub enum Inside {
+enum Inside {
     Pressure,
     Core,
 }
@@ -60,14 +60,7 @@ const PRESSURE: f64 = 1e6;
 
 /// Lamé's tube, its ends held: the largest errors of the hoop stress at the inner surface, relative to this stress: of
 /// the nodal stress, and of that along the contact surface but for the nodes in the planes of symmetry.
-pub fn tube_errors(
-    kind: CellKind,
-    element: Element,
-    plane: Option<Plane>,
-    nu: f64,
-    n: usize,
-    inside: Inside,
-) -> [f64; 2] {
+fn tube_errors(kind: CellKind, element: Element, plane: Option<Plane>, nu: f64, n: usize, inside: Inside) -> [f64; 2] {
     let (a, b) = (1.0_f64, 2.0_f64);
     let c = a * a / (b * b - a * a);
     let hoop = PRESSURE * c * (1.0 + b * b / (a * a));

@@ -114,7 +114,7 @@ impl ContactGraph {
     }
 
     /// Returns the neighbours of contact node `i`.
-    pub(crate) fn neighbours(&self, i: usize) -> &[usize] {
+    pub(super) fn neighbours(&self, i: usize) -> &[usize] {
         &self.neighbours[i]
     }
 

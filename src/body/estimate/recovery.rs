@@ -7,6 +7,7 @@
 
 use super::places::Places;
 use super::strains::Strains;
+use crate::algebra::elimination::solve;
 use crate::algebra::vector::minus;
 use crate::body::mesh::{CellKind, Geometry, quadrature_of, shape, stiffness_rule};
 use crate::body::model::Model;
@@ -16,9 +17,6 @@ pub(super) const SPARE: usize = 2;
 
 /// The largest number of patches tried for a fit; each has one more layer of cells than the last.
 pub(super) const LAYERS: usize = 4;
-
-/// A smaller pivot counts as rounding; the columns of the matrix have the size 1.
-const SINGULAR: f64 = 1e-10;
 
 /// Recovers the strains at the `places`; `None` if too few cells of second order are connected.
 pub(super) fn recovered(model: &Model, places: &Places, strains: &Strains) -> Option<Vec<[f64; 6]>> {
@@ -69,27 +67,6 @@ fn continuation(kind: CellKind, geometry: Geometry) -> Vec<[f64; COLUMNS]> {
 /// The largest length of a row: the monomials of a quadratic polynomial in three dimensions, and the components of
 /// strain.
 pub(super) const COLUMNS: usize = MONOMIALS + 6;
-
-/// Replaces B by `A⁻¹ B` by Gauss-Jordan elimination; each row contains a row of A followed by a row of B. `None` if A
-/// is singular.
-pub(crate) fn solve<const N: usize>(rows: &mut [[f64; N]]) -> Option<()> {
-    let n = rows.len();
-    for k in 0..n {
-        let largest = (k..n).max_by(|&i, &j| rows[i][k].abs().total_cmp(&rows[j][k].abs()))?;
-        rows.swap(k, largest);
-        let pivot = rows[k][k];
-        if pivot.abs() < SINGULAR {
-            return None;
-        }
-        rows[k].iter_mut().for_each(|x| *x /= pivot);
-        let scaled = rows[k];
-        for (_, row) in rows.iter_mut().enumerate().filter(|(i, _)| *i != k) {
-            let factor = row[k];
-            row[k..].iter_mut().zip(&scaled[k..]).for_each(|(x, y)| *x -= factor * y);
-        }
-    }
-    Some(())
-}
 
 /// A quadratic polynomial for each component of strain, about a point.
 struct Polynomial {

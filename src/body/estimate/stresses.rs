@@ -10,11 +10,14 @@
 use std::collections::{BTreeSet, HashSet};
 
 use super::places::Places;
-use super::recovery::{LAYERS, MONOMIALS, SPARE, monomials, scaled, solve};
+use super::recovery::{LAYERS, MONOMIALS, SPARE, monomials, scaled};
 use super::strains::{Strains, points_of};
+use crate::algebra::elimination::solve;
 use crate::algebra::vector::minus;
 use crate::body::mesh::{CellKind, Mesh, ReferenceCells};
 use crate::body::model::Model;
+use crate::solver::problem::ProblemError;
+use crate::solver::problem::error::expect_length;
 
 /// The number of rings of corners around a corner, itself included, in which inner corners are looked for.
 const RINGS: usize = 3;
@@ -334,5 +337,33 @@ impl StressRecovery {
             model.law_stress(e, strain)
         };
         self.patches_of.iter().zip(&self.at).map(value).collect()
+    }
+}
+
+impl Model {
+    /// Computes the stress at each node (Pa), recovered from the cells around it (Zienkiewicz and Zhu 1992), for the
+    /// displacements of all nodes (m) at time `t` (s). At an interface between materials, the value is that of the first
+    /// cell.
+    ///
+    /// # Errors
+    /// If `displacements` does not have one entry for each node of the mesh.
+    pub fn nodal_stresses_at(&self, t: f64, displacements: &[[f64; 3]]) -> Result<Vec<[f64; 6]>, ProblemError> {
+        expect_length("displacements", self.mesh.nodes.len(), displacements.len(), "one for each node of the mesh")?;
+        Ok(self.nodal_stresses(&self.thermal_factors(t), displacements))
+    }
+
+    /// Computes [`Model::nodal_stresses_at`] for displacements of the right length, with the `factors` of
+    /// `Model::thermal_factors`.
+    pub fn nodal_stresses(&self, factors: &[f64], displacements: &[[f64; 3]]) -> Vec<[f64; 6]> {
+        let recovery = StressRecovery::new(self, |_| true);
+        let at_places = recovery.stresses(self, factors, displacements);
+        let mut at_nodes = vec![None; self.mesh.nodes.len()];
+        for (e, cell) in self.mesh.cells.iter().enumerate() {
+            for (&node, &place) in cell.nodes.iter().zip(recovery.of_cell(e)) {
+                at_nodes[node].get_or_insert(at_places[place]);
+            }
+        }
+        // Every node belongs to a cell.
+        at_nodes.into_iter().map(|stress| stress.unwrap_or([f64::NAN; 6])).collect()
     }
 }

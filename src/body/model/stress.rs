@@ -2,7 +2,6 @@
 
 use super::Model;
 use crate::algebra::vector::dot;
-use crate::body::estimate::StressRecovery;
 use crate::body::fem::{strain_at, thermal_stress, with_dilatation};
 use crate::body::mesh::corner_shape;
 use crate::solver::problem::ProblemError;
@@ -29,30 +28,20 @@ impl Model {
         cells.map(|(e, cell)| self.stress_in(e, cell.kind.centre(), factors, displacements)).collect()
     }
 
-    /// Computes the stress at each node (Pa), recovered from the cells around it (Zienkiewicz and Zhu 1992), for the
-    /// displacements of all nodes (m) at time `t` (s). At an interface between materials, the value is that of the first
-    /// cell.
+    /// Computes the stress (Pa) at the reference point `point` of cell `e` from the displacements of its own nodes, for the
+    /// displacements of all nodes (m) at time `t` (s).
     ///
     /// # Errors
     /// If `displacements` does not have one entry for each node of the mesh.
-    pub fn nodal_stresses_at(&self, t: f64, displacements: &[[f64; 3]]) -> Result<Vec<[f64; 6]>, ProblemError> {
+    pub fn stress_of_cell(
+        &self,
+        e: usize,
+        point: [f64; 3],
+        t: f64,
+        displacements: &[[f64; 3]],
+    ) -> Result<[f64; 6], ProblemError> {
         expect_length("displacements", self.mesh.nodes.len(), displacements.len(), "one for each node of the mesh")?;
-        Ok(self.nodal_stresses(&self.thermal_factors(t), displacements))
-    }
-
-    /// Computes [`Model::nodal_stresses_at`] for displacements of the right length, with the `factors` of
-    /// `Model::thermal_factors`.
-    pub fn nodal_stresses(&self, factors: &[f64], displacements: &[[f64; 3]]) -> Vec<[f64; 6]> {
-        let recovery = StressRecovery::new(self, |_| true);
-        let at_places = recovery.stresses(self, factors, displacements);
-        let mut at_nodes = vec![None; self.mesh.nodes.len()];
-        for (e, cell) in self.mesh.cells.iter().enumerate() {
-            for (&node, &place) in cell.nodes.iter().zip(recovery.of_cell(e)) {
-                at_nodes[node].get_or_insert(at_places[place]);
-            }
-        }
-        // Every node belongs to a cell.
-        at_nodes.into_iter().map(|stress| stress.unwrap_or([f64::NAN; 6])).collect()
+        Ok(self.stress_in(e, point, &self.thermal_factors(t), displacements))
     }
 
     /// Computes the stress (Pa) of an elastic strain in cell `e`.

@@ -14,9 +14,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::Model;
+use crate::algebra::elimination::solve;
 use crate::algebra::vector::{across, cross, dot, minus, norm, plus, unit};
 use crate::body::description::{Action, Bed, Where};
-use crate::body::estimate::{ContactGraph, solve};
 use crate::body::fem::facet_normals;
 use crate::body::mesh::{CellKind, Facet, Geometry};
 use crate::solver::problem::State;
@@ -132,12 +132,22 @@ impl Surface {
         let loaded = loaded_elsewhere(model);
         let fits = (0..model.contacts.len()).map(|i| Fit::new(model, i, &sides, &in_contact, &loaded)).collect();
         let scatters = mesh.cells.iter().any(|cell| cell.kind == CellKind::Tetrahedron);
-        let patches = scatters.then(|| {
-            let graph = ContactGraph::new(model);
-            (0..model.contacts.len()).map(|i| [&[i], graph.neighbours(i)].concat()).collect()
-        });
+        let patches = scatters.then(|| patches(model));
         Surface { fits, patches }
     }
+}
+
+/// Returns for each contact node the contact nodes of its sides, itself included.
+fn patches(model: &Model) -> Vec<Vec<usize>> {
+    let mut patches: Vec<BTreeSet<usize>> = (0..model.contacts.len()).map(|i| BTreeSet::from([i])).collect();
+    for own in &model.contact_boundaries {
+        let at_node: BTreeMap<usize, usize> = own.nodes.iter().map(|&i| (model.contacts[i].node, i)).collect();
+        for facet in model.mesh.boundary(&own.name).map_or(&[][..], |boundary| &boundary.facets) {
+            let of_facet: Vec<usize> = facet.iter().filter_map(|node| at_node.get(node).copied()).collect();
+            of_facet.iter().for_each(|&i| patches[i].extend(&of_facet));
+        }
+    }
+    patches.into_iter().map(|patch| patch.into_iter().collect()).collect()
 }
 
 fn sorted(facet: &Facet) -> Facet {
