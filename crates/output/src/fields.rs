@@ -32,7 +32,9 @@ pub fn fields(model: &Model, step: &IncrementView<'_>) -> Grid {
     let mut at_nodes = model.nodal_stresses(&factors, &displacements);
     if !model.contacts.is_empty() {
         let contact: Vec<ContactPoint> = points(model, 0..model.contacts.len(), step);
-        contact.iter().for_each(|point| at_nodes[point.node] = point.stress);
+        for point in &contact {
+            at_nodes[point.node] = point.stress;
+        }
         point_fields.extend(contact_fields(model, step, &contact));
     }
     point_fields.push(real("nodal_stress", 9, tensors(&at_nodes)));

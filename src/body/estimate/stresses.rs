@@ -141,8 +141,8 @@ struct Search<'a> {
     count: usize,
     quadratic: bool,
     patches: Vec<Patch>,
-    /// The patch of each inner corner, once it was tried.
-    known: Vec<Option<Option<usize>>>,
+    /// The patch of each inner corner, once it was needed.
+    known: Vec<Option<usize>>,
 }
 
 impl<'a> Search<'a> {
@@ -217,12 +217,10 @@ impl<'a> Search<'a> {
 
     /// Returns the patch of an inner corner.
     fn of_inner(&mut self, place: usize) -> Option<usize> {
-        if let Some(known) = self.known[place] {
-            return known;
+        if self.known[place].is_none() {
+            self.known[place] = self.patch(place, self.around[place].clone(), self.count, self.quadratic);
         }
-        let patch = self.patch(place, self.around[place].clone(), self.count, self.quadratic);
-        self.known[place] = Some(patch);
-        patch
+        self.known[place]
     }
 
     /// Returns the patches of a corner: its own in the interior; elsewhere those of the inner corners beside it, or of

@@ -121,7 +121,9 @@ impl Surface {
         let surface = mesh.surface_at(|node| of_contact.contains(&node));
         let mut at_node: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
         for (f, (facet, _)) in surface.iter().enumerate() {
-            facet.iter().for_each(|&node| at_node.entry(node).or_default().push(f));
+            for &node in facet {
+                at_node.entry(node).or_default().push(f);
+            }
         }
         let normals = surface.iter().map(|(facet, _)| unit(mesh.area_vector(facet))).collect();
         let sides = Sides { facets: surface, normals, at_node };
@@ -144,7 +146,9 @@ fn patches(model: &Model) -> Vec<Vec<usize>> {
         let at_node: BTreeMap<usize, usize> = own.nodes.iter().map(|&i| (model.contacts[i].node, i)).collect();
         for facet in model.mesh.boundary(&own.name).map_or(&[][..], |boundary| &boundary.facets) {
             let of_facet: Vec<usize> = facet.iter().filter_map(|node| at_node.get(node).copied()).collect();
-            of_facet.iter().for_each(|&i| patches[i].extend(&of_facet));
+            for &i in &of_facet {
+                patches[i].extend(&of_facet);
+            }
         }
     }
     patches.into_iter().map(|patch| patch.into_iter().collect()).collect()
