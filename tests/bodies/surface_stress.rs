@@ -77,20 +77,14 @@ fn tube_errors(kind: CellKind, element: Element, plane: Option<Plane>, nu: f64, 
         (MeshSource::Given(tube(kind, n).into()), "left", kind.dimension())
     };
     let mut body = Description::new(mesh, material, vec![1.0]);
-    body = match plane {
-        Some(Plane::Axisymmetric) => {
-            body.held(Support::new("bottom", &[Axis::Y])).held(Support::new("top", &[Axis::Y]))
-        }
-        _ => {
-            let ends = if d == 2 { ["bottom", "top"] } else { ["front", "back"] };
-            let body = body.held(Support::new(ends[0], &[Axis::Y])).held(Support::new(ends[1], &[Axis::X]));
-            if d == 2 {
-                body
-            } else {
-                body.held(Support::new("bottom", &[Axis::Z])).held(Support::new("top", &[Axis::Z]))
-            }
-        }
+    let planes: &[(&str, Axis)] = match (plane, d) {
+        (Some(Plane::Axisymmetric), _) => &[("bottom", Axis::Y), ("top", Axis::Y)],
+        (_, 2) => &[("bottom", Axis::Y), ("top", Axis::X)],
+        _ => &[("front", Axis::Y), ("back", Axis::X), ("bottom", Axis::Z), ("top", Axis::Z)],
     };
+    for (boundary, axis) in planes {
+        body = body.held(Support::new(boundary, &[*axis]));
+    }
     body = match inside {
         Inside::Pressure => {
             body.load(Action::Pressure { boundary: inner.to_string(), pressure: Field::Uniform(PRESSURE) }.into())
