@@ -13,6 +13,7 @@ mod places;
 mod recovery;
 mod slip;
 mod strains;
+mod stresses;
 mod zone;
 
 use crate::body::model::Model;
@@ -26,7 +27,11 @@ pub use graph::ContactGraph;
 pub use hertz::HertzContact;
 pub(crate) use locking::expected_locking;
 pub(crate) use slip::SlipZones;
+<<<<<<< HEAD
 pub(crate) use zone::PeakZone;
+=======
+pub(crate) use stresses::StressRecovery;
+>>>>>>> stress
 pub use zone::{ContactEstimate, PeakOf, StickZone, peak_error};
 
 /// Estimates of locking and of the mesh error, from the strains of the body.

@@ -116,7 +116,7 @@ fn several_obstacles_are_told_apart() {
     let (header, rows) = csv(&folder.0.join("out/forces.csv"));
     assert_eq!(header, "index,time,boundary,f_x,f_y,m_z,sum_p_n,sum_p_t,kind,balance,obstacle,u_x,u_y");
     let (head, nodes) = csv(&folder.0.join("out/contact_0004.csv"));
-    assert!(head.ends_with(",t_x,t_y,obstacle"), "{head}");
+    assert!(head.ends_with(",t_x,t_y,sigma_along,sigma_across,von_mises,obstacle"), "{head}");
     let column = |name: &str| head.split(',').position(|column| column == name).unwrap();
     let number = |text: &String| text.parse::<f64>().unwrap();
     let mut sums = [0.0; 5];
