@@ -27,11 +27,8 @@ pub use graph::ContactGraph;
 pub use hertz::HertzContact;
 pub(crate) use locking::expected_locking;
 pub(crate) use slip::SlipZones;
-<<<<<<< HEAD
-pub(crate) use zone::PeakZone;
-=======
 pub(crate) use stresses::StressRecovery;
->>>>>>> stress
+pub(crate) use zone::PeakZone;
 pub use zone::{ContactEstimate, PeakOf, StickZone, peak_error};
 
 /// Estimates of locking and of the mesh error, from the strains of the body.

@@ -94,8 +94,7 @@ impl<'a> Corners<'a> {
     /// over `i` to `outer`; `None` if the obstacle is not in front of all of it.
     fn sharpest_turn(&self, i: usize, inner: Option<usize>, outer: usize) -> Option<f64> {
         let Corners { model, time, .. } = self;
-        let (k, facing) = model.met(i, *time)?;
-        let (obstacle, motion) = &model.obstacles[k];
+        let boundary = model.contact_boundaries.iter().find(|boundary| boundary.nodes.contains(&i))?;
         let at = model.contacts[i].position;
         let beside = |j: usize, share: f64| plus(at, share, minus(model.contacts[j].position, at));
         let shares = || (1..=PIECES).map(|piece| f64::from(piece) / f64::from(PIECES));
@@ -103,7 +102,9 @@ impl<'a> Corners<'a> {
         let line =
             before.map(|(j, share)| beside(j, share)).chain([at]).chain(shares().map(|share| beside(outer, share)));
         let points: Vec<[f64; 3]> = line.collect();
-        let gaps: Vec<f64> = points.iter().map(|x| motion.exact_gap(obstacle, *time, *x, &facing)).collect();
+        let outward = model.contacts[i].facing.normal;
+        let gap = |x: &[f64; 3]| model.see(boundary, *time, *x, [0.0; 3], outward).distance;
+        let gaps: Vec<f64> = points.iter().map(gap).collect();
         let slopes: Vec<f64> = (points.windows(2).zip(gaps.windows(2)))
             .map(|(x, gap)| ((gap[1] - gap[0]) / norm(minus(x[1], x[0]))).atan())
             .collect();

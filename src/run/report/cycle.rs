@@ -166,7 +166,9 @@ impl CycleWatch {
         match self.phase(record.time) {
             Phase::Before => {
                 let points = points(model, 0..model.contacts.len(), step);
-                self.nodes = points.iter().map(NodeWatch::at).collect();
+                let stresses = model.surface_stresses(record.time, step.state);
+                self.nodes =
+                    points.iter().zip(&stresses).map(|(point, stress)| NodeWatch::at(point, stress.along)).collect();
             }
             Phase::Within => self.nodes(model, step),
             Phase::After => {}
@@ -175,9 +177,10 @@ impl CycleWatch {
 
     fn nodes(&mut self, model: &Model, step: &IncrementView<'_>) {
         let points = points(model, 0..model.contacts.len(), step);
-        for (i, (node, point)) in self.nodes.iter_mut().zip(&points).enumerate() {
+        let stresses = model.surface_stresses(step.record.time, step.state);
+        for (i, ((node, point), stress)) in self.nodes.iter_mut().zip(&points).zip(&stresses).enumerate() {
             let [t, o] = model.problem.slip(step.increment, step.state, i);
-            node.see(point, step.state.p_t[i] * t + step.state.p_o[i] * o);
+            node.see(point, stress.along, step.state.p_t[i] * t + step.state.p_o[i] * o);
         }
         for ([some, all], boundary) in self.slips.iter_mut().zip(&model.contact_boundaries) {
             let slides = |i: &&usize| !model.contacts[**i].tangents[0].is_empty();

@@ -6,7 +6,7 @@ use serde_json::Value;
 use super::csv;
 use crate::base::units::{Quantity, UnitSystem};
 
-use Quantity::{Area, Energy, EnergyPerArea, Force, Length, Moment, Number, Stress};
+use Quantity::{Area, Energy, EnergyPerArea, Force, Length, Moment, Number, Stress, StressEnergyPerArea};
 
 /// The columns of all tables.
 const COLUMNS: &Table = &[
@@ -39,6 +39,7 @@ const COLUMNS: &Table = &[
     (&["area"], Area),
     (&["slip_range", "slip_path", "slip_drift", "wear_depth"], Length),
     (&["energy_density", "ruiz_1"], EnergyPerArea),
+    (&["ruiz_2"], StressEnergyPerArea),
     (
         &[
             "pressure_mean",
@@ -47,6 +48,8 @@ const COLUMNS: &Table = &[
             "traction_t_range",
             "traction_o_mean",
             "traction_o_range",
+            "along_mean",
+            "along_range",
         ],
         Stress,
     ),
