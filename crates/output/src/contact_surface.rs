@@ -1,9 +1,11 @@
 //! Views of a contact surface in space at the end of an increment, along its normal.
 
+use std::collections::BTreeMap;
 use stickslip::algebra::{across, axis, axis_across, cross, dot, norm, plus, unit};
 use stickslip::base::UnitSystem;
 use stickslip::body::ContactBoundary;
 use stickslip::body::Model;
+use stickslip::body::mesh::Facet;
 use stickslip::solver::ContactStatus;
 use stickslip::solver::history::IncrementView;
 
@@ -35,9 +37,10 @@ pub struct SurfaceNode {
     pub pressure: f64,
     /// Tangential contact stress of the body on the obstacle along the axes, Pa.
     pub traction: [f64; 2],
-    /// The contact status of the node; `None` if supports constrain it in the normal direction, or no obstacle is in
-    /// reach.
+    /// The contact status of the node; `None` if supports hold it along the normal, or nothing is in front of it.
     pub status: Option<ContactStatus>,
+    /// `true` if supports hold the node along the normal of the surface.
+    pub held: bool,
 }
 
 impl ContactSurface {
@@ -56,9 +59,13 @@ impl ContactSurface {
         for &node in facets.iter().flatten() {
             number[node].get_or_insert_with(|| {
                 let place = along(model.mesh.nodes[node]);
-                nodes.push(SurfaceNode { place, pressure: 0.0, traction: [0.0; 2], status: None });
+                nodes.push(SurfaceNode { place, pressure: 0.0, traction: [0.0; 2], status: None, held: false });
                 nodes.len() - 1
             });
+        }
+        for (node, normal) in normals(model, facets) {
+            let free = model.dofs.held(node).fold(normal, across);
+            nodes[number[node]?].held = norm(free) < HELD * norm(normal);
         }
         let state = step.state;
         let recovered = model.recovered_tractions(state);
@@ -77,10 +84,7 @@ impl ContactSurface {
             };
             node.status = Some(step.statuses[i]);
         }
-        let mut facets: Vec<Vec<usize>> =
-            facets.iter().map(|facet| facet.iter().filter_map(|&node| number[node]).collect()).collect();
-        // The two sides of a surface around the body overlap in the picture. Pressed facets are drawn on top.
-        facets.sort_by_key(|facet| facet.iter().any(|&node| nodes[node].pressure > 0.0));
+        let facets = facets.iter().map(|facet| facet.iter().filter_map(|&node| number[node]).collect()).collect();
         Some(ContactSurface {
             boundary: (model.contact_boundaries.len() > 1).then(|| boundary.name.clone()),
             index: step.record.index,
@@ -92,6 +96,22 @@ impl ContactSurface {
         })
     }
 }
+
+/// Returns the nodes of facets, each with the sum of the area vectors of its facets.
+fn normals(model: &Model, facets: &[Facet]) -> BTreeMap<usize, [f64; 3]> {
+    let mut normals = BTreeMap::new();
+    for facet in facets {
+        let area = model.mesh.area_vector(facet);
+        for &node in facet {
+            let normal = normals.entry(node).or_insert([0.0; 3]);
+            *normal = plus(*normal, 1.0, area);
+        }
+    }
+    normals
+}
+
+/// A node is held along its normal if supports leave less than this share of the normal free.
+const HELD: f64 = 1e-6;
 
 /// Returns the viewing direction: the normal of the obstacle. For several obstacles or an opposing body it is the mean
 /// normal, or the first one if the mean vanishes.

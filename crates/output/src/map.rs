@@ -4,7 +4,7 @@
 mod key;
 mod view;
 
-use super::colours::shade;
+use super::mesh_lines::MeshLines;
 use super::svg::{Anchor, Colour, Dash, Line, Marker, PlotError, Svg, expect_finite};
 use crate::{ContactSurface, SurfaceNode};
 use std::collections::BTreeMap;
@@ -21,8 +21,12 @@ const NUMBER_SIZE: f64 = 13.5;
 const BLACK: Colour = [0, 0, 0];
 const GREY: Colour = [120, 120, 120];
 const WHITE: Colour = [255, 255, 255];
-const HELD: Colour = [196, 196, 196];
+const HELD: Colour = [176, 176, 176];
+const ALONE: Colour = [216, 216, 216];
 const TANGENTIAL: Colour = [205, 80, 10];
+
+/// Values are equal if their ratio is not below this.
+const EQUAL: f64 = 1.0 - 1e-9;
 
 const THIN: Line = Line { dash: Dash::Solid, width: 1.0 };
 
@@ -49,6 +53,7 @@ impl ContactSurface {
         });
         view.draw_frame(&mut svg, &self.axes);
         surface.draw_nodes(&mut svg, &view);
+        surface.mark_largest(&mut svg, &view);
         view.draw_colours(&mut svg);
         Ok(svg.finish())
     }
@@ -69,12 +74,20 @@ impl ContactSurface {
     /// Returns the corners of each node's part of each facet: the node, the middle of a side, the centre, and the
     /// middle of the other side.
     fn patches(&self) -> impl Iterator<Item = (&SurfaceNode, [[f64; 2]; 4])> {
-        self.facets.iter().flat_map(move |facet| {
-            let (n, centre) = (facet.len(), self.centre(facet));
-            facet.iter().enumerate().map(move |(k, &node)| {
-                let [here, next, last] = [k, k + 1, k + n - 1].map(|k| self.nodes[facet[k % n]].place);
-                (&self.nodes[node], [here, middle(here, next), centre, middle(here, last)])
+        self.parts().flat_map(move |part| {
+            let (n, centre) = (part.len(), self.centre(&part));
+            (0..n).map(move |k| {
+                let [here, next, last] = [k, k + 1, k + n - 1].map(|k| self.nodes[part[k % n]].place);
+                (&self.nodes[part[k]], [here, middle(here, next), centre, middle(here, last)])
             })
+        })
+    }
+
+    /// Returns the parts of the facets: a triangle of second order is four triangles, every other facet is one part.
+    fn parts(&self) -> impl Iterator<Item = Vec<usize>> {
+        self.facets.iter().flat_map(|facet| match facet[..] {
+            [a, ab, b, bc, c, ca] => vec![vec![a, ab, ca], vec![ab, b, bc], vec![ca, bc, c], vec![ab, bc, ca]],
+            _ => vec![facet.clone()],
         })
     }
 
@@ -95,35 +108,61 @@ impl ContactSurface {
     }
 
     fn draw_patches(&self, svg: &mut Svg, view: &View) {
-        for (node, corners) in self.patches().filter(|(_, corners)| view.shows(corners)) {
-            let colour = match node.status {
-                None => HELD,
-                Some(_) if node.pressure > 0.0 => shade(node.pressure / view.most_pressure),
-                Some(_) => WHITE,
-            };
-            svg.tile(&corners.map(|corner| view.at(corner)), colour);
+        let patches: Vec<_> = self.patches().filter(|(_, corners)| view.shows(corners)).collect();
+        let placed = |corners: &[[f64; 2]; 4]| corners.map(|corner| view.at(corner)).to_vec();
+        let without = |wanted: fn(&SurfaceNode) -> bool| {
+            let own = patches.iter().filter(move |(node, _)| node.pressure <= 0.0 && wanted(node));
+            own.map(|(_, corners)| placed(corners)).collect::<Vec<_>>()
+        };
+        for (wanted, colour) in [
+            ((|node| node.status.is_some()) as fn(&SurfaceNode) -> bool, WHITE),
+            (|node| node.status.is_none() && node.held, HELD),
+            (|node| node.status.is_none() && !node.held, ALONE),
+        ] {
+            svg.region(without(wanted).iter().map(Vec::as_slice), colour);
         }
+        // The two sides of a surface around the body overlap in the picture. Pressed patches are drawn on top.
+        let pressed = patches.iter().filter(|(node, _)| node.pressure > 0.0);
+        let pressed: Vec<_> = pressed.map(|(node, corners)| (view.bands.of(node.pressure), placed(corners))).collect();
+        view.bands.fill(svg, &pressed);
+        let facets = self.facets.iter().map(|facet| facet.iter().map(|&node| self.nodes[node].place).collect());
+        let facets: Vec<Vec<[f64; 2]>> = facets.filter(|facet: &Vec<_>| view.shows(facet)).collect();
+        let facets: Vec<Vec<[f64; 2]>> =
+            facets.iter().map(|facet| facet.iter().map(|corner| view.at(*corner)).collect()).collect();
+        MeshLines::of(facets.iter().map(Vec::as_slice)).draw(svg);
     }
 
     /// Draws the outline of the surface, and lines between patches of different contact status.
     fn draw_borders(&self, svg: &mut Svg, view: &View) {
-        for ends in self.outline().filter(|ends| view.shows(ends)) {
-            svg.line(&ends.map(|end| view.at(end)), THIN, GREY);
-        }
+        let placed = |line: [[f64; 2]; 2]| line.map(|point| view.at(point));
+        svg.segments(self.outline().filter(|ends| view.shows(ends)).map(placed), THIN, GREY);
         let closed = |node: &SurfaceNode| node.status.is_some_and(|status| status != ContactStatus::Open);
-        for facet in &self.facets {
-            let n = facet.len();
-            let node = |k: usize| &self.nodes[facet[k % n]];
-            let centre = self.centre(facet);
+        let mut borders = Vec::new();
+        for part in self.parts() {
+            let n = part.len();
+            let node = |k: usize| &self.nodes[part[k % n]];
+            let centre = self.centre(&part);
             for k in 0..n {
                 let (a, b) = (node(k), node(k + 1));
                 let line = [middle(a.place, b.place), centre];
                 // Without friction, stick and slip are equivalent.
                 let differ = if view.friction { a.status != b.status } else { closed(a) != closed(b) };
                 if differ && view.shows(&line) {
-                    svg.line(&line.map(|point| view.at(point)), Line { width: 1.4, ..THIN }, BLACK);
+                    borders.push(placed(line));
                 }
             }
+        }
+        for (width, colour) in [(4.0, WHITE), (1.8, BLACK)] {
+            svg.segments(borders.iter().copied(), Line { width, ..THIN }, colour);
+        }
+    }
+
+    /// Marks the node with the largest pressure, if there is pressure: the first one if several have it within rounding.
+    fn mark_largest(&self, svg: &mut Svg, view: &View) {
+        let most = view.most_pressure;
+        if let Some(node) = self.nodes.iter().find(|node| most > 0.0 && node.pressure >= EQUAL * most) {
+            let text = self.units.rounded(Quantity::Stress, self.units.to_si(Quantity::Stress, node.pressure), 4);
+            svg.mark(view.at(node.place), &text, NUMBER_SIZE, view.at(view.middle())[0]);
         }
     }
 
@@ -140,8 +179,10 @@ impl ContactSurface {
                 Some(ContactStatus::Slip) => Some(Marker::Circle),
                 Some(ContactStatus::Open) | None => None,
             };
-            if let Some(marker) = marker.filter(|_| view.markers) {
-                svg.marker(at, marker, BLACK);
+            match marker.filter(|_| view.markers) {
+                Some(Marker::Disc) => svg.disc(at, BLACK),
+                Some(marker) => svg.marker(at, marker, BLACK),
+                None => {}
             }
             // If nodes are close, some of them have no arrow.
             let room = arrows.iter().all(|(other, _)| (at[0] - other[0]).hypot(at[1] - other[1]) > 0.7 * view.arrow);
@@ -156,7 +197,7 @@ impl ContactSurface {
     }
 }
 
-/// Draws an arrow from a point along a vector, px.
+/// Draws an arrow from a point along a vector, px, with a white edge.
 fn arrow(svg: &mut Svg, [x, y]: [f64; 2], [dx, dy]: [f64; 2]) {
     let length = dx.hypot(dy);
     // Shorter than its own width.
@@ -164,10 +205,13 @@ fn arrow(svg: &mut Svg, [x, y]: [f64; 2], [dx, dy]: [f64; 2]) {
         return;
     }
     let (ex, ey) = (dx / length, dy / length);
-    let head = (0.45 * length).min(9.0);
+    let head = (0.45 * length).min(11.0);
     let at = |along: f64, aside: f64| [x + along * ex - aside * ey, y + along * ey + aside * ex];
-    svg.line(&[at(0.0, 0.0), at(length - 0.7 * head, 0.0)], Line { width: 1.8, ..THIN }, TANGENTIAL);
-    svg.polygon(&[at(length, 0.0), at(length - head, 0.4 * head), at(length - head, -0.4 * head)], TANGENTIAL);
+    let (shaft, wide) = (f64::min(1.4, 0.2 * head), 0.45 * head);
+    let outline = [(0.0, shaft), (length - head, shaft), (length - head, wide), (length, 0.0)];
+    let back = outline.into_iter().rev().skip(1).map(|(along, aside)| (along, -aside));
+    let corners: Vec<[f64; 2]> = outline.into_iter().chain(back).map(|(along, aside)| at(along, aside)).collect();
+    svg.edged(&corners, TANGENTIAL);
 }
 
 fn middle(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {

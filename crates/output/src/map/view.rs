@@ -3,6 +3,7 @@
 use super::{BLACK, LABEL_SIZE, NUMBER_SIZE, SurfaceNode, THIN, WIDTH};
 use crate::ContactSurface;
 use crate::chart::axis::{Scale, Tick};
+use crate::colours::Bands;
 use crate::svg::{Anchor, Colour, Svg};
 use stickslip::base::Quantity;
 
@@ -16,6 +17,8 @@ const MOST_HEIGHT: f64 = 720.0;
 
 /// The colour outside the surface.
 const OUTSIDE: Colour = [236, 236, 236];
+/// A contact zone smaller than this share of the surface is shown alone.
+const SMALL: f64 = 1.0 / 3.0;
 /// The smallest ratio of the sides of the frame.
 const NARROWEST: f64 = 0.25;
 /// The longest arrow, relative to the distance between nodes.
@@ -34,10 +37,13 @@ pub(super) struct View {
     /// The size of the visible part in the picture, px.
     pub(super) size: [f64; 2],
     pub(super) most_pressure: f64,
+    pub(super) bands: Bands,
     pub(super) most_traction: f64,
     pub(super) friction: bool,
-    /// `true` if supports constrain a node.
+    /// `true` if supports hold a visible node along the normal.
     pub(super) held: bool,
+    /// `true` if nothing is in front of a visible node.
+    pub(super) alone: bool,
     /// The length of the longest arrow, px.
     pub(super) arrow: f64,
     /// `true` if nodes are far enough apart for markers.
@@ -55,7 +61,9 @@ impl View {
             })
         };
         let whole = bounds(&mut all());
-        let [low, high] = if pressed.is_empty() { whole } else { bounds(&mut pressed.iter().copied()) };
+        let area = |[low, high]: [[f64; 2]; 2]| (0..2).map(|c| high[c] - low[c]).product::<f64>();
+        let zone = bounds(&mut pressed.iter().copied());
+        let [low, high] = if !pressed.is_empty() && area(zone) < SMALL * area(whole) { zone } else { whole };
         let shown = all().filter(|p| (0..2).all(|c| (low[c]..=high[c]).contains(&p[c]))).count().max(1);
         let shown_area = (0..2).map(|c| (high[c].min(whole[1][c]) - low[c].max(whole[0][c])).max(0.0)).product::<f64>();
         let spacing = (shown_area / shown as f64).sqrt();
@@ -78,6 +86,8 @@ impl View {
         let [across, upwards] = [0, 1].map(|c| high[c] - low[c]);
         let scale = ((WIDTH - LEFT - RIGHT) / across).min(MOST_HEIGHT / upwards);
         let spacing = scale * spacing;
+        let visible =
+            || surface.nodes.iter().filter(|node| (0..2).all(|c| (low[c]..=high[c]).contains(&node.place[c])));
         let [length, stress] = [Quantity::Length, Quantity::Stress].map(|quantity| surface.units.name(quantity));
         View {
             length,
@@ -86,9 +96,11 @@ impl View {
             high,
             size: [scale * across, scale * upwards],
             most_pressure: most(|node| node.pressure),
+            bands: Bands::up_to(most(|node| node.pressure)),
             most_traction,
             friction: most_traction > 0.0,
-            held: surface.nodes.iter().any(|node| node.status.is_none()),
+            held: visible().any(|node| node.status.is_none() && node.held),
+            alone: visible().any(|node| node.status.is_none() && !node.held),
             arrow: (ARROW * spacing).max(SHORTEST),
             markers: spacing > 16.0,
         }
@@ -98,6 +110,11 @@ impl View {
     pub(super) fn at(&self, place: [f64; 2]) -> [f64; 2] {
         let share = |c: usize| (place[c] - self.low[c]) / (self.high[c] - self.low[c]);
         [self.left() + share(0) * self.size[0], TOP + (1.0 - share(1)) * self.size[1]]
+    }
+
+    /// Returns the middle of the visible part.
+    pub(super) fn middle(&self) -> [f64; 2] {
+        [0, 1].map(|c| 0.5 * (self.low[c] + self.high[c]))
     }
 
     /// Returns the left side of the surface. Surface and colour bar are centred in the picture.
@@ -185,6 +202,7 @@ mod tests {
             pressure: if (6..16).contains(&k) { 1e6 } else { 0.0 },
             traction: [0.0; 2],
             status: Some(ContactStatus::Stick),
+            held: false,
         };
         ContactSurface {
             boundary: None,
