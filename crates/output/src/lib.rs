@@ -22,6 +22,7 @@ mod pvtu;
 mod schema;
 mod svg;
 mod table;
+mod unrolled;
 mod visible;
 mod vtu;
 

@@ -68,7 +68,8 @@ impl ContactSurface {
             traction: node.traction.map(stress),
             ..*node
         };
-        ContactSurface { units, nodes: self.nodes.iter().map(node).collect(), ..self.clone() }
+        let nodes = self.nodes.iter().map(node).collect();
+        ContactSurface { units, nodes, degree: self.degree.map(length), ..self.clone() }
     }
 
     /// Returns the corners of each node's part of each facet: the node, the middle of a side, the centre, and the

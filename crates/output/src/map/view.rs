@@ -31,6 +31,8 @@ pub(super) struct View {
     /// The names of the units of lengths and stresses.
     length: String,
     pub(super) stress: String,
+    /// The length of one degree to the right, if the surface is unrolled.
+    degree: Option<f64>,
     /// The lowest and the highest visible coordinates.
     pub(super) low: [f64; 2],
     pub(super) high: [f64; 2],
@@ -92,6 +94,7 @@ impl View {
         View {
             length,
             stress,
+            degree: surface.degree,
             low,
             high,
             size: [scale * across, scale * upwards],
@@ -155,27 +158,32 @@ impl View {
             svg.line(&[[left, y], [left - tick.length(), y]], THIN, BLACK);
             svg.text([left - 10.0, y], tick.label.as_deref().unwrap_or(""), NUMBER_SIZE, Anchor::End);
         }
-        svg.text([0.5 * (left + right), bottom + 44.0], &self.axis(axes[0]), LABEL_SIZE, Anchor::Middle);
+        svg.text([0.5 * (left + right), bottom + 44.0], &self.across(axes), LABEL_SIZE, Anchor::Middle);
         svg.text([left - 70.0, 0.5 * (top + bottom)], &self.axis(axes[1]), LABEL_SIZE, Anchor::Upwards);
+    }
+
+    /// Describes the axis to the right.
+    fn across(&self, [first, second]: &[[f64; 3]; 2]) -> String {
+        match self.degree {
+            Some(_) => format!("angle about {}, from {}, degrees", name(*second), name(*first)),
+            None => self.axis(*first),
+        }
     }
 
     /// Describes an axis.
     fn axis(&self, axis: [f64; 3]) -> String {
-        let name = match axis {
-            [1.0, 0.0, 0.0] => "x".into(),
-            [0.0, 1.0, 0.0] => "y".into(),
-            [0.0, 0.0, 1.0] => "z".into(),
-            [x, y, z] => format!("along ({x:.3}, {y:.3}, {z:.3})"),
-        };
-        format!("{name}, {}", self.length)
+        let along = if axis.iter().filter(|c| **c != 0.0).count() > 1 { "along " } else { "" };
+        format!("{along}{}, {}", name(axis), self.length)
     }
 
     /// Returns the ticks along axis `c` within the frame: a label about every `room` px, but at least two.
     fn ticks(&self, c: usize, room: f64) -> Vec<Tick> {
         let range = self.low[c]..=self.high[c];
+        let unit = self.degree.filter(|_| c == 0).unwrap_or(1.0);
         let ticks = |most: f64| {
-            let all = Scale::Linear.ticks([self.low[c], self.high[c]].into_iter(), 0.0, most).all;
-            all.into_iter().filter(|tick| range.contains(&tick.value)).collect::<Vec<_>>()
+            let all = Scale::Linear.ticks([self.low[c] / unit, self.high[c] / unit].into_iter(), 0.0, most).all;
+            let all = all.into_iter().map(|tick| Tick { value: unit * tick.value, ..tick });
+            all.filter(|tick| range.contains(&tick.value)).collect::<Vec<_>>()
         };
         let labels = |ticks: &[Tick]| ticks.iter().filter(|tick| tick.label.is_some()).count();
         let most = self.size[c] / room;
@@ -186,6 +194,16 @@ impl View {
             .into_iter()
             .find(|ticks| labels(ticks) >= 2)
             .unwrap_or_default()
+    }
+}
+
+/// Returns the name of a direction.
+fn name(direction: [f64; 3]) -> String {
+    match direction {
+        [1.0, 0.0, 0.0] => "x".into(),
+        [0.0, 1.0, 0.0] => "y".into(),
+        [0.0, 0.0, 1.0] => "z".into(),
+        [x, y, z] => format!("({x:.3}, {y:.3}, {z:.3})"),
     }
 }
 
@@ -209,6 +227,7 @@ mod tests {
             index: 1,
             time: 1.0,
             axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+            degree: None,
             nodes: (0..22).map(node).collect(),
             units: UnitSystem::si(3),
             facets: (0..10).map(|k| vec![2 * k, 2 * k + 1, 2 * k + 3, 2 * k + 2]).collect(),
