@@ -97,11 +97,15 @@ impl Bands {
             svg.polygon(&[[from, low], [to, low], [to, high], [from, high]], self.colour(band));
         }
         svg.line(&[[from, top], [to, top], [to, bottom], [from, bottom], [from, top]], THIN, BLACK);
+        // On a low bar, not every limit has room for its number.
+        let stride = (1.2 * NUMBER_SIZE * self.count as f64 / (bottom - top)).ceil().max(1.0) as usize;
         for limit in 0..=self.count {
             let y = height(limit);
             svg.line(&[[from, y], [to + 5.0, y]], THIN, BLACK);
-            let number = number_to(limit as f64 * self.step, self.digit);
-            svg.text([to + 9.0, y], &number, NUMBER_SIZE, Anchor::Start);
+            if limit % stride == 0 {
+                let number = number_to(limit as f64 * self.step, self.digit);
+                svg.text([to + 9.0, y], &number, NUMBER_SIZE, Anchor::Start);
+            }
         }
         svg.text([to + 74.0, 0.5 * (top + bottom)], label, LABEL_SIZE, Anchor::Upwards);
     }
@@ -133,7 +137,7 @@ mod tests {
         assert_eq!((bands.step, bands.count), (1.0, 10));
         assert_eq!([0.5, 1.0, 1.1, 9.9, 10.0, 10.000_001].map(|value| bands.of(value)), [0, 0, 1, 9, 9, 9]);
         let mut svg = Svg::new([100.0, 100.0]);
-        Bands::up_to(11.9).draw_bar(&mut svg, 0.0, [0.0, 100.0], "MPa");
+        Bands::up_to(11.9).draw_bar(&mut svg, 0.0, [0.0, 200.0], "MPa");
         let svg = svg.finish();
         let numbers: Vec<&str> = svg.lines().filter(|line| !line.starts_with('<')).collect();
         assert_eq!(

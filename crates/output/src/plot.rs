@@ -150,7 +150,9 @@ fn motion(points: &[ContactPoint], along: &Abscissa, units: &UnitSystem) -> Pane
     let most = |value: fn(&ContactPoint) -> f64| points.iter().map(value).fold(0.0, f64::max);
     let (slip, gap) = (most(|p| p.slip_t.abs()), most(|p| p.gap));
     let top = if slip > NO_SLIP * gap { gap.min(HIGHEST_GAP * slip) } else { gap };
-    let (unit, name) = small_lengths(slip.max(top), units);
+    let rounding = ROUNDING * points.last().zip(points.first()).map_or(0.0, |(last, first)| last.s - first.s);
+    let shown = |value: f64| if value.abs() <= rounding { 0.0 } else { value };
+    let (unit, name) = small_lengths(shown(slip.max(top)), units);
     let told = |[x, y]: [f64; 2]| [units.of_si(Quantity::Length, x), y / unit];
     let curve = |label: &str, dash, colour, points: Vec<[f64; 2]>| Curve {
         label: label.into(),
@@ -159,7 +161,8 @@ fn motion(points: &[ContactPoint], along: &Abscissa, units: &UnitSystem) -> Pane
         marker: None,
         colour,
     };
-    let of = |value: fn(&ContactPoint) -> f64| points.iter().map(|p| [(along.of)(p), value(p)]).collect::<Vec<_>>();
+    let of =
+        |value: fn(&ContactPoint) -> f64| points.iter().map(|p| [(along.of)(p), shown(value(p))]).collect::<Vec<_>>();
     let slip = curve("slip distance", Dash::Solid, SLIP, of(|p| p.slip_t));
     let gaps = below(&of(|p| p.gap), top).into_iter().map(|part| curve("gap", Dash::DashDotted, GAP, part));
     Panel {
@@ -168,6 +171,9 @@ fn motion(points: &[ContactPoint], along: &Abscissa, units: &UnitSystem) -> Pane
         ..Panel::default()
     }
 }
+
+/// Lengths below this share of the line are rounding, and drawn as zero.
+const ROUNDING: f64 = 1e-10;
 
 /// A slip below this share of the gap is rounding.
 const NO_SLIP: f64 = 1e-6;
