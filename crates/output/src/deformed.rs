@@ -2,6 +2,7 @@
 //! outline of the undeformed body.
 
 use super::colours::Bands;
+use super::largest::{first_largest, is_equal};
 use super::mesh_lines::MeshLines;
 use super::svg::{Anchor, Colour, Dash, Line, PlotError, Svg, expect_finite};
 use super::visible::{Visibility, visibility};
@@ -54,9 +55,6 @@ const BLACK: Colour = [0, 0, 0];
 const BEFORE: Colour = [205, 80, 10];
 const THIN: Line = Line { dash: Dash::Solid, width: 0.6 };
 const DASHED: Line = Line { dash: Dash::Dashed, width: 1.2 };
-
-/// Values are equal if their ratio is not below this.
-const EQUAL: f64 = 1.0 - 1e-9;
 
 /// The drawn length of the longest displacement, about, relative to the size of the body.
 const SHOWN: f64 = 0.05;
@@ -159,22 +157,22 @@ impl DeformedBody {
             }
             _ => vec![Visibility::Alone; patches.len()],
         };
-        let seen: Vec<_> = patches.iter().zip(seen).filter(|(_, of)| *of != Visibility::Hidden).collect();
-        let most = seen.iter().map(|((_, stress), _)| *stress).fold(0.0, f64::max);
+        let seen = patches.into_iter().zip(seen).filter(|(_, seen)| *seen != Visibility::Hidden);
+        let seen: Vec<Patch> = seen.map(|((corners, stress), seen)| Patch { corners, stress, seen }).collect();
+        let most = seen.iter().map(|patch| patch.stress).fold(0.0, f64::max);
         let bands = Bands::up_to(most);
         draw_patches(&mut svg, &seen, &bands);
         svg.segments(self.outline.iter().map(|side| side.map(at)), DASHED, BEFORE);
         svg.line(&[[0.5 * WIDTH - 80.0, 76.0], [0.5 * WIDTH - 44.0, 76.0]], DASHED, BEFORE);
         svg.text([0.5 * WIDTH - 36.0, 76.0], "before the deformation", LABEL_SIZE, Anchor::Start);
         let text = |stress: f64| units.rounded(Quantity::Stress, units.to_si(Quantity::Stress, stress), 4);
-        let is_largest = |stress: f64| most > 0.0 && stress >= EQUAL * most;
-        if let Some(((corners, _), _)) = seen.iter().find(|((_, stress), _)| is_largest(*stress)) {
-            svg.mark(centre(corners), &text(most), NUMBER_SIZE, 0.5 * (LEFT + WIDTH - RIGHT));
+        if let Some(k) = first_largest(seen.iter().map(|patch| patch.stress)) {
+            svg.mark(centre(&seen[k].corners), &text(most), NUMBER_SIZE, 0.5 * (LEFT + WIDTH - RIGHT));
         }
         let label = format!("von Mises, {}", units.name(Quantity::Stress));
         bands.draw_bar(&mut svg, WIDTH - RIGHT + 30.0, [TOP, floor], &label);
         let inside = units.of_si(Quantity::Stress, self.largest_stress);
-        if most < EQUAL * inside {
+        if !is_equal(most, inside) {
             let text = format!("largest stress, out of sight: {}", text(inside));
             svg.text([WIDTH - 20.0, floor + BELOW - 30.0], &text, LABEL_SIZE, Anchor::End);
         }
@@ -191,22 +189,27 @@ impl DeformedBody {
     }
 }
 
-/// Draws the patches that are seen, back ones first, with the lines of the mesh.
-fn draw_patches(svg: &mut Svg, seen: &[(&(Vec<[f64; 2]>, f64), Visibility)], bands: &Bands) {
+/// A visible patch of the picture: its corners, px, and its stress.
+struct Patch {
+    corners: Vec<[f64; 2]>,
+    stress: f64,
+    seen: Visibility,
+}
+
+/// Draws the visible patches, back ones first, with the lines of the mesh.
+fn draw_patches(svg: &mut Svg, patches: &[Patch], bands: &Bands) {
     let lines = |of: Visibility| {
-        let own = seen.iter().filter(move |(_, seen)| *seen == of);
-        MeshLines::of(own.map(|((corners, _), _)| corners.as_slice()))
+        let own = patches.iter().filter(move |patch| patch.seen == of);
+        MeshLines::of(own.map(|patch| patch.corners.as_slice()))
     };
-    let alone = seen.iter().filter(|(_, of)| *of == Visibility::Alone);
-    let alone: Vec<_> = alone.map(|((corners, stress), _)| (bands.of(*stress), corners.clone())).collect();
+    let alone = patches.iter().filter(|patch| patch.seen == Visibility::Alone);
+    let alone: Vec<_> = alone.map(|patch| (bands.of(patch.stress), patch.corners.clone())).collect();
     bands.fill(svg, &alone);
     lines(Visibility::Alone).draw(svg);
     let layered = lines(Visibility::Layered);
-    for ((corners, stress), of) in seen {
-        if *of == Visibility::Layered {
-            svg.region([corners.as_slice()], bands.colour(bands.of(*stress)));
-            layered.draw_around(svg, corners);
-        }
+    for patch in patches.iter().filter(|patch| patch.seen == Visibility::Layered) {
+        svg.region([patch.corners.as_slice()], bands.colour(bands.of(patch.stress)));
+        layered.draw_around(svg, &patch.corners);
     }
 }
 

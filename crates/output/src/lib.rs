@@ -10,6 +10,7 @@ mod file_names;
 mod folder;
 mod history_chart;
 mod increments;
+mod largest;
 mod lists;
 mod map;
 mod mesh_lines;

@@ -4,6 +4,7 @@
 mod key;
 mod view;
 
+use super::largest::first_largest;
 use super::mesh_lines::MeshLines;
 use super::svg::{Anchor, Colour, Dash, Line, Marker, PlotError, Svg, expect_finite};
 use crate::{ContactSurface, SurfaceNode};
@@ -24,9 +25,6 @@ const WHITE: Colour = [255, 255, 255];
 const HELD: Colour = [176, 176, 176];
 const ALONE: Colour = [216, 216, 216];
 const TANGENTIAL: Colour = [205, 80, 10];
-
-/// Values are equal if their ratio is not below this.
-const EQUAL: f64 = 1.0 - 1e-9;
 
 const THIN: Line = Line { dash: Dash::Solid, width: 1.0 };
 
@@ -147,7 +145,7 @@ impl ContactSurface {
                 let (a, b) = (node(k), node(k + 1));
                 let line = [middle(a.place, b.place), centre];
                 // Without friction, stick and slip are equivalent.
-                let differ = if view.friction { a.status != b.status } else { closed(a) != closed(b) };
+                let differ = if view.friction() { a.status != b.status } else { closed(a) != closed(b) };
                 if differ && view.shows(&line) {
                     borders.push(placed(line));
                 }
@@ -160,8 +158,7 @@ impl ContactSurface {
 
     /// Marks the node with the largest pressure, if there is pressure: the first one if several have it within rounding.
     fn mark_largest(&self, svg: &mut Svg, view: &View) {
-        let most = view.most_pressure;
-        if let Some(node) = self.nodes.iter().find(|node| most > 0.0 && node.pressure >= EQUAL * most) {
+        if let Some(node) = first_largest(self.nodes.iter().map(|node| node.pressure)).map(|k| &self.nodes[k]) {
             let text = self.units.rounded(Quantity::Stress, self.units.to_si(Quantity::Stress, node.pressure), 4);
             svg.mark(view.at(node.place), &text, NUMBER_SIZE, view.at(view.middle())[0]);
         }
@@ -169,7 +166,7 @@ impl ContactSurface {
 
     /// Draws the status of each node, and its traction if there is room for an arrow.
     fn draw_nodes(&self, svg: &mut Svg, view: &View) {
-        if !view.friction {
+        if !view.friction() {
             return;
         }
         let mut arrows: Vec<([f64; 2], [f64; 2])> = Vec::new();
@@ -217,4 +214,37 @@ fn arrow(svg: &mut Svg, [x, y]: [f64; 2], [dx, dy]: [f64; 2]) {
 
 fn middle(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use stickslip::base::UnitSystem;
+
+    /// A triangle of second order is divided between its six nodes: a corner has a twelfth of it, the middle of a side a
+    /// quarter. No part reaches across the element.
+    #[test]
+    fn nodes_of_a_triangle_of_second_order_have_their_surroundings() {
+        let places = [[0.0, 0.0], [3.0, 0.0], [6.0, 0.0], [3.0, 3.0], [0.0, 6.0], [0.0, 3.0]];
+        let node = |place| SurfaceNode { place, pressure: 1e6, traction: [0.0; 2], status: None, held: false };
+        let surface = ContactSurface {
+            boundary: None,
+            index: 1,
+            time: 1.0,
+            axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+            degree: None,
+            nodes: places.map(node).to_vec(),
+            facets: vec![(0..6).collect()],
+            units: UnitSystem::si(3),
+        };
+        let mut areas = [0.0; 6];
+        for (node, corners) in surface.patches() {
+            let around = corners.iter().zip(corners.iter().cycle().skip(1));
+            let area = 0.5 * around.map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum::<f64>();
+            areas[places.iter().position(|place| *place == node.place).unwrap()] += area;
+            assert!(area > 0.0 && corners.iter().all(|corner| (corner[0] - node.place[0]).abs() < 2.5));
+        }
+        assert_eq!(areas, [1.5, 4.5, 1.5, 4.5, 1.5, 4.5]);
+        assert_eq!(surface.outline().count(), 6);
+    }
 }

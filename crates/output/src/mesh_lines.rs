@@ -14,9 +14,15 @@ const FAINT: Line = Line { dash: Dash::Solid, width: 0.25 };
 
 /// The sides of polygons of a picture.
 pub(super) struct MeshLines {
-    /// The ends of each side, the distance to the opposite side of the thinnest polygon there (px), and the number of
-    /// polygons there.
-    sides: BTreeMap<[[i64; 2]; 2], ([[f64; 2]; 2], f64, usize)>,
+    sides: BTreeMap<[[i64; 2]; 2], Side>,
+}
+
+struct Side {
+    ends: [[f64; 2]; 2],
+    /// The distance to the opposite side of the thinnest polygon here, px.
+    apart: f64,
+    /// The number of polygons here.
+    polygons: usize,
 }
 
 impl MeshLines {
@@ -27,9 +33,10 @@ impl MeshLines {
             let area = 0.5 * around().map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum::<f64>().abs();
             for (&a, &b) in around() {
                 let apart = area / (b[0] - a[0]).hypot(b[1] - a[1]);
-                let (_, least, polygons) = sides.entry(key([a, b])).or_insert(([a, b], f64::INFINITY, 0));
-                *least = f64::min(*least, apart);
-                *polygons += 1;
+                let new = Side { ends: [a, b], apart, polygons: 0 };
+                let side = sides.entry(key([a, b])).or_insert(new);
+                side.apart = side.apart.min(apart);
+                side.polygons += 1;
             }
         }
         MeshLines { sides }
@@ -38,18 +45,15 @@ impl MeshLines {
     /// Draws all sides. The outline, sides of one polygon only, is not faint.
     pub(super) fn draw(&self, svg: &mut Svg) {
         for line in [FAINT, LINE] {
-            let own = self.sides.values().filter(|(_, apart, polygons)| style(*apart, *polygons) == Some(line));
-            svg.segments(own.map(|(ends, ..)| *ends), line, MESH);
+            let own = self.sides.values().filter(|side| side.style() == Some(line));
+            svg.segments(own.map(|side| side.ends), line, MESH);
         }
     }
 
     /// Draws the sides of one of the polygons.
     pub(super) fn draw_around(&self, svg: &mut Svg, polygon: &[[f64; 2]]) {
         let ends = polygon.iter().zip(polygon.iter().cycle().skip(1)).map(|(a, b)| [*a, *b]);
-        let known = |ends: [[f64; 2]; 2]| {
-            let (_, apart, polygons) = self.sides.get(&key(ends))?;
-            Some((ends, style(*apart, *polygons)?))
-        };
+        let known = |ends: [[f64; 2]; 2]| Some((ends, self.sides.get(&key(ends))?.style()?));
         let drawn: Vec<_> = ends.filter_map(known).collect();
         for line in [FAINT, LINE] {
             svg.segments(drawn.iter().filter(|(_, of)| *of == line).map(|(ends, _)| *ends), line, MESH);
@@ -57,13 +61,15 @@ impl MeshLines {
     }
 }
 
-/// Returns the style of a side; `None` if it is not drawn.
-fn style(apart: f64, polygons: usize) -> Option<Line> {
-    match apart {
-        _ if polygons == 1 => Some(LINE),
-        apart if apart < CLOSEST => None,
-        apart if apart < CLOSE => Some(FAINT),
-        _ => Some(LINE),
+impl Side {
+    /// Returns the style of the side; `None` if it is not drawn.
+    fn style(&self) -> Option<Line> {
+        match self.apart {
+            _ if self.polygons == 1 => Some(LINE),
+            apart if apart < CLOSEST => None,
+            apart if apart < CLOSE => Some(FAINT),
+            _ => Some(LINE),
+        }
     }
 }
 

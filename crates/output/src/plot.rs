@@ -1,6 +1,7 @@
 //! Plots of contact stresses along contact lines.
 
 use super::chart::{Axis, Chart, Curve, Note, Panel, Scale};
+use super::largest::first_largest;
 use super::svg::{Dash, Line, Marker, PlotError};
 use stickslip::base::{Quantity, UnitSystem};
 use stickslip::run::report::{ContactLine, ContactPoint};
@@ -131,8 +132,7 @@ fn curves(points: &[ContactPoint], along: &Abscissa, units: &UnitSystem) -> Vec<
 
 /// Marks the node with the largest pressure, if there is pressure: the first one if several have it within rounding.
 fn largest_pressure(points: &[ContactPoint], along: &Abscissa, units: &UnitSystem) -> Option<Note> {
-    let most = points.iter().map(|p| p.sigma_n).fold(0.0, f64::max);
-    let node = points.iter().find(|p| most > 0.0 && p.sigma_n >= EQUAL * most)?;
+    let node = &points[first_largest(points.iter().map(|p| p.sigma_n))?];
     let (x, stress) = ((along.of)(node), node.sigma_n);
     let [value, place] =
         [(Quantity::Stress, stress), (Quantity::Length, x)].map(|(quantity, value)| units.rounded(quantity, value, 4));
@@ -141,9 +141,6 @@ fn largest_pressure(points: &[ContactPoint], along: &Abscissa, units: &UnitSyste
         text: format!("largest σₙ {value} at {} {place}", along.short),
     })
 }
-
-/// Values are equal if their ratio is not below this.
-const EQUAL: f64 = 1.0 - 1e-9;
 
 /// Creates the panel of slip and gap. A gap far larger than the slip leaves the panel.
 fn motion(points: &[ContactPoint], along: &Abscissa, units: &UnitSystem) -> Panel {

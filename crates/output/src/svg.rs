@@ -169,10 +169,8 @@ impl Svg {
     pub(super) fn mark(&mut self, [x, y]: [f64; 2], text: &str, size: f64, turn: f64) {
         self.cross([x, y]);
         let (aside, width) = (CROSS + 5.0, text_width(text, size));
-        let (left, anchor, at) = match x > turn {
-            true => (x - aside - width, Anchor::End, x - aside),
-            false => (x + aside, Anchor::Start, x + aside),
-        };
+        let (left, anchor, at) =
+            if x > turn { (x - aside - width, Anchor::End, x - aside) } else { (x + aside, Anchor::Start, x + aside) };
         let ([left, top], [width, height]) =
             ([left - 2.0, y - 0.7 * size].map(tenths), [width + 4.0, 1.4 * size].map(tenths));
         self.put(format_args!(

@@ -14,6 +14,9 @@ const EQUAL: f64 = 1e-6;
 
 const TURN: f64 = 2.0 * std::f64::consts::PI;
 
+/// The centre (m) and the area vector (m²) of a facet.
+type Facet = ([f64; 3], [f64; 3]);
+
 /// A cylinder with the plane into which it is unrolled: to the right the arc, upwards the position along the axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Cylinder {
@@ -27,9 +30,9 @@ pub(super) struct Cylinder {
 }
 
 impl Cylinder {
-    /// Returns the cylinder of a surface, given by the centre (m) and the area vector (m²) of each facet and the nodes
+    /// Returns the cylinder of a surface, given by its facets and their nodes
     /// (m); `None` if one view shows all of it, or if it is no cylinder.
-    pub(super) fn of(facets: &[([f64; 3], [f64; 3])], nodes: &[[f64; 3]]) -> Option<Self> {
+    pub(super) fn of(facets: &[Facet], nodes: &[[f64; 3]]) -> Option<Self> {
         let normals: Vec<[f64; 3]> = facets.iter().map(|(_, area)| unit(*area)).collect();
         let (first, last) = (normals.first()?, nodes.first()?);
         // The first of those that are most across the first one.
@@ -89,7 +92,7 @@ impl Cylinder {
 }
 
 /// Returns the point nearest to the lines along the normals of all facets, by its coordinates across the axis.
-fn centre(facets: &[([f64; 3], [f64; 3])], plane: [[f64; 3]; 2], any: [f64; 3]) -> Option<[f64; 3]> {
+fn centre(facets: &[Facet], plane: [[f64; 3]; 2], any: [f64; 3]) -> Option<[f64; 3]> {
     let (mut matrix, mut right) = ([[0.0; 2]; 2], [0.0; 2]);
     for (point, area) in facets {
         let aside = plane.map(|direction| dot(*area, direction));
@@ -124,7 +127,7 @@ mod tests {
     use super::*;
 
     /// The facets and the nodes of a part of a bore of radius 2 about an axis along y through (1, 0, 3).
-    fn bore(from: f64, to: f64, n: usize) -> (Vec<([f64; 3], [f64; 3])>, Vec<[f64; 3]>) {
+    fn bore(from: f64, to: f64, n: usize) -> (Vec<Facet>, Vec<[f64; 3]>) {
         let at = |k: f64| (from + (to - from) * k / n as f64).to_radians();
         let point = |k: f64, y: f64| [1.0 + 2.0 * at(k).cos(), y, 3.0 + 2.0 * at(k).sin()];
         let facet = |k: usize| {

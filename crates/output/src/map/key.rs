@@ -24,11 +24,11 @@ impl View {
         if self.alone {
             entries.push((Sample::Patch(ALONE), "nothing in front".into()));
         }
-        if self.friction && self.markers {
+        if self.friction() && self.markers {
             entries.push((Sample::Marker(Marker::Disc), "stick".into()));
             entries.push((Sample::Marker(Marker::Circle), "slip".into()));
         }
-        if self.friction {
+        if self.friction() {
             let stress = round_stress(self.most_traction);
             let length = stress / self.most_traction * self.arrow;
             entries.push((Sample::Arrow(length), format!("σₜ, tangential, {stress} {}", self.stress)));

@@ -38,10 +38,8 @@ pub(super) struct View {
     pub(super) high: [f64; 2],
     /// The size of the visible part in the picture, px.
     pub(super) size: [f64; 2],
-    pub(super) most_pressure: f64,
     pub(super) bands: Bands,
     pub(super) most_traction: f64,
-    pub(super) friction: bool,
     /// `true` if supports hold a visible node along the normal.
     pub(super) held: bool,
     /// `true` if nothing is in front of a visible node.
@@ -98,10 +96,8 @@ impl View {
             low,
             high,
             size: [scale * across, scale * upwards],
-            most_pressure: most(|node| node.pressure),
             bands: Bands::up_to(most(|node| node.pressure)),
             most_traction,
-            friction: most_traction > 0.0,
             held: visible().any(|node| node.status.is_none() && node.held),
             alone: visible().any(|node| node.status.is_none() && !node.held),
             arrow: (ARROW * spacing).max(SHORTEST),
@@ -113,6 +109,11 @@ impl View {
     pub(super) fn at(&self, place: [f64; 2]) -> [f64; 2] {
         let share = |c: usize| (place[c] - self.low[c]) / (self.high[c] - self.low[c]);
         [self.left() + share(0) * self.size[0], TOP + (1.0 - share(1)) * self.size[1]]
+    }
+
+    /// Returns `true` if there are tangential stresses.
+    pub(super) fn friction(&self) -> bool {
+        self.most_traction > 0.0
     }
 
     /// Returns the middle of the visible part.
