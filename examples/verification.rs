@@ -54,6 +54,7 @@ fn panel(
                 colour: [0; 3],
             },
         ],
+        ..Panel::default()
     }
 }
 

@@ -7,7 +7,7 @@ pub use axis::Scale;
 use super::svg::{Anchor, Colour, Dash, Line, Marker, PlotError, Svg, expect_finite, text_width};
 use axis::Ticks;
 
-/// A chart of one or more panels, all with the same axes.
+/// A chart of one or more panels with the same horizontal axis and, unless a panel has its own, the same vertical one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chart {
     /// The heading.
@@ -34,12 +34,25 @@ pub struct Axis {
 }
 
 /// A panel of a chart.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Panel {
     /// The heading; empty for none.
     pub title: String,
     /// The curves in the order of the legend; the first is in front.
     pub curves: Vec<Curve>,
+    /// Points marked by a cross, each with a text above it.
+    pub notes: Vec<Note>,
+    /// The panel's own vertical axis; the panel is then lower than the others.
+    pub y: Option<Axis>,
+}
+
+/// A marked point of a panel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Note {
+    /// The point.
+    pub at: [f64; 2],
+    /// The text.
+    pub text: String,
 }
 
 /// A curve: a line, markers, or both.
@@ -75,11 +88,15 @@ const BETWEEN: f64 = 66.0;
 const RIGHT: f64 = 26.0;
 /// The space below a panel, for the numbers.
 const BELOW: f64 = 30.0;
+/// The height of a panel with an axis of its own, relative to the others.
+const LOW: f64 = 0.55;
+/// The room for a text above a marked point.
+const ABOVE: f64 = 22.0;
 const HEADING: f64 = 26.0;
 const LEGEND_ROW: f64 = 24.0;
 /// The length of the sample line of a legend entry, and the gap after an entry.
 const SAMPLE: f64 = 38.0;
-const GAP: f64 = 26.0;
+const GAP: f64 = 22.0;
 
 const TITLE_SIZE: f64 = 18.0;
 const LABEL_SIZE: f64 = 15.0;
@@ -106,7 +123,7 @@ impl Chart {
     /// # Errors
     /// When a number is not finite.
     pub fn to_svg(&self) -> Result<String, PlotError> {
-        let points = || self.panels.iter().flat_map(|panel| &panel.curves).flat_map(|curve| &curve.points);
+        let points = || self.panels.iter().flat_map(Panel::points);
         expect_finite(points().flatten().copied())?;
         let columns = self.columns.max(1);
         let rows = self.panels.len().div_ceil(columns);
@@ -118,13 +135,17 @@ impl Chart {
                 _ => 0.64,
             };
         let x = self.x.scale.ticks(points().map(|p| p[0]), 0.0, width / 60.0);
-        let y = self.y.scale.ticks(points().map(|p| p[1]), 0.03, height / 31.0);
+        let common = self.panels.iter().filter(|panel| panel.y.is_none()).flat_map(Panel::points);
+        let noted = self.panels.iter().any(|panel| panel.y.is_none() && !panel.notes.is_empty());
+        let common = upwards(&self.y, common, noted, height);
+        let height_of = |panel: &Panel| if panel.y.is_some() { LOW * height } else { height };
 
         let legend = self.legend();
         let headings = if self.panels.iter().all(|panel| panel.title.is_empty()) { 8.0 } else { HEADING };
         let top = 66.0 + LEGEND_ROW * legend.len() as f64;
-        let pitch = headings + height + BELOW;
-        let mut svg = Svg::new([WIDTH, top + rows as f64 * pitch + 34.0]);
+        let of_row = |row: &[Panel]| headings + row.iter().map(height_of).fold(0.0, f64::max) + BELOW;
+        let pitches: Vec<f64> = self.panels.chunks(columns).map(of_row).collect();
+        let mut svg = Svg::new([WIDTH, top + pitches.iter().sum::<f64>() + 34.0]);
         svg.text([0.5 * WIDTH, 24.0], &self.title, TITLE_SIZE, Anchor::Bold);
         svg.text([0.5 * WIDTH, 48.0], &self.subtitle, LABEL_SIZE, Anchor::Middle);
         for (row, entries) in legend.iter().enumerate() {
@@ -134,14 +155,21 @@ impl Chart {
             let (row, column) = (k / columns, k % columns);
             let frame = Frame {
                 left: LEFT + column as f64 * (width + BETWEEN + RIGHT),
-                top: top + row as f64 * pitch + headings,
+                top: top + pitches[..row].iter().sum::<f64>() + headings,
                 width,
-                height,
+                height: height_of(panel),
             };
-            self.draw_panel(&mut svg, frame, panel, &x, &y);
-            let Frame { left, top, .. } = frame;
-            if column == 0 {
-                svg.text([22.0, top + 0.5 * height], &self.y.label, LABEL_SIZE, Anchor::Upwards);
+            let Frame { left, top, height, .. } = frame;
+            match &panel.y {
+                Some(axis) => {
+                    let own = upwards(axis, panel.points(), !panel.notes.is_empty(), height);
+                    self.draw_panel(&mut svg, frame, panel, &x, (axis.scale, &own));
+                }
+                None => self.draw_panel(&mut svg, frame, panel, &x, (self.y.scale, &common)),
+            }
+            if column == 0 || panel.y.is_some() {
+                let label = &panel.y.as_ref().unwrap_or(&self.y).label;
+                svg.text([left - LEFT + 22.0, top + 0.5 * height], label, LABEL_SIZE, Anchor::Upwards);
             }
             if k + columns >= self.panels.len() {
                 let below = [left + 0.5 * width, top + height + BELOW + 14.0];
@@ -151,7 +179,7 @@ impl Chart {
         Ok(svg.finish())
     }
 
-    fn draw_panel(&self, svg: &mut Svg, frame: Frame, panel: &Panel, x: &Ticks, y: &Ticks) {
+    fn draw_panel(&self, svg: &mut Svg, frame: Frame, panel: &Panel, x: &Ticks, (scale, y): (Scale, &Ticks)) {
         let Frame { left, top, width, height } = frame;
         let (right, bottom) = (left + width, top + height);
         let (across, up) = (|t: f64| left + t * width, |t: f64| bottom - t * height);
@@ -177,17 +205,24 @@ impl Chart {
             svg.line(&[[left, at], [left + length, at]], THIN, BLACK);
             svg.line(&[[right, at], [right - length, at]], THIN, BLACK);
         }
-        if self.y.scale == Scale::Linear && y.from < 0.0 && y.to > 0.0 {
+        if scale == Scale::Linear && y.from < 0.0 && y.to > 0.0 {
             svg.line(&[[left, up(y.share(0.0))], [right, up(y.share(0.0))]], THIN, GREY);
         }
         let corners = [[left, top], [right, top], [right, bottom], [left, bottom], [left, top]];
         svg.line(&corners, THIN, BLACK);
+        let place = |&[a, b]: &[f64; 2]| Some([across(x.share(self.x.scale.place(a)?)), up(y.share(scale.place(b)?))]);
         for curve in panel.curves.iter().rev() {
-            let place = |&[a, b]: &[f64; 2]| {
-                Some([across(x.share(self.x.scale.place(a)?)), up(y.share(self.y.scale.place(b)?))])
-            };
             let points: Vec<[f64; 2]> = curve.points.iter().filter_map(place).collect();
             curve.draw(svg, &points);
+        }
+        for note in &panel.notes {
+            if let Some(at) = place(&note.at) {
+                svg.cross(at);
+                // Within the panel.
+                let half = 0.5 * text_width(&note.text, NUMBER_SIZE) + 8.0;
+                let middle = at[0].min(right - half).max(left + half);
+                svg.text([middle, at[1] - 16.0], &note.text, NUMBER_SIZE, Anchor::Middle);
+            }
         }
     }
 
@@ -230,6 +265,20 @@ fn draw_legend(svg: &mut Svg, y: f64, entries: &[&Curve]) {
     }
 }
 
+/// Returns the ticks of a vertical axis; with room for a text above the highest point if there is one.
+fn upwards<'a>(axis: &Axis, points: impl Iterator<Item = &'a [f64; 2]> + Clone, noted: bool, height: f64) -> Ticks {
+    let values = points.map(|point| point[1]);
+    let (low, high) = values.clone().fold((0.0_f64, f64::NEG_INFINITY), |(a, b), value| (a.min(value), b.max(value)));
+    let room = (noted && high > low).then_some(high + ABOVE / height * (high - low));
+    axis.scale.ticks(values.chain(room), 0.03, height / 31.0)
+}
+
+impl Panel {
+    fn points(&self) -> impl Iterator<Item = &[f64; 2]> + Clone {
+        self.curves.iter().flat_map(|curve| &curve.points)
+    }
+}
+
 impl Curve {
     /// Draws the curve through `points` of the picture.
     fn draw(&self, svg: &mut Svg, points: &[[f64; 2]]) {
@@ -256,7 +305,11 @@ mod tests {
             marker: Some(Marker::Triangle),
             colour: BLACK,
         };
-        let panel = |title: &str| Panel { title: title.into(), curves: vec![curve("a < b & c"), curve("")] };
+        let panel = |title: &str| Panel {
+            title: title.into(),
+            curves: vec![curve("a < b & c"), curve("")],
+            ..Panel::default()
+        };
         Chart {
             title: "Title".into(),
             subtitle: "Case".into(),

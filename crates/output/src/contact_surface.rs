@@ -1,13 +1,17 @@
-//! Views of a contact surface in space at the end of an increment, along its normal.
+//! Views of a contact surface in space at the end of an increment, along its normal; unrolled if it is around an axis.
 
+use super::unrolled::Cylinder;
+use std::collections::BTreeMap;
 use stickslip::algebra::{across, axis, axis_across, cross, dot, norm, plus, unit};
 use stickslip::base::UnitSystem;
 use stickslip::body::ContactBoundary;
 use stickslip::body::Model;
+use stickslip::body::mesh::Facet;
 use stickslip::solver::ContactStatus;
 use stickslip::solver::history::IncrementView;
 
-/// The nodes and facets of a boundary with contact, projected on the plane perpendicular to the obstacle's normal.
+/// The nodes and facets of a boundary with contact, projected on the plane perpendicular to the obstacle's normal, or
+/// unrolled.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactSurface {
     /// The boundary, if the scene has contact on several.
@@ -16,8 +20,10 @@ pub struct ContactSurface {
     pub index: usize,
     /// The time at its end, s.
     pub time: f64,
-    /// The two axes of the plane, unit vectors.
+    /// The two axes of the plane, unit vectors. On an unrolled surface the first is that of the angle 0.
     pub axes: [[f64; 3]; 2],
+    /// The length on the map of one degree about the second axis, m, if the surface is around it and unrolled.
+    pub degree: Option<f64>,
     /// The nodes of the boundary.
     pub nodes: Vec<SurfaceNode>,
     /// The facets, by their nodes.
@@ -35,9 +41,10 @@ pub struct SurfaceNode {
     pub pressure: f64,
     /// Tangential contact stress of the body on the obstacle along the axes, Pa.
     pub traction: [f64; 2],
-    /// The contact status of the node; `None` if supports constrain it in the normal direction, or no obstacle is in
-    /// reach.
+    /// The contact status of the node; `None` if supports hold it along the normal, or nothing is in front of it.
     pub status: Option<ContactStatus>,
+    /// `true` if supports hold the node along the normal of the surface.
+    pub held: bool,
 }
 
 impl ContactSurface {
@@ -49,16 +56,26 @@ impl ContactSurface {
 
     fn new(model: &Model, step: &IncrementView<'_>, boundary: &ContactBoundary) -> Option<Self> {
         let facets = &model.mesh.boundary(&boundary.name)?.facets;
-        let axes = axes(view(model, boundary));
-        let along = |v: [f64; 3]| axes.map(|axis| dot(axis, v));
-        let mut number = vec![None; model.mesh.nodes.len()];
+        let mesh = &model.mesh;
+        let (axes, cylinder) = (axes(view(model, boundary)), cylinder(model, facets));
+        let flat = |v: [f64; 3]| axes.map(|axis| dot(axis, v));
+        let along = |node: usize, v: [f64; 3]| match &cylinder {
+            Some(cylinder) => cylinder.along(mesh.nodes[node], v),
+            None => flat(v),
+        };
+        let mut number = vec![None; mesh.nodes.len()];
         let mut nodes = Vec::new();
         for &node in facets.iter().flatten() {
             number[node].get_or_insert_with(|| {
-                let place = along(model.mesh.nodes[node]);
-                nodes.push(SurfaceNode { place, pressure: 0.0, traction: [0.0; 2], status: None });
+                let x = mesh.nodes[node];
+                let place = cylinder.as_ref().map_or_else(|| flat(x), |cylinder| cylinder.place(cylinder.angle(x), x));
+                nodes.push(SurfaceNode { place, pressure: 0.0, traction: [0.0; 2], status: None, held: false });
                 nodes.len() - 1
             });
+        }
+        for (node, normal) in normals(model, facets) {
+            let free = model.dofs.held(node).fold(normal, across);
+            nodes[number[node]?].held = norm(free) < HELD * norm(normal);
         }
         let state = step.state;
         let recovered = model.recovered_tractions(state);
@@ -71,27 +88,76 @@ impl ContactSurface {
             (node.pressure, node.traction) = match &recovered {
                 None => {
                     let tangential = [0, 1, 2].map(|c| sigma_t[i] * t[c] + sigma_o[i] * o[c]);
-                    (sigma_n[i], along(tangential))
+                    (sigma_n[i], along(contact.node, tangential))
                 }
-                Some(all) => (dot(all[i], contact.facing.normal), along(across(all[i], contact.facing.normal))),
+                Some(all) => {
+                    let normal = contact.facing.normal;
+                    (dot(all[i], normal), along(contact.node, across(all[i], normal)))
+                }
             };
             node.status = Some(step.statuses[i]);
         }
-        let mut facets: Vec<Vec<usize>> =
-            facets.iter().map(|facet| facet.iter().filter_map(|&node| number[node]).collect()).collect();
-        // The two sides of a surface around the body overlap in the picture. Pressed facets are drawn on top.
-        facets.sort_by_key(|facet| facet.iter().any(|&node| nodes[node].pressure > 0.0));
+        let facets = facets.iter().map(|facet| facet.iter().filter_map(|&node| number[node]).collect());
+        let mut facets: Vec<Vec<usize>> = facets.collect();
+        if let Some(cylinder) = &cylinder {
+            close(&mut facets, &mut nodes, std::f64::consts::PI * cylinder.radius);
+        }
         Some(ContactSurface {
             boundary: (model.contact_boundaries.len() > 1).then(|| boundary.name.clone()),
             index: step.record.index,
             time: step.record.time,
-            axes,
+            axes: cylinder.as_ref().map_or(axes, |cylinder| [cylinder.zero[0], cylinder.axis]),
+            degree: cylinder.as_ref().map(|cylinder| cylinder.radius.to_radians()),
             facets,
             nodes,
             units: model.units(),
         })
     }
 }
+
+fn cylinder(model: &Model, facets: &[Facet]) -> Option<Cylinder> {
+    let centre = |facet: &Facet| {
+        let sum = facet.iter().fold([0.0; 3], |sum, &node| plus(sum, 1.0, model.mesh.nodes[node]));
+        sum.map(|c| c / facet.len() as f64)
+    };
+    let of: Vec<_> = facets.iter().map(|facet| (centre(facet), model.mesh.area_vector(facet))).collect();
+    let nodes: Vec<_> = facets.iter().flatten().map(|&node| model.mesh.nodes[node]).collect();
+    Cylinder::of(&of, &nodes)
+}
+
+/// Gives the facets across the cut of an unrolled surface, on which half a turn is `half` (m) long, copies of their
+/// nodes on the left, a whole turn further to the right.
+fn close(facets: &mut [Vec<usize>], nodes: &mut Vec<SurfaceNode>, half: f64) {
+    let mut copies = BTreeMap::new();
+    for facet in facets {
+        let right = facet.iter().map(|&node| nodes[node].place[0]).fold(f64::NEG_INFINITY, f64::max);
+        for node in facet {
+            if right - nodes[*node].place[0] > half {
+                *node = *copies.entry(*node).or_insert_with(|| {
+                    let [x, y] = nodes[*node].place;
+                    nodes.push(SurfaceNode { place: [x + 2.0 * half, y], ..nodes[*node] });
+                    nodes.len() - 1
+                });
+            }
+        }
+    }
+}
+
+/// Returns the nodes of facets, each with the sum of the area vectors of its facets.
+fn normals(model: &Model, facets: &[Facet]) -> BTreeMap<usize, [f64; 3]> {
+    let mut normals = BTreeMap::new();
+    for facet in facets {
+        let area = model.mesh.area_vector(facet);
+        for &node in facet {
+            let normal = normals.entry(node).or_insert([0.0; 3]);
+            *normal = plus(*normal, 1.0, area);
+        }
+    }
+    normals
+}
+
+/// A node is held along its normal if supports leave less than this share of the normal free.
+const HELD: f64 = 1e-6;
 
 /// Returns the viewing direction: the normal of the obstacle. For several obstacles or an opposing body it is the mean
 /// normal, or the first one if the mean vanishes.

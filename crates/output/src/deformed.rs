@@ -1,8 +1,11 @@
 //! Pictures of the deformed body: its cells, or in space its visible surface, with magnified displacements, on the
 //! outline of the undeformed body.
 
-use super::colours::{draw_bar, shade};
+use super::colours::Bands;
+use super::largest::{first_largest, is_equal};
+use super::mesh_lines::MeshLines;
 use super::svg::{Anchor, Colour, Dash, Line, PlotError, Svg, expect_finite};
+use super::visible::{Visibility, visibility};
 use std::collections::BTreeMap;
 use stickslip::algebra::{cross, dot, minus, norm, unit};
 use stickslip::base::{Quantity, UnitSystem};
@@ -24,6 +27,8 @@ pub struct DeformedBody {
     /// Cells or facets, front ones last: the corners in the plane of the picture, m, and von Mises' stress in the cell,
     /// Pa.
     pub patches: Vec<(Vec<[f64; 2]>, f64)>,
+    /// The largest von Mises stress of all cells, Pa, those inside the body included.
+    pub largest_stress: f64,
     /// The sides of the undeformed body, in space its edges, m.
     pub outline: Vec<[[f64; 2]; 2]>,
     /// The directions of the coordinate axes in the picture.
@@ -44,15 +49,12 @@ const MOST_HEIGHT: f64 = 720.0;
 const LEAST_BAR: f64 = 160.0;
 const TITLE_SIZE: f64 = 18.0;
 const LABEL_SIZE: f64 = 15.0;
+const NUMBER_SIZE: f64 = 13.5;
 
 const BLACK: Colour = [0, 0, 0];
-const MESH: Colour = [110, 110, 110];
 const BEFORE: Colour = [205, 80, 10];
 const THIN: Line = Line { dash: Dash::Solid, width: 0.6 };
 const DASHED: Line = Line { dash: Dash::Dashed, width: 1.2 };
-
-/// With more patches than this, their sides would hide the colours and are not drawn.
-const MOST_SIDES: usize = 6000;
 
 /// The drawn length of the longest displacement, about, relative to the size of the body.
 const SHOWN: f64 = 0.05;
@@ -109,6 +111,7 @@ impl DeformedBody {
             magnification,
             largest,
             patches: patches.into_iter().map(|(_, corners, stress)| (corners, stress)).collect(),
+            largest_stress: stresses.iter().copied().fold(0.0, f64::max),
             outline: outline.iter().map(ends).collect(),
             axes: (0..mesh.dimension).map(axis).collect(),
             units: model.units(),
@@ -140,26 +143,39 @@ impl DeformedBody {
             factor => format!("magnified {factor} times"),
         };
         let units = self.units.of_pictures();
-        let largest = self.units.rounded(Quantity::Length, self.largest, 4);
+        let largest = self.units.rounded(Quantity::Length, self.largest, 4).replace(" um", " µm");
         let subtitle = format!("t = {} s, displacements {shown}, {largest} at most", self.time);
         svg.text([0.5 * WIDTH, 48.0], &subtitle, LABEL_SIZE, Anchor::Middle);
-        let most = self.patches.iter().map(|(_, stress)| *stress).fold(0.0, f64::max);
-        for (corners, stress) in &self.patches {
-            let corners: Vec<[f64; 2]> = corners.iter().map(|corner| at(*corner)).collect();
-            svg.tile(&corners, shade(if most > 0.0 { stress / most } else { 0.0 }));
-            if self.patches.len() <= MOST_SIDES {
-                let around: Vec<[f64; 2]> = corners.iter().chain(&corners[..1]).copied().collect();
-                svg.line(&around, THIN, MESH);
+        let told = |(corners, stress): &(Vec<[f64; 2]>, f64)| {
+            (corners.iter().map(|x| at(*x)).collect::<Vec<_>>(), units.of_si(Quantity::Stress, *stress))
+        };
+        let patches: Vec<_> = self.patches.iter().map(told).collect();
+        let seen = match self.axes.len() {
+            3 => {
+                let corners: Vec<&[[f64; 2]]> = patches.iter().map(|(corners, _)| corners.as_slice()).collect();
+                visibility(&corners, [WIDTH, floor])
             }
-        }
-        for side in &self.outline {
-            svg.line(&side.map(at), DASHED, BEFORE);
-        }
+            _ => vec![Visibility::Alone; patches.len()],
+        };
+        let seen = patches.into_iter().zip(seen).filter(|(_, seen)| *seen != Visibility::Hidden);
+        let seen: Vec<Patch> = seen.map(|((corners, stress), seen)| Patch { corners, stress, seen }).collect();
+        let most = seen.iter().map(|patch| patch.stress).fold(0.0, f64::max);
+        let bands = Bands::up_to(most);
+        draw_patches(&mut svg, &seen, &bands);
+        svg.segments(self.outline.iter().map(|side| side.map(at)), DASHED, BEFORE);
         svg.line(&[[0.5 * WIDTH - 80.0, 76.0], [0.5 * WIDTH - 44.0, 76.0]], DASHED, BEFORE);
         svg.text([0.5 * WIDTH - 36.0, 76.0], "before the deformation", LABEL_SIZE, Anchor::Start);
+        let text = |stress: f64| units.rounded(Quantity::Stress, units.to_si(Quantity::Stress, stress), 4);
+        if let Some(k) = first_largest(seen.iter().map(|patch| patch.stress)) {
+            svg.mark(centre(&seen[k].corners), &text(most), NUMBER_SIZE, 0.5 * (LEFT + WIDTH - RIGHT));
+        }
         let label = format!("von Mises, {}", units.name(Quantity::Stress));
-        let most = units.of_si(Quantity::Stress, most);
-        draw_bar(&mut svg, WIDTH - RIGHT + 30.0, [TOP, floor], most, &label);
+        bands.draw_bar(&mut svg, WIDTH - RIGHT + 30.0, [TOP, floor], &label);
+        let inside = units.of_si(Quantity::Stress, self.largest_stress);
+        if !is_equal(most, inside) {
+            let text = format!("largest stress, out of sight: {}", text(inside));
+            svg.text([WIDTH - 20.0, floor + BELOW - 30.0], &text, LABEL_SIZE, Anchor::End);
+        }
         self.draw_axes(&mut svg, [LEFT + 20.0, floor + BELOW - 30.0]);
         Ok(svg.finish())
     }
@@ -171,6 +187,35 @@ impl DeformedBody {
             svg.text(end(44.0), name, LABEL_SIZE, Anchor::Middle);
         }
     }
+}
+
+/// A visible patch of the picture: its corners, px, and its stress.
+struct Patch {
+    corners: Vec<[f64; 2]>,
+    stress: f64,
+    seen: Visibility,
+}
+
+/// Draws the visible patches, back ones first, with the lines of the mesh.
+fn draw_patches(svg: &mut Svg, patches: &[Patch], bands: &Bands) {
+    let lines = |of: Visibility| {
+        let own = patches.iter().filter(move |patch| patch.seen == of);
+        MeshLines::of(own.map(|patch| patch.corners.as_slice()))
+    };
+    let alone = patches.iter().filter(|patch| patch.seen == Visibility::Alone);
+    let alone: Vec<_> = alone.map(|patch| (bands.of(patch.stress), patch.corners.clone())).collect();
+    bands.fill(svg, &alone);
+    lines(Visibility::Alone).draw(svg);
+    let layered = lines(Visibility::Layered);
+    for patch in patches.iter().filter(|patch| patch.seen == Visibility::Layered) {
+        svg.region([patch.corners.as_slice()], bands.colour(bands.of(patch.stress)));
+        layered.draw_around(svg, &patch.corners);
+    }
+}
+
+/// Returns the mean of the corners.
+fn centre(corners: &[[f64; 2]]) -> [f64; 2] {
+    [0, 1].map(|c| corners.iter().map(|corner| corner[c]).sum::<f64>() / corners.len() as f64)
 }
 
 /// The projection on the plane of the picture.

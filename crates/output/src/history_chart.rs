@@ -49,7 +49,11 @@ fn forces(report: &RunReport) -> Chart {
             colour,
         };
         let curves = COMPONENTS.into_iter().zip(&of.components).map(curve).collect();
-        Panel { title: if boundaries.len() > 1 { of.boundary.clone() } else { String::new() }, curves }
+        Panel {
+            title: if boundaries.len() > 1 { of.boundary.clone() } else { String::new() },
+            curves,
+            ..Panel::default()
+        }
     };
     let unit = match (report.units.per_depth, report.units.is_si()) {
         (true, true) => "N per m of depth".to_string(),
@@ -113,6 +117,6 @@ fn iterations(report: &RunReport) -> Chart {
         x: Axis { label: "increment".into(), scale: counts(*increments, MOST_TICKS) },
         y: Axis { label: "linear systems, steps".into(), scale: counts(highest as usize, MOST_TICKS_UPWARDS) },
         columns: 1,
-        panels: vec![Panel { title: String::new(), curves }],
+        panels: vec![Panel { curves, ..Panel::default() }],
     }
 }

@@ -4,7 +4,8 @@
 mod key;
 mod view;
 
-use super::colours::shade;
+use super::largest::first_largest;
+use super::mesh_lines::MeshLines;
 use super::svg::{Anchor, Colour, Dash, Line, Marker, PlotError, Svg, expect_finite};
 use crate::{ContactSurface, SurfaceNode};
 use std::collections::BTreeMap;
@@ -21,7 +22,8 @@ const NUMBER_SIZE: f64 = 13.5;
 const BLACK: Colour = [0, 0, 0];
 const GREY: Colour = [120, 120, 120];
 const WHITE: Colour = [255, 255, 255];
-const HELD: Colour = [196, 196, 196];
+const HELD: Colour = [176, 176, 176];
+const ALONE: Colour = [216, 216, 216];
 const TANGENTIAL: Colour = [205, 80, 10];
 
 const THIN: Line = Line { dash: Dash::Solid, width: 1.0 };
@@ -49,6 +51,7 @@ impl ContactSurface {
         });
         view.draw_frame(&mut svg, &self.axes);
         surface.draw_nodes(&mut svg, &view);
+        surface.mark_largest(&mut svg, &view);
         view.draw_colours(&mut svg);
         Ok(svg.finish())
     }
@@ -63,18 +66,27 @@ impl ContactSurface {
             traction: node.traction.map(stress),
             ..*node
         };
-        ContactSurface { units, nodes: self.nodes.iter().map(node).collect(), ..self.clone() }
+        let nodes = self.nodes.iter().map(node).collect();
+        ContactSurface { units, nodes, degree: self.degree.map(length), ..self.clone() }
     }
 
     /// Returns the corners of each node's part of each facet: the node, the middle of a side, the centre, and the
     /// middle of the other side.
     fn patches(&self) -> impl Iterator<Item = (&SurfaceNode, [[f64; 2]; 4])> {
-        self.facets.iter().flat_map(move |facet| {
-            let (n, centre) = (facet.len(), self.centre(facet));
-            facet.iter().enumerate().map(move |(k, &node)| {
-                let [here, next, last] = [k, k + 1, k + n - 1].map(|k| self.nodes[facet[k % n]].place);
-                (&self.nodes[node], [here, middle(here, next), centre, middle(here, last)])
+        self.parts().flat_map(move |part| {
+            let (n, centre) = (part.len(), self.centre(&part));
+            (0..n).map(move |k| {
+                let [here, next, last] = [k, k + 1, k + n - 1].map(|k| self.nodes[part[k % n]].place);
+                (&self.nodes[part[k]], [here, middle(here, next), centre, middle(here, last)])
             })
+        })
+    }
+
+    /// Returns the parts of the facets: a triangle of second order is four triangles, every other facet is one part.
+    fn parts(&self) -> impl Iterator<Item = Vec<usize>> {
+        self.facets.iter().flat_map(|facet| match facet[..] {
+            [a, ab, b, bc, c, ca] => vec![vec![a, ab, ca], vec![ab, b, bc], vec![ca, bc, c], vec![ab, bc, ca]],
+            _ => vec![facet.clone()],
         })
     }
 
@@ -95,41 +107,66 @@ impl ContactSurface {
     }
 
     fn draw_patches(&self, svg: &mut Svg, view: &View) {
-        for (node, corners) in self.patches().filter(|(_, corners)| view.shows(corners)) {
-            let colour = match node.status {
-                None => HELD,
-                Some(_) if node.pressure > 0.0 => shade(node.pressure / view.most_pressure),
-                Some(_) => WHITE,
-            };
-            svg.tile(&corners.map(|corner| view.at(corner)), colour);
+        let patches: Vec<_> = self.patches().filter(|(_, corners)| view.shows(corners)).collect();
+        let placed = |corners: &[[f64; 2]; 4]| corners.map(|corner| view.at(corner)).to_vec();
+        let without = |wanted: fn(&SurfaceNode) -> bool| {
+            let own = patches.iter().filter(move |(node, _)| node.pressure <= 0.0 && wanted(node));
+            own.map(|(_, corners)| placed(corners)).collect::<Vec<_>>()
+        };
+        for (wanted, colour) in [
+            ((|node| node.status.is_some()) as fn(&SurfaceNode) -> bool, WHITE),
+            (|node| node.status.is_none() && node.held, HELD),
+            (|node| node.status.is_none() && !node.held, ALONE),
+        ] {
+            svg.region(without(wanted).iter().map(Vec::as_slice), colour);
         }
+        // The two sides of a surface around the body overlap in the picture. Pressed patches are drawn on top.
+        let pressed = patches.iter().filter(|(node, _)| node.pressure > 0.0);
+        let pressed: Vec<_> = pressed.map(|(node, corners)| (view.bands.of(node.pressure), placed(corners))).collect();
+        view.bands.fill(svg, &pressed);
+        let facets = self.facets.iter().map(|facet| facet.iter().map(|&node| self.nodes[node].place).collect());
+        let facets: Vec<Vec<[f64; 2]>> = facets.filter(|facet: &Vec<_>| view.shows(facet)).collect();
+        let facets: Vec<Vec<[f64; 2]>> =
+            facets.iter().map(|facet| facet.iter().map(|corner| view.at(*corner)).collect()).collect();
+        MeshLines::of(facets.iter().map(Vec::as_slice)).draw(svg);
     }
 
     /// Draws the outline of the surface, and lines between patches of different contact status.
     fn draw_borders(&self, svg: &mut Svg, view: &View) {
-        for ends in self.outline().filter(|ends| view.shows(ends)) {
-            svg.line(&ends.map(|end| view.at(end)), THIN, GREY);
-        }
+        let placed = |line: [[f64; 2]; 2]| line.map(|point| view.at(point));
+        svg.segments(self.outline().filter(|ends| view.shows(ends)).map(placed), THIN, GREY);
         let closed = |node: &SurfaceNode| node.status.is_some_and(|status| status != ContactStatus::Open);
-        for facet in &self.facets {
-            let n = facet.len();
-            let node = |k: usize| &self.nodes[facet[k % n]];
-            let centre = self.centre(facet);
+        let mut borders = Vec::new();
+        for part in self.parts() {
+            let n = part.len();
+            let node = |k: usize| &self.nodes[part[k % n]];
+            let centre = self.centre(&part);
             for k in 0..n {
                 let (a, b) = (node(k), node(k + 1));
                 let line = [middle(a.place, b.place), centre];
                 // Without friction, stick and slip are equivalent.
-                let differ = if view.friction { a.status != b.status } else { closed(a) != closed(b) };
+                let differ = if view.friction() { a.status != b.status } else { closed(a) != closed(b) };
                 if differ && view.shows(&line) {
-                    svg.line(&line.map(|point| view.at(point)), Line { width: 1.4, ..THIN }, BLACK);
+                    borders.push(placed(line));
                 }
             }
+        }
+        for (width, colour) in [(4.0, WHITE), (1.8, BLACK)] {
+            svg.segments(borders.iter().copied(), Line { width, ..THIN }, colour);
+        }
+    }
+
+    /// Marks the node with the largest pressure, if there is pressure: the first one if several have it within rounding.
+    fn mark_largest(&self, svg: &mut Svg, view: &View) {
+        if let Some(node) = first_largest(self.nodes.iter().map(|node| node.pressure)).map(|k| &self.nodes[k]) {
+            let text = self.units.rounded(Quantity::Stress, self.units.to_si(Quantity::Stress, node.pressure), 4);
+            svg.mark(view.at(node.place), &text, NUMBER_SIZE, view.at(view.middle())[0]);
         }
     }
 
     /// Draws the status of each node, and its traction if there is room for an arrow.
     fn draw_nodes(&self, svg: &mut Svg, view: &View) {
-        if !view.friction {
+        if !view.friction() {
             return;
         }
         let mut arrows: Vec<([f64; 2], [f64; 2])> = Vec::new();
@@ -140,8 +177,10 @@ impl ContactSurface {
                 Some(ContactStatus::Slip) => Some(Marker::Circle),
                 Some(ContactStatus::Open) | None => None,
             };
-            if let Some(marker) = marker.filter(|_| view.markers) {
-                svg.marker(at, marker, BLACK);
+            match marker.filter(|_| view.markers) {
+                Some(Marker::Disc) => svg.disc(at, BLACK),
+                Some(marker) => svg.marker(at, marker, BLACK),
+                None => {}
             }
             // If nodes are close, some of them have no arrow.
             let room = arrows.iter().all(|(other, _)| (at[0] - other[0]).hypot(at[1] - other[1]) > 0.7 * view.arrow);
@@ -156,7 +195,7 @@ impl ContactSurface {
     }
 }
 
-/// Draws an arrow from a point along a vector, px.
+/// Draws an arrow from a point along a vector, px, with a white edge.
 fn arrow(svg: &mut Svg, [x, y]: [f64; 2], [dx, dy]: [f64; 2]) {
     let length = dx.hypot(dy);
     // Shorter than its own width.
@@ -164,12 +203,48 @@ fn arrow(svg: &mut Svg, [x, y]: [f64; 2], [dx, dy]: [f64; 2]) {
         return;
     }
     let (ex, ey) = (dx / length, dy / length);
-    let head = (0.45 * length).min(9.0);
+    let head = (0.45 * length).min(11.0);
     let at = |along: f64, aside: f64| [x + along * ex - aside * ey, y + along * ey + aside * ex];
-    svg.line(&[at(0.0, 0.0), at(length - 0.7 * head, 0.0)], Line { width: 1.8, ..THIN }, TANGENTIAL);
-    svg.polygon(&[at(length, 0.0), at(length - head, 0.4 * head), at(length - head, -0.4 * head)], TANGENTIAL);
+    let (shaft, wide) = (f64::min(1.4, 0.2 * head), 0.45 * head);
+    let outline = [(0.0, shaft), (length - head, shaft), (length - head, wide), (length, 0.0)];
+    let back = outline.into_iter().rev().skip(1).map(|(along, aside)| (along, -aside));
+    let corners: Vec<[f64; 2]> = outline.into_iter().chain(back).map(|(along, aside)| at(along, aside)).collect();
+    svg.edged(&corners, TANGENTIAL);
 }
 
 fn middle(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use stickslip::base::UnitSystem;
+
+    /// A triangle of second order is divided between its six nodes: a corner has a twelfth of it, the middle of a side a
+    /// quarter. No part reaches across the element.
+    #[test]
+    fn nodes_of_a_triangle_of_second_order_have_their_surroundings() {
+        let places = [[0.0, 0.0], [3.0, 0.0], [6.0, 0.0], [3.0, 3.0], [0.0, 6.0], [0.0, 3.0]];
+        let node = |place| SurfaceNode { place, pressure: 1e6, traction: [0.0; 2], status: None, held: false };
+        let surface = ContactSurface {
+            boundary: None,
+            index: 1,
+            time: 1.0,
+            axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+            degree: None,
+            nodes: places.map(node).to_vec(),
+            facets: vec![(0..6).collect()],
+            units: UnitSystem::si(3),
+        };
+        let mut areas = [0.0; 6];
+        for (node, corners) in surface.patches() {
+            let around = corners.iter().zip(corners.iter().cycle().skip(1));
+            let area = 0.5 * around.map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum::<f64>();
+            areas[places.iter().position(|place| *place == node.place).unwrap()] += area;
+            assert!(area > 0.0 && corners.iter().all(|corner| (corner[0] - node.place[0]).abs() < 2.5));
+        }
+        assert_eq!(areas, [1.5, 4.5, 1.5, 4.5, 1.5, 4.5]);
+        assert_eq!(surface.outline().count(), 6);
+    }
 }

@@ -1,5 +1,7 @@
 //! SVG pictures: lines, polygons, markers and text. Coordinates and lengths are in pixels, y downwards.
 
+mod path;
+
 use std::fmt::Write;
 
 /// Radius of a marker.
@@ -8,6 +10,10 @@ const RADIUS: f64 = 3.4;
 const OUTLINE: f64 = 1.4;
 /// The largest visible seam between two neighbours.
 const SEAM: f64 = 0.7;
+/// Half the size of the cross at a marked point.
+const CROSS: f64 = 4.5;
+const BLACK: Colour = [0, 0, 0];
+const WHITE: Colour = [255, 255, 255];
 /// The distance of the baseline below the middle of the letters, in font sizes.
 const HALF_A_LETTER: f64 = 0.35;
 
@@ -117,10 +123,8 @@ impl Svg {
 
     /// Draws a line through points.
     pub(super) fn line(&mut self, points: &[[f64; 2]], line: Line, colour: Colour) {
-        let (points, colour, width) = (places(points), hex(colour), line.width);
-        let dashes = line.dash.lengths(width);
-        let dashes = if dashes.is_empty() { String::new() } else { format!(" stroke-dasharray=\"{dashes}\"") };
-        self.put(format_args!("<polyline points=\"{points}\" stroke=\"{colour}\" stroke-width=\"{width}\"{dashes}/>"));
+        let (points, style) = (places(points), stroke(line, colour));
+        self.put(format_args!("<polyline points=\"{points}\" {style}/>"));
     }
 
     /// Draws a filled polygon.
@@ -129,12 +133,50 @@ impl Svg {
         self.put(format_args!("<polygon points=\"{corners}\" fill=\"{colour}\"/>"));
     }
 
-    /// Draws a filled polygon without a seam to its neighbours.
-    pub(super) fn tile(&mut self, corners: &[[f64; 2]], colour: Colour) {
-        let (corners, colour) = (places(corners), hex(colour));
+    /// Draws a filled polygon with a white edge.
+    pub(super) fn edged(&mut self, corners: &[[f64; 2]], colour: Colour) {
+        let (path, colour) = (path::union([corners]), hex(colour));
+        self.put(format_args!("<path d=\"{path}\" fill=\"{colour}\" stroke=\"white\" stroke-width=\"0.6\"/>"));
+    }
+
+    /// Fills the union of polygons, without a seam to its neighbours.
+    pub(super) fn region<'a>(&mut self, polygons: impl IntoIterator<Item = &'a [[f64; 2]]>, colour: Colour) {
+        let (path, colour) = (path::union(polygons), hex(colour));
+        if !path.is_empty() {
+            self.put(format_args!(
+                "<path d=\"{path}\" fill=\"{colour}\" stroke=\"{colour}\" stroke-width=\"{SEAM}\"/>"
+            ));
+        }
+    }
+
+    /// Draws line segments.
+    pub(super) fn segments(&mut self, segments: impl IntoIterator<Item = [[f64; 2]; 2]>, line: Line, colour: Colour) {
+        let (path, style) = (path::lines(segments), stroke(line, colour));
+        if !path.is_empty() {
+            self.put(format_args!("<path d=\"{path}\" {style}/>"));
+        }
+    }
+
+    /// Draws a small cross.
+    pub(super) fn cross(&mut self, [x, y]: [f64; 2]) {
+        let arm = |sign: f64| [[x - CROSS, y - sign * CROSS], [x + CROSS, y + sign * CROSS]];
+        for (width, colour) in [(4.0, WHITE), (1.6, BLACK)] {
+            self.segments([arm(1.0), arm(-1.0)], Line { dash: Dash::Solid, width }, colour);
+        }
+    }
+
+    /// Marks a point by a cross with a text beside it, on its left if the point is beyond `turn`.
+    pub(super) fn mark(&mut self, [x, y]: [f64; 2], text: &str, size: f64, turn: f64) {
+        self.cross([x, y]);
+        let (aside, width) = (CROSS + 5.0, text_width(text, size));
+        let (left, anchor, at) =
+            if x > turn { (x - aside - width, Anchor::End, x - aside) } else { (x + aside, Anchor::Start, x + aside) };
+        let ([left, top], [width, height]) =
+            ([left - 2.0, y - 0.7 * size].map(tenths), [width + 4.0, 1.4 * size].map(tenths));
         self.put(format_args!(
-            "<polygon points=\"{corners}\" fill=\"{colour}\" stroke=\"{colour}\" stroke-width=\"{SEAM}\"/>"
+            "<rect x=\"{left}\" y=\"{top}\" width=\"{width}\" height=\"{height}\" fill=\"white\" fill-opacity=\"0.8\"/>"
         ));
+        self.text([at, y], text, size, anchor);
     }
 
     /// Draws a marker. A hollow one covers the line behind it.
@@ -155,6 +197,14 @@ impl Svg {
         }
     }
 
+    /// Draws a filled circle with a white edge, which can be seen on any colour.
+    pub(super) fn disc(&mut self, at: [f64; 2], colour: Colour) {
+        let ([x, y], colour) = (at.map(tenths), hex(colour));
+        self.put(format_args!(
+            "<circle cx=\"{x}\" cy=\"{y}\" r=\"{RADIUS}\" fill=\"{colour}\" stroke=\"white\" stroke-width=\"0.9\"/>"
+        ));
+    }
+
     /// Draws a text in letters of `size`, in black. An empty text draws nothing.
     pub(super) fn text(&mut self, [x, y]: [f64; 2], text: &str, size: f64, anchor: Anchor) {
         if text.is_empty() {
@@ -173,6 +223,13 @@ impl Svg {
             "<text x=\"{x}\" y=\"{base}\" font-size=\"{size}\" fill=\"black\"{style}>\n{text}\n</text>"
         ));
     }
+}
+
+/// Returns the attributes of a line.
+fn stroke(line: Line, colour: Colour) -> String {
+    let (colour, width, dashes) = (hex(colour), line.width, line.dash.lengths(line.width));
+    let dashes = if dashes.is_empty() { String::new() } else { format!(" stroke-dasharray=\"{dashes}\"") };
+    format!("stroke=\"{colour}\" stroke-width=\"{width}\"{dashes}")
 }
 
 /// Returns the approximate width of a text in letters of `size`.
@@ -234,8 +291,6 @@ fn escaped(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    const BLACK: Colour = [0, 0, 0];
 
     #[test]
     fn elements_carry_what_they_show() {

@@ -135,8 +135,8 @@ fn chart(problem: Problem, points: &[Point], against: Against) -> Chart {
         y: Axis { label: "relative error".into(), scale: Scale::Decades },
         columns: 1,
         panels: vec![Panel {
-            title: String::new(),
             curves: problem.elements().into_iter().enumerate().map(curve).collect(),
+            ..Panel::default()
         }],
     }
 }

@@ -51,7 +51,7 @@ fn chart(sweep: &str, subtitle: &str, y: Axis, rows: &[&Row], curves: Vec<Curve>
         x: Axis { label, scale: if wide || sweep.starts_with("friction") { Scale::Decades } else { Scale::Linear } },
         y,
         columns: 1,
-        panels: vec![Panel { title: String::new(), curves }],
+        panels: vec![Panel { curves, ..Panel::default() }],
     }
 }
 

@@ -194,7 +194,7 @@ fn level(label: &str, value: f64, curves: &[Curve]) -> Curve {
 
 fn single(mut curves: Vec<Curve>, level: Curve) -> Vec<Panel> {
     curves.push(level);
-    vec![Panel { title: String::new(), curves }]
+    vec![Panel { curves, ..Panel::default() }]
 }
 
 fn punch_theta(all: &[Descent]) -> Chart {

@@ -87,7 +87,7 @@ fn chart(comparison: &Comparison, label: &str, x: &dyn Fn(&MeshResult) -> Option
         let all = comparison.elements().into_iter().enumerate();
         all.flat_map(|(k, elements)| curves(comparison, measure, x, k, elements)).collect::<Vec<_>>()
     };
-    let panel = |measure: &Measure| Panel { title: measure.name.into(), curves: curves(measure) };
+    let panel = |measure: &Measure| Panel { title: measure.name.into(), curves: curves(measure), ..Panel::default() };
     let finest = comparison.meshes.last().map_or(String::new(), |result| result.mesh.to_string());
     Chart {
         title: comparison.title.clone(),

@@ -54,7 +54,7 @@ fn precision(comparison: &Comparison, label: &str, error: fn(&TimeErrors) -> f64
         let best: Vec<[f64; 2]> = front(&all).into_iter().map(|k| all[k]).collect();
         let line = Some(Line { dash: Dash::Solid, width: 9.0 });
         curves.push(Curve { label: "Pareto front".into(), points: stroke(best), line, marker: None, colour: GREY });
-        Panel { title: mesh.to_string(), curves }
+        Panel { title: mesh.to_string(), curves, ..Panel::default() }
     };
     Chart {
         title: comparison.title.clone(),
@@ -92,7 +92,7 @@ fn growth(comparison: &Comparison) -> Chart {
         x: Axis { label: "displacements".into(), scale: Scale::Decades },
         y: seconds(),
         columns: 1,
-        panels: vec![Panel { title: String::new(), curves }],
+        panels: vec![Panel { curves, ..Panel::default() }],
     }
 }
 
@@ -114,7 +114,11 @@ fn increment(comparison: &Comparison) -> Chart {
             (iterate.increment == k).then_some([iterate.seconds, error])
         };
         let curves = runs.iter().map(|run| curve(run.path, run.iterates.iter().filter_map(point).collect()));
-        Panel { title: format!("increment {k}, {what} in effort"), curves: curves.filter(is_drawn).collect() }
+        Panel {
+            title: format!("increment {k}, {what} in effort"),
+            curves: curves.filter(is_drawn).collect(),
+            ..Panel::default()
+        }
     };
     let middle = by_effort.get(most / 2).map(|&k| ("the median", k));
     let hardest = by_effort.last().map(|&k| ("the largest", k));

@@ -94,7 +94,7 @@ impl Profile {
             x: Axis { label: self.abscissa().to_string(), scale: Scale::Decades },
             y: Axis { label: "share of problems solved".to_string(), scale: Scale::Linear },
             columns: 1,
-            panels: vec![Panel { title: String::new(), curves: curves.iter().enumerate().map(drawn).collect() }],
+            panels: vec![Panel { curves: curves.iter().enumerate().map(drawn).collect(), ..Panel::default() }],
         }
     }
 }

@@ -75,7 +75,7 @@ impl Sweep {
                 scale: Scale::Linear,
             },
             columns: 1,
-            panels: vec![Panel { title: String::new(), curves: curves.into_iter().enumerate().map(curve).collect() }],
+            panels: vec![Panel { curves: curves.into_iter().enumerate().map(curve).collect(), ..Panel::default() }],
         }
     }
 }

@@ -123,16 +123,20 @@ fn step(span: f64, most: f64) -> (f64, i64) {
 
 /// Formats `k` steps with as many digits as the step requires.
 fn number(k: i64, step: f64) -> String {
-    if k == 0 {
+    number_to(k as f64 * step, step)
+}
+
+/// Formats a number whose last digit has the value `unit`, a power of ten or a multiple of it.
+pub(crate) fn number_to(value: f64, unit: f64) -> String {
+    if value == 0.0 {
         return "0".into();
     }
-    let value = k as f64 * step;
     // The slack absorbs the rounding of numbers such as 0.001.
     let exponent = |x: f64| (x.abs().log10() + 1e-9).floor() as i32;
-    let text = if exponent(step) < -4 || exponent(value) > 4 {
-        format!("{value:.*e}", (exponent(value) - exponent(step)).max(0) as usize)
+    let text = if exponent(unit) < -4 || exponent(value) > 4 {
+        format!("{value:.*e}", (exponent(value) - exponent(unit)).max(0) as usize)
     } else {
-        format!("{value:.*}", (-exponent(step)).max(0) as usize)
+        format!("{value:.*}", (-exponent(unit)).max(0) as usize)
     };
     text.replace('-', "−")
 }

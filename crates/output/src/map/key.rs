@@ -1,8 +1,7 @@
 //! The key of a map: its colours, markers and arrows.
 
 use super::view::View;
-use super::{BLACK, GREY, HELD, LABEL_SIZE, THIN, WHITE, WIDTH, arrow};
-use crate::colours::draw_bar;
+use super::{ALONE, BLACK, GREY, HELD, LABEL_SIZE, THIN, WHITE, WIDTH, arrow};
 use crate::svg::{Anchor, Colour, Marker, Svg, text_width};
 
 /// The distance between the surface and the bar, px.
@@ -13,7 +12,7 @@ impl View {
     pub(super) fn draw_colours(&self, svg: &mut Svg) {
         let ([_, bottom], [right, top]) = (self.at(self.low), self.at(self.high));
         let label = format!("σₙ, normal, {}", self.stress);
-        draw_bar(svg, right + GAP, [top, bottom], self.most_pressure, &label);
+        self.bands.draw_bar(svg, right + GAP, [top, bottom], &label);
     }
 
     /// Draws a row above the surface that explains the colours, the markers and the arrows.
@@ -22,11 +21,14 @@ impl View {
         if self.held {
             entries.push((Sample::Patch(HELD), "held by supports".into()));
         }
-        if self.friction && self.markers {
+        if self.alone {
+            entries.push((Sample::Patch(ALONE), "nothing in front".into()));
+        }
+        if self.friction() && self.markers {
             entries.push((Sample::Marker(Marker::Disc), "stick".into()));
             entries.push((Sample::Marker(Marker::Circle), "slip".into()));
         }
-        if self.friction {
+        if self.friction() {
             let stress = round_stress(self.most_traction);
             let length = stress / self.most_traction * self.arrow;
             entries.push((Sample::Arrow(length), format!("σₜ, tangential, {stress} {}", self.stress)));

@@ -3,6 +3,7 @@
 use super::{BLACK, LABEL_SIZE, NUMBER_SIZE, SurfaceNode, THIN, WIDTH};
 use crate::ContactSurface;
 use crate::chart::axis::{Scale, Tick};
+use crate::colours::Bands;
 use crate::svg::{Anchor, Colour, Svg};
 use stickslip::base::Quantity;
 
@@ -16,6 +17,8 @@ const MOST_HEIGHT: f64 = 720.0;
 
 /// The colour outside the surface.
 const OUTSIDE: Colour = [236, 236, 236];
+/// A contact zone smaller than this share of the surface is shown alone.
+const SMALL: f64 = 1.0 / 3.0;
 /// The smallest ratio of the sides of the frame.
 const NARROWEST: f64 = 0.25;
 /// The longest arrow, relative to the distance between nodes.
@@ -28,16 +31,19 @@ pub(super) struct View {
     /// The names of the units of lengths and stresses.
     length: String,
     pub(super) stress: String,
+    /// The length of one degree to the right, if the surface is unrolled.
+    degree: Option<f64>,
     /// The lowest and the highest visible coordinates.
     pub(super) low: [f64; 2],
     pub(super) high: [f64; 2],
     /// The size of the visible part in the picture, px.
     pub(super) size: [f64; 2],
-    pub(super) most_pressure: f64,
+    pub(super) bands: Bands,
     pub(super) most_traction: f64,
-    pub(super) friction: bool,
-    /// `true` if supports constrain a node.
+    /// `true` if supports hold a visible node along the normal.
     pub(super) held: bool,
+    /// `true` if nothing is in front of a visible node.
+    pub(super) alone: bool,
     /// The length of the longest arrow, px.
     pub(super) arrow: f64,
     /// `true` if nodes are far enough apart for markers.
@@ -55,7 +61,9 @@ impl View {
             })
         };
         let whole = bounds(&mut all());
-        let [low, high] = if pressed.is_empty() { whole } else { bounds(&mut pressed.iter().copied()) };
+        let area = |[low, high]: [[f64; 2]; 2]| (0..2).map(|c| high[c] - low[c]).product::<f64>();
+        let zone = bounds(&mut pressed.iter().copied());
+        let [low, high] = if !pressed.is_empty() && area(zone) < SMALL * area(whole) { zone } else { whole };
         let shown = all().filter(|p| (0..2).all(|c| (low[c]..=high[c]).contains(&p[c]))).count().max(1);
         let shown_area = (0..2).map(|c| (high[c].min(whole[1][c]) - low[c].max(whole[0][c])).max(0.0)).product::<f64>();
         let spacing = (shown_area / shown as f64).sqrt();
@@ -78,17 +86,20 @@ impl View {
         let [across, upwards] = [0, 1].map(|c| high[c] - low[c]);
         let scale = ((WIDTH - LEFT - RIGHT) / across).min(MOST_HEIGHT / upwards);
         let spacing = scale * spacing;
+        let visible =
+            || surface.nodes.iter().filter(|node| (0..2).all(|c| (low[c]..=high[c]).contains(&node.place[c])));
         let [length, stress] = [Quantity::Length, Quantity::Stress].map(|quantity| surface.units.name(quantity));
         View {
             length,
             stress,
+            degree: surface.degree,
             low,
             high,
             size: [scale * across, scale * upwards],
-            most_pressure: most(|node| node.pressure),
+            bands: Bands::up_to(most(|node| node.pressure)),
             most_traction,
-            friction: most_traction > 0.0,
-            held: surface.nodes.iter().any(|node| node.status.is_none()),
+            held: visible().any(|node| node.status.is_none() && node.held),
+            alone: visible().any(|node| node.status.is_none() && !node.held),
             arrow: (ARROW * spacing).max(SHORTEST),
             markers: spacing > 16.0,
         }
@@ -98,6 +109,16 @@ impl View {
     pub(super) fn at(&self, place: [f64; 2]) -> [f64; 2] {
         let share = |c: usize| (place[c] - self.low[c]) / (self.high[c] - self.low[c]);
         [self.left() + share(0) * self.size[0], TOP + (1.0 - share(1)) * self.size[1]]
+    }
+
+    /// Returns `true` if there are tangential stresses.
+    pub(super) fn friction(&self) -> bool {
+        self.most_traction > 0.0
+    }
+
+    /// Returns the middle of the visible part.
+    pub(super) fn middle(&self) -> [f64; 2] {
+        [0, 1].map(|c| 0.5 * (self.low[c] + self.high[c]))
     }
 
     /// Returns the left side of the surface. Surface and colour bar are centred in the picture.
@@ -138,27 +159,32 @@ impl View {
             svg.line(&[[left, y], [left - tick.length(), y]], THIN, BLACK);
             svg.text([left - 10.0, y], tick.label.as_deref().unwrap_or(""), NUMBER_SIZE, Anchor::End);
         }
-        svg.text([0.5 * (left + right), bottom + 44.0], &self.axis(axes[0]), LABEL_SIZE, Anchor::Middle);
+        svg.text([0.5 * (left + right), bottom + 44.0], &self.across(axes), LABEL_SIZE, Anchor::Middle);
         svg.text([left - 70.0, 0.5 * (top + bottom)], &self.axis(axes[1]), LABEL_SIZE, Anchor::Upwards);
+    }
+
+    /// Describes the axis to the right.
+    fn across(&self, [first, second]: &[[f64; 3]; 2]) -> String {
+        match self.degree {
+            Some(_) => format!("angle about {}, from {}, degrees", name(*second), name(*first)),
+            None => self.axis(*first),
+        }
     }
 
     /// Describes an axis.
     fn axis(&self, axis: [f64; 3]) -> String {
-        let name = match axis {
-            [1.0, 0.0, 0.0] => "x".into(),
-            [0.0, 1.0, 0.0] => "y".into(),
-            [0.0, 0.0, 1.0] => "z".into(),
-            [x, y, z] => format!("along ({x:.3}, {y:.3}, {z:.3})"),
-        };
-        format!("{name}, {}", self.length)
+        let along = if axis.iter().filter(|c| **c != 0.0).count() > 1 { "along " } else { "" };
+        format!("{along}{}, {}", name(axis), self.length)
     }
 
     /// Returns the ticks along axis `c` within the frame: a label about every `room` px, but at least two.
     fn ticks(&self, c: usize, room: f64) -> Vec<Tick> {
         let range = self.low[c]..=self.high[c];
+        let unit = self.degree.filter(|_| c == 0).unwrap_or(1.0);
         let ticks = |most: f64| {
-            let all = Scale::Linear.ticks([self.low[c], self.high[c]].into_iter(), 0.0, most).all;
-            all.into_iter().filter(|tick| range.contains(&tick.value)).collect::<Vec<_>>()
+            let all = Scale::Linear.ticks([self.low[c] / unit, self.high[c] / unit].into_iter(), 0.0, most).all;
+            let all = all.into_iter().map(|tick| Tick { value: unit * tick.value, ..tick });
+            all.filter(|tick| range.contains(&tick.value)).collect::<Vec<_>>()
         };
         let labels = |ticks: &[Tick]| ticks.iter().filter(|tick| tick.label.is_some()).count();
         let most = self.size[c] / room;
@@ -169,6 +195,16 @@ impl View {
             .into_iter()
             .find(|ticks| labels(ticks) >= 2)
             .unwrap_or_default()
+    }
+}
+
+/// Returns the name of a direction.
+fn name(direction: [f64; 3]) -> String {
+    match direction {
+        [1.0, 0.0, 0.0] => "x".into(),
+        [0.0, 1.0, 0.0] => "y".into(),
+        [0.0, 0.0, 1.0] => "z".into(),
+        [x, y, z] => format!("({x:.3}, {y:.3}, {z:.3})"),
     }
 }
 
@@ -185,12 +221,14 @@ mod tests {
             pressure: if (6..16).contains(&k) { 1e6 } else { 0.0 },
             traction: [0.0; 2],
             status: Some(ContactStatus::Stick),
+            held: false,
         };
         ContactSurface {
             boundary: None,
             index: 1,
             time: 1.0,
             axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+            degree: None,
             nodes: (0..22).map(node).collect(),
             units: UnitSystem::si(3),
             facets: (0..10).map(|k| vec![2 * k, 2 * k + 1, 2 * k + 3, 2 * k + 2]).collect(),

@@ -1,5 +1,7 @@
 //! A brick on a larger one, pressed and then pushed round a corner.
 
+#![allow(clippy::unwrap_used)]
+
 use crate::common::pairs::{Side, bodies, paired, solved, solver};
 use std::ops::ControlFlow;
 use stickslip::algebra::linear::{SparseCholesky, SparseLu};
@@ -20,6 +22,10 @@ impl Observer for Maps<'_> {
         let lines = ContactLine::all(self.0, step);
         let largest = lines[0].points.iter().map(|point| point.sigma_n).fold(0.0, f64::max);
         assert_eq!((maps.len(), drawn), (1, largest));
+        // No support is near. Beside the other brick, nothing is in front of a node.
+        let beside = maps[0].nodes.iter().any(|node| node.status.is_none());
+        let svg = maps[0].to_svg("").unwrap();
+        assert_eq!([svg.contains("\nheld by supports\n"), svg.contains("\nnothing in front\n")], [false, beside]);
         self.1 += 1;
         ControlFlow::Continue(())
     }

@@ -47,6 +47,7 @@ fn stresses_add_up_to_the_forces() {
                 let halves = node.place.iter().filter(|&&x| x == 0.0 || x == 1.0).count();
                 let share = 0.0625 / [1.0, 2.0, 4.0][halves];
                 assert_eq!(node.status.is_none(), node.place[0] == 0.0, "the clamped edge");
+                assert_eq!(node.held, node.status.is_none());
                 assert!(node.status != Some(ContactStatus::Open) || node.pressure.abs() < 1.0);
                 let stress = [node.traction[0], node.traction[1], -node.pressure];
                 (0..3).for_each(|c| sum[c] += share * stress[c]);
@@ -67,8 +68,14 @@ fn the_picture_says_what_it_shows() {
         assert!(found.iter().any(|line| line == text), "{text}: {found:?}");
     }
     assert!(found.iter().any(|line| line.starts_with("σₜ, tangential, ")) && !with.contains("NaN"), "{found:?}");
-    // Four patches per facet, and at most the arrow heads of the 20 nodes.
-    assert!(with.matches("<polygon").count() > 64);
+    // The largest pressure is marked, and the colours are those of eight to ten bands.
+    let surface = last(&["mesh.elements=[4,4,4]"]);
+    let most = surface.nodes.iter().map(|node| node.pressure).fold(0.0, f64::max);
+    let mark = format!("{:.2} MPa", 1e-6 * most);
+    assert!(most > 1e7 && found.contains(&mark), "{mark}: {found:?}");
+    // Besides the bands there are polygons for the space outside the surface, and for the two patches of the legend.
+    assert!((8 + 3..=10 + 3).contains(&with.matches("<polygon").count()));
+    assert!(with.len() < 30_000, "{}", with.len());
 
     // Without friction there are no arrows and no markers.
     let without = last(&["mesh.elements=[4,4,4]", "contact.friction=0"]).to_svg("").unwrap();

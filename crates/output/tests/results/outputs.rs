@@ -10,7 +10,7 @@ use stickslip::run::{RecordedIncrement, Recording, Run, discretise};
 use stickslip::scene::Scene;
 use stickslip::solver::KktErrors;
 use stickslip::solver::history::{self, HistorySettings, IncrementView, Method, Observer, Status, SystemSolver};
-use stickslip_output::{DeformedBody, history_charts};
+use stickslip_output::{DeformedBody, contact_stresses, history_charts};
 
 /// Returns a bar of length 2, height 1 (and depth 1), pulled along x at its right end with 1 MPa and free to contract.
 /// Strain and stress are uniform, and displacements are linear.
@@ -308,7 +308,12 @@ fn the_deformed_body_is_drawn_by_its_factor() {
         assert!(svg.lines().any(|line| line == text), "{text}");
     }
     assert!(svg.contains("t = 1 s, displacements magnified 100 times, 2."), "{svg}");
-    assert_eq!(svg.matches("<polygon").count(), 6 + 100);
+    // The largest stress is marked, and the limits of the ten bands are round.
+    let limits = (1..10).map(|k| format!("0.{k}")).chain(["0".into(), "1.0".into(), "1.000 MPa".into()]);
+    for text in limits {
+        assert!(svg.lines().any(|line| line == text), "{text}: {svg}");
+    }
+    assert_eq!(svg.matches("<polygon").count(), 10);
     // Without contact there are no forces to draw.
     let charts: Vec<&str> = history_charts(&report).iter().map(|chart| chart.0).collect();
     assert_eq!(charts, ["iterations"]);
@@ -325,6 +330,41 @@ fn the_deformed_body_is_drawn_by_its_factor() {
         (3 * 2 + 3 * 2 + 2 * 2, 3 * 3 + 3 * 2 + 3 * 2, 3)
     );
     assert!(!body.to_svg("box").unwrap().contains("NaN"));
+}
+
+/// A fine mesh takes no more room than its colours and its outline.
+#[test]
+fn pictures_of_fine_meshes_are_small() {
+    let text = bar("quadrilateral", 2).text().replace("[3, 2]", "[300, 200]").replace("[1e6, 0]", "[1e6, 3e5]");
+    let scene = Scene::parse("bar.toml", &text, &[]).unwrap();
+    let run = Run::new(&scene).unwrap();
+    let mut last = Recording::last();
+    run.solve(&mut last).unwrap();
+    let data = last.increments[0].data();
+    let body = DeformedBody::new(run.model(), &last.increments[0].step(&data), None);
+    assert_eq!(body.patches.len(), 60_000);
+    let svg = body.to_svg("").unwrap();
+    assert!(svg.len() < 50_000, "{}", svg.len());
+    assert_eq!(svg, body.to_svg("").unwrap());
+}
+
+/// The largest pressure is marked with its place, and slip and gap are below the stresses, in a unit of their own.
+#[test]
+fn the_picture_of_a_contact_line_has_the_peak_slip_and_gap() {
+    let scene = common::block(&["mesh.elements=[8,8]", "solver.setting=default"]);
+    let run = Run::new(&scene).unwrap();
+    let mut last = Recording::last();
+    run.solve(&mut last).unwrap();
+    let data = last.increments[0].data();
+    let line = ContactLine::all(run.model(), &last.increments[0].step(&data)).remove(0);
+    let svg = contact_stresses(&line, "Block").unwrap();
+    let texts: Vec<&str> = svg.lines().filter(|line| !line.starts_with('<')).collect();
+    let most = line.points.iter().max_by(|a, b| a.sigma_n.total_cmp(&b.sigma_n)).unwrap();
+    let peak = format!("largest σₙ {:.2} MPa at x = {:.3} m", 1e-6 * most.sigma_n, most.x);
+    assert!(texts.contains(&peak.as_str()), "{peak}: {texts:?}");
+    for text in ["slip distance", "gap", "slip and gap, µm", "contact stress, MPa", "x, m"] {
+        assert_eq!(texts.iter().filter(|found| **found == text).count(), 1, "{text}: {texts:?}");
+    }
 }
 
 #[test]
