@@ -37,12 +37,12 @@ fn below(schema: &Value, node: &Value, name: &str, keys: &mut Vec<Key>) {
     if let Some(properties) = node["properties"].as_object() {
         for (key, value) in properties {
             let name = if name.is_empty() { key.clone() } else { format!("{name}.{key}") };
-            add(schema, value, name, keys);
+            add(schema, value, &name, keys);
         }
     }
 }
 
-fn add(schema: &Value, node: &Value, name: String, keys: &mut Vec<Key>) {
+fn add(schema: &Value, node: &Value, name: &str, keys: &mut Vec<Key>) {
     let node = resolved(schema, node);
     let is = |node: &Value, kinds: &[&str]| {
         let named = |kind: &Value| kind.as_str().is_some_and(|kind| kinds.contains(&kind));
@@ -56,11 +56,11 @@ fn add(schema: &Value, node: &Value, name: String, keys: &mut Vec<Key>) {
         node if is(node, &numbers) => Kind::Number,
         _ => Kind::Word,
     };
-    keys.push(Key { name: name.clone(), kind });
+    keys.push(Key { name: name.to_string(), kind });
     if is(node, &["array"]) {
-        add(schema, &node["items"], format!("{name}[]"), keys);
+        add(schema, &node["items"], &format!("{name}[]"), keys);
     }
-    below(schema, node, &name, keys);
+    below(schema, node, name, keys);
 }
 
 /// Follows references and the choice between a value and null.

@@ -5,10 +5,9 @@ use super::table::{Row, Sweep};
 impl Sweep {
     /// Returns the page, with `chart` as its picture (SVG).
     pub fn to_html(&self, chart: &str) -> String {
-        let heads: String =
-            self.heads().iter().map(|head| format!("<th><button>{}</button></th>", escaped(head))).collect();
+        let heads = enclosed(&self.heads(), "<th><button>", "</button></th>");
         let rows: String = self.variants.iter().map(|row| self.row(row)).collect();
-        let notes: String = self.notes().iter().map(|note| format!("<li>{}</li>", escaped(note))).collect();
+        let notes = enclosed(&self.notes(), "<li>", "</li>");
         let converged = self.variants.iter().filter(|row| row.outcome.is_converged()).count();
         let verdict = format!("{} variants, {converged} converged", self.variants.len());
         let class = if converged == self.variants.len() { "good" } else { "bad" };
@@ -43,8 +42,13 @@ impl Sweep {
             }
             _ => format!("<td>{}</td>", escaped(cell)),
         };
-        format!("<tr>{}</tr>\n", cells.iter().enumerate().map(cell).collect::<String>())
+        format!("<tr>{}</tr>\n", cells.iter().enumerate().map(cell).collect::<Vec<_>>().concat())
     }
+}
+
+/// Encloses each text, which is escaped, in tags.
+fn enclosed(texts: &[String], open: &str, close: &str) -> String {
+    texts.iter().map(|text| [open, &escaped(text), close].concat()).collect()
 }
 
 /// Escapes a text for HTML.

@@ -34,7 +34,7 @@ impl Sweep {
             (None, None) => Some(row.outcome.iterations as f64),
         };
         let label = match &self.plotted {
-            Some(quantity) => self.label(quantity, quantity.text()),
+            Some(quantity) => self.label(quantity),
             None if pressed => format!("largest contact pressure, {}", self.pressure_unit()),
             None => "iterations".to_string(),
         };

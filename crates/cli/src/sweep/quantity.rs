@@ -211,16 +211,18 @@ fn nearest<'a>(name: &str, names: impl Iterator<Item = &'a str>) -> Vec<String> 
 
 /// Parses a key: its name with `[]` for each index, and its JSON pointer.
 fn parsed(text: &str) -> (String, String) {
-    let (mut name, mut pointer) = (Vec::new(), String::new());
+    let (mut name, mut pointer) = (Vec::new(), vec![""]);
     for part in text.split('.') {
-        let (key, indices) = part.split_once('[').map_or((part, ""), |(key, indices)| (key, indices));
-        let indices: Vec<&str> = indices.split('[').filter_map(|index| index.strip_suffix(']')).collect();
-        let all_numbers = indices.iter().all(|index| index.parse::<usize>().is_ok());
-        // Anything else in the brackets stays in the name, which is then no key.
-        name.push(if all_numbers { format!("{key}{}", "[]".repeat(indices.len())) } else { part.to_string() });
-        pointer += &format!("/{}", [&[key], &indices[..]].concat().join("/"));
+        let mut pieces = part.split('[');
+        pointer.push(pieces.next().unwrap_or_default());
+        let key = pointer[pointer.len() - 1];
+        let index = |piece: &str| piece.strip_suffix(']')?.parse::<usize>().ok();
+        let indices: Option<Vec<usize>> = pieces.clone().map(index).collect();
+        // Anything but numbers in brackets stays in the name, which is then no key.
+        name.push(indices.map_or(part.to_string(), |all| format!("{key}{}", "[]".repeat(all.len()))));
+        pointer.extend(pieces.map(|piece| piece.trim_end_matches(']')));
     }
-    (name.join("."), pointer)
+    (name.join("."), pointer.join("/"))
 }
 
 /// Writes a name with the index 0 in each list, as an example.
@@ -336,14 +338,23 @@ impl TableQuantity {
     /// Completes a quantity of forces with what acts at its place.
     pub(super) fn at(&self, places: &Places) -> Result<Self, QuantityError> {
         let Source::Column { pick, acting, place, column } = &self.source else { return Ok(self.clone()) };
-        let (text, place, there) = (self.text.clone(), place.clone(), places.at(place));
+        // A boundary of a body has the name of the body before a colon, which may be that of a kind of force.
+        let of_body = acting.map(|acting| format!("{acting}:{place}")).filter(|name| !places.at(name).is_empty());
+        let (acting, place) = match of_body {
+            Some(name) if places.at(place).is_empty() => (None, name),
+            _ => (*acting, place.clone()),
+        };
+        let (text, there) = (self.text.clone(), places.at(&place));
         let acting = match (acting, there) {
             (_, []) => {
                 let places = places.names();
-                let similar = nearest(&place, places.iter().map(String::as_str));
+                let of_bodies =
+                    places.iter().filter(|name| name.rsplit_once(':').is_some_and(|(_, name)| name == place));
+                let mut similar: Vec<String> = of_bodies.cloned().collect();
+                similar.extend(nearest(&place, places.iter().map(String::as_str)));
                 return Err(QuantityError::Place { text, place, places, similar });
             }
-            (Some(acting), _) if there.contains(acting) => *acting,
+            (Some(acting), _) if there.contains(&acting) => acting,
             (Some(acting), _) => {
                 let there = there.iter().map(|acting| acting.name()).collect();
                 return Err(QuantityError::NotThere { text, place, kind: acting.name(), there });
@@ -530,6 +541,8 @@ mod tests {
             ("boundaries.force[0]", "did you mean boundaries[0].force[0]"),
             ("boundaries[x].force[0]", "is no key of a report"),
             ("", "is no key of a report"),
+            ("status[", "is no key of a report"),
+            ("largest_force.force[0", "is no key of a report"),
             ("largest_pressure", "give one of them: largest_pressure.pressure, "),
             ("largest_force.force", "largest_force.force[0], largest_force.force[1], size:largest_force.force"),
             ("boundaries", "boundaries[0].boundary"),

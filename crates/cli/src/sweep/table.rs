@@ -213,10 +213,7 @@ impl Sweep {
     pub(super) fn heads(&self) -> Vec<String> {
         let mut heads: Vec<String> = self.varied.iter().map(|variation| variation.key.clone()).collect();
         heads.extend(["verdict", "inc"].map(String::from));
-        heads.extend(self.shown.iter().map(|(quantity, _)| {
-            let named = KEY_RESULTS.iter().find(|(text, _)| *text == quantity.text());
-            self.label(quantity, named.map_or(quantity.text(), |(_, name)| name))
-        }));
+        heads.extend(self.shown.iter().map(|(quantity, _)| self.label(quantity)));
         heads.push("warnings".to_string());
         heads
     }
@@ -251,8 +248,10 @@ impl Sweep {
         notes
     }
 
-    /// Returns a name with the unit of a quantity in the text table.
-    pub(super) fn label(&self, quantity: &TableQuantity, name: &str) -> String {
+    /// Returns the name of a quantity for people, with its unit in the text table.
+    pub(super) fn label(&self, quantity: &TableQuantity) -> String {
+        let named = KEY_RESULTS.iter().find(|(text, _)| *text == quantity.text());
+        let name = named.map_or(quantity.text(), |(_, name)| name);
         let unit = match quantity.quantity() {
             Quantity::Stress => self.units.of_pictures().name(Quantity::Stress),
             other => format!("{}{}", self.units.name(other), quantity.fixed_unit()),
