@@ -1,8 +1,10 @@
 //! The result of a variant, read from the report of its run.
 
 use std::collections::BTreeMap;
+use std::fmt;
 
-use serde::{Deserialize, Serialize};
+use serde::de::{DeserializeSeed, IgnoredAny, MapAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::{Map, Value};
 
 use super::quantity::TableQuantity;
@@ -119,12 +121,45 @@ impl From<Report> for VariantResult {
     }
 }
 
+/// Reads only these keys of an object: the lists of the increments of a long run take much memory.
+struct Parts<'a>(&'a [&'a str]);
+
+impl<'de> DeserializeSeed<'de> for Parts<'_> {
+    type Value = Map<String, Value>;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Self::Value, D::Error> {
+        deserializer.deserialize_map(self)
+    }
+}
+
+impl<'de> Visitor<'de> for Parts<'_> {
+    type Value = Map<String, Value>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("an object")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+        let mut parts = Map::new();
+        while let Some(key) = map.next_key::<String>()? {
+            if self.0.contains(&key.as_str()) {
+                parts.insert(key, map.next_value()?);
+            } else {
+                map.next_value::<IgnoredAny>()?;
+            }
+        }
+        Ok(parts)
+    }
+}
+
 impl VariantResult {
     /// Reads a report, or a printed failure, with the values of `quantities`. Returns `None` if the text is neither.
     pub fn read(report: &str, quantities: &[TableQuantity]) -> Option<Self> {
-        let report: Value = serde_json::from_str(report).ok()?;
-        let values = quantities.iter().map(|quantity| (quantity.text().to_string(), quantity.of(&report))).collect();
-        Some(VariantResult { quantities: values, ..serde_json::from_value(report).ok()? })
+        let mut reader = serde_json::Deserializer::from_str(report);
+        let roots: Vec<&str> = quantities.iter().map(TableQuantity::root).collect();
+        let parts = Value::Object(Parts(&roots).deserialize(&mut reader).ok()?);
+        let values = quantities.iter().map(|quantity| (quantity.text().to_string(), quantity.of(&parts))).collect();
+        Some(VariantResult { quantities: values, ..serde_json::from_str(report).ok()? })
     }
 
     /// Returns the value of a quantity if it is a number.

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use stickslip::body::Description;
+use stickslip::body::{Against, Contact, Description};
 
 use super::quantity::{QuantityError, TableQuantity};
 
@@ -55,7 +55,11 @@ impl Places {
     pub fn add(&mut self, description: &Description) {
         // The coordinates of a point do not depend on the dimension.
         let units = description.system(3);
-        let contacts = description.contacts.iter().map(|contact| (contact.boundary.clone(), Acting::Contact));
+        let sides = |contact: &Contact| match &contact.against {
+            Against::Obstacles(_) => vec![contact.boundary.clone()],
+            Against::Boundary(opposite) => vec![contact.boundary.clone(), opposite.boundaries.join("+")],
+        };
+        let contacts = description.contacts.iter().flat_map(sides).map(|boundary| (boundary, Acting::Contact));
         let supports = description.supports.iter().map(|support| (support.at.place(&units), Acting::Support));
         let springs = description.springs.iter().map(|spring| (spring.place(&units), Acting::Spring));
         let loads = description.loads.iter().map(|load| (load.action.place(&units), Acting::Load));

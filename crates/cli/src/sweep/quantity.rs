@@ -380,6 +380,15 @@ impl TableQuantity {
         Ok(TableQuantity { text, source })
     }
 
+    /// Returns the key of the report itself with all that the value depends on.
+    pub(super) fn root(&self) -> &str {
+        match &self.source {
+            Source::Key { name, .. } | Source::Size { name, .. } => name.split(['.', '[']).next().unwrap_or_default(),
+            Source::Column { acting: None | Some(Acting::Contact), .. } => "forces",
+            Source::Column { .. } => "reactions",
+        }
+    }
+
     /// Returns the value in a report: a number in the units of the report, a text, or null if the run has no such value.
     pub fn of(&self, report: &Value) -> Value {
         match &self.source {
@@ -414,13 +423,19 @@ fn last(name: &str) -> &str {
 }
 
 /// Returns the values of a column in all converged increments. Forces of equal kind at one place add up; they move
-/// together.
+/// together. Between bodies each side has the force on the other one.
 fn of_column(report: &Value, acting: Option<Acting>, place: &str, column: &Column) -> Vec<f64> {
     let list = |key: &str| report[key].as_array().map_or(&[][..], Vec::as_slice);
     let number = |of: &Value| column.axis.map_or(&of[column.key], |axis| component(of, column.key, axis)).as_f64();
     let adds = column.key != "displacement";
     match acting.and_then(Acting::list) {
-        None => list("forces").iter().filter(|of| of["boundary"] == place).filter_map(number).collect(),
+        None => {
+            let of_increment = |records: &[Value]| {
+                let sides = records.iter().flat_map(|record| [record, &record["opposite"]]);
+                sides.filter(|side| side["boundary"] == place).filter_map(number).reduce(|sum, more| sum + more)
+            };
+            list("forces").chunk_by(|a, b| a["index"] == b["index"]).filter_map(of_increment).collect()
+        }
         Some(kind) => {
             let of_increment = |reactions: &Value| {
                 let here = reactions[kind].as_array()?.iter().filter(|of| of["at"] == place);
@@ -453,9 +468,14 @@ mod tests {
             "largest_force": { "force": [3.0, -4.0] },
             "boundaries": [{ "boundary": "bottom", "force": [1.0, -2.0] }],
             "forces": [
-                { "boundary": "bottom", "force": [1.0, -7.0], "moment": [0.5], "sum_p_n": 7.0 },
-                { "boundary": "side", "force": [100.0, 0.0], "moment": [0.0], "sum_p_n": 100.0 },
-                { "boundary": "bottom", "force": [-3.0, -2.0], "moment": [0.25], "sum_p_n": 2.0 },
+                { "index": 1, "boundary": "bottom", "force": [1.0, -7.0], "moment": [0.5], "sum_p_n": 7.0 },
+                { "index": 1, "boundary": "side", "force": [100.0, 0.0], "moment": [0.0], "sum_p_n": 100.0,
+                  "opposite": { "boundary": "a+b", "force": [-100.0, 1.0], "moment": [0.0] } },
+                { "index": 2, "boundary": "bottom", "force": [-3.0, -2.0], "moment": [0.25], "sum_p_n": 2.0 },
+                { "index": 2, "boundary": "side", "force": [50.0, 0.0], "moment": [0.0], "sum_p_n": 100.0,
+                  "opposite": { "boundary": "a+b", "force": [-50.0, 0.0], "moment": [0.0] } },
+                { "index": 2, "boundary": "edge", "force": [5.0, 0.0], "moment": [0.0], "sum_p_n": 5.0,
+                  "opposite": { "boundary": "a+b", "force": [-5.0, 0.0], "moment": [0.0] } },
             ],
             "reactions": [
                 { "supports": [{ "at": "top", "force": [1.0, 2.0], "displacement": [0.0, 0.1] },
@@ -473,7 +493,10 @@ mod tests {
             material = { young = 1e9, poisson = 0.3 }
             support = [{ boundary = 'top', fix = ['x', 'y'] }, { point = [0, 1], fix = ['x'] }]
             load = [{ boundary = 'top', traction = [0, 1] }, { acceleration = [0, -1] }]
-            contact = [{ boundary = 'bottom', friction = 0.3, obstacle = { kind = 'plane', gap = 0 } }]
+            contact = [
+              { boundary = 'bottom', friction = 0.3, obstacle = { kind = 'plane', gap = 0 } },
+              { boundary = 'side', friction = 0.3, against = ['a', 'b'] },
+            ]
             time = { end = 1, increments = 2 }";
         let scene = stickslip::scene::Scene::parse("scene.toml", scene, &[]).unwrap();
         let mut places = Places::default();
@@ -502,6 +525,10 @@ mod tests {
             ("max:bottom.m_x", Value::Null),
             ("max:bottom.f_z", Value::Null),
             ("max:bottom.sum_p_n", json!(7.0)),
+            // One side of two contacts between bodies.
+            ("min:a+b.f_x", json!(-100.0)),
+            ("last:contact:a+b.f_x", json!(-55.0)),
+            ("max:a+b.sum_p_n", Value::Null),
             // Two supports of one place act together, but move once.
             ("max:support:top.f_y", json!(5.0)),
             ("last:support:top.u_y", json!(0.3)),
@@ -553,7 +580,7 @@ mod tests {
             ("max:top", "is not of the form"),
             ("max:.f_x", "is not of the form"),
             ("max:top.fx", "did you mean f_x?"),
-            ("max:tpo.f_x", "they are at [0.0, 1.0], bottom, the body, top; did you mean top?"),
+            ("max:tpo.f_x", "they are at [0.0, 1.0], a+b, bottom, side, the body, top; did you mean top?"),
             ("max:top.f_x", "give one of max:support:top.f_x, max:load:top.f_x"),
             ("max:spring:top.f_x", "there is no spring at `top`, but support, load"),
             ("max:bottom.u_x", "a contact has no column `u_x`; it has f_x, f_y"),
