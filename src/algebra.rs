@@ -1,5 +1,6 @@
 //! `A x = b`: sparse matrices, linear solvers behind one trait, and small helpers of both.
 
+pub(crate) mod elimination;
 pub(crate) mod jobs;
 pub mod linear;
 pub(crate) mod null_space;

@@ -81,6 +81,18 @@ use watch::{ReportCollector, Sink};
 /// The number of factorisations from which on a better ordering is worth its time.
 const MANY: f64 = 10.0;
 
+/// Returns an additional result; if it could not be computed, adds a warning to `missing`.
+fn or_missing<T, E: std::error::Error>(
+    missing: &mut Vec<Warning>,
+    result: &str,
+    computed: Result<Option<T>, E>,
+) -> Option<T> {
+    computed.unwrap_or_else(|error| {
+        missing.push(Warning::of_missing(result, &error));
+        None
+    })
+}
+
 /// The reason why there are no results of a load cycle.
 #[derive(Debug, thiserror::Error)]
 #[error(
@@ -340,39 +352,21 @@ impl<'a> Run<'a> {
         // The history is solved. From here on, a failure of an additional result loses that result only.
         let mut missing = Vec::new();
         if let (Some(companion), Status::Converged) = (companion.as_ref(), outcome.status) {
-            match self.compared(companion, &states, audience.observer()) {
-                Ok(compared) => all_estimates.companion = Some(compared),
-                Err(error) => missing.push(Warning::of_missing("the estimate by a companion run", &error)),
-            }
+            let compared = self.compared(companion, &states, audience.observer()).map(Some);
+            all_estimates.companion = or_missing(&mut missing, "the estimate by a companion run", compared);
         }
         if self.cycle.is_some() && cycle.is_none() {
             missing.push(Warning::of_missing("the load cycle", &NoCycle));
         }
-        let leap = match self.leap(&leaps, &settings, outcome.scales, audience.observer()) {
-            Ok(leap) => leap,
-            Err(error) => {
-                missing.push(Warning::of_missing("the check for jumps of contact forces", &error));
-                None
-            }
-        };
+        let leap = self.leap(&leaps, &settings, outcome.scales, audience.observer());
+        let leap = or_missing(&mut missing, "the check for jumps of contact forces", leap);
         let by_start = match outcome.status {
             Status::Converged => self.friction_by_start(audience.observer()),
             _ => Ok(None),
         };
-        let start_error = match by_start {
-            Ok(error) => error,
-            Err(error) => {
-                missing.push(Warning::of_missing("what the first increment does to friction", &error));
-                None
-            }
-        };
-        let critical_friction = match last.map(|last| self.critical_friction(&last, &outcome)).transpose() {
-            Ok(critical) => critical.flatten(),
-            Err(error) => {
-                missing.push(Warning::of_missing("the critical friction", &error));
-                None
-            }
-        };
+        let start_error = or_missing(&mut missing, "what the first increment does to friction", by_start);
+        let critical = last.map(|last| self.critical_friction(&last, &outcome)).transpose().map(Option::flatten);
+        let critical_friction = or_missing(&mut missing, "the critical friction", critical);
         let measured = Measured {
             cpu_seconds: cpu_seconds(),
             wall_seconds: self.model_seconds + start.elapsed().as_secs_f64(),

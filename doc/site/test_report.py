@@ -1,6 +1,8 @@
 """The page of a run, report.html, in the same browser: `make book-test`. The program is STICKSLIP_PROGRAM, or that of target/."""
 
+import json
 import os
+import shutil
 import subprocess
 from pathlib import Path
 
@@ -11,16 +13,29 @@ PROGRAMS = [os.environ.get("STICKSLIP_PROGRAM"), ROOT / "target/release/sticksli
 SCENES = {"plane": "doc/lap.toml", "space": "data/scenes/cube.toml"}
 
 
-@pytest.fixture(scope="module", params=SCENES)
-def page(request, tmp_path_factory):
+def stickslip(*arguments):
     program = next((path for path in PROGRAMS if path and Path(path).exists()), None)
     assert program, "build the program first: cargo build --release"
+    subprocess.run([program, *arguments], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+
+
+@pytest.fixture(scope="module", params=SCENES)
+def page(request, tmp_path_factory):
     out = tmp_path_factory.mktemp(request.param)
     scene = ["--set", 'output.times="all"', "--increments", "4"]
     if request.param == "space":
-        scene += ["--set", "mesh.elements=[4,4,4]"]
-    subprocess.run([program, "run", SCENES[request.param], *scene, "--out", out], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+        scene += ["--set", "mesh.elements=[4,4,4]", "--set", "output.deformed=true"]
+    stickslip("run", SCENES[request.param], *scene, "--out", out)
     return out / "report.html"
+
+
+@pytest.fixture(scope="module")
+def fretting(tmp_path_factory):
+    """A closed load cycle in mm and N/mm, with probes whose names differ by a character that is not in file names."""
+    out = tmp_path_factory.mktemp("fretting")
+    probes = 'output.probe=[{name="top/a", point=[10, 10]}, {name="top a", point=[9, 5]}]'
+    stickslip("run", "data/tutorials/fretting.toml", "--set", probes, "--out", out)
+    return out
 
 
 def test_the_report_is_one_small_file(page):
@@ -67,3 +82,103 @@ def test_it_prints(page, tab, tmp_path):
     tab.goto(page.as_uri())
     tab.pdf(path=tmp_path / "report.pdf")
     assert (tmp_path / "report.pdf").stat().st_size > 10_000
+
+
+def set_slider(tab, selector, value):
+    tab.evaluate("([s, v]) => { const e = document.querySelector(s); e.value = v; e.dispatchEvent(new Event('input')); }", [selector, value])
+
+
+def test_key_results_have_units_and_errors(fretting, tab):
+    tab.goto((fretting / "report.html").as_uri())
+    rows = [row.inner_text() for row in tab.query_selector_all("#results tbody tr")]
+    assert [row.split("\t")[0] for row in rows] == ["largest pressure", "largest contact force", "friction work", "stick zone", "largest displacement"]
+    assert "MPa" in rows[0] and "N/mm" in rows[1] and "mJ/mm" in rows[2] and "\t± 0.0" in rows[3] and "mm" in rows[4]
+    assert "%" in rows[0].split("\t")[3]
+
+
+def test_a_loop_tells_its_energy(fretting, tab):
+    """The area of force against displacement is the friction work of the cycle, but for corners cut by the increments."""
+    tab.goto((fretting / "report.html").as_uri())
+    work = json.loads((fretting / "run.json").read_text())["cycle"]["friction_work"]
+    assert tab.input_value("#across") == "support cylinder:top: u_x" and tab.input_value("#up") == "support cylinder:top: f_x"
+    for across, up in [(None, None), ("probe top/a: u_x", "contact cylinder:bottom: f_x")]:
+        if across:
+            tab.select_option("#across", label=across)
+            tab.select_option("#up", label=up)
+        told = tab.inner_text("#loop")
+        assert "t = 2 to 6 s" in told and told.endswith("mJ/mm.")
+        assert abs(float(told.split("encloses ")[1].split()[0]) / work - 1) < 0.01
+        assert tab.locator("#curve path.arrow").count() == 4
+    tab.select_option("#up", label="friction work so far")
+    assert "not closed" in tab.inner_text("#loop")
+    tab.select_option("#across", label="time")
+    assert tab.inner_text("#loop") == ""
+    assert tab.faults == []
+
+
+def test_names_that_differ_by_a_slash_are_told_apart(fretting, tab):
+    tab.goto((fretting / "report.html").as_uri())
+    names = tab.locator("#across option").all_inner_texts()
+    assert "probe top/a: u_x" in names and "probe top a: u_x" in names
+
+
+def test_the_body_moves_with_its_slider(page, fretting, tab):
+    for report in [page, fretting / "report.html"]:
+        tab.goto(report.as_uri())
+        if "space" in str(report):
+            assert tab.locator("#body .picture img").count() == 1 and not tab.is_visible("#canvas")
+            continue
+        drawn = set()
+        for scale in [0, 1, 5]:
+            set_slider(tab, "#scale", scale)
+            drawn.add((tab.inner_text("#times"), tab.evaluate("document.querySelector('#canvas').toDataURL()")))
+        assert len({when for when, _ in drawn}) == 3 and len({image for _, image in drawn}) >= 2
+        assert "Pa" in tab.inner_text(".legend")
+        box = tab.locator("#canvas").bounding_box()
+        tab.evaluate("document.querySelector('#canvas').scrollIntoView()")
+        for k in range(40):
+            tab.hover("#canvas", position={"x": box["width"] * (0.3 + 0.01 * k), "y": box["height"] / 2})
+            if tab.inner_text("#drawn .note").startswith("At ("):
+                break
+        assert "displacement (" in tab.inner_text("#drawn .note")
+        assert tab.faults == []
+
+
+def test_a_cycle_is_drawn_along_the_surface(fretting, tmp_path, tab):
+    tab.goto((fretting / "report.html").as_uri())
+    words = tab.inner_text("#per-cycle")
+    assert "slip" in words and "From t = 2 to 6 s. Friction work 0.0485" in words
+    for column, unit in [("energy_density", "mJ/mm2"), ("slip_range", "mm"), ("pressure_mean", "MPa")]:
+        tab.select_option("#cycle-up", label=column)
+        assert f"{column}, {unit}" in tab.inner_html("#cycle-chart")
+    assert tab.locator("#cycle tbody tr").count() == len((fretting / "cycle.csv").read_text().splitlines()) - 1
+    tab.screenshot(path=PICTURES / "report_cycle.png", full_page=True)
+    # Several boundaries, and cycles before.
+    folder = tmp_path / "cycle"
+    shutil.copytree(fretting, folder)
+    rows = [f"{name},{k / 10},{k},{k * k / 1000}" for name in ("a/b", "a b") for k in range(50)]
+    (folder / "cycle.csv").write_text("boundary,x,node,slip_range\n" + "\n".join(rows) + "\n")
+    run = json.loads((folder / "run.json").read_text())
+    run["cycle"].update(change=-0.05, earlier=[{"start": k, "end": k + 1, "friction_work": 1 / (k + 1)} for k in range(2)])
+    (folder / "run.json").write_text(json.dumps(run))
+    stickslip("report", folder)
+    tab.goto((folder / "report.html").as_uri())
+    assert "5 % less than in the cycle before: it still changes" in tab.inner_text("#facts")
+    assert tab.locator("#facts .chart svg").count() == 1
+    assert tab.locator("#cycle-boundary option").all_inner_texts() == ["a/b", "a b"]
+    first = tab.inner_text("#cycle tbody tr:first-child")
+    tab.click("#cycle th:nth-child(3) button")
+    assert tab.inner_text("#cycle tbody tr:first-child") != first
+    assert tab.faults == []
+
+
+def test_a_killed_run_has_a_page(fretting, tmp_path, tab):
+    folder = tmp_path / "killed"
+    shutil.copytree(fretting, folder)
+    (folder / "run.json").unlink()
+    stickslip("report", folder)
+    tab.goto((folder / "report.html").as_uri())
+    assert tab.inner_text(".verdict") == "unfinished, 60 increments converged so far"
+    assert "stress, MPa" in tab.inner_html("#stresses")
+    assert not tab.is_visible("#results") and tab.is_visible("#canvas")
+    assert tab.faults == []

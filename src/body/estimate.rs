@@ -13,6 +13,7 @@ mod places;
 mod recovery;
 mod slip;
 mod strains;
+mod stresses;
 mod zone;
 
 use crate::body::model::Model;
@@ -26,6 +27,7 @@ pub use graph::ContactGraph;
 pub use hertz::HertzContact;
 pub(crate) use locking::expected_locking;
 pub(crate) use slip::SlipZones;
+pub(crate) use stresses::StressRecovery;
 pub(crate) use zone::PeakZone;
 pub use zone::{ContactEstimate, PeakOf, StickZone, peak_error};
 

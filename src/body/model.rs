@@ -22,6 +22,7 @@ mod shared;
 mod sliding;
 mod stress;
 mod support;
+mod surface;
 mod unseen;
 
 pub use balance::{Balance, Wrench};
@@ -29,10 +30,11 @@ pub use on_the_way::OnTheWay;
 pub use pair::Pair;
 pub use pair_state::{Faceted, Slid};
 pub use shared::{Body, Share};
+pub use surface::SurfaceStress;
 pub use unseen::{BetweenNodes, Overlap};
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use crate::algebra::linear::{LinearError, Stiffness};
 use crate::algebra::sparse::Csr;
@@ -59,6 +61,7 @@ use motions::Motions;
 use nearest::Nearest;
 use recovery::Recovery;
 use support::Moved;
+use surface::Surface;
 
 /// A discretised description.
 #[derive(Debug, Clone)]
@@ -105,6 +108,8 @@ pub struct Model {
     /// For each contact node: `true` if the opposite side moves past it along a direction in which supports hold the
     /// node, so that friction is missing there.
     passed_by: Vec<bool>,
+    /// The set-up of the stresses along the contact surface, made when these are first asked for.
+    surface: OnceLock<Surface>,
 }
 
 /// An error in the discretisation of a description.
@@ -273,6 +278,7 @@ impl Model {
             thermal,
             statics,
             recovery,
+            surface: OnceLock::new(),
         })
     }
 

@@ -160,6 +160,28 @@ fn punches_have_singular_edges() {
     }
 }
 
+/// At the edge of a flat the pressure is singular if a flank begins there, steep or not; if the edge is rounded, a finer mesh helps,
+/// however small its radius.
+#[test]
+fn edges_of_obstacles_are_told_from_roundings() {
+    let cases = [
+        ("max(0, x - 5) * 0.3", WarningKind::SingularEdge),
+        ("max(0, x - 5) * 3", WarningKind::SingularEdge),
+        ("max(0, x - 5)^2 / (2 * 50)", WarningKind::PeakScatter),
+        ("max(0, x - 5)^2 / (2 * 0.2)", WarningKind::PeakScatter),
+    ];
+    for (formula, expected) in cases {
+        let formula = format!("contact.obstacle.formula=\"{formula}\"").parse().unwrap();
+        let increments = "time.increments=1".parse().unwrap();
+        let text = include_str!("../../data/tutorials/punch.toml");
+        let scene = Scene::parse("punch.toml", text, &[formula, increments]).unwrap();
+        let report = Run::new(&scene).unwrap().solve(&mut ()).unwrap();
+        let of_peak = [WarningKind::SingularEdge, WarningKind::PeakScatter];
+        let found: Vec<WarningKind> = kinds_of(&report).into_iter().filter(|kind| of_peak.contains(kind)).collect();
+        assert_eq!(found, [expected], "{scene:?} {:?}", report.estimates.peak);
+    }
+}
+
 /// A block that is clamped below and pressed by a plane on which nothing slips, as wide as it is high: the strain energy is half
 /// of the force times the approach.
 fn pressed(d: usize, n: usize, poisson: f64, cells: Option<CellKind>, element: Element) -> RunReport {

@@ -49,6 +49,7 @@ mod scene_values;
 mod second_order_contact;
 mod several_bodies;
 mod steps;
+mod surface_stress;
 mod surfaces;
 mod turning;
 mod two_bodies;

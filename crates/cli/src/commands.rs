@@ -18,6 +18,7 @@ mod init;
 mod interrupt;
 mod memory;
 mod output;
+mod page;
 mod progress;
 #[cfg(feature = "mpi")]
 mod ranks;
@@ -56,6 +57,8 @@ enum Command {
     Run(run::RunArgs),
     /// Read a scene and explain how it was understood, without solving it
     Check(check::CheckArgs),
+    /// Make the page report.html of a result folder again
+    Report(page::ReportArgs),
     /// Print the JSON Schema of scenes or of reports
     Schema(schema::SchemaArgs),
     /// Compare methods, linear solvers, increments and meshes on one scene: error against time
@@ -182,6 +185,7 @@ impl Cli {
             Command::Judge(args) => solve::judge_file(args),
             Command::Collection(args) => collection::collection(args, threads),
             Command::Export(args) => export::export_scene(args),
+            Command::Report(args) => page::report(args).map(|()| ExitCode::SUCCESS),
             Command::Schema(args) => {
                 schema::schema(args);
                 Ok(ExitCode::SUCCESS)

@@ -1,5 +1,6 @@
 //! Estimates the disk space for the results of a run before the run.
 
+use crate::page::MOST_STATES;
 use stickslip::body::{Model, Probe, ProbePlace};
 use stickslip::scene::Scene;
 
@@ -20,6 +21,9 @@ const PICTURE: usize = 25_000;
 const FIELDS: usize = 400;
 const DEFORMED: usize = 200;
 
+/// Bytes per node of a plane body for the page.
+const STATE: usize = 8;
+
 /// Estimates the largest disk space of the results of a run of `scene`, bytes, within a factor of about two. The
 /// largest is reached while `run.json` is written from the hidden files of the increments, which make up a third of it.
 pub fn bytes_on_disk(scene: &Scene, model: &Model) -> u64 {
@@ -34,7 +38,9 @@ pub fn bytes_on_disk(scene: &Scene, model: &Model) -> u64 {
     let pictures = of.contacts.len() * PICTURE + model.contacts.len() * NODE;
     let fields = if scene.output.fields { nodes * FIELDS } else { 0 };
     let deformed = if scene.output.deformed { PICTURE + nodes * DEFORMED } else { 0 };
+    let state = if model.mesh.dimension == 2 { nodes * STATE } else { 0 };
     let each = INCREMENT + boundaries * FORCE + probes * PROBE;
-    let written = scene.output.increments(&ends).len() * (pictures + fields + deformed);
+    let times = scene.output.increments(&ends).len();
+    let written = times.min(MOST_STATES) * state + times * (pictures + fields + deformed);
     (ends.len() * each + written) as u64
 }

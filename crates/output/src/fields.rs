@@ -5,7 +5,7 @@ use super::vtu::{Field, Grid, Values};
 use stickslip::algebra::{across, dot, norm, plus, unit};
 use stickslip::body::mesh::Cell;
 use stickslip::body::{ElementEstimate, Model};
-use stickslip::run::report::{contact_points as points, deformation, principal_stresses, von_mises};
+use stickslip::run::report::{ContactPoint, contact_points as points, deformation, principal_stresses, von_mises};
 use stickslip::solver::ContactStatus;
 use stickslip::solver::history::IncrementView;
 
@@ -16,8 +16,9 @@ use stickslip::solver::history::IncrementView;
 /// the remaining distance), and with tetrahedra `patch_pressure` (Pa, the pressure of a node and its neighbours
 /// together), all NaN off the contact; `status`: -1 off the contact, 0 open, 1 stick, 2 slip. A node that meets two
 /// obstacles shows the one that presses more. If bodies press each other, the other side has the same pressure and
-/// traction, distributed to its own nodes, but no slip, gap and status. With cells of second order `nodal_stress` (Pa,
-/// as `stress` below), the mean of the cells around a node.
+/// traction, distributed to its own nodes, but no slip, gap and status. `nodal_stress` (Pa, all nine components row by
+/// row) and `nodal_von_mises` (Pa): the stress recovered at each node, on the contact surface that along it with the
+/// contact stresses.
 ///
 /// Fields of cells: `stress` (Pa, at the centre, all nine components row by row), `principal_stress` (Pa, the most
 /// tensile first), `von_mises` (Pa), `material`, a number from 0 for each group of the mesh and each law in it, in the
@@ -28,12 +29,16 @@ pub fn fields(model: &Model, step: &IncrementView<'_>) -> Grid {
     let mesh = &model.mesh;
     let (displacements, factors) = deformation(model, step);
     let mut point_fields = vec![real("displacement", 3, displacements.iter().flatten().copied().collect())];
+    let mut at_nodes = model.nodal_stresses(&factors, &displacements);
     if !model.contacts.is_empty() {
-        point_fields.extend(contact_fields(model, step));
+        let contact: Vec<ContactPoint> = points(model, 0..model.contacts.len(), step);
+        for point in &contact {
+            at_nodes[point.node] = point.stress;
+        }
+        point_fields.extend(contact_fields(model, step, &contact));
     }
-    if mesh.cells.iter().any(|cell| cell.kind.is_quadratic()) {
-        point_fields.push(real("nodal_stress", 9, tensors(&model.nodal_stresses(&factors, &displacements))));
-    }
+    point_fields.push(real("nodal_stress", 9, tensors(&at_nodes)));
+    point_fields.push(real("nodal_von_mises", 1, at_nodes.into_iter().map(von_mises).collect()));
     let stresses = model.stresses(&factors, &displacements);
     let mut cell_fields = vec![
         real("stress", 9, tensors(&stresses)),
@@ -60,7 +65,7 @@ fn tensors(stresses: &[[f64; 6]]) -> Vec<f64> {
 
 /// The names of all fields.
 #[cfg(test)]
-pub(super) const NAMES: [&str; 15] = [
+pub(super) const NAMES: [&str; 16] = [
     "displacement",
     "contact_pressure",
     "patch_pressure",
@@ -69,6 +74,7 @@ pub(super) const NAMES: [&str; 15] = [
     "gap",
     "status",
     "nodal_stress",
+    "nodal_von_mises",
     "stress",
     "principal_stress",
     "von_mises",
@@ -78,13 +84,13 @@ pub(super) const NAMES: [&str; 15] = [
     RANK,
 ];
 
-fn contact_fields(model: &Model, step: &IncrementView<'_>) -> Vec<Field> {
+fn contact_fields(model: &Model, step: &IncrementView<'_>, points: &[ContactPoint]) -> Vec<Field> {
     let n = model.mesh.nodes.len();
     let (mut pressure, mut patch) = (vec![f64::NAN; n], vec![f64::NAN; n]);
     let mut patches = false;
     let (mut traction, mut slip) = (vec![[f64::NAN; 3]; n], vec![[f64::NAN; 3]; n]);
     let (mut gap, mut status) = (vec![f64::NAN; n], vec![-1; n]);
-    for (contact, point) in model.contacts.iter().zip(points(model, 0..model.contacts.len(), step)) {
+    for (contact, point) in model.contacts.iter().zip(points) {
         let node = contact.node;
         if pressure[node] >= point.sigma_n {
             continue;

@@ -18,4 +18,4 @@ mod table;
 
 pub use claim::LockedOutputDir;
 pub use directory::{FolderLock, write_file};
-pub use results::ResultFolder;
+pub use results::{ResultFolder, write_page};

@@ -21,6 +21,7 @@ mod pvtu;
 mod schema;
 mod svg;
 mod table;
+mod view;
 mod vtu;
 
 pub use chart::{Axis, Chart, Curve, Panel, Scale, told_apart};
@@ -28,8 +29,10 @@ pub use contact_surface::{ContactSurface, SurfaceNode};
 pub use deformed::DeformedBody;
 pub use disk::bytes_on_disk;
 pub use fields::fields;
-pub use folder::{FolderLock, LockedOutputDir, ResultFolder, write_file};
+pub use folder::{FolderLock, LockedOutputDir, ResultFolder, write_file, write_page};
 pub use history_chart::history_charts;
+pub use page::MOST_STATES;
+pub use page::error::PageError;
 pub use plot::{contact_stresses, stress_chart};
 pub use pvd::series as pvd_series;
 #[cfg(feature = "schema")]

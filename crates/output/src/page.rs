@@ -1,91 +1,242 @@
 //! The page of a run, `report.html`: one file that holds its data, which a browser shows without a network.
+//!
+//! The data is an object in the element `data`:
+//!
+//! | key | contents |
+//! | --- | --- |
+//! | `report` | `run.json` without its long lists, or `null` if the run did not end |
+//! | `units` | the names of the units, empty for SI, `null` if unknown |
+//! | `quantities` | the quantity of each column that has a unit |
+//! | `files` | tables as text: name of the file, content |
+//! | `contacts` | states of the contact: increment, boundary, and the name of a table or of a picture |
+//! | `probes` | names of the probes, by their files |
+//! | `pictures` | pictures: name of the file, base64 |
+//! | `body` | the lines of the plane body, see `view.rs` |
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
+use serde::de::IgnoredAny;
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
+use stickslip::base::Quantity;
+use stickslip::run::report::column_quantity;
 
-/// The page shows no more states of the contact.
-const MOST_STATES: usize = 40;
+use crate::file_names::file_names;
+use crate::view;
+use error::PageError;
+use tables::{chosen, columns, limited, shown_increments, thinned};
 
-/// The page shows no more increments. Of others, the sums are shown with the next one.
-const MOST_ROWS: usize = 1000;
+pub(crate) mod error;
+mod tables;
+
+/// The page shows no more states of the contact, and of the body.
+pub const MOST_STATES: usize = 40;
+
+/// The tables of these states take no more bytes, or there are fewer states.
+const MOST_CONTACT: usize = 1_500_000;
+
+/// The mesh and the states of the body take no more bytes, or there are fewer. One is always shown.
+const MOST_BODY: usize = 300_000;
 
 /// Pictures take no more bytes. Those that do not fit are left out, the first ones before the last.
-const MOST_PICTURES: usize = 3_000_000;
+const MOST_PICTURES: usize = 2_000_000;
 
-/// The lists of the report that grow with the increments, which are in tables, too.
-const LISTS: [&str; 3] = ["increments", "forces", "reactions"];
+/// The table of increments, that of forces, and those of all probes take no more bytes each, or show fewer increments.
+const MOST_HISTORY: usize = 700_000;
 
 /// The columns of a contact line that are drawn.
 const DRAWN: [&str; 7] = ["x", "y", "sigma_n", "sigma_t", "gap", "slip_t", "status"];
 
-/// Columns of `increments.csv` that are sums over the increment.
-const SUMS: [&str; 2] = ["iterations", "friction_work"];
+/// The parts of the script, in their order.
+const SCRIPT: [&str; 8] = [
+    include_str!("page/base.js"),
+    include_str!("page/chart.js"),
+    include_str!("page/tables.js"),
+    include_str!("page/head.js"),
+    include_str!("page/contact.js"),
+    include_str!("page/history.js"),
+    include_str!("page/body.js"),
+    include_str!("page/cycle.js"),
+];
+
+/// The report without the lists that grow with the increments: they are in tables, too, and take most of the time to read.
+#[derive(Deserialize)]
+struct Report {
+    #[serde(default, rename = "increments")]
+    _increments: IgnoredAny,
+    #[serde(default, rename = "forces")]
+    _forces: IgnoredAny,
+    #[serde(default, rename = "reactions")]
+    _reactions: IgnoredAny,
+    #[serde(flatten)]
+    rest: Map<String, Value>,
+}
+
+/// A state of the contact.
+#[derive(Serialize)]
+struct Contact {
+    increment: usize,
+    boundary: String,
+    file: String,
+}
 
 /// Returns the page of the run in a folder with these files.
 ///
 /// # Errors
 /// If a file cannot be read, or `run.json` is not a report.
-pub(crate) fn page(names: &[String], read: impl Fn(&str) -> io::Result<String>) -> io::Result<String> {
-    let mut report: Map<String, Value> = serde_json::from_str(&read("run.json")?)?;
-    for list in LISTS {
-        report.remove(list);
-    }
+pub(crate) fn page(names: &[String], read: impl Fn(&str) -> io::Result<String>) -> Result<String, PageError> {
+    let is_there = |name: &str| names.iter().any(|other| other == name);
+    let report = is_there("run.json").then(|| read("run.json")).transpose()?;
+    let report = report.map(|text| serde_json::from_str::<Report>(&text).map(|report| report.rest)).transpose();
+    let report = report.map_err(PageError::Report)?;
+    let kept = if is_there(view::FILE) { read(view::FILE)? } else { String::new() };
+    let (head, states) = kept.split_once('\n').unwrap_or_default();
+    let head: Option<view::Head> = serde_json::from_str(head).ok();
+
     let mut files = BTreeMap::new();
-    let mut rows = None;
-    for name in ["increments.csv", "forces.csv"].into_iter().filter(|name| names.iter().any(|other| other == name)) {
-        let (text, kept) = thinned(&read(name)?, rows.take());
-        rows = Some(kept);
-        files.insert(name.to_string(), text);
+    let increments = if is_there("increments.csv") { read("increments.csv")? } else { String::new() };
+    let rows = shown_increments(&increments);
+    if !increments.is_empty() {
+        files.insert("increments.csv".to_string(), thinned(&increments, &rows, MOST_HISTORY));
     }
-    for name in names.iter().filter(|name| name.starts_with("probe_")) {
-        files.insert(name.clone(), thinned(&read(name)?, rows.clone()).0);
+    if is_there("forces.csv") {
+        files.insert("forces.csv".to_string(), thinned(&read("forces.csv")?, &rows, MOST_HISTORY));
     }
-    let mut shown = shown_states(names);
-    let peak = report.get("largest_pressure").and_then(|peak| peak.get("time")).and_then(Value::as_f64);
-    shown.extend(peak.and_then(|time| increment_at(time, files.get("increments.csv")?)));
+    let probes = probes(head.as_ref(), names);
+    for name in probes.keys() {
+        files.insert(name.clone(), thinned(&read(name)?, &rows, MOST_HISTORY / probes.len()));
+    }
+    for name in names.iter().filter(|name| is_table_of_the_whole(name)) {
+        files.insert(name.clone(), limited(&read(name)?));
+    }
+
+    let mut pictures = Vec::new();
     // In space there are pictures of the contact, in the plane the page draws it.
-    let is_solid = report.get("final").is_some_and(|sums| sums.get("sum_p_o").is_some());
-    let contacts = || names.iter().filter(|name| number(name).is_some_and(|k| shown.contains(&k)));
-    let mut wanted: Vec<String> =
-        names.iter().filter(|name| name.starts_with("deformed_")).max().cloned().into_iter().collect();
-    if is_solid {
-        let mut maps: Vec<String> = contacts().map(|name| format!("{}.svg", name.trim_end_matches(".csv"))).collect();
-        maps.retain(|name| names.contains(name));
-        maps.sort_unstable_by(|a, b| b.cmp(a));
-        wanted.extend(maps);
-    } else {
-        for name in contacts() {
-            files.insert(name.clone(), columns(&read(name)?, &DRAWN));
+    let is_solid = files.get("forces.csv").is_some_and(|text| header(text).any(|name| name == "f_z"));
+    let peak = report.as_ref().and_then(|report| report.get("largest_pressure")?.get("time")?.as_f64());
+    let peak = peak.and_then(|time| increment_at(time, files.get("increments.csv")?));
+    let boundaries = boundaries(report.as_ref(), head.as_ref());
+    let ending = if is_solid { "svg" } else { "csv" };
+    let all: Vec<Contact> = names.iter().filter_map(|name| contact(name, ending, &boundaries)).collect();
+    let numbers: Vec<usize> = all.iter().map(|state| state.increment).collect::<BTreeSet<_>>().into_iter().collect();
+    let mut most = MOST_STATES;
+    if let (false, Some(first)) = (is_solid, all.first()) {
+        let each = columns(&read(&first.file)?, &DRAWN).len() * all.len() / numbers.len();
+        most = most.min(MOST_CONTACT / each.max(1)).max(2);
+    }
+    let mut shown = chosen(&numbers, most);
+    shown.extend(peak);
+    let mut contacts: Vec<Contact> = all.into_iter().filter(|state| shown.contains(&state.increment)).collect();
+    for state in &contacts {
+        if is_solid {
+            pictures.push(state.file.clone());
+        } else {
+            files.insert(state.file.clone(), columns(&read(&state.file)?, &DRAWN));
         }
     }
-    let (mut pictures, mut left) = (BTreeMap::new(), MOST_PICTURES);
-    for name in wanted {
-        let picture = read(&name)?;
-        let Some(rest) = left.checked_sub(picture.len()) else { continue };
-        left = rest;
-        pictures.insert(name, BASE64_STANDARD.encode(picture));
+    let body = body(head.as_ref(), states, peak);
+    if body.is_empty() {
+        pictures.extend(names.iter().filter(|name| name.starts_with("deformed_")).max().cloned());
     }
-    let data = serde_json::json!({ "report": report, "files": files, "pictures": pictures });
+    pictures.sort_unstable_by(|a, b| b.cmp(a));
+    let pictures = encoded(&pictures, read)?;
+    contacts.retain(|state| files.contains_key(&state.file) || pictures.contains_key(&state.file));
+
+    let data = serde_json::json!({
+        "units": units(report.as_ref(), head.as_ref()),
+        "report": report,
+        "quantities": files.values().flat_map(|text| header(text)).filter_map(quantity).collect::<BTreeMap<_, _>>(),
+        "probes": probes,
+        "contacts": contacts,
+        "files": files,
+        "pictures": pictures,
+        "body": body,
+    });
     // Nothing in the data can end its element.
     let data = data.to_string().replace('<', "\\u003c");
     let [before, rest] = split(include_str!("page/page.html"), "/*STYLE*/");
     let [middle, rest] = split(rest, "/*DATA*/");
     let [after, end] = split(rest, "/*SCRIPT*/");
-    Ok([before, include_str!("page/page.css"), middle, &data, after, include_str!("page/page.js"), end].concat())
+    Ok([before, include_str!("page/page.css"), middle, &data, after, &SCRIPT.concat(), end].concat())
 }
 
 fn split<'a>(text: &'a str, mark: &str) -> [&'a str; 2] {
     text.split_once(mark).map_or([text, ""], |(before, after)| [before, after])
 }
 
-/// Returns the number of the increment in `contact_NNNN.csv` or `contact_NNNN_BOUNDARY.csv`.
-fn number(name: &str) -> Option<usize> {
-    let stem = name.strip_prefix("contact_")?.strip_suffix(".csv")?;
-    stem.split('_').next()?.parse().ok()
+/// Returns `true` for a table that is neither of a state nor of the increments.
+fn is_table_of_the_whole(name: &str) -> bool {
+    let others = ["increments.csv", "forces.csv", "events.csv"];
+    name.strip_suffix(".csv").is_some()
+        && !others.contains(&name)
+        && !["contact_", "probe_"].iter().any(|of| name.starts_with(of))
+}
+
+/// Returns the names in the header of a table.
+fn header(text: &str) -> impl Iterator<Item = &str> {
+    text.lines().next().unwrap_or_default().split(',')
+}
+
+/// Returns a column and the key of its unit in the report.
+fn quantity(column: &str) -> Option<(&str, &'static str)> {
+    let key = match column_quantity(column)? {
+        Quantity::Length => "length",
+        Quantity::Stress => "stress",
+        Quantity::Force => "force",
+        Quantity::Moment => "moment",
+        Quantity::Energy => "energy",
+        Quantity::Area => "area",
+        Quantity::EnergyPerArea => "energy_per_area",
+        _ => return None,
+    };
+    Some((column, key))
+}
+
+/// Returns the names of the units: empty for SI, `None` if they are unknown.
+fn units(report: Option<&Map<String, Value>>, head: Option<&view::Head>) -> Option<Value> {
+    // The former has more units than the report.
+    let of_head = head.map(|head| head.units.clone());
+    let units = of_head.or_else(|| Some(report?.get("units").cloned()))?;
+    Some(units.unwrap_or_else(|| Value::Object(Map::new())))
+}
+
+/// Returns the boundaries with contact, each with the ending of its file names.
+fn boundaries(report: Option<&Map<String, Value>>, head: Option<&view::Head>) -> Vec<(String, String)> {
+    let of_report = report
+        .and_then(|report| report.get("boundaries")?.as_array())
+        .map(|list| list.iter().filter_map(|of| of.get("boundary")?.as_str().map(String::from)).collect::<Vec<_>>());
+    let names = of_report.or_else(|| Some(head?.boundaries.clone())).unwrap_or_default();
+    let files = file_names(names.iter().map(String::as_str));
+    names.into_iter().zip(files).collect()
+}
+
+/// Returns the names of the probes by their files.
+fn probes(head: Option<&view::Head>, names: &[String]) -> BTreeMap<String, String> {
+    let stem = |file: &str| file.strip_prefix("probe_")?.strip_suffix(".csv").map(String::from);
+    let mut probes: BTreeMap<_, _> = names.iter().filter_map(|file| Some((file.clone(), stem(file)?))).collect();
+    if let Some(head) = head {
+        let files = file_names(head.probes.iter().map(String::as_str));
+        for (name, file) in head.probes.iter().zip(files) {
+            if let Some(known) = probes.get_mut(&format!("probe_{file}.csv")) {
+                known.clone_from(name);
+            }
+        }
+    }
+    probes
+}
+
+/// Returns the state in `contact_NNNN.csv` or `contact_NNNN_BOUNDARY.csv`, or in such a picture.
+fn contact(file: &str, ending: &str, boundaries: &[(String, String)]) -> Option<Contact> {
+    let stem = file.strip_prefix("contact_")?.strip_suffix(ending)?.strip_suffix('.')?;
+    let (number, suffix) = stem.split_once('_').map_or((stem, None), |(number, suffix)| (number, Some(suffix)));
+    let boundary = match suffix {
+        None => boundaries.first().map_or("contact", |(name, _)| name),
+        Some(suffix) => boundaries.iter().find(|(_, file)| file == suffix).map_or(suffix, |(name, _)| name),
+    };
+    Some(Contact { increment: number.parse().ok()?, boundary: boundary.to_string(), file: file.to_string() })
 }
 
 /// Returns the number of the increment that ends at this time.
@@ -97,97 +248,95 @@ fn increment_at(time: f64, increments: &str) -> Option<usize> {
     })
 }
 
-/// Returns the increments whose contact is shown, the first and the last among them.
-fn shown_states(names: &[String]) -> BTreeSet<usize> {
-    let all: Vec<usize> = names.iter().filter_map(|name| number(name)).collect::<BTreeSet<_>>().into_iter().collect();
-    chosen(&all, MOST_STATES)
+/// Returns the mesh and as many states of the body as the page shows, the last and that of the `peak` among them.
+fn body(head: Option<&view::Head>, states: &str, peak: Option<usize>) -> Vec<Value> {
+    let Some(mesh) = head.and_then(|head| head.mesh.clone()) else { return Vec::new() };
+    // A run that is being killed may leave a part of the last line.
+    let lines: Vec<&str> = states.split_inclusive('\n').filter(|line| line.ends_with('\n')).collect();
+    let each = lines.iter().map(|line| line.len()).max().unwrap_or(1);
+    let most = (MOST_BODY.saturating_sub(mesh.to_string().len()) / each).clamp(1, MOST_STATES);
+    let mut shown = chosen(&(0..lines.len()).collect::<Vec<_>>(), most);
+    let is_peak = |line: &&str| peak.is_some_and(|peak| line.starts_with(&format!("{{\"index\":{peak},")));
+    shown.extend(lines.iter().position(is_peak));
+    let states: Vec<Value> = shown.into_iter().filter_map(|k| serde_json::from_str(lines[k]).ok()).collect();
+    if states.is_empty() { Vec::new() } else { [vec![mesh], states].concat() }
 }
 
-/// Returns at most `most` of these numbers, evenly, with the first and the last.
-fn chosen(all: &[usize], most: usize) -> BTreeSet<usize> {
-    if all.len() <= most {
-        return all.iter().copied().collect();
+/// Returns the pictures that fit, the first ones before the others.
+fn encoded(wanted: &[String], read: impl Fn(&str) -> io::Result<String>) -> io::Result<BTreeMap<String, String>> {
+    let (mut pictures, mut left) = (BTreeMap::new(), MOST_PICTURES);
+    for name in wanted {
+        let picture = read(name)?;
+        let Some(rest) = left.checked_sub(picture.len()) else { continue };
+        left = rest;
+        pictures.insert(name.clone(), BASE64_STANDARD.encode(picture));
     }
-    (0..most).map(|k| all[k * (all.len() - 1) / (most - 1)]).collect()
-}
-
-/// Returns a table that begins with the number of the increment, and the numbers of its increments: those in `kept`, or as many as
-/// the page shows. A sum is that since the row before.
-fn thinned(text: &str, kept: Option<BTreeSet<usize>>) -> (String, BTreeSet<usize>) {
-    let index = |line: &str| line.split(',').next().and_then(|index| index.parse::<usize>().ok());
-    let kept = kept.unwrap_or_else(|| {
-        let all: Vec<usize> = text.lines().filter_map(index).collect();
-        chosen(&all, MOST_ROWS)
-    });
-    let head: Vec<&str> = text.lines().next().unwrap_or_default().split(',').collect();
-    let sums: Vec<usize> = (0..head.len()).filter(|&k| SUMS.contains(&head[k])).collect();
-    let mut found = head.join(",") + "\n";
-    let mut so_far = vec![0.0; sums.len()];
-    for line in text.lines().skip(1) {
-        let mut cells: Vec<String> = line.split(',').map(String::from).collect();
-        for (&k, sum) in sums.iter().zip(&mut so_far) {
-            *sum += cells.get(k).and_then(|cell| cell.parse::<f64>().ok()).unwrap_or(0.0);
-        }
-        if index(line).is_some_and(|index| kept.contains(&index)) {
-            for (&k, sum) in sums.iter().zip(&mut so_far) {
-                if let Some(cell) = cells.get_mut(k) {
-                    *cell = std::mem::take(sum).to_string();
-                }
-            }
-            found += &cells.join(",");
-            found.push('\n');
-        }
-    }
-    (found, kept)
-}
-
-/// Returns these columns of a table.
-fn columns(text: &str, wanted: &[&str]) -> String {
-    let head: Vec<&str> = text.lines().next().unwrap_or_default().split(',').collect();
-    let places: Vec<usize> = (0..head.len()).filter(|&k| wanted.contains(&head[k])).collect();
-    let row = |line: &str| {
-        let cells: Vec<&str> = line.split(',').collect();
-        places.iter().filter_map(|&k| cells.get(k).copied()).collect::<Vec<_>>().join(",") + "\n"
-    };
-    text.lines().map(row).collect()
+    Ok(pictures)
 }
 
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
 
-    use super::{chosen, columns, page, thinned};
+    use serde_json::Value;
 
-    #[test]
-    fn a_page_holds_its_data() {
-        let files = [
-            ("run.json", r#"{"title": "</script><b>", "increments": [1, 2], "totals": {}}"#),
-            ("increments.csv", "index,time,iterations\n1,0.5,3\n2,1,4\n"),
-            ("contact_0002.csv", "x,y,p_n,sigma_n,status\n0,0,1,2,stick\n"),
-        ];
+    use super::page;
+
+    /// Returns the page of these files, and its data.
+    fn made(files: &[(&str, &str)]) -> (String, Value) {
         let names: Vec<String> = files.iter().map(|(name, _)| (*name).to_string()).collect();
         let read = |name: &str| Ok(files.iter().find(|(other, _)| *other == name).unwrap().1.to_string());
         let page = page(&names, read).unwrap();
-        assert_eq!(page.matches("</script>").count(), 2);
         let data = page.split("type=\"application/json\">").nth(1).unwrap().split("</script>").next().unwrap();
-        let data: serde_json::Value = serde_json::from_str(data).unwrap();
+        let data = serde_json::from_str(data).unwrap();
+        (page, data)
+    }
+
+    #[test]
+    fn a_page_holds_its_data() {
+        let (page, data) = made(&[
+            ("run.json", r#"{"title": "</script><b>", "increments": [1, 2], "totals": {}}"#),
+            ("increments.csv", "index,time,iterations\n1,0.5,3\n2,1,4\n"),
+            ("contact_0002.csv", "x,y,p_n,sigma_n,status\n0,0,1,2,stick\n"),
+            ("cycle.csv", "node,x,slip_t\n7,0,0.12345678901\n"),
+        ]);
+        assert_eq!(page.matches("</script>").count(), 2);
         assert_eq!(data["report"]["title"], "</script><b>");
         assert!(data["report"].get("increments").is_none());
         assert_eq!(data["files"]["contact_0002.csv"], "x,y,sigma_n,status\n0,0,2,stick\n");
+        assert_eq!(data["files"]["cycle.csv"], "node,x,slip_t\n7,0,1.23457e-1\n");
+        assert_eq!([&data["quantities"]["slip_t"], &data["quantities"]["sigma_n"]], ["length", "stress"]);
         assert!(
             !page.contains("http://") || page.matches("http").count() == page.matches("http://www.w3.org/").count()
         );
     }
 
+    /// Their files differ by a number that the rule of file names adds.
     #[test]
-    fn long_tables_keep_their_sums() {
-        let text: String =
-            ["index,friction_work\n".to_string()].into_iter().chain((1..=2000).map(|k| format!("{k},0.5\n"))).collect();
-        let (thin, kept) = thinned(&text, None);
-        assert!(kept.len() == 1000 && kept.contains(&1) && kept.contains(&2000));
-        let sum: f64 = thin.lines().skip(1).map(|line| line.split(',').nth(1).unwrap().parse::<f64>().unwrap()).sum();
-        assert_eq!(sum, 1000.0);
-        assert_eq!(chosen(&[3, 5], 40).len(), 2);
-        assert_eq!(columns("a,x,y\n1,2,3\n", &["x", "y"]), "x,y\n2,3\n");
+    fn boundaries_and_probes_have_their_true_names() {
+        let table = "x,y,status\n0,0,stick\n";
+        let files = [
+            (".page.jsonl", "{\"boundaries\":[\"a/b\",\"a b\"],\"probes\":[\"p/q\",\"p q\"]}\n"),
+            ("contact_0001_a_b-2.csv", table),
+            ("contact_0001_a_b.csv", table),
+            ("increments.csv", "index,time\n1,1\n"),
+            ("probe_p_q-2.csv", "index,time\n"),
+            ("probe_p_q.csv", "index,time\n"),
+        ];
+        let report = r#"{"boundaries": [{"boundary": "a/b"}, {"boundary": "a b"}]}"#;
+        for files in [files.to_vec(), [&files[..], &[("run.json", report)]].concat()] {
+            let (_, data) = made(&files);
+            let names = [0, 1].map(|k| data["contacts"][k]["boundary"].as_str().unwrap());
+            assert_eq!(names, ["a b", "a/b"]);
+            assert_eq!([&data["probes"]["probe_p_q.csv"], &data["probes"]["probe_p_q-2.csv"]], ["p/q", "p q"]);
+        }
+    }
+
+    #[test]
+    fn without_a_report_units_may_be_unknown() {
+        let units = |files: &[(&str, &str)]| made(files).1["units"].clone();
+        assert_eq!(units(&[("increments.csv", "index,time\n")]), Value::Null);
+        assert_eq!(units(&[(".page.jsonl", "{\"boundaries\":[],\"probes\":[]}\n")]), serde_json::json!({}));
+        assert_eq!(units(&[("run.json", r#"{"units": {"length": 1}}"#)])["length"], 1);
     }
 }

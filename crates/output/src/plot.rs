@@ -130,6 +130,10 @@ mod tests {
             force: [0.0; 3],
             mu: 0.3,
             status: if closed.contains(&k) { ContactStatus::Stick } else { ContactStatus::Open },
+            sigma_along: 0.0,
+            sigma_across: 0.0,
+            sigma_shear: 0.0,
+            stress: [0.0; 6],
         };
         (0..n).map(point).collect()
     }

@@ -9,6 +9,9 @@ use std::fmt;
 use stickslip::base::{Quantity, UnitSystem};
 use stickslip::run::report::field_quantity;
 
+/// The texts in the field data of a file: the units of its numbers.
+const UNITS: [(&str, Quantity); 2] = [("unit_length", Quantity::Length), ("unit_stress", Quantity::Stress)];
+
 /// The values of a field.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Values {
@@ -62,6 +65,14 @@ impl fmt::Display for Grid {
              <VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n\
              <UnstructuredGrid>\n",
         )?;
+        f.write_str("<FieldData>\n")?;
+        for (name, quantity) in UNITS {
+            // A text is its bytes and a zero.
+            write!(f, "<DataArray type=\"String\" Name=\"{name}\" NumberOfTuples=\"1\" format=\"ascii\">")?;
+            self.units.name(quantity).bytes().try_for_each(|byte| write!(f, "{byte} "))?;
+            f.write_str("0</DataArray>\n")?;
+        }
+        f.write_str("</FieldData>\n")?;
         let (points, cells) = (self.points.len(), self.cells.len());
         writeln!(f, "<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">")?;
         f.write_str("<Points>\n")?;

@@ -23,6 +23,8 @@ pub enum Quantity {
     Energy,
     /// An energy per area, J/m², also in two dimensions.
     EnergyPerArea,
+    /// A stress times an energy per area, Pa J/m², also in two dimensions.
+    StressEnergyPerArea,
     /// A mass density, kg/m³.
     Density,
     /// An acceleration, m/s².
@@ -137,6 +139,7 @@ impl UnitSystem {
                 Quantity::Force => "N",
                 Quantity::Area => "m2",
                 Quantity::EnergyPerArea => "J/m2",
+                Quantity::StressEnergyPerArea => "Pa J/m2",
                 Quantity::Moment => "N m",
                 Quantity::Energy => "J",
                 Quantity::Density => "kg/m3",
@@ -166,6 +169,7 @@ impl UnitSystem {
                 Some(energy) => format!("{energy}{depth}"),
                 None => format!("{force} {length}{depth}"),
             },
+            Quantity::StressEnergyPerArea => format!("{stress} {}", self.name(Quantity::EnergyPerArea)),
             Quantity::Density => match named(mass, &MASSES) {
                 Some(mass) => format!("{mass}/{length}3"),
                 None => format!("{stress} s2/{length}2"),
@@ -187,6 +191,7 @@ impl UnitSystem {
             Quantity::Force => (1, 2 - plane),
             Quantity::Area => (0, 2 - plane),
             Quantity::EnergyPerArea => (1, 1),
+            Quantity::StressEnergyPerArea => (2, 1),
             Quantity::Moment | Quantity::Energy => (1, 3 - plane),
             Quantity::Density => (1, -2),
             Quantity::Foundation => (1, -1),

@@ -3,12 +3,21 @@
 use std::collections::BTreeMap;
 
 use super::graph::ContactGraph;
-use crate::algebra::vector::{dot, minus, norm, unit};
+use crate::algebra::vector::{dot, minus, norm, plus, unit};
 use crate::body::mesh::Facet;
 use crate::body::model::Model;
 
 /// The least angle of a corner, rad. A rounded edge of 90 degrees with three elements turns by less at each node.
 const CORNER: f64 = 40.0 / 180.0 * std::f64::consts::PI;
+
+/// The least angle of an edge of an obstacle, rad: tables and triangles have small ones along a rounding.
+const EDGE: f64 = 10.0 / 180.0 * std::f64::consts::PI;
+
+/// At an edge, the obstacle turns by more than this share of its turn over two elements.
+const MOST_OF: f64 = 0.5;
+
+/// The pieces of an element's side in which the turn of an obstacle is examined.
+const PIECES: u32 = 16;
 
 /// A side lies in a symmetry plane if the cosine between its normal and a held direction of its node exceeds this.
 const IN_PLANE: f64 = 0.9;
@@ -17,6 +26,8 @@ const IN_PLANE: f64 = 0.9;
 pub(super) struct Corners<'a> {
     model: &'a Model,
     graph: &'a ContactGraph,
+    /// The time, s.
+    time: f64,
     /// The distances of the contact nodes from their obstacles, m.
     gaps: Vec<f64>,
     /// The sides of the body at each contact node.
@@ -37,7 +48,7 @@ impl<'a> Corners<'a> {
                 }
             }
         }
-        Corners { model, graph, gaps, sides }
+        Corners { model, graph, time, gaps, sides }
     }
 
     /// Returns `true` if the contact of the `closed` nodes ends at contact node `i` at a corner: at the end of the
@@ -59,7 +70,8 @@ impl<'a> Corners<'a> {
         normals.iter().any(|one| normals.iter().any(|other| dot(*one, *other) < CORNER.cos()))
     }
 
-    /// Returns `true` if the obstacle turns away beyond contact node `i` by at least the angle of a corner.
+    /// Returns `true` if the obstacle has an edge at contact node `i`, where it turns away. A rounded edge turns between
+    /// the nodes, too; there the pressure is finite, and a finer mesh helps.
     fn of_obstacle(&self, i: usize, closed: impl Fn(usize) -> bool) -> bool {
         let slope = |j: usize| {
             let length = norm(minus(self.model.contacts[j].position, self.model.contacts[i].position));
@@ -67,8 +79,36 @@ impl<'a> Corners<'a> {
         };
         let neighbours = self.graph.neighbours(i).iter().copied();
         let (inside, beyond): (Vec<usize>, Vec<usize>) = neighbours.partition(|&j| closed(j));
-        let falls = beyond.into_iter().map(slope).fold(f64::NEG_INFINITY, f64::max);
-        let runs = inside.into_iter().map(|j| -slope(j)).fold(f64::NEG_INFINITY, f64::max);
-        falls - runs.max(0.0) > CORNER
+        let steepest =
+            |nodes: &[usize], sign: f64| nodes.iter().map(|&j| (j, sign * slope(j))).max_by(|a, b| a.1.total_cmp(&b.1));
+        let Some((outer, falls)) = steepest(&beyond, 1.0) else { return false };
+        let (inner, runs) = steepest(&inside, -1.0).map_or((None, 0.0), |(inner, runs)| (Some(inner), runs));
+        let turns = falls - runs.max(0.0);
+        match self.sharpest_turn(i, inner, outer) {
+            Some(edge) => edge > EDGE && edge > MOST_OF * turns,
+            None => turns > CORNER,
+        }
+    }
+
+    /// Returns the largest turn of the obstacle, rad, between neighbouring pieces of the line from contact node `inner`
+    /// over `i` to `outer`; `None` if the obstacle is not in front of all of it.
+    fn sharpest_turn(&self, i: usize, inner: Option<usize>, outer: usize) -> Option<f64> {
+        let Corners { model, time, .. } = self;
+        let boundary = model.contact_boundaries.iter().find(|boundary| boundary.nodes.contains(&i))?;
+        let at = model.contacts[i].position;
+        let beside = |j: usize, share: f64| plus(at, share, minus(model.contacts[j].position, at));
+        let shares = || (1..=PIECES).map(|piece| f64::from(piece) / f64::from(PIECES));
+        let before = inner.into_iter().flat_map(|j| shares().rev().map(move |share| (j, share)));
+        let line =
+            before.map(|(j, share)| beside(j, share)).chain([at]).chain(shares().map(|share| beside(outer, share)));
+        let points: Vec<[f64; 3]> = line.collect();
+        let outward = model.contacts[i].facing.normal;
+        let gap = |x: &[f64; 3]| model.see(boundary, *time, *x, [0.0; 3], outward).distance;
+        let gaps: Vec<f64> = points.iter().map(gap).collect();
+        let slopes: Vec<f64> = (points.windows(2).zip(gaps.windows(2)))
+            .map(|(x, gap)| ((gap[1] - gap[0]) / norm(minus(x[1], x[0]))).atan())
+            .collect();
+        let turns = slopes.windows(2).map(|pair| pair[1] - pair[0]);
+        slopes.iter().all(|slope| slope.is_finite()).then(|| turns.fold(0.0, f64::max))
     }
 }

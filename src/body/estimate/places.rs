@@ -7,6 +7,7 @@ use crate::body::fem::numbered;
 use crate::body::model::Model;
 
 /// The numbering of the nodal values of a body.
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Places {
     /// The index of the value of each node of each cell.
     of_cells: Vec<usize>,
@@ -20,7 +21,20 @@ pub(super) struct Places {
 
 impl Places {
     pub(super) fn new(model: &Model) -> Self {
+        Self::of(model, numbered(model.materials().iter().copied()))
+    }
+
+    /// Creates the numbering with a value for each node and each law *and* group of the cells around it: elastic strains
+    /// also jump where only the thermal expansion does.
+    pub(super) fn by_material(model: &Model) -> Self {
+        let groups = model.mesh.groups.len();
         let laws = numbered(model.materials().iter().copied());
+        let of_cells = model.mesh.cells.iter().zip(laws).map(|(cell, law)| law * groups + cell.group).collect();
+        Self::of(model, of_cells)
+    }
+
+    /// Creates the numbering for cells with these numbers of their `laws`.
+    fn of(model: &Model, laws: Vec<usize>) -> Self {
         let (mut of_cells, mut begins, mut count) = (Vec::new(), vec![0], 0);
         // Most nodes have one law.
         let mut first: Vec<Option<(usize, usize)>> = vec![None; model.mesh.nodes.len()];

@@ -7,18 +7,16 @@
 
 use super::places::Places;
 use super::strains::Strains;
+use crate::algebra::elimination::solve;
 use crate::algebra::vector::minus;
 use crate::body::mesh::{CellKind, Geometry, quadrature_of, shape, stiffness_rule};
 use crate::body::model::Model;
 
 /// The least number of strains beyond the number of coefficients in the fit of a polynomial.
-const SPARE: usize = 2;
+pub(super) const SPARE: usize = 2;
 
 /// The largest number of patches tried for a fit; each has one more layer of cells than the last.
-const LAYERS: usize = 4;
-
-/// A smaller pivot counts as rounding; the columns of the matrix have the size 1.
-const SINGULAR: f64 = 1e-10;
+pub(super) const LAYERS: usize = 4;
 
 /// Recovers the strains at the `places`; `None` if too few cells of second order are connected.
 pub(super) fn recovered(model: &Model, places: &Places, strains: &Strains) -> Option<Vec<[f64; 6]>> {
@@ -68,28 +66,7 @@ fn continuation(kind: CellKind, geometry: Geometry) -> Vec<[f64; COLUMNS]> {
 
 /// The largest length of a row: the monomials of a quadratic polynomial in three dimensions, and the components of
 /// strain.
-const COLUMNS: usize = MONOMIALS + 6;
-
-/// Replaces B by `A⁻¹ B` by Gauss-Jordan elimination; each row contains a row of A followed by a row of B. `None` if A
-/// is singular.
-fn solve(rows: &mut [[f64; COLUMNS]]) -> Option<()> {
-    let n = rows.len();
-    for k in 0..n {
-        let largest = (k..n).max_by(|&i, &j| rows[i][k].abs().total_cmp(&rows[j][k].abs()))?;
-        rows.swap(k, largest);
-        let pivot = rows[k][k];
-        if pivot.abs() < SINGULAR {
-            return None;
-        }
-        rows[k].iter_mut().for_each(|x| *x /= pivot);
-        let scaled = rows[k];
-        for (_, row) in rows.iter_mut().enumerate().filter(|(i, _)| *i != k) {
-            let factor = row[k];
-            row[k..].iter_mut().zip(&scaled[k..]).for_each(|(x, y)| *x -= factor * y);
-        }
-    }
-    Some(())
-}
+pub(super) const COLUMNS: usize = MONOMIALS + 6;
 
 /// A quadratic polynomial for each component of strain, about a point.
 struct Polynomial {
@@ -103,10 +80,10 @@ struct Polynomial {
 }
 
 /// The number of monomials up to the second degree in three dimensions.
-const MONOMIALS: usize = 10;
+pub(super) const MONOMIALS: usize = 10;
 
 /// Computes the monomials up to the second degree at `x`; in two dimensions only the first six are nonzero.
-fn monomials([x, y, z]: [f64; 3], dimension: usize) -> [f64; MONOMIALS] {
+pub(super) fn monomials([x, y, z]: [f64; 3], dimension: usize) -> [f64; MONOMIALS] {
     match dimension {
         2 => [1.0, x, y, x * x, x * y, y * y, 0.0, 0.0, 0.0, 0.0],
         _ => [1.0, x, y, z, x * x, x * y, y * y, x * z, y * z, z * z],
@@ -114,7 +91,7 @@ fn monomials([x, y, z]: [f64; 3], dimension: usize) -> [f64; MONOMIALS] {
 }
 
 /// Divides the components of `x` by those of `size`.
-fn scaled(x: [f64; 3], size: [f64; 3]) -> [f64; 3] {
+pub(super) fn scaled(x: [f64; 3], size: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|c| x[c] / size[c])
 }
 

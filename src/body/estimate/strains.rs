@@ -27,11 +27,23 @@ pub(super) struct Strains<'a> {
 impl<'a> Strains<'a> {
     /// Computes the strains of the `displacements` of all nodes (m), with the `factors` of [`Model::thermal_factors`].
     pub(super) fn new(model: &'a Model, factors: &'a [f64], displacements: &'a [[f64; 3]]) -> Self {
+        Self::in_cells(model, factors, displacements, |_| true)
+    }
+
+    /// Computes the strains in the `wanted` cells only; the others have no points.
+    pub(super) fn in_cells(
+        model: &'a Model,
+        factors: &'a [f64],
+        displacements: &'a [[f64; 3]],
+        wanted: impl Fn(usize) -> bool,
+    ) -> Self {
         let body = StrainedBody { model, factors, displacements, kinds: ReferenceCells::new(&model.mesh) };
         let (mut points, mut begins) = (Vec::new(), vec![0]);
         let (mut volumes, mut energies) = (Vec::new(), Vec::new());
         for (e, law) in model.materials().iter().enumerate() {
-            body.sample(e, ReferenceCell::of, &mut points);
+            if wanted(e) {
+                body.sample(e, ReferenceCell::of, &mut points);
+            }
             let own = &mut points[begins[e]..];
             let volume = own.iter().map(|(volume, _)| volume).sum();
             if model.element() == Element::BBar {
@@ -205,6 +217,19 @@ pub(super) fn volume(mesh: &Mesh, cells: &[usize]) -> f64 {
         all += points.map(|point| at(point, Geometry::Cartesian, nodes, nodes).0).sum::<f64>();
     }
     all
+}
+
+/// Returns volume and position (m) of the integration points of cell `e`.
+pub(super) fn points_of(mesh: &Mesh, kinds: &ReferenceCells, e: usize) -> Vec<(f64, [f64; 3])> {
+    let cell = &mesh.cells[e];
+    let nodes = mesh.points(&cell.nodes);
+    let at = if mesh.dimension == 2 { strain_at::<2> } else { strain_at::<3> };
+    let points = kinds.get(cell.kind).map_or(&[][..], |reference| reference.of(cell.kind, &nodes));
+    let place = |point: &ReferencePoint| {
+        let along = |c: usize| point.shape.iter().zip(&nodes).map(|(n, x)| n * x[c]).sum();
+        (at(point, mesh.geometry, &nodes, &nodes).0, [0, 1, 2].map(along))
+    };
+    points.iter().map(place).collect()
 }
 
 /// Computes `tr ε`.

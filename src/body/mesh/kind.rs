@@ -279,6 +279,11 @@ impl CellKind {
         self.properties().gmsh_order.len()
     }
 
+    /// Returns the nodes of each side, oriented as in [`super::Facet`].
+    pub(crate) fn sides(self) -> &'static [&'static [usize]] {
+        self.properties().sides
+    }
+
     /// Returns the corners at the ends of the edge of node `k`; `None` for a corner.
     pub(crate) fn ends(self, k: usize) -> Option<[usize; 2]> {
         k.checked_sub(self.corners()).map(|middle| self.properties().edges[middle])

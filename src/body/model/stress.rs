@@ -1,10 +1,8 @@
 //! Stresses of a body from its displacements.
 
-use std::collections::BTreeMap;
-
 use super::Model;
 use crate::algebra::vector::dot;
-use crate::body::fem::{cell_volume, strain_at, thermal_stress, with_dilatation};
+use crate::body::fem::{strain_at, thermal_stress, with_dilatation};
 use crate::body::mesh::corner_shape;
 use crate::solver::problem::ProblemError;
 use crate::solver::problem::error::expect_length;
@@ -30,25 +28,29 @@ impl Model {
         cells.map(|(e, cell)| self.stress_in(e, cell.kind.centre(), factors, displacements)).collect()
     }
 
-    /// Computes the stress at each node (Pa), the mean over the surrounding elements weighted by volume; at an
-    /// interface between materials, only over those with the material of the first element.
-    pub fn nodal_stresses(&self, factors: &[f64], displacements: &[[f64; 3]]) -> Vec<[f64; 6]> {
-        let mut sums: BTreeMap<usize, (usize, f64, [f64; 6])> = BTreeMap::new();
-        for (e, cell) in self.mesh.cells.iter().enumerate() {
-            let volume = cell_volume(cell.kind, self.mesh.geometry, &self.mesh.points(&cell.nodes)).unwrap_or(f64::NAN);
-            let alike =
-                |first: usize| self.materials[first] == self.materials[e] && self.mesh.cells[first].group == cell.group;
-            for (k, &node) in cell.nodes.iter().enumerate() {
-                let (first, weight, sum) = sums.entry(node).or_insert((e, 0.0, [0.0; 6]));
-                if alike(*first) {
-                    let stress = self.stress_in(e, cell.kind.reference_node(k), factors, displacements);
-                    *weight += volume;
-                    sum.iter_mut().zip(stress).for_each(|(sum, s)| *sum += volume * s);
-                }
-            }
+    /// Computes the stress (Pa) at the reference point `point` of cell `e` from the displacements of its own nodes, for the
+    /// displacements of all nodes (m) at time `t` (s).
+    ///
+    /// # Errors
+    /// If `displacements` does not have one entry for each node of the mesh.
+    pub fn stress_of_cell(
+        &self,
+        e: usize,
+        point: [f64; 3],
+        t: f64,
+        displacements: &[[f64; 3]],
+    ) -> Result<[f64; 6], ProblemError> {
+        expect_length("displacements", self.mesh.nodes.len(), displacements.len(), "one for each node of the mesh")?;
+        Ok(self.stress_in(e, point, &self.thermal_factors(t), displacements))
+    }
+
+    /// Computes the stress (Pa) of an elastic strain in cell `e`.
+    pub(crate) fn law_stress(&self, e: usize, strain: [f64; 6]) -> [f64; 6] {
+        let mut stress = self.materials[e].stress(strain);
+        if self.is_thin() {
+            stress[2] = 0.0;
         }
-        // Every node belongs to a cell.
-        sums.into_values().map(|(_, weight, sum)| sum.map(|s| s / weight)).collect()
+        stress
     }
 
     /// Returns the factors of the thermal loads at time `t` (s).

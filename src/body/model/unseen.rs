@@ -51,7 +51,7 @@ const ARC: f64 = 1.5;
 const PLACES: [f64; 4] = [0.14, 0.38, 0.5, 0.83];
 
 /// The nearest obstacle as seen from a point of a boundary.
-pub(super) struct NearestObstacle {
+pub(crate) struct NearestObstacle {
     /// The distance, m; NaN if no obstacle is in front.
     pub distance: f64,
     /// A vector into the obstacle, normal to its surface.
@@ -178,7 +178,7 @@ impl Model {
 
     /// Returns the nearest obstacle at time `t` (s) as seen from a point at `x` displaced by `u` (m), on a facet of
     /// `boundary` with the outward vector `outward`.
-    pub(super) fn see(
+    pub(crate) fn see(
         &self,
         boundary: &ContactBoundary,
         t: f64,

@@ -3,6 +3,8 @@
 use serde::Serialize;
 
 use super::csv;
+use super::deformation::deformation;
+use super::principal::von_mises;
 use super::quantities;
 use crate::algebra::vector::{dot, minus, norm};
 use crate::base::units::UnitSystem;
@@ -61,6 +63,17 @@ pub struct ContactPoint {
     pub mu: f64,
     /// Contact status.
     pub status: ContactStatus,
+    /// Normal stress along the surface, in the direction of the first tangent, Pa; see [`SurfaceStress`].
+    ///
+    /// [`SurfaceStress`]: crate::body::SurfaceStress
+    pub sigma_along: f64,
+    /// Normal stress along the surface at right angles to it, Pa: in two dimensions out of the plane, the hoop stress of
+    /// a body of revolution.
+    pub sigma_across: f64,
+    /// Shear stress between both directions in the surface, Pa; 0 in two dimensions.
+    pub sigma_shear: f64,
+    /// The whole stress `(σ_xx, σ_yy, σ_zz, τ_xy, τ_yz, τ_zx)`, Pa.
+    pub stress: [f64; 6],
 }
 
 /// The contact nodes of one boundary, in order.
@@ -115,8 +128,9 @@ impl ContactLine {
             |column: &&Column| column.dimension <= self.dimension && (patches || column.name.name() != PATCH);
         let columns: Vec<&Column> = COLUMNS.iter().filter(is_there).collect();
         let place: Vec<&Column> = PLACE.iter().filter(|column| column.dimension <= self.dimension).collect();
+        let surface: Vec<&Column> = SURFACE.iter().filter(|column| column.dimension <= self.dimension).collect();
         let names = |columns: &[&Column]| columns.iter().map(|column| column.name.name()).collect::<Vec<_>>();
-        let mut header = [names(&columns), vec!["status"], names(&place)].concat();
+        let mut header = [names(&columns), vec!["status"], names(&place), names(&surface)].concat();
         header.extend((!self.obstacles.is_empty()).then_some("obstacle"));
         let row = |(k, p): (usize, &ContactPoint)| {
             let status = match p.status {
@@ -127,9 +141,10 @@ impl ContactLine {
             let numbers = |columns: &[&Column]| {
                 columns.iter().map(|column| column.name.cell(&self.units, (column.value)(p))).collect()
             };
-            let numbers: [Vec<String>; 2] = [numbers(&columns), numbers(&place)];
-            let [values, place] = numbers;
-            [values, vec![status.to_string()], place, self.obstacles.get(k).cloned().into_iter().collect()].concat()
+            let numbers: [Vec<String>; 3] = [&columns, &place, &surface].map(|columns| numbers(columns));
+            let [values, place, surface] = numbers;
+            let obstacle = self.obstacles.get(k).cloned().into_iter().collect();
+            [values, vec![status.to_string()], place, surface, obstacle].concat()
         };
         csv::table(&header, self.points.iter().enumerate().map(row))
     }
@@ -186,10 +201,18 @@ const PLACE: [Column; 10] = [
     Column { name: known("o_z"), dimension: 3, value: |p| p.frame[2][2] },
 ];
 
+/// The columns after the directions: the stress in the surface.
+const SURFACE: [Column; 4] = [
+    Column { name: known("sigma_along"), dimension: 2, value: |p| p.sigma_along },
+    Column { name: known("sigma_across"), dimension: 2, value: |p| p.sigma_across },
+    Column { name: known("sigma_shear"), dimension: 3, value: |p| p.sigma_shear },
+    Column { name: known("von_mises"), dimension: 2, value: |p| von_mises(p.stress) },
+];
+
 /// Returns the names of all columns.
 #[cfg(test)]
 pub(super) fn names() -> impl Iterator<Item = &'static str> {
-    COLUMNS.iter().chain(&PLACE).map(|column| column.name.name()).chain(["status", "obstacle"])
+    COLUMNS.iter().chain(&PLACE).chain(&SURFACE).map(|column| column.name.name()).chain(["status", "obstacle"])
 }
 
 /// Returns the contact nodes `nodes` at the end of a step.
@@ -205,6 +228,8 @@ pub fn points(model: &Model, nodes: impl Iterator<Item = usize>, step: &Incremen
     let tetrahedra = model.mesh.dimension == 3 && model.mesh.cells.iter().any(|cell| cell.kind.is_simplex());
     let patches = tetrahedra.then(|| ContactGraph::new(model).patch_pressures(model, &state.p_n));
     let drift = [0, 1].map(|k| model.loading.drift_at(step.record.time, k));
+    let (displacements, factors) = deformation(model, step);
+    let surface = model.surface_stresses_of(&factors, &displacements, state);
     let mut s = 0.0;
     let mut last: Option<[f64; 3]> = None;
     let point = |i: usize| {
@@ -259,6 +284,10 @@ pub fn points(model: &Model, nodes: impl Iterator<Item = usize>, step: &Incremen
             force: model.force_of_row(state, i),
             mu: step.increment.mu[i],
             status: step.statuses[i],
+            sigma_along: surface[i].along,
+            sigma_across: surface[i].across,
+            sigma_shear: surface[i].shear,
+            stress: surface[i].stress,
         }
     };
     nodes.map(point).collect()

@@ -90,7 +90,7 @@ pub struct CycleOfBoundary {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CycleWatch {
     /// The cycles, in order; the last one is examined.
-    cycles: Vec<Work>,
+    cycles: Vec<Cycle>,
     wear_coefficient: Option<f64>,
     /// The end of the last increment, s.
     time: f64,
@@ -101,7 +101,7 @@ pub struct CycleWatch {
 
 /// The friction work between two times.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-struct Work {
+struct Cycle {
     start: f64,
     end: f64,
     work: f64,
@@ -115,7 +115,7 @@ impl CycleWatch {
             CycleChoice::Last => last_cycles(&model.loading, times),
             CycleChoice::Between([start, end]) => find::repeated([start, end]),
         };
-        let cycles = cycles.into_iter().map(|[start, end]| Work { start, end, work: 0.0 }).collect::<Vec<_>>();
+        let cycles = cycles.into_iter().map(|[start, end]| Cycle { start, end, work: 0.0 }).collect::<Vec<_>>();
         (!cycles.is_empty()).then(|| CycleWatch {
             cycles,
             wear_coefficient: request.wear_coefficient,
@@ -130,13 +130,13 @@ impl CycleWatch {
         self.nodes.len() == model.contacts.len() && self.slips.len() == model.contact_boundaries.len()
     }
 
-    fn cycle(&self) -> Option<&Work> {
+    fn cycle(&self) -> Option<&Cycle> {
         self.cycles.last()
     }
 
     /// Returns the position of a time (s): before the cycle or at its beginning, in it or at its end, or behind it.
     fn phase(&self, time: f64) -> Phase {
-        let Some(Work { start, end, .. }) = self.cycle() else { return Phase::After };
+        let Some(Cycle { start, end, .. }) = self.cycle() else { return Phase::After };
         let slack = find::SAME_TIME * end;
         match time {
             t if t <= start + slack => Phase::Before,
@@ -158,7 +158,7 @@ impl CycleWatch {
         if record.status != Status::Converged {
             return;
         }
-        for Work { start, end, work } in &mut self.cycles {
+        for Cycle { start, end, work } in &mut self.cycles {
             let shared = record.time.min(*end) - self.time.max(*start);
             *work += record.friction_work * (shared / (record.time - self.time)).max(0.0);
         }
@@ -166,7 +166,9 @@ impl CycleWatch {
         match self.phase(record.time) {
             Phase::Before => {
                 let points = points(model, 0..model.contacts.len(), step);
-                self.nodes = points.iter().map(NodeWatch::at).collect();
+                let stresses = model.surface_stresses(record.time, step.state);
+                self.nodes =
+                    points.iter().zip(&stresses).map(|(point, stress)| NodeWatch::at(point, stress.along)).collect();
             }
             Phase::Within => self.nodes(model, step),
             Phase::After => {}
@@ -175,9 +177,10 @@ impl CycleWatch {
 
     fn nodes(&mut self, model: &Model, step: &IncrementView<'_>) {
         let points = points(model, 0..model.contacts.len(), step);
-        for (i, (node, point)) in self.nodes.iter_mut().zip(&points).enumerate() {
+        let stresses = model.surface_stresses(step.record.time, step.state);
+        for (i, ((node, point), stress)) in self.nodes.iter_mut().zip(&points).zip(&stresses).enumerate() {
             let [t, o] = model.problem.slip(step.increment, step.state, i);
-            node.see(point, step.state.p_t[i] * t + step.state.p_o[i] * o);
+            node.see(point, stress.along, step.state.p_t[i] * t + step.state.p_o[i] * o);
         }
         for ([some, all], boundary) in self.slips.iter_mut().zip(&model.contact_boundaries) {
             let slides = |i: &&usize| !model.contacts[**i].tangents[0].is_empty();
@@ -189,7 +192,7 @@ impl CycleWatch {
 
     /// Returns the results of the cycle; `None` if the history ended before it.
     pub fn report(&self, model: &Model) -> Option<CycleReport> {
-        let Work { start, end, work } = *self.cycle()?;
+        let Cycle { start, end, work } = *self.cycle()?;
         if self.time < end - find::SAME_TIME * end {
             return None;
         }
@@ -207,7 +210,7 @@ impl CycleWatch {
             friction_work: work,
             earlier: earlier
                 .iter()
-                .map(|&Work { start, end, work }| EarlierCycle { start, end, friction_work: work })
+                .map(|&Cycle { start, end, work }| EarlierCycle { start, end, friction_work: work })
                 .collect(),
             change: before.map(|before| work / before - 1.0),
             regime: regimes.max_by_key(|regime| *regime as usize).unwrap_or(SlipRegime::Stick),

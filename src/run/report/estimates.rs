@@ -50,6 +50,9 @@ pub struct Estimates {
     /// The number of nodes across slip zones adjacent to stick zones, weighted by the friction work; none if there are
     /// no such zones, or hardly any friction work.
     pub slip_across: Option<f64>,
+    /// Friction work below this counts as none, J: a small share of the largest strain energy.
+    #[serde(skip)]
+    pub negligible_work: f64,
     /// The time-step error, with friction and BN only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub increments: Option<IncrementError>,
@@ -286,6 +289,7 @@ impl EstimateWatch {
             stresses: elements.and_then(|elements| elements.discretisation?.stresses),
             tangential: discretisation.and_then(|error| self.tangential(error)),
             slip_across: self.slip_across(),
+            negligible_work: self.negligible_work(),
             increments: None,
             companion: None,
         }
@@ -301,8 +305,12 @@ impl EstimateWatch {
     }
 
     fn slip_across(&self) -> Option<f64> {
-        let energy = self.seen.strained.as_ref()?.energy;
-        self.seen.slip.found().filter(|(work, _)| *work > NO_WORK * energy).map(|(_, across)| across)
+        let negligible = self.negligible_work();
+        self.seen.slip.found().filter(|(work, _)| *work > negligible).map(|(_, across)| across)
+    }
+
+    fn negligible_work(&self) -> f64 {
+        NO_WORK * self.seen.strained.as_ref().map_or(0.0, |strained| strained.energy)
     }
 }
 

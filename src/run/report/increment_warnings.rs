@@ -30,13 +30,18 @@ pub(super) struct Known<'a> {
     pub companion: Option<(f64, usize)>,
     /// The error of the friction forces by loads at t = 0, see [`crate::run`].
     pub start: Option<f64>,
+    /// Friction work below this counts as none, J.
+    pub negligible_work: f64,
     /// The increments of the run.
     pub increments: usize,
 }
 
 /// Returns the resulting warnings.
 pub(super) fn warnings(known: &Known<'_>, units: &UnitSystem) -> Vec<Warning> {
-    let work = known.found.filter(|found| found.work_error.abs() > WORK).map(|found| work(found, units));
+    let is_wrong = |found: &&IncrementError| {
+        found.work_error.abs() > WORK && found.friction_work.max(found.friction_work_corrected) > known.negligible_work
+    };
+    let work = known.found.filter(is_wrong).map(|found| work(found, units));
     let force = known.start.filter(|error| *error > FORCE).map(of_start).or_else(|| known.force());
     let force = force.map(|message| Warning { kind: WarningKind::IncrementsForce, message });
     work.into_iter().chain(force).collect()

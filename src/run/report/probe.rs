@@ -1,5 +1,7 @@
 //! Displacement and stress at points of the body, over time.
 
+use std::collections::BTreeSet;
+
 use super::csv::{self, number};
 use super::deformation::deformation;
 use super::principal::von_mises;
@@ -8,6 +10,7 @@ use crate::algebra::vector::{minus, norm};
 use crate::base::input_error::InputError;
 use crate::base::units::{Quantity, UnitSystem};
 use crate::body::description::{Probe, ProbePlace};
+use crate::body::estimate::StressRecovery;
 use crate::body::fem::reference_point;
 use crate::body::mesh::{Mesh, shape};
 use crate::body::model::Model;
@@ -25,6 +28,7 @@ pub struct ProbeTable {
     pub name: String,
     dimension: usize,
     points: Vec<Held>,
+    recovery: StressRecovery,
 }
 
 /// A point and its cell.
@@ -43,8 +47,8 @@ pub struct ProbeValue {
     pub position: [f64; 3],
     /// The displacement, interpolated in the cell, m.
     pub displacement: [f64; 3],
-    /// The stress `(σ_xx, σ_yy, σ_zz, τ_xy, τ_yz, τ_zx)` of the cell at the point, Pa. On a side between cells, the
-    /// cell with the lowest number counts.
+    /// The stress `(σ_xx, σ_yy, σ_zz, τ_xy, τ_yz, τ_zx)` at the point, Pa, interpolated between the stresses recovered
+    /// at the nodes of its cell. On an interface between materials, the cell with the lowest number counts.
     pub stress: [f64; 6],
 }
 
@@ -86,21 +90,24 @@ impl ProbeTable {
             };
             points.push(Held { position: *position, cell, reference });
         }
-        Ok(ProbeTable { name, dimension, points })
+        let of_probe: BTreeSet<usize> = points.iter().map(|point| point.cell).collect();
+        let recovery = StressRecovery::new(model, |e| of_probe.contains(&e));
+        Ok(ProbeTable { name, dimension, points, recovery })
     }
 
     /// Returns the values at the points at the end of a `step` of `model`, which must be the model of the table.
     pub fn values(&self, model: &Model, step: &IncrementView<'_>) -> Vec<ProbeValue> {
         let (displacements, factors) = deformation(model, step);
+        let at_places = self.recovery.stresses(model, &factors, &displacements);
         let value = |point: &Held| {
             let cell = &model.mesh.cells[point.cell];
             let shares = shape(cell.kind, point.reference);
             let along = |c: usize| cell.nodes.iter().zip(&shares).map(|(&node, n)| n * displacements[node][c]).sum();
-            ProbeValue {
-                position: point.position,
-                displacement: [0, 1, 2].map(along),
-                stress: model.stress_in(point.cell, point.reference, &factors, &displacements),
+            let mut stress = [0.0; 6];
+            for (n, &place) in shares.iter().zip(self.recovery.of_cell(point.cell)) {
+                stress.iter_mut().zip(at_places[place]).for_each(|(sum, s)| *sum += n * s);
             }
+            ProbeValue { position: point.position, displacement: [0, 1, 2].map(along), stress }
         };
         self.points.iter().map(value).collect()
     }

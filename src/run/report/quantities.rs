@@ -6,7 +6,7 @@ use serde_json::Value;
 use super::csv;
 use crate::base::units::{Quantity, UnitSystem};
 
-use Quantity::{Area, Energy, EnergyPerArea, Force, Length, Moment, Number, Stress};
+use Quantity::{Area, Energy, EnergyPerArea, Force, Length, Moment, Number, Stress, StressEnergyPerArea};
 
 /// The columns of all tables.
 const COLUMNS: &Table = &[
@@ -34,11 +34,12 @@ const COLUMNS: &Table = &[
     (&["f_x", "f_y", "f_z", "sum_p_n", "sum_p_t", "sum_p_o", "p_n", "p_t", "p_o"], Force),
     (&["m_x", "m_y", "m_z"], Moment),
     (&["x", "y", "z", "w_n", "w_t", "w_o", "gap", "slip_t", "slip_o", "u_x", "u_y", "u_z"], Length),
-    (&["sigma_n", "sigma_t", "sigma_o", "sigma_patch"], Stress),
+    (&["sigma_n", "sigma_t", "sigma_o", "sigma_patch", "sigma_along", "sigma_across", "sigma_shear"], Stress),
     (&["s_xx", "s_yy", "s_zz", "s_xy", "s_yz", "s_zx", "von_mises"], Stress),
     (&["area"], Area),
     (&["slip_range", "slip_path", "slip_drift", "wear_depth"], Length),
     (&["energy_density", "ruiz_1"], EnergyPerArea),
+    (&["ruiz_2"], StressEnergyPerArea),
     (
         &[
             "pressure_mean",
@@ -47,6 +48,8 @@ const COLUMNS: &Table = &[
             "traction_t_range",
             "traction_o_mean",
             "traction_o_range",
+            "along_mean",
+            "along_range",
         ],
         Stress,
     ),
@@ -61,6 +64,7 @@ const FIELDS: &Table = &[
             "patch_pressure",
             "tangential_traction",
             "nodal_stress",
+            "nodal_von_mises",
             "stress",
             "principal_stress",
             "von_mises",

@@ -298,6 +298,7 @@ impl RunReport {
             found: facts.estimates.increments.as_ref(),
             companion: companion.and_then(|companion| Some((companion.error?, companion.increments))),
             start: facts.start,
+            negligible_work: facts.estimates.negligible_work,
             increments: outcome.tally.increments,
         };
         // These estimates assume gaps that change in proportion within an increment.

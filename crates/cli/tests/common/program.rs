@@ -40,7 +40,7 @@ impl Folder {
     pub fn names(&self, folder: &str) -> Vec<String> {
         let entries = fs::read_dir(self.0.join(folder)).unwrap();
         let mut names: Vec<String> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
-        names.retain(|name| ![".stickslip", ".checkpoint"].contains(&name.as_str()));
+        names.retain(|name| ![".stickslip", ".checkpoint", ".page.jsonl"].contains(&name.as_str()));
         names.sort();
         names
     }

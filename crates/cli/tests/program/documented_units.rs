@@ -34,6 +34,7 @@ fn quantity(unit: &str) -> Quantity {
         "N m" => Quantity::Moment,
         "J" => Quantity::Energy,
         "J/m²" => Quantity::EnergyPerArea,
+        "Pa J/m²" => Quantity::StressEnergyPerArea,
         "" | "s" | "B" => Quantity::Number,
         other => panic!("what is {other}?"),
     }

@@ -28,6 +28,7 @@ mod folder;
 mod memory_limits;
 mod names;
 mod outputs;
+mod report;
 mod resume;
 mod schema;
 mod solvability;

@@ -2,10 +2,11 @@
 
 use super::directory::{Directory, Locked};
 use super::kept::Kept;
-use super::names::{CHECKPOINT, is_ours};
+use super::names::{CHECKPOINT, PAGE, is_ours};
 use super::results::ResultFolder;
 use super::series::Series;
 use super::table::Table;
+use crate::view::{self, View};
 use crate::{file_names, increments, lists};
 use std::io::{self, Read};
 use std::path::Path;
@@ -78,7 +79,9 @@ impl LockedOutputDir {
     pub fn lacks(&self) -> Option<&str> {
         let (_, kept) = self.kept.as_ref().filter(|(_, kept)| kept.ended.is_some())?;
         let is_short = |name: &str, length| self.place.directory.length(name).map_or(true, |now| now < length);
-        kept.files.iter().find(|(name, length)| is_short(name, *length)).map(|(name, _)| name.as_str())
+        // The page can be made again, by other versions too.
+        let needed = kept.files.iter().filter(|(name, _)| name != PAGE);
+        needed.into_iter().find(|(name, length)| is_short(name, *length)).map(|(name, _)| name.as_str())
     }
 
     /// Creates the result folder of a new run of `model`. File names are fixed here, before anything is solved.
@@ -98,7 +101,10 @@ impl LockedOutputDir {
         let mut table = |name: &str, header: &str| Table::new(name, place.table(name)?, header);
         let increments = table("increments.csv", &increments::header())?;
         let forces = table("forces.csv", &increments::forces_header(model.mesh.dimension, several))?;
-        let names = file_names::file_names(probes.iter().map(|probe| probe.name.as_str()));
+        let view = View::of(model);
+        let names: Vec<&str> = probes.iter().map(|probe| probe.name.as_str()).collect();
+        let states = table(view::FILE, &view::head(model, view.as_ref(), &names))?;
+        let names = file_names::file_names(names.into_iter());
         let probes = probes.into_iter().zip(names).map(|(probe, name)| {
             let file = table(&format!("probe_{name}.csv"), &probe.header())?;
             Ok((probe, file))
@@ -113,6 +119,8 @@ impl LockedOutputDir {
             events: None,
             boundaries: names_of_boundaries(model),
             probes,
+            view,
+            states,
             lists,
             fields: Series::default(),
             can_be_taken_up: false,
@@ -141,6 +149,7 @@ impl LockedOutputDir {
         let probes =
             probes.into_iter().zip(names).map(|(probe, name)| Ok((probe, table(&format!("probe_{name}.csv"))?)));
         let probes = probes.collect::<io::Result<_>>()?;
+        let states = table(view::FILE)?;
         let lists = [table(lists::FILES[0])?, table(lists::FILES[1])?, table(lists::FILES[2])?];
         // From here on the report is out of date.
         place.directory.remove("run.json")?;
@@ -153,6 +162,8 @@ impl LockedOutputDir {
             events,
             boundaries: names_of_boundaries(model),
             probes,
+            view: View::of(model),
+            states,
             lists,
             fields,
             can_be_taken_up: true,

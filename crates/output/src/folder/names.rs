@@ -1,7 +1,12 @@
 //! The names of the files that a run writes.
 
+use crate::view;
+
 /// The checkpoint file, from which a run resumes.
 pub(super) const CHECKPOINT: &str = ".checkpoint";
+
+/// The page of the run.
+pub(super) const PAGE: &str = "report.html";
 
 /// The file that lists the fields of all increments.
 pub(super) const SERIES: &str = "fields.pvd";
@@ -62,11 +67,12 @@ pub(super) fn is_ours(name: &str) -> bool {
     };
     let names = [
         "run.json",
-        "report.html",
+        PAGE,
         "increments.csv",
         "forces.csv",
         "events.csv",
         "cycle.csv",
+        view::FILE,
         SERIES,
         "forces.svg",
         "iterations.svg",

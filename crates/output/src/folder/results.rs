@@ -1,13 +1,14 @@
 //! The files written by a run, and when.
 
-use super::directory::{self, Locked};
+use super::directory::{self, Directory, Locked};
 use super::kept::Kept;
-use super::names::{CHECKPOINT, is_head, is_ours};
+use super::names::{CHECKPOINT, PAGE, is_head, is_ours};
 use super::series::Series;
 use super::table::Table;
 use crate::deformed::DeformedBody;
 use crate::history_chart::history_charts;
-use crate::page::page;
+use crate::page::{error::PageError, page};
+use crate::view::View;
 use crate::vtu::Grid;
 use crate::{ContactSurface, increments, lists, plot};
 use std::io::{self, Read, Write};
@@ -36,6 +37,9 @@ pub struct ResultFolder {
     pub(super) boundaries: Vec<(String, String)>,
     /// The probes, each with its table.
     pub(super) probes: Vec<(ProbeTable, Table)>,
+    /// The body for the page, in the plane, and its states.
+    pub(super) view: Option<View>,
+    pub(super) states: Table,
     /// The lists of the report that grow with the increments.
     pub(super) lists: [Table; 3],
     pub(super) fields: Series,
@@ -113,7 +117,7 @@ impl ResultFolder {
     /// Returns all growing tables.
     fn tables(&self) -> impl Iterator<Item = &Table> {
         let probes = self.probes.iter().map(|(_, table)| table);
-        [&self.increments, &self.forces].into_iter().chain(&self.events).chain(probes).chain(&self.lists)
+        [&self.increments, &self.forces, &self.states].into_iter().chain(&self.events).chain(probes).chain(&self.lists)
     }
 
     /// Writes all files to the disk.
@@ -178,6 +182,14 @@ impl ResultFolder {
         self.write(&format!("deformed_{:04}.svg", body.index), &body.to_svg(title).map_err(io::Error::other)?)
     }
 
+    /// Adds the state of a body in the plane at the end of `step`, for the page.
+    ///
+    /// # Errors
+    /// When the disk refuses.
+    pub fn add_state(&mut self, model: &Model, step: &IncrementView<'_>) -> io::Result<()> {
+        self.view.as_ref().map_or(Ok(()), |view| self.states.append(&view.line(model, step)))
+    }
+
     /// Writes the charts `forces.svg` and `iterations.svg`, `cycle.csv` if a load cycle was asked for, the report with the stored lists as `run.json`, the page
     /// `report.html`, and writes all to the disk. An interrupted run can still be resumed. Returns `false` and writes nothing if the run
     /// was interrupted before its first results and results of an earlier run exist.
@@ -197,8 +209,8 @@ impl ResultFolder {
         if let Some(cycle) = &report.cycle {
             self.write("cycle.csv", &cycle.to_csv(&report.units))?;
         }
-        let page = self.page()?;
-        self.write("report.html", &page)?;
+        let page = page_of(&self.place.directory).map_err(io::Error::other)?;
+        self.write(PAGE, &page)?;
         self.sync()?;
         if report.status == Status::Converged {
             let end = Checkpoint::new(report.totals.converged, 0.0, &()).with(&());
@@ -211,12 +223,6 @@ impl ResultFolder {
             lists::FILES.iter().try_for_each(|name| self.place.directory.remove(name))?;
         }
         Ok(true)
-    }
-
-    /// Returns the page of the results that are written.
-    fn page(&self) -> io::Result<String> {
-        let names = self.place.directory.names()?.into_iter().map(|(name, _)| name).filter(|name| is_ours(name));
-        page(&names.collect::<Vec<_>>(), |name| io::read_to_string(self.place.directory.read(name)?))
     }
 
     /// Opens the written report.
@@ -262,4 +268,27 @@ impl ResultFolder {
         let part = part.map_or(String::new(), |part| format!("-{part}"));
         format!("contact_{index:04}{part}{boundary}")
     }
+}
+
+/// Writes the page `report.html` of the results in a folder again, also while a run fills it, or after a run that was
+/// killed and has left no `run.json`.
+///
+/// # Errors
+/// When the folder has no results, its report cannot be read, or the disk refuses.
+pub fn write_page(folder: &Path) -> Result<(), PageError> {
+    let failed = |error| PageError::Folder { path: folder.to_path_buf(), error };
+    let directory = Directory::open(folder).map_err(failed)?;
+    let names = directory.names().map_err(failed)?;
+    if !names.iter().any(|(name, is_folder)| !is_folder && ["run.json", "increments.csv"].contains(&name.as_str())) {
+        return Err(PageError::NoResults { path: folder.to_path_buf() });
+    }
+    let page = page_of(&directory)?;
+    Ok(directory.write(PAGE, |file| file.write_all(page.as_bytes()))?)
+}
+
+/// Returns the page of the results in a folder.
+fn page_of(directory: &Directory) -> Result<String, PageError> {
+    let names = directory.names()?.into_iter().filter(|(name, is_folder)| !is_folder && is_ours(name));
+    let names: Vec<String> = names.map(|(name, _)| name).collect();
+    page(&names, |name| io::read_to_string(directory.read(name)?))
 }

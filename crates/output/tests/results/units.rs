@@ -207,7 +207,13 @@ fn vtu_files_are_in_the_units_of_the_scene() {
         assert_eq!((name, si.len()), (other, mm.len()));
         let unit = match name.as_str() {
             "Points" | "displacement" | "slip" | "gap" => 1e-3,
-            "contact_pressure" | "tangential_traction" | "stress" | "principal_stress" | "von_mises" => 1e6,
+            "contact_pressure"
+            | "tangential_traction"
+            | "stress"
+            | "principal_stress"
+            | "von_mises"
+            | "nodal_stress"
+            | "nodal_von_mises" => 1e6,
             "status" | "material" | "discretisation_error" => 1.0,
             other => panic!("what is the unit of {other}?"),
         };

@@ -34,6 +34,11 @@ pub struct CycleNode {
     /// The largest magnitude of the tangential contact stress times the slip range, J/m² (the first parameter of Ruiz,
     /// Boddington and Chen, Exp. Mech. 24 (1984) 208).
     pub ruiz_1: f64,
+    /// The mean and the range of the normal stress along the surface in the direction t, Pa.
+    pub along: [f64; 2],
+    /// [`CycleNode::ruiz_1`] times the largest tension along the surface in the direction t, Pa J/m²; 0 without tension (the
+    /// second parameter of Ruiz).
+    pub ruiz_2: f64,
     /// The wear depth of one cycle (Archard), m, if a coefficient is given: the coefficient times the integral of the
     /// pressure over the slip path.
     pub wear_depth: Option<f64>,
@@ -80,24 +85,26 @@ pub(super) struct NodeWatch {
     pressed_path: f64,
     pressure: Extremes,
     traction: [Extremes; 2],
+    along: Extremes,
     largest_traction: f64,
 }
 
 impl NodeWatch {
-    /// Begins a cycle in this state.
-    pub fn at(point: &ContactPoint) -> Self {
+    /// Begins a cycle in this state, with the stress `along` the surface (Pa).
+    pub fn at(point: &ContactPoint, along: f64) -> Self {
         NodeWatch {
             motion: [point.slip_t, point.slip_o],
             last: point.sigma_n,
             pressure: Extremes::at(point.sigma_n),
             traction: [point.sigma_t, point.sigma_o].map(Extremes::at),
+            along: Extremes::at(along),
             largest_traction: point.sigma_t.hypot(point.sigma_o),
             ..NodeWatch::default()
         }
     }
 
-    /// Adds a step that ends in this state and in which friction has done this `work` (J).
-    pub fn see(&mut self, point: &ContactPoint, work: f64) {
+    /// Adds a step that ends in this state, with the stress `along` the surface (Pa), and in which friction has done this `work` (J).
+    pub fn see(&mut self, point: &ContactPoint, along: f64, work: f64) {
         let motion = [point.slip_t, point.slip_o];
         if point.status == ContactStatus::Slip {
             let slip = [0, 1].map(|k| motion[k] - self.motion[k]);
@@ -111,6 +118,7 @@ impl NodeWatch {
         self.motion = motion;
         self.last = point.sigma_n;
         self.pressure.see(point.sigma_n);
+        self.along.see(along);
         self.traction.iter_mut().zip([point.sigma_t, point.sigma_o]).for_each(|(of, sigma)| of.see(sigma));
         self.largest_traction = self.largest_traction.max(point.sigma_t.hypot(point.sigma_o));
     }
@@ -143,6 +151,8 @@ impl NodeWatch {
             pressure: self.pressure.mean_and_range(),
             traction: self.traction.map(Extremes::mean_and_range),
             ruiz_1: self.largest_traction * self.slip_range(),
+            along: self.along.mean_and_range(),
+            ruiz_2: self.largest_traction * self.slip_range() * self.along.high.max(0.0),
             wear_depth: wear_coefficient.map(|k| k * self.pressed_path),
         }
     }

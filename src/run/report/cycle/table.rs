@@ -13,7 +13,7 @@ const fn known(name: &'static str) -> Column {
     Column::of(name).expect("a column with a known quantity")
 }
 
-const COLUMNS: [NodeColumn; 16] = [
+const COLUMNS: [NodeColumn; 19] = [
     (known("node"), 2, |n| n.node as f64),
     (known("x"), 2, |n| n.position[0]),
     (known("y"), 2, |n| n.position[1]),
@@ -30,6 +30,9 @@ const COLUMNS: [NodeColumn; 16] = [
     (known("traction_o_mean"), 3, |n| n.traction[1][0]),
     (known("traction_o_range"), 3, |n| n.traction[1][1]),
     (known("ruiz_1"), 2, |n| n.ruiz_1),
+    (known("along_mean"), 2, |n| n.along[0]),
+    (known("along_range"), 2, |n| n.along[1]),
+    (known("ruiz_2"), 2, |n| n.ruiz_2),
 ];
 
 const WEAR: NodeColumn = (known("wear_depth"), 2, |n| n.wear_depth.unwrap_or(f64::NAN));

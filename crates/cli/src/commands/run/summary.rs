@@ -159,8 +159,9 @@ fn print_largest(report: &RunReport) {
             let share = (1e3 * error).round() / 10.0 + 0.0;
             format!("{share:.1} % of it due to the increments: corrected {}", energy(friction_work * (1.0 - error)))
         });
-        let errors: String = of_mesh.into_iter().chain(of_steps).map(|error| format!(", {error}")).collect();
-        say!("friction     work {}{errors}", energy(friction_work));
+        let results: Vec<String> =
+            [format!("work {}", energy(friction_work))].into_iter().chain(of_mesh).chain(of_steps).collect();
+        say!("friction     {}", results.join(", "));
     }
     if let Some(StickZone { boundary, time, ratio, uncertainty, .. }) = &report.stick_zone {
         say!(

@@ -13,7 +13,7 @@ use stickslip::scene::Output;
 use stickslip::solver::Event;
 use stickslip::solver::history::{IncrementRecord, IncrementView, Observer, Status};
 use stickslip::solver::{Checkpoint, IterationRecord};
-use stickslip_output::{ContactSurface, DeformedBody, ResultFolder, fields};
+use stickslip_output::{ContactSurface, DeformedBody, MOST_STATES, ResultFolder, fields};
 
 /// Observer that updates the display and the result folder.
 pub(super) struct Watcher<'a> {
@@ -41,12 +41,16 @@ impl Watcher<'_> {
 
     /// Writes the files that exist for selected increments only.
     fn write(&mut self, step: &IncrementView<'_>) -> io::Result<()> {
+        let is_shown = self.is_shown(step);
         let Some(folder) = &mut self.folder else { return Ok(()) };
         for line in ContactLine::all(self.model, step) {
             folder.add_contact_line(&line, self.title)?;
         }
         for surface in ContactSurface::all(self.model, step) {
             folder.add_contact_surface(&surface, self.title)?;
+        }
+        if is_shown {
+            folder.add_state(self.model, step)?;
         }
         if self.output.fields {
             folder.add_fields(step.record.index, step.record.time, &fields(self.model, step))?;
@@ -55,6 +59,15 @@ impl Watcher<'_> {
             folder.add_deformed(&DeformedBody::new(self.model, step, self.output.magnification), self.title)?;
         }
         Ok(())
+    }
+
+    /// Returns `true` if the page may show the body at the end of this increment: it shows few of many, evenly, with the
+    /// last one, and one that failed.
+    fn is_shown(&self, step: &IncrementView<'_>) -> bool {
+        let stride = self.wanted.len().div_ceil(MOST_STATES);
+        let place = self.wanted.binary_search(&step.record.index);
+        step.record.status != Status::Converged
+            || place.is_ok_and(|place| (self.wanted.len() - 1 - place).is_multiple_of(stride))
     }
 
     fn probe(&mut self, step: &IncrementView<'_>) -> io::Result<()> {

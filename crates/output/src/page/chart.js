@@ -1,0 +1,89 @@
+// A chart of curves { name, colour, points } with: `marks`, a colour or nothing for each point; `arrows` in the direction of time; `ends`, its
+// first and last point; `wide`, or `bare` without the curve itself.
+const NS = "http://www.w3.org/2000/svg";
+function draw(into, curves, [across, up]) {
+  into.replaceChildren();
+  const points = curves.flatMap((curve) => curve.points).filter(([x, y]) => Number.isFinite(x) && Number.isFinite(y));
+  if (!points.length) return;
+  const W = Math.min(900, Math.max(360, into.clientWidth || 900)), H = 300, L = 78, R = 16, B = 46;
+  // Names that do not fit beside the title of the axis are below it.
+  const named = curves.length > 1 ? curves.reduce((sum, { name }) => sum + 9 * name.length + 20, 0) : 0, isNarrow = 8 * up.length + named > W, T = isNarrow ? 48 : 30;
+  const range = (k, zero) => {
+    let low = Math.min(...points.map((p) => p[k])), high = Math.max(...points.map((p) => p[k]));
+    if (zero) [low, high] = [Math.min(low, 0), Math.max(high, 0)];
+    return high > low ? [low, high] : [low - 1, high + 1];
+  };
+  const [x0, x1] = range(0, false), [y0, y1] = range(1, true);
+  const X = (x) => L + ((x - x0) / (x1 - x0)) * (W - L - R), Y = (y) => H - B - ((y - y0) / (y1 - y0)) * (H - T - B);
+  const svg = document.createElementNS(NS, "svg");
+  svg.setAttribute("viewBox", `0 0 ${W} ${H}`);
+  svg.setAttribute("role", "img");
+  svg.setAttribute("aria-label", `${up} against ${across}`);
+  const add = (name, attributes, text = "") => {
+    const node = document.createElementNS(NS, name);
+    for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, value);
+    node.textContent = text;
+    svg.append(node);
+    return node;
+  };
+  const ticks = (low, high) => {
+    const raw = (high - low) / 5, power = 10 ** Math.floor(Math.log10(raw));
+    const step = [1, 2, 5, 10].map((k) => k * power).find((s) => s >= raw);
+    const first = Math.ceil(low / step - 1e-9);
+    return Array.from({ length: Math.floor(high / step + 1e-9) - first + 1 }, (_, k) => Number(((first + k) * step).toPrecision(12)));
+  };
+  for (const y of ticks(y0, y1)) {
+    add("line", { class: y === 0 ? "zero" : "grid", x1: L, x2: W - R, y1: Y(y), y2: Y(y) });
+    add("text", { x: L - 8, y: Y(y) + 4, "text-anchor": "end" }, `${y}`);
+  }
+  for (const x of ticks(x0, x1)) {
+    add("line", { class: "grid", x1: X(x), x2: X(x), y1: T, y2: H - B });
+    add("text", { x: X(x), y: H - B + 18, "text-anchor": "middle" }, `${x}`);
+  }
+  add("text", { x: (L + W - R) / 2, y: H - 6, "text-anchor": "middle" }, across);
+  add("text", { x: 4, y: 16 }, up);
+  let right = W - R;
+  for (const { name, colour, points, marks, arrows, ends, wide, bare } of curves) {
+    const at = points.filter(([x, y]) => Number.isFinite(x) && Number.isFinite(y));
+    const shown = at.map(([x, y]) => [X(x), Y(y)]);
+    if (!bare) add("polyline", { points: shown.map((p) => p.map((c) => c.toFixed(1)).join(",")).join(" "), style: `stroke:${colour};stroke-width:${wide ? 2.6 : 1.6}` });
+    if (arrows) for (const [x, y, angle] of arrowsOn(shown))
+      add("path", { class: "arrow", d: "M 7 0 L -6 5 L -6 -5 Z", transform: `translate(${x.toFixed(1)} ${y.toFixed(1)}) rotate(${angle.toFixed(0)})`, style: `fill:${colour}` });
+    if (ends) [shown[0], shown[shown.length - 1]].forEach(([cx, cy], k) => add("circle", { cx, cy, r: 4, style: `fill:${k ? colour : "var(--paper)"};stroke:${colour}` }));
+    if (marks) marks.forEach((fill, k) => fill && Number.isFinite(points[k][0] + points[k][1]) && add("circle", { cx: X(points[k][0]), cy: Y(points[k][1]), r: 2.6, style: `fill:${fill}` }));
+    if (curves.length === 1) continue;
+    const label = add("text", { x: right, y: isNarrow ? 36 : 16, "text-anchor": "end", style: `fill:${colour}` }, name);
+    right -= 9 * name.length + 20;
+    label.setAttribute("font-weight", "600");
+  }
+  const dot = add("circle", { r: 4, style: "fill:var(--ink)", visibility: "hidden" });
+  const tip = add("text", { y: T + 12, visibility: "hidden" });
+  svg.addEventListener("pointermove", (event) => {
+    const scale = W / svg.getBoundingClientRect().width;
+    const mouse = [event.offsetX * scale, event.offsetY * scale];
+    let best = null;
+    for (const curve of curves) for (const [x, y] of curve.points) {
+      const distance = Math.hypot(X(x) - mouse[0], Y(y) - mouse[1]);
+      if (Number.isFinite(distance) && (!best || distance < best.distance)) best = { distance, x, y, name: curve.name };
+    }
+    if (!best) return;
+    dot.setAttribute("cx", X(best.x)); dot.setAttribute("cy", Y(best.y)); dot.setAttribute("visibility", "visible");
+    tip.textContent = `${best.name}: ${plain(best.x)}, ${plain(best.y)}`;
+    const late = X(best.x) > W / 2;
+    tip.setAttribute("x", X(best.x) + (late ? -8 : 8)); tip.setAttribute("text-anchor", late ? "end" : "start"); tip.setAttribute("visibility", "visible");
+  });
+  into.append(svg);
+}
+
+// Returns the places and angles, degrees, of arrows at four parts of the length of a curve on the screen.
+function arrowsOn(points) {
+  const steps = points.slice(1).map(([x, y], k) => Math.hypot(x - points[k][0], y - points[k][1]));
+  const whole = steps.reduce((sum, step) => sum + step, 0);
+  if (!(whole > 60)) return [];
+  let k = 0, before = 0;
+  return [0.125, 0.375, 0.625, 0.875].map((part) => {
+    while (k < steps.length - 1 && before + steps[k] < part * whole) before += steps[k++];
+    const share = steps[k] ? (part * whole - before) / steps[k] : 0, [[a, b], [c, d]] = [points[k], points[k + 1]];
+    return [a + share * (c - a), b + share * (d - b), (180 / Math.PI) * Math.atan2(d - b, c - a)];
+  });
+}
