@@ -1,5 +1,5 @@
-//! Runs one scene with several values of some of its keys. Every combination is a variant; all variants share one table
-//! and one chart.
+//! Runs one scene with several values of some of its keys. Every combination is a variant; all variants share one table,
+//! one chart and one page.
 //!
 //! ```
 //! use stickslip::body::Friction;
@@ -17,11 +17,17 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod keys;
 mod outcome;
+mod page;
 mod picture;
+mod places;
+mod quantity;
 mod table;
 mod variation;
 
 pub use outcome::VariantResult;
-pub use table::{Row, Sweep};
+pub use places::{Places, check_places};
+pub use quantity::{QuantityError, TableQuantity, quantities};
+pub use table::{Row, Shown, Sweep};
 pub use variation::{MOST_VARIANTS, Variant, Variation, VariationError, combinations};

@@ -189,20 +189,23 @@ fn prepared<'a>(args: &RunArgs, scene: &'a Scene, count: usize, left: Option<Che
     if args.uniqueness {
         run = run.with_uniqueness()?;
     }
-    if args.companion && scene.solver.method.is_exact_path() {
-        let help = "remove --companion";
-        return Err(Failure::Input(miette::miette!(
-            help = help,
-            "the exact path has no increments to compare with fewer"
-        )));
-    }
     if args.companion {
+        check_companion(scene)?;
         run = run.with_companion();
     }
     Ok(match left {
         Some(checkpoint) => run.from(checkpoint),
         None => run,
     })
+}
+
+/// Returns an error if a second run cannot estimate the time-step error.
+pub(super) fn check_companion(scene: &Scene) -> Result<(), Failure> {
+    if !scene.solver.method.is_exact_path() {
+        return Ok(());
+    }
+    let help = "remove --companion";
+    Err(Failure::Input(miette::miette!(help = help, "the exact path has no increments to compare with fewer")))
 }
 
 fn open_folder(

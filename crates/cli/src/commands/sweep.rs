@@ -9,11 +9,14 @@ use std::process::ExitCode;
 
 use clap::Args;
 use stickslip::scene::{Override, Scene};
-use stickslip_cli::sweep::{Row, Sweep, VariantResult, Variation, combinations};
+use stickslip_cli::sweep::{
+    Places, QuantityError, Row, Shown, Sweep, TableQuantity, VariantResult, Variation, check_places, combinations,
+    quantities,
+};
 use stickslip_output::{FolderLock, write_file};
 
 use super::progress::bar;
-use super::run::write_failure;
+use super::run::{check_companion, write_failure};
 use super::{Cli, Failure, SceneArgs, interrupt, origin, threads};
 use processes::{Ended, Processes};
 
@@ -25,16 +28,54 @@ pub(super) struct SweepArgs {
     /// several --vary, all combinations are run
     #[arg(long = "vary", value_name = "KEY=VALUES", required = true)]
     variations: Vec<Variation>,
+    #[command(flatten)]
+    shown: ShownArgs,
+    /// Number of increments of all variants, replaces time.increments
+    #[arg(long, value_name = "N")]
+    increments: Option<u32>,
+    /// Estimate the time-step error of the tangential forces of each variant by a second run with a quarter of the
+    /// increments
+    #[arg(long)]
+    companion: bool,
     /// Number of variants run at a time [default: the number of processors]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
-    /// Write the table (sweep.csv, sweep.json, sweep.txt), the chart (sweep.svg) and the results of each variant into
-    /// this folder; complete results of an earlier try are kept
+    /// Write the table (sweep.csv, sweep.json, sweep.txt), the chart (sweep.svg), a page with both (sweep.html) and the
+    /// results of each variant into this folder; complete results of an earlier try are kept
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Print only the table, as one JSON object
     #[arg(long)]
     json: bool,
+}
+
+/// Options for what is shown of each variant.
+#[derive(Args)]
+struct ShownArgs {
+    /// Quantities of the table: keys of run.json (friction.friction_work, boundaries[0].force[1]), lengths of vectors
+    /// (size:largest_force.force), and columns of forces.csv over the increments (max:top.f_x, min:bottom.f_y,
+    /// last:load:top.u_x) [default: the key results]
+    #[arg(long, value_name = "QUANTITY,...")]
+    table: Option<String>,
+    /// Quantity of the chart, as in --table [default: the largest pressure]
+    #[arg(long, value_name = "QUANTITY")]
+    plot: Option<TableQuantity>,
+}
+
+impl ShownArgs {
+    /// Returns the quantities, checked against the places of the scenes.
+    fn of(&self, places: &Places) -> Result<Shown, Failure> {
+        let table = |text: &String| check_places(&quantities(text)?, places);
+        let plot = |quantity: &TableQuantity| {
+            quantity.check_number()?;
+            Ok(check_places(std::slice::from_ref(quantity), places)?.remove(0))
+        };
+        let refused = |option: &str, error: QuantityError| Failure::Input(miette::miette!("--{option}: {error}"));
+        Ok(Shown {
+            table: self.table.as_ref().map(table).transpose().map_err(|error| refused("table", error))?,
+            plot: self.plot.as_ref().map(plot).transpose().map_err(|error| refused("plot", error))?,
+        })
+    }
 }
 
 /// A variant to run.
@@ -66,7 +107,9 @@ impl Drop for Results {
 pub(super) fn sweep(args: &SweepArgs, cli: &Cli) -> Result<ExitCode, Failure> {
     interrupt::listen();
     let first = args.scene.read()?;
-    let tasks = tasks(args)?;
+    let (tasks, places) = tasks(args)?;
+    let shown = args.shown.of(&places)?;
+    let wanted = shown.all();
     let passing = || std::env::temp_dir().join(format!("stickslip-sweep-{}", std::process::id()));
     let lock = |folder: &PathBuf| FolderLock::new(folder).map_err(|error| write_failure(folder, &error));
     let _alone = args.out.as_ref().map(lock).transpose()?;
@@ -79,6 +122,8 @@ pub(super) fn sweep(args: &SweepArgs, cli: &Cli) -> Result<ExitCode, Failure> {
         folder: &results.path,
         // By default, the variants share the processors.
         threads: cli.threads.map_or_else(|| threads::count(None) / jobs, |count| count as usize).max(1),
+        companion: args.companion,
+        quantities: &wanted,
     };
     if let Some(folder) = &args.out {
         writable(folder)?;
@@ -97,7 +142,7 @@ pub(super) fn sweep(args: &SweepArgs, cli: &Cli) -> Result<ExitCode, Failure> {
     let ended = processes.run(&orders, jobs, &mut |Ended { order, outcome }| {
         let k = waiting[order];
         // The scene may have changed during the sweep. Then the result is not of the scene that was asked for.
-        let same = one(args, &tasks[k].overrides).is_ok_and(|(now, _)| now == tasks[k].fingerprint);
+        let same = one(args, &tasks[k].overrides).is_ok_and(|(now, _, _)| now == tasks[k].fingerprint);
         outcomes[k] = Some(match outcome {
             _ if !same => {
                 VariantResult::failed("bad-input", "the scene, or a file of it, changed during the run".to_string())
@@ -120,7 +165,7 @@ pub(super) fn sweep(args: &SweepArgs, cli: &Cli) -> Result<ExitCode, Failure> {
             outcome: outcome.unwrap_or_else(|| VariantResult::failed("interrupted", String::new())),
         }
     });
-    let sweep = Sweep::new(&first, args.variations.clone(), rows.collect());
+    let sweep = Sweep::new(&first, args.variations.clone(), shown, rows.collect());
     let json = serde_json::to_string_pretty(&sweep).map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
     if args.json {
         say!("{json}");
@@ -144,26 +189,39 @@ pub(super) fn sweep(args: &SweepArgs, cli: &Cli) -> Result<ExitCode, Failure> {
     })
 }
 
-/// Returns all variants. Each is a valid scene whose files can be read.
-fn tasks(args: &SweepArgs) -> Result<Vec<Task>, Failure> {
+/// Returns all variants, and the places of their scenes. Each is a valid scene whose files can be read.
+fn tasks(args: &SweepArgs) -> Result<(Vec<Task>, Places), Failure> {
     let variants =
         combinations(&args.variations).map_err(|error| Failure::Input(miette::miette!("--vary: {error}")))?;
-    let task = |variant: stickslip_cli::sweep::Variant| {
-        let overrides = [args.scene.overrides(), variant.overrides].concat();
-        let (fingerprint, text) = one(args, &overrides)?;
+    if args.increments.is_some()
+        && args.variations.iter().any(|one| ["time", "time.increments"].contains(&one.key.as_str()))
+    {
+        let help = "remove --increments";
+        return Err(Failure::Input(miette::miette!(help = help, "--increments: the increments are varied")));
+    }
+    let increments = args.increments.map(|number| Override::value("time.increments", i64::from(number)));
+    let mut places = Places::default();
+    let mut task = |variant: stickslip_cli::sweep::Variant| {
+        let overrides = [args.scene.overrides(), increments.iter().cloned().collect(), variant.overrides].concat();
+        let (fingerprint, text, scene) = one(args, &overrides)?;
+        if args.companion {
+            check_companion(&scene)?;
+        }
+        places.add(&scene.description);
         Ok(Task { values: variant.values, overrides, fingerprint, text })
     };
-    variants.into_iter().map(task).collect()
+    let tasks = variants.into_iter().map(&mut task).collect::<Result<_, Failure>>()?;
+    Ok((tasks, places))
 }
 
-/// Returns the fingerprint and the text of the scene with `overrides`.
-fn one(args: &SweepArgs, overrides: &[Override]) -> Result<(String, String), Failure> {
+/// Returns the fingerprint, the text and the scene with `overrides`.
+fn one(args: &SweepArgs, overrides: &[Override]) -> Result<(String, String, Scene), Failure> {
     let scene = Scene::read(&args.scene.scene, overrides)?;
-    Ok((origin(&scene)?.fingerprint(), scene.text().to_string()))
+    Ok((origin(&scene)?.fingerprint(), scene.text().to_string(), scene))
 }
 
 /// The file endings of the tables of a sweep.
-const TABLES: [&str; 4] = ["csv", "json", "txt", "svg"];
+const TABLES: [&str; 5] = ["csv", "json", "txt", "svg", "html"];
 
 /// Returns an error, before anything runs, if a table cannot be written.
 fn writable(folder: &Path) -> Result<(), Failure> {
@@ -176,8 +234,8 @@ fn writable(folder: &Path) -> Result<(), Failure> {
 
 fn write(folder: &Path, sweep: &Sweep, json: &str) -> Result<(), Failure> {
     let chart = sweep.chart().to_svg().map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
-    let (csv, text) = (sweep.to_csv(), sweep.to_text());
-    for (kind, content) in TABLES.into_iter().zip([&csv, json, &text, &chart]) {
+    let (csv, text, page) = (sweep.to_csv(), sweep.to_text(), sweep.to_html(&chart));
+    for (kind, content) in TABLES.into_iter().zip([&csv, json, &text, &chart, &page]) {
         write_file(folder, &format!("sweep.{kind}"), content).map_err(|error| write_failure(folder, &error))?;
     }
     Ok(())

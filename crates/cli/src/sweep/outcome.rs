@@ -1,9 +1,13 @@
 //! The result of a variant, read from the report of its run.
 
 use std::collections::BTreeMap;
+use std::fmt;
 
-use serde::{Deserialize, Serialize};
+use serde::de::{DeserializeSeed, IgnoredAny, MapAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
+use serde_json::{Map, Value};
 
+use super::quantity::TableQuantity;
 use stickslip::run::report::{LargestPressure, Resultant};
 
 /// The result of a variant.
@@ -31,6 +35,11 @@ pub struct VariantResult {
     pub warnings: Vec<String>,
     /// The resultant on each obstacle at the end of the last converged increment.
     pub boundaries: Vec<Resultant>,
+    /// The quantities of the table and the chart: numbers in the units of the report, texts, or null.
+    pub quantities: Map<String, Value>,
+    /// `true` if a second run estimated the time-step error.
+    #[serde(skip_serializing)]
+    pub has_companion: bool,
 }
 
 /// The part of `run.json` that is needed, or of the printed failure if there is no report.
@@ -49,7 +58,17 @@ struct Report {
     warnings: Vec<Told>,
     #[serde(default)]
     boundaries: Vec<Resultant>,
+    #[serde(default)]
+    estimates: Estimates,
 }
+
+#[derive(Deserialize, Default)]
+struct Estimates {
+    companion: Option<Companion>,
+}
+
+#[derive(Deserialize)]
+struct Companion {}
 
 #[derive(Deserialize)]
 struct Told {
@@ -70,8 +89,18 @@ struct Totals {
 
 impl From<Report> for VariantResult {
     fn from(report: Report) -> Self {
-        let Report { status, scene_text, reason, help, increments, totals, largest_pressure, warnings, boundaries } =
-            report;
+        let Report {
+            status,
+            scene_text,
+            reason,
+            help,
+            increments,
+            totals,
+            largest_pressure,
+            warnings,
+            boundaries,
+            estimates,
+        } = report;
         let errors = increments.iter().flat_map(|increment| increment.kkt.values());
         // `None` if there is no error, or one of them is no number.
         let error = errors.copied().collect::<Option<Vec<f64>>>().and_then(|all| all.into_iter().reduce(f64::max));
@@ -86,11 +115,58 @@ impl From<Report> for VariantResult {
             largest_pressure,
             warnings: warnings.into_iter().map(|warning| warning.kind).collect(),
             boundaries,
+            quantities: Map::new(),
+            has_companion: estimates.companion.is_some(),
         }
     }
 }
 
+/// Reads only these keys of an object: the lists of the increments of a long run take much memory.
+struct Parts<'a>(&'a [&'a str]);
+
+impl<'de> DeserializeSeed<'de> for Parts<'_> {
+    type Value = Map<String, Value>;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Self::Value, D::Error> {
+        deserializer.deserialize_map(self)
+    }
+}
+
+impl<'de> Visitor<'de> for Parts<'_> {
+    type Value = Map<String, Value>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("an object")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+        let mut parts = Map::new();
+        while let Some(key) = map.next_key::<String>()? {
+            if self.0.contains(&key.as_str()) {
+                parts.insert(key, map.next_value()?);
+            } else {
+                map.next_value::<IgnoredAny>()?;
+            }
+        }
+        Ok(parts)
+    }
+}
+
 impl VariantResult {
+    /// Reads a report, or a printed failure, with the values of `quantities`. Returns `None` if the text is neither.
+    pub fn read(report: &str, quantities: &[TableQuantity]) -> Option<Self> {
+        let mut reader = serde_json::Deserializer::from_str(report);
+        let roots: Vec<&str> = quantities.iter().map(TableQuantity::root).collect();
+        let parts = Value::Object(Parts(&roots).deserialize(&mut reader).ok()?);
+        let values = quantities.iter().map(|quantity| (quantity.text().to_string(), quantity.of(&parts))).collect();
+        Some(VariantResult { quantities: values, ..serde_json::from_str(report).ok()? })
+    }
+
+    /// Returns the value of a quantity if it is a number.
+    pub fn number(&self, quantity: &TableQuantity) -> Option<f64> {
+        self.quantities.get(quantity.text())?.as_f64()
+    }
+
     /// Returns the result of a variant without a report.
     pub fn failed(status: &str, reason: String) -> Self {
         VariantResult {
@@ -104,6 +180,8 @@ impl VariantResult {
             largest_pressure: None,
             warnings: Vec::new(),
             boundaries: Vec::new(),
+            quantities: Map::new(),
+            has_companion: false,
         }
     }
 

@@ -1,4 +1,4 @@
-//! Charts of a sweep: the largest contact pressure over the key that varies first.
+//! Charts of a sweep: a quantity, usually the largest contact pressure, over the key that varies first.
 
 use super::table::{Row, Sweep};
 use stickslip_output::{Axis, Chart, Curve, Dash, Line, Marker, Panel, Scale, told_apart};
@@ -9,9 +9,9 @@ const DASHES: [Dash; 4] = [Dash::Solid, Dash::Dashed, Dash::Dotted, Dash::DashDo
 const MOST_CURVES: usize = 16;
 
 impl Sweep {
-    /// Plots the largest contact pressure of each converged variant, or the iterations if nothing touches. The abscissa
-    /// is the first key whose values are all numbers, with a curve for each combination of the other keys. Without such
-    /// a key, it is the position in the list of the first key's values.
+    /// Plots [`Sweep::plotted`] of each converged variant; without it the largest contact pressure, or the iterations if
+    /// nothing touches. The abscissa is the first key whose values are all numbers, with a curve for each combination of
+    /// the other keys. Without such a key, it is the position in the list of the first key's values.
     pub fn chart(&self) -> Chart {
         let is_number = |value: &String| value.parse().is_ok_and(f64::is_finite);
         let numeric = self.varied.iter().position(|variation| variation.values.iter().all(is_number));
@@ -27,13 +27,20 @@ impl Sweep {
             if numeric.is_some() { value.parse().ok() } else { Some((in_list(value)? + 1) as f64) }
         };
         let pressed = self.variants.iter().any(|row| row.outcome.largest_pressure.is_some());
-        let height = |row: &Row| match &row.outcome.largest_pressure {
-            Some(largest) if pressed => largest.pressure.map(|pressure| self.pressure(pressure)),
-            _ if pressed => Some(0.0),
-            _ => Some(row.outcome.iterations as f64),
+        let height = |row: &Row| match (&self.plotted, &row.outcome.largest_pressure) {
+            (Some(quantity), _) => row.outcome.number(quantity).map(|x| self.in_pictures(quantity, x)),
+            (None, Some(largest)) => largest.pressure.map(|pressure| self.pressure(pressure)),
+            (None, None) if pressed => Some(0.0),
+            (None, None) => Some(row.outcome.iterations as f64),
+        };
+        let label = match &self.plotted {
+            Some(quantity) => self.label(quantity),
+            None if pressed => format!("largest contact pressure, {}", self.pressure_unit()),
+            None => "iterations".to_string(),
         };
         let mut curves: Vec<(String, Vec<[f64; 2]>)> = Vec::new();
-        for row in self.variants.iter().filter(|row| row.outcome.is_converged()) {
+        let converged = || self.variants.iter().filter(|row| row.outcome.is_converged());
+        for row in converged() {
             let (Some(x), Some(y)) = (place(row), height(row)) else { continue };
             let others = self.varied.iter().zip(&row.values).enumerate().filter(|(k, _)| *k != along);
             let label: Vec<String> =
@@ -58,22 +65,19 @@ impl Sweep {
                 colour,
             }
         };
-        let left_out = match self.variants.len() - drawn {
+        let left_out = |missing: usize, why: &str| match missing {
             0 => String::new(),
-            missing => format!(", {missing} that did not converge left out"),
+            missing => format!(", {missing} {why} left out"),
         };
+        let left_out = [
+            left_out(self.variants.len() - converged().count(), "that did not converge"),
+            left_out(converged().count() - drawn, "without a value"),
+        ];
         Chart {
             title: self.title.clone(),
-            subtitle: format!("{drawn} variants{left_out}"),
+            subtitle: format!("{drawn} variants{}", left_out.concat()),
             x,
-            y: Axis {
-                label: if pressed {
-                    format!("largest contact pressure, {}", self.pressure_unit())
-                } else {
-                    "iterations".to_string()
-                },
-                scale: Scale::Linear,
-            },
+            y: Axis { label, scale: Scale::Linear },
             columns: 1,
             panels: vec![Panel { curves: curves.into_iter().enumerate().map(curve).collect(), ..Panel::default() }],
         }

@@ -95,8 +95,8 @@ impl<'a> Value<'a> {
     }
 }
 
-/// Splits a list of values.
-fn listed(given: &str) -> Vec<String> {
+/// Splits a list of values at its commas, except within brackets and quotes.
+pub(super) fn listed(given: &str) -> Vec<String> {
     let (mut values, mut depth, mut quote) = (vec![String::new()], 0_usize, None);
     for c in given.chars() {
         match (c, quote) {

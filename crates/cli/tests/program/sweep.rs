@@ -31,7 +31,7 @@ fn every_combination_is_a_row_and_a_folder() {
     let arguments = sweep(&scene, &out, &[&friction[..], &["--vary", "time.increments=2,4", "--json"]].concat());
     let output = stickslip(&arguments);
     assert_exit(&output, 0);
-    assert_eq!(folder.names("out"), ["sweep.csv", "sweep.json", "sweep.svg", "sweep.txt", "variants"]);
+    assert_eq!(folder.names("out"), ["sweep.csv", "sweep.html", "sweep.json", "sweep.svg", "sweep.txt", "variants"]);
     let table = json(&output);
     let written: Value = serde_json::from_str(&fs::read_to_string(folder.0.join("out/sweep.json")).unwrap()).unwrap();
     assert_eq!(table, written);
@@ -72,6 +72,138 @@ fn every_combination_is_a_row_and_a_folder() {
     let svg = fs::read_to_string(folder.0.join("out/sweep.svg")).unwrap();
     for text in ["contact.friction", "time.increments = 2", "largest contact pressure, MPa", "6 variants"] {
         assert!(svg.lines().any(|line| line == text), "{text}");
+    }
+}
+
+/// Quantities of the reports are columns after the others, and one of them is the chart.
+#[test]
+fn any_quantity_of_a_report_is_shown() {
+    let (folder, scene) = Folder::with_scene(&small());
+    let out = folder.join("out");
+    let asked = "max:bottom.f_x,last:top.u_y,max:load:top.f_y,friction.friction_work,size:largest_force.force,status";
+    let variations = ["--vary", "contact.friction=0.2,0.4", "--vary", "time.increments=2,4"];
+    let shown = ["--table", asked, "--plot", "min:support:left.f_x"];
+    let output = stickslip(&sweep(&scene, &out, &[&variations[..], &shown].concat()));
+    assert_exit(&output, 0);
+    let (header, lines) = csv(&folder.0.join("out/sweep.csv"));
+    assert!(header.ends_with(&format!(",results,reason,{asked},min:support:left.f_x")), "{header}");
+    let table: Value = serde_json::from_str(&fs::read_to_string(folder.0.join("out/sweep.json")).unwrap()).unwrap();
+    assert_eq!(table["quantities"][1], serde_json::json!({ "quantity": "last:top.u_y", "unit": "m" }));
+    assert_eq!(table["plotted"], "min:support:left.f_x");
+    for (row, line) in table["variants"].as_array().unwrap().iter().zip(&lines) {
+        let results = Path::new(&out).join(row["results"].as_str().unwrap());
+        let report: Value = serde_json::from_str(&fs::read_to_string(results.join("run.json")).unwrap()).unwrap();
+        let (names, forces) = csv(&results.join("forces.csv"));
+        let column = |kind: &str, place: &str, name: &str| {
+            let [of_kind, of_place, of_name] =
+                ["kind", "boundary", name].map(|name| names.split(',').position(|other| other == name).unwrap());
+            let lines = forces.iter().filter(|line| line[of_kind] == kind && line[of_place] == place);
+            lines.map(|line| line[of_name].parse::<f64>().unwrap()).collect::<Vec<_>>()
+        };
+        let force = report["largest_force"]["force"].as_array().unwrap();
+        let expected = [
+            column("contact", "bottom", "f_x").into_iter().reduce(f64::max).unwrap(),
+            *column("load", "top", "u_y").last().unwrap(),
+            column("load", "top", "f_y").into_iter().reduce(f64::max).unwrap(),
+            number(&report["friction"]["friction_work"]),
+            force.iter().map(|f| number(f).powi(2)).sum::<f64>().sqrt(),
+        ];
+        for (name, value) in asked.split(',').zip(expected) {
+            assert_eq!(number(&row["quantities"][name]), value, "{name}");
+        }
+        assert_eq!(line[line.len() - 2], "converged");
+        let least = column("support", "left", "f_x").into_iter().reduce(f64::min).unwrap();
+        assert_eq!(number(&row["quantities"]["min:support:left.f_x"]), least);
+        assert_eq!(line[line.len() - 1].parse(), Ok(least));
+    }
+    let svg = fs::read_to_string(folder.0.join("out/sweep.svg")).unwrap();
+    for text in ["min:support:left.f_x, N", "time.increments = 2", "time.increments = 4", "contact.friction"] {
+        assert!(svg.lines().any(|line| line == text), "{text}");
+    }
+    // The page holds table and chart, and leads to the reports of the variants.
+    let page = fs::read_to_string(folder.0.join("out/sweep.html")).unwrap();
+    assert!(page.contains("last:top.u_y, m") && page.contains(">4 variants, 4 converged<") && page.contains(&svg));
+    let links: Vec<&str> =
+        page.split("href=\"").filter_map(|rest| rest.split('"').next()).filter(|link| link.contains('/')).collect();
+    assert_eq!(links.len(), 4);
+    assert!(links.iter().all(|link| Path::new(&out).join(link).is_file()), "{links:?}");
+    assert_eq!(page.matches("http").count(), page.matches("http://www.w3.org/").count());
+}
+
+/// Without --table the columns are the key results that there are.
+#[test]
+fn key_results_are_shown() {
+    let (folder, scene) = Folder::with_scene(&small());
+    let heads = |friction: &str| {
+        let output = stickslip(&["sweep", &scene, "--vary", friction]);
+        let head = stdout(&output).lines().find(|line| line.starts_with("contact.friction")).unwrap().to_string();
+        assert!(head.contains("pressure, MPa") && head.contains("  force, N"), "{head}");
+        head
+    };
+    assert!(heads("contact.friction=0.2,0.4").contains("friction work, J"));
+    assert!(!heads("contact.friction=50,60").contains("friction work"));
+    // A quantity that no run has is reported.
+    let output = stickslip(&["sweep", &scene, "--vary", "contact.friction=0.2,0.4", "--table", "max:bottom.f_z"]);
+    assert_exit(&output, 0);
+    assert!(stdout(&output).contains("max:bottom.f_z: no variant has a value"), "{}", stdout(&output));
+    drop(folder);
+}
+
+#[test]
+fn bad_quantities_are_told_before_anything_runs() {
+    let (folder, scene) = Folder::with_scene(&small());
+    let vary = ["--vary", "contact.friction=0.2,0.4", "--out", &folder.join("out")].map(String::from);
+    for (option, quantity, words) in [
+        ("--table", "friction_work", "did you mean cycle.friction_work or friction.friction_work"),
+        ("--table", "friction.work", "the keys of friction are friction_work, mesh_error, time_error"),
+        ("--table", "status,max:botom.f_x", "did you mean bottom?"),
+        ("--table", "largest_force.force", "size:largest_force.force"),
+        ("--plot", "status", "is no number and cannot be drawn"),
+        ("--plot", "max:bottom.fx", "did you mean f_x?"),
+        ("--plot", "max:left.sum_p_n", "a support has no column `sum_p_n`"),
+    ] {
+        let mut arguments = vec!["sweep", &scene, option, quantity];
+        arguments.extend(vary.iter().map(String::as_str));
+        let output = stickslip(&arguments);
+        assert_exit(&output, 2);
+        let flat = stderr(&output).replace("\n  │ ", " ");
+        assert!(flat.contains(words), "{quantity}: {flat}");
+        assert!(!folder.0.join("out").exists(), "{quantity}");
+    }
+}
+
+/// A result without the second run is no result of a sweep with it.
+#[test]
+fn increments_and_companions_are_for_all_variants() {
+    let (folder, scene) = Folder::with_scene(&small());
+    let out = folder.join("out");
+    let told = |more: &[&str], kept: &str| {
+        let vary = ["--vary", "contact.friction=0.2,0.4", "--increments", "8"];
+        let output = stickslip(&sweep(&scene, &out, &[&vary[..], more].concat()));
+        assert_exit(&output, 0);
+        assert!(stdout(&output).contains(&format!("variants     2{kept}\n")), "{}", stdout(&output));
+        let (_, lines) = csv(&folder.0.join("out/sweep.csv"));
+        assert!(lines.iter().all(|line| line[2] == "8"), "{lines:?}");
+        lines.iter().map(|line| line.last().unwrap().clone()).collect::<Vec<_>>()
+    };
+    let asked = ["--table", "estimates.companion.increments"];
+    let done = ", 2 of them already complete";
+    assert_eq!(told(&asked, ""), ["", ""]);
+    let with = [&asked[..], &["--companion"]].concat();
+    let estimated = told(&with, "");
+    assert!(estimated.iter().all(|increments| increments.parse::<usize>().is_ok()), "{estimated:?}");
+    assert_eq!(told(&with, done), estimated);
+    assert_eq!(told(&asked, done), estimated);
+    for (more, words) in [
+        (&["--vary", "time.increments=2,4", "--increments", "8"][..], "the increments are varied"),
+        (
+            &["--vary", "contact.friction=0.2,0.4", "--companion", "--method", "events"],
+            "the exact path has no increments",
+        ),
+    ] {
+        let output = stickslip(&[&["sweep", &scene], more].concat());
+        assert_exit(&output, 2);
+        assert!(stderr(&output).replace("\n  │ ", " ").contains(words), "{}", stderr(&output));
     }
 }
 

@@ -296,22 +296,28 @@ fn units_can_be_set() {
 
 #[test]
 fn sweeps_are_told_in_the_units_of_the_scene() {
+    const QUANTITIES: &str = "largest_pressure.pressure,max:bottom.f_x,last:top.u_y,friction.friction_work";
     let [si, mm] = block().map(|text| {
         let (folder, scene) = Folder::with_scene(&text);
         let out = folder.join("out");
-        let output = stickslip(&["sweep", &scene, "--vary", "contact.friction=0.1,0.2", "--out", &out]);
+        let output =
+            stickslip(&["sweep", &scene, "--vary", "contact.friction=0.1,0.2", "--out", &out, "--table", QUANTITIES]);
         assert_exit(&output, 0);
         let text = stdout(&output).to_string();
         let json: Value = serde_json::from_str(&fs::read_to_string(folder.join("out/sweep.json")).unwrap()).unwrap();
         (text, json, csv(&folder.0.join("out/sweep.csv")), fs::read_to_string(folder.join("out/sweep.svg")).unwrap())
     });
-    assert!(si.0.contains("pressure, MPa") && si.0.contains("bottom f_x, N ") && si.1.get("units").is_none());
-    assert!(mm.0.contains("pressure, MPa") && mm.0.contains("bottom f_x, N/mm "), "{}", mm.0);
+    assert!(si.0.contains("pressure, MPa") && si.0.contains("max:bottom.f_x, N ") && si.1.get("units").is_none());
+    for head in ["pressure, MPa", "max:bottom.f_x, N/mm ", "last:top.u_y, mm ", "friction work, mJ/mm "] {
+        assert!(mm.0.contains(head), "{head}: {}", mm.0);
+    }
     assert_eq!(mm.1["units"]["force"]["name"], "N/mm");
     assert!(si.3.contains("largest contact pressure, MPa") && mm.3.contains("largest contact pressure, MPa"));
     for (k, name) in si.2.0.split(',').enumerate() {
         let unit = match name {
-            "largest_pressure" => "Pa",
+            "largest_pressure" | "largest_pressure.pressure" => "Pa",
+            "last:top.u_y" => "m",
+            "friction.friction_work" => "J",
             name if name.contains(".f_") || name.contains(".sum_p") => "N",
             _ => continue,
         };

@@ -10,7 +10,7 @@ use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::Duration;
 
-use stickslip_cli::sweep::VariantResult;
+use stickslip_cli::sweep::{TableQuantity, VariantResult};
 
 use super::super::interrupt;
 use super::Task;
@@ -29,6 +29,10 @@ pub(super) struct Processes<'a> {
     pub folder: &'a Path,
     /// The threads of each process.
     pub threads: usize,
+    /// Whether a second run estimates the time-step error.
+    pub companion: bool,
+    /// The quantities to read from the reports.
+    pub quantities: &'a [TableQuantity],
 }
 
 /// A finished process.
@@ -75,8 +79,9 @@ impl Processes<'_> {
     /// Returns the result of an earlier try if it is complete and of the scene of `task`; a renamed folder may hold
     /// another scene.
     pub(super) fn kept(&self, task: &Task) -> Option<VariantResult> {
-        let outcome = read(&self.whole(&task.fingerprint).join("run.json"))?;
-        (outcome.is_final() && outcome.scene_text.as_ref() == Some(&task.text)).then_some(outcome)
+        let outcome = self.read(&self.whole(&task.fingerprint).join("run.json"))?;
+        let is_whole = !self.companion || outcome.has_companion || !outcome.is_converged();
+        (is_whole && outcome.is_final() && outcome.scene_text.as_ref() == Some(&task.text)).then_some(outcome)
     }
 
     /// Keeps the results of a variant if they are final. Returns the outcome.
@@ -133,7 +138,8 @@ impl Processes<'_> {
                     Ok(Some(status)) => format!("the process ended without a word, {status}"),
                     Err(error) => format!("the process cannot be watched: {error}"),
                 };
-                let outcome = read(&process.printed).unwrap_or_else(|| VariantResult::failed("machine-failure", words));
+                let outcome =
+                    self.read(&process.printed).unwrap_or_else(|| VariantResult::failed("machine-failure", words));
                 tell(Ended { order: process.order, outcome });
                 self.clear(&process, orders);
             }
@@ -150,6 +156,7 @@ impl Processes<'_> {
         let mut command = Command::new(std::env::current_exe()?);
         command.arg("run").arg(self.scene).arg("--json").arg("--out").arg(&partial);
         command.args(overrides.iter().flat_map(|change| ["--set".to_string(), change.to_string()]));
+        command.args(self.companion.then_some("--companion"));
         command.envs(BLAS_THREADS.map(|name| (name, self.threads.to_string())));
         command.arg("--threads").arg(self.threads.to_string());
         let child = command.stdin(Stdio::null()).stdout(File::create(&printed)?).stderr(Stdio::null()).spawn()?;
@@ -164,14 +171,14 @@ impl Processes<'_> {
         }
     }
 
+    fn read(&self, report: &Path) -> Option<VariantResult> {
+        VariantResult::read(&fs::read_to_string(report).ok()?, self.quantities)
+    }
+
     fn clear(&self, process: &Running, orders: &[&Task]) {
         remove(&process.printed);
         remove(&self.partial(&orders[process.order].fingerprint));
     }
-}
-
-fn read(report: &Path) -> Option<VariantResult> {
-    serde_json::from_str(&fs::read_to_string(report).ok()?).ok()
 }
 
 /// Removes a file or a folder if it exists. Failures are ignored.

@@ -1,0 +1,57 @@
+//! The page of a sweep: table, chart and links to the reports of the variants, for any browser without a network.
+
+use super::table::{Row, Sweep};
+
+impl Sweep {
+    /// Returns the page, with `chart` as its picture (SVG).
+    pub fn to_html(&self, chart: &str) -> String {
+        let heads = enclosed(&self.heads(), "<th><button>", "</button></th>");
+        let rows: String = self.variants.iter().map(|row| self.row(row)).collect();
+        let notes = enclosed(&self.notes(), "<li>", "</li>");
+        let converged = self.variants.iter().filter(|row| row.outcome.is_converged()).count();
+        let verdict = format!("{} variants, {converged} converged", self.variants.len());
+        let class = if converged == self.variants.len() { "good" } else { "bad" };
+        let program = format!("stickslip {} &middot; {}", self.program_version, escaped(&self.scene));
+        let parts = [
+            ("/*STYLE*/", include_str!("page/page.css")),
+            ("<!--TITLE-->", &escaped(&self.title)),
+            ("<!--PROGRAM-->", &program),
+            ("<!--VERDICT-->", &format!("<p class=\"verdict {class}\">{verdict}</p>")),
+            ("<!--CHART-->", chart),
+            ("<!--HEADS-->", &heads),
+            ("<!--ROWS-->", &rows),
+            ("<!--NOTES-->", &if notes.is_empty() { notes } else { format!("<h2>Notes</h2><ul>{notes}</ul>") }),
+        ];
+        let (mut page, mut rest) = (String::new(), include_str!("page/page.html"));
+        // A part is never searched for the mark of another.
+        for (mark, content) in parts {
+            let (before, after) = rest.split_once(mark).unwrap_or((rest, ""));
+            page += before;
+            page += content;
+            rest = after;
+        }
+        page + rest
+    }
+
+    /// Returns the row of a variant. Its verdict leads to its report.
+    fn row(&self, row: &Row) -> String {
+        let (verdict, cells) = (row.values.len(), self.cells(row));
+        let cell = |(k, cell): (usize, &String)| match &row.results {
+            Some(folder) if k == verdict => {
+                format!("<td><a href=\"{}/report.html\">{}</a></td>", escaped(folder), escaped(cell))
+            }
+            _ => format!("<td>{}</td>", escaped(cell)),
+        };
+        format!("<tr>{}</tr>\n", cells.iter().enumerate().map(cell).collect::<Vec<_>>().concat())
+    }
+}
+
+/// Encloses each text, which is escaped, in tags.
+fn enclosed(texts: &[String], open: &str, close: &str) -> String {
+    texts.iter().map(|text| [open, &escaped(text), close].concat()).collect()
+}
+
+/// Escapes a text for HTML.
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}

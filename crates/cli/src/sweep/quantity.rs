@@ -1,0 +1,602 @@
+//! Quantities of a run for the table and the chart of a sweep.
+//!
+//! ```text
+//! QUANTITY = KEY                              a key of run.json with one value: friction.friction_work, boundaries[0].force[1]
+//!          | size:KEY                         the length of a vector: size:largest_force.force
+//!          | max|min|last:[KIND:]PLACE.COLUMN a column of forces.csv over the increments: max:top.f_x, last:load:top.u_y
+//! ```
+
+use std::str::FromStr;
+
+use serde::{Serialize, Serializer};
+use serde_json::Value;
+
+use stickslip::base::Quantity;
+use stickslip::run::report::{column_quantity, key_quantity};
+
+use super::keys::{self, Kind};
+use super::places::{Acting, Places};
+use super::variation::listed;
+
+/// A quantity of a run.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct TableQuantity {
+    /// The quantity as it was given.
+    text: String,
+    source: Source,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum Source {
+    /// A key, as a JSON pointer.
+    Key { pointer: String, name: String, kind: Kind },
+    /// The length of a vector.
+    Size { pointer: String, name: String },
+    /// A column of `forces.csv`.
+    Column { pick: Pick, acting: Option<Acting>, place: String, column: Column },
+}
+
+/// One value of a column of all increments.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Pick {
+    Max,
+    Min,
+    Last,
+}
+
+/// A column of `forces.csv`, by the key of the report that has its numbers.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Column {
+    name: &'static str,
+    key: &'static str,
+    /// The axis, if the key has a vector.
+    axis: Option<usize>,
+}
+
+/// The columns: name, key of the report, and axis.
+const COLUMNS: [(&str, &str, Option<usize>); 12] = [
+    ("f_x", "force", Some(0)),
+    ("f_y", "force", Some(1)),
+    ("f_z", "force", Some(2)),
+    ("m_x", "moment", Some(0)),
+    ("m_y", "moment", Some(1)),
+    ("m_z", "moment", Some(2)),
+    ("u_x", "displacement", Some(0)),
+    ("u_y", "displacement", Some(1)),
+    ("u_z", "displacement", Some(2)),
+    ("sum_p_n", "sum_p_n", None),
+    ("sum_p_t", "sum_p_t", None),
+    ("sum_p_o", "sum_p_o", None),
+];
+
+/// The reason why a quantity is invalid.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum QuantityError {
+    /// There is no such function.
+    #[error("`{name}` is no function of a quantity; the functions are max:, min: and last: of PLACE.COLUMN, and size: of a vector{}", meant(.similar))]
+    Function {
+        /// The name.
+        name: String,
+        /// The quantity with similar functions.
+        similar: Vec<String>,
+    },
+    /// A report has no such key.
+    #[error("`{text}` is no key of a report{}{}", meant(.similar), existing(.parent, .children, .similar))]
+    Key {
+        /// The quantity.
+        text: String,
+        /// The longest part of it that is a key.
+        parent: String,
+        /// The keys below that part.
+        children: Vec<String>,
+        /// Similar keys.
+        similar: Vec<String>,
+    },
+    /// The key has several values.
+    #[error("`{text}` has several values; give one of them: {}", .values.join(", "))]
+    Several {
+        /// The quantity.
+        text: String,
+        /// Its values.
+        values: Vec<String>,
+    },
+    /// `size:` is of a single value.
+    #[error("`{0}` is no vector; leave out size:")]
+    NoVector(String),
+    /// The value is a text.
+    #[error("`{0}` is no number and cannot be drawn; show it in the table (--table)")]
+    NoNumber(String),
+    /// A quantity of forces without a column.
+    #[error("`{0}` is not of the form {{max,min,last}}:PLACE.COLUMN, such as max:top.f_x")]
+    NoColumn(String),
+    /// There is no such column at a place.
+    #[error("`{text}`: {} has no column `{column}`; it has {}{}", .of, .columns.join(", "), meant(.similar))]
+    Column {
+        /// The quantity.
+        text: String,
+        /// What has columns: the kind of force, or `forces.csv`.
+        of: String,
+        /// The column.
+        column: String,
+        /// The columns that there are.
+        columns: Vec<String>,
+        /// Similar columns.
+        similar: Vec<String>,
+    },
+    /// There is no such place.
+    #[error("`{text}`: no contact, support, spring or load of the scene is at `{place}`; they are at {}{}", .places.join(", "), meant(.similar))]
+    Place {
+        /// The quantity.
+        text: String,
+        /// The place.
+        place: String,
+        /// All places.
+        places: Vec<String>,
+        /// Similar places.
+        similar: Vec<String>,
+    },
+    /// Several kinds of forces act at the place.
+    #[error("`{text}`: several forces act at `{place}`; give one of {}", .choices.join(", "))]
+    Ambiguous {
+        /// The quantity.
+        text: String,
+        /// The place.
+        place: String,
+        /// The quantity with each kind.
+        choices: Vec<String>,
+    },
+    /// This kind of force does not act at the place.
+    #[error("`{text}`: there is no {kind} at `{place}`, but {}", .there.join(", "))]
+    NotThere {
+        /// The quantity.
+        text: String,
+        /// The place.
+        place: String,
+        /// The kind of force.
+        kind: &'static str,
+        /// The kinds there.
+        there: Vec<&'static str>,
+    },
+}
+
+fn meant(similar: &[String]) -> String {
+    if similar.is_empty() { String::new() } else { format!("; did you mean {}?", similar.join(" or ")) }
+}
+
+/// Returns what is below the part of a key that exists. All keys of a report are too many if there are similar ones.
+fn existing(parent: &str, children: &[String], similar: &[String]) -> String {
+    match (parent, similar) {
+        ("", []) => format!("; its keys are {}", children.join(", ")),
+        ("", _) => String::new(),
+        _ => format!("; the keys of {parent} are {}", children.join(", ")),
+    }
+}
+
+/// Parses quantities separated by commas; commas within brackets and quotes belong to a quantity.
+///
+/// # Errors
+/// See [`QuantityError`].
+pub fn quantities(text: &str) -> Result<Vec<TableQuantity>, QuantityError> {
+    listed(text).iter().map(|one| one.parse()).collect()
+}
+
+impl FromStr for TableQuantity {
+    type Err = QuantityError;
+
+    fn from_str(text: &str) -> Result<Self, QuantityError> {
+        const FUNCTIONS: [&str; 4] = ["max", "min", "last", "size"];
+        let text = text.trim().to_string();
+        let source = match text.split_once(':') {
+            None => key(&text)?,
+            Some(("size", key)) => size(key)?,
+            Some(("max", rest)) => column(&text, Pick::Max, rest)?,
+            Some(("min", rest)) => column(&text, Pick::Min, rest)?,
+            Some(("last", rest)) => column(&text, Pick::Last, rest)?,
+            Some((other, rest)) => {
+                let similar =
+                    nearest(other, FUNCTIONS.iter().copied()).into_iter().map(|name| format!("{name}:{rest}"));
+                return Err(QuantityError::Function { name: other.to_string(), similar: similar.collect() });
+            }
+        };
+        Ok(TableQuantity { text, source })
+    }
+}
+
+/// Returns the names of a similar spelling.
+fn nearest<'a>(name: &str, names: impl Iterator<Item = &'a str>) -> Vec<String> {
+    // One of three letters may differ.
+    const ALIKE: f64 = 0.6;
+    names.filter(|other| strsim::normalized_damerau_levenshtein(name, other) >= ALIKE).map(String::from).collect()
+}
+
+/// Parses a key: its name with `[]` for each index, and its JSON pointer.
+fn parsed(text: &str) -> (String, String) {
+    let (mut name, mut pointer) = (Vec::new(), vec![""]);
+    for part in text.split('.') {
+        let mut pieces = part.split('[');
+        pointer.push(pieces.next().unwrap_or_default());
+        let key = pointer[pointer.len() - 1];
+        let index = |piece: &str| piece.strip_suffix(']')?.parse::<usize>().ok();
+        let indices: Option<Vec<usize>> = pieces.clone().map(index).collect();
+        // Anything but numbers in brackets stays in the name, which is then no key.
+        name.push(indices.map_or(part.to_string(), |all| format!("{key}{}", "[]".repeat(all.len()))));
+        pointer.extend(pieces.map(|piece| piece.trim_end_matches(']')));
+    }
+    (name.join("."), pointer.join("/"))
+}
+
+/// Writes a name with the index 0 in each list, as an example.
+fn example(name: &str) -> String {
+    name.replace("[]", "[0]")
+}
+
+fn found(text: &str) -> Result<(String, String, Kind), QuantityError> {
+    let (name, pointer) = parsed(text);
+    if let Some(key) = keys::find(&name) {
+        return Ok((name, pointer, key.kind));
+    }
+    let ends = name.match_indices('.').map(|(at, _)| &name[..at]).collect::<Vec<_>>();
+    let parent = ends.into_iter().rev().find(|part| !keys::children(part).is_empty()).unwrap_or_default();
+    let children = keys::children(parent).into_iter().map(String::from).collect();
+    let similar = keys::similar(&name).into_iter().map(example).collect();
+    Err(QuantityError::Key { text: text.to_string(), parent: parent.to_string(), children, similar })
+}
+
+fn key(text: &str) -> Result<Source, QuantityError> {
+    let (name, pointer, kind) = found(text)?;
+    let values = match kind {
+        Kind::Number | Kind::Word => return Ok(Source::Key { pointer, name, kind }),
+        Kind::Vector => vec![format!("{text}[0]"), format!("{text}[1]"), format!("size:{text}")],
+        Kind::Several => {
+            let list = if keys::find(&format!("{name}[]")).is_some() { "[0]" } else { "" };
+            let below = keys::children(&name);
+            let below = below.iter().map(|child| format!("{text}{list}.{child}"));
+            let values: Vec<String> = below.collect();
+            if values.is_empty() { vec![format!("{text}{list}")] } else { values }
+        }
+    };
+    Err(QuantityError::Several { text: text.to_string(), values })
+}
+
+fn size(text: &str) -> Result<Source, QuantityError> {
+    let (name, pointer, kind) = found(text)?;
+    match kind {
+        Kind::Vector => Ok(Source::Size { pointer, name }),
+        Kind::Number | Kind::Word => Err(QuantityError::NoVector(text.to_string())),
+        Kind::Several => key(text),
+    }
+}
+
+fn column(text: &str, pick: Pick, rest: &str) -> Result<Source, QuantityError> {
+    let kind = |name: &str| Acting::ALL.into_iter().find(|acting| acting.name() == name);
+    let given = rest.split_once(':').and_then(|(name, rest)| Some((kind(name)?, rest)));
+    let (acting, rest) = given.map_or((None, rest), |(acting, rest)| (Some(acting), rest));
+    let Some((place, name)) = rest.rsplit_once('.').filter(|(place, _)| !place.is_empty()) else {
+        return Err(QuantityError::NoColumn(text.to_string()));
+    };
+    let found = COLUMNS.into_iter().find(|(column, ..)| *column == name);
+    let Some((name, key, axis)) = found else { return Err(no_column(text, name, None)) };
+    Ok(Source::Column { pick, acting, place: place.to_string(), column: Column { name, key, axis } })
+}
+
+/// Returns `true` if forces of this kind have the numbers of a key.
+fn has(acting: Option<Acting>, key: &str) -> bool {
+    match acting {
+        Some(Acting::Contact) => key != "displacement",
+        Some(_) => !key.starts_with("sum_p"),
+        None => true,
+    }
+}
+
+fn no_column(text: &str, name: &str, acting: Option<Acting>) -> QuantityError {
+    let columns: Vec<&str> = COLUMNS.iter().filter(|(_, key, _)| has(acting, key)).map(|(name, ..)| *name).collect();
+    QuantityError::Column {
+        text: text.to_string(),
+        of: acting.map_or("forces.csv".to_string(), |acting| format!("a {acting}")),
+        column: name.to_string(),
+        similar: nearest(name, columns.iter().copied()).into_iter().take(1).collect(),
+        columns: columns.into_iter().map(String::from).collect(),
+    }
+}
+
+impl TableQuantity {
+    /// Returns the quantity as it was given.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// Returns the kind of its unit.
+    pub fn quantity(&self) -> Quantity {
+        match &self.source {
+            Source::Key { name, .. } | Source::Size { name, .. } => key_quantity(last(name)),
+            Source::Column { column, .. } => column_quantity(column.name).unwrap_or(Quantity::Number),
+        }
+    }
+
+    /// Returns the name of a unit that no system of units changes: s or B.
+    pub(super) fn fixed_unit(&self) -> &'static str {
+        let Source::Key { name, .. } = &self.source else { return "" };
+        match last(name) {
+            "time" | "start" | "end" => "s",
+            key if key.ends_with("seconds") => "s",
+            key if key.ends_with("bytes") => "B",
+            _ => "",
+        }
+    }
+
+    /// Fails unless the quantity is a number.
+    ///
+    /// # Errors
+    /// [`QuantityError::NoNumber`].
+    pub fn check_number(&self) -> Result<(), QuantityError> {
+        match self.source {
+            Source::Key { kind: Kind::Word, .. } => Err(QuantityError::NoNumber(self.text.clone())),
+            _ => Ok(()),
+        }
+    }
+
+    /// Completes a quantity of forces with what acts at its place.
+    pub(super) fn at(&self, places: &Places) -> Result<Self, QuantityError> {
+        let Source::Column { pick, acting, place, column } = &self.source else { return Ok(self.clone()) };
+        // A boundary of a body has the name of the body before a colon, which may be that of a kind of force.
+        let of_body = acting.map(|acting| format!("{acting}:{place}")).filter(|name| !places.at(name).is_empty());
+        let (acting, place) = match of_body {
+            Some(name) if places.at(place).is_empty() => (None, name),
+            _ => (*acting, place.clone()),
+        };
+        let (text, there) = (self.text.clone(), places.at(&place));
+        let acting = match (acting, there) {
+            (_, []) => {
+                let places = places.names();
+                let of_bodies =
+                    places.iter().filter(|name| name.rsplit_once(':').is_some_and(|(_, name)| name == place));
+                let mut similar: Vec<String> = of_bodies.cloned().collect();
+                similar.extend(nearest(&place, places.iter().map(String::as_str)));
+                return Err(QuantityError::Place { text, place, places, similar });
+            }
+            (Some(acting), _) if there.contains(&acting) => acting,
+            (Some(acting), _) => {
+                let there = there.iter().map(|acting| acting.name()).collect();
+                return Err(QuantityError::NotThere { text, place, kind: acting.name(), there });
+            }
+            (None, _) => {
+                // Of several kinds, those without the column do not count.
+                let able: Vec<Acting> = there.iter().copied().filter(|acting| has(Some(*acting), column.key)).collect();
+                match able[..] {
+                    [acting] => acting,
+                    [] => return Err(no_column(&text, column.name, Some(there[0]))),
+                    _ => {
+                        let (function, rest) = text.split_once(':').unwrap_or_default();
+                        let choices = able.iter().map(|acting| format!("{function}:{acting}:{rest}")).collect();
+                        return Err(QuantityError::Ambiguous { text, place, choices });
+                    }
+                }
+            }
+        };
+        if !has(Some(acting), column.key) {
+            return Err(no_column(&text, column.name, Some(acting)));
+        }
+        let source = Source::Column { pick: *pick, acting: Some(acting), place, column: column.clone() };
+        Ok(TableQuantity { text, source })
+    }
+
+    /// Returns the key of the report itself with all that the value depends on.
+    pub(super) fn root(&self) -> &str {
+        match &self.source {
+            Source::Key { name, .. } | Source::Size { name, .. } => name.split(['.', '[']).next().unwrap_or_default(),
+            Source::Column { acting: None | Some(Acting::Contact), .. } => "forces",
+            Source::Column { .. } => "reactions",
+        }
+    }
+
+    /// Returns the value in a report: a number in the units of the report, a text, or null if the run has no such value.
+    pub fn of(&self, report: &Value) -> Value {
+        match &self.source {
+            Source::Key { pointer, .. } => report.pointer(pointer).cloned().unwrap_or_default(),
+            Source::Size { pointer, .. } => {
+                let components = report.pointer(pointer).and_then(Value::as_array);
+                let squares = components.map(|all| all.iter().map(|f| Some(f.as_f64()?.powi(2))).sum::<Option<f64>>());
+                squares.flatten().map(f64::sqrt).into()
+            }
+            Source::Column { pick, acting, place, column } => {
+                let values = of_column(report, *acting, place, column);
+                match pick {
+                    Pick::Max => values.into_iter().reduce(f64::max),
+                    Pick::Min => values.into_iter().reduce(f64::min),
+                    Pick::Last => values.last().copied(),
+                }
+                .into()
+            }
+        }
+    }
+}
+
+impl Serialize for TableQuantity {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.text.serialize(serializer)
+    }
+}
+
+/// Returns the last part of the name of a key, without the brackets of a list.
+fn last(name: &str) -> &str {
+    name.rsplit('.').next().unwrap_or_default().trim_end_matches("[]")
+}
+
+/// Returns the values of a column in all converged increments. Forces of equal kind at one place add up; they move
+/// together. Between bodies each side has the force on the other one.
+fn of_column(report: &Value, acting: Option<Acting>, place: &str, column: &Column) -> Vec<f64> {
+    let list = |key: &str| report[key].as_array().map_or(&[][..], Vec::as_slice);
+    let number = |of: &Value| column.axis.map_or(&of[column.key], |axis| component(of, column.key, axis)).as_f64();
+    let adds = column.key != "displacement";
+    match acting.and_then(Acting::list) {
+        None => {
+            let of_increment = |records: &[Value]| {
+                let sides = records.iter().flat_map(|record| [record, &record["opposite"]]);
+                sides.filter(|side| side["boundary"] == place).filter_map(number).reduce(|sum, more| sum + more)
+            };
+            list("forces").chunk_by(|a, b| a["index"] == b["index"]).filter_map(of_increment).collect()
+        }
+        Some(kind) => {
+            let of_increment = |reactions: &Value| {
+                let here = reactions[kind].as_array()?.iter().filter(|of| of["at"] == place);
+                here.filter_map(number).reduce(|sum, more| if adds { sum + more } else { sum })
+            };
+            list("reactions").iter().filter_map(of_increment).collect()
+        }
+    }
+}
+
+/// Returns a component of a vector. In two dimensions a moment has one component, about z.
+fn component<'a>(of: &'a Value, key: &str, axis: usize) -> &'a Value {
+    let vector = &of[key];
+    let is_plane = key == "moment" && vector.as_array().is_some_and(|all| all.len() == 1);
+    match axis {
+        2 if is_plane => &vector[0],
+        _ if is_plane => &Value::Null,
+        axis => &vector[axis],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    fn report() -> Value {
+        json!({
+            "largest_pressure": { "pressure": 5.5, "boundary": "bottom", "singular": true },
+            "largest_force": { "force": [3.0, -4.0] },
+            "boundaries": [{ "boundary": "bottom", "force": [1.0, -2.0] }],
+            "forces": [
+                { "index": 1, "boundary": "bottom", "force": [1.0, -7.0], "moment": [0.5], "sum_p_n": 7.0 },
+                { "index": 1, "boundary": "side", "force": [100.0, 0.0], "moment": [0.0], "sum_p_n": 100.0,
+                  "opposite": { "boundary": "a+b", "force": [-100.0, 1.0], "moment": [0.0] } },
+                { "index": 2, "boundary": "bottom", "force": [-3.0, -2.0], "moment": [0.25], "sum_p_n": 2.0 },
+                { "index": 2, "boundary": "side", "force": [50.0, 0.0], "moment": [0.0], "sum_p_n": 100.0,
+                  "opposite": { "boundary": "a+b", "force": [-50.0, 0.0], "moment": [0.0] } },
+                { "index": 2, "boundary": "edge", "force": [5.0, 0.0], "moment": [0.0], "sum_p_n": 5.0,
+                  "opposite": { "boundary": "a+b", "force": [-5.0, 0.0], "moment": [0.0] } },
+            ],
+            "reactions": [
+                { "supports": [{ "at": "top", "force": [1.0, 2.0], "displacement": [0.0, 0.1] },
+                               { "at": "top", "force": [0.0, 3.0], "displacement": [0.0, 0.1] }],
+                  "loads": [{ "at": "top", "force": [0.0, -9.0], "displacement": [0.0, 0.1] }] },
+                { "supports": [{ "at": "top", "force": [2.0, 1.0], "displacement": [0.0, 0.3] },
+                               { "at": "top", "force": [0.0, 1.0], "displacement": [0.0, 0.3] }],
+                  "loads": [{ "at": "top", "force": [0.0, -8.0], "displacement": [0.0, 0.3] }] },
+            ],
+        })
+    }
+
+    fn places() -> Places {
+        let scene = "mesh = { kind = 'block', size = [1, 1], elements = [1, 1] }
+            material = { young = 1e9, poisson = 0.3 }
+            support = [{ boundary = 'top', fix = ['x', 'y'] }, { point = [0, 1], fix = ['x'] }]
+            load = [{ boundary = 'top', traction = [0, 1] }, { acceleration = [0, -1] }]
+            contact = [
+              { boundary = 'bottom', friction = 0.3, obstacle = { kind = 'plane', gap = 0 } },
+              { boundary = 'side', friction = 0.3, against = ['a', 'b'] },
+            ]
+            time = { end = 1, increments = 2 }";
+        let scene = stickslip::scene::Scene::parse("scene.toml", scene, &[]).unwrap();
+        let mut places = Places::default();
+        places.add(&scene.description);
+        places
+    }
+
+    fn value(text: &str) -> Value {
+        let quantity = text.parse::<TableQuantity>().and_then(|quantity| quantity.at(&places()));
+        quantity.unwrap_or_else(|error| panic!("{text}: {error}")).of(&report())
+    }
+
+    #[test]
+    fn quantities_have_values() {
+        for (text, expected) in [
+            ("largest_pressure.pressure", json!(5.5)),
+            ("largest_pressure.boundary", json!("bottom")),
+            ("largest_pressure.singular", json!(true)),
+            ("size:largest_force.force", json!(5.0)),
+            ("boundaries[0].force[1]", json!(-2.0)),
+            ("boundaries[1].force[1]", Value::Null),
+            ("friction.friction_work", Value::Null),
+            ("max:bottom.f_x", json!(1.0)),
+            ("min:bottom.f_x", json!(-3.0)),
+            ("last:contact:bottom.m_z", json!(0.25)),
+            ("max:bottom.m_x", Value::Null),
+            ("max:bottom.f_z", Value::Null),
+            ("max:bottom.sum_p_n", json!(7.0)),
+            // One side of two contacts between bodies.
+            ("min:a+b.f_x", json!(-100.0)),
+            ("last:contact:a+b.f_x", json!(-55.0)),
+            ("max:a+b.sum_p_n", Value::Null),
+            // Two supports of one place act together, but move once.
+            ("max:support:top.f_y", json!(5.0)),
+            ("last:support:top.u_y", json!(0.3)),
+            ("min:load:top.f_y", json!(-9.0)),
+        ] {
+            assert_eq!(value(text), expected, "{text}");
+        }
+    }
+
+    #[test]
+    fn quantities_have_units() {
+        for (text, quantity) in [
+            ("largest_pressure.pressure", Quantity::Stress),
+            ("largest_pressure.position[0]", Quantity::Length),
+            ("size:largest_force.force", Quantity::Force),
+            ("cycle.friction_work", Quantity::Energy),
+            ("stick_zone.ratio", Quantity::Number),
+            ("max:top.f_x", Quantity::Force),
+            ("max:top.u_x", Quantity::Length),
+            ("max:top.m_z", Quantity::Moment),
+        ] {
+            assert_eq!(text.parse::<TableQuantity>().unwrap().quantity(), quantity, "{text}");
+        }
+        let fixed = |text: &str| text.parse::<TableQuantity>().unwrap().fixed_unit();
+        assert_eq!(
+            ["totals.cpu_seconds", "largest_pressure.time", "totals.peak_rss_bytes", "stick_zone.ratio"].map(fixed),
+            ["s", "s", "B", ""]
+        );
+    }
+
+    #[test]
+    fn what_is_no_quantity_is_told_with_what_exists() {
+        for (text, words) in [
+            ("friction_work", "did you mean cycle.friction_work or friction.friction_work or "),
+            ("friction.work", "the keys of friction are friction_work, mesh_error, time_error"),
+            ("largest_presure.pressure", "did you mean largest_pressure.pressure?"),
+            ("boundaries.force[0]", "did you mean boundaries[0].force[0]"),
+            ("boundaries[x].force[0]", "is no key of a report"),
+            ("", "is no key of a report"),
+            ("status[", "is no key of a report"),
+            ("largest_force.force[0", "is no key of a report"),
+            ("largest_pressure", "give one of them: largest_pressure.pressure, "),
+            ("largest_force.force", "largest_force.force[0], largest_force.force[1], size:largest_force.force"),
+            ("boundaries", "boundaries[0].boundary"),
+            ("boundaries[0]", "boundaries[0].boundary"),
+            ("size:stick_zone.ratio", "is no vector; leave out size:"),
+            ("maxx:top.f_x", "did you mean max:top.f_x"),
+            ("mean:top.f_x", "`mean` is no function of a quantity; the functions are max:, min: and last:"),
+            ("max:top", "is not of the form"),
+            ("max:.f_x", "is not of the form"),
+            ("max:top.fx", "did you mean f_x?"),
+            ("max:tpo.f_x", "they are at [0.0, 1.0], a+b, bottom, side, the body, top; did you mean top?"),
+            ("max:top.f_x", "give one of max:support:top.f_x, max:load:top.f_x"),
+            ("max:spring:top.f_x", "there is no spring at `top`, but support, load"),
+            ("max:bottom.u_x", "a contact has no column `u_x`; it has f_x, f_y"),
+            ("max:top.sum_p_n", "a support has no column `sum_p_n`"),
+        ] {
+            let error = text.parse::<TableQuantity>().and_then(|quantity| quantity.at(&places())).unwrap_err();
+            assert!(error.to_string().contains(words), "{text}: {error}");
+        }
+        let word: TableQuantity = "cycle.regime".parse().unwrap();
+        assert!(word.check_number().unwrap_err().to_string().contains("cannot be drawn"));
+    }
+
+    #[test]
+    fn lists_of_quantities_have_commas() {
+        let all = quantities("stick_zone.ratio, max:[0.0, 1.0].u_x").unwrap();
+        let texts: Vec<&str> = all.iter().map(TableQuantity::text).collect();
+        assert_eq!(texts, ["stick_zone.ratio", "max:[0.0, 1.0].u_x"]);
+    }
+}
