@@ -103,9 +103,10 @@ fn curves(points: &[ContactPoint], along: &Abscissa, units: &UnitSystem) -> Vec<
         marker: None,
         colour,
     };
+    let marked = marked(points);
     let nodes = |status, marker| Curve {
         label: String::new(),
-        points: points.iter().filter(|p| p.status == status).map(|p| told((along.of)(p), p.sigma_t)).collect(),
+        points: marked.iter().filter(|p| p.status == status).map(|p| told((along.of)(p), p.sigma_t)).collect(),
         line: None,
         marker: Some(marker),
         colour: TANGENTIAL,
@@ -129,6 +130,24 @@ fn curves(points: &[ContactPoint], along: &Abscissa, units: &UnitSystem) -> Vec<
         sample("slip", Marker::Circle),
     ]
 }
+
+/// Returns the nodes that have a marker: the ends of each zone, and between them as many as can be told apart.
+fn marked(points: &[ContactPoint]) -> Vec<&ContactPoint> {
+    let apart = points.last().zip(points.first()).map_or(0.0, |(last, first)| (last.s - first.s) / MOST_MARKERS);
+    let mut marked: Vec<&ContactPoint> = Vec::new();
+    for (k, point) in points.iter().enumerate() {
+        let is_inside = [k.checked_sub(1), Some(k + 1)]
+            .into_iter()
+            .all(|k| k.and_then(|k| points.get(k)).is_some_and(|other| other.status == point.status));
+        if !is_inside || marked.last().is_none_or(|last| point.s - last.s >= apart) {
+            marked.push(point);
+        }
+    }
+    marked
+}
+
+/// With more markers along a line, they would hide each other.
+const MOST_MARKERS: f64 = 200.0;
 
 /// Marks the node with the largest pressure, if there is pressure: the first one if several have it within rounding.
 fn largest_pressure(points: &[ContactPoint], along: &Abscissa, units: &UnitSystem) -> Option<Note> {
@@ -263,6 +282,16 @@ mod tests {
         assert_eq!([range(31, 0..23), range(11, 5..7)], [(0.0, 27.0), (3.0, 8.0)]);
         // Nothing touches, or everything.
         assert_eq!([range(101, 0..0), range(31, 0..31)], [(0.0, 100.0), (0.0, 30.0)]);
+    }
+
+    /// However fine the mesh, the ends of each zone are marked.
+    #[test]
+    fn markers_do_not_hide_each_other() {
+        let places = |n, closed| marked(&points(n, closed)).iter().map(|p| p.node).collect::<Vec<_>>();
+        assert_eq!(places(101, 40..61).len(), 101);
+        let many = places(10_001, 3_333..6_667);
+        assert!((200..210).contains(&many.len()), "{}", many.len());
+        assert!([0, 3_332, 3_333, 6_666, 6_667, 10_000].iter().all(|end| many.contains(end)));
     }
 
     #[test]
