@@ -23,8 +23,8 @@ mod pvtu;
 mod schema;
 mod svg;
 mod table;
-mod view;
 mod unrolled;
+mod view;
 mod visible;
 mod vtu;
 

@@ -52,7 +52,7 @@ impl Convergence {
             x: Axis { label: "element size, relative to the finest mesh".into(), scale: Scale::Linear },
             y: Axis { label, scale: Scale::Linear },
             columns: 1,
-            panels: vec![Panel { title: String::new(), curves }],
+            panels: vec![Panel { curves, ..Panel::default() }],
         }
     }
 }
