@@ -55,7 +55,10 @@ fn a_good_run_fills_its_folder() {
 
     for name in ["contact_0002", "contact_0004"] {
         let (header, rows) = csv(&out.join(name).with_extension("csv"));
-        assert_eq!(header, "x,y,p_n,p_t,sigma_n,sigma_t,w_n,w_t,gap,slip_t,f_x,f_y,status,node,n_x,n_y,t_x,t_y");
+        assert_eq!(
+            header,
+            "x,y,p_n,p_t,sigma_n,sigma_t,w_n,w_t,gap,slip_t,f_x,f_y,status,node,n_x,n_y,t_x,t_y,sigma_along,sigma_across,von_mises"
+        );
         assert_eq!(rows.len(), 4);
         for row in &rows {
             assert!(["open", "stick", "slip"].contains(&row[12].as_str()), "{row:?}");

@@ -18,7 +18,7 @@ fn the_program_in_space() {
     assert_eq!(unknowns, [54, 6, 6, 6]);
     assert!(report["final"]["sum_p_o"].as_f64().unwrap().abs() > 1e5, "{}", report["final"]);
     let table = std::fs::read_to_string(folder.join("contact_0010.csv")).unwrap();
-    let columns = "x,y,z,p_n,p_t,p_o,sigma_n,sigma_t,sigma_o,w_n,w_t,w_o,gap,slip_t,slip_o,f_x,f_y,f_z,status,node,n_x,n_y,n_z,t_x,t_y,t_z,o_x,o_y,o_z";
+    let columns = "x,y,z,p_n,p_t,p_o,sigma_n,sigma_t,sigma_o,w_n,w_t,w_o,gap,slip_t,slip_o,f_x,f_y,f_z,status,node,n_x,n_y,n_z,t_x,t_y,t_z,o_x,o_y,o_z,sigma_along,sigma_across,sigma_shear,von_mises";
     assert_eq!((table.lines().next().unwrap(), table.lines().count()), (columns, 7));
     let forces = std::fs::read_to_string(folder.join("forces.csv")).unwrap();
     let columns = "index,time,boundary,f_x,f_y,f_z,m_x,m_y,m_z,sum_p_n,sum_p_t,sum_p_o,kind,balance,u_x,u_y,u_z";

@@ -103,8 +103,8 @@ fn close(si: f64, told: f64, unit: f64, largest: f64) -> bool {
 fn unit_of_column(name: &str) -> &'static str {
     match name {
         "x" | "y" | "z" | "w_n" | "w_t" | "w_o" | "gap" | "slip_t" | "slip_o" | "u_x" | "u_y" | "u_z" => "m",
-        "sigma_n" | "sigma_t" | "sigma_o" | "sigma_patch" | "s_xx" | "s_yy" | "s_zz" | "s_xy" | "von_mises" => "Pa",
-        "sigma_along" | "sigma_across" | "sigma_shear" => "Pa",
+        "sigma_n" | "sigma_t" | "sigma_o" | "sigma_patch" | "s_xx" | "s_yy" | "s_zz" | "s_xy" | "von_mises"
+        | "sigma_along" | "sigma_across" | "sigma_shear" => "Pa",
         "p_n" | "p_t" | "p_o" | "f_x" | "f_y" | "f_z" | "sum_p_n" | "sum_p_t" | "sum_p_o" => "N",
         "m_x" | "m_y" | "m_z" => "N m",
         "friction_work" | "strain_energy" => "J",
