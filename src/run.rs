@@ -322,7 +322,10 @@ impl<'a> Run<'a> {
         let companion = self.companion();
         let numbers = companion.as_ref().map_or(&[][..], |companion| &companion.ends[0]);
         let leaps = JumpDetector::new(&self.model, self.solver.method);
-        let cycle = self.cycle.as_ref().and_then(|cycle| CycleWatch::new(&self.model, &self.times, cycle));
+        let cycle = self
+            .cycle
+            .as_ref()
+            .and_then(|cycle| CycleWatch::new(&self.model, &self.times, cycle, self.solver.method.is_exact_path()));
         let mut watch = ReportCollector::new(&self.model, self.uniqueness, numbers, cycle, leaps, &mut audience);
         if let Some(checkpoint) = &self.from {
             watch.continue_from(checkpoint).map_err(history::Error::from)?;

@@ -148,7 +148,7 @@ def test_a_cycle_is_drawn_along_the_surface(fretting, tmp_path, tab):
     tab.goto((fretting / "report.html").as_uri())
     words = tab.inner_text("#per-cycle")
     assert "slip" in words and "From t = 2 to 6 s. Friction work 0.0485" in words
-    for column, unit in [("energy_density", "mJ/mm2"), ("slip_range", "mm"), ("pressure_mean", "MPa")]:
+    for column, unit in [("energy_density", "mJ/mm2"), ("slip_range", "mm"), ("sigma_n_mean", "MPa")]:
         tab.select_option("#cycle-up", label=column)
         assert f"{column}, {unit}" in tab.inner_html("#cycle-chart")
     assert tab.locator("#cycle tbody tr").count() == len((fretting / "cycle.csv").read_text().splitlines()) - 1

@@ -22,7 +22,7 @@ use stickslip::base::UnitSystem;
 use stickslip::run::report::{LargestPressure, RunReport};
 use stickslip::run::{Run, RunError};
 use stickslip::scene::{Override, Scene};
-use stickslip::solver::history::Status;
+use stickslip::solver::history::{Observer, Status};
 
 pub use extrapolation::{Behaviour, Limit, is_singular, limit};
 pub use ladder::Ladder;
@@ -129,13 +129,19 @@ pub enum ConvergeError {
     Run(#[from] RunError),
 }
 
-/// Refines `scene` as planned, and reports each run to `progress` before it starts.
+/// Refines `scene` as planned, and reports each run to `progress` before it starts. `observer` sees all runs, and may stop them.
 ///
 /// # Errors
 /// When the scene has no such quantity or no finer meshes, or the first run ends without a report.
-pub fn compute(scene: &Scene, plan: &Plan, progress: &mut dyn FnMut(String)) -> Result<Convergence, ConvergeError> {
+pub fn compute(
+    scene: &Scene,
+    plan: &Plan,
+    progress: &mut dyn FnMut(String),
+    observer: &mut dyn Observer,
+) -> Result<Convergence, ConvergeError> {
     let ladder = Ladder::new(scene, &plan.meshes, plan.ratio)?;
-    let mut study = Study { scene, sought: plan.sought, ladder: &ladder, last: None, elements: None, progress };
+    let mut study =
+        Study { scene, sought: plan.sought, ladder: &ladder, last: None, elements: None, progress, observer };
     let limits = Limits { to: plan.to, most_runs: plan.most_runs, within: plan.within };
     let Ended { verdict, reason, steps, errors, predicted } =
         steps::refine(&ladder, limits, plan.sought == Sought::Peak, &mut |mesh, increments| {
@@ -168,6 +174,7 @@ struct Study<'a> {
     /// The mesh level and the number of elements of the last run.
     elements: Option<(usize, usize)>,
     progress: &'a mut dyn FnMut(String),
+    observer: &'a mut dyn Observer,
 }
 
 impl Study<'_> {
@@ -192,7 +199,7 @@ impl Study<'_> {
         }
         self.elements = Some((mesh, elements));
         let follows_path = model.problem.mu().iter().any(|mu| *mu > 0.0) && !scene.solver.method.is_exact_path();
-        let report = run.solve(&mut ())?;
+        let report = run.solve(self.observer)?;
         let failure = (report.status != Status::Converged).then(|| {
             let reason = report.explanation.reason.clone();
             if reason.is_empty() { report.status.to_string() } else { reason }

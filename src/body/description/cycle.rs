@@ -6,8 +6,8 @@ use crate::base::units::{Quantity, UnitSystem, Units};
 /// The choice of a load cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum CycleChoice {
-    /// The last cycle: from the last earlier time at which all loads had the values of the end, and had changed in the same
-    /// proportion.
+    /// The last cycle. It ends with the last increment in which a load changes, and begins at the last earlier increment at
+    /// which all loads had the same values and, just before, changed in the same proportions.
     Last,
     /// The times of its beginning and its end, s.
     Between([f64; 2]),

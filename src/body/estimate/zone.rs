@@ -8,7 +8,6 @@ use super::hertz::HertzContact;
 use crate::algebra::vector::{dot, minus, norm, unit};
 use crate::body::mesh::CellKind;
 use crate::body::model::Model;
-use crate::solver::laws::ContactStatus;
 use crate::solver::problem::State;
 
 /// The resolution of the contact on boundaries that share nodes, at the time of their largest force.
@@ -116,6 +115,9 @@ const SCATTER_FROM: usize = 5;
 
 /// The largest number of nodes across for which pressures are meaningless.
 pub(super) const NOTHING: usize = 3;
+
+/// Tangential forces that differ from the friction limit by a smaller share are at it: far above the tolerance of the laws.
+const AT_THE_LIMIT: f64 = 1e-6;
 
 /// The least number of nodes across for which a peak at the edge indicates a singular pressure.
 const EDGE_FROM: usize = 4;
@@ -271,23 +273,25 @@ const STRAIGHT: f64 = 0.985;
 pub(crate) struct PeakZone {
     /// The number of nodes across it; `None` if no open node is next to it.
     pub across: Option<usize>,
-    /// The largest pressure of a node, Pa.
+    /// The contact nodes.
+    pub nodes: Vec<usize>,
+    /// The largest pressure of a node, or of a node with its neighbours on linear tetrahedra, Pa.
     peak: f64,
 }
 
 impl PeakZone {
     /// Returns the zones of all contact surfaces in a `state`.
     pub(crate) fn all(model: &Model, graph: &ContactGraph, state: &State) -> Vec<Self> {
-        let pressures = model.contact_pressures(state);
+        let pressures = pressures(model, graph, state);
         let of_surface = |surface: &ContactPatch| zones(model, graph, &surface.nodes, &state.p_n);
         let zones = graph.surfaces().iter().flat_map(of_surface);
-        zones.map(|(zone, across)| PeakZone { across, peak: largest(&pressures, &zone) }).collect()
+        zones.map(|(nodes, across)| PeakZone { across, peak: largest(&pressures, &nodes), nodes }).collect()
     }
 
     /// Returns the zone of contact node `i` in a `state`.
     pub(crate) fn around(model: &Model, graph: &ContactGraph, state: &State, i: usize) -> Option<Self> {
-        let (zone, across) = zone_of(model, graph, &state.p_n, i)?;
-        Some(PeakZone { across, peak: largest(&model.contact_pressures(state), &zone) })
+        let (nodes, across) = zone_of(model, graph, &state.p_n, i)?;
+        Some(PeakZone { across, peak: largest(&pressures(model, graph, state), &nodes), nodes })
     }
 
     /// Returns the largest pressure that the zone may have on a fine mesh, Pa; `None` if it is unknown.
@@ -296,30 +300,38 @@ impl PeakZone {
     }
 }
 
+/// Returns the pressures of which a peak is the largest, Pa.
+fn pressures(model: &Model, graph: &ContactGraph, state: &State) -> Vec<f64> {
+    match PeakOf::of(model) {
+        PeakOf::Nodes => model.contact_pressures(state),
+        PeakOf::Patches => graph.patch_pressures(model, &state.p_n),
+    }
+}
+
 fn largest(pressures: &[f64], zone: &[usize]) -> f64 {
     zone.iter().map(|&i| pressures[i]).fold(0.0, f64::max)
 }
 
 impl StickZone {
-    /// Returns the stick zone of surface `k` of `graph` with the normal forces `p_n` (N) and `statuses` at `time` (s);
-    /// `None` if all nodes with friction stick, or none does.
-    pub(crate) fn new(
-        model: &Model,
-        graph: &ContactGraph,
-        k: usize,
-        time: f64,
-        p_n: &[f64],
-        statuses: &[ContactStatus],
-    ) -> Option<Self> {
+    /// Returns the stick zone of surface `k` of `graph` in a `state` at `time` (s); `None` if all nodes with friction stick,
+    /// or none does. A closed node at the friction limit belongs to the slip zone, whatever its status: where slip has just
+    /// ended, rounding decides between stick and slip.
+    pub(crate) fn new(model: &Model, graph: &ContactGraph, k: usize, time: f64, state: &State) -> Option<Self> {
+        let p_n = &state.p_n;
+        let mu = model.loading.friction().map_or_else(|| model.problem.mu().to_vec(), |friction| friction.at(time));
+        let is_at_the_limit = |i: usize| state.p_t[i].hypot(state.p_o[i]) >= (1.0 - AT_THE_LIMIT) * mu[i] * p_n[i];
         let surface = &graph.surfaces()[k];
         let sum = |nodes: &[usize]| nodes.iter().map(|&i| p_n[i]).sum::<f64>();
         let zones = zones(model, graph, &surface.nodes, p_n);
         let (zone, across) = zones.into_iter().max_by(|a, b| sum(&a.0).total_cmp(&sum(&b.0)))?;
-        let area = |status: ContactStatus| {
-            let of = zone.iter().filter(|&&i| statuses[i] == status && !model.contacts[i].tangents[0].is_empty());
-            of.map(|&i| model.contacts[i].weight).sum::<f64>()
+        let area = |at_the_limit: bool| {
+            let with_friction = zone.iter().filter(|&&i| !model.contacts[i].tangents[0].is_empty());
+            with_friction
+                .filter(|&&i| is_at_the_limit(i) == at_the_limit)
+                .map(|&i| model.contacts[i].weight)
+                .sum::<f64>()
         };
-        let (stick, slip) = (area(ContactStatus::Stick), area(ContactStatus::Slip));
+        let (stick, slip) = (area(false), area(true));
         let share = stick / (stick + slip);
         // Around an axis, as in three dimensions, areas grow with the square of the width.
         let disc = model.mesh.dimension == 3 || zone.iter().any(|&i| model.mesh.is_on_axis(model.contacts[i].node));

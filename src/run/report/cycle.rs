@@ -26,7 +26,7 @@ pub enum SlipRegime {
     Stick,
     /// Nodes slip while others stick.
     PartialSlip,
-    /// At some time all closed nodes slip.
+    /// At some time all closed nodes of a boundary slip.
     GrossSlip,
 }
 
@@ -43,8 +43,8 @@ pub struct CycleReport {
     pub friction_work: f64,
     /// The cycles before it, the first one first.
     pub earlier: Vec<EarlierCycle>,
-    /// The change of the friction work from the cycle before, as a share of it; none without such a cycle, or if it had no
-    /// friction work.
+    /// The change of the friction work from the cycle before, as a share of it; none without such a cycle, or if one of the two
+    /// had no friction work.
     pub change: Option<f64>,
     /// The slip of all contact surfaces together.
     pub regime: SlipRegime,
@@ -83,7 +83,7 @@ pub struct CycleOfBoundary {
     pub slip_range: f64,
     /// The largest net slip of a node from the beginning to the end of the cycle, m: with each cycle, the bodies move past
     /// each other by so much.
-    pub slip_drift: f64,
+    pub slip_net: f64,
 }
 
 /// Collects the data of a cycle during a history.
@@ -92,6 +92,9 @@ pub struct CycleWatch {
     /// The cycles, in order; the last one is examined.
     cycles: Vec<Cycle>,
     wear_coefficient: Option<f64>,
+    /// `true` along an exact path: within an increment forces and slip are nearly proportional, and a node that sticks at the
+    /// end may have slipped. Otherwise the force at the end of an increment belongs to all of its slip.
+    follows_path: bool,
     /// The end of the last increment, s.
     time: f64,
     nodes: Vec<NodeWatch>,
@@ -108,17 +111,18 @@ struct Cycle {
 }
 
 impl CycleWatch {
-    /// Begins with the first increment of `model`, whose increments end at `times` (s). Returns `None` if the loads have no
-    /// cycle that ends with the history.
-    pub fn new(model: &Model, times: &[f64], request: &CycleRequest) -> Option<Self> {
+    /// Begins with the first increment of `model`, whose increments end at `times` (s). Returns `None` if the last change
+    /// of the loads ends no cycle.
+    pub fn new(model: &Model, times: &[f64], request: &CycleRequest, follows_path: bool) -> Option<Self> {
         let cycles = match request.choice {
             CycleChoice::Last => last_cycles(&model.loading, times),
-            CycleChoice::Between([start, end]) => find::repeated([start, end]),
+            CycleChoice::Between([start, end]) => find::repeated(&model.loading, [start, end], times.len()),
         };
         let cycles = cycles.into_iter().map(|[start, end]| Cycle { start, end, work: 0.0 }).collect::<Vec<_>>();
         (!cycles.is_empty()).then(|| CycleWatch {
             cycles,
             wear_coefficient: request.wear_coefficient,
+            follows_path,
             time: 0.0,
             nodes: vec![NodeWatch::default(); model.contacts.len()],
             slips: vec![[false; 2]; model.contact_boundaries.len()],
@@ -179,8 +183,12 @@ impl CycleWatch {
         let points = points(model, 0..model.contacts.len(), step);
         let stresses = model.surface_stresses(step.record.time, step.state);
         for (i, ((node, point), stress)) in self.nodes.iter_mut().zip(&points).zip(&stresses).enumerate() {
-            let [t, o] = model.problem.slip(step.increment, step.state, i);
-            node.see(point, stress.along, step.state.p_t[i] * t + step.state.p_o[i] * o);
+            if self.follows_path {
+                node.see_path(point, stress.along);
+            } else {
+                let [t, o] = model.problem.slip(step.increment, step.state, i);
+                node.see(point, stress.along, step.state.p_t[i] * t + step.state.p_o[i] * o);
+            }
         }
         for ([some, all], boundary) in self.slips.iter_mut().zip(&model.contact_boundaries) {
             let slides = |i: &&usize| !model.contacts[**i].tangents[0].is_empty();
@@ -197,13 +205,16 @@ impl CycleWatch {
             return None;
         }
         let earlier = &self.cycles[..self.cycles.len() - 1];
-        let before = earlier.last().map(|before| before.work).filter(|before| *before > 0.0);
         let with_friction = |b: &usize| {
             let nodes = &model.contact_boundaries[*b].nodes;
             nodes.iter().any(|&i| !model.contacts[i].tangents[0].is_empty())
         };
         let boundaries: Vec<usize> = (0..model.contact_boundaries.len()).filter(with_friction).collect();
-        let regimes = boundaries.iter().map(|&b| SlipRegime::of(self.slips[b]));
+        let regimes = boundaries.iter().map(|&b| self.regime(model, b));
+        let regime = regimes.max_by_key(|regime| *regime as usize).unwrap_or(SlipRegime::Stick);
+        // Without slip, the work of friction is rounding.
+        let work = if regime == SlipRegime::Stick { 0.0 } else { work };
+        let before = earlier.last().map(|before| before.work).filter(|before| *before > 0.0 && work > 0.0);
         Some(CycleReport {
             start,
             end,
@@ -213,10 +224,16 @@ impl CycleWatch {
                 .map(|&Cycle { start, end, work }| EarlierCycle { start, end, friction_work: work })
                 .collect(),
             change: before.map(|before| work / before - 1.0),
-            regime: regimes.max_by_key(|regime| *regime as usize).unwrap_or(SlipRegime::Stick),
+            regime,
             boundaries: boundaries.iter().map(|&b| self.boundary(model, b)).collect(),
             nodes: boundaries.iter().flat_map(|&b| self.of_nodes(model, b)).collect(),
         })
+    }
+
+    /// Returns the slip of boundary `b`. Nodes with the status slip that do not move stick.
+    fn regime(&self, model: &Model, b: usize) -> SlipRegime {
+        let moves = model.contact_boundaries[b].nodes.iter().any(|&i| self.nodes[i].slip_range() > 0.0);
+        if moves { SlipRegime::of(self.slips[b]) } else { SlipRegime::Stick }
     }
 
     fn boundary(&self, model: &Model, b: usize) -> CycleOfBoundary {
@@ -225,10 +242,10 @@ impl CycleWatch {
             |of: fn(&NodeWatch) -> f64| boundary.nodes.iter().map(|&i| of(&self.nodes[i])).fold(0.0, f64::max);
         CycleOfBoundary {
             boundary: boundary.name.clone(),
-            regime: SlipRegime::of(self.slips[b]),
+            regime: self.regime(model, b),
             friction_work: boundary.parts(&model.contacts).map(|(i, part)| part * self.nodes[i].work()).sum(),
             slip_range: largest(NodeWatch::slip_range),
-            slip_drift: largest(NodeWatch::slip_drift),
+            slip_net: largest(NodeWatch::slip_net),
         }
     }
 

@@ -50,6 +50,9 @@ pub struct Estimates {
     /// The number of nodes across slip zones adjacent to stick zones, weighted by the friction work; none if there are
     /// no such zones, or hardly any friction work.
     pub slip_across: Option<f64>,
+    /// The error of the friction work by the width of slip zones, as a share.
+    #[serde(skip)]
+    pub work_by_width: Option<f64>,
     /// Friction work below this counts as none, J: a small share of the largest strain energy.
     #[serde(skip)]
     pub negligible_work: f64,
@@ -100,7 +103,6 @@ struct Heaviest {
     time: f64,
     /// The contact forces; displacements are omitted.
     state: State,
-    statuses: Vec<ContactStatus>,
 }
 
 impl Heaviest {
@@ -112,8 +114,6 @@ impl Heaviest {
             self.state.p_n.extend_from_slice(p_n);
             self.state.p_t.clone_from(&step.state.p_t);
             self.state.p_o.clone_from(&step.state.p_o);
-            self.statuses.clear();
-            self.statuses.extend_from_slice(step.statuses);
         }
     }
 }
@@ -204,8 +204,7 @@ impl EstimateWatch {
     /// Resumes from the data of a checkpoint. Returns `false` if they belong to another model.
     pub fn go_on_with(&mut self, model: &Model, seen: Accumulated) -> bool {
         let contacts = model.contacts.len();
-        let heaviest =
-            |of: &Heaviest| [0, contacts].contains(&of.state.p_n.len()) && of.statuses.len() == of.state.p_n.len();
+        let heaviest = |of: &Heaviest| [0, contacts].contains(&of.state.p_n.len());
         let strained = |of: &Strained| of.u.len() == model.problem.displacements() && of.p_n.len() == contacts;
         let fits = seen.heaviest.len() == self.seen.heaviest.len()
             && seen.sums.len() == self.seen.sums.len()
@@ -272,8 +271,8 @@ impl EstimateWatch {
             let Heaviest { force, time, state, .. } = heaviest;
             let estimate =
                 (*force > 0.0).then(|| ContactEstimate::new(model, &self.graph, k, *time, state)).flatten()?;
-            let Heaviest { force, time, state, statuses } = &self.seen.dragged[k];
-            let stick = (*force > 0.0).then(|| StickZone::new(model, &self.graph, k, *time, &state.p_n, statuses));
+            let Heaviest { force, time, state } = &self.seen.dragged[k];
+            let stick = (*force > 0.0).then(|| StickZone::new(model, &self.graph, k, *time, state));
             Some(ContactEstimate { stick: stick.flatten(), ..estimate })
         };
         let peak = self.seen.peak.as_ref().and_then(|peak| peak.estimate(model, &self.graph));
@@ -289,6 +288,7 @@ impl EstimateWatch {
             stresses: elements.and_then(|elements| elements.discretisation?.stresses),
             tangential: discretisation.and_then(|error| self.tangential(error)),
             slip_across: self.slip_across(),
+            work_by_width: self.seen.slip.error(),
             negligible_work: self.negligible_work(),
             increments: None,
             companion: None,

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::estimates::Estimates;
 use super::largest::is_as_large;
 use super::resultant::ForceRecord;
+use crate::body::mesh::Geometry;
 use crate::solver::history::{IncrementRecord, Status};
 
 /// The largest contact force of a history.
@@ -18,10 +19,12 @@ pub struct LargestForce {
     /// The resultant on the obstacle or the opposing body: x, y and, in three dimensions, z, N; in two dimensions N per
     /// m of depth.
     pub force: Vec<f64>,
+    /// Its magnitude, N; for a body of revolution the axial force, because the radial forces balance each other.
+    pub magnitude: f64,
     /// The time, s.
     pub time: f64,
-    /// The error of the mesh, as a share, if the bodies are moved by supports or obstacles: the square of the error in the
-    /// energy norm, at singular corners. `None` if that error is unknown.
+    /// The error of the mesh, as a share, unless loads alone determine the force: `(e / 0.6)²` for the error e in the energy
+    /// norm, an upper estimate at singular corners. `None` if e is unknown.
     pub mesh_error: Option<f64>,
     /// The error of the tangential forces by the time steps, as a share of the largest tangential force, if it was
     /// estimated.
@@ -35,12 +38,15 @@ pub struct LargestForce {
 pub struct FrictionResult {
     /// The friction work of all increments, J; in two dimensions J per m of depth.
     pub friction_work: f64,
-    /// An upper estimate of the error of the mesh, as a share: one node of the width of the slip zones, or the error of the
-    /// tangential forces if that is larger. `None` if both are unknown.
+    /// An upper estimate of the error of the mesh, as a share: one node of the width of each slip zone, in the root mean square
+    /// weighted by the friction work, or the error of the tangential forces if that is larger. `None` if both are unknown.
     pub mesh_error: Option<f64>,
     /// The error of the time steps, as a share, if it was estimated; it is positive if the work is too large.
     pub time_error: Option<f64>,
 }
+
+/// Friction work below this share of the negligible one is rounding.
+const ROUNDING: f64 = 1e-8;
 
 /// Collects the largest force and the friction work during a history.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -51,19 +57,21 @@ pub struct KeyWatch {
 
 impl KeyWatch {
     /// Examines an increment, with the `forces` at its end. Increments that did not converge are ignored.
-    pub fn see(&mut self, record: &IncrementRecord, forces: &[ForceRecord]) {
+    pub fn see(&mut self, geometry: Geometry, record: &IncrementRecord, forces: &[ForceRecord]) {
         if record.status != Status::Converged {
             return;
         }
         self.work += record.friction_work;
-        let size = |force: &[f64]| force.iter().map(|f| f * f).sum::<f64>().sqrt();
+        let first = if geometry == Geometry::Axisymmetric { 1 } else { 0 };
         for ForceRecord { time, resultant, .. } in forces {
-            let (force, so_far) = (size(&resultant.force), self.largest.as_ref().map_or(0.0, |of| size(&of.force)));
+            let magnitude = resultant.force[first..].iter().map(|f| f * f).sum::<f64>().sqrt();
+            let so_far = self.largest.as_ref().map_or(0.0, |largest| largest.magnitude);
             // The first of equally large forces counts.
-            if force > 0.0 && !is_as_large(so_far, force) {
+            if magnitude > 0.0 && !is_as_large(so_far, magnitude) {
                 self.largest = Some(LargestForce {
                     boundary: resultant.boundary.clone(),
                     force: resultant.force.clone(),
+                    magnitude,
                     time: *time,
                     mesh_error: None,
                     time_error: None,
@@ -80,8 +88,8 @@ impl KeyWatch {
 
     /// Returns the friction work with its errors; `None` if nothing slipped.
     pub(super) fn friction(&self, estimates: &Estimates) -> Option<FrictionResult> {
-        let by_width = estimates.slip_across.map(|across| 1.0 / across);
-        (self.work > 0.0).then_some(FrictionResult {
+        let by_width = estimates.work_by_width;
+        (self.work > ROUNDING * estimates.negligible_work).then_some(FrictionResult {
             friction_work: self.work,
             mesh_error: by_width.into_iter().chain(estimates.tangential).reduce(f64::max),
             time_error: estimates.increments.map(|increments| increments.work_error),

@@ -104,7 +104,9 @@ impl Peak {
     pub(super) fn error(&self, model: &Model, graph: &ContactGraph, discretisation: Option<f64>) -> Option<f64> {
         let surface = self.estimate(model, graph)?;
         let own = surface.peak_error.or_else(|| Some(discretisation?.max(surface.scatter)))?;
-        let possible = PeakZone::all(model, graph, &self.state).into_iter().filter_map(|zone| zone.largest_possible());
+        let others =
+            PeakZone::all(model, graph, &self.state).into_iter().filter(|zone| !zone.nodes.contains(&self.at[1]));
+        let possible = others.filter_map(|zone| zone.largest_possible());
         Some(possible.fold(own, |error, possible| error.max(possible / self.pressure - 1.0)))
     }
 

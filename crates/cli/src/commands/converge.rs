@@ -5,14 +5,18 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
+use std::ops::ControlFlow;
 use stickslip::algebra::linear;
 use stickslip::body::mesh::MeshSource;
 use stickslip::scene::{Override, Scene};
+use stickslip::solver::IterationRecord;
+use stickslip::solver::history::Observer;
 use stickslip_cli::compare::MeshSize;
 use stickslip_cli::converge::{self, ConvergeError, Convergence, Plan, Sought, Verdict};
 use stickslip_output::write_file;
 
 use super::Failure;
+use super::interrupt;
 use super::progress::bar;
 use super::run::write_failure;
 
@@ -61,8 +65,18 @@ fn ratio(text: &str) -> Result<f64, String> {
     ratio.filter(|ratio| (1.2..=4.0).contains(ratio)).ok_or_else(|| "give a factor from 1.2 to 4".to_string())
 }
 
+/// Stops a run when the user asks for it.
+struct OnRequest;
+
+impl Observer for OnRequest {
+    fn iteration(&mut self, _: usize, _: &IterationRecord) -> ControlFlow<()> {
+        if interrupt::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}
+
 /// Exit status 1: the quantity is not known to the asked share.
 pub(super) fn converge(args: &ConvergeArgs) -> Result<ExitCode, Failure> {
+    interrupt::listen();
     let scene = Scene::read(&args.scene, &args.overrides)?;
     if let Some(folder) = &args.out {
         fs::create_dir_all(folder).map_err(|error| write_failure(folder, &error))?;
@@ -83,7 +97,7 @@ pub(super) fn converge(args: &ConvergeArgs) -> Result<ExitCode, Failure> {
         started = true;
         bar.set_message(what);
     };
-    let study = converge::compute(&scene, &plan, &mut progress).map_err(|error| match error {
+    let study = converge::compute(&scene, &plan, &mut progress, &mut OnRequest).map_err(|error| match error {
         ConvergeError::Run(error) => Failure::from(error),
         ConvergeError::NoFinerMesh => no_finer_mesh(&scene),
         of_the_plan => Failure::Input(of_the_plan.into()),

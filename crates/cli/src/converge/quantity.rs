@@ -56,10 +56,7 @@ impl Sought {
     pub fn value(self, report: &RunReport) -> Option<f64> {
         match self {
             Sought::Peak => report.largest_pressure.as_ref()?.pressure,
-            Sought::Force => {
-                let force = &report.largest_force.as_ref()?.force;
-                Some(force.iter().map(|f| f * f).sum::<f64>().sqrt())
-            }
+            Sought::Force => Some(report.largest_force.as_ref()?.magnitude),
             Sought::FrictionWork => Some(report.friction.as_ref()?.friction_work),
             Sought::StickRatio => Some(report.stick_zone.as_ref()?.ratio),
         }

@@ -231,7 +231,7 @@ pub(super) fn refine(
             Refined::Increments => None,
         };
         let seconds = predict(&steps, next, growth);
-        if seconds.is_some_and(|seconds| start.elapsed().as_secs_f64() + seconds > limits.within) {
+        if start.elapsed().as_secs_f64() + seconds.unwrap_or(0.0) > limits.within {
             predicted = seconds;
             break (Verdict::Time, String::new());
         }

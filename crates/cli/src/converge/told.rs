@@ -266,7 +266,9 @@ impl Convergence {
         let series = series(&self.steps, true, false);
         let found = series.steps.iter().zip(&series.values).find(|(k, _)| self.steps[**k].run.own != Own::No)?;
         let error = (found.1 / limit.extrapolated - 1.0).abs();
-        Some((self.steps[*found.0].run.mesh.clone(), error)).filter(|(_, error)| error.is_finite())
+        // Without an order, the value of the last mesh is the extrapolated one, which says nothing of its error.
+        let is_estimated = error > 0.0 || self.verdict == Verdict::Known;
+        Some((self.steps[*found.0].run.mesh.clone(), error)).filter(|(_, error)| error.is_finite() && is_estimated)
     }
 
     /// Returns the change of the value by run `k`, as a share.

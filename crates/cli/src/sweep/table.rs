@@ -61,7 +61,7 @@ pub struct Shown {
 /// The key results, with their names in the text table.
 const KEY_RESULTS: [(&str, &str); 4] = [
     ("largest_pressure.pressure", "pressure"),
-    ("size:largest_force.force", "force"),
+    ("largest_force.magnitude", "force"),
     ("friction.friction_work", "friction work"),
     ("stick_zone.ratio", "stick ratio"),
 ];

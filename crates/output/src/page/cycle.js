@@ -1,7 +1,7 @@
 // The load cycle: `cycle` of the report in words, and any column of cycle.csv along the surface.
 const cycle = report.cycle, perNode = files["cycle.csv"] ? parse(files["cycle.csv"]) : { head: [], rows: [] };
 $("#per-cycle").hidden = !cycle && !perNode.rows.length;
-const REGIMES = { stick: "no node slips", "partial-slip": "partial slip: nodes slip while others stick", "gross-slip": "gross slip: at some time all closed nodes slip" };
+const REGIMES = { stick: "no node slips", "partial-slip": "partial slip: nodes slip while others stick", "gross-slip": "gross slip: at some time all closed nodes of a boundary slip" };
 // Cycles whose friction work differs by less from that of the cycle before have settled.
 const SETTLED = 0.01;
 if (cycle) {
@@ -18,7 +18,7 @@ if (cycle) {
     show();
   }
   const head = ["boundary", "slip", titled("friction work", ENERGY), titled("largest slip range", LENGTH), titled("largest net slip", LENGTH)];
-  if (boundaries.length) table($("#facts"), head, boundaries.map((of) => [of.boundary, of.regime, of.friction_work, of.slip_range, of.slip_drift]));
+  if (boundaries.length) table($("#facts"), head, boundaries.map((of) => [of.boundary, of.regime, of.friction_work, of.slip_range, of.slip_net]));
 }
 if (perNode.rows.length) {
   const numeric = perNode.head.filter((name) => perNode.rows.some((row) => Number.isFinite(number(row[name]))));
@@ -37,7 +37,7 @@ if (perNode.rows.length) {
     const [place, name, placeUnit] = chosen === "the surface" ? [...along(rows), LENGTH] : [rows.map((row) => number(row[chosen])), chosen, unitOf(chosen)];
     const [x, xUnit] = scaled(place, placeUnit), [y, yUnit] = scaled(rows.map((row) => number(row[column])), unitOf(column));
     const isLine = !inSpace && ["the surface", "x", "y"].includes(chosen);
-    const near = isLine ? nearZone(x, rows.map((row) => row.pressure_mean === undefined || number(row.pressure_mean) > 0)) : [...x.keys()];
+    const near = isLine ? nearZone(x, rows.map((row) => row.sigma_n_mean === undefined || number(row.sigma_n_mean) > 0)) : [...x.keys()];
     const points = near.map((k) => [x[k], y[k]]);
     if (isLine) points.sort((a, b) => a[0] - b[0]);
     draw($("#cycle-chart"), [{ name: column, colour: "var(--one)", points, marks: isLine ? null : points.map(() => "var(--one)"), bare: !isLine }], [titled(name, xUnit), titled(column, yUnit)]);

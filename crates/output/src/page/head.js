@@ -30,7 +30,7 @@ if (peak && peak.pressure) {
   keyRow("largest pressure", rounded(peak.pressure, STRESS), `${peak.boundary}, ${placeOf(peak.position)}, t = ${plain(peak.time)} s`,
     (singular ? "singular: it depends on the mesh" : upTo(peak.mesh_error ?? estimates.peak_error)) + across, "");
 }
-if (force) keyRow("largest contact force", rounded(Math.hypot(...force.force), FORCE), `${force.boundary}, t = ${plain(force.time)} s: (${force.force.map((f) => rounded(f, FORCE)).join(", ")})`,
+if (force) keyRow("largest contact force", rounded(force.magnitude, FORCE), `${force.boundary}, t = ${plain(force.time)} s: (${force.force.map((f) => rounded(f, FORCE)).join(", ")})`,
   about(force.mesh_error), `tangential part ${about(force.time_error)}`);
 if (friction) keyRow("friction work", rounded(friction.friction_work, ENERGY), "all increments", upTo(friction.mesh_error),
   about(friction.time_error) + (Math.abs(friction.time_error) >= 0.001 ? `: better ${rounded(friction.friction_work * (1 - friction.time_error), ENERGY)}` : ""));

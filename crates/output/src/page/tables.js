@@ -28,7 +28,7 @@ const cells = (row, names) => names.map((name) => (Number.isNaN(number(row[name]
 const SHOWN = {
   "forces.csv": ["Forces at the end of the last converged increment", (head) => ["kind", "boundary", ...head.filter((name) => !["index", "time", "boundary", "kind", "balance"].includes(name))]],
   "increments.csv": ["Increments", () => ["index", "time", "status", "iterations", "open", "stick", "slip", "friction_work", "strain_energy"]],
-  "cycle.csv": ["Contact nodes in the last cycle"],
+  "cycle.csv": ["Contact nodes in the load cycle"],
 };
 for (const [name, text] of Object.entries(files)) {
   if (/^(contact|probe)_/.test(name)) continue;

@@ -9,16 +9,33 @@ pub(super) const SAME_TIME: f64 = 1e-9;
 /// which histories are written.
 const SAME_LOAD: f64 = 1e-6;
 
-/// Returns the cycle between two times (s) and those of equal length before it, the first one first.
-pub(super) fn repeated([start, end]: [f64; 2]) -> Vec<[f64; 2]> {
+/// Returns the cycle between two times (s) and those of equal length before it in which all loads took the same course, the
+/// first one first, at most `most` of them.
+pub(super) fn repeated(loading: &Loading, [start, end]: [f64; 2], most: usize) -> Vec<[f64; 2]> {
     let period = end - start;
+    let loads = |begin: f64, place: u32| loading.factors_at(begin + period * f64::from(place) / f64::from(PLACES));
+    let cycle: Vec<Vec<f64>> = (0..=PLACES).map(|place| loads(start, place)).collect();
+    let largest = |c: usize| cycle.iter().map(|loads| loads[c].abs()).fold(0.0, f64::max);
+    let is_alike = |begin: f64| {
+        (0..=PLACES).zip(&cycle).all(|(place, loads_of_cycle)| {
+            let pairs = loads(begin, place).into_iter().zip(loads_of_cycle).enumerate();
+            pairs.into_iter().all(|(c, (a, b))| (a - b).abs() <= SAME_LOAD * largest(c))
+        })
+    };
     let before = ((start / period) * (1.0 + SAME_TIME) + SAME_TIME).floor() as usize;
-    (0..=before).rev().map(|k| [start - k as f64 * period, end - k as f64 * period]).collect()
+    let begins = (1..=before.min(most)).map(|k| start - k as f64 * period).take_while(|begin| is_alike(*begin));
+    let mut cycles: Vec<[f64; 2]> = begins.map(|begin| [begin, begin + period]).collect();
+    cycles.reverse();
+    cycles.push([start, end]);
+    cycles
 }
 
-/// Returns the load cycles at the end of a history whose increments end at `times` (s), the first one first. A cycle ends at
-/// an increment at which every load, motion and friction factor has the value that it has when the last one changes, and
-/// just before, all change in the same proportion as then. The result is empty if there is no such cycle.
+/// The number of places in a cycle at which loads are compared.
+const PLACES: u32 = 16;
+
+/// Returns the load cycles at the end of a history whose increments end at `times` (s), the first one first. Let E be the last
+/// increment in which a load changes. A cycle ends at an increment at which loads, motions and friction factors equal those
+/// of E, and just before, change in the same proportions as before E. The result is empty if there is no such cycle.
 pub fn last_cycles(loading: &Loading, times: &[f64]) -> Vec<[f64; 2]> {
     let states: Vec<Vec<f64>> = times.iter().map(|&t| loading.factors_at(t)).collect();
     let largest = |c: usize| states.iter().map(|state| state[c].abs()).fold(0.0, f64::max);
@@ -93,8 +110,11 @@ mod tests {
 
     #[test]
     fn cycles_repeat_backwards() {
-        assert_eq!(repeated([1.0, 3.0]), [[1.0, 3.0]]);
-        assert_eq!(repeated([2.0, 3.0]), [[0.0, 1.0], [1.0, 2.0], [2.0, 3.0]]);
-        assert_eq!(repeated([0.3, 0.4]).len(), 4);
+        let wave = [[0.0, 0.0], [1.0, 1.0], [2.0, 0.0], [3.0, 1.0], [4.0, 0.0], [5.0, 1.0], [6.0, 0.0]];
+        let found = |cycle| repeated(&loading(&[&wave]), cycle, 10);
+        assert_eq!(found([4.0, 6.0]), [[0.0, 2.0], [2.0, 4.0], [4.0, 6.0]]);
+        assert_eq!(found([3.0, 5.0]), [[1.0, 3.0], [3.0, 5.0]]);
+        // The load of half a cycle goes the other way in the half before.
+        assert_eq!(found([4.0, 5.0]), [[4.0, 5.0]]);
     }
 }

@@ -24,7 +24,7 @@ pub struct CycleNode {
     /// The length of the slip path, m.
     pub slip_path: f64,
     /// The net slip from the beginning to the end, m.
-    pub slip_drift: f64,
+    pub slip_net: f64,
     /// The friction work per area, J/m².
     pub energy_density: f64,
     /// The mean and the range of the contact pressure, Pa.
@@ -83,6 +83,8 @@ pub(super) struct NodeWatch {
     /// The pressure at the end of the last step, Pa, and its integral over the slip path, Pa m.
     last: f64,
     pressed_path: f64,
+    /// The tangential forces at the end of the last step, N.
+    force: [f64; 2],
     pressure: Extremes,
     traction: [Extremes; 2],
     along: Extremes,
@@ -95,6 +97,7 @@ impl NodeWatch {
         NodeWatch {
             motion: [point.slip_t, point.slip_o],
             last: point.sigma_n,
+            force: [point.p_t, point.p_o],
             pressure: Extremes::at(point.sigma_n),
             traction: [point.sigma_t, point.sigma_o].map(Extremes::at),
             along: Extremes::at(along),
@@ -105,9 +108,26 @@ impl NodeWatch {
 
     /// Adds a step that ends in this state, with the stress `along` the surface (Pa), and in which friction has done this `work` (J).
     pub fn see(&mut self, point: &ContactPoint, along: f64, work: f64) {
-        let motion = [point.slip_t, point.slip_o];
-        if point.status == ContactStatus::Slip {
-            let slip = [0, 1].map(|k| motion[k] - self.motion[k]);
+        let slips = point.status == ContactStatus::Slip;
+        self.add(point, along, slips.then_some(work));
+    }
+
+    /// Adds a step along an exact path that ends in this state, with the stress `along` the surface (Pa). Its friction work
+    /// is that of the mean force.
+    pub fn see_path(&mut self, point: &ContactPoint, along: f64) {
+        let slip = self.slip_to(point);
+        let work = 0.5 * ((self.force[0] + point.p_t) * slip[0] + (self.force[1] + point.p_o) * slip[1]);
+        self.add(point, along, (point.status != ContactStatus::Open).then_some(work));
+    }
+
+    fn slip_to(&self, point: &ContactPoint) -> [f64; 2] {
+        [point.slip_t - self.motion[0], point.slip_o - self.motion[1]]
+    }
+
+    /// Adds a step with the friction `work`; `None` if the node has not slipped.
+    fn add(&mut self, point: &ContactPoint, along: f64, work: Option<f64>) {
+        if let Some(work) = work {
+            let slip = self.slip_to(point);
             let length = slip[0].hypot(slip[1]);
             self.slip = [0, 1].map(|k| self.slip[k] + slip[k]);
             self.slips.iter_mut().zip(self.slip).for_each(|(slips, slip)| slips.see(slip));
@@ -115,7 +135,8 @@ impl NodeWatch {
             self.pressed_path += 0.5 * (self.last + point.sigma_n) * length;
             self.work += work;
         }
-        self.motion = motion;
+        self.motion = [point.slip_t, point.slip_o];
+        self.force = [point.p_t, point.p_o];
         self.last = point.sigma_n;
         self.pressure.see(point.sigma_n);
         self.along.see(along);
@@ -132,7 +153,7 @@ impl NodeWatch {
         t.range().hypot(o.range())
     }
 
-    pub fn slip_drift(&self) -> f64 {
+    pub fn slip_net(&self) -> f64 {
         self.slip[0].hypot(self.slip[1])
     }
 
@@ -146,7 +167,7 @@ impl NodeWatch {
             area: contact.weight,
             slip_range: self.slip_range(),
             slip_path: self.path,
-            slip_drift: self.slip_drift(),
+            slip_net: self.slip_net(),
             energy_density: self.work / contact.weight,
             pressure: self.pressure.mean_and_range(),
             traction: self.traction.map(Extremes::mean_and_range),

@@ -6,7 +6,7 @@ use stickslip::body::{PeakOf, StickZone};
 use stickslip::run::Run;
 use stickslip::run::report::{
     AppliedForce, BalanceRecord, CompanionEstimate, ComponentSums, CycleReport, EliminatedUnknown, FrictionResult,
-    LargestForce, LargestPressure, RankRecord, Resultant, RunReport, Unknowns, Warning,
+    LargestForce, LargestPressure, RankRecord, Resultant, RunReport, SlipRegime, Unknowns, Warning,
 };
 use stickslip::scene::{Scene, Time};
 use stickslip::solver::formulation::Layout;
@@ -146,18 +146,18 @@ fn print_largest(report: &RunReport) {
             rounded(largest.time)
         );
     }
-    if let Some(LargestForce { boundary, force, time, mesh_error, .. }) = &report.largest_force {
-        let force = units.rounded(Quantity::Force, force.iter().map(|f| f * f).sum::<f64>().sqrt(), DIGITS);
+    if let Some(LargestForce { boundary, magnitude, time, mesh_error, .. }) = &report.largest_force {
+        let force = units.rounded(Quantity::Force, *magnitude, DIGITS);
         let error = mesh_error.map_or(String::new(), |error| format!(", error of the mesh about {}", percent(error)));
         say!("force        {force} at most on `{boundary}`, at t = {} s{error}", rounded(*time));
     }
     if let Some(FrictionResult { friction_work, mesh_error, time_error, .. }) = report.friction {
         let energy = |work: f64| units.rounded(Quantity::Energy, work, DIGITS);
-        let of_mesh = mesh_error.map(|error| format!("error of the mesh up to {}", percent(error)));
+        let of_mesh = mesh_error.map(|error| format!("mesh error up to {}", percent(error)));
         let of_steps = time_error.map(|error| {
-            // Not -0.0.
-            let share = (1e3 * error).round() / 10.0 + 0.0;
-            format!("{share:.1} % of it due to the increments: corrected {}", energy(friction_work * (1.0 - error)))
+            let verb = if error < 0.0 { "take" } else { "add" };
+            let corrected = energy(friction_work * (1.0 - error));
+            format!("increments {verb} {:.1} %: corrected {corrected}", 100.0 * error.abs())
         });
         let results: Vec<String> =
             [format!("work {}", energy(friction_work))].into_iter().chain(of_mesh).chain(of_steps).collect();
@@ -196,12 +196,17 @@ fn print_largest(report: &RunReport) {
 
 /// Prints the results of a load cycle.
 fn print_cycle(cycle: &CycleReport, units: &UnitSystem) {
-    let work = units.rounded(Quantity::Energy, cycle.friction_work, DIGITS);
-    let change = cycle.change.map_or(String::new(), |change| {
-        format!(", {} {} than in the cycle before", percent(change.abs()), if change < 0.0 { "less" } else { "more" })
+    let work = match cycle.regime {
+        SlipRegime::Stick => String::new(),
+        _ => format!(", friction work {}", units.rounded(Quantity::Energy, cycle.friction_work, DIGITS)),
+    };
+    let change = cycle.change.map_or(String::new(), |change| match change {
+        same if same.abs() < 5e-4 => ", as in the cycle before".to_string(),
+        less if less < 0.0 => format!(", {} less than in the cycle before", percent(-less)),
+        more => format!(", {} more than in the cycle before", percent(more)),
     });
     let ends = [cycle.start, cycle.end].map(rounded);
-    say!("cycle        t = {} to {} s: {}, friction work {work}{change}", ends[0], ends[1], cycle.regime.name());
+    say!("cycle        t = {} to {} s: {}{work}{change}", ends[0], ends[1], cycle.regime.name());
 }
 
 /// Formats a share in percent, with two digits if it is small.
