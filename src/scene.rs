@@ -162,9 +162,10 @@ impl Scene {
         &self.source.text
     }
 
-    /// The files that it names: meshes, tables of gaps.
+    /// The files that it names, meshes and tables of gaps, and those that its meshes include.
     pub fn files(&self) -> Vec<PathBuf> {
-        files::files(self.text()).iter().map(|file| self.source.beside(file)).collect()
+        let named = files::files(self.text()).into_iter().map(|file| self.source.beside(&file));
+        named.chain(self.description.mesh.includes()).collect()
     }
 
     /// The files that it names with their contents, without the mark that some editors put before UTF-8; see [`with_contents`].

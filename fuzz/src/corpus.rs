@@ -23,7 +23,7 @@ pub fn found(target: &str) -> PathBuf {
 pub struct Corpus {
     /// Scenes, in TOML.
     pub scenes: Vec<Vec<u8>>,
-    /// Meshes of Gmsh.
+    /// Meshes of Gmsh, text and binary, and of Abaqus.
     pub meshes: Vec<Vec<u8>>,
     /// Tables of gaps.
     pub tables: Vec<Vec<u8>>,
@@ -89,7 +89,7 @@ pub fn corpus() -> &'static Corpus {
             hdf5: beginning(of("fclib", &["problems"], 20_000), &[b"\x89HDF"]),
             siconos: beginning(of("siconos", &["problems"], 20_000), &[b"2\n", b"3\n"]),
             scenes: of("scene", &["scenes"], 4000),
-            meshes: of("mesh", &["meshes"], 10_000),
+            meshes: of("mesh", &["meshes", "meshes/formats", "../doc/howto/abaqus"], 10_000),
             tables: of("table", &[], 4000),
             surfaces: of("surface", &[], 4000),
             matrices: of("matrix", &[], 4000),

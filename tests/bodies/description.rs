@@ -9,7 +9,7 @@ use crate::common::faults::BLOCK;
 use miette::Diagnostic;
 use stickslip::base::{Formula, equal_increments};
 use stickslip::body::fem::{Element, Layer, Material, MaterialGroup, Plane};
-use stickslip::body::mesh::{CellKind, HalfPlane, MeshSource, Segment};
+use stickslip::body::mesh::{CellKind, HalfPlane, MeshFormat, MeshSource, Segment};
 use stickslip::body::{Axis, Description, Load, Model, ModelError};
 use stickslip::body::{GapDirection, Obstacle, Place, Rotation, Shape};
 use stickslip::run::{Run, discretise};
@@ -158,7 +158,11 @@ fn nonsense_in_the_plane() {
         (half(HalfPlane { contact_width: 1.5, ..half_plane }), "mesh.contact_width", "less than the width"),
         (half(HalfPlane { layers: 0, ..half_plane }), "mesh.layers", "at least 1"),
         (half(HalfPlane { outer_elements: 9_999_999, layers: 99, ..half_plane }), "mesh", "50 million"),
-        (mesh(MeshSource::Gmsh { file: "part.msh".into(), scale: 0.0 }), "mesh.scale", "positive"),
+        (
+            mesh(MeshSource::File { format: MeshFormat::Gmsh, file: "part.msh".into(), scale: 0.0 }),
+            "mesh.scale",
+            "positive",
+        ),
         (with(&|d| d.element = Element::BBar).in_plane_stress(), "mesh.element", "\"stress\""),
         (material(Material::new(0.0, 0.3)), "material.young", "positive"),
         (material(Material::new(f64::INFINITY, 0.3)), "material.young", "finite"),

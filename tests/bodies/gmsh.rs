@@ -5,11 +5,12 @@
 use miette::Diagnostic;
 use std::path::Path;
 use stickslip::body::fem::{Material, MaterialGroup};
-use stickslip::body::mesh::{Cell, CellKind, Mesh, MeshFault, MeshFileError, Notes, block, from_gmsh, gmsh};
+use stickslip::body::mesh::{Cell, CellKind, Mesh, MeshFault, MeshFileError, MeshFormat, Notes, block, from_gmsh};
 use stickslip::body::{Axis, Description, Model, ModelError};
 
 fn read(name: &str, scale: f64) -> Mesh {
-    gmsh(&Path::new(env!("CARGO_MANIFEST_DIR")).join("data/meshes").join(name), scale).unwrap()
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/meshes").join(name);
+    MeshFormat::Gmsh.read(&path, scale).unwrap()
 }
 
 /// The outward area vectors of a boundary, summed.
@@ -86,17 +87,19 @@ fn what_is_no_such_file_is_refused_with_its_line() {
     let faults: Vec<(String, &str, &str)> = vec![
         (String::new(), "bad.msh:1: the file does not begin with $MeshFormat", "-format msh41"),
         ("solid cube\n".into(), "bad.msh:1: a section was expected, but there is `solid cube`", "-format msh41"),
-        (TRIANGLES.replace("4.1 0 8", "2.2 0 8"), "bad.msh:2: the file has the format MSH 2.2", "-format msh41"),
+        (TRIANGLES.replace("4.1 0 8", "2.1 0 8"), "bad.msh:2: the file has the format MSH 2.1", "-format msh41"),
         (
             "$NOD\n25\n".into(),
             "it is no Gmsh mesh, or one of an older format",
             "gmsh bad.msh -save -format msh41 -o new.msh",
         ),
-        ("*HEADING\n*NODE\n".into(), "bad.msh:1: it is an input of Abaqus or CalculiX", "gmsh PART.unv -save"),
+        ("*HEADING\n*NODE\n".into(), "bad.msh:1: it is an input of Abaqus or CalculiX", "kind = \"abaqus\""),
         ("  -1\n  2411\n".into(), "bad.msh:1: it is a mesh in the format UNV", "gmsh OLD -save -format msh41"),
         ("ISO-10303-21;\n".into(), "bad.msh:1: it is a geometry in the format STEP", "has to be meshed"),
-        (TRIANGLES.replace("4.1 0 8", "4 0 8"), "bad.msh:2: the file has the format MSH 4,", "-format msh41"),
-        (TRIANGLES.replace("4.1 0 8", "4.1 1 8"), "bad.msh:2: the file is binary", "Mesh.Binary = 0"),
+        (TRIANGLES.replace("4.1 0 8", "3 0 8"), "bad.msh:2: the file has the format MSH 3,", "-format msh41"),
+        (TRIANGLES.replace("4.1 0 8", "4 1 8"), "bad.msh:2: the file has the format MSH 4.0, binary", "-format msh41"),
+        (TRIANGLES.replace("4.1 0 8", "4.1 1 8"), "no mark of the order of bytes", "-format msh41"),
+        (TRIANGLES.replace("4.1 0 8", "4.1 1 4"), "the numbers of the file have 4 bytes", "-format msh41"),
         (without("Entities"), "the file has no section $Entities", "whole mesh"),
         (without("Elements"), "the file has no section $Elements", "whole mesh"),
         (without("Nodes"), "$Elements comes before $Nodes", "export"),
@@ -132,7 +135,7 @@ fn what_is_no_such_file_is_refused_with_its_line() {
         assert!(advice.contains(help), "`{help}`: {advice}");
     }
     // The commands that help have to write a mesh: with `-save` Gmsh converts a mesh, but passes over `-2`.
-    for other in ["2.2 0 8", "4 0 8", "4.1 1 8"] {
+    for other in ["1 0 8", "2.1 0 8", "4 1 8"] {
         let advice = refused(&TRIANGLES.replace("4.1 0 8", other)).1;
         let (convert, export) = advice.split_once(", or ").unwrap();
         assert!(convert.ends_with("gmsh bad.msh -save -format msh41 -o new.msh"), "{advice}");

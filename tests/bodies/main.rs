@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod abaqus;
 mod auto;
 mod axisymmetric;
 mod axisymmetric_bodies;
@@ -26,6 +27,7 @@ mod layers;
 mod loads;
 mod locking;
 mod mesh_error;
+mod mesh_formats;
 mod mortar;
 mod moving_obstacles;
 mod nearly_incompressible;

@@ -5,6 +5,7 @@ pub mod around;
 pub mod convergence;
 pub mod faults;
 pub mod hertz;
+pub mod mesh_files;
 pub mod pairs;
 pub mod random;
 pub mod rings;

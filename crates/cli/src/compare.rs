@@ -190,7 +190,7 @@ pub enum CompareError {
     FixedCells,
     /// Mesh files were named for a scene that generates its mesh.
     #[error("the scene generates its mesh, so it takes no mesh file")]
-    #[diagnostic(help("give numbers of elements (--meshes 20,40), or a scene with mesh.kind = \"gmsh\""))]
+    #[diagnostic(help("give numbers of elements (--meshes 20,40), or a scene with a mesh file"))]
     NoMeshFile,
     /// There is no mesh to compare on.
     #[error("the plan has no meshes")]

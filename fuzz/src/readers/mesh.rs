@@ -1,6 +1,6 @@
-//! Meshes from Gmsh: what is taken is sound in every respect that a mesh in memory is asked for.
+//! Meshes from files: what is taken is sound in every respect that a mesh in memory is asked for.
 
-use stickslip::body::mesh::{MeshSource, from_gmsh};
+use stickslip::body::mesh::{MeshFormat, MeshSource};
 
 use super::{changed, told};
 use crate::corpus::Corpus;
@@ -12,7 +12,8 @@ pub(super) fn make(random: &mut Random, corpus: &Corpus) -> Vec<u8> {
 }
 
 pub(super) fn check(bytes: &[u8]) -> Verdict {
-    match from_gmsh("fuzz.msh", bytes, 1e-3) {
+    let format = if bytes.starts_with(b"$") { MeshFormat::Gmsh } else { MeshFormat::Abaqus };
+    match format.parse("fuzz.msh", bytes, 1e-3) {
         Err(error) => told(&error),
         Ok(mesh) => match MeshSource::from(mesh).check() {
             Ok(()) => Ok("read"),

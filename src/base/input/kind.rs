@@ -85,23 +85,22 @@ impl FileKind {
             }
             FileKind::Hdf5 => "a problem of FCLIB is solved by `stickslip solve FILE`",
             FileKind::Json => "a scene is a TOML file; `stickslip init block` shows one",
-            FileKind::Abaqus | FileKind::Unv | FileKind::Nastran | FileKind::Vtk | FileKind::Step => {
-                "write a scene, a TOML file that names a mesh in the format MSH 4.1; `stickslip init gmsh --out FOLDER` shows both"
+            FileKind::Abaqus => "write a scene, a TOML file that names this mesh under [mesh] with kind = \"abaqus\"",
+            FileKind::Unv | FileKind::Nastran | FileKind::Vtk | FileKind::Step => {
+                "write a scene, a TOML file that names a mesh of Gmsh, Abaqus or CalculiX; `stickslip init gmsh --out FOLDER` shows both"
             }
         }
     }
 
-    /// Returns advice for such a file where a mesh in the format MSH 4.1 is expected.
+    /// Returns advice for such a file where another format of meshes is expected.
     pub(crate) fn as_mesh(self) -> &'static str {
         match self {
-            FileKind::Gmsh | FileKind::Unv => "convert it: gmsh OLD -save -format msh41 -o NEW.msh",
+            FileKind::Gmsh => "write kind = \"gmsh\" under [mesh]",
+            FileKind::Unv => "convert it: gmsh OLD -save -format msh41 -o NEW.msh",
             FileKind::Nastran | FileKind::Vtk => {
                 "convert it: gmsh OLD -save -format msh41 -o NEW.msh; it has the names of groups only if the file has them"
             }
-            FileKind::Abaqus => {
-                "Gmsh cannot convert it: write the mesh as UNV from the program that made it, then gmsh PART.unv -save -format \
-                 msh41 -o PART.msh; from Gmsh itself, gmsh -3 PART.geo -format msh41 (in the plane -2)"
-            }
+            FileKind::Abaqus => "write kind = \"abaqus\" under [mesh]",
             FileKind::Step => {
                 "a geometry has to be meshed: merge it in a .geo file with physical groups, then gmsh -3 PART.geo -format msh41"
             }

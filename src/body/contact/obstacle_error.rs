@@ -73,7 +73,7 @@ impl ObstacleError {
                 "give a CSV file with the header x,gap or x,y,gap and numbers in m or as [units] says"
             }
             ObstacleError::Surface(_) => {
-                "give an STL file or a Gmsh file (MSH 4.1, ASCII) whose faces are counterclockwise seen from the body"
+                "give an STL file or a Gmsh file whose faces are counterclockwise seen from the body"
             }
         }
     }

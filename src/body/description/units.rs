@@ -127,7 +127,7 @@ impl Si {
                     layers,
                 })
             }
-            MeshSource::Gmsh { file, scale } => MeshSource::Gmsh { file, scale: self.length(scale) },
+            MeshSource::File { format, file, scale } => MeshSource::File { format, file, scale: self.length(scale) },
             MeshSource::Given(mesh) => {
                 let nodes = mesh.nodes.iter().map(|x| x.map(|c| self.length(c))).collect();
                 MeshSource::Given(Arc::new(Mesh { nodes, ..Arc::unwrap_or_clone(mesh) }))

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::block::{graded_block, progression};
 use super::half_plane::half_plane;
 use super::joined::{append, named};
-use super::{CellKind, Mesh, MeshFileError, gmsh};
+use super::{CellKind, Mesh, MeshFileError, MeshFormat};
 use crate::algebra::vector::{Vector, plus};
 use crate::base::input_error::{InputError, ensure, finite, not_huge, positive};
 
@@ -25,8 +25,10 @@ pub enum MeshSource {
     },
     /// A rectangle that approximates a half-plane pressed at the left end of its top.
     HalfPlane(HalfPlane),
-    /// A mesh from a file in the format MSH 4.1 of Gmsh.
-    Gmsh {
+    /// A mesh from a file.
+    File {
+        /// The format of the file.
+        format: MeshFormat,
         /// The file.
         file: PathBuf,
         /// The length of the file's unit, m.
@@ -171,7 +173,7 @@ impl MeshSource {
         match self {
             MeshSource::Block { axes, cells, origin } => check_block(axes, *cells, *origin),
             MeshSource::HalfPlane(half_plane) => half_plane.check(),
-            MeshSource::Gmsh { scale, .. } => {
+            MeshSource::File { scale, .. } => {
                 finite("mesh.scale", *scale)?;
                 let help = "give the length of the file's unit in m, 0.001 for mm, or in the unit of [units]";
                 ensure(*scale > 0.0, "mesh.scale", scale, "positive", help)
@@ -215,11 +217,20 @@ impl MeshSource {
             MeshSource::HalfPlane(m) => {
                 half_plane(m.size, m.contact_width, m.contact_elements, m.outer_elements, m.layers)
             }
-            MeshSource::Gmsh { file, scale } => gmsh(file, *scale)?,
+            MeshSource::File { format, file, scale } => format.read(file, *scale)?,
             MeshSource::Given(mesh) => return Ok(Arc::clone(mesh)),
             MeshSource::Bodies(bodies) => joined(bodies)?,
         };
         Ok(Arc::new(mesh))
+    }
+
+    /// Returns the files that the mesh files include, as far as they can be read.
+    pub(crate) fn includes(&self) -> Vec<PathBuf> {
+        match self {
+            MeshSource::File { format, file, .. } => format.includes(file),
+            MeshSource::Bodies(bodies) => bodies.iter().flat_map(|body| body.mesh.includes()).collect(),
+            MeshSource::Block { .. } | MeshSource::HalfPlane(_) | MeshSource::Given(_) => Vec::new(),
+        }
     }
 
     /// Returns the number of nodes and the dimension; `None` if they are unknown before a file is read.
@@ -232,7 +243,7 @@ impl MeshSource {
                 Some((axes.iter().map(along).product(), axes.len()))
             }
             MeshSource::HalfPlane(m) => Some(((m.contact_elements + m.outer_elements + 1) * (m.layers + 1), 2)),
-            MeshSource::Gmsh { .. } => None,
+            MeshSource::File { .. } => None,
             MeshSource::Given(mesh) => Some((mesh.nodes.len(), mesh.dimension)),
             MeshSource::Bodies(bodies) => {
                 let each: Option<Vec<(usize, usize)>> = bodies.iter().map(|body| body.mesh.nodes()).collect();

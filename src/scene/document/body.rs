@@ -22,6 +22,7 @@ pub(in crate::scene) enum MeshKind {
     Block,
     HalfPlane,
     Gmsh,
+    Abaqus,
 }
 
 #[derive(Deserialize)]

@@ -1,7 +1,7 @@
 //! The mesh of a scene.
 
 use crate::base::input_error::{InputError, ensure};
-use crate::body::mesh::{HalfPlane, MeshSource};
+use crate::body::mesh::{HalfPlane, MeshFormat, MeshSource};
 use crate::scene::document::{Mesh, MeshKind, Segments};
 use crate::scene::error::Source;
 
@@ -14,7 +14,8 @@ pub(super) fn source(mesh: &Mesh, source: &Source) -> Result<MeshSource, InputEr
     match mesh.kind {
         MeshKind::Block => block(mesh),
         MeshKind::HalfPlane => half_plane(mesh),
-        MeshKind::Gmsh => gmsh(mesh, source),
+        MeshKind::Gmsh => file(mesh, source, MeshFormat::Gmsh, "a mesh from Gmsh"),
+        MeshKind::Abaqus => file(mesh, source, MeshFormat::Abaqus, "a mesh from Abaqus or CalculiX"),
     }
 }
 
@@ -57,13 +58,12 @@ fn half_plane(mesh: &Mesh) -> Result<MeshSource, InputError> {
     }))
 }
 
-fn gmsh(mesh: &Mesh, source: &Source) -> Result<MeshSource, InputError> {
-    let whose = "a mesh from Gmsh";
+fn file(mesh: &Mesh, source: &Source, format: MeshFormat, whose: &str) -> Result<MeshSource, InputError> {
     foreign("mesh.size", mesh.size.as_ref(), whose)?;
     no_block(mesh, whose)?;
     no_half_plane(mesh, whose)?;
     let file = needed("mesh.file", mesh.file.as_ref(), KIND, whose)?;
-    Ok(MeshSource::Gmsh { file: source.beside(file), scale: mesh.scale.unwrap_or(1.0) })
+    Ok(MeshSource::File { format, file: source.beside(file), scale: mesh.scale.unwrap_or(1.0) })
 }
 
 /// Returns the lengths of the segments along each axis of a generated mesh.

@@ -141,7 +141,7 @@ fn no_finer_mesh(scene: &Scene) -> Failure {
 /// Returns the command by which Gmsh makes a mesh of half the element size, if the geometry lies beside the mesh of the
 /// scene.
 fn finer(scene: &Scene) -> Option<String> {
-    let MeshSource::Gmsh { file, .. } = &scene.description.mesh else { return None };
+    let MeshSource::File { file, .. } = &scene.description.mesh else { return None };
     let geometry = file.with_extension("geo");
     let fine = file.with_file_name(format!("{}-fine.msh", file.file_stem()?.to_str()?));
     let [geometry, fine] = [&geometry, &fine].map(|path| path.display().to_string());

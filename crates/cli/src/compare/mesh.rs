@@ -27,7 +27,7 @@ pub enum MeshSize {
     Own,
     /// A number of elements in the first direction. The other numbers follow in the proportions of the scene.
     Elements(usize),
-    /// Another Gmsh file, named as in the scene.
+    /// Another mesh file of the same format, named as in the scene.
     File(String),
 }
 
@@ -136,13 +136,13 @@ pub(crate) fn each(mesh: &MeshSource, choices: &[MeshChoice]) -> Result<Vec<Mesh
         MeshSource::Bodies(bodies) => bodies.iter().map(|body| &body.mesh).collect(),
         one => vec![one],
     };
-    let fixed = sources.iter().any(|mesh| matches!(mesh, MeshSource::Gmsh { .. } | MeshSource::Given(_)));
+    let fixed = sources.iter().any(|mesh| matches!(mesh, MeshSource::File { .. } | MeshSource::Given(_)));
     let blocks = sources.iter().all(|mesh| matches!(mesh, MeshSource::Block { .. }));
     for choice in choices {
         let cells = choice.elements.is_some_and(|elements| elements.cells.is_some());
         match &choice.size {
             MeshSize::Elements(_) if fixed => return Err(CompareError::FixedMesh),
-            MeshSize::File(_) if !matches!(mesh, MeshSource::Gmsh { .. }) => return Err(CompareError::NoMeshFile),
+            MeshSize::File(_) if !matches!(mesh, MeshSource::File { .. }) => return Err(CompareError::NoMeshFile),
             _ if cells && !blocks => return Err(CompareError::FixedCells),
             _ if each.contains(choice) => {}
             _ => each.push(choice.clone()),
@@ -157,7 +157,7 @@ pub(crate) fn first_elements(mesh: &MeshSource) -> Option<usize> {
     match mesh {
         MeshSource::Block { axes, .. } => Some(axes[0].iter().map(|segment| segment.elements).sum()),
         MeshSource::HalfPlane(HalfPlane { contact_elements, .. }) => Some(*contact_elements),
-        MeshSource::Gmsh { .. } | MeshSource::Given(_) => None,
+        MeshSource::File { .. } | MeshSource::Given(_) => None,
         MeshSource::Bodies(bodies) => first_elements(&bodies.first()?.mesh),
     }
 }
@@ -197,7 +197,7 @@ fn scaled(mesh: &MeshSource, share: f64, key: &str) -> Vec<Override> {
             value("outer_elements", *outer_elements),
             value("layers", *layers),
         ],
-        MeshSource::Gmsh { .. } | MeshSource::Given(_) | MeshSource::Bodies(_) => Vec::new(),
+        MeshSource::File { .. } | MeshSource::Given(_) | MeshSource::Bodies(_) => Vec::new(),
     }
 }
 

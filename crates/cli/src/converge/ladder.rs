@@ -78,7 +78,7 @@ impl Ladder {
             Meshes::Named(named) => match &named[level] {
                 MeshSize::Own => true,
                 MeshSize::Elements(n) => first_elements(mesh) == Some(*n),
-                MeshSize::File(file) => matches!(mesh, MeshSource::Gmsh { file: own, .. } if own.ends_with(file)),
+                MeshSize::File(file) => matches!(mesh, MeshSource::File { file: own, .. } if own.ends_with(file)),
             },
         }
     }
@@ -121,7 +121,7 @@ fn counts(mesh: &MeshSource) -> Vec<usize> {
         MeshSource::HalfPlane(HalfPlane { contact_elements, outer_elements, layers, .. }) => {
             vec![*contact_elements, *outer_elements, *layers]
         }
-        MeshSource::Gmsh { .. } | MeshSource::Given(_) => Vec::new(),
+        MeshSource::File { .. } | MeshSource::Given(_) => Vec::new(),
         MeshSource::Bodies(bodies) => bodies.iter().flat_map(|body| counts(&body.mesh)).collect(),
     }
 }
@@ -151,7 +151,7 @@ impl fmt::Display for Numbers<'_> {
             MeshSource::HalfPlane(HalfPlane { contact_elements, outer_elements, layers, .. }) => {
                 write!(f, "{contact_elements} + {outer_elements}, {layers} layers")
             }
-            MeshSource::Gmsh { file, .. } => write!(f, "{}", file.display()),
+            MeshSource::File { file, .. } => write!(f, "{}", file.display()),
             MeshSource::Given(_) => f.write_str("the mesh in memory"),
             MeshSource::Bodies(bodies) => {
                 let each = bodies.iter().map(|Body { mesh, .. }| Numbers(mesh).to_string()).collect::<Vec<_>>();

@@ -64,7 +64,7 @@ fn gmsh_is_told_to_make_a_mesh() {
     let said = words.filter(|words| words.contains("-format msh41"));
     assert!(
         said.clone().count() > 0
-            && said.clone().all(|words| !words.contains("-save") || words.contains("old.msh -save")),
+            && said.clone().all(|words| !words.contains("-save") || words.contains("old.unv -save")),
         "{:?}",
         said.collect::<Vec<_>>()
     );

@@ -26,7 +26,7 @@ const EXCEPTIONS: [(&str, Option<i32>); 4] = [
 
 /// The folders that commands name, and the files beside the scenes on the pages.
 const LINKS: &str = "data doc python data/tutorials/lap-joint.msh data/tutorials/die.stl data/init/roller.msh \
-                     doc/howto/abaqus/two_blocks.msh";
+                     doc/howto/abaqus/two_blocks.inp";
 
 #[test]
 fn commands_and_scenes_of_the_pages_work() {

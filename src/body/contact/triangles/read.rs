@@ -4,7 +4,7 @@ use std::io;
 use std::path::Path;
 
 use crate::base::input::FileKind;
-use crate::body::mesh::{GmshError, faces};
+use crate::body::mesh::{MeshFormatError, faces};
 
 /// The error of a surface file that cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -29,7 +29,7 @@ pub enum SurfaceError {
     },
     /// The Gmsh file cannot be read.
     #[error(transparent)]
-    Gmsh(#[from] GmshError),
+    Gmsh(#[from] MeshFormatError),
     /// The triangles do not form a surface.
     #[error("{file}: {message}")]
     Unsound {

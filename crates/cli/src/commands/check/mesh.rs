@@ -33,7 +33,7 @@ pub(super) fn made(source: &MeshSource, model: &Model) -> String {
             let (width, height) = (length(*width), length(*height));
             format!("half-plane {width} x {height}, ({contact_elements} + {outer_elements}) x {layers}")
         }
-        MeshSource::Gmsh { file, scale } => {
+        MeshSource::File { file, scale, .. } => {
             // The extent reveals a forgotten scale. Six digits hide the rounding of a difference.
             let extent = |x: &f64| {
                 let told = units.of_si(Quantity::Length, *x);
@@ -59,7 +59,7 @@ pub(super) fn bodies(source: &MeshSource, model: &Model) -> Vec<String> {
         for body in given {
             let at = body.at.map_or(String::new(), |at| format!(", put at {}", model.units().place(at.components())));
             let made = match &body.mesh {
-                MeshSource::Gmsh { file, scale } => {
+                MeshSource::File { file, scale, .. } => {
                     format!("{}, unit {}", file.display(), model.units().text(Quantity::Length, *scale))
                 }
                 other => made(other, model),

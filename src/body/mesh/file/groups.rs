@@ -1,26 +1,33 @@
-//! Conversion of elements and physical groups to cells, material groups and boundaries.
+//! Conversion of elements and their groups to cells, material groups and boundaries.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
-use super::read::{Block, File, SAME_PLACE};
-use super::{ElementKind, GmshError};
+use super::raw::{Block, ElementKind, RawMesh, SAME_PLACE};
+use super::{MeshFormat, MeshFormatError, Place};
 use crate::body::mesh::boundaries::Outline;
 use crate::body::mesh::{Cell, Facet, Geometry, Mesh, Notes};
 
-/// Creates the mesh without its boundaries; returns also Gmsh's number of each cell.
-pub(super) fn mesh(file: &mut File, name: &str) -> Result<(Mesh, Vec<usize>), GmshError> {
+/// Creates the mesh without its boundaries; returns also the number of each cell in the file, whose name and format are
+/// for messages.
+pub(super) fn mesh(file: &mut RawMesh, name: &str, format: MeshFormat) -> Result<(Mesh, Vec<usize>), MeshFormatError> {
+    let error = |message: String, help: &str| MeshFormatError {
+        file: name.to_string(),
+        place: Place::Line(1),
+        message,
+        help: help.to_string(),
+    };
     let dimension = file.blocks.iter().map(|block| block.kind.dimension()).max().unwrap_or(0);
     if dimension < 2 {
-        return Err(GmshError {
-            file: name.to_string(),
-            line: 1,
-            message: "the file has no elements of two or three dimensions".to_string(),
-            help: "mesh the surfaces (gmsh -2) or volumes (gmsh -3), and put them in a physical group: where there are any \
-                   groups, Gmsh writes nothing else"
-                .to_string(),
-        });
+        let help = match format {
+            MeshFormat::Gmsh => {
+                "mesh the surfaces (gmsh -2) or volumes (gmsh -3), and put them in a physical group: where there are any \
+                 groups, Gmsh writes nothing else"
+            }
+            MeshFormat::Abaqus => "let the file, or one that it includes, have *NODE and *ELEMENT",
+        };
+        return Err(error("the file has no elements of two or three dimensions".to_string(), help));
     }
-    let mut notes = Notes::default();
+    let mut notes = Notes { remarks: std::mem::take(&mut file.remarks), ..Notes::default() };
     let unused = file.leave_out_unused_nodes(dimension);
     if unused > 0 {
         notes.remarks.push(match unused {
@@ -46,22 +53,24 @@ pub(super) fn mesh(file: &mut File, name: &str) -> Result<(Mesh, Vec<usize>), Gm
             groups.len() - 1
         });
         for (number, nodes) in elements {
-            let nodes = kind.properties().gmsh_order.iter().map(|&place| nodes[place]).collect();
-            cells.push(Cell { kind, nodes, group });
+            cells.push(Cell { kind, nodes: nodes.clone(), group });
             numbers.push(*number);
         }
     }
     let mut nodes = file.nodes.clone();
     if dimension == 2 {
-        let axes = plane(file).map_err(|message| GmshError {
-            file: name.to_string(),
-            line: 1,
-            message,
-            help: "turn a plane mesh into the x-y plane of the file (x-z and y-z are read, too); a body in space needs volume \
-                   elements: mesh it with gmsh -3 and put its volumes into a physical group, too, for where there are any \
-                   groups, Gmsh writes nothing else"
-                .to_string(),
-        })?;
+        let help = match format {
+            MeshFormat::Gmsh => {
+                "turn a plane mesh into the x-y plane of the file (x-z and y-z are read, too); a body in space needs volume \
+                 elements: mesh it with gmsh -3 and put its volumes into a physical group, too, for where there are any \
+                 groups, Gmsh writes nothing else"
+            }
+            MeshFormat::Abaqus => {
+                "turn a plane mesh into the x-y plane of the file (x-z and y-z are read, too); a body in space needs volume \
+                 elements, C3D4 or others"
+            }
+        };
+        let axes = plane(file).map_err(|message| error(message, help))?;
         for x in &mut nodes {
             *x = [x[axes[0]], x[axes[1]], 0.0];
         }
@@ -80,7 +89,7 @@ pub(super) fn mesh(file: &mut File, name: &str) -> Result<(Mesh, Vec<usize>), Gm
 
 /// Returns the axes of the coordinate plane that contains all nodes. The error is the reason, in words, why there is
 /// none.
-fn plane(file: &File) -> Result<[usize; 2], String> {
+fn plane(file: &RawMesh) -> Result<[usize; 2], String> {
     let extent = file.nodes.iter().flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
     let origin = file.nodes.first().copied().unwrap_or_default();
     let off = |axis: usize| file.nodes.iter().position(|x| (x[axis] - origin[axis]).abs() > SAME_PLACE * extent);
@@ -112,12 +121,13 @@ fn turn_over(mesh: &mut Mesh) {
     }
 }
 
-/// Adds a boundary for each physical group of facets that can be a boundary.
-pub(super) fn boundaries(mesh: &mut Mesh, file: &File) {
+/// Adds a boundary for each group of facets that can be a boundary.
+pub(super) fn boundaries(mesh: &mut Mesh, file: &RawMesh) {
     let mut named: Vec<(String, Vec<(usize, Facet)>)> = Vec::new();
+    let mut places = HashMap::new();
     for block in file.blocks.iter().filter(|block| block.kind.dimension() + 1 == mesh.dimension) {
         for name in &block.groups {
-            let k = named.iter().position(|(known, _)| known == name).unwrap_or_else(|| {
+            let k = *places.entry(name).or_insert_with(|| {
                 named.push((name.clone(), Vec::new()));
                 named.len() - 1
             });

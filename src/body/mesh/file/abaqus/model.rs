@@ -1,0 +1,429 @@
+//! The nodes, elements, sets and surfaces of an input file, and their conversion to groups.
+
+use std::collections::{HashMap, HashSet};
+
+use super::elements::{is_variant, kind_of};
+use super::keywords::{Data, Keyword};
+use super::sets::{Sets, Span, present};
+use crate::body::mesh::file::raw::{Block, ElementKind, RawMesh};
+use crate::body::mesh::file::{MeshFormatError, Place};
+use crate::body::mesh::{CellKind, Facet};
+
+/// An element: its number, its kind and the indices of its nodes.
+struct Element {
+    number: usize,
+    kind: CellKind,
+    nodes: Vec<usize>,
+}
+
+/// Sides of elements by their number from 0, or all outer sides of the elements.
+type Sides = (Vec<Span>, Option<usize>);
+
+/// A name with sides of elements: the elements and the numbers of the sides.
+type Named = (String, Vec<(usize, usize)>);
+
+/// What an input file has told so far.
+#[derive(Default)]
+pub(super) struct Model {
+    mesh: RawMesh,
+    nodes: HashMap<usize, usize>,
+    node_sets: Sets,
+    elements: Vec<Element>,
+    element_indices: HashMap<usize, usize>,
+    element_sets: Sets,
+    surfaces: Vec<(String, Vec<Sides>)>,
+    /// The ELSETs of `*SOLID SECTION`, each with the error that tells its place.
+    sections: Vec<(String, MeshFormatError)>,
+    /// Keywords that are no mesh.
+    aside: Vec<String>,
+    /// Types of elements that choose a formulation.
+    variants: Vec<String>,
+    /// The number of fields of data.
+    fields: usize,
+}
+
+const TYPES: &str = "mesh with CPE, CPS or CAX of 3, 4 or 6 nodes, or with C3D4, C3D6, C3D8 or C3D10";
+
+impl Model {
+    /// Takes a keyword with its data.
+    pub(super) fn take(&mut self, keyword: &Keyword<'_>, data: &[Data<'_>]) -> Result<(), MeshFormatError> {
+        self.fields += data.iter().map(|row| row.fields.len()).sum::<usize>();
+        match keyword.name.as_str() {
+            "NODE" => self.take_nodes(keyword, data),
+            "ELEMENT" => self.take_elements(keyword, data),
+            "NSET" => self.take_node_set(keyword, data),
+            "ELSET" => {
+                complete(keyword)?;
+                self.element_sets.define(&keyword.needed("ELSET")?, keyword, data, most(self.fields))
+            }
+            "SURFACE" => self.take_surface(keyword, data),
+            "SOLID SECTION" | "SOLIDSECTION" => {
+                let name = keyword.needed("ELSET")?;
+                let message = format!("*SOLID SECTION names the ELSET `{name}`, which is not there");
+                self.sections.push((name, keyword.error(message, "define the set, or correct its name")));
+                Ok(())
+            }
+            "PART" | "INSTANCE" | "ASSEMBLY" => Err(keyword.error(
+                format!("*{}: parts and assemblies are not read", keyword.name),
+                "write the file without them: in Abaqus/CAE, Model, Edit Attributes, tick \"Do not use parts and assemblies in \
+                 input files\"",
+            )),
+            "NGEN" | "NFILL" | "NCOPY" | "NMAP" | "ELGEN" | "ELCOPY" | "SYSTEM" => Err(keyword.error(
+                format!("*{}: generated nodes and elements, and systems of coordinates, are not read", keyword.name),
+                "write all nodes in rectangular coordinates with *NODE, and all elements with *ELEMENT",
+            )),
+            "HEADING" | "END STEP" => Ok(()),
+            name => {
+                if !self.aside.iter().any(|known| known == name) {
+                    self.aside.push(name.to_string());
+                }
+                Ok(())
+            }
+        }
+    }
+
+    fn take_nodes(&mut self, keyword: &Keyword<'_>, data: &[Data<'_>]) -> Result<(), MeshFormatError> {
+        complete(keyword)?;
+        if keyword.value("SYSTEM").is_some_and(|system| !system.eq_ignore_ascii_case("R")) {
+            return Err(keyword.error("*NODE has no rectangular coordinates", "write them without SYSTEM="));
+        }
+        let set = keyword.set("NSET");
+        for row in data {
+            let number = row.fields.first().and_then(|field| field.parse().ok());
+            let coordinates = [1, 2, 3].map(|k| row.fields.get(k).map_or(Some(0.0), |field| real(field)));
+            let (Some(number), [Some(x), Some(y), Some(z)]) = (number, coordinates) else {
+                let help = "write a line such as 1, 0.5, 2.5, 0.";
+                return Err(keyword.error_at(
+                    row,
+                    "*NODE: a number and finite coordinates expected in this line",
+                    help,
+                ));
+            };
+            match self.nodes.get(&number) {
+                Some(&known) if self.mesh.nodes[known] == [x, y, z] => {}
+                Some(_) => {
+                    let message = format!("the node {number} is there twice, in two places");
+                    return Err(keyword.error_at(row, message, "give each node a number of its own"));
+                }
+                None => {
+                    self.nodes.insert(number, self.mesh.nodes.len());
+                    self.mesh.nodes.push([x, y, z]);
+                    self.mesh.numbers.push(number);
+                }
+            }
+            if let Some(set) = &set {
+                self.node_sets.add(set, [Span::one(number)]);
+            }
+        }
+        Ok(())
+    }
+
+    fn take_elements(&mut self, keyword: &Keyword<'_>, data: &[Data<'_>]) -> Result<(), MeshFormatError> {
+        complete(keyword)?;
+        let name = keyword.needed("TYPE")?;
+        let Some(kind) = kind_of(&name) else {
+            return Err(keyword.error(format!("elements of the type {name} are not supported"), TYPES));
+        };
+        if is_variant(&name) && !self.variants.contains(&name) {
+            self.variants.push(name);
+        }
+        let set = keyword.set("ELSET");
+        let mut fields = data
+            .iter()
+            .flat_map(|row| row.fields.iter().filter(|field| !field.is_empty()).map(move |field| (row, *field)));
+        while let Some((row, first)) = fields.next() {
+            let damaged = |message: String| {
+                keyword.error_at(
+                    row,
+                    message,
+                    "give the number of the element and its nodes, 9 and more also in several lines",
+                )
+            };
+            let Ok(number) = first.parse::<usize>() else {
+                return Err(damaged(format!(
+                    "*ELEMENT: the number of an element was expected, but there is `{first}`"
+                )));
+            };
+            let mut nodes = Vec::new();
+            for (_, field) in fields.by_ref().take(kind.nodes()) {
+                let node = field.parse().ok().and_then(|node: usize| self.nodes.get(&node));
+                let absent =
+                    || damaged(format!("element {number} names the node {field}, which no *NODE before it has"));
+                nodes.push(*node.ok_or_else(absent)?);
+            }
+            if nodes.len() < kind.nodes() {
+                let message =
+                    format!("element {number} has {} nodes, but a {} has {}", nodes.len(), kind.name(), kind.nodes());
+                return Err(damaged(message));
+            }
+            if self.element_indices.insert(number, self.elements.len()).is_some() {
+                return Err(damaged(format!("the element {number} is there twice")));
+            }
+            self.elements.push(Element { number, kind, nodes });
+            if let Some(set) = &set {
+                self.element_sets.add(set, [Span::one(number)]);
+            }
+        }
+        Ok(())
+    }
+
+    fn take_node_set(&mut self, keyword: &Keyword<'_>, data: &[Data<'_>]) -> Result<(), MeshFormatError> {
+        complete(keyword)?;
+        let name = keyword.needed("NSET")?;
+        let Some(of) = keyword.set("ELSET") else {
+            return self.node_sets.define(&name, keyword, data, most(self.fields));
+        };
+        if !self.element_sets.has(&of) {
+            let message = format!("*NSET names the ELSET `{of}`, which is not defined before");
+            return Err(keyword.error(message, "define the set first, or correct its name"));
+        }
+        let elements = self.element_sets.indices(&of, &self.element_indices);
+        let nodes: HashSet<usize> = elements.iter().flat_map(|&e| self.elements[e].nodes.iter().copied()).collect();
+        self.node_sets.add(&name, nodes.into_iter().map(|node| Span::one(self.mesh.numbers[node])));
+        self.limited(keyword, self.node_sets.size())
+    }
+
+    fn take_surface(&mut self, keyword: &Keyword<'_>, data: &[Data<'_>]) -> Result<(), MeshFormatError> {
+        complete(keyword)?;
+        let name = keyword.needed("NAME")?;
+        match keyword.set("TYPE").as_deref() {
+            None | Some("ELEMENT") if keyword.value("COMBINE").is_none() => {}
+            Some("NODE") => {
+                // The second field is an area.
+                let first = data.iter().map(|row| (row.line, row.fields.iter().take(1).copied().collect()));
+                let data: Vec<Data<'_>> = first.map(|(line, fields)| Data { line, fields }).collect();
+                return self.node_sets.define(&name, keyword, &data, most(self.fields));
+            }
+            _ => {
+                self.aside.push(format!("SURFACE, NAME={name}"));
+                return Ok(());
+            }
+        }
+        let mut sides = Vec::new();
+        for row in data {
+            let which = row.fields.first().copied().unwrap_or_default();
+            let Some(members) = self.element_sets.members(which) else {
+                let message = format!("`{which}` is neither an element nor an ELSET that is defined before");
+                return Err(keyword.error_at(row, message, "define the set first, or correct its name"));
+            };
+            let side = row.fields.get(1).copied().unwrap_or_default();
+            let number = match side.strip_prefix(['S', 's']) {
+                Some(digits) => {
+                    digits.parse().ok().filter(|side| (1..=6).contains(side)).map(|side: usize| Some(side - 1))
+                }
+                None if side.is_empty() => Some(None),
+                None => None,
+            };
+            let Some(number) = number else {
+                let message = format!("`{side}` is no side of an element");
+                return Err(keyword.error_at(row, message, "name a side, S1 to S6, or none for all outer sides"));
+            };
+            sides.push((members, number));
+        }
+        self.surfaces.push((name, sides));
+        self.limited(keyword, self.surfaces.iter().flat_map(|(_, sides)| sides).map(|(spans, _)| spans.len()).sum())
+    }
+
+    /// Fails if sets that repeat one another have more members than the file justifies.
+    fn limited(&self, keyword: &Keyword<'_>, size: usize) -> Result<(), MeshFormatError> {
+        if size <= most(self.fields) { Ok(()) } else { Err(too_many(keyword)) }
+    }
+
+    /// Converts all that was taken to a mesh; messages name the file `name`.
+    pub(super) fn finish(mut self, name: &str) -> Result<RawMesh, MeshFormatError> {
+        for (section, error) in &self.sections {
+            if !self.element_sets.has(section) {
+                return Err(error.clone());
+            }
+        }
+        let dimension = self.elements.iter().map(|element| element.kind.dimension()).max().unwrap_or(0);
+        let many = || MeshFormatError {
+            file: name.to_string(),
+            place: Place::Line(1),
+            message: "the sets of the file have far more members than the file has numbers".to_string(),
+            help: "define fewer sets".to_string(),
+        };
+        self.remark();
+        let mut left = most(self.fields) + 16 * self.elements.len();
+        let groups = self.groups(dimension, &mut left).ok_or_else(many)?;
+        for (element, groups) in self.elements.iter().zip(groups) {
+            let kind = ElementKind::Cell(element.kind);
+            let numbered = (element.number, element.nodes.clone());
+            match self.mesh.blocks.last_mut() {
+                Some(last) if last.kind == kind && last.groups == groups => last.elements.push(numbered),
+                _ => self.mesh.blocks.push(Block { kind, groups, elements: vec![numbered] }),
+            }
+        }
+        let boundaries = self.boundaries(dimension, &mut left).ok_or_else(many)?;
+        for (name, sides) in boundaries {
+            for (e, side) in sides {
+                let Element { number, kind, ref nodes } = self.elements[e];
+                let nodes: Facet = kind.sides()[side].iter().map(|&k| nodes[k]).collect();
+                let kind = side_kind(dimension, nodes.len());
+                match self.mesh.blocks.last_mut() {
+                    Some(last) if last.kind == kind && last.groups[..] == [name.as_str()] => {
+                        last.elements.push((number, nodes));
+                    }
+                    _ => {
+                        let (groups, elements) = (vec![name.clone()], vec![(number, nodes)]);
+                        self.mesh.blocks.push(Block { kind, groups, elements });
+                    }
+                }
+            }
+        }
+        Ok(self.mesh)
+    }
+
+    /// Remarks on what is left aside.
+    fn remark(&mut self) {
+        if !self.aside.is_empty() {
+            let all: Vec<String> = self.aside.iter().map(|name| format!("*{name}")).collect();
+            self.mesh.remarks.push(format!("left aside, as no part of the mesh: {}", all.join("; ")));
+        }
+        if !self.variants.is_empty() {
+            let all = self.variants.join(", ");
+            self.mesh.remarks.push(format!("of the elements {all} the nodes are read; `element` chooses the strains"));
+        }
+    }
+
+    /// Returns the names of the groups of each element: the sets of `*SOLID SECTION` or, without any, all sets; for
+    /// plane elements beside solid ones all sets. `None` if there are more than are `left`.
+    fn groups(&self, dimension: usize, left: &mut usize) -> Option<Vec<Vec<String>>> {
+        let sections: HashSet<&str> = self.sections.iter().map(|(name, _)| name.as_str()).collect();
+        let mut groups = vec![Vec::new(); self.elements.len()];
+        for name in &self.element_sets.names {
+            let of_section = sections.is_empty() || sections.contains(name.as_str());
+            for e in self.element_sets.indices(name, &self.element_indices) {
+                if of_section || self.elements[e].kind.dimension() < dimension {
+                    *left = left.checked_sub(1)?;
+                    groups[e].push(name.clone());
+                }
+            }
+        }
+        Some(groups)
+    }
+
+    /// Returns the sides of each boundary as elements and numbers of sides, each once, and remarks on the node sets that
+    /// are none. `None` if there are more than are `left`.
+    fn boundaries(&mut self, dimension: usize, left: &mut usize) -> Option<Vec<Named>> {
+        let outer = self.outer(dimension);
+        let mut boundaries: Vec<Named> = Vec::new();
+        let mut places = HashMap::new();
+        let mut add = |name: &str, found: Vec<(usize, usize)>| {
+            *left = left.checked_sub(found.len())?;
+            let k = *places.entry(name.to_string()).or_insert_with(|| {
+                boundaries.push((name.to_string(), Vec::new()));
+                boundaries.len() - 1
+            });
+            boundaries[k].1.extend(found);
+            Some(())
+        };
+        for (name, sides) in &self.surfaces {
+            for (spans, side) in sides {
+                let elements = present(spans, &self.element_indices).into_iter();
+                let found = if let Some(side) = side {
+                    let has = |&e: &usize| {
+                        let kind = self.elements[e].kind;
+                        kind.dimension() == dimension && *side < kind.sides().len()
+                    };
+                    elements.filter(has).map(|e| (e, *side)).collect()
+                } else {
+                    let elements: HashSet<usize> = elements.collect();
+                    outer.iter().copied().filter(|(e, _)| elements.contains(e)).collect()
+                };
+                add(name, found)?;
+            }
+        }
+        let mut points = Vec::new();
+        for name in &self.node_sets.names {
+            let nodes = self.node_sets.indices(name, &self.nodes);
+            let chosen: HashSet<usize> = nodes.iter().copied().collect();
+            let within = |&(e, side): &(usize, usize)| {
+                let Element { kind, nodes, .. } = &self.elements[e];
+                kind.sides()[side].iter().all(|&k| chosen.contains(&nodes[k]))
+            };
+            let found: Vec<(usize, usize)> = outer.iter().copied().filter(within).collect();
+            if found.is_empty() {
+                let place = |node: &usize| {
+                    let [x, y, z] = self.mesh.nodes[*node];
+                    if dimension == 2 { format!("({x}, {y})") } else { format!("({x}, {y}, {z})") }
+                };
+                let places: Vec<String> = nodes.iter().take(4).map(place).collect();
+                let more = if nodes.len() > 4 { ", ..." } else { "" };
+                points.push(format!(
+                    "the node set {name} has no whole side, so that it is no boundary; its nodes: {}{more}",
+                    places.join(", ")
+                ));
+            } else {
+                add(name, found)?;
+            }
+        }
+        for (_, sides) in &mut boundaries {
+            let mut seen = HashSet::new();
+            sides.retain(|side| seen.insert(*side));
+        }
+        self.mesh.remarks.extend(points);
+        Some(boundaries)
+    }
+
+    /// Returns the sides that belong to one element only, as elements and numbers of sides.
+    fn outer(&self, dimension: usize) -> Vec<(usize, usize)> {
+        let mut count: HashMap<Facet, usize> = HashMap::new();
+        let mut all = Vec::new();
+        for (e, Element { kind, nodes, .. }) in self.elements.iter().enumerate() {
+            for (k, side) in kind.sides().iter().enumerate().filter(|_| kind.dimension() == dimension) {
+                let mut key: Facet = side.iter().map(|&k| nodes[k]).collect();
+                key.sort_unstable();
+                *count.entry(key.clone()).or_default() += 1;
+                all.push((key, (e, k)));
+            }
+        }
+        all.into_iter().filter(|(key, _)| count.get(key) == Some(&1)).map(|(_, side)| side).collect()
+    }
+}
+
+/// The largest number of members of sets for a file with so many `fields`.
+fn most(fields: usize) -> usize {
+    1000 + 16 * fields
+}
+
+pub(super) fn too_many(keyword: &Keyword<'_>) -> MeshFormatError {
+    keyword
+        .error("the sets repeat one another: they have far more members than the file has numbers", "define fewer sets")
+}
+
+/// Fails if the data are in another file, or belong to an instance of a part.
+fn complete(keyword: &Keyword<'_>) -> Result<(), MeshFormatError> {
+    let name = &keyword.name;
+    if keyword.value("INPUT").is_some() {
+        let help = format!(
+            "write the keyword without INPUT=, and after it *INCLUDE, INPUT=FILE; or let the file begin with *{name}"
+        );
+        return Err(keyword.error(format!("*{name}, INPUT= is not read"), help));
+    }
+    if keyword.value("INSTANCE").is_some() {
+        let help = "write the file without parts: in Abaqus/CAE, Model, Edit Attributes, tick \"Do not use parts and assemblies in \
+                    input files\"";
+        return Err(keyword.error(format!("*{name}, INSTANCE= is not read"), help));
+    }
+    Ok(())
+}
+
+/// Reads a number, whose exponent may begin with D.
+fn real(field: &str) -> Option<f64> {
+    if field.is_empty() {
+        return Some(0.0);
+    }
+    let value = field.parse().or_else(|_| field.replace(['D', 'd'], "e").parse());
+    value.ok().filter(|value: &f64| value.is_finite())
+}
+
+fn side_kind(dimension: usize, nodes: usize) -> ElementKind {
+    match (dimension, nodes) {
+        (2, 2) => ElementKind::Line,
+        (2, _) => ElementKind::Line3,
+        (_, 3) => ElementKind::Cell(CellKind::Triangle),
+        (_, 4) => ElementKind::Cell(CellKind::Quadrilateral),
+        _ => ElementKind::Cell(CellKind::Triangle6),
+    }
+}

@@ -1,0 +1,336 @@
+//! Parser of Gmsh files: MSH 2.2 and 4.1, text and binary, and MSH 4.0, text.
+//!
+//! The name of a physical group without one is its number. The formats: Gmsh reference manual, "MSH file format" and
+//! "Legacy formats".
+
+mod elements;
+mod reader;
+
+use std::collections::HashMap;
+
+use super::raw::RawMesh;
+use super::{MeshFormatError, Place};
+use crate::base::input::FileKind;
+use reader::{Fields, Reader};
+
+/// The versions that are read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Version {
+    V22,
+    V40,
+    V41,
+}
+
+/// The dimension and the number of a physical group or of an entity of the geometry.
+type Entity = (usize, i64);
+
+/// The sections read so far.
+#[derive(Default)]
+struct SectionsSeen {
+    entities: bool,
+    nodes: bool,
+    elements: bool,
+}
+
+/// Parses `bytes`; messages name the file `name`.
+pub(super) fn read(name: &str, bytes: &[u8]) -> Result<RawMesh, MeshFormatError> {
+    if let Some(kind) = FileKind::of(bytes).filter(|kind| *kind != FileKind::Gmsh) {
+        let message = format!("it is {}, but a mesh of Gmsh is needed", kind.name());
+        let help = kind.as_mesh().to_string();
+        return Err(MeshFormatError { file: name.to_string(), place: Place::Line(1), message, help });
+    }
+    let mut reader = Reader::new(name, bytes);
+    let version = format(&mut reader, name)?;
+    let (mut file, mut seen) = (RawMesh::default(), SectionsSeen::default());
+    let mut names = HashMap::new();
+    let mut groups: HashMap<Entity, Vec<String>> = HashMap::new();
+    let mut indices = HashMap::new();
+    while let Some(section) = reader.section()? {
+        match (section.as_str(), version) {
+            ("PhysicalNames", _) => names = physical_names(&mut reader)?,
+            ("Entities", Version::V40 | Version::V41) => {
+                entities(&mut reader, &section, version, &names, &mut groups)?;
+                seen.entities = true;
+            }
+            ("PartitionedEntities", Version::V41) => entities(&mut reader, &section, version, &names, &mut groups)?,
+            ("PartitionedEntities", Version::V40) => {
+                let help =
+                    "convert the file with: gmsh OLD -save -format msh41 -o NEW.msh, or export it without partitions";
+                return Err(reader.error("the mesh is partitioned, which is read in MSH 2.2 and 4.1 only", help));
+            }
+            ("Nodes" | "ParametricNodes", Version::V22) => {
+                indices = numbered_nodes(&mut reader, &section, &mut file)?;
+                seen.nodes = true;
+            }
+            ("Nodes", _) => {
+                indices = nodes(&mut reader, version, &mut file)?;
+                seen.nodes = true;
+            }
+            ("Elements", _) if !seen.nodes => return Err(reader.damaged("$Elements comes before $Nodes")),
+            ("Elements", _) => {
+                match version {
+                    Version::V22 => elements::tagged(&mut reader, &names, &indices, &mut file)?,
+                    _ => elements::of_entities(&mut reader, version, &groups, &indices, &mut file)?,
+                }
+                seen.elements = true;
+            }
+            _ => {
+                reader.skip_to_end(&section)?;
+                continue;
+            }
+        }
+        reader.end(&section)?;
+    }
+    let entities = seen.entities || version == Version::V22;
+    let missing = [("Entities", entities), ("Nodes", seen.nodes), ("Elements", seen.elements)];
+    match missing.into_iter().find(|(_, seen)| !seen) {
+        Some((section, _)) => {
+            let help = "export the whole mesh: gmsh -2 part.geo -format msh41 (in space -3), without -save";
+            Err(reader.error(format!("the file has no section ${section}"), help))
+        }
+        None => Ok(file),
+    }
+}
+
+/// Reads `$MeshFormat`.
+fn format(reader: &mut Reader<'_>, name: &str) -> Result<Version, MeshFormatError> {
+    let export = "export the mesh with: gmsh -2 part.geo -format msh41, in space -3 (in Gmsh: File, Export, \"Version 4 ASCII\")";
+    let help = format!("convert the file with: gmsh {name} -save -format msh41 -o new.msh, or {export}");
+    let section = "MeshFormat";
+    let mut next = reader.section()?;
+    while next.as_deref() == Some("Comments") {
+        reader.skip_to_end("Comments")?;
+        next = reader.section()?;
+    }
+    if next.as_deref() != Some(section) {
+        let message = "the file does not begin with $MeshFormat: it is no Gmsh mesh, or one of an older format";
+        return Err(reader.error(message, help));
+    }
+    let line = reader.next(section)?;
+    let words: Vec<&str> = line.split_whitespace().collect();
+    let [number, kind, size] = [0, 1, 2].map(|k| words.get(k).copied().unwrap_or_default());
+    let version = match (number, kind) {
+        ("2.2", "0" | "1") => Version::V22,
+        ("4" | "4.0", "0") => Version::V40,
+        ("4.1", "0" | "1") => Version::V41,
+        ("4" | "4.0", "1") => {
+            return Err(reader.error("the file has the format MSH 4.0, binary, which is read as text only", help));
+        }
+        ("2.2" | "4" | "4.0" | "4.1", _) => {
+            return Err(reader.malformed(section, "a version, 0 for text or 1 for binary, and a size"));
+        }
+        _ => {
+            let message = format!("the file has the format MSH {number}, but only MSH 2.2, 4.0 and 4.1 are read");
+            return Err(reader.error(message, help));
+        }
+    };
+    if kind == "1" {
+        if size != "8" {
+            return Err(reader.error(format!("the numbers of the file have {size} bytes, but only 8 are read"), help));
+        }
+        match reader.four_bytes() {
+            Some([1, 0, 0, 0]) => reader.binary = true,
+            Some([0, 0, 0, 1]) => {
+                return Err(reader.error("the file is binary and big-endian, but only little-endian is read", help));
+            }
+            _ => return Err(reader.error("the file is binary, but has no mark of the order of bytes", help)),
+        }
+    }
+    reader.end(section)?;
+    Ok(version)
+}
+
+/// Reads the names of the physical groups by dimension and number.
+fn physical_names(reader: &mut Reader<'_>) -> Result<HashMap<Entity, String>, MeshFormatError> {
+    let section = "PhysicalNames";
+    let count = reader.text_row(section, "1 whole number", |row| row.size().and_then(|count| row.last(count)))?;
+    let mut names = HashMap::new();
+    for _ in 0..count {
+        let line = reader.next(section)?;
+        let mut words = line.splitn(3, char::is_whitespace);
+        let dimension = words.next().and_then(|word| word.parse().ok());
+        let number = words.next().and_then(|word| word.parse().ok());
+        let quoted = |word: &'_ str| word.trim().strip_prefix('"')?.strip_suffix('"').map(str::to_string);
+        let name = words.next().and_then(quoted);
+        let (Some(dimension), Some(number), Some(name)) = (dimension, number, name) else {
+            return Err(reader.malformed(section, "a dimension, a number and a name in quotes"));
+        };
+        names.insert((dimension, number), name);
+    }
+    Ok(names)
+}
+
+/// Returns the name of a physical group; without one, its number. The sign is an orientation and not part of the number.
+fn name_of(names: &HashMap<Entity, String>, dimension: usize, number: i64) -> String {
+    let number = number.checked_abs().unwrap_or(number);
+    names.get(&(dimension, number)).cloned().unwrap_or_else(|| number.to_string())
+}
+
+/// Reads the physical groups of every entity in `$Entities` or `$PartitionedEntities` into `groups`.
+fn entities(
+    reader: &mut Reader<'_>,
+    section: &str,
+    version: Version,
+    names: &HashMap<Entity, String>,
+    groups: &mut HashMap<Entity, Vec<String>>,
+) -> Result<(), MeshFormatError> {
+    let partitioned = section == "PartitionedEntities";
+    if partitioned {
+        reader.row(section, "1 whole number", |row| row.size().and_then(|count| row.last(count)))?;
+        let ghosts = reader.row(section, "1 whole number", |row| row.size().and_then(|count| row.last(count)))?;
+        for _ in 0..ghosts {
+            reader.row(section, "2 whole numbers", |row| row.list(2, Fields::int))?;
+        }
+    }
+    let counts = reader.row(section, "4 whole numbers", |row| {
+        let counts = row.list(4, Fields::size)?;
+        row.last(counts)
+    })?;
+    for (dimension, count) in counts.into_iter().enumerate() {
+        for _ in 0..count {
+            let (tag, physical) = reader.row(section, "an entity with its box and its physical groups", |row| {
+                let tag = row.int()?;
+                if partitioned {
+                    row.list(2, Fields::int)?;
+                    let partitions = row.size()?;
+                    row.list(partitions, Fields::int)?;
+                }
+                // In MSH 4.1 a point has its coordinates, other entities the corners of their bounding box.
+                row.doubles::<3>()?;
+                if dimension > 0 || version == Version::V40 {
+                    row.doubles::<3>()?;
+                }
+                let held = row.size()?;
+                let physical = row.list(held, Fields::int)?;
+                if dimension > 0 && row.is_binary() {
+                    let parts = row.size()?;
+                    row.list(parts, Fields::int)?;
+                }
+                Some((tag, physical))
+            })?;
+            let held: &mut Vec<String> = groups.entry((dimension, tag)).or_default();
+            for name in physical.iter().map(|&number| name_of(names, dimension, number)) {
+                // Groups of the same name are merged.
+                if !held.contains(&name) {
+                    held.push(name);
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Adds the node `number` to `file`.
+fn add_node(
+    reader: &Reader<'_>,
+    file: &mut RawMesh,
+    indices: &mut HashMap<usize, usize>,
+    number: usize,
+) -> Result<(), MeshFormatError> {
+    if indices.insert(number, file.numbers.len()).is_some() {
+        return Err(reader.damaged(format!("the node {number} is there twice")));
+    }
+    file.numbers.push(number);
+    Ok(())
+}
+
+const COORDINATES: &str = "the number of a node and three finite coordinates";
+
+/// Reads `$Nodes` of MSH 4 into `file` and returns the index of every node by Gmsh's number.
+fn nodes(
+    reader: &mut Reader<'_>,
+    version: Version,
+    file: &mut RawMesh,
+) -> Result<HashMap<usize, usize>, MeshFormatError> {
+    let section = "Nodes";
+    // MSH 4.1 has also the least and the largest number.
+    let (more, what) = if version == Version::V41 { (2, "4 whole numbers") } else { (0, "2 whole numbers") };
+    let (blocks, count) = reader.row(section, what, |row| {
+        let (blocks, count) = (row.size()?, row.size()?);
+        row.list(more, Fields::size)?;
+        row.last((blocks, count))
+    })?;
+    let mut indices = HashMap::new();
+    for _ in 0..blocks {
+        let (entity, parametric, here) = reader.row(section, "4 whole numbers", |row| {
+            let (first, second, parametric, here) = (row.int()?, row.int()?, row.int()?, row.size()?);
+            row.last((if version == Version::V41 { first } else { second }, parametric, here))
+        })?;
+        if version == Version::V40 {
+            for _ in 0..here {
+                let (number, x) = reader.row(section, COORDINATES, |row| Some((row.short()?, row.doubles()?)))?;
+                add_node(reader, file, &mut indices, number)?;
+                file.nodes.push(x);
+            }
+            continue;
+        }
+        let first = file.numbers.len();
+        for _ in 0..here {
+            let number = reader.row(section, "1 whole number", |row| {
+                let number = row.size()?;
+                row.last(number)
+            })?;
+            add_node(reader, file, &mut indices, number)?;
+        }
+        let parameters = if parametric == 0 { 0 } else { usize::try_from(entity.clamp(0, 3)).unwrap_or(0) };
+        for k in first..file.numbers.len() {
+            let read = reader.row(section, "three finite coordinates", |row| {
+                let x = row.doubles()?;
+                if row.is_binary() {
+                    row.list(parameters, Fields::doubles::<1>)?;
+                }
+                Some(x)
+            });
+            match read {
+                Ok(x) => file.nodes.push(x),
+                Err(mut error) => {
+                    error.message =
+                        error.message.replace("coordinates", &format!("coordinates of node {}", file.numbers[k]));
+                    return Err(error);
+                }
+            }
+        }
+    }
+    announced(reader, section, "nodes", count, file.nodes.len())?;
+    Ok(indices)
+}
+
+/// Reads `$Nodes` or `$ParametricNodes` of MSH 2.2 into `file` and returns the index of every node by Gmsh's number.
+fn numbered_nodes(
+    reader: &mut Reader<'_>,
+    section: &str,
+    file: &mut RawMesh,
+) -> Result<HashMap<usize, usize>, MeshFormatError> {
+    let count = reader.text_row(section, "1 whole number", |row| row.size().and_then(|count| row.last(count)))?;
+    let parametric = section == "ParametricNodes";
+    let mut indices = HashMap::new();
+    for _ in 0..count {
+        let (number, x) = reader.row(section, COORDINATES, |row| {
+            let (number, x) = (row.short()?, row.doubles()?);
+            if parametric && row.is_binary() {
+                // The dimension and the number of the entity; nodes of curves and surfaces have parameters.
+                let (dimension, _) = (row.int()?, row.int()?);
+                let parameters = if dimension == 1 || dimension == 2 { dimension as usize } else { 0 };
+                row.list(parameters, Fields::doubles::<1>)?;
+            }
+            Some((number, x))
+        })?;
+        add_node(reader, file, &mut indices, number)?;
+        file.nodes.push(x);
+    }
+    Ok(indices)
+}
+
+/// Fails unless a section has as many `things` as it announces.
+fn announced(
+    reader: &Reader<'_>,
+    section: &str,
+    things: &str,
+    count: usize,
+    read: usize,
+) -> Result<(), MeshFormatError> {
+    if read == count {
+        return Ok(());
+    }
+    Err(reader.damaged(format!("${section} announces {count} {things}, but has {read}")))
+}

@@ -1,0 +1,131 @@
+//! The mesh of a file of any format, as it is before its elements become cells and boundaries.
+
+use std::fmt;
+
+use crate::algebra::vector::{dot, minus, norm};
+use crate::body::mesh::CellKind;
+
+/// The supported kinds of elements.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) enum ElementKind {
+    Point,
+    Line,
+    /// A line with a node at its middle.
+    Line3,
+    Cell(CellKind),
+}
+
+impl ElementKind {
+    pub(super) fn dimension(self) -> usize {
+        match self {
+            ElementKind::Point => 0,
+            ElementKind::Line | ElementKind::Line3 => 1,
+            ElementKind::Cell(kind) => kind.dimension(),
+        }
+    }
+
+    pub(super) fn nodes(self) -> usize {
+        match self {
+            ElementKind::Point => 1,
+            ElementKind::Line => 2,
+            ElementKind::Line3 => 3,
+            ElementKind::Cell(kind) => kind.nodes(),
+        }
+    }
+}
+
+impl fmt::Display for ElementKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            ElementKind::Point => "point",
+            ElementKind::Line => "line",
+            ElementKind::Line3 => "line of three nodes",
+            ElementKind::Cell(kind) => kind.name(),
+        })
+    }
+}
+
+/// Elements of one kind and of the same groups.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Block {
+    pub kind: ElementKind,
+    /// The names of the groups that contain the elements.
+    pub groups: Vec<String>,
+    /// The number of each element in the file, and its nodes, as indices into [`RawMesh::nodes`], in the order of
+    /// [`CellKind`].
+    pub elements: Vec<(usize, Vec<usize>)>,
+}
+
+/// The mesh of a file: nodes, elements of all dimensions and the names of their groups.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct RawMesh {
+    /// Coordinates in the file's unit.
+    pub nodes: Vec<[f64; 3]>,
+    /// The number of each node in the file.
+    pub numbers: Vec<usize>,
+    pub blocks: Vec<Block>,
+    /// What was left aside, in words.
+    pub remarks: Vec<String>,
+}
+
+impl RawMesh {
+    /// Removes the nodes that belong to no element of this `dimension`, such as the centres of arcs, and returns their
+    /// number. In elements of lower dimension they are replaced by the coincident used node, if there is one, otherwise
+    /// by an index beyond the end.
+    pub(super) fn leave_out_unused_nodes(&mut self, dimension: usize) -> usize {
+        let mut used = vec![false; self.nodes.len()];
+        let cells = self.blocks.iter().filter(|block| block.kind.dimension() == dimension);
+        cells.flat_map(|block| &block.elements).flat_map(|(_, nodes)| nodes).for_each(|&node| used[node] = true);
+        let kept = used.iter().filter(|used| **used).count();
+        let unused = used.len() - kept;
+        if unused == 0 {
+            return 0;
+        }
+        let twins = self.twins(&used);
+        let (mut next_used, mut next_unused) = (0, kept);
+        let mut places: Vec<usize> = used
+            .iter()
+            .map(|&used| {
+                let next = if used { &mut next_used } else { &mut next_unused };
+                *next += 1;
+                *next - 1
+            })
+            .collect();
+        for (unused, twin) in twins {
+            places[unused] = places[twin];
+        }
+        let mut used_nodes = used.iter();
+        self.nodes.retain(|_| used_nodes.next() == Some(&true));
+        let mut used_nodes = used.iter();
+        self.numbers.retain(|_| used_nodes.next() == Some(&true));
+        let nodes = self.blocks.iter_mut().flat_map(|block| &mut block.elements).flat_map(|(_, nodes)| nodes);
+        nodes.for_each(|node| *node = places[*node]);
+        unused
+    }
+
+    /// Returns the nodes that are not `used`, each with the coincident used node; copied curves have such nodes. Places
+    /// with nodes of several bodies are ambiguous and left out.
+    fn twins(&self, used: &[bool]) -> Vec<(usize, usize)> {
+        let bound = |c: usize, pick: fn(f64, f64) -> f64| self.nodes.iter().map(|x| x[c]).reduce(pick).unwrap_or(0.0);
+        let size = (0..3).map(|c| bound(c, f64::max) - bound(c, f64::min)).fold(0.0, f64::max);
+        let near = SAME_PLACE * size;
+        // Along a direction that is not that of a lattice, few nodes have the same coordinate.
+        let along = |node: usize| dot(self.nodes[node], [0.742, 0.534, 0.406]);
+        let mut order: Vec<(f64, usize)> = (0..used.len()).filter(|&k| used[k]).map(|k| (along(k), k)).collect();
+        order.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let twin = |node: usize| {
+            let place = along(node);
+            let from = order.partition_point(|(other, _)| *other < place - near);
+            let beside = order[from..].iter().take_while(|(other, _)| *other <= place + near);
+            let mut there = beside
+                .filter(|(_, other)| norm(minus(self.nodes[*other], self.nodes[node])) <= near)
+                .map(|(_, other)| *other);
+            there.next().filter(|_| there.next().is_none())
+        };
+        (0..used.len()).filter(|&k| !used[k]).filter_map(|k| Some((k, twin(k)?))).collect()
+    }
+}
+
+/// The largest distance of coincident nodes, as a share of the size of the mesh. Coordinates are written with about
+/// sixteen digits; nine leave room for the errors of the program that made them.
+pub(super) const SAME_PLACE: f64 = 1e-9;

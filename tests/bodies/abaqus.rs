@@ -1,0 +1,222 @@
+//! Input files of Abaqus and CalculiX: their meshes, sets and surfaces, and what is refused.
+
+#![allow(clippy::unwrap_used)]
+
+use miette::Diagnostic;
+use std::fmt::Write as _;
+use std::fs;
+use stickslip::body::mesh::{Mesh, MeshFormat, Notes, block};
+use stickslip::scene::Scene;
+
+use super::common::mesh_files::inp;
+use super::mesh_formats::{from_least, of_all_kinds};
+
+fn read(text: &str) -> Mesh {
+    MeshFormat::Abaqus.parse("part.inp", text.as_bytes(), 1.0).unwrap()
+}
+
+fn refused(text: &str) -> (String, String) {
+    let error = MeshFormat::Abaqus.parse("bad.inp", text.as_bytes(), 1.0).unwrap_err();
+    (error.to_string(), error.help().unwrap().to_string())
+}
+
+/// The mesh with names in capitals.
+fn in_capitals(mut mesh: Mesh) -> Mesh {
+    for name in mesh.groups.iter_mut().chain(mesh.boundaries.iter_mut().map(|boundary| &mut boundary.name)) {
+        *name = name.to_uppercase();
+    }
+    mesh
+}
+
+/// Every kind of elements has its nodes in the right order, and its sides S1, S2, ... of Abaqus's manual.
+#[test]
+fn all_kinds_of_elements_with_their_sides() {
+    for mesh in of_all_kinds() {
+        let written = inp(&mesh);
+        // Nall is a node set with all sides.
+        let mut read = read(&written);
+        assert_eq!(read.boundaries.pop().unwrap().name, "NALL");
+        read.notes = Notes::default();
+        assert_eq!(from_least(read), from_least(in_capitals(mesh)));
+    }
+}
+
+/// Two quadrilaterals above each other, 1 by 1 each.
+const TOWER: &str = "*HEADING
+A tower
+*NODE, NSET=all
+ 1, 0., 0.
+ 2, 1., 0., 0.
+** a comment
+ 3, 0., 1.D0
+ 4, 1., 1.
+ 5, 0., 20e-1
+ 6, 1., 2.
+
+ 99, 7., 7.
+*Element, Type=cpe4r,
+  elset = Lower
+ 10, 1, 2,
+   4, 3
+*ELEMENT, TYPE=CPE4, ELSET=UPPER
+ 20, 3, 4, 6, 5
+*NSET, NSET=foot
+ 1, 2,
+*nset, nset=Right, generate
+ 2, 6, 2
+*NSET, NSET=ROOF, ELSET=UPPER
+*NSET, NSET=TIP
+ 6
+*ELSET, ELSET=Both, GENERATE
+ 10, 20, 10
+*ELSET, ELSET=AGAIN
+ BOTH, LOWER
+*SURFACE, NAME=left
+ both, S4
+*SURFACE, NAME=OUTER, TYPE=ELEMENT
+ AGAIN,
+*SURFACE, NAME=NODES, TYPE=NODE
+ FOOT, 1.
+*SURFACE, NAME=ROLLER, TYPE=CYLINDER
+ 0., 0., 1., 0., 0., 1.
+*SOLID SECTION, ELSET=LOWER, MATERIAL=A
+ 1.
+*SOLIDSECTION, ELSET=UPPER, MATERIAL=B
+*MATERIAL, NAME=A
+*ELASTIC
+ 1., 0.3
+*MATERIAL, NAME=B
+*STEP
+*END STEP
+";
+
+#[test]
+fn sets_and_surfaces_are_groups_and_boundaries() {
+    let mesh = read(TOWER);
+    assert_eq!((mesh.dimension, mesh.nodes.len(), mesh.cells.len()), (2, 6, 2));
+    assert_eq!(mesh.nodes[2], [0.0, 1.0, 0.0]);
+    assert_eq!(mesh.groups, ["LOWER", "UPPER"]);
+    assert_eq!(mesh.boundary_names(), ["LEFT", "OUTER", "ALL", "FOOT", "RIGHT", "ROOF", "NODES"]);
+    let facets = |name: &str| &mesh.boundary(name).unwrap().facets;
+    assert_eq!(facets("LEFT"), &[[4, 2], [2, 0]]);
+    assert_eq!((facets("FOOT"), facets("NODES")), (&vec![vec![0, 1]], &vec![vec![0, 1]]));
+    assert_eq!(facets("RIGHT"), &[[1, 3], [3, 5]]);
+    assert_eq!((facets("ROOF").len(), facets("OUTER").len(), facets("ALL").len()), (3, 6, 6));
+    assert_eq!(
+        mesh.notes.remarks,
+        [
+            "left aside, as no part of the mesh: *SURFACE, NAME=ROLLER; *MATERIAL; *ELASTIC; *STEP",
+            "of the elements CPE4R the nodes are read; `element` chooses the strains",
+            "the node set TIP has no whole side, so that it is no boundary; its nodes: (1, 2)",
+            "1 node is left out: no element of the body has it",
+        ]
+    );
+    // Without sections all ELSETs are groups.
+    let without = &TOWER[..TOWER.find("*SOLID SECTION").unwrap()];
+    assert_eq!(read(without).groups, ["AGAIN+BOTH+LOWER", "AGAIN+BOTH+UPPER"]);
+}
+
+/// Plane elements on the faces of solid ones are boundaries.
+#[test]
+fn skins() {
+    let cube = inp(&block(&[1.0; 3], &[1; 3]));
+    let skin = "*ELEMENT, TYPE=CPS4, ELSET=SKIN\n7, 1, 2, 4, 3\n";
+    let mesh = read(&cube.replacen("*SURFACE", &format!("{skin}*SURFACE"), 1));
+    assert_eq!((mesh.dimension, mesh.cells.len()), (3, 1));
+    assert_eq!(mesh.boundary("SKIN").unwrap().facets.len(), 1);
+}
+
+#[test]
+fn what_is_no_mesh_is_refused_with_its_line() {
+    for (from, to, message, help) in [
+        ("*HEADING", "*PART, NAME=P", "bad.inp:1: *PART: parts and assemblies are not read", "Do not use parts"),
+        ("*HEADING", "*NGEN", "bad.inp:1: *NGEN: generated nodes", "*NODE"),
+        ("*HEADING\nA tower\n", "1, 2\n*HEADING\n", "bad.inp:1: it is", ""),
+        ("*NODE, NSET=all", "*NODE, SYSTEM=C", "bad.inp:3: *NODE has no rectangular coordinates", "SYSTEM="),
+        ("*NODE, NSET=all", "*NODE, INPUT=a.inp", "bad.inp:3: *NODE, INPUT= is not read", "*INCLUDE"),
+        ("20e-1", "20e", "bad.inp:9: *NODE: a number and finite coordinates", "1, 0.5, 2.5, 0."),
+        ("20e-1", "inf", "bad.inp:9: *NODE: a number and finite coordinates", "1, 0.5, 2.5, 0."),
+        (" 6, 1., 2.", " 4, 1., 2.", "bad.inp:10: the node 4 is there twice, in two places", "a number of its own"),
+        ("cpe4r", "CPE8R", "bad.inp:13: elements of the type CPE8R are not supported", "CPE, CPS or CAX of 3, 4 or 6"),
+        ("cpe4r", "B21", "elements of the type B21 are not supported", "C3D10"),
+        ("TYPE=CPE4,", "", "bad.inp:17: *ELEMENT has no TYPE=", "TYPE=NAME"),
+        (" 20, 3, 4, 6, 5", " 20, 3, 4, 6", "bad.inp:18: element 20 has 3 nodes, but a quadrilateral has 4", "nodes"),
+        (" 20, 3, 4, 6, 5", " 20, 3, 4, 6, 77", "element 20 names the node 77, which no *NODE", "nodes"),
+        (" 20, 3, 4, 6, 5", " 10, 3, 4, 6, 5", "the element 10 is there twice", "nodes"),
+        (" BOTH, LOWER", " BOTH, LOWR", "bad.inp:29: `LOWR` is neither a number nor a set", "define the set first"),
+        (" 10, 20, 10", " 10, 20, 0", "bad.inp:27: GENERATE needs", "1, 9, 2"),
+        (" both, S4", " both, S7", "bad.inp:31: `S7` is no side", "S1 to S6"),
+        (" both, S4", " bath, S4", "bad.inp:31: `bath` is neither an element nor an ELSET", "define"),
+        ("*SOLID SECTION, ELSET=LOWER", "*SOLID SECTION, ELSET=LOW", "names the ELSET `LOW`, which is not", "define"),
+        ("NSET=ROOF, ELSET=UPPER", "NSET=ROOF, ELSET=UP", "*NSET names the ELSET `UP`", "define"),
+        ("*STEP", "*INCLUDE, INPUT=absent.inp", "absent.inp cannot be read", "relative"),
+        ("*STEP", "*INCLUDE", "*INCLUDE has no INPUT=", "INPUT=mesh.inp"),
+    ] {
+        assert!(TOWER.contains(from), "{from}");
+        let (said, advice) = refused(&TOWER.replacen(from, to, 1));
+        assert!(said.starts_with("bad.inp:") || message.contains("it is"), "{said}");
+        if !message.ends_with("it is") {
+            assert!(said.contains(message), "`{message}`: {said}");
+            assert!(advice.contains(help), "`{help}`: {advice}");
+        }
+    }
+    let (said, advice) = refused("$MeshFormat\n4.1 0 8\n");
+    assert!(said.contains("it is a mesh of Gmsh") && advice.contains("kind = \"gmsh\""), "{said}: {advice}");
+    assert!(refused("").0.contains("no elements"));
+}
+
+/// A file that is damaged anywhere is read or refused with a message and a cure.
+#[test]
+fn damaged_files() {
+    for k in 0..TOWER.len() {
+        let parts = [TOWER[..k].to_string(), format!("{},{}", &TOWER[..k], &TOWER[k..])];
+        let removed = format!("{}{}", &TOWER[..k], &TOWER[k + 1..]);
+        for text in parts.into_iter().chain([removed]) {
+            if let Err(error) = MeshFormat::Abaqus.parse("bad.inp", text.as_bytes(), 1.0) {
+                assert!(error.to_string().starts_with("bad.inp") && error.help().is_some(), "{error}");
+            }
+        }
+    }
+}
+
+/// Sets that repeat one another, and ranges of any length, take no more memory than the file justifies.
+#[test]
+fn sets_do_not_grow_without_bound() {
+    let long = TOWER.replace(" 10, 20, 10", " 10, 18446744073709551615");
+    assert_eq!(read(&long).boundary("LEFT").unwrap().facets.len(), 2);
+    let mut node_sets = String::new();
+    for k in 0..6000 {
+        writeln!(node_sets, "*NSET, NSET=N{k}, ELSET=BOTH").unwrap();
+    }
+    let (said, _) = refused(&TOWER.replace("*STEP\n", &node_sets));
+    assert!(said.contains("the sets repeat one another"), "{said}");
+    let mut sets = "*ELSET, ELSET=S0\n10, 20\n".to_string();
+    for k in 1..2000 {
+        writeln!(sets, "*ELSET, ELSET=S{k}\nS{}, {k}", k - 1).unwrap();
+    }
+    let (said, advice) = refused(&TOWER.replace("*STEP\n", &sets));
+    assert!(said.contains("the sets repeat one another"), "{said}");
+    assert!(advice.contains("fewer"), "{advice}");
+}
+
+/// Included files are relative to the file that includes them, and belong to the files of the scene.
+#[test]
+fn includes() {
+    let folder = std::env::temp_dir().join(format!("stickslip-includes-{}", std::process::id()));
+    fs::create_dir_all(folder.join("parts")).unwrap();
+    let (head, tail) = TOWER.split_at(TOWER.find("*Element").unwrap());
+    let whole = read(TOWER);
+    fs::write(folder.join("all.inp"), format!("*Include, Input=parts/nodes.inp\n{tail}")).unwrap();
+    fs::write(folder.join("parts/nodes.inp"), "*INCLUDE, INPUT=more.inp\n").unwrap();
+    fs::write(folder.join("parts/more.inp"), head).unwrap();
+    assert_eq!(MeshFormat::Abaqus.read(&folder.join("all.inp"), 1.0).unwrap(), whole);
+    let text = "mesh = { kind = 'abaqus', file = 'all.inp' }\nmaterial = { young = 1e9, poisson = 0.3 }\n\
+        support = [{ boundary = 'FOOT', fix = ['x', 'y'] }]\ntime = { end = 1, increments = 1 }\n";
+    let scene = Scene::parse(&folder.join("scene.toml").display().to_string(), text, &[]).unwrap();
+    let files = ["all.inp", "parts/nodes.inp", "parts/more.inp"].map(|file| folder.join(file));
+    assert_eq!(scene.files(), files);
+    fs::write(folder.join("parts/more.inp"), "*INCLUDE, INPUT=nodes.inp\n").unwrap();
+    let error = MeshFormat::Abaqus.read(&folder.join("all.inp"), 1.0).unwrap_err().to_string();
+    fs::remove_dir_all(&folder).unwrap();
+    assert!(error.contains("more.inp:1: ") && error.contains("nodes.inp is included twice"), "{error}");
+}

@@ -1,0 +1,305 @@
+//! Writers of mesh files in all formats that are read, for comparisons.
+
+use std::fmt::Write as _;
+
+use stickslip::body::mesh::{Cell, CellKind, Mesh};
+
+/// Elements of one type and one group: the dimension, the type of Gmsh, the name of the group, the nodes of each.
+pub struct Block {
+    pub dimension: usize,
+    pub kind: i32,
+    pub group: String,
+    pub elements: Vec<Vec<usize>>,
+}
+
+fn gmsh_type(kind: CellKind) -> i32 {
+    match kind {
+        CellKind::Triangle => 2,
+        CellKind::Quadrilateral => 3,
+        CellKind::Tetrahedron => 4,
+        CellKind::Hexahedron => 5,
+        CellKind::Prism => 6,
+        CellKind::Triangle6 => 9,
+        CellKind::Tetrahedron10 => 11,
+    }
+}
+
+/// The nodes of a facet: first the corners, then the others.
+fn corners_first(quadratic: bool, facet: &[usize]) -> Vec<usize> {
+    let (first, step) = if quadratic { (facet.len().div_ceil(2), 2) } else { (facet.len(), 1) };
+    let corners = facet.iter().step_by(step).take(first).copied();
+    corners.chain(facet.iter().skip(1).step_by(2).take(facet.len() - first).copied()).collect()
+}
+
+/// The facets of the boundaries and the cells, in the order of the mesh. Gmsh has the last two nodes of a tetrahedron of
+/// second order in the other order.
+pub fn blocks(mesh: &Mesh) -> Vec<Block> {
+    let mut blocks: Vec<Block> = Vec::new();
+    let mut add = |dimension: usize, kind: i32, group: &str, nodes: Vec<usize>| match blocks.last_mut() {
+        Some(last) if (last.dimension, last.kind, last.group.as_str()) == (dimension, kind, group) => {
+            last.elements.push(nodes);
+        }
+        _ => blocks.push(Block { dimension, kind, group: group.to_string(), elements: vec![nodes] }),
+    };
+    let quadratic = mesh.cells[0].kind.is_quadratic();
+    for boundary in &mesh.boundaries {
+        for facet in &boundary.facets {
+            let kind = match (mesh.dimension, facet.len()) {
+                (2, 2) => 1,
+                (2, _) => 8,
+                (_, 3) => 2,
+                (_, 4) => 3,
+                _ => 9,
+            };
+            add(mesh.dimension - 1, kind, &boundary.name, corners_first(quadratic, facet));
+        }
+    }
+    for Cell { kind, nodes, group } in &mesh.cells {
+        let mut nodes = nodes.clone();
+        if *kind == CellKind::Tetrahedron10 {
+            nodes.swap(8, 9);
+        }
+        add(mesh.dimension, gmsh_type(*kind), &mesh.groups[*group], nodes);
+    }
+    blocks
+}
+
+/// The versions of Gmsh's format.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Msh {
+    Text22,
+    Binary22,
+    Text40,
+    Text41,
+    Binary41,
+}
+
+impl Msh {
+    pub const ALL: [Msh; 5] = [Msh::Text22, Msh::Binary22, Msh::Text40, Msh::Text41, Msh::Binary41];
+
+    fn version(self) -> &'static str {
+        match self {
+            Msh::Text22 => "2.2 0 8\n",
+            Msh::Binary22 => "2.2 1 8\n\u{1}\0\0\0\n",
+            Msh::Text40 => "4 0 8\n",
+            Msh::Text41 => "4.1 0 8\n",
+            Msh::Binary41 => "4.1 1 8\n\u{1}\0\0\0\n",
+        }
+    }
+}
+
+/// A file that is written: words of a text, or bytes.
+struct File {
+    bytes: Vec<u8>,
+    binary: bool,
+}
+
+impl File {
+    fn text(&mut self, text: &str) {
+        self.bytes.extend(text.as_bytes());
+    }
+
+    fn put(&mut self, word: &str, bytes: &[u8]) {
+        if self.binary {
+            self.bytes.extend(bytes);
+        } else {
+            self.text(&format!("{word} "));
+        }
+    }
+
+    fn ints(&mut self, values: &[i32]) {
+        for value in values {
+            self.put(&value.to_string(), &value.to_le_bytes());
+        }
+    }
+
+    fn sizes(&mut self, values: &[usize]) {
+        for value in values {
+            self.put(&value.to_string(), &(*value as u64).to_le_bytes());
+        }
+    }
+
+    fn doubles(&mut self, values: &[f64]) {
+        for value in values {
+            self.put(&format!("{value:?}"), &value.to_le_bytes());
+        }
+    }
+
+    fn line(&mut self) {
+        if !self.binary {
+            self.text("\n");
+        }
+    }
+}
+
+/// Writes a mesh in a version of Gmsh's format. The number of a node is its index and 1.
+pub fn msh(mesh: &Mesh, version: Msh) -> Vec<u8> {
+    let blocks = blocks(mesh);
+    let mut file = File { bytes: Vec::new(), binary: matches!(version, Msh::Binary22 | Msh::Binary41) };
+    file.text(&format!("$MeshFormat\n{}$EndMeshFormat\n", version.version()));
+    let mut names: Vec<(usize, &str)> = Vec::new();
+    for block in &blocks {
+        if !block.group.is_empty() && !names.contains(&(block.dimension, &block.group)) {
+            names.push((block.dimension, &block.group));
+        }
+    }
+    // The number of a group; 0 without one.
+    let tag = |block: &Block| {
+        names.iter().position(|name| *name == (block.dimension, block.group.as_str())).map_or(0, |k| k as i32 + 1)
+    };
+    file.text(&format!("$PhysicalNames\n{}\n", names.len()));
+    for (k, (dimension, name)) in names.iter().enumerate() {
+        file.text(&format!("{dimension} {} \"{name}\"\n", k + 1));
+    }
+    file.text("$EndPhysicalNames\n");
+    let all: usize = blocks.iter().map(|block| block.elements.len()).sum();
+    let n = mesh.nodes.len();
+    if matches!(version, Msh::Text22 | Msh::Binary22) {
+        tagged(&mut file, mesh, &blocks, &tag);
+        return file.bytes;
+    }
+    let old = version == Msh::Text40;
+    file.text("$Entities\n");
+    file.sizes(&[0, 1, 2, 3].map(|d| blocks.iter().filter(|block| block.dimension == d).count()));
+    file.line();
+    for dimension in 0..4 {
+        for (k, block) in blocks.iter().enumerate().filter(|(_, block)| block.dimension == dimension) {
+            file.ints(&[k as i32 + 1]);
+            file.doubles(&[0.0; 6]);
+            let groups = [tag(block)];
+            let groups = if groups == [0] { &[] } else { &groups[..] };
+            file.sizes(&[groups.len()]);
+            file.ints(groups);
+            file.sizes(&[2]);
+            file.ints(&[7, -8]);
+            file.line();
+        }
+    }
+    file.text("\n$EndEntities\n$Nodes\n");
+    let d = mesh.dimension as i32;
+    if old {
+        file.text(&format!("1 {n}\n1 {d} 0 {n}\n"));
+        for (k, x) in mesh.nodes.iter().enumerate() {
+            file.ints(&[k as i32 + 1]);
+            file.doubles(x);
+            file.line();
+        }
+    } else {
+        file.sizes(&[1, n, 1, n]);
+        file.line();
+        file.ints(&[d, 1, 0]);
+        file.sizes(&[n]);
+        file.line();
+        for k in 0..n {
+            file.sizes(&[k + 1]);
+            file.line();
+        }
+        for x in &mesh.nodes {
+            file.doubles(x);
+            file.line();
+        }
+    }
+    file.text("\n$EndNodes\n$Elements\n");
+    file.sizes(&[blocks.len(), all, 1, all][..if old { 2 } else { 4 }]);
+    file.line();
+    let mut number = 0;
+    for (k, block) in blocks.iter().enumerate() {
+        let entity = [block.dimension as i32, k as i32 + 1];
+        file.ints(&if old { [entity[1], entity[0]] } else { entity });
+        file.ints(&[block.kind]);
+        file.sizes(&[block.elements.len()]);
+        file.line();
+        for nodes in &block.elements {
+            number += 1;
+            file.sizes(&[number]);
+            file.sizes(&nodes.iter().map(|node| node + 1).collect::<Vec<_>>());
+            file.line();
+        }
+    }
+    file.text("\n$EndElements\n");
+    file.bytes
+}
+
+/// Writes nodes and elements of MSH 2.2, whose tags are the number of the group and that of the block.
+fn tagged(file: &mut File, mesh: &Mesh, blocks: &[Block], tag: &dyn Fn(&Block) -> i32) {
+    file.text(&format!("$Nodes\n{}\n", mesh.nodes.len()));
+    for (k, x) in mesh.nodes.iter().enumerate() {
+        file.ints(&[k as i32 + 1]);
+        file.doubles(x);
+        file.line();
+    }
+    let all: usize = blocks.iter().map(|block| block.elements.len()).sum();
+    file.text(&format!("\n$EndNodes\n$Elements\n{all}\n"));
+    let mut number = 0;
+    for (k, block) in blocks.iter().enumerate() {
+        if file.binary {
+            file.ints(&[block.kind, block.elements.len() as i32, 2]);
+        }
+        for nodes in &block.elements {
+            number += 1;
+            file.ints(&[number]);
+            if !file.binary {
+                file.ints(&[block.kind, 2]);
+            }
+            file.ints(&[tag(block), k as i32 + 1]);
+            file.ints(&nodes.iter().map(|node| *node as i32 + 1).collect::<Vec<_>>());
+            file.line();
+        }
+    }
+    file.text("\n$EndElements\n");
+}
+
+/// Writes a mesh as an input file of Abaqus, with boundaries by the sides S1, S2, ... of their elements.
+pub fn inp(mesh: &Mesh) -> String {
+    let mut text = "*HEADING\nwritten by a test\n*NODE, NSET=Nall\n".to_string();
+    for (k, [x, y, z]) in mesh.nodes.iter().enumerate() {
+        writeln!(text, "{}, {x:?}, {y:?}, {z:?}", k + 1).unwrap();
+    }
+    for (e, Cell { kind, nodes, group }) in mesh.cells.iter().enumerate() {
+        let kind = match kind {
+            CellKind::Triangle => "CPS3",
+            CellKind::Quadrilateral => "CPE4R",
+            CellKind::Tetrahedron => "C3D4",
+            CellKind::Hexahedron => "C3D8I",
+            CellKind::Prism => "C3D6",
+            CellKind::Triangle6 => "CAX6M",
+            CellKind::Tetrahedron10 => "C3D10H",
+        };
+        let group = &mesh.groups[*group];
+        let set = if group.is_empty() { String::new() } else { format!(", ELSET={group}") };
+        let nodes: Vec<String> = nodes.iter().map(|node| (node + 1).to_string()).collect();
+        writeln!(text, "*ELEMENT, TYPE={kind}{set}\n{}, {}", e + 1, nodes.join(", ")).unwrap();
+    }
+    for boundary in &mesh.boundaries {
+        writeln!(text, "*SURFACE, NAME={}, TYPE=ELEMENT", boundary.name).unwrap();
+        for facet in &boundary.facets {
+            let (e, side) = side(mesh, facet);
+            writeln!(text, "{}, S{side}", e + 1).unwrap();
+        }
+    }
+    text
+}
+
+/// The corners of the sides S1, S2, ... in Abaqus's manual, from 1.
+fn sides_of(kind: CellKind) -> &'static [&'static str] {
+    match kind {
+        CellKind::Triangle | CellKind::Triangle6 => &["12", "23", "31"],
+        CellKind::Quadrilateral => &["12", "23", "34", "41"],
+        CellKind::Tetrahedron | CellKind::Tetrahedron10 => &["123", "142", "243", "341"],
+        CellKind::Hexahedron => &["1234", "5876", "1562", "2673", "3784", "4851"],
+        CellKind::Prism => &["123", "465", "1452", "2563", "3641"],
+    }
+}
+
+/// The cell and the side that have all corners of a facet.
+fn side(mesh: &Mesh, facet: &[usize]) -> (usize, usize) {
+    let corners = |cell: &Cell, side: &str| -> Vec<usize> {
+        side.bytes().map(|digit| cell.nodes[usize::from(digit - b'1')]).collect()
+    };
+    let found = mesh.cells.iter().enumerate().find_map(|(e, cell)| {
+        let sides = sides_of(cell.kind);
+        let k = sides.iter().position(|side| corners(cell, side).iter().all(|node| facet.contains(node)))?;
+        Some((e, k + 1))
+    });
+    found.unwrap()
+}
