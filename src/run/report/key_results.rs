@@ -62,7 +62,7 @@ impl KeyWatch {
             return;
         }
         self.work += record.friction_work;
-        let first = if geometry == Geometry::Axisymmetric { 1 } else { 0 };
+        let first = usize::from(geometry == Geometry::Axisymmetric);
         for ForceRecord { time, resultant, .. } in forces {
             let magnitude = resultant.force[first..].iter().map(|f| f * f).sum::<f64>().sqrt();
             let so_far = self.largest.as_ref().map_or(0.0, |largest| largest.magnitude);
