@@ -261,7 +261,15 @@ fn reports() -> Vec<Value> {
         json_of(&small(), &["--setting", "default", "--solver", "multigrid"]),
         json_of(include_str!("../../../../data/scenes/two_blocks.toml"), &["--set", "contact.slave=\"automatic\""]),
         json_of(LEVER, &[]),
-        json_of(&small(), &["--set", "output.cycle=[1.5, 2]"]),
+        json_of(
+            &small(),
+            &[
+                "--set",
+                "output.cycle=[1.5,2]",
+                "--set",
+                "load[1].history=[[0,0],[1,0],[1.25,1],[1.5,0],[1.75,1],[2,0]]",
+            ],
+        ),
         json_of(&lost_path(), &["--method", "events"]),
         json_of(OBLIQUE_BEAM, &["--set", "solver.jump=true"]),
     ]
