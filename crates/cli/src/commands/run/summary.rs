@@ -155,7 +155,7 @@ fn print_largest(report: &RunReport) {
         let energy = |work: f64| units.rounded(Quantity::Energy, work, DIGITS);
         let of_mesh = mesh_error.map(|error| format!("mesh error up to {}", percent(error)));
         let of_steps = time_error.map(|error| {
-            let verb = if error < 0.0 { "take" } else { "add" };
+            let verb = if error < -5e-4 { "take" } else { "add" };
             let corrected = energy(friction_work * (1.0 - error));
             format!("increments {verb} {:.1} %: corrected {corrected}", 100.0 * error.abs())
         });
