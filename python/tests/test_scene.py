@@ -193,7 +193,7 @@ def test_errors_of_a_dictionary_lead_with_its_key(change: object, message: str, 
 
 
 def test_warnings_of_the_run_are_warnings_of_python() -> None:
-    with pytest.warns(ss.AccuracyWarning, match="increments-work: ") as warned:
+    with pytest.warns(ss.AccuracyWarning, match="increments-force: ") as warned:
         result = ss.run(SCENES / "confined.toml")
     assert {w.filename for w in warned} == {__file__} and len(warned) == len(result.warnings)
     kinds = [warning["kind"] for warning in result.warnings]

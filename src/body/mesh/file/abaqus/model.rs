@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 
 use super::elements::{is_variant, kind_of};
 use super::keywords::{Data, Keyword};
-use super::sets::{Sets, Span, present};
+use super::sets::{Sets, Span, present, too_many};
 use crate::body::mesh::file::raw::{Block, ElementKind, RawMesh};
 use crate::body::mesh::file::{MeshFormatError, Place};
 use crate::body::mesh::{CellKind, Facet};
@@ -385,11 +385,6 @@ impl Model {
 /// The largest number of members of sets for a file with so many `fields`.
 fn most(fields: usize) -> usize {
     1000 + 16 * fields
-}
-
-pub(super) fn too_many(keyword: &Keyword<'_>) -> MeshFormatError {
-    keyword
-        .error("the sets repeat one another: they have far more members than the file has numbers", "define fewer sets")
 }
 
 /// Fails if the data are in another file, or belong to an instance of a part.

@@ -3,7 +3,6 @@
 use std::collections::HashMap;
 
 use super::keywords::{Data, Keyword};
-use super::model::too_many;
 use crate::body::mesh::file::MeshFormatError;
 
 /// The numbers `first`, `first + step`, ... up to `last`.
@@ -132,4 +131,9 @@ pub(super) fn present(spans: &[Span], indices: &HashMap<usize, usize>) -> Vec<us
     found.sort_unstable();
     found.dedup();
     found.into_iter().map(|(_, index)| index).collect()
+}
+
+pub(super) fn too_many(keyword: &Keyword<'_>) -> MeshFormatError {
+    keyword
+        .error("the sets repeat one another: they have far more members than the file has numbers", "define fewer sets")
 }
