@@ -228,7 +228,8 @@ impl<'a> Run<'a> {
         Run { companion: true, ..self }
     }
 
-    /// Requests the results of a load cycle. A scene requests that of its output.
+    /// Requests the results of a load cycle, at whose beginning and end increments must end. A scene with `output.cycle`
+    /// requests it itself.
     #[must_use]
     pub fn with_cycle(self, cycle: CycleRequest) -> Self {
         Run { cycle: Some(cycle), ..self }

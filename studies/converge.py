@@ -189,7 +189,7 @@ def main(program, out, only=None):
 
 
 def judge(rows):
-    # With the limit of the meshes, several shares may end with one run.
+    # Several shares may end with one run, at the limit of the meshes.
     once = {(*row[:2], *row[3:6]): row for row in rows}.values()
     judged = [row for row in once if row[7] is not None and row[8] is not None and not row[9]]
     for quantity in ["peak", "force", "friction_work", "stick_ratio", None]:

@@ -32,7 +32,7 @@ pub use balance::{AppliedForce, BalanceRecord, BalanceWatch};
 pub use companion::{ChosenIncrements, CompanionEstimate};
 pub use contact_line::{ContactLine, ContactPoint, points as contact_points};
 pub use csv::{line as csv_line, number as csv_number, table as csv_table};
-pub use cycle::{CycleNode, CycleOfBoundary, CycleReport, CycleWatch, EarlierCycle, SlipRegime, last_cycles};
+pub use cycle::{CycleNode, CycleOfBoundary, CycleReport, CycleWatch, CycleWork, SlipRegime, last_cycles};
 pub use deformation::deformation;
 pub use estimates::{Accumulated, EstimateWatch, Estimates};
 pub use exact_path::ExactPath;

@@ -146,7 +146,7 @@ fn marked(points: &[ContactPoint]) -> Vec<&ContactPoint> {
     marked
 }
 
-/// With more markers along a line, they would hide each other.
+/// The largest number of markers along a line; more would hide each other.
 const MOST_MARKERS: f64 = 200.0;
 
 /// Marks the node with the largest pressure, if there is pressure: the first one if several have it within rounding.

@@ -144,7 +144,7 @@ mod tests {
             let (facets, nodes) = bore(from, to, 18);
             let cylinder = Cylinder::of(&facets, &nodes).unwrap();
             assert!(cylinder.axis == [0.0, 1.0, 0.0] && (cylinder.radius - 2.0).abs() < 1e-9, "{cylinder:?}");
-            // What is connected stays connected.
+            // A connected surface stays connected.
             let angles: Vec<f64> = nodes.iter().map(|x| cylinder.angle(*x)).collect();
             let [low, high] = [f64::min, f64::max].map(|f| angles.iter().copied().reduce(f).unwrap());
             let open = if to - from < 360.0 { 0.0 } else { 20.0 };

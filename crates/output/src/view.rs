@@ -1,4 +1,4 @@
-//! What the page of a run needs beside the tables: names, units, and the body in the plane.
+//! The data of the page of a run besides the tables: names, units, and the body in the plane.
 //!
 //! The hidden file begins with a line of JSON, [`Head`]. A further line for some of the output times holds the state of
 //! the body, so that the page can magnify displacements as its reader likes. Numbers are small integers in base64:
@@ -26,7 +26,7 @@ use stickslip::solver::history::IncrementView;
 /// The hidden file.
 pub(crate) const FILE: &str = ".page.jsonl";
 
-/// Of a body with more cells only the outline is drawn: its cells would be smaller than the dots of a screen.
+/// A body with more cells is drawn as an outline: its cells would be smaller than the dots of a screen.
 const MOST_CELLS: usize = 20_000;
 
 /// The first line of the file.

@@ -1,9 +1,9 @@
-//! What is seen of polygons that are drawn one over the other, from samples of the picture.
+//! The visible parts of polygons that are drawn one over the other, from samples of the picture.
 
 /// Samples along a pixel.
 const FINE: f64 = 2.0;
 
-/// What is seen of a polygon.
+/// The visible part of a polygon.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Visibility {
     /// Nothing: others cover it.

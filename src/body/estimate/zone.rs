@@ -272,7 +272,7 @@ const STRAIGHT: f64 = 0.985;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct PeakZone {
     /// The number of nodes across it; `None` if no open node is next to it.
-    pub across: Option<usize>,
+    across: Option<usize>,
     /// The contact nodes.
     pub nodes: Vec<usize>,
     /// The largest pressure of a node, or of a node with its neighbours on linear tetrahedra, Pa.
@@ -288,10 +288,10 @@ impl PeakZone {
         zones.map(|(nodes, across)| PeakZone { across, peak: largest(&pressures, &nodes), nodes }).collect()
     }
 
-    /// Returns the zone of contact node `i` in a `state`.
-    pub(crate) fn around(model: &Model, graph: &ContactGraph, state: &State, i: usize) -> Option<Self> {
-        let (nodes, across) = zone_of(model, graph, &state.p_n, i)?;
-        Some(PeakZone { across, peak: largest(&pressures(model, graph, state), &nodes), nodes })
+    /// Returns the number of nodes across the zone of contact node `i` with the normal forces `p_n` (N); `None` if no open
+    /// node is next to it.
+    pub(crate) fn across_at(model: &Model, graph: &ContactGraph, p_n: &[f64], i: usize) -> Option<usize> {
+        zone_of(model, graph, p_n, i).and_then(|(_, across)| across)
     }
 
     /// Returns the largest pressure that the zone may have on a fine mesh, Pa; `None` if it is unknown.

@@ -50,7 +50,7 @@ pub enum MeshFileError {
     Unsound {
         /// The file.
         file: String,
-        /// What is wrong with it.
+        /// The fault.
         fault: MeshFault,
     },
 }
@@ -64,7 +64,7 @@ pub struct MeshFormatError {
     pub file: String,
     /// The place in it.
     pub place: Place,
-    /// What is wrong.
+    /// The fault.
     pub message: String,
     /// The correction that the message proposes.
     pub help: String,

@@ -42,7 +42,7 @@ pub struct CycleReport {
     /// The friction work of the cycle, J; in two dimensions J per m of depth.
     pub friction_work: f64,
     /// The cycles before it, the first one first.
-    pub earlier: Vec<EarlierCycle>,
+    pub earlier: Vec<CycleWork>,
     /// The change of the friction work from the cycle before, as a share of it; none without such a cycle, or if one of the two
     /// had no friction work.
     pub change: Option<f64>,
@@ -55,11 +55,11 @@ pub struct CycleReport {
     pub nodes: Vec<CycleNode>,
 }
 
-/// The friction work of an earlier cycle.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+/// The friction work of a cycle.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
-pub struct EarlierCycle {
+pub struct CycleWork {
     /// The time of its beginning, s.
     pub start: f64,
     /// The time of its end, s.
@@ -90,7 +90,7 @@ pub struct CycleOfBoundary {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CycleWatch {
     /// The cycles, in order; the last one is examined.
-    cycles: Vec<Cycle>,
+    cycles: Vec<CycleWork>,
     wear_coefficient: Option<f64>,
     /// `true` along an exact path: within an increment forces and slip are nearly proportional, and a node that sticks at the
     /// end may have slipped. Otherwise the force at the end of an increment belongs to all of its slip.
@@ -102,14 +102,6 @@ pub struct CycleWatch {
     slips: Vec<[bool; 2]>,
 }
 
-/// The friction work between two times.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-struct Cycle {
-    start: f64,
-    end: f64,
-    work: f64,
-}
-
 impl CycleWatch {
     /// Begins with the first increment of `model`, whose increments end at `times` (s). Returns `None` if the last change
     /// of the loads ends no cycle.
@@ -118,7 +110,8 @@ impl CycleWatch {
             CycleChoice::Last => last_cycles(&model.loading, times),
             CycleChoice::Between([start, end]) => find::repeated(&model.loading, [start, end], times.len()),
         };
-        let cycles = cycles.into_iter().map(|[start, end]| Cycle { start, end, work: 0.0 }).collect::<Vec<_>>();
+        let cycles =
+            cycles.into_iter().map(|[start, end]| CycleWork { start, end, friction_work: 0.0 }).collect::<Vec<_>>();
         (!cycles.is_empty()).then(|| CycleWatch {
             cycles,
             wear_coefficient: request.wear_coefficient,
@@ -134,13 +127,13 @@ impl CycleWatch {
         self.nodes.len() == model.contacts.len() && self.slips.len() == model.contact_boundaries.len()
     }
 
-    fn cycle(&self) -> Option<&Cycle> {
+    fn cycle(&self) -> Option<&CycleWork> {
         self.cycles.last()
     }
 
     /// Returns the position of a time (s): before the cycle or at its beginning, in it or at its end, or behind it.
     fn phase(&self, time: f64) -> Phase {
-        let Some(Cycle { start, end, .. }) = self.cycle() else { return Phase::After };
+        let Some(CycleWork { start, end, .. }) = self.cycle() else { return Phase::After };
         let slack = find::SAME_TIME * end;
         match time {
             t if t <= start + slack => Phase::Before,
@@ -162,9 +155,9 @@ impl CycleWatch {
         if record.status != Status::Converged {
             return;
         }
-        for Cycle { start, end, work } in &mut self.cycles {
+        for CycleWork { start, end, friction_work } in &mut self.cycles {
             let shared = record.time.min(*end) - self.time.max(*start);
-            *work += record.friction_work * (shared / (record.time - self.time)).max(0.0);
+            *friction_work += record.friction_work * (shared / (record.time - self.time)).max(0.0);
         }
         self.time = record.time;
         match self.phase(record.time) {
@@ -200,7 +193,7 @@ impl CycleWatch {
 
     /// Returns the results of the cycle; `None` if the history ended before it.
     pub fn report(&self, model: &Model) -> Option<CycleReport> {
-        let Cycle { start, end, work } = *self.cycle()?;
+        let CycleWork { start, end, friction_work: work } = *self.cycle()?;
         if self.time < end - find::SAME_TIME * end {
             return None;
         }
@@ -214,15 +207,12 @@ impl CycleWatch {
         let regime = regimes.max_by_key(|regime| *regime as usize).unwrap_or(SlipRegime::Stick);
         // Without slip, the work of friction is rounding.
         let work = if regime == SlipRegime::Stick { 0.0 } else { work };
-        let before = earlier.last().map(|before| before.work).filter(|before| *before > 0.0 && work > 0.0);
+        let before = earlier.last().map(|before| before.friction_work).filter(|before| *before > 0.0 && work > 0.0);
         Some(CycleReport {
             start,
             end,
             friction_work: work,
-            earlier: earlier
-                .iter()
-                .map(|&Cycle { start, end, work }| EarlierCycle { start, end, friction_work: work })
-                .collect(),
+            earlier: earlier.to_vec(),
             change: before.map(|before| work / before - 1.0),
             regime,
             boundaries: boundaries.iter().map(|&b| self.boundary(model, b)).collect(),

@@ -279,7 +279,8 @@ impl EstimateWatch {
         let discretisation =
             elements.as_ref().and_then(|elements| elements.discretisation.as_ref()).map(|error| error.whole);
         Estimates {
-            peak_error: self.seen.peak.as_ref().and_then(|peak| peak.error(model, &self.graph, discretisation)),
+            peak_error: (self.seen.peak.as_ref().zip(peak.as_ref()))
+                .and_then(|(seen, surface)| seen.error(model, &self.graph, surface, discretisation)),
             peak,
             contact: self.seen.heaviest.iter().enumerate().filter_map(contact).collect(),
             locking: elements.as_ref().and_then(|elements| elements.locking),

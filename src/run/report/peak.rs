@@ -47,7 +47,6 @@ pub(super) struct Peak {
     time: f64,
     /// The contact forces at that time; displacements are omitted.
     state: State,
-    statuses: Vec<ContactStatus>,
 }
 
 impl Peak {
@@ -79,8 +78,7 @@ impl Peak {
         {
             let State { p_n, p_t, p_o, .. } = state;
             let state = State { p_n: p_n.clone(), p_t: p_t.clone(), p_o: p_o.clone(), ..State::default() };
-            let (pressure, time, statuses) = (pressure.max(so_far), record.time, statuses.to_vec());
-            *before = Some(Peak { pressure, at, time, state, statuses });
+            *before = Some(Peak { pressure: pressure.max(so_far), at, time: record.time, state });
         }
     }
 
@@ -88,9 +86,7 @@ impl Peak {
     pub(super) fn fits(&self, model: &Model) -> bool {
         let [boundary, i] = self.at;
         let nodes = model.contact_boundaries.get(boundary).map(|boundary| &boundary.nodes);
-        nodes.is_some_and(|nodes| nodes.contains(&i))
-            && self.state.p_n.len() == model.contacts.len()
-            && self.statuses.len() == model.contacts.len()
+        nodes.is_some_and(|nodes| nodes.contains(&i)) && self.state.p_n.len() == model.contacts.len()
     }
 
     /// Estimates the mesh error of its contact surface at that time.
@@ -99,10 +95,15 @@ impl Peak {
         ContactEstimate::new(model, graph, surface, self.time, &self.state)
     }
 
-    /// Estimates how far the peak of this mesh may be off, as a share, if the error in the energy norm is
-    /// `discretisation`. A less resolved zone with a smaller pressure may hold the true peak.
-    pub(super) fn error(&self, model: &Model, graph: &ContactGraph, discretisation: Option<f64>) -> Option<f64> {
-        let surface = self.estimate(model, graph)?;
+    /// Estimates how far the peak of this mesh may be off, as a share, from the estimate of its `surface` and the error
+    /// `discretisation` in the energy norm. A less resolved zone with a smaller pressure may hold the true peak.
+    pub(super) fn error(
+        &self,
+        model: &Model,
+        graph: &ContactGraph,
+        surface: &ContactEstimate,
+        discretisation: Option<f64>,
+    ) -> Option<f64> {
         let own = surface.peak_error.or_else(|| Some(discretisation?.max(surface.scatter)))?;
         let others =
             PeakZone::all(model, graph, &self.state).into_iter().filter(|zone| !zone.nodes.contains(&self.at[1]));
@@ -126,7 +127,7 @@ impl Peak {
             boundary: model.contact_boundaries[boundary].name.clone(),
             position: model.contacts[i].position,
             time: self.time,
-            nodes_across: PeakZone::around(model, graph, &self.state, i).and_then(|zone| zone.across),
+            nodes_across: PeakZone::across_at(model, graph, &self.state.p_n, i),
             mesh_error,
             singular,
         }

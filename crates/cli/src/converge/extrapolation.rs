@@ -17,7 +17,7 @@ use serde::Serialize;
 pub struct Limit {
     /// The behaviour of the last three values.
     pub behaviour: Behaviour,
-    /// The observed order; `None` unless the values are monotone and approach a limit.
+    /// The observed order; `None` for two values, and if the values oscillate or are constant.
     pub order: Option<f64>,
     /// The extrapolated value; the last value if extrapolation means nothing.
     pub extrapolated: f64,
@@ -190,7 +190,7 @@ mod tests {
 
     #[test]
     fn high_orders_are_not_believed() {
-        // With order 4 the last difference is 1/16 of the one before. It counts as a quarter.
+        // The last difference of order 4 is 1/16 of the one before. It counts as a quarter.
         let found = limit(&HALVED, &values(&HALVED, 1.0, 4.0)).unwrap();
         let before: f64 = 1.0 - 1.0 / 16.0;
         assert!((found.uncertainty - 1.25 * before / 4.0 / 3.0).abs() < 1e-9, "{found:?}");

@@ -25,7 +25,7 @@ pub enum Sought {
 /// Narrower zones have no peak that says anything about finer meshes.
 const FINE_FOR_PEAK: usize = 5;
 
-/// With a larger uncertainty of the mesh alone, as in zones of fewer than nine nodes, the stick ratio does not count.
+/// The stick ratio does not count if the mesh alone makes a larger uncertainty, as in zones of fewer than nine nodes.
 const FINE_FOR_STICK: f64 = 2.0 / 9.0;
 
 impl Sought {

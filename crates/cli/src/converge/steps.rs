@@ -41,7 +41,7 @@ pub(super) struct Limits {
 pub(super) struct Solved {
     /// The name of the mesh.
     pub mesh: String,
-    /// Whether it is the scene's own.
+    /// The parts of the run that are the scene's own.
     pub own: Own,
     /// The number of elements.
     pub elements: usize,
@@ -65,7 +65,7 @@ pub(super) struct Solved {
     pub seconds: f64,
 }
 
-/// What a run has from the scene.
+/// The parts of a run that are the scene's own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) enum Own {
     /// Not the mesh.
@@ -136,7 +136,7 @@ pub(super) struct Ended {
     pub predicted: Option<f64>,
 }
 
-/// What a run refines.
+/// The part of a run that is refined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Refined {
     Mesh,

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::extrapolation::ROUNDING;
+use super::extrapolation::{Behaviour, ROUNDING};
 use super::steps::{Own, Step, series};
 use super::{Convergence, Errors, Limit, Verdict};
 use stickslip::base::Quantity;
@@ -266,8 +266,9 @@ impl Convergence {
         let series = series(&self.steps, true, false);
         let found = series.steps.iter().zip(&series.values).find(|(k, _)| self.steps[**k].run.own != Own::No)?;
         let error = (found.1 / limit.extrapolated - 1.0).abs();
-        // Without an order, the value of the last mesh is the extrapolated one, which says nothing of its error.
-        let is_estimated = error > 0.0 || self.verdict == Verdict::Known;
+        // Without a limit the value of the last mesh is the extrapolated one, which says nothing of its error.
+        let is_estimated = matches!(limit.behaviour, Behaviour::Monotone | Behaviour::Constant)
+            || Some(found.0) != series.steps.last();
         Some((self.steps[*found.0].run.mesh.clone(), error)).filter(|(_, error)| error.is_finite() && is_estimated)
     }
 

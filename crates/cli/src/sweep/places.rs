@@ -7,7 +7,7 @@ use stickslip::body::{Against, Contact, Description};
 
 use super::quantity::{QuantityError, TableQuantity};
 
-/// What acts at a place: the kinds of lines of `forces.csv` that a quantity can name.
+/// The forces at a place: the kinds of lines of `forces.csv` that a quantity can name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Acting {
     Contact,

@@ -114,7 +114,7 @@ pub enum QuantityError {
     Column {
         /// The quantity.
         text: String,
-        /// What has columns: the kind of force, or `forces.csv`.
+        /// The table: the kind of force, or `forces.csv`.
         of: String,
         /// The column.
         column: String,
@@ -360,7 +360,7 @@ impl TableQuantity {
                 return Err(QuantityError::NotThere { text, place, kind: acting.name(), there });
             }
             (None, _) => {
-                // Of several kinds, those without the column do not count.
+                // Kinds without the column do not count.
                 let able: Vec<Acting> = there.iter().copied().filter(|acting| has(Some(*acting), column.key)).collect();
                 match able[..] {
                     [acting] => acting,

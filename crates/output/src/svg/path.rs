@@ -172,7 +172,7 @@ mod tests {
         // Around a hole, whose outline runs the other way.
         let ring = (0..9).filter(|k| *k != 4).map(|k| square(f64::from(k % 3), f64::from(k / 3)));
         assert_eq!(path(&ring.collect::<Vec<_>>()), "M0 0l3 0 0 3-3 0zM1 1l0 1 1 0 0-1z");
-        // What overlaps is filled.
+        // Overlapping squares are filled.
         assert_eq!(path(&[square(0.0, 0.0), square(0.5, 0.5)]).matches('z').count(), 2);
         assert_eq!(path(&[]), "");
     }

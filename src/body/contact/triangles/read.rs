@@ -24,7 +24,7 @@ pub enum SurfaceError {
         file: String,
         /// The line, from 1.
         line: usize,
-        /// What is wrong.
+        /// The fault.
         message: String,
     },
     /// The Gmsh file cannot be read.
@@ -35,7 +35,7 @@ pub enum SurfaceError {
     Unsound {
         /// The file.
         file: String,
-        /// What is wrong.
+        /// The fault.
         message: String,
     },
 }

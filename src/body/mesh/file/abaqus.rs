@@ -35,7 +35,7 @@ pub(super) fn read(name: &str, bytes: &[u8]) -> Result<RawMesh, MeshFormatError>
 pub(super) fn includes(path: &Path) -> Vec<PathBuf> {
     let mut keywords = Keywords::default();
     if let Ok(bytes) = crate::base::input::read_bytes(path) {
-        // What is wrong is an error when the mesh is read.
+        // A fault is reported when the mesh is read.
         let _ = keywords.read(path, &bytes, &mut |_, _| Ok(()));
     }
     keywords.into_included()

@@ -64,7 +64,7 @@ pub(super) struct RawMesh {
     /// The number of each node in the file.
     pub numbers: Vec<usize>,
     pub blocks: Vec<Block>,
-    /// What was left aside, in words.
+    /// The parts of the file that were left aside, in words.
     pub remarks: Vec<String>,
 }
 

@@ -29,7 +29,7 @@ pub(super) struct Processes<'a> {
     pub folder: &'a Path,
     /// The threads of each process.
     pub threads: usize,
-    /// Whether a second run estimates the time-step error.
+    /// `true` if a second run estimates the time-step error.
     pub companion: bool,
     /// The quantities to read from the reports.
     pub quantities: &'a [TableQuantity],

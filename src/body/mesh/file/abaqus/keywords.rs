@@ -27,7 +27,7 @@ pub(super) struct Data<'a> {
     pub fields: Vec<&'a str>,
 }
 
-/// What is done with a keyword and its data.
+/// A function that takes a keyword and its data.
 pub(super) type Take<'a> = &'a mut dyn FnMut(&Keyword<'_>, &[Data<'_>]) -> Result<(), MeshFormatError>;
 
 impl Keyword<'_> {

@@ -22,7 +22,7 @@ type Sides = (Vec<Span>, Option<usize>);
 /// A name with sides of elements: the elements and the numbers of the sides.
 type Named = (String, Vec<(usize, usize)>);
 
-/// What an input file has told so far.
+/// The contents of an input file up to the last keyword.
 #[derive(Default)]
 pub(super) struct Model {
     mesh: RawMesh,

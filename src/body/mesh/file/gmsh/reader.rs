@@ -18,7 +18,7 @@ pub(super) struct Reader<'a> {
     start: usize,
     /// The number of the last line read, from 1.
     line: usize,
-    /// Whether numbers are binary.
+    /// `true` if numbers are binary.
     pub(super) binary: bool,
 }
 
@@ -30,7 +30,7 @@ pub(super) enum Fields<'a> {
     Bytes {
         /// The bytes not yet read.
         rest: &'a [u8],
-        /// Whether they were too few.
+        /// `true` if they were too few.
         ended: bool,
     },
 }
