@@ -13,8 +13,8 @@ pub use contact::{
     SurfaceError, TableError, Term, Unclear, range_left,
 };
 pub use description::{
-    Action, Against, Axis, Bed, Contact, Description, Direction, Field, FirstGap, Held, Kinks, Load, Opposite, Probe,
-    ProbePlace, Slave, Support, Where,
+    Action, Against, Axis, Bed, Contact, Coupling, CouplingKind, Description, Direction, Field, FirstGap, Held, Kinks,
+    Load, Opposite, Part, Probe, ProbePlace, Slave, Support, Where,
 };
 pub use estimate::{
     ContactEstimate, ContactGraph, DiscretisationError, ElementEstimate, HertzContact, PeakOf, StickZone, peak_error,

@@ -2,6 +2,7 @@
 //! into the same values.
 
 mod check;
+mod coupling;
 mod cycle;
 mod field;
 mod formulas;
@@ -13,6 +14,7 @@ mod spring;
 mod support;
 mod units;
 
+pub use coupling::{Coupling, CouplingKind, Part};
 pub use cycle::{CycleChoice, CycleRequest};
 pub use field::Field;
 pub use kinks::Kinks;
@@ -65,6 +67,8 @@ pub struct Description {
     pub element: Element,
     /// The material, with its layers or groups.
     pub material: Material,
+    /// The couplings of boundaries and bodies to reference points.
+    pub couplings: Vec<Coupling>,
     /// The supports.
     pub supports: Vec<Support>,
     /// The boundaries in contact.
@@ -157,6 +161,7 @@ impl Description {
             mesh: mesh.into(),
             element: Element::default(),
             material,
+            couplings: Vec::new(),
             supports: Vec::new(),
             contacts: Vec::new(),
             springs: Vec::new(),
@@ -170,6 +175,13 @@ impl Description {
     #[must_use]
     pub fn element(self, element: Element) -> Self {
         Description { element, ..self }
+    }
+
+    /// Adds a coupling.
+    #[must_use]
+    pub fn coupling(mut self, coupling: Coupling) -> Self {
+        self.couplings.push(coupling);
+        self
     }
 
     /// Adds a support that fixes the displacements of `boundary` along `axes` at zero.

@@ -4,6 +4,7 @@ mod balance;
 mod bodies;
 mod carrying;
 mod contact;
+mod coupling;
 mod discrete;
 mod element;
 mod energy;
@@ -55,6 +56,7 @@ use crate::solver::problem::{ContactProblem, Parts, ProblemError};
 use balance::Statics;
 use carrying::Carrying;
 use contact::Contacts;
+use coupling::Couplings;
 use discrete::Discrete;
 use load::FreeStrain;
 use motions::Motions;
@@ -95,6 +97,7 @@ pub struct Model {
     /// The displacements that moving supports prescribe, and the bodies that they move as rigid bodies.
     moved: Vec<Moved>,
     carrying: Carrying,
+    couplings: Couplings,
     /// The stress-free strain at factor 1 of each thermal load, and the number of the load.
     thermal: Vec<(FreeStrain, usize)>,
     statics: Statics,
@@ -191,7 +194,7 @@ impl Model {
         let laid_out = Description { times, ..description.clone() };
         let description = &laid_out;
         let sharing = share.and_then(|share| Some((share, Body::on(&discrete)?)));
-        let Discrete { mesh, holdings, dofs, element, materials, pairs, volumes, beds } = discrete;
+        let Discrete { mesh, couplings, holdings, dofs, element, materials, pairs, volumes, beds } = discrete;
         let law = |e: usize| materials[e];
         let springs: Vec<Spring> = beds.iter().flatten().cloned().collect();
         let (stiffness, rows) = if sharing.is_some() {
@@ -200,7 +203,8 @@ impl Model {
             let (stiffness, rows) = HeldRows::beside(&mesh, &dofs, element, &volumes, law, &springs)?;
             (Some(stiffness), rows)
         };
-        let carrying = Carrying::new(description, &mesh, &pairs, holdings.iter().flatten().map(|(node, ..)| *node))?;
+        let held = holdings.iter().flatten().map(|(node, ..)| *node);
+        let carrying = Carrying::new(description, &mesh, &dofs, (&couplings, &pairs), held)?;
         let moved = Moved::all(description, &mesh, &dofs, &holdings, &rows, &carrying)?;
 
         let contacts = Contacts::new(description, &mesh, &dofs, &rows, &moved, &pairs, &carrying)?;
@@ -217,8 +221,16 @@ impl Model {
         let Motions { rates: mut motions, bends, nearest } =
             motions::motions(&contacts, &obstacles, &gap, &description.times)?;
         let thin = description.material.plane == Some(Plane::Stress);
-        let body =
-            load::LoadedBody { description, mesh: &mesh, element, volumes: &volumes, thin, materials: &materials };
+        let body = load::LoadedBody {
+            description,
+            mesh: &mesh,
+            dofs: &dofs,
+            couplings: &couplings,
+            element,
+            volumes: &volumes,
+            thin,
+            materials: &materials,
+        };
         let (mut cases, mut forces, mut thermal) = (Vec::new(), Vec::new(), Vec::new());
         let end = description.end();
         for (k, load) in description.loads.iter().enumerate() {
@@ -240,12 +252,14 @@ impl Model {
             }
         }
         let on_springs: Vec<_> = moved.iter().map(|moved| moved.forces_of_springs(&carrying, &springs)).collect();
-        let statics = Statics::new(&mesh, rows.clone(), support::shares(&holdings, &rows), beds, &forces, &on_springs);
+        let statics =
+            Statics::new(&mesh, &dofs, rows.clone(), support::shares(&holdings, &rows), beds, &forces, &on_springs);
         let loading = Loading::new(cases, gap)?.with_motions(motions, bends)?.with_friction(friction)?;
 
         let recovery = Recovery::new(&mesh, &contacts, &contact_boundaries, &pairs.all);
         let past = |contact: &ContactNode| support::moves_past(&moved, &rows, &dofs, &carrying, contact);
-        let rigid_motions = unresisted_motions(&mesh, &dofs, &springs, &pairs.ties(&dofs));
+        let ties = [pairs.ties(&dofs), couplings.ties(&mesh, &dofs)].concat();
+        let rigid_motions = unresisted_motions(&mesh, &dofs, &springs, &ties);
         let shared = match &sharing {
             Some((share, body)) => body.stiffness(&contacts, share)?,
             None => None,
@@ -275,6 +289,7 @@ impl Model {
             rigid_motions,
             moved,
             carrying,
+            couplings,
             thermal,
             statics,
             recovery,

@@ -14,10 +14,13 @@ pub(super) fn system(model: &Model, method: Method) -> SystemSolver {
     SystemSolver::from(Box::new(model.problem.stiffness().multigrid(grid, form)) as Box<dyn LinearSolver>)
 }
 
-/// Returns the grid of `model`. `None` if the contact rows of a node involve displacements of other nodes, or a node
-/// has two contacts.
+/// Returns the grid of `model`. `None` if the contact rows of a node involve displacements of other nodes, a node has
+/// two contacts, or there are reference points.
 pub fn grid(model: &Model) -> Option<Grid> {
     let (mesh, dofs, problem) = (&model.mesh, &model.dofs, &model.problem);
+    if dofs.has_points() {
+        return None;
+    }
     let mut displacements = vec![(0, 0); problem.displacements()];
     for node in 0..mesh.nodes.len() {
         for (direction, dof) in dofs.node(node).iter().enumerate() {

@@ -129,6 +129,8 @@ pub(super) struct Document {
     #[serde(default)]
     pub body: Vec<BodyTable>,
     #[serde(default)]
+    pub coupling: Vec<Coupling>,
+    #[serde(default)]
     pub support: Vec<Support>,
     #[serde(default)]
     pub contact: Vec<ContactTable>,
@@ -145,9 +147,29 @@ pub(super) struct Document {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
+pub(super) struct Coupling {
+    pub name: String,
+    pub boundary: Option<String>,
+    pub body: Option<String>,
+    pub point: Option<Vector>,
+    #[serde(default)]
+    pub kind: CouplingKind,
+}
+
+#[derive(Clone, Copy, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum CouplingKind {
+    #[default]
+    Rigid,
+    Distributing,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(super) struct Support {
     pub boundary: Option<String>,
     pub point: Option<Vector>,
+    pub coupling: Option<String>,
     pub fix: Option<Vec<Fix>>,
     pub direction: Option<Vector>,
     pub displacement: Option<Segments<f64>>,
@@ -156,12 +178,15 @@ pub(super) struct Support {
 
 /// A direction along which a support fixes displacements.
 #[derive(Clone, Copy, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[serde(rename_all = "snake_case")]
 pub(super) enum Fix {
     X,
     Y,
     Z,
     Normal,
+    RotationX,
+    RotationY,
+    RotationZ,
 }
 
 #[derive(Deserialize)]
@@ -169,7 +194,9 @@ pub(super) enum Fix {
 pub(super) struct Spring {
     pub boundary: Option<String>,
     pub point: Option<Vector>,
+    pub coupling: Option<String>,
     pub stiffness: Option<Vec<f64>>,
+    pub rotational: Option<Segments<f64>>,
     pub normal: Option<f64>,
     pub tangential: Option<f64>,
 }
@@ -327,9 +354,11 @@ pub(super) struct Rotation {
 pub(super) struct Load {
     pub boundary: Option<String>,
     pub point: Option<Vector>,
+    pub coupling: Option<String>,
     pub traction: Option<Vec<Scalar>>,
     pub pressure: Option<Scalar>,
     pub force: Option<Vec<f64>>,
+    pub moment: Option<Segments<f64>>,
     pub acceleration: Option<Vec<f64>>,
     pub rotation: Option<Spin>,
     pub temperature: Option<Scalar>,

@@ -4,6 +4,7 @@
 mod action;
 mod bodies;
 mod contact;
+mod coupling;
 mod mesh;
 mod obstacle;
 mod output;
@@ -33,6 +34,7 @@ pub(super) fn scene(mut document: Document, mut source: Source) -> Result<Scene,
         mesh,
         element,
         material,
+        couplings: keyed("coupling", document.coupling, |given, key| coupling::coupling(given, key).map_err(at))?,
         supports: keyed("support", document.support, |given, key| action::support(given, key).map_err(at))?,
         contacts: contacts
             .into_iter()

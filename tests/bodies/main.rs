@@ -13,6 +13,7 @@ mod checkpoints;
 mod closed_forms;
 mod companion;
 mod concave;
+mod couplings;
 mod cube;
 mod cycle;
 mod description;

@@ -69,13 +69,16 @@ pub(super) fn event_line(model: &Model, index: usize, event: &Event) -> String {
     csv_line(&fields)
 }
 
-/// Returns the header of the table of forces, for this number of dimensions, and with `several` obstacles in front of a
-/// boundary.
-pub(super) fn forces_header(dimension: usize, several: bool) -> String {
+/// Returns the header of the table of forces, for this number of dimensions, with `several` obstacles in front of a
+/// boundary, and with the rotation of reference points if the scene is `coupled`.
+pub(super) fn forces_header(dimension: usize, several: bool, coupled: bool) -> String {
     let obstacle: &[&str] = if several { &["obstacle"] } else { &[] };
     let forces: Vec<&str> = force_columns(dimension).iter().map(|column| column.name()).collect();
     let moved = DISPLACEMENT[..dimension].iter().map(|column| column.name()).collect::<Vec<_>>();
-    let header = [&["index", "time", "boundary"], &forces[..], &["kind", "balance"], obstacle, &moved].concat();
+    let turned = rotation_columns(dimension).iter().map(|column| column.name());
+    let turned: Vec<&str> = turned.filter(|_| coupled).collect();
+    let header =
+        [&["index", "time", "boundary"], &forces[..], &["kind", "balance"], obstacle, &moved, &turned].concat();
     csv_table(&header, std::iter::empty())
 }
 
@@ -91,38 +94,56 @@ fn force_columns(dimension: usize) -> &'static [Column] {
 /// The columns of the mean displacement of the nodes of a support, spring or load.
 const DISPLACEMENT: [Column; 3] = Column::all(["u_x", "u_y", "u_z"]).expect("columns with known quantities");
 
+/// Returns the columns of the rotation of reference points.
+fn rotation_columns(dimension: usize) -> &'static [Column] {
+    const ALL: &[Column] =
+        &Column::all(["rotation_x", "rotation_y", "rotation_z"]).expect("columns with known quantities");
+    if dimension == 2 { &ALL[2..] } else { ALL }
+}
+
 /// Formats the force lines of an increment: the forces on the obstacles in front of each boundary, on each single
-/// obstacle if there are several, then the forces of supports, springs and loads on the body.
+/// obstacle if there are several, then the forces of supports, springs and loads on the body, and the reference points.
 pub(super) fn forces_lines(contact: &[ForceRecord], balance: &BalanceRecord, units: &UnitSystem) -> String {
-    let BalanceRecord { index, time, supports, springs, loads, balance, .. } = balance;
+    let BalanceRecord { index, time, supports, springs, loads, couplings, balance, .. } = balance;
     let several = contact.iter().any(|record| !record.resultant.obstacles.is_empty());
-    let line =
-        |at: &str, force: &[f64], moment: &[f64], moved: &[f64], sums: [Option<f64>; 3], kind: &str, obstacle: &str| {
-            let numbers = force.iter().chain(moment).copied().map(Some).chain(sums);
-            let numbers = force_columns(force.len()).iter().zip(numbers);
-            let mut fields = vec![index.to_string(), csv_number(*time), at.to_string()];
-            fields.extend(numbers.map(|(column, x)| x.map_or(String::new(), |x| column.cell(units, x))));
-            fields.extend([kind.to_string(), csv_number(*balance)]);
-            fields.extend(several.then(|| obstacle.to_string()));
-            let moved = DISPLACEMENT[..force.len()].iter().enumerate().map(|(k, column)| (column, moved.get(k)));
-            fields.extend(moved.map(|(column, u)| u.map_or(String::new(), |u| column.cell(units, *u))));
-            csv_line(&fields)
-        };
+    let turning = if couplings.is_empty() { 0 } else { usize::MAX };
+    let line = |at: &str,
+                force: &[f64],
+                moment: &[f64],
+                moved: [&[f64]; 2],
+                sums: [Option<f64>; 3],
+                kind: &str,
+                obstacle: &str| {
+        let numbers = force.iter().chain(moment).copied().map(Some).chain(sums);
+        let numbers = force_columns(force.len()).iter().zip(numbers);
+        let mut fields = vec![index.to_string(), csv_number(*time), at.to_string()];
+        fields.extend(numbers.map(|(column, x)| x.map_or(String::new(), |x| column.cell(units, x))));
+        fields.extend([kind.to_string(), csv_number(*balance)]);
+        fields.extend(several.then(|| obstacle.to_string()));
+        let [moved, turned] = moved;
+        let cell = |column: &Column, u: Option<&f64>| u.map_or(String::new(), |u| column.cell(units, *u));
+        let displaced = DISPLACEMENT[..force.len()].iter().enumerate();
+        fields.extend(displaced.map(|(k, column)| cell(column, moved.get(k))));
+        let rotated = rotation_columns(force.len()).iter().take(turning).enumerate();
+        fields.extend(rotated.map(|(k, column)| cell(column, turned.get(k))));
+        csv_line(&fields)
+    };
     let components = |sums: &ComponentSums| [Some(sums.sum_p_n), Some(sums.sum_p_t), sums.sum_p_o];
     let on_each = |at: &str, on: &OnObstacle| {
-        line(at, &on.force, &on.moment, &[], components(&on.sums), "obstacle", &on.obstacle)
+        line(at, &on.force, &on.moment, [&[]; 2], components(&on.sums), "obstacle", &on.obstacle)
     };
     let on_obstacle = |record: &ForceRecord| {
         let Resultant { boundary, force, moment, sums, obstacles, opposite } = &record.resultant;
-        let all = line(boundary, force, moment, &[], components(sums), "contact", "");
+        let all = line(boundary, force, moment, [&[]; 2], components(sums), "contact", "");
         let other_side =
-            opposite.iter().map(|of| line(&of.boundary, &of.force, &of.moment, &[], [None; 3], "opposite", ""));
+            opposite.iter().map(|of| line(&of.boundary, &of.force, &of.moment, [&[]; 2], [None; 3], "opposite", ""));
         [all].into_iter().chain(other_side).chain(obstacles.iter().map(|on| on_each(boundary, on))).collect::<String>()
     };
     let mut lines: String = contact.iter().map(on_obstacle).collect();
-    for (kind, acting) in [("support", supports), ("spring", springs), ("load", loads)] {
-        lines.extend(acting.iter().map(|AppliedForce { at, force, moment, displacement }| {
-            line(at, force, moment, displacement, [None; 3], kind, "")
+    let of_kinds = [("support", supports), ("spring", springs), ("load", loads), ("coupling", couplings)];
+    for (kind, acting) in of_kinds {
+        lines.extend(acting.iter().map(|AppliedForce { at, force, moment, displacement, rotation }| {
+            line(at, force, moment, [displacement, rotation], [None; 3], kind, "")
         }));
     }
     lines

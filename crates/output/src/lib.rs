@@ -55,7 +55,7 @@ mod tests {
     /// A column or field without a quantity would be written in SI units, whatever its neighbours are written in.
     #[test]
     fn every_column_and_field_has_its_quantity() {
-        let forces = [2, 3].map(|dimension| increments::forces_header(dimension, true));
+        let forces = [2, 3].map(|dimension| increments::forces_header(dimension, true, true));
         let events = [2, 3].map(increments::events_header);
         let headers = [increments::header()].into_iter().chain(forces).chain(events).collect::<Vec<_>>();
         let columns = headers.iter().flat_map(|header| header.trim_end().split(','));

@@ -4,7 +4,7 @@ use super::kinematics::{ContactNode, Counterpart, Coupled, Row, tangents};
 use super::mortar::MortarRow;
 use super::obstacle::{Facing, first_tangent};
 use crate::algebra::vector::{across, cross, norm, plus, unit};
-use crate::body::fem::{Dofs, Relative};
+use crate::body::fem::{Coefficient, Dofs, Relative};
 use crate::body::mesh::Mesh;
 
 /// The least length of a projected tangent; a shorter one is almost parallel to the normal.
@@ -15,7 +15,8 @@ const LEANS: f64 = 0.1;
 pub fn relative(row: &MortarRow, glued: bool) -> Relative {
     let own = row.slave.iter().find(|(node, _)| *node == row.node).map_or(1.0, |(_, c)| *c);
     let beside = row.slave.iter().filter(|(node, _)| *node != row.node).map(|&(node, c)| (node, -c));
-    Relative { node: row.node, own, others: beside.chain(row.master.iter().copied()).collect(), tied: glued }
+    let others = beside.chain(row.master.iter().copied()).map(|(node, c)| (node, Coefficient::Factor(c)));
+    Relative { node: row.node, own, others: others.collect(), tied: glued }
 }
 
 /// Creates the contact nodes of the pair `pair` from its `rows`.

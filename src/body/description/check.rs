@@ -21,6 +21,9 @@ impl Description {
             return Err(InputError::new("mesh.element", message, help));
         }
         let under = |list: &'static str, k: usize| move |fault: InputError| fault.with_key(&format!("{list}[{k}]"));
+        for (k, coupling) in self.couplings.iter().enumerate() {
+            coupling.check(&self.couplings[..k]).map_err(under("coupling", k))?;
+        }
         for (k, support) in self.supports.iter().enumerate() {
             support.check().map_err(under("support", k))?;
         }

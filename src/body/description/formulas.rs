@@ -38,7 +38,9 @@ impl Description {
                 Action::Traction { traction, .. } => ("traction", &traction[..]),
                 Action::Pressure { pressure, .. } => ("pressure", std::slice::from_ref(pressure)),
                 Action::Temperature(field) => ("temperature", std::slice::from_ref(field)),
-                Action::Force { .. } | Action::Acceleration(_) | Action::Spin { .. } => continue,
+                Action::Force { .. } | Action::Moment { .. } | Action::Acceleration(_) | Action::Spin { .. } => {
+                    continue;
+                }
             };
             for field in fields {
                 if let Field::Formula(formula) = field {

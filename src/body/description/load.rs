@@ -41,6 +41,13 @@ pub enum Action {
         /// Its components.
         force: Vec<f64>,
     },
+    /// A moment on the reference point of a coupling, N m: about z in two dimensions, there N m per m of depth.
+    Moment {
+        /// The name of the coupling.
+        coupling: String,
+        /// One component in two dimensions, three in three.
+        moment: Vec<f64>,
+    },
     /// An acceleration of the ground, or gravity: the force `density · acceleration`, m/s².
     Acceleration(Vec<f64>),
     /// A steady rotation of the body about an axis: the centrifugal force `density · ω² · r`.
@@ -56,13 +63,15 @@ pub enum Action {
     Temperature(Field),
 }
 
-/// A boundary or a single node.
+/// A boundary, a single node, or the reference point of a coupling.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Where {
     /// The boundary of this name.
     Boundary(String),
     /// The node at this point, m.
     Point(Vector),
+    /// The reference point of the coupling of this name.
+    Coupling(String),
 }
 
 impl From<Action> for Load {
@@ -98,11 +107,21 @@ impl Load {
 }
 
 impl Action {
+    /// Returns the name of the coupling that it acts on.
+    pub(crate) fn coupling(&self) -> Option<&str> {
+        match self {
+            Action::Force { at, .. } => at.coupling(),
+            Action::Moment { coupling, .. } => Some(coupling),
+            _ => None,
+        }
+    }
+
     /// Describes what the load acts on, with coordinates in `units`.
     pub fn place(&self, units: &UnitSystem) -> String {
         match self {
             Action::Traction { boundary, .. } | Action::Pressure { boundary, .. } => boundary.clone(),
             Action::Force { at, .. } => at.place(units),
+            Action::Moment { coupling, .. } => coupling.clone(),
             Action::Acceleration(_) | Action::Spin { .. } | Action::Temperature(_) => "the body".to_string(),
         }
     }
@@ -126,6 +145,7 @@ impl Action {
                 at.check()?;
                 components("force", force)
             }
+            Action::Moment { moment, .. } => axial("moment", moment),
             Action::Acceleration(acceleration) => components("acceleration", acceleration),
             Action::Spin { axis, through, speed } => {
                 axis.map_or(Ok(()), |axis| direction("rotation.axis", axis))?;
@@ -138,17 +158,25 @@ impl Action {
 }
 
 impl Where {
+    /// Returns the name of the coupling.
+    pub(crate) fn coupling(&self) -> Option<&str> {
+        match self {
+            Where::Coupling(name) => Some(name),
+            Where::Boundary(_) | Where::Point(_) => None,
+        }
+    }
+
     /// Returns the name of the boundary, or the coordinates in `units`.
     pub fn place(&self, units: &UnitSystem) -> String {
         match self {
-            Where::Boundary(name) => name.clone(),
+            Where::Boundary(name) | Where::Coupling(name) => name.clone(),
             Where::Point(point) => format!("{:?}", point.map(|x| units.number(Quantity::Length, x))),
         }
     }
 
     pub(super) fn check(&self) -> Result<(), InputError> {
         match self {
-            Where::Boundary(_) => Ok(()),
+            Where::Boundary(_) | Where::Coupling(_) => Ok(()),
             Where::Point(point) => components("point", &point.components()),
         }
     }
@@ -158,6 +186,13 @@ impl Where {
 pub(super) fn components(key: &str, values: &[f64]) -> Result<(), InputError> {
     let sound = (2..=3).contains(&values.len()) && values.iter().all(|x| x.is_finite());
     ensure(sound, key, &values, "two or three finite numbers", "give one for each axis, not nan or inf")?;
+    not_huge(key, values.iter().copied())
+}
+
+/// Checks that there is one finite number, about z, or that there are three.
+pub(super) fn axial(key: &str, values: &[f64]) -> Result<(), InputError> {
+    let sound = [1, 3].contains(&values.len()) && values.iter().all(|x| x.is_finite());
+    ensure(sound, key, &values, "one or three finite numbers", "give one about z in the plane, three in space")?;
     not_huge(key, values.iter().copied())
 }
 

@@ -1,6 +1,6 @@
 //! Springs and elastic foundations.
 
-use super::load::{Where, components};
+use super::load::{Where, axial, components};
 use crate::base::input_error::{InputError, ensure, finite};
 use crate::base::units::UnitSystem;
 
@@ -9,10 +9,17 @@ use crate::base::units::UnitSystem;
 pub enum Bed {
     /// Stiffness along the axes.
     Axes {
-        /// The boundary or the point.
+        /// The boundary, the point or the coupling.
         at: Where,
-        /// Two or three components: N/m³ for a boundary, N/m at a point (in two dimensions per m of depth).
+        /// Two or three components: N/m³ for a boundary, N/m at a point or a coupling (in two dimensions per m of depth).
         stiffness: Vec<f64>,
+    },
+    /// Stiffness of the rotation of the reference point of a coupling.
+    Rotational {
+        /// The name of the coupling.
+        coupling: String,
+        /// The moment per angle about z in two dimensions, N m per m of depth; about x, y and z in three, N m.
+        rotational: Vec<f64>,
     },
     /// Stiffness along the normal of a boundary and tangentially.
     Surface {
@@ -36,7 +43,16 @@ impl Bed {
     pub fn place(&self, units: &UnitSystem) -> String {
         match self {
             Bed::Axes { at, .. } => at.place(units),
-            Bed::Surface { boundary, .. } => boundary.clone(),
+            Bed::Rotational { coupling: name, .. } | Bed::Surface { boundary: name, .. } => name.clone(),
+        }
+    }
+
+    /// Returns the name of the coupling that it acts on.
+    pub(crate) fn coupling(&self) -> Option<&str> {
+        match self {
+            Bed::Axes { at, .. } => at.coupling(),
+            Bed::Rotational { coupling, .. } => Some(coupling),
+            Bed::Surface { .. } => None,
         }
     }
 
@@ -51,6 +67,10 @@ impl Bed {
                 at.check()?;
                 components("stiffness", stiffness)?;
                 stiff("stiffness", stiffness)
+            }
+            Bed::Rotational { rotational, .. } => {
+                axial("rotational", rotational)?;
+                stiff("rotational", rotational)
             }
             Bed::Surface { normal, tangential, .. } => {
                 finite("normal", *normal)?;

@@ -6,10 +6,10 @@ use crate::algebra::vector::Vector;
 use crate::base::input_error::{InputError, ensure, finite};
 use crate::base::timeline::check_points;
 
-/// Prescribed displacements, zero or not, of a boundary or of the node at a point.
+/// Prescribed displacements, zero or not, of a boundary, of the node at a point, or of the reference point of a coupling.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Support {
-    /// The boundary or the point.
+    /// The boundary, the point or the coupling.
     pub at: Where,
     /// The directions and their displacements.
     pub held: Vec<Held>,
@@ -23,7 +23,7 @@ pub struct Support {
 pub struct Held {
     /// The direction.
     pub direction: Direction,
-    /// The displacement at factor 1, m.
+    /// The displacement at factor 1, m; for a rotation the angle, rad.
     pub displacement: f64,
 }
 
@@ -36,6 +36,8 @@ pub enum Direction {
     Normal,
     /// A vector of any length.
     Along(Vector),
+    /// The rotation of the reference point of a coupling about an axis of coordinates.
+    Rotation(Axis),
 }
 
 impl Support {
@@ -60,6 +62,15 @@ impl Support {
     #[must_use]
     pub fn at(self, point: impl Into<Vector>) -> Self {
         Support { at: Where::Point(point.into()), ..self }
+    }
+
+    /// Applies the support to the reference point of a coupling; `axes` are the axes of the rotations that it fixes at zero
+    /// in addition to the displacements.
+    #[must_use]
+    pub fn of_coupling(mut self, name: &str, axes: &[Axis]) -> Self {
+        let rotations = axes.iter().map(|axis| Held { direction: Direction::Rotation(*axis), displacement: 0.0 });
+        self.held.extend(rotations);
+        Support { at: Where::Coupling(name.to_string()), ..self }
     }
 
     /// Sets the displacements (m), one for each direction, from the beginning to the end.
@@ -100,6 +111,11 @@ impl Support {
                     ensure(sound, "fix", &"normal", "an axis where a single point is held", help)?;
                 }
                 Direction::Along(vector) => direction("direction", *vector)?,
+                Direction::Rotation(_) => {
+                    let sound = matches!(self.at, Where::Coupling(_));
+                    let help = "name a coupling, whose reference point can turn, or remove the rotation";
+                    ensure(sound, "fix", &"rotation", "x, y, z or normal where there is no coupling", help)?;
+                }
             }
         }
         self.history.as_ref().map_or(Ok(()), |history| check_points("history", "factor", history))

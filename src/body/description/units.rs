@@ -4,8 +4,8 @@
 use std::sync::Arc;
 
 use super::{
-    Action, Against, Bed, Contact, Description, Field, FirstGap, Held, Load, Opposite, Probe, ProbePlace, Support,
-    Where,
+    Action, Against, Bed, Contact, Coupling, Description, Direction, Field, FirstGap, Held, Load, Opposite, Probe,
+    ProbePlace, Support, Where,
 };
 use crate::algebra::vector::Vector;
 use crate::base::formula::{Formula, FormulaUnits};
@@ -33,12 +33,14 @@ impl Description {
         if units == Units::SI {
             return Description { units, ..self };
         }
-        let Description { mesh, element, material, supports, contacts, springs, loads, times, units: _ } = self;
+        let Description { mesh, element, material, couplings, supports, contacts, springs, loads, times, units: _ } =
+            self;
         let si = Si { units, axisymmetric: material.is_axisymmetric() };
         Description {
             mesh: si.mesh(mesh),
             element,
             material: si.material(material),
+            couplings: couplings.into_iter().map(|coupling| si.coupling(coupling)).collect(),
             supports: supports.into_iter().map(|support| si.support(support)).collect(),
             contacts: contacts.into_iter().map(|contact| si.contact(contact)).collect(),
             springs: springs.into_iter().map(|spring| si.spring(spring)).collect(),
@@ -169,16 +171,27 @@ impl Si {
 
     fn place(self, at: Where) -> Where {
         match at {
-            Where::Boundary(name) => Where::Boundary(name),
+            Where::Boundary(_) | Where::Coupling(_) => at,
             Where::Point(point) => Where::Point(self.point(point)),
         }
     }
 
+    fn coupling(self, Coupling { name, part, point, kind }: Coupling) -> Coupling {
+        Coupling { name, part, point: point.map(|point| self.point(point)), kind }
+    }
+
     fn support(self, Support { at, held, history }: Support) -> Support {
-        let held = held
-            .into_iter()
-            .map(|Held { direction, displacement }| Held { direction, displacement: self.length(displacement) });
+        let held = held.into_iter().map(|Held { direction, displacement }| match direction {
+            Direction::Rotation(_) => Held { direction, displacement },
+            _ => Held { direction, displacement: self.length(displacement) },
+        });
         Support { at: self.place(at), held: held.collect(), history }
+    }
+
+    /// Converts moments about z, of a plane body, or about x, y and z.
+    fn moments(self, x: Vec<f64>) -> Vec<f64> {
+        let dimension = if x.len() == 1 { 2 } else { 3 };
+        x.into_iter().map(|c| self.in_dimension(dimension, Quantity::Moment, c)).collect()
     }
 
     fn spring(self, spring: Bed) -> Bed {
@@ -186,9 +199,12 @@ impl Si {
             Bed::Axes { at, stiffness } => {
                 let quantity = match at {
                     Where::Boundary(_) => Quantity::Foundation,
-                    Where::Point(_) => Quantity::Spring,
+                    Where::Point(_) | Where::Coupling(_) => Quantity::Spring,
                 };
                 Bed::Axes { at: self.place(at), stiffness: self.components(quantity, stiffness) }
+            }
+            Bed::Rotational { coupling, rotational } => {
+                Bed::Rotational { coupling, rotational: self.moments(rotational) }
             }
             Bed::Surface { boundary, normal, tangential } => {
                 let [normal, tangential] = [normal, tangential].map(|x| self.of(Quantity::Foundation, x));
@@ -278,6 +294,7 @@ impl Si {
             Action::Force { at, force } => {
                 Action::Force { at: self.place(at), force: self.components(Quantity::Force, force) }
             }
+            Action::Moment { coupling, moment } => Action::Moment { coupling, moment: self.moments(moment) },
             Action::Acceleration(acceleration) => {
                 Action::Acceleration(self.components(Quantity::Acceleration, acceleration))
             }

@@ -58,6 +58,9 @@ pub(super) fn assemble_watched(
         }
     });
     let mut add = |nodes: &[usize], mut stiffness: Vec<Vec<f64>>| {
+        if dofs.are_rigid(nodes) {
+            return;
+        }
         watch(nodes, &stiffness);
         dofs.turn(nodes, &mut stiffness);
         if dofs.any_relative(nodes) {

@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 
+use super::reference_point::ReferencePoint;
 use super::relative::Resolved;
 use crate::algebra::vector::{axis, axis_across, cross, dot, minus, norm, unit};
-use crate::body::mesh::Mesh;
+use crate::body::mesh::{Geometry, Mesh};
 
 /// Three orthogonal directions, the axes of the displacement components of a node.
 type Frame = [[f64; 3]; 3];
@@ -16,6 +17,10 @@ type Frame = [[f64; 3]; 3];
 #[derive(Debug, Clone, PartialEq)]
 pub struct Dofs {
     dimension: usize,
+    /// The number of nodes of the mesh; the two nodes of each reference point follow.
+    pub(super) of_mesh: usize,
+    /// The reference points.
+    pub(super) points: Vec<ReferencePoint>,
     /// The numbers of the components, node by node.
     numbers: Vec<Option<usize>>,
     /// For each component: `true` if supports hold it.
@@ -46,10 +51,18 @@ impl Dofs {
     /// dimensions in the plane.
     ///
     /// Dependent directions are ignored. Nodes on the axis of a body of revolution are also held along x.
-    pub fn holding(mesh: &Mesh, mut held: impl FnMut(usize) -> Vec<[f64; 3]>) -> Self {
+    pub fn holding(mesh: &Mesh, held: impl FnMut(usize) -> Vec<[f64; 3]>) -> Self {
+        Self::with_points(mesh, Vec::new(), held)
+    }
+
+    /// Numbers the free components of each node and of the two nodes of each of `points`, which follow those of the
+    /// mesh. The points of a body of revolution move along the axis only.
+    pub fn with_points(mesh: &Mesh, points: Vec<ReferencePoint>, mut held: impl FnMut(usize) -> Vec<[f64; 3]>) -> Self {
         let dimension = mesh.dimension;
         let mut dofs = Dofs {
             dimension,
+            of_mesh: mesh.nodes.len(),
+            points,
             numbers: Vec::new(),
             held: Vec::new(),
             frames: BTreeMap::new(),
@@ -57,10 +70,14 @@ impl Dofs {
             relative_order: Vec::new(),
             free: 0,
         };
-        for node in 0..mesh.nodes.len() {
+        for node in 0..dofs.of_mesh + 2 * dofs.points.len() {
             let mut held = held(node);
-            if mesh.is_on_axis(node) {
+            let of_mesh = node < dofs.of_mesh;
+            if if of_mesh { mesh.is_on_axis(node) } else { mesh.geometry == Geometry::Axisymmetric } {
                 held.push(axis(0));
+            }
+            if dimension == 2 && dofs.is_rotation(node) {
+                held.push(axis(1));
             }
             let held = independent(held, dimension);
             let along_axis = |n: &[f64; 3]| n.iter().filter(|c| **c != 0.0).count() == 1;
@@ -87,14 +104,20 @@ impl Dofs {
         }
     }
 
-    /// Returns the number of nodes.
+    /// Returns the number of dimensions.
+    pub(super) fn dimension(&self) -> usize {
+        self.dimension
+    }
+
+    /// Returns the number of nodes, including those of reference points.
     pub fn nodes(&self) -> usize {
         self.held.len() / self.dimension
     }
 
     /// Returns `true` if supports hold a component of `node`.
     pub fn is_held(&self, node: usize) -> bool {
-        self.held[self.dimension * node..self.dimension * (node + 1)].contains(&true)
+        let components = if self.dimension == 2 && self.is_rotation(node) { 1 } else { self.dimension };
+        self.held[self.dimension * node..][..components].contains(&true)
     }
 
     /// Returns `true` if supports hold `node` along axis `a` of its frame.
@@ -180,7 +203,7 @@ impl Dofs {
         forces
     }
 
-    /// Returns the displacement of every node (m) from the vector `u` of unknowns; held components are 0.
+    /// Returns the displacement of every node (m), those of reference points last, from the vector `u` of unknowns; held components are 0.
     pub fn displacements(&self, u: &[f64]) -> Vec<[f64; 3]> {
         let node = |dofs: &[Option<usize>]| [0, 1, 2].map(|c| dofs.get(c).copied().flatten().map_or(0.0, |dof| u[dof]));
         let mut displacements: Vec<[f64; 3]> = self.numbers.chunks_exact(self.dimension).map(node).collect();

@@ -46,7 +46,7 @@ impl HeldRows {
                 gathered.rows[3 * held + row % 3].push((column, value));
             }
         }
-        Ok((stiffness, gathered.rows(mesh)))
+        Ok((stiffness, gathered.rows()))
     }
 
     /// Assembles only the rows, for a body without springs and nodal volumes whose `K` other processes assemble.
@@ -63,7 +63,7 @@ impl HeldRows {
         let cells = cells_at(mesh, |node| gathered.place(node).is_some());
         let mut add = |nodes: &[usize], stiffness: Vec<Vec<f64>>| gathered.add(nodes, &stiffness);
         each_stiffness(mesh, element, material, cells.len(), |k| cells[k], &mut add)?;
-        Ok(gathered.rows(mesh))
+        Ok(gathered.rows())
     }
 
     /// Returns the nodes, ascending.
@@ -88,6 +88,8 @@ impl HeldRows {
 /// Accumulates the rows cell by cell.
 struct Gathered {
     dimension: usize,
+    /// The number of all nodes.
+    all: usize,
     nodes: Vec<usize>,
     rows: Vec<Vec<(usize, f64)>>,
 }
@@ -96,8 +98,8 @@ impl Gathered {
     fn new(mesh: &Mesh, dofs: &Dofs) -> Self {
         let followers: std::collections::BTreeSet<usize> = dofs.followers().into_iter().collect();
         let holds = |node: &usize| dofs.is_held(*node) || followers.contains(node);
-        let nodes: Vec<usize> = (0..mesh.nodes.len()).filter(holds).collect();
-        Gathered { dimension: mesh.dimension, rows: vec![Vec::new(); 3 * nodes.len()], nodes }
+        let nodes: Vec<usize> = (0..dofs.nodes()).filter(holds).collect();
+        Gathered { dimension: mesh.dimension, all: dofs.nodes(), rows: vec![Vec::new(); 3 * nodes.len()], nodes }
     }
 
     fn place(&self, node: usize) -> Option<usize> {
@@ -116,8 +118,8 @@ impl Gathered {
         }
     }
 
-    fn rows(self, mesh: &Mesh) -> HeldRows {
-        HeldRows { rows: Csr::of_rows(3 * mesh.nodes.len(), self.rows), nodes: self.nodes }
+    fn rows(self) -> HeldRows {
+        HeldRows { rows: Csr::of_rows(3 * self.all, self.rows), nodes: self.nodes }
     }
 }
 

@@ -2,6 +2,43 @@
 
 use std::collections::BTreeMap;
 
+use crate::algebra::vector::{dot, plus};
+
+/// The coefficient of the displacement of another node.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Coefficient {
+    /// A factor.
+    Factor(f64),
+    /// A matrix, such as that of `u = θ × x`.
+    Matrix(Box<[[f64; 3]; 3]>),
+}
+
+impl Coefficient {
+    /// Computes the product with a displacement.
+    pub(super) fn times(&self, u: [f64; 3]) -> [f64; 3] {
+        match self {
+            Coefficient::Factor(c) => u.map(|u| c * u),
+            Coefficient::Matrix(rows) => rows.map(|row| dot(row, u)),
+        }
+    }
+
+    /// Returns the coefficient divided by `own`.
+    pub(super) fn over(&self, own: f64) -> Self {
+        match self {
+            Coefficient::Factor(c) => Coefficient::Factor(c / own),
+            Coefficient::Matrix(rows) => Coefficient::Matrix(Box::new(rows.map(|row| row.map(|c| c / own)))),
+        }
+    }
+
+    /// Computes the product of the transposed coefficient with `v`.
+    pub(super) fn transposed_times(&self, v: [f64; 3]) -> [f64; 3] {
+        match self {
+            Coefficient::Factor(c) => v.map(|v| c * v),
+            Coefficient::Matrix(rows) => rows.iter().zip(v).fold([0.0; 3], |sum, (row, v)| plus(sum, v, *row)),
+        }
+    }
+}
+
 /// A node whose unknowns are relative to other nodes, `w = own · u - Σ coefficient · u_other`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Relative {
@@ -10,7 +47,7 @@ pub struct Relative {
     /// The coefficient of its own displacement, above 0.
     pub own: f64,
     /// The other nodes with their coefficients.
-    pub others: Vec<(usize, f64)>,
+    pub others: Vec<(usize, Coefficient)>,
     /// `true` if `w` is 0.
     pub tied: bool,
 }
@@ -24,7 +61,7 @@ pub struct Ring(pub usize);
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Resolved {
     pub own: f64,
-    pub others: Vec<(usize, f64)>,
+    pub others: Vec<(usize, Coefficient)>,
     pub tied: bool,
     /// The terms of its displacement along each axis of its frame other than its own unknown; empty along held axes.
     pub beyond: Vec<Vec<(usize, f64)>>,

@@ -86,7 +86,7 @@ impl RigidMotion {
     /// Returns the motion, which belongs to this mesh, as a vector of unknowns, length n_u.
     pub fn displacements(&self, mesh: &Mesh, dofs: &Dofs) -> Vec<f64> {
         let bodies = mesh.bodies();
-        dofs.unknowns(|node| self.bodies[bodies.of_nodes()[node]].at(mesh.nodes[node]))
+        dofs.unknowns(|node| dofs.in_motion(mesh, node, &self.bodies[bodies.of_nodes()[dofs.in_mesh(node)]]))
     }
 
     /// Computes the sum `Σ w_k motion_k` of motions of one mesh.
@@ -176,10 +176,10 @@ pub fn rigid_motions(mesh: &Mesh, dofs: &Dofs) -> Vec<RigidMotion> {
 pub fn unresisted_motions(mesh: &Mesh, dofs: &Dofs, springs: &[Spring], ties: &[Tie]) -> Vec<RigidMotion> {
     let bodies = mesh.bodies();
     let own: Vec<Vec<BodyMotion>> = (0..bodies.count()).map(|k| all_motions(mesh, &bodies, k)).collect();
-    let of = bodies.of_nodes();
+    let of = |node: usize| bodies.of_nodes()[dofs.in_mesh(node)];
     let mut joined = UnionFind::new(bodies.count());
     for tie in ties {
-        tie.windows(2).for_each(|pair| joined.join(of[pair[0].0], of[pair[1].0]));
+        tie.windows(2).for_each(|pair| joined.join(of(pair[0].0), of(pair[1].0)));
     }
     let first_of: Vec<usize> = (0..bodies.count()).map(|k| joined.least(k)).collect();
     let still: Vec<BodyMotion> = own.iter().map(|motions| at_rest(&motions[0])).collect();
@@ -195,15 +195,15 @@ pub fn unresisted_motions(mesh: &Mesh, dofs: &Dofs, springs: &[Spring], ties: &[
         // The forms have directions of unit length, and the motions displacements of about one.
         let row = |form: &[(usize, [f64; 3])]| -> Row {
             let felt = |k: usize, motion: &BodyMotion| {
-                let own = form.iter().filter(|(node, _)| of[*node] == k);
-                own.map(|(node, c)| dot(motion.at(mesh.nodes[*node]), *c)).sum()
+                let own = form.iter().filter(|(node, _)| of(*node) == k);
+                own.map(|(node, c)| dot(dofs.in_motion(mesh, *node, motion), *c)).sum()
             };
             Row::of_unit_size(all.iter().map(|(k, motion)| felt(*k, motion)).collect())
         };
-        let held = (0..of.len()).flat_map(|node| dofs.held(node).map(move |n| (node, n)));
+        let held = (0..dofs.nodes()).flat_map(|node| dofs.held(node).map(move |n| (node, n)));
         let single = held.chain(springs.iter().flat_map(Spring::resisted));
-        let single = single.filter(|(node, _)| first_of[of[*node]] == first).map(|form| row(&[form]));
-        let several = ties.iter().filter(|tie| tie.first().is_some_and(|(node, _)| first_of[of[*node]] == first));
+        let single = single.filter(|(node, _)| first_of[of(*node)] == first).map(|form| row(&[form]));
+        let several = ties.iter().filter(|tie| tie.first().is_some_and(|(node, _)| first_of[of(*node)] == first));
         let rows = single.chain(several.map(|tie| row(&of_unit_size(tie))));
         for weights in readable(null_space(all.len(), rows), translations) {
             let mut bodies = still.clone();

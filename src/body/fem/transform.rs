@@ -13,8 +13,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::dofs::Dofs;
-use super::relative::{Relative, Resolved, Ring, in_order, merged};
-use crate::algebra::vector::{axis, dot};
+use super::relative::{Coefficient, Relative, Resolved, Ring, in_order, merged};
+use crate::algebra::vector::{axis, dot, plus};
 
 impl Dofs {
     /// Makes the unknowns of `nodes`, which must be distinct, relative to other nodes.
@@ -33,9 +33,11 @@ impl Dofs {
                     return Vec::new();
                 }
                 let mut sum = BTreeMap::new();
-                for &(other, c) in &others {
-                    for (dof, value) in self.along(other, n).filter(|(_, value)| *value != 0.0) {
-                        *sum.entry(dof).or_insert(0.0) += c / own * value;
+                for (other, coefficient) in &others {
+                    for (dof, value) in
+                        self.along_scaled(*other, coefficient, n, own).filter(|(_, value)| *value != 0.0)
+                    {
+                        *sum.entry(dof).or_insert(0.0) += value;
                     }
                 }
                 sum.into_iter().collect()
@@ -45,6 +47,21 @@ impl Dofs {
             self.relative_order.push(node);
         }
         Ok(self)
+    }
+
+    /// Returns `n · coefficient · u_other / own` in terms of unknowns.
+    fn along_scaled(
+        &self,
+        other: usize,
+        coefficient: &Coefficient,
+        n: [f64; 3],
+        own: f64,
+    ) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let (n, factor) = match coefficient {
+            Coefficient::Factor(c) => (n, c / own),
+            Coefficient::Matrix(_) => (coefficient.transposed_times(n), 1.0 / own),
+        };
+        self.along(other, n).map(move |(dof, value)| (dof, factor * value))
     }
 
     /// Returns `true` if the unknowns of a node are relative to other nodes, or it is tied to them.
@@ -63,8 +80,7 @@ impl Dofs {
             match dof {
                 Some(dof) => row.push((*dof, component)),
                 None if component != 0.0 && self.is_held_along(node, a) => {
-                    let others =
-                        others.iter().flat_map(|&(other, c)| self.along(other, n).map(move |(k, x)| (k, c * x)));
+                    let others = others.iter().flat_map(|(other, c)| self.along_scaled(*other, c, n, 1.0));
                     row.extend(others.map(|(dof, value)| (dof, -component * value)));
                 }
                 None => (),
@@ -80,8 +96,9 @@ impl Dofs {
             let own = match self.relative.get(&node) {
                 None => at(node),
                 Some(Resolved { own, others, .. }) => {
-                    let (of_node, others) = (at(node), others.iter().map(|&(other, c)| (c, at(other))));
-                    let sum = others.fold([0.0; 3], |sum, (c, u)| [0, 1, 2].map(|k| sum[k] + c * u[k]));
+                    let of_node = at(node);
+                    let others = others.iter().map(|(other, c)| c.times(at(*other)));
+                    let sum = others.fold([0.0; 3], |sum, u| plus(sum, 1.0, u));
                     [0, 1, 2].map(|k| own * of_node[k] - sum[k])
                 }
             };
@@ -106,12 +123,13 @@ impl Dofs {
         self.relative_order.iter().copied().filter(|node| follows.contains(node)).collect()
     }
 
-    /// Returns the nodes to which the force on a tied node is transferred, each with its share; empty if the node is
+    /// Returns the nodes to which a `force` on a tied node is transferred, each with its part; empty if the node is
     /// not tied.
-    pub fn passed_on(&self, node: usize) -> Vec<(usize, f64)> {
+    pub fn passed_on(&self, node: usize, force: [f64; 3]) -> Vec<(usize, [f64; 3])> {
         match self.relative.get(&node) {
             Some(Resolved { own, others, tied: true, .. }) => {
-                others.iter().map(|&(other, c)| (other, c / own)).collect()
+                let part = |(other, c): &(usize, Coefficient)| (*other, c.over(*own).transposed_times(force));
+                others.iter().map(part).collect()
             }
             _ => Vec::new(),
         }
@@ -123,7 +141,7 @@ impl Dofs {
         let Some(Resolved { own, others, .. }) = self.relative.get(&node) else { return [0.0; 3] };
         let mut sum = [0.0; 3];
         for n in self.free_axes(node) {
-            let along: f64 = others.iter().map(|&(other, c)| c / own * dot(at(other), n)).sum();
+            let along: f64 = others.iter().map(|(other, c)| dot(c.over(*own).times(at(*other)), n)).sum();
             (0..3).for_each(|c| sum[c] += along * n[c]);
         }
         sum

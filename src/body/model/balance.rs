@@ -6,7 +6,8 @@ use super::Model;
 use super::support::Moved;
 use crate::algebra::vector::{cross, dot, minus, norm, plus};
 use crate::body::contact::{Facing, Term};
-use crate::body::fem::{HeldRows, NodalForces, Spring};
+use crate::body::description::{Coupling, Description};
+use crate::body::fem::{Dofs, HeldRows, NodalForces, Spring};
 use crate::body::mesh::{Geometry, Mesh};
 use crate::solver::problem::error::expect_length;
 use crate::solver::problem::{ProblemError, State};
@@ -31,6 +32,14 @@ impl Wrench {
             Geometry::Axisymmetric => [0.0; 3],
         };
         Wrench { force, moment }
+    }
+
+    /// Creates the wrench of a `force` (N) on a node of the mesh or of a reference point.
+    pub(super) fn on(mesh: &Mesh, dofs: &Dofs, node: usize, force: [f64; 3]) -> Self {
+        match dofs.moment(node, force) {
+            None => Wrench::at(mesh.geometry, dofs.position(mesh, node), force),
+            Some(moment) => Wrench { force: [0.0; 3], moment },
+        }
     }
 
     fn times(self, factor: f64) -> Self {
@@ -103,6 +112,7 @@ struct UnitLoad {
 impl Statics {
     pub(super) fn new(
         mesh: &Mesh,
+        dofs: &Dofs,
         rows: HeldRows,
         shares: Vec<Vec<(usize, [[f64; 3]; 3])>>,
         springs: Vec<Vec<Spring>>,
@@ -119,7 +129,7 @@ impl Statics {
             on_held
         };
         let acting = |forces: &NodalForces| {
-            let whole = forces.iter().map(|(node, force)| Wrench::at(mesh.geometry, mesh.nodes[*node], *force)).sum();
+            let whole = forces.iter().map(|(node, force)| Wrench::on(mesh, dofs, *node, *force)).sum();
             UnitLoad { whole, size: forces.iter().map(|(_, force)| norm(*force)).sum(), on_held: on_held(forces) }
         };
         let of_supports = |share: &Vec<(usize, _)>| share.iter().map(|(held, _)| rows.nodes()[*held]).collect();
@@ -131,6 +141,7 @@ impl Statics {
             loads.iter().map(of_loads).collect(),
         ];
         for nodes in places.iter_mut().flatten() {
+            nodes.iter_mut().for_each(|node| *node = dofs.translating(*node));
             nodes.sort_unstable();
             nodes.dedup();
         }
@@ -156,8 +167,15 @@ impl Model {
         Ok(self.displaced(t, u))
     }
 
-    /// Returns the displacements of all nodes; the length of `u` is not checked.
+    /// Returns the displacements of all nodes of the mesh; the length of `u` is not checked.
     pub(crate) fn displaced(&self, t: f64, u: &[f64]) -> Vec<[f64; 3]> {
+        let mut all = self.all_displaced(t, u);
+        all.truncate(self.mesh.nodes.len());
+        all
+    }
+
+    /// Returns the displacements of all nodes, those of reference points last.
+    pub(super) fn all_displaced(&self, t: f64, u: &[f64]) -> Vec<[f64; 3]> {
         let mut all = self.strained(t, u);
         let carried: Vec<[f64; 3]> = (0..self.carrying.groups).map(|group| self.carried(group, t)).collect();
         if carried.iter().any(|carried| *carried != [0.0; 3]) {
@@ -300,30 +318,29 @@ impl Model {
             let Ok(from) = rows.nodes().binary_search(&node) else { continue };
             let free = self.dofs.free_axes(node).into_iter();
             let passed = free.fold([0.0; 3], |sum, n| plus(sum, dot(forces[from], n), n));
-            for (other, share) in self.dofs.passed_on(node) {
+            for (other, part) in self.dofs.passed_on(node, passed) {
                 if let Ok(to) = rows.nodes().binary_search(&other) {
-                    forces[to] = plus(forces[to], share, passed);
+                    forces[to] = plus(forces[to], 1.0, part);
                 }
             }
         }
-        let position = |held: usize| self.mesh.nodes[rows.nodes()[held]];
         let supports: Vec<Wrench> = (shares.iter())
             .map(|shares| {
                 let share = |(held, matrix): &(usize, [[f64; 3]; 3])| {
                     let force = matrix.map(|row| dot(row, forces[*held]));
                     size += norm(force);
-                    Wrench::at(geometry, position(*held), force)
+                    Wrench::on(&self.mesh, &self.dofs, rows.nodes()[*held], force)
                 };
                 shares.iter().map(share).sum()
             })
             .collect();
-        let displaced = if springs.is_empty() { Vec::new() } else { self.displaced(t, &state.u) };
+        let displaced = if springs.is_empty() { Vec::new() } else { self.all_displaced(t, &state.u) };
         let springs: Vec<Wrench> = (springs.iter())
             .map(|springs| {
                 let all = springs.iter().flat_map(|spring| spring.forces(&displaced));
                 all.map(|(node, force)| {
                     size += norm(force);
-                    Wrench::at(geometry, self.mesh.nodes[node], force)
+                    Wrench::on(&self.mesh, &self.dofs, node, force)
                 })
                 .sum()
             })
@@ -339,12 +356,39 @@ impl Model {
     /// Returns the mean displacement (m) of the nodes of each support, of each spring or foundation, and of each load at
     /// time `t` (s) in the `state` at that time.
     pub(crate) fn mean_displacements(&self, t: f64, state: &State) -> [Vec<[f64; 3]>; 3] {
-        let all = self.displaced(t, &state.u);
+        let all = self.all_displaced(t, &state.u);
         let mean = |nodes: &Vec<usize>| {
             let sum = nodes.iter().fold([0.0; 3], |sum, &node| plus(sum, 1.0, all[node]));
             sum.map(|sum| if nodes.is_empty() { 0.0 } else { sum / nodes.len() as f64 })
         };
         self.statics.places.each_ref().map(|places| places.iter().map(mean).collect())
+    }
+
+    /// Returns for each coupling the force and the moment about its reference point that the forces of all `[loads,
+    /// supports, springs]` there have, and the displacement (m) and the rotation (rad) of the point, at time `t` (s) in
+    /// the `state` at that time.
+    pub(crate) fn coupled(&self, t: f64, state: &State, acting: [&[Wrench]; 3]) -> Vec<(Wrench, [[f64; 3]; 2])> {
+        if self.couplings.all.is_empty() {
+            return Vec::new();
+        }
+        let all = self.all_displaced(t, &state.u);
+        let Description { loads, supports, springs, couplings, .. } = &self.description;
+        let [of_loads, of_supports, of_springs] = acting;
+        let one = |(k, coupling): (usize, &Coupling)| {
+            let here = |name: Option<&str>| name == Some(coupling.name.as_str());
+            let of_loads = loads.iter().zip(of_loads).filter(|(load, _)| here(load.action.coupling()));
+            let of_supports = supports.iter().zip(of_supports).filter(|(support, _)| here(support.at.coupling()));
+            let of_springs = springs.iter().zip(of_springs).filter(|(bed, _)| here(bed.coupling()));
+            let wrenches = of_loads.map(|(_, w)| *w).chain(of_supports.map(|(_, w)| *w));
+            let Wrench { force, moment } = wrenches.chain(of_springs.map(|(_, w)| *w)).sum();
+            let position = self.couplings.all[k].position();
+            let moment = match self.mesh.geometry {
+                Geometry::Cartesian => minus(moment, cross(position, force)),
+                Geometry::Axisymmetric => moment,
+            };
+            (Wrench { force, moment }, self.couplings.motion(&self.mesh, &self.dofs, k, &all))
+        };
+        couplings.iter().enumerate().map(one).collect()
     }
 
     /// Returns the larger of the magnitudes of the force and of the moment about the middle of the body divided by its

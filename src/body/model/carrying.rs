@@ -6,11 +6,13 @@
 
 use std::collections::{BTreeSet, VecDeque};
 
+use super::coupling::Couplings;
 use super::find;
 use super::pair::Pairs;
 use crate::algebra::union_find::UnionFind;
 use crate::base::input_error::InputError;
 use crate::body::description::Description;
+use crate::body::fem::Dofs;
 use crate::body::mesh::Mesh;
 
 /// The groups of bodies with a common rigid offset: bodies that are glued together, and bodies in front of the same
@@ -24,6 +26,8 @@ pub(super) struct Carrying {
     /// For each group, the group whose supports determine its offset: the group itself or, if it has no supports, the
     /// nearest group in contact that has supports.
     pub carrier: Vec<usize>,
+    /// The group of the rotations of reference points, if there are any; it has no offset.
+    pub turns: Option<usize>,
 }
 
 impl Carrying {
@@ -31,12 +35,17 @@ impl Carrying {
     pub(super) fn new(
         description: &Description,
         mesh: &Mesh,
-        pairs: &Pairs,
+        dofs: &Dofs,
+        (couplings, pairs): (&Couplings, &Pairs),
         held: impl Iterator<Item = usize>,
     ) -> Result<Self, InputError> {
         let bodies = mesh.bodies();
         let mut together = UnionFind::new(bodies.count());
-        let of = |node: usize| bodies.of_nodes()[node];
+        let of = |node: usize| bodies.of_nodes()[dofs.in_mesh(node)];
+        for nodes in couplings.connected() {
+            let all: BTreeSet<usize> = nodes.map(of).collect();
+            all.iter().zip(all.iter().skip(1)).for_each(|(a, b)| together.join(*a, *b));
+        }
         let mut neighbours: BTreeSet<(usize, usize)> = BTreeSet::new();
         for (k, contact) in description.contacts.iter().enumerate() {
             let key = format!("contact[{k}]");
@@ -73,9 +82,12 @@ impl Carrying {
             }
             from
         };
-        let carrier = (0..firsts.len()).map(carrier).collect();
-        let of_node = bodies.of_nodes().iter().map(|&body| group(body)).collect();
-        Ok(Carrying { of_node, groups: firsts.len(), carrier })
+        // A translation does not turn reference points.
+        let turns = dofs.has_points().then_some(firsts.len());
+        let carrier = (0..firsts.len()).map(carrier).chain(turns).collect();
+        let group_of = |node: usize| turns.filter(|_| dofs.is_rotation(node)).unwrap_or_else(|| group(of(node)));
+        let of_node = (0..dofs.nodes()).map(group_of).collect();
+        Ok(Carrying { of_node, groups: firsts.len() + usize::from(turns.is_some()), carrier, turns })
     }
 
     /// Returns the number of nodes.

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::coupling::Couplings;
 use super::holding::{self, Holding};
 use super::pair::{Pair, Pairs};
 use super::{ModelError, bodies, element, load, meridian};
@@ -12,6 +13,7 @@ use crate::body::mesh::Mesh;
 /// The parts of a model before assembly.
 pub(super) struct Discrete {
     pub mesh: Arc<Mesh>,
+    pub couplings: Couplings,
     /// The displacements that each support holds.
     pub holdings: Vec<Holding>,
     pub dofs: Dofs,
@@ -30,23 +32,26 @@ impl Discrete {
         let mesh = meridian::meridian(description, description.mesh.made()?)?;
         description.formulas_suit(mesh.dimension)?;
         bodies::keep_apart(description, &mesh)?;
-        let holdings = holding::holdings(description, &mesh)?;
-        let dofs = holding::dofs(&mesh, &holdings)?;
+        let couplings = Couplings::new(description, &mesh)?;
+        let points = couplings.points(&mesh);
+        let holdings = holding::holdings(description, &mesh, &couplings, &points)?;
+        let dofs = holding::dofs(&mesh, points, &holdings)?;
         let element = element::element(description, &mesh)?;
         let materials = description.material.laws(&mesh)?;
-        let mut pairs = Pairs::new(description, &mesh, &dofs, &holdings, &materials)?;
+        let mut pairs = Pairs::new(description, &mesh, &dofs, &holdings, &materials, &couplings)?;
         let dofs = pairs.dofs(description, &mesh, dofs)?;
         let volumes = NodalVolumes::new(&mesh, element, |e| materials[e])?;
-        let beds = load::springs(description, &mesh)?;
-        Ok(Discrete { mesh, holdings, dofs, element, materials, pairs, volumes, beds })
+        let beds = load::springs(description, &mesh, &couplings, &dofs)?;
+        Ok(Discrete { mesh, couplings, holdings, dofs, element, materials, pairs, volumes, beds })
     }
 }
 
 /// Returns `true` if the stiffness is a sum over cells, each on displacements of its own nodes.
 pub(super) fn is_a_sum_over_cells<'a>(
+    dofs: &Dofs,
     pairs: &[Pair],
     volumes: &NodalVolumes,
     mut springs: impl Iterator<Item = &'a Spring>,
 ) -> bool {
-    pairs.is_empty() && volumes.is_empty() && springs.next().is_none()
+    !dofs.has_points() && pairs.is_empty() && volumes.is_empty() && springs.next().is_none()
 }

@@ -21,7 +21,7 @@ impl Model {
         if self.thermal.is_empty() && self.moved.is_empty() {
             return None;
         }
-        let displacements = self.displaced(t, &state.u);
+        let displacements = self.all_displaced(t, &state.u);
         let factors = self.thermal_factors(t);
         let of_cell = |e: usize| {
             let (whole, shares) = (self.materials[e], !self.volumes.of_cell(e).is_empty());

@@ -1,12 +1,13 @@
 //! The loads and springs of a description as forces on the nodes of its mesh.
 
+use super::coupling::{Couplings, about_axes};
 use super::find;
 use super::place::{node, of_dimension, suits};
 use crate::algebra::vector::{axis, cross, dot, minus, norm, unit};
 use crate::base::input_error::InputError;
 use crate::body::description::{Action, Bed, Description, Field, Where};
 use crate::body::fem::{
-    Bedding, Elasticity, Element, NodalForces, NodalVolumes, Spring, area, body_force, thermal_forces,
+    Bedding, Dofs, Elasticity, Element, NodalForces, NodalVolumes, Spring, area, body_force, thermal_forces,
     traction as traction_of, uniform_traction,
 };
 use crate::body::mesh::{Boundary, Geometry, Mesh};
@@ -15,6 +16,8 @@ use crate::body::mesh::{Boundary, Geometry, Mesh};
 pub(super) struct LoadedBody<'a> {
     pub description: &'a Description,
     pub mesh: &'a Mesh,
+    pub dofs: &'a Dofs,
+    pub couplings: &'a Couplings,
     pub element: Element,
     pub volumes: &'a NodalVolumes,
     pub thin: bool,
@@ -40,7 +43,7 @@ pub(super) struct FreeStrain {
 impl LoadedBody<'_> {
     /// Computes the effect of load `k`.
     pub(super) fn load(&self, k: usize) -> Result<LoadOnMesh, InputError> {
-        let LoadedBody { description, mesh, element, volumes, thin, materials } = *self;
+        let LoadedBody { description, mesh, dofs, couplings, element, volumes, thin, materials } = *self;
         let key = format!("load[{k}]");
         let at = |name: &str| format!("{key}.{name}");
         let boundary = |name: &str| find(mesh, name, &key);
@@ -63,7 +66,12 @@ impl LoadedBody<'_> {
                         let boundary = with_area(mesh, name, &at("boundary"), boundary(name)?, "a force")?;
                         uniform_traction(mesh, boundary, force.map(|f| f / area(mesh, boundary)))
                     }
+                    Where::Coupling(name) => couplings.forces(mesh, dofs, name, [force, [0.0; 3]], &key)?,
                 }
+            }
+            Action::Moment { coupling, moment } => {
+                let moment = about_axes(mesh, moment, &at("moment"))?;
+                couplings.forces(mesh, dofs, coupling, [[0.0; 3], moment], &key)?
             }
             Action::Acceleration(acceleration) => {
                 let acceleration = in_space(mesh, acceleration, &at("acceleration"))?;
@@ -143,7 +151,12 @@ fn with_area<'a>(
 }
 
 /// Creates the springs of each bed of `description`.
-pub(super) fn springs(description: &Description, mesh: &Mesh) -> Result<Vec<Vec<Spring>>, InputError> {
+pub(super) fn springs(
+    description: &Description,
+    mesh: &Mesh,
+    couplings: &Couplings,
+    dofs: &Dofs,
+) -> Result<Vec<Vec<Spring>>, InputError> {
     let units = description.system(mesh.dimension);
     let bedded = |name: &str, key: &str| {
         with_area(mesh, name, &format!("{key}.boundary"), find(mesh, name, key)?, "a foundation")
@@ -158,7 +171,16 @@ pub(super) fn springs(description: &Description, mesh: &Mesh) -> Result<Vec<Vec<
                     Where::Boundary(name) => {
                         Ok(Spring::foundation(mesh, bedded(name, &key)?, Bedding::Axes(stiffness)))
                     }
+                    Where::Coupling(name) => {
+                        let (_, [translation, _]) = couplings.rigid(name, "the spring", &key)?;
+                        Ok(vec![Spring::at_node(translation, stiffness)])
+                    }
                 }
+            }
+            Bed::Rotational { coupling, rotational } => {
+                let about = about_axes(mesh, rotational, &format!("{key}.rotational"))?;
+                let (point, [_, rotation]) = couplings.rigid(coupling, "the spring", &key)?;
+                Ok(vec![Spring::at_node(rotation, dofs.of_rotational(point, about))])
             }
             Bed::Surface { boundary, normal, tangential } => {
                 let bedding = Bedding::Surface { normal: *normal, tangential: *tangential };

@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::coupling::Couplings;
 use super::find;
 use super::holding::Holding;
 use crate::algebra::vector::{Vector, axis, dot, minus, norm, plus, unit};
@@ -59,10 +60,13 @@ impl Pairs {
         dofs: &Dofs,
         holdings: &[Holding],
         materials: &[Elasticity],
+        couplings: &Couplings,
     ) -> Result<Self, InputError> {
-        let mut pairs = Pairs::default();
-        let mut tied: BTreeSet<usize> = BTreeSet::new();
-        let mut taken: BTreeSet<usize> = BTreeSet::new();
+        let carried = couplings.relative(description, mesh, dofs, holdings)?;
+        let mut pairs = Pairs { relative: carried, ..Pairs::default() };
+        let mut taken: BTreeSet<usize> = couplings.carried();
+        let mut tied = taken.clone();
+        let rigid = couplings.rigid_bodies();
         // Boundaries whose contact does not choose the slave automatically are slaves in any case.
         let chosen = |opposite: &Opposite| opposite.slave == Slave::Automatic;
         let named = description.contacts.iter().filter(|contact| !contact.opposite().is_some_and(chosen));
@@ -71,7 +75,7 @@ impl Pairs {
         for glued in [true, false] {
             for (k, contact) in description.contacts.iter().enumerate() {
                 let Some(opposite) = contact.opposite().filter(|opposite| opposite.glued == glued) else { continue };
-                let supports = OfNodes { dofs, tied: if glued { &tied } else { &BTreeSet::new() }, moving: &moving };
+                let supports = OfNodes { dofs, tied: if glued { &tied } else { &rigid }, moving: &moving };
                 let mut pair = pair(description, mesh, k, opposite, materials, &supports, &slaves)?;
                 slaves.insert(pair.slave.clone());
                 for row in &pair.mortar.rows {
@@ -91,7 +95,7 @@ impl Pairs {
 
     /// Adds the relative displacements to `dofs`.
     pub(super) fn dofs(&mut self, description: &Description, mesh: &Mesh, dofs: Dofs) -> Result<Dofs, InputError> {
-        if self.all.is_empty() {
+        if self.relative.is_empty() {
             return Ok(dofs);
         }
         dofs.relative_to(std::mem::take(&mut self.relative)).map_err(|ring| {
@@ -128,7 +132,7 @@ impl Pairs {
 /// The supports of a description at each node.
 struct OfNodes<'a> {
     dofs: &'a Dofs,
-    /// The glued nodes, whose displacements are determined by other nodes.
+    /// The nodes whose displacements are determined by other nodes or by a reference point.
     tied: &'a BTreeSet<usize>,
     moving: &'a BTreeMap<usize, Vec<Moving>>,
 }

@@ -17,6 +17,8 @@ pub(super) fn nodes(mesh: &Mesh, at: &Where, units: &UnitSystem, key: &str) -> R
     match at {
         Where::Boundary(name) => Ok(find(mesh, name, key)?.nodes()),
         Where::Point(point) => Ok(vec![node(mesh, *point, units, key)?]),
+        // Callers find the points of couplings.
+        Where::Coupling(_) => Ok(Vec::new()),
     }
 }
 

@@ -41,7 +41,7 @@ impl Body {
         let Discrete { mesh, dofs, element, materials, pairs: Pairs { all: pairs, .. }, volumes, beds, .. } = discrete;
         let body =
             || Body { mesh: Arc::clone(mesh), dofs: dofs.clone(), element: *element, materials: materials.clone() };
-        discrete::is_a_sum_over_cells(pairs, volumes, beds.iter().flatten()).then(body)
+        discrete::is_a_sum_over_cells(dofs, pairs, volumes, beds.iter().flatten()).then(body)
     }
 
     /// Returns `K` distributed by `share`; `None` if the rows of a contact node contain displacements of other nodes.
@@ -77,7 +77,7 @@ impl Model {
     /// Returns `true` if its stiffness can be assembled by rows of nodes on each process: [`Body::of`] returns a body,
     /// and contact rows contain displacements of single nodes.
     pub(crate) fn has_rows(&self) -> bool {
-        discrete::is_a_sum_over_cells(&self.pairs, &self.volumes, self.statics.springs())
+        discrete::is_a_sum_over_cells(&self.dofs, &self.pairs, &self.volumes, self.statics.springs())
             && alone_with_contact(&self.mesh, &self.dofs, &self.contacts).is_some()
     }
 }

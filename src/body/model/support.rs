@@ -61,6 +61,9 @@ impl Moved {
             let carrying_along = |n: [f64; 3]| if axisymmetric { [0.0, n[1], n[2]] } else { n };
             let carried: Vec<[f64; 3]> = (carrying.carrier.iter())
                 .map(|&group| {
+                    if carrying.turns == Some(group) {
+                        return [0.0; 3];
+                    }
                     let own = prescribed.iter().filter(|(_, node, ..)| carrying.of(*node) == group);
                     nearest_translation(own.map(|(_, _, n, to)| (carrying_along(*n), *to)))
                 })
@@ -74,7 +77,7 @@ impl Moved {
                 let rest = solved(dofs, node, &values);
                 let missed = |(n, to): &([f64; 3], f64)| (dot(rest, *n) - to).abs() > SAME * size;
                 if let Some(j) = values.iter().position(missed) {
-                    let place = description.system(mesh.dimension).place(mesh.nodes[node]);
+                    let place = description.system(mesh.dimension).place(dofs.position(mesh, node));
                     let message = format!("two supports move the node at {place} to different places");
                     let help = "let them agree there, or hold it by one of them";
                     return Err(InputError::new(format!("support[{}].displacement", at_node[j].0), message, help));

@@ -171,7 +171,7 @@ fn loaded_elsewhere(model: &Model) -> BTreeSet<Facet> {
     });
     let of_springs = description.springs.iter().filter_map(|bed| match bed {
         Bed::Surface { boundary, .. } | Bed::Axes { at: Where::Boundary(boundary), .. } => Some(boundary),
-        Bed::Axes { .. } => None,
+        Bed::Axes { .. } | Bed::Rotational { .. } => None,
     });
     let masters = model.pairs.iter().map(|pair| &pair.master);
     let boundaries = of_loads.chain(of_springs).filter_map(|name| model.mesh.boundary(name)).chain(masters);

@@ -26,6 +26,10 @@ pub struct BalanceRecord {
     pub springs: Vec<AppliedForce>,
     /// The force of each load.
     pub loads: Vec<AppliedForce>,
+    /// The motion of each reference point, and the force and moment on the body there: the sum of loads, supports and
+    /// springs that act on the point. The moment is about the point.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub couplings: Vec<AppliedForce>,
     /// The imbalance of all forces on the body: the magnitude of the resultant force, or of the moment about the body's
     /// middle divided by its size, relative to the sum of the magnitudes of the nodal forces.
     pub balance: f64,
@@ -41,7 +45,7 @@ pub struct BalanceRecord {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct AppliedForce {
-    /// The boundary, or the point.
+    /// The boundary, the point or the coupling.
     pub at: String,
     /// x, y and, in three dimensions, z, N; in two dimensions N per m of depth.
     pub force: Vec<f64>,
@@ -51,6 +55,10 @@ pub struct AppliedForce {
     /// The mean displacement of the nodes on which it acts: x, y and, in three dimensions, z, m.
     #[serde(default)]
     pub displacement: Vec<f64>,
+    /// The rotation of a reference point: about z in two dimensions, about x, y and z in three, rad. Empty for forces of
+    /// supports, springs and loads.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub rotation: Vec<f64>,
 }
 
 impl BalanceRecord {
@@ -64,9 +72,15 @@ impl BalanceRecord {
             let acting = names.into_iter().zip(wrenches).zip(displacements);
             acting.map(|((at, wrench), u)| AppliedForce::new(at, wrench, u, model.mesh.dimension)).collect()
         };
+        let couplings = model.coupled(time, step.state, [&loads, &supports, &springs]);
+        let couplings = couplings.into_iter().zip(&description.couplings).map(|((wrench, [u, rotation]), coupling)| {
+            let acting = AppliedForce::new(coupling.name.clone(), wrench, u, model.mesh.dimension);
+            AppliedForce { rotation: about_axes(rotation, model.mesh.dimension), ..acting }
+        });
         BalanceRecord {
             index,
             time,
+            couplings: couplings.collect(),
             supports: acting(
                 description.supports.iter().map(|support| support.at.place(&units)).collect(),
                 supports,
@@ -138,8 +152,13 @@ impl BalanceWatch {
 impl AppliedForce {
     fn new(at: String, wrench: Wrench, displacement: [f64; 3], dimension: usize) -> Self {
         let Wrench { force, moment } = wrench;
-        let moment = if dimension == 2 { vec![moment[2]] } else { moment.to_vec() };
         let displacement = displacement[..dimension].to_vec();
-        AppliedForce { at, force: force[..dimension].to_vec(), moment, displacement }
+        let (force, moment) = (force[..dimension].to_vec(), about_axes(moment, dimension));
+        AppliedForce { at, force, moment, displacement, rotation: Vec::new() }
     }
+}
+
+/// Returns the components of an axial vector: z in two dimensions, all in three.
+fn about_axes(vector: [f64; 3], dimension: usize) -> Vec<f64> {
+    if dimension == 2 { vec![vector[2]] } else { vector.to_vec() }
 }

@@ -287,7 +287,7 @@ fn motion(model: &Model, outcome: &HistoryOutcome) -> Option<RigidMotion> {
 fn worst_node(model: &Model, outcome: &HistoryOutcome) -> Option<WorstNode> {
     let violation = outcome.violation.filter(|violation| violation.error > 0.0 || violation.error.is_nan())?;
     let node = match violation.law {
-        Law::Equilibrium => model.dofs.node_of(violation.place)?,
+        Law::Equilibrium => model.dofs.in_mesh(model.dofs.node_of(violation.place)?),
         _ => model.contacts.get(violation.place)?.node,
     };
     let position = model.mesh.nodes[node][..model.mesh.dimension].to_vec();

@@ -33,6 +33,7 @@ const COLUMNS: &Table = &[
     (&["n_x", "n_y", "n_z", "t_x", "t_y", "t_z", "o_x", "o_y", "o_z"], Number),
     (&["f_x", "f_y", "f_z", "sum_p_n", "sum_p_t", "sum_p_o", "p_n", "p_t", "p_o"], Force),
     (&["m_x", "m_y", "m_z"], Moment),
+    (&["rotation_x", "rotation_y", "rotation_z"], Number),
     (&["x", "y", "z", "w_n", "w_t", "w_o", "gap", "slip_t", "slip_o", "u_x", "u_y", "u_z"], Length),
     (&["sigma_n", "sigma_t", "sigma_o", "sigma_patch", "sigma_along", "sigma_across", "sigma_shear"], Stress),
     (&["s_xx", "s_yy", "s_zz", "s_xy", "s_yz", "s_zx", "von_mises"], Stress),

@@ -343,6 +343,7 @@ fn idle_load(model: &Model) -> Option<String> {
         Action::Traction { traction, .. } => traction.iter().any(|t| t.uniform() != Some(0.0)),
         Action::Pressure { pressure, .. } => pressure.uniform() != Some(0.0),
         Action::Force { force, .. } | Action::Acceleration(force) => force.iter().any(|f| *f != 0.0),
+        Action::Moment { moment, .. } => moment.iter().any(|m| *m != 0.0),
         Action::Spin { speed, .. } => *speed != 0.0,
         Action::Temperature(temperature) => temperature.uniform() != Some(0.0),
     };

@@ -12,8 +12,8 @@ use super::{foreign, points};
 
 /// Converts the support at `key`.
 pub(super) fn support(given: document::Support, key: &str) -> Result<Support, InputError> {
-    let document::Support { boundary, point, fix, direction, displacement, history } = given;
-    let at = place(boundary, point, "a support").map_err(|fault| fault.with_key(key))?;
+    let document::Support { boundary, point, coupling, fix, direction, displacement, history } = given;
+    let at = place(boundary, point, coupling, "a support").map_err(|fault| fault.with_key(key))?;
     let fault = |name: &str, message: &str, help: &str| Err(InputError::new(format!("{key}.{name}"), message, help));
     let directions: Vec<Direction> = match (fix, direction) {
         (Some(_), Some(_)) => return fault("direction", "a support has both fix and direction", "keep one of them"),
@@ -48,28 +48,51 @@ fn held_along(fix: Fix) -> Direction {
         Fix::Y => Direction::Axis(Axis::Y),
         Fix::Z => Direction::Axis(Axis::Z),
         Fix::Normal => Direction::Normal,
+        Fix::RotationX => Direction::Rotation(Axis::X),
+        Fix::RotationY => Direction::Rotation(Axis::Y),
+        Fix::RotationZ => Direction::Rotation(Axis::Z),
     }
 }
 
-/// Returns the boundary or the point that `whose` acts on.
-fn place(boundary: Option<String>, point: Option<Vector>, whose: &str) -> Result<Where, InputError> {
-    match (boundary, point) {
-        (Some(boundary), None) => Ok(Where::Boundary(boundary)),
-        (None, Some(point)) => Ok(Where::Point(point)),
-        (Some(_), Some(_)) => {
-            Err(InputError::new("point", format!("{whose} has both boundary and point"), "keep one of them"))
-        }
-        (None, None) => {
-            Err(InputError::new("boundary", format!("{whose} needs a boundary or a point"), "add one of the keys"))
+/// Returns the boundary, the point or the coupling that `whose` acts on.
+fn place(
+    boundary: Option<String>,
+    point: Option<Vector>,
+    coupling: Option<String>,
+    whose: &str,
+) -> Result<Where, InputError> {
+    let both = |first: &str, second: &str| {
+        Err(InputError::new(second, format!("{whose} has both {first} and {second}"), "keep one of them"))
+    };
+    match (boundary, point, coupling) {
+        (Some(boundary), None, None) => Ok(Where::Boundary(boundary)),
+        (None, Some(point), None) => Ok(Where::Point(point)),
+        (None, None, Some(coupling)) => Ok(Where::Coupling(coupling)),
+        (Some(_), Some(_), _) => both("boundary", "point"),
+        (Some(_), _, Some(_)) => both("boundary", "coupling"),
+        (None, Some(_), Some(_)) => both("point", "coupling"),
+        (None, None, None) => {
+            let message = format!("{whose} needs a boundary, a point or a coupling");
+            Err(InputError::new("boundary", message, "add one of the keys"))
         }
     }
 }
 
 /// Converts the spring at `key`.
 pub(super) fn spring(given: document::Spring, key: &str) -> Result<Bed, InputError> {
-    let document::Spring { boundary, point, stiffness, normal, tangential } = given;
+    let document::Spring { boundary, point, coupling, stiffness, rotational, normal, tangential } = given;
     let under = |fault: InputError| fault.with_key(key);
-    let at = place(boundary, point, "a spring").map_err(under)?;
+    if let Some(Segments(rotational)) = rotational {
+        let whose = "a rotational spring";
+        foreign("boundary", boundary.as_ref(), whose).and(foreign("point", point.as_ref(), whose)).map_err(under)?;
+        foreign("stiffness", stiffness.as_ref(), whose)
+            .and(foreign("normal", normal.as_ref(), whose))
+            .map_err(under)?;
+        foreign("tangential", tangential.as_ref(), whose).map_err(under)?;
+        let missing = || InputError::new("coupling", format!("{whose} needs a coupling"), "add the key");
+        return Ok(Bed::Rotational { coupling: coupling.ok_or_else(missing).map_err(under)?, rotational });
+    }
+    let at = place(boundary, point, coupling, "a spring").map_err(under)?;
     match (at, stiffness) {
         (at, Some(stiffness)) => {
             let whose = "a spring with a stiffness along the axes";
@@ -87,26 +110,42 @@ pub(super) fn spring(given: document::Spring, key: &str) -> Result<Bed, InputErr
         (Where::Point(_), None) => {
             Err(InputError::new(key, "a spring at a point needs stiffness", "give it along the axes"))
         }
+        (Where::Coupling(_), None) => {
+            Err(InputError::new(key, "a spring at a coupling needs stiffness or rotational", "add one of the keys"))
+        }
     }
 }
 
 /// Converts the load at `key` of the scene `source`.
 pub(super) fn load(given: document::Load, key: &str, source: &Source) -> Result<Load, SceneError> {
-    let document::Load { boundary, point, traction, pressure, force, acceleration, rotation, temperature, history } =
-        given;
+    let document::Load {
+        boundary,
+        point,
+        coupling,
+        traction,
+        pressure,
+        force,
+        moment,
+        acceleration,
+        rotation,
+        temperature,
+        history,
+    } = given;
     let at = |fault: InputError| source.located(fault.with_key(key));
     let field = |scalar: Scalar, name: &str| field(scalar, &format!("{key}.{name}"), source);
     let on_boundary = |boundary: Option<String>, whose: &str| {
-        foreign("point", point.as_ref(), whose).map_err(at)?;
+        foreign("point", point.as_ref(), whose).and(foreign("coupling", coupling.as_ref(), whose)).map_err(at)?;
         boundary.ok_or_else(|| at(InputError::new("boundary", format!("{whose} needs a boundary"), "add the key")))
     };
     let on_body = |boundary: Option<String>, whose: &str| {
-        foreign("boundary", boundary.as_ref(), whose).and(foreign("point", point.as_ref(), whose)).map_err(at)
+        let other = foreign("point", point.as_ref(), whose).and(foreign("coupling", coupling.as_ref(), whose));
+        foreign("boundary", boundary.as_ref(), whose).and(other).map_err(at)
     };
     let given = [
         ("traction", traction.is_some()),
         ("pressure", pressure.is_some()),
         ("force", force.is_some()),
+        ("moment", moment.is_some()),
         ("acceleration", acceleration.is_some()),
         ("rotation", rotation.is_some()),
         ("temperature", temperature.is_some()),
@@ -126,7 +165,15 @@ pub(super) fn load(given: document::Load, key: &str, source: &Source) -> Result<
     } else if let Some(pressure) = pressure {
         Action::Pressure { boundary: on_boundary(boundary, "a pressure")?, pressure: field(pressure, "pressure")? }
     } else if let Some(force) = force {
-        Action::Force { at: place(boundary, point, "a force").map_err(at)?, force }
+        Action::Force { at: place(boundary, point, coupling, "a force").map_err(at)?, force }
+    } else if let Some(Segments(moment)) = moment {
+        let whose = "a moment";
+        foreign("boundary", boundary.as_ref(), whose).and(foreign("point", point.as_ref(), whose)).map_err(at)?;
+        let missing = || {
+            let help = "a moment acts on the reference point of a [[coupling]]: add the key";
+            at(InputError::new("coupling", "a moment needs a coupling", help))
+        };
+        Action::Moment { coupling: coupling.ok_or_else(missing)?, moment }
     } else if let Some(acceleration) = acceleration {
         on_body(boundary, "an acceleration")?;
         Action::Acceleration(acceleration)
@@ -137,7 +184,7 @@ pub(super) fn load(given: document::Load, key: &str, source: &Source) -> Result<
         on_body(boundary, "a temperature")?;
         Action::Temperature(field(temperature, "temperature")?)
     } else {
-        let help = "add one of traction, pressure, force, acceleration, rotation and temperature";
+        let help = "add one of traction, pressure, force, moment, acceleration, rotation and temperature";
         return Err(source.located(InputError::new(key, "a load does nothing", help)));
     };
     Ok(Load { action, history: history.map(points) })

@@ -17,7 +17,7 @@ use stickslip::base::{Budget, Quantity, UnitSystem, in_words};
 use stickslip::body::Friction;
 use stickslip::body::fem::{Element, Material, Plane, RigidMotion};
 use stickslip::body::mesh::{CellKind, MeshSource};
-use stickslip::body::{Action, Bed, Direction, Field, Held, Model, Support, Where};
+use stickslip::body::{Action, Bed, Coupling, CouplingKind, Direction, Field, Held, Model, Support, Where};
 use stickslip::run::report::{PairRecord, Warning};
 use stickslip::run::{RunError, discretise};
 use stickslip::scene::Scene;
@@ -131,6 +131,13 @@ fn body(scene: &Scene, model: &Model) {
         say!("layer        {height} = {bottom} to {top} {unit}: E = {young}, nu = {}", layer.poisson);
         bottom = top;
     }
+    for Coupling { name, part, kind, .. } in &scene.description.couplings {
+        let how = match kind {
+            CouplingKind::Rigid => "carries",
+            CouplingKind::Distributing => "distributes forces over",
+        };
+        say!("coupling     {name}: {how} {}", part.name());
+    }
     for support in &scene.description.supports {
         say!("support      {}: {}", support.at.place(&units), holds(support, &units, scene.time.end));
     }
@@ -140,6 +147,9 @@ fn body(scene: &Scene, model: &Model) {
                 format!("{} along the axes", vector(&units, Quantity::Foundation, stiffness))
             }
             Bed::Axes { stiffness, .. } => format!("{} along the axes", vector(&units, Quantity::Spring, stiffness)),
+            Bed::Rotational { rotational, .. } => {
+                format!("{} per rad", vector(&units, Quantity::Moment, rotational))
+            }
             Bed::Surface { normal, tangential, .. } => {
                 let [normal, tangential] = [normal, tangential].map(|x| told(&units, Quantity::Foundation, *x));
                 format!("{normal} along the normal, {tangential} across")
@@ -252,14 +262,19 @@ fn holds(support: &Support, units: &UnitSystem, end: f64) -> String {
         Direction::Axis(axis) => format!("{axis:?}").to_lowercase(),
         Direction::Normal => "its normal".to_string(),
         Direction::Along(vector) => format!("{vector:?}"),
+        Direction::Rotation(axis) => format!("the rotation about {}", format!("{axis:?}").to_lowercase()),
     };
     let held = format!("{} held", listed(support.held.iter().map(direction).collect()));
     if !support.moves() {
         return held;
     }
-    let to: Vec<f64> = support.held.iter().map(|held| held.displacement).collect();
+    let turns = |held: &&Held| matches!(held.direction, Direction::Rotation(_));
+    let to: Vec<f64> = support.held.iter().filter(|held| !turns(held)).map(|held| held.displacement).collect();
+    let by: Vec<String> = support.held.iter().filter(turns).map(|held| format!("{} rad", held.displacement)).collect();
     let factor = points(&support.factors(end), |factor| factor[0].to_string());
-    format!("{held}, moved by {}; factor {factor}", vector(units, Quantity::Length, &to))
+    let moved = (!to.is_empty()).then(|| format!(", moved by {}", vector(units, Quantity::Length, &to)));
+    let turned = (!by.is_empty()).then(|| format!(", turned by {}", by.join(", ")));
+    format!("{held}{}{}; factor {factor}", moved.unwrap_or_default(), turned.unwrap_or_default())
 }
 
 /// Describes a load at factor 1.
@@ -275,6 +290,7 @@ fn acts(action: &Action, units: &UnitSystem) -> String {
         Action::Pressure { pressure: Field::Uniform(p), .. } => format!("pressure {:?} {per_area}", stress(*p)),
         Action::Pressure { pressure, .. } => format!("pressure {pressure} {per_area}"),
         Action::Force { force, .. } => vector(units, Quantity::Force, force),
+        Action::Moment { moment, .. } => vector(units, Quantity::Moment, moment),
         Action::Acceleration(acceleration) => vector(units, Quantity::Acceleration, acceleration),
         Action::Spin { speed, .. } => format!("turning with {speed} rad/s"),
         Action::Temperature(temperature) => format!("warmed by {temperature} K"),

@@ -14,10 +14,12 @@ pub(super) enum Acting {
     Support,
     Spring,
     Load,
+    Coupling,
 }
 
 impl Acting {
-    pub(super) const ALL: [Acting; 4] = [Acting::Contact, Acting::Support, Acting::Spring, Acting::Load];
+    pub(super) const ALL: [Acting; 5] =
+        [Acting::Contact, Acting::Support, Acting::Spring, Acting::Load, Acting::Coupling];
 
     /// Returns the name in the column `kind`.
     pub(super) fn name(self) -> &'static str {
@@ -26,6 +28,7 @@ impl Acting {
             Acting::Support => "support",
             Acting::Spring => "spring",
             Acting::Load => "load",
+            Acting::Coupling => "coupling",
         }
     }
 
@@ -36,6 +39,7 @@ impl Acting {
             Acting::Support => Some("supports"),
             Acting::Spring => Some("springs"),
             Acting::Load => Some("loads"),
+            Acting::Coupling => Some("couplings"),
         }
     }
 }
@@ -63,7 +67,8 @@ impl Places {
         let supports = description.supports.iter().map(|support| (support.at.place(&units), Acting::Support));
         let springs = description.springs.iter().map(|spring| (spring.place(&units), Acting::Spring));
         let loads = description.loads.iter().map(|load| (load.action.place(&units), Acting::Load));
-        for (place, acting) in contacts.chain(supports).chain(springs).chain(loads) {
+        let couplings = description.couplings.iter().map(|coupling| (coupling.name.clone(), Acting::Coupling));
+        for (place, acting) in contacts.chain(supports).chain(springs).chain(loads).chain(couplings) {
             let known = self.0.entry(place).or_default();
             if !known.contains(&acting) {
                 known.push(acting);

@@ -98,9 +98,10 @@ impl LockedOutputDir {
     ) -> io::Result<ResultFolder> {
         let mut place = self.place;
         let several = model.contact_boundaries.iter().any(|boundary| boundary.obstacles.len() > 1);
+        let coupled = !model.description().couplings.is_empty();
         let mut table = |name: &str, header: &str| Table::new(name, place.table(name)?, header);
         let increments = table("increments.csv", &increments::header())?;
-        let forces = table("forces.csv", &increments::forces_header(model.mesh.dimension, several))?;
+        let forces = table("forces.csv", &increments::forces_header(model.mesh.dimension, several, coupled))?;
         let view = View::of(model);
         let names: Vec<&str> = probes.iter().map(|probe| probe.name.as_str()).collect();
         let states = table(view::FILE, &view::head(model, view.as_ref(), &names))?;

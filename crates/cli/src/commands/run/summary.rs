@@ -126,11 +126,18 @@ fn print_forces(report: &RunReport) {
             say!("             {} of it on {}", vector(&on.force), on.obstacle);
         }
     }
-    if let Some(BalanceRecord { supports, springs, balance, .. }) = &report.last_reactions {
+    if let Some(BalanceRecord { supports, springs, couplings, balance, .. }) = &report.last_reactions {
         for (kind, AppliedForce { at, force, .. }) in
             supports.iter().map(|support| ("reaction", support)).chain(springs.iter().map(|spring| ("spring", spring)))
         {
             say!("{kind:<12} {at}: {} on the body", vector(force));
+        }
+        for AppliedForce { at, force, moment, displacement, rotation } in couplings {
+            let moved = units.rounded_vector(Quantity::Length, displacement, DIGITS);
+            let turned: Vec<String> = rotation.iter().map(|angle| rounded(*angle).to_string()).collect();
+            say!("coupling     {at}: moved by {moved}, turned by ({}) rad", turned.join(", "));
+            let moment = units.rounded_vector(Quantity::Moment, moment, FORCE_DIGITS);
+            say!("             {} and {moment} on the body", vector(force));
         }
         say!("balance      the forces on the body balance to {balance:.1e} of their sizes");
     }

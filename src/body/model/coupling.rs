@@ -1,0 +1,395 @@
+//! The couplings of a description on its mesh: carried nodes, forces at reference points, and their motion.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::find;
+use super::holding::Holding;
+use super::place::{of_dimension, suits};
+use crate::algebra::null_space::{Row, null_space};
+use crate::algebra::vector::{axis, cross, dot, minus, norm, plus};
+use crate::base::input_error::InputError;
+use crate::body::description::{Coupling, CouplingKind, Description, Part};
+use crate::body::fem::{Dofs, NodalForces, ReferencePoint, Relative, Tie, cell_volume, facet_weights};
+use crate::body::mesh::{Geometry, Mesh};
+
+/// The couplings of a description.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Couplings {
+    pub all: Vec<Coupled>,
+    /// The number of nodes of the mesh.
+    of_mesh: usize,
+}
+
+/// A coupling on its mesh.
+#[derive(Debug, Clone)]
+pub(super) struct Coupled {
+    name: String,
+    /// The position of the reference point, m.
+    position: [f64; 3],
+    /// The coupled nodes with their shares in the area of the boundary, or in the volume of the body.
+    shares: Vec<(usize, f64)>,
+    link: Link,
+}
+
+#[derive(Debug, Clone)]
+enum Link {
+    /// Reference point `k` of [`Dofs`] carries the nodes; all nodes of a body if `whole`.
+    Rigid { k: usize, whole: bool },
+    /// Forces are distributed over the nodes.
+    Distributing(Spread),
+}
+
+/// The centroid `c` of nodes with shares `s`, and the inverse of `Σ s (r² 1 - r rᵀ)` with `r = x - c`.
+#[derive(Debug, Clone)]
+struct Spread {
+    centroid: [f64; 3],
+    inverse: [[f64; 3]; 3],
+}
+
+impl Couplings {
+    /// Creates the couplings of `description`.
+    pub(super) fn new(description: &Description, mesh: &Mesh) -> Result<Self, InputError> {
+        let mut couplings = Couplings { all: Vec::new(), of_mesh: mesh.nodes.len() };
+        let mut carried: BTreeMap<usize, &str> = BTreeMap::new();
+        let units = description.system(mesh.dimension);
+        for (k, given) in description.couplings.iter().enumerate() {
+            let coupled = couplings.coupled(given, mesh, k)?;
+            for (node, _) in coupled.carried() {
+                if let Some(other) = carried.insert(*node, &given.name) {
+                    let place = units.place(mesh.nodes[*node]);
+                    let message =
+                        format!("the couplings `{other}` and `{}` both carry the node at {place}", given.name);
+                    let help = "couple boundaries that share no node, or make one coupling of both";
+                    return Err(InputError::new(format!("coupling[{k}].{}", given.part.key()), message, help));
+                }
+            }
+            couplings.all.push(coupled);
+        }
+        if carried.len() == mesh.nodes.len() {
+            let message = "couplings carry every node of the mesh, so that nothing is elastic";
+            return Err(InputError::new("coupling[0].body", message, "leave one body elastic"));
+        }
+        Ok(couplings)
+    }
+
+    fn coupled(&self, given: &Coupling, mesh: &Mesh, k: usize) -> Result<Coupled, InputError> {
+        let key = format!("coupling[{k}]");
+        let shares = shares(mesh, &given.part, &key)?;
+        let mut position = centroid(mesh, &shares);
+        if mesh.geometry == Geometry::Axisymmetric {
+            position[0] = 0.0;
+        }
+        if let Some(point) = given.point {
+            suits(mesh, point, &format!("{key}.point"))?;
+            position = point.components();
+            if mesh.geometry == Geometry::Axisymmetric && position[0] != 0.0 {
+                let message = "the reference point of a body of revolution is not on its axis, x = 0";
+                return Err(InputError::new(format!("{key}.point"), message, "give [0, y]"));
+            }
+        }
+        if !spans(mesh, &shares) {
+            let name = given.part.name();
+            let message = format!("`{name}` has its nodes on one line, so that it cannot follow a rotation about it");
+            let place = format!("{key}.{}", given.part.key());
+            return Err(InputError::new(
+                place,
+                message,
+                "couple a larger boundary, or use a support, a spring or a force",
+            ));
+        }
+        let link = match given.kind {
+            CouplingKind::Rigid => {
+                let k = self.all.iter().filter(|other| !other.carried().is_empty()).count();
+                Link::Rigid { k, whole: matches!(given.part, Part::Body(_)) }
+            }
+            CouplingKind::Distributing => {
+                let spread = Spread::new(mesh, &shares).ok_or_else(|| {
+                    let message = format!("`{}` has no area, so that nothing can be distributed", given.part.name());
+                    InputError::new(format!("{key}.boundary"), message, "name another boundary")
+                })?;
+                Link::Distributing(spread)
+            }
+        };
+        Ok(Coupled { name: given.name.clone(), position, shares, link })
+    }
+
+    /// Returns the reference points of rigid couplings.
+    pub(super) fn points(&self, mesh: &Mesh) -> Vec<ReferencePoint> {
+        let rigid = self.all.iter().filter(|coupled| !coupled.carried().is_empty());
+        let point = |coupled: &Coupled| {
+            let nodes: Vec<usize> = coupled.shares.iter().map(|(node, _)| *node).collect();
+            ReferencePoint::new(mesh, coupled.position, &nodes)
+        };
+        rigid.map(point).collect()
+    }
+
+    /// Returns the coupling called `name`, which the table at `key` names.
+    pub(super) fn find(&self, name: &str, key: &str) -> Result<&Coupled, InputError> {
+        self.all.iter().find(|coupled| coupled.name == name).ok_or_else(|| {
+            let known: Vec<&str> = self.all.iter().map(|coupled| coupled.name.as_str()).collect();
+            let help = match &known[..] {
+                [] => "add a [[coupling]] of this name".to_string(),
+                known => format!("the scene has the couplings {}", known.join(", ")),
+            };
+            InputError::new(format!("{key}.coupling"), format!("there is no coupling `{name}`"), help)
+        })
+    }
+
+    /// Returns the nodes of translation and rotation of the rigid coupling called `name`, which `whose` table at `key`
+    /// needs.
+    pub(super) fn rigid(&self, name: &str, whose: &str, key: &str) -> Result<(usize, [usize; 2]), InputError> {
+        match self.find(name, key)?.link {
+            Link::Rigid { k, .. } => Ok((k, [self.of_mesh + 2 * k, self.of_mesh + 2 * k + 1])),
+            Link::Distributing(_) => {
+                let message =
+                    format!("`{name}` is a distributing coupling, whose point moves freely with its boundary");
+                let help = format!("use kind = \"rigid\", or let {whose} act on the boundary");
+                Err(InputError::new(format!("{key}.coupling"), message, help))
+            }
+        }
+    }
+
+    /// Returns the nodes of bodies that are rigid as a whole.
+    pub(super) fn rigid_bodies(&self) -> BTreeSet<usize> {
+        let whole = self.all.iter().filter(|coupled| matches!(coupled.link, Link::Rigid { whole: true, .. }));
+        whole.flat_map(|coupled| &coupled.shares).map(|(node, _)| *node).collect()
+    }
+
+    /// Returns all nodes that reference points carry.
+    pub(super) fn carried(&self) -> BTreeSet<usize> {
+        self.all.iter().flat_map(|coupled| coupled.carried()).map(|(node, _)| *node).collect()
+    }
+
+    /// Returns the relations of the carried nodes to their reference points. Supports may hold a carried node only
+    /// along directions in which the point cannot move it.
+    pub(super) fn relative(
+        &self,
+        description: &Description,
+        mesh: &Mesh,
+        dofs: &Dofs,
+        holdings: &[Holding],
+    ) -> Result<Vec<Relative>, InputError> {
+        let moved: BTreeSet<usize> = holdings.iter().flatten().filter(|(.., to)| *to != 0.0).map(|h| h.0).collect();
+        let mut relations = Vec::new();
+        for (of, coupled) in self.all.iter().enumerate() {
+            let Link::Rigid { k, .. } = coupled.link else { continue };
+            for &(node, _) in &coupled.shares {
+                let relation = dofs.carried_by(mesh, k, node);
+                let mut held = dofs.held(node).filter(|n| mesh.dimension == 3 || n[2] == 0.0);
+                let moves = |other: usize| moved.contains(&other);
+                if held.any(|n| moves(node) || dofs.may_move(&relation, n, moves)) {
+                    let place = description.system(mesh.dimension).place(mesh.nodes[node]);
+                    let support = holdings.iter().position(|holding| holding.iter().any(|h| h.0 == node));
+                    let message =
+                        format!("a support holds the node at {place}, which the coupling `{}` moves", coupled.name);
+                    let (key, help) = match support {
+                        Some(j) => (
+                            format!("support[{j}].boundary"),
+                            "support the coupling itself (coupling = ...), also along these directions and against \
+                             rotation, or couple a boundary that shares no node with the support",
+                        ),
+                        None => (
+                            format!("coupling[{of}].{}", description.couplings[of].part.key()),
+                            "couple another boundary",
+                        ),
+                    };
+                    return Err(InputError::new(key, message, help));
+                }
+                relations.push(relation);
+            }
+        }
+        Ok(relations)
+    }
+
+    /// Returns the ties between the bodies that one reference point carries.
+    pub(super) fn ties(&self, mesh: &Mesh, dofs: &Dofs) -> Vec<Tie> {
+        let bodies = mesh.bodies();
+        let of = bodies.of_nodes();
+        let mut ties = Vec::new();
+        for coupled in &self.all {
+            let Link::Rigid { k, .. } = coupled.link else { continue };
+            let first = coupled.shares.first().map(|(node, _)| of[*node]);
+            for &(node, _) in coupled.shares.iter().filter(|(node, _)| Some(of[*node]) != first) {
+                ties.extend((0..mesh.dimension).map(|c| dofs.tie(&dofs.carried_by(mesh, k, node), axis(c))));
+            }
+        }
+        ties
+    }
+
+    /// Returns the bodies that reference points connect: for each point the nodes that it carries.
+    pub(super) fn connected(&self) -> impl Iterator<Item = impl Iterator<Item = usize>> {
+        self.all.iter().map(|coupled| coupled.carried().iter().map(|(node, _)| *node))
+    }
+
+    /// Returns the forces on nodes due to a `force` (N) and a `moment` (N m) at the reference point of the coupling
+    /// called `name`, which the table at `key` names.
+    pub(super) fn forces(
+        &self,
+        mesh: &Mesh,
+        dofs: &Dofs,
+        name: &str,
+        [force, moment]: [[f64; 3]; 2],
+        key: &str,
+    ) -> Result<NodalForces, InputError> {
+        let coupled = self.find(name, key)?;
+        Ok(match &coupled.link {
+            Link::Rigid { k, .. } => {
+                let [translation, rotation] = dofs.nodes_of_point(*k);
+                let both = [(translation, force), (rotation, dofs.of_moment(*k, moment))];
+                both.into_iter().filter(|(_, force)| *force != [0.0; 3]).collect()
+            }
+            Link::Distributing(spread) => {
+                let arm = minus(coupled.position, spread.centroid);
+                let moment = plus(moment, 1.0, cross(arm, force));
+                let turn = spread.inverse.map(|row| dot(row, moment));
+                let of_node = |&(node, share): &(usize, f64)| {
+                    let of_moment = cross(turn, minus(mesh.nodes[node], spread.centroid));
+                    (node, plus(force, 1.0, of_moment).map(|f| share * f))
+                };
+                coupled.shares.iter().map(of_node).collect()
+            }
+        })
+    }
+
+    /// Returns the displacement (m) and the rotation (rad) of the reference point of coupling `k` from the displacements
+    /// of all nodes.
+    pub(super) fn motion(&self, mesh: &Mesh, dofs: &Dofs, k: usize, all: &[[f64; 3]]) -> [[f64; 3]; 2] {
+        let coupled = &self.all[k];
+        match &coupled.link {
+            Link::Rigid { k, .. } => {
+                let [translation, rotation] = dofs.nodes_of_point(*k);
+                [all[translation], dofs.rotation(*k, all[rotation])]
+            }
+            Link::Distributing(spread) => {
+                let shares = coupled.shares.iter();
+                let mean = shares.clone().fold([0.0; 3], |sum, (node, share)| plus(sum, *share, all[*node]));
+                let turned = shares.fold([0.0; 3], |sum, (node, share)| {
+                    plus(sum, *share, cross(minus(mesh.nodes[*node], spread.centroid), minus(all[*node], mean)))
+                });
+                let rotation = spread.inverse.map(|row| dot(row, turned));
+                let arm = minus(coupled.position, spread.centroid);
+                [plus(mean, 1.0, cross(rotation, arm)), rotation]
+            }
+        }
+    }
+}
+
+impl Coupled {
+    /// Returns the nodes that the reference point carries; empty for a distributing coupling.
+    fn carried(&self) -> &[(usize, f64)] {
+        match self.link {
+            Link::Rigid { .. } => &self.shares,
+            Link::Distributing(_) => &[],
+        }
+    }
+
+    /// Returns the position of the reference point, m.
+    pub(super) fn position(&self) -> [f64; 3] {
+        self.position
+    }
+}
+
+impl Spread {
+    fn new(mesh: &Mesh, shares: &[(usize, f64)]) -> Option<Self> {
+        let centroid = centroid(mesh, shares);
+        let mut inertia = [[0.0; 3]; 3];
+        for &(node, share) in shares {
+            let r = minus(mesh.nodes[node], centroid);
+            for (a, row) in inertia.iter_mut().enumerate() {
+                for (b, entry) in row.iter_mut().enumerate() {
+                    *entry += share * (if a == b { dot(r, r) } else { 0.0 } - r[a] * r[b]);
+                }
+            }
+        }
+        // A body of revolution neither turns nor carries a moment; a plane one turns about z only.
+        let inverse = match (mesh.geometry, mesh.dimension) {
+            (Geometry::Axisymmetric, _) => [[0.0; 3]; 3],
+            (_, 2) => [[0.0; 3], [0.0; 3], axis(2).map(|c| c / inertia[2][2])],
+            _ => inverse(inertia),
+        };
+        inverse.as_flattened().iter().all(|x| x.is_finite()).then_some(Spread { centroid, inverse })
+    }
+}
+
+/// Computes the inverse of a symmetric matrix.
+fn inverse(m: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
+    let columns = [cross(m[1], m[2]), cross(m[2], m[0]), cross(m[0], m[1])];
+    let determinant = dot(m[0], columns[0]);
+    columns.map(|column| column.map(|c| c / determinant))
+}
+
+/// Returns the nodes of `part` with their shares in its area or volume; they add up to 1.
+fn shares(mesh: &Mesh, part: &Part, key: &str) -> Result<Vec<(usize, f64)>, InputError> {
+    let mut weights: BTreeMap<usize, f64> = BTreeMap::new();
+    match part {
+        Part::Boundary(name) => {
+            for facet in &find(mesh, name, key)?.facets {
+                for (&node, weight) in facet.iter().zip(facet_weights(mesh, facet)) {
+                    *weights.entry(node).or_default() += weight;
+                }
+            }
+        }
+        Part::Body(name) => {
+            let bodies = mesh.bodies();
+            let Some(body) = bodies.names().iter().position(|own| own == name) else {
+                let message = format!("there is no body `{name}`");
+                let help = format!("the mesh has the bodies {}", bodies.names().join(", "));
+                return Err(InputError::new(format!("{key}.body"), message, help));
+            };
+            for e in bodies.cells(body) {
+                let cell = &mesh.cells[e];
+                let volume = cell_volume(cell.kind, mesh.geometry, &mesh.points(&cell.nodes)).unwrap_or(0.0);
+                let share = volume / cell.nodes.len() as f64;
+                cell.nodes.iter().for_each(|&node| *weights.entry(node).or_default() += share);
+            }
+        }
+    }
+    let whole: f64 = weights.values().sum();
+    Ok(weights.into_iter().map(|(node, weight)| (node, weight / whole)).collect())
+}
+
+/// Returns the mean of the positions of nodes with shares.
+fn centroid(mesh: &Mesh, shares: &[(usize, f64)]) -> [f64; 3] {
+    // + 0.0 turns -0 into 0.
+    shares.iter().fold([0.0; 3], |sum, (node, share)| plus(sum, *share, mesh.nodes[*node])).map(|c| c + 0.0)
+}
+
+/// Returns `true` if a rotation moves the nodes: two points in the plane, three off a line in space.
+fn spans(mesh: &Mesh, shares: &[(usize, f64)]) -> bool {
+    if mesh.geometry == Geometry::Axisymmetric {
+        return true;
+    }
+    let first = mesh.nodes[shares[0].0];
+    let arms = shares.iter().map(|(node, _)| minus(mesh.nodes[*node], first));
+    let size = arms.clone().map(norm).fold(0.0, f64::max);
+    let rotations = if mesh.dimension == 2 { 2..3 } else { 0..3 };
+    let rows = arms.flat_map(|arm| {
+        let arm = arm.map(|c| c / size);
+        let along = |c: usize| rotations.clone().map(|r| cross(axis(r), arm)[c]).collect();
+        (0..mesh.dimension).map(|c| Row::of_unit_size(along(c))).collect::<Vec<_>>()
+    });
+    size > 0.0 && null_space(rotations.len(), rows).is_empty()
+}
+
+/// Returns moments about the axes of space from the components of an input.
+pub(super) fn about_axes(mesh: &Mesh, given: &[f64], key: &str) -> Result<[f64; 3], InputError> {
+    if mesh.geometry == Geometry::Axisymmetric {
+        let message = "a body of revolution does not turn";
+        return Err(InputError::new(key, message, "remove the table, or use a body in space"));
+    }
+    if mesh.dimension == 2 {
+        let message = || {
+            format!(
+                "{} has {} components, but a plane body turns about z only",
+                key.rsplit('.').next().unwrap_or(key),
+                given.len()
+            )
+        };
+        return match given {
+            [z] => Ok([0.0, 0.0, *z]),
+            _ => Err(InputError::new(key, message(), "give one number, such as 5")),
+        };
+    }
+    of_dimension(mesh, key, given.len())?;
+    Ok([given[0], given[1], given[2]])
+}
