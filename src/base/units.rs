@@ -5,7 +5,7 @@ mod rounded;
 mod system;
 mod user;
 
-pub use system::{Quantity, UnitSystem};
+pub use system::{Depth, Quantity, UnitSystem};
 pub use user::{LengthUnit, StressUnit, Units};
 
 use serde::{Deserialize, Serialize};

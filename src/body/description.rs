@@ -244,8 +244,7 @@ impl Description {
 
     /// Returns the units of the results of a body with `dimension` dimensions.
     pub fn system(&self, dimension: usize) -> UnitSystem {
-        let per_depth = dimension == 2 && !self.material.is_axisymmetric();
-        UnitSystem { units: self.units, dimension, per_depth }
+        UnitSystem { units: self.units, dimension, depth: self.material.depth(dimension) }
     }
 
     /// Returns the end of the history, s; 0 without increments.

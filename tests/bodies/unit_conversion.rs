@@ -3,10 +3,11 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common::edit;
-use stickslip::base::{LengthUnit, StressUnit, Units};
+use stickslip::base::{LengthUnit, Quantity, StressUnit, Units};
 use stickslip::body::Description;
-use stickslip::run::discretise;
+use stickslip::run::{Run, discretise};
 use stickslip::scene::Scene;
+use stickslip::solver::history::{Method, SolverChoice, Status};
 
 fn scene(text: &str) -> Scene {
     Scene::parse("scene.toml", text, &[]).unwrap()
@@ -286,4 +287,79 @@ fn every_number_of_a_scene_in_space_is_converted() {
     let [si, inches] = [si, inches].map(|scene| numbers(&format!("{:?}", scene.output.probes)));
     assert_eq!(si.len(), 7);
     assert!(si.iter().zip(&inches).all(|((_, x), (_, y))| (x - y).abs() <= 4e-16 * x.abs()), "{si:?} {inches:?}");
+}
+
+/// A plate of 20 mm carries 20 times the force per mm; forces, energies and their units in results are those of the whole
+/// body.
+#[test]
+fn a_plane_body_has_a_thickness() {
+    for (units, length, young, gap) in
+        [("units = { length = \"mm\", stress = \"MPa\" }\n", 1e3, 2e5, 0.0), ("", 1.0, 2e11, 0.0)]
+    {
+        let scene = |thickness: &str, force: f64, stiffness: f64| {
+            let text = format!(
+                "{units}[mesh]\nkind = \"block\"\nsize = [{}, {}]\nelements = [6, 3]\n[material]\nyoung = {young:e}\n\
+                 poisson = 0.3\nplane = \"stress\"\n{thickness}\n[[support]]\nboundary = \"left\"\nfix = [\"x\", \"y\"]\n\
+                 [[contact]]\nboundary = \"bottom\"\nfriction = 0.3\nobstacle = {{ kind = \"plane\", gap = {gap} }}\n\
+                 [[spring]]\npoint = [{}, {}]\nstiffness = [0, {stiffness:e}]\n\
+                 [[load]]\nboundary = \"top\"\nforce = [{}, {}]\n[time]\nend = 1\nincrements = 2\n",
+                0.1 * length,
+                0.05 * length,
+                0.1 * length,
+                0.05 * length,
+                0.5 * force,
+                -force
+            );
+            Scene::parse("scene.toml", &text, &[]).unwrap_or_else(|error| panic!("{error}\n{text}"))
+        };
+        let solved = |scene: &Scene| {
+            let model = discretise(scene).unwrap();
+            let report = Run::of(&model, model.times().to_vec(), SolverChoice::new(Method::BN)).unwrap().solve(&mut ());
+            let report = report.unwrap();
+            assert_eq!(report.status, Status::Converged);
+            (report.to_value().unwrap(), report)
+        };
+        let thin = solved(&scene("", 1000.0 / 20.0 * if length > 1.0 { 1.0 } else { 1e3 }, 3e3));
+        let thick = solved(&scene(&format!("thickness = {}", 0.02 * length), 1000.0, 3e3 * 0.02 * length));
+        let number = |report: &serde_json::Value, pointer: &str| report.pointer(pointer).unwrap().as_f64().unwrap();
+        // The SI numbers are per m of depth in both.
+        let [a, b] = [&thin.1, &thick.1].map(|report| report.reactions[1].supports[0].force[1]);
+        assert!((a - b).abs() < 1e-9 * a.abs(), "{a} {b}");
+        for (pointer, factor) in [
+            ("/reactions/1/supports/0/force/1", 0.02),
+            ("/reactions/1/springs/0/force/1", 0.02),
+            ("/reactions/1/loads/0/moment/0", 0.02),
+            ("/boundaries/0/sum_p_n", 0.02),
+            ("/increments/1/friction_work", 0.02),
+            ("/increments/1/strain_energy", 0.02),
+            ("/largest_displacement/length", f64::NAN),
+        ] {
+            let [of_thin, of_thick] = [&thin.0, &thick.0].map(|report| number(report, pointer));
+            // Lengths of the user: 0.02 m are 20 mm.
+            let factor = if factor.is_nan() { 1.0 } else { factor * length };
+            assert!((of_thick - factor * of_thin).abs() < 1e-9 * of_thick.abs(), "{pointer}: {of_thin} {of_thick}");
+        }
+        assert_eq!(thick.0.pointer("/units/force/name").unwrap(), "N");
+        assert_eq!(thick.1.units.name(Quantity::Energy), if length > 1.0 { "mJ" } else { "J" });
+    }
+}
+
+#[test]
+fn a_thickness_that_cannot_be_is_refused() {
+    let plane = "[mesh]\nkind = \"block\"\nsize = [1, 1]\nelements = [1, 1]\n[material]\nyoung = 1\npoisson = 0\n";
+    let rest = "[[support]]\nboundary = \"left\"\nfix = [\"x\", \"y\"]\n[time]\nend = 1\nincrements = 1\n";
+    let space = plane.replace("[1, 1]", "[1, 1, 1]");
+    for (text, says) in [
+        (format!("{plane}thickness = 0\n{rest}"), "thickness"),
+        (format!("{plane}thickness = nan\n{rest}"), "thickness"),
+        (format!("{plane}thickness = -3\n{rest}"), "thickness"),
+        (format!("{plane}thickness = 1\nplane = \"axisymmetric\"\n{rest}"), "no thickness"),
+        (format!("{space}thickness = 1\n{rest}"), "three dimensions"),
+    ] {
+        let message = match Scene::parse("scene.toml", &text, &[]) {
+            Err(error) => error.to_string(),
+            Ok(scene) => discretise(&scene).expect_err(&text).to_string(),
+        };
+        assert!(message.contains(says) && message.starts_with("scene.toml:8"), "{message}");
+    }
 }

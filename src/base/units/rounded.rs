@@ -38,11 +38,11 @@ impl UnitSystem {
             Quantity::Stress | Quantity::Force | Quantity::Moment | Quantity::Energy => f64::INFINITY,
             _ => 0.0,
         };
-        if !self.is_si() || x == 0.0 || !x.is_finite() {
+        if !self.has_si_units() || x == 0.0 || !x.is_finite() {
             return (1.0, name);
         }
         // 999.96 of a unit are 1.000 of the next.
-        let x = round(x.abs(), digits);
+        let x = round(self.of_si(quantity, x).abs(), digits);
         let prefixes = PREFIXES.iter().filter(|(size, _)| *size <= largest);
         let smallest = prefixes.clone().next_back();
         match prefixes.clone().find(|(size, _)| x >= *size).or(smallest) {

@@ -12,8 +12,8 @@ pub enum Quantity {
     Length,
     /// A stress, Pa.
     Stress,
-    /// A force, N. In two dimensions it is per depth, N per m, except for bodies of revolution; so are the following
-    /// quantities.
+    /// A force, N. In two dimensions it is per depth, N per m, except for bodies of revolution and bodies of given
+    /// thickness; so are the following quantities.
     Force,
     /// An area, m²; in two dimensions per depth.
     Area,
@@ -37,15 +37,25 @@ pub enum Quantity {
 
 /// The units of each quantity of a two- or three-dimensional body. A result with such a system is reported in these
 /// units, but the numbers in its fields are SI.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct UnitSystem {
     /// The base units.
     pub units: Units,
     /// The dimension of the body, 2 or 3.
     pub dimension: usize,
-    /// `true` if forces and quantities derived from them are per depth: in two dimensions, except for bodies of
-    /// revolution.
-    pub per_depth: bool,
+    /// The relation of forces, and of quantities derived from them, to the SI numbers.
+    pub depth: Depth,
+}
+
+/// The depth of a body to which its forces belong.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Depth {
+    /// The whole body: in three dimensions, and for bodies of revolution.
+    Whole,
+    /// A plane body, forces per unit of depth.
+    Unit,
+    /// A plane body of this thickness (m): forces are those of the whole body, while the SI numbers are per m of depth.
+    Thickness(f64),
 }
 
 /// The units of force that have a name of their own, N.
@@ -83,29 +93,46 @@ impl UnitSystem {
 
     /// Returns a system of these units for a body of this dimension that is not axisymmetric.
     pub fn new(units: Units, dimension: usize) -> Self {
-        UnitSystem { units, dimension, per_depth: dimension == 2 }
+        UnitSystem { units, dimension, depth: if dimension == 2 { Depth::Unit } else { Depth::Whole } }
+    }
+
+    /// Returns `true` if all numbers are the SI numbers.
+    pub fn is_si(&self) -> bool {
+        self.has_si_units() && !matches!(self.depth, Depth::Thickness(_))
     }
 
     /// Returns `true` if all units are SI units.
-    pub fn is_si(&self) -> bool {
+    pub fn has_si_units(&self) -> bool {
         self.units == Units::SI
     }
 
     /// Returns the units for plots: MPa instead of Pa, otherwise unchanged.
     #[must_use]
     pub fn of_pictures(self) -> Self {
-        let units = if self.is_si() { Units { stress: StressUnit::Megapascal, ..self.units } } else { self.units };
+        let units =
+            if self.has_si_units() { Units { stress: StressUnit::Megapascal, ..self.units } } else { self.units };
         UnitSystem { units, ..self }
     }
 
     /// Converts `x` from these units to SI.
     pub fn to_si(&self, quantity: Quantity, x: f64) -> f64 {
-        self.size(quantity).times(x)
+        self.size(quantity).times(x / self.thickness(quantity))
     }
 
     /// Converts `x` from SI to these units.
     pub fn of_si(&self, quantity: Quantity, x: f64) -> f64 {
-        self.size(quantity).parts(x)
+        self.size(quantity).parts(x * self.thickness(quantity))
+    }
+
+    /// Returns the thickness (m) if the body has one and SI numbers of `quantity` are per m of depth, otherwise 1.
+    fn thickness(&self, quantity: Quantity) -> f64 {
+        match (self.depth, quantity) {
+            (
+                Depth::Thickness(thickness),
+                Quantity::Force | Quantity::Area | Quantity::Moment | Quantity::Energy | Quantity::Spring,
+            ) => thickness,
+            _ => 1.0,
+        }
     }
 
     /// Formats an SI number with the name of its unit, such as `0.2 mm`.
@@ -131,7 +158,8 @@ impl UnitSystem {
     /// Returns the name of the unit, such as `N mm`; powers are plain digits, as in `N/mm2`.
     pub fn name(&self, quantity: Quantity) -> String {
         let (length, stress) = (self.units.length.name(), self.units.stress.name());
-        if self.is_si() {
+        let per_depth = self.depth == Depth::Unit;
+        if self.has_si_units() {
             return match quantity {
                 Quantity::Number => "",
                 Quantity::Length => "m",
@@ -152,13 +180,13 @@ impl UnitSystem {
         let [area, volume, mass] = [2, 3, 1].map(|b| self.product(1, b));
         let own = named(area, &FORCES);
         let force = own.map_or_else(|| format!("{stress} {length}2"), String::from);
-        let depth = if self.per_depth { format!("/{length}") } else { String::new() };
+        let depth = if per_depth { format!("/{length}") } else { String::new() };
         match quantity {
             Quantity::Number => String::new(),
             Quantity::Length => length.to_string(),
             Quantity::Stress => stress.to_string(),
             Quantity::Force => format!("{force}{depth}"),
-            Quantity::Area if self.per_depth => length.to_string(),
+            Quantity::Area if per_depth => length.to_string(),
             Quantity::Area => format!("{length}2"),
             Quantity::EnergyPerArea => match named(volume, &ENERGIES) {
                 Some(energy) => format!("{energy}/{length}2"),
@@ -176,14 +204,14 @@ impl UnitSystem {
             },
             Quantity::Acceleration => format!("{length}/s2"),
             Quantity::Foundation => format!("{stress}/{length}"),
-            Quantity::Spring if self.per_depth => stress.to_string(),
+            Quantity::Spring if per_depth => stress.to_string(),
             Quantity::Spring => own.map_or_else(|| format!("{stress} {length}"), |force| format!("{force}/{length}")),
         }
     }
 
     fn size(&self, quantity: Quantity) -> Size {
         // Quantities per depth have one length less.
-        let plane = i32::from(self.per_depth);
+        let plane = i32::from(self.depth == Depth::Unit);
         let (stress, length) = match quantity {
             Quantity::Number => (0, 0),
             Quantity::Length | Quantity::Acceleration => (0, 1),

@@ -95,7 +95,7 @@ mod tests {
         given.contacts = vec![Contact { friction_history: history, ..given.contacts[0].clone() }];
         assert_eq!(given.ends_at_kinks(&given.times), [0.1, 0.2, 0.3, 0.5, 0.6, 0.7, 1.0]);
         assert_eq!(given.ends_at_kinks(&[1.0]), [0.1, 0.2, 0.3, 0.5, 0.6, 0.7, 1.0]);
-        let units = UnitSystem { units: Units::SI, dimension: 2, per_depth: true };
+        let units = UnitSystem::si(2);
         let names: Vec<String> = given.kinks_between(&given.times).iter().map(|kinks| kinks.history(&units)).collect();
         let of_obstacle = ["translation", "rotation"].map(|motion| format!("the {motion} of the obstacle at bottom"));
         assert_eq!(names[..3], ["the load on top", "the support of right", "the friction at bottom"]);

@@ -9,7 +9,7 @@ use super::{
 };
 use crate::algebra::vector::Vector;
 use crate::base::formula::{Formula, FormulaUnits};
-use crate::base::units::{Quantity, UnitSystem, Units};
+use crate::base::units::{Depth, Quantity, UnitSystem, Units};
 use crate::body::contact::{Friction, Obstacle, Place, Rotation, Shape};
 use crate::body::fem::{Layer, Material, MaterialGroup};
 use crate::body::mesh::{Body, HalfPlane, Mesh, MeshSource, Segment};
@@ -30,16 +30,17 @@ impl Description {
     /// ```
     #[must_use]
     pub fn given_in(self, units: Units) -> Self {
-        if units == Units::SI {
+        if units == Units::SI && self.material.thickness.is_none() {
             return Description { units, ..self };
         }
         let Description { mesh, element, material, couplings, supports, contacts, springs, loads, times, units: _ } =
             self;
-        let si = Si { units, axisymmetric: material.is_axisymmetric() };
+        let material = Si { units, depth: Depth::Whole }.material(material);
+        let si = Si { units, depth: material.depth(2) };
         Description {
             mesh: si.mesh(mesh),
             element,
-            material: si.material(material),
+            material,
             couplings: couplings.into_iter().map(|coupling| si.coupling(coupling)).collect(),
             supports: supports.into_iter().map(|support| si.support(support)).collect(),
             contacts: contacts.into_iter().map(|contact| si.contact(contact)).collect(),
@@ -58,7 +59,7 @@ impl Probe {
     /// Converts a probe with coordinates in `units` to SI.
     #[must_use]
     pub fn given_in(self, units: Units) -> Self {
-        let si = Si { units, axisymmetric: false };
+        let si = Si { units, depth: Depth::Whole };
         let Probe { name, place } = self;
         let place = match place {
             ProbePlace::Point(point) => ProbePlace::Point(si.point(point)),
@@ -73,7 +74,8 @@ impl Probe {
 #[derive(Clone, Copy)]
 struct Si {
     units: Units,
-    axisymmetric: bool,
+    /// The depth of a plane body.
+    depth: Depth,
 }
 
 impl Si {
@@ -83,8 +85,8 @@ impl Si {
     }
 
     fn in_dimension(self, dimension: usize, quantity: Quantity, x: f64) -> f64 {
-        let per_depth = dimension == 2 && !self.axisymmetric;
-        UnitSystem { units: self.units, dimension, per_depth }.to_si(quantity, x)
+        let depth = if dimension == 2 { self.depth } else { Depth::Whole };
+        UnitSystem { units: self.units, dimension, depth }.to_si(quantity, x)
     }
 
     fn length(self, x: f64) -> f64 {
@@ -143,7 +145,7 @@ impl Si {
     }
 
     fn material(self, material: Material) -> Material {
-        let Material { young, poisson, plane, density, expansion, layers, groups } = material;
+        let Material { young, poisson, plane, thickness, density, expansion, layers, groups } = material;
         let stress = |x| self.of(Quantity::Stress, x);
         let mass = |density: Option<f64>| density.map(|x| self.of(Quantity::Density, x));
         let layer = |Layer { thickness, young, poisson }| Layer {
@@ -162,6 +164,7 @@ impl Si {
             young: stress(young),
             poisson,
             plane,
+            thickness: thickness.map(|x| self.length(x)),
             density: mass(density),
             expansion,
             layers: layers.into_iter().map(layer).collect(),

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::elastic::Elasticity;
 use crate::base::input_error::{InputError, ensure, finite, positive};
+use crate::base::units::Depth;
 use crate::body::mesh::Mesh;
 
 /// The isotropic linear elastic materials of a body; in two dimensions it is of unit thickness, or axisymmetric.
@@ -15,6 +16,9 @@ pub struct Material {
     pub poisson: f64,
     /// The plane state in two dimensions, by default plane strain; must be absent in three dimensions.
     pub plane: Option<Plane>,
+    /// The thickness of a plane body, m. All SI numbers are per m of depth; with a thickness, forces of an input in units
+    /// ([`Description::given_in`](crate::body::Description::given_in)) and of results are those of the whole body.
+    pub thickness: Option<f64>,
     /// Mass density, kg/m³, for loads that act on the mass.
     pub density: Option<f64>,
     /// Coefficient of thermal expansion, 1/K, for thermal loads.
@@ -99,7 +103,7 @@ impl Material {
     pub fn of_bodies(bodies: impl IntoIterator<Item = (String, Material)>) -> Result<Self, InputError> {
         let mut all: Option<Material> = None;
         for (k, (name, material)) in bodies.into_iter().enumerate() {
-            let Material { young, poisson, plane, density, expansion, layers, groups } = material;
+            let Material { young, poisson, plane, thickness, density, expansion, layers, groups } = material;
             let fault = |key: &str, message: String, help: &str| {
                 InputError::new(format!("body[{k}].material.{key}"), message, help)
             };
@@ -108,11 +112,15 @@ impl Material {
                 return Err(fault("layers", message, "use groups of its mesh, or a body for each layer"));
             }
             // Density and expansion of one body do not apply to others.
-            let all = all.get_or_insert_with(|| Material { young, poisson, plane, ..Material::default() });
+            let all = all.get_or_insert_with(|| Material { young, poisson, plane, thickness, ..Material::default() });
             if plane.unwrap_or_default() != all.plane.unwrap_or_default() {
                 let message = format!("the body `{name}` is in another plane state than those before it");
                 let help = "all bodies have the same material.plane, which is \"strain\" where it is left out";
                 return Err(fault("plane", message, help));
+            }
+            if thickness != all.thickness {
+                let message = format!("the body `{name}` has another thickness than those before it");
+                return Err(fault("thickness", message, "give all bodies the same material.thickness, or none"));
             }
             all.plane = all.plane.or(plane);
             all.groups.push(MaterialGroup { name: name.clone(), young, poisson, density, expansion });
@@ -137,6 +145,15 @@ impl Material {
         self.plane == Some(Plane::Axisymmetric)
     }
 
+    /// Returns the depth to which the forces of a body with `dimension` dimensions belong.
+    pub fn depth(&self, dimension: usize) -> Depth {
+        match self.thickness {
+            _ if dimension == 3 || self.is_axisymmetric() => Depth::Whole,
+            Some(thickness) => Depth::Thickness(thickness),
+            None => Depth::Unit,
+        }
+    }
+
     /// Checks that all constants are valid and that layers and groups do not contradict each other.
     ///
     /// # Errors
@@ -146,6 +163,17 @@ impl Material {
         POISSON("material.poisson", self.poisson)?;
         self.density.map_or(Ok(()), |density| DENSITY("material.density", density))?;
         self.expansion.map_or(Ok(()), |expansion| EXPANSION("material.expansion", expansion))?;
+        if let Some(thickness) = self.thickness {
+            THICKNESS("material.thickness", thickness)?;
+            if self.is_axisymmetric() {
+                let message = "a body of revolution has no thickness";
+                return Err(InputError::new(
+                    "material.thickness",
+                    message,
+                    "remove the key: forces are those all around",
+                ));
+            }
+        }
         for (k, &Layer { thickness, young, poisson }) in self.layers.iter().enumerate() {
             let key = format!("material.layers[{k}]");
             let of_layer = |what: &str, value: f64, limit: Limit| {
@@ -201,6 +229,10 @@ impl Material {
         if mesh.dimension == 3 && self.plane.is_some() {
             let message = "the material has a plane state, but the body has three dimensions";
             return Err(InputError::new("material.plane", message, "remove material.plane"));
+        }
+        if mesh.dimension == 3 && self.thickness.is_some() {
+            let message = "the material has a thickness, but the body has three dimensions";
+            return Err(InputError::new("material.thickness", message, "remove material.thickness"));
         }
         let law = |young, poisson| match (mesh.dimension, self.plane.unwrap_or_default()) {
             (2, Plane::Stress) => Elasticity::plane_stress(young, poisson),

@@ -49,6 +49,7 @@ pub(in crate::scene) struct Material {
     pub young: f64,
     pub poisson: f64,
     pub plane: Option<Plane>,
+    pub thickness: Option<f64>,
     pub density: Option<f64>,
     pub expansion: Option<f64>,
     #[serde(default)]

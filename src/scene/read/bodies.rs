@@ -68,7 +68,7 @@ fn several(given: Vec<document::BodyTable>, source: &Source) -> Result<Bodies, I
 }
 
 fn material(given: document::Material) -> Material {
-    let document::Material { young, poisson, plane, density, expansion, layers, group: group_list } = given;
+    let document::Material { young, poisson, plane, thickness, density, expansion, layers, group: group_list } = given;
     let layer = |Tuple([thickness, young, poisson])| Layer { thickness, young, poisson };
     let group = |document::MaterialGroup { name, young, poisson, density, expansion }| MaterialGroup {
         name,
@@ -78,5 +78,5 @@ fn material(given: document::Material) -> Material {
         expansion,
     };
     let (layers, groups) = (layers.into_iter().map(layer).collect(), group_list.into_iter().map(group).collect());
-    Material { young, poisson, plane, density, expansion, layers, groups }
+    Material { young, poisson, plane, thickness, density, expansion, layers, groups }
 }

@@ -106,12 +106,14 @@ fn body(scene: &Scene, model: &Model) {
     for remark in &model.mesh.notes.remarks {
         say!("             {remark}");
     }
-    let Material { young, poisson, plane, layers, groups, .. } = &scene.description.material;
+    let Material { young, poisson, plane, thickness, layers, groups, .. } = &scene.description.material;
+    let thick =
+        thickness.map_or("unit thickness".to_string(), |t| format!("{} thick", told(&units, Quantity::Length, t)));
     let state = match (model.mesh.dimension, plane.unwrap_or_default()) {
-        (2, Plane::Strain) => "plane strain, unit thickness",
-        (2, Plane::Stress) => "plane stress, unit thickness",
-        (2, Plane::Axisymmetric) => "axisymmetric about x = 0, forces all around",
-        _ => "three dimensions",
+        (2, Plane::Strain) => format!("plane strain, {thick}"),
+        (2, Plane::Stress) => format!("plane stress, {thick}"),
+        (2, Plane::Axisymmetric) => "axisymmetric about x = 0, forces all around".to_string(),
+        _ => "three dimensions".to_string(),
     };
     let modulus = |young: f64| told(&units, Quantity::Stress, young);
     match &scene.description.mesh {
@@ -280,7 +282,7 @@ fn holds(support: &Support, units: &UnitSystem, end: f64) -> String {
 /// Describes a load at factor 1.
 fn acts(action: &Action, units: &UnitSystem) -> String {
     // Without named units, a traction is printed in N/m2.
-    let per_area = if units.is_si() { "N/m2".to_string() } else { units.name(Quantity::Stress) };
+    let per_area = if units.has_si_units() { "N/m2".to_string() } else { units.name(Quantity::Stress) };
     let stress = |x: f64| units.number(Quantity::Stress, x);
     match action {
         Action::Traction { traction, .. } => {
