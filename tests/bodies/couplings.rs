@@ -15,6 +15,7 @@ use stickslip::scene::Scene;
 use stickslip::solver::history::{LinearAlgebra, Method, SolverChoice, Status};
 
 use crate::common::edit;
+use crate::common::random::Random;
 
 /// A cantilever of 100 mm x 10 mm, without lateral contraction, so that beam theory is exact for a moment.
 const BEAM: &str = r#"
@@ -312,8 +313,11 @@ fn symmetry_may_hold_carried_nodes() {
 #[test]
 fn a_rigid_body_under_a_force() {
     let tolerance = 1e-12;
-    let all =
-        [LinearAlgebra::Whole(SparseLu::Umfpack), LinearAlgebra::Whole(SparseLu::Partial), LinearAlgebra::condensed()];
+    let all = [
+        LinearAlgebra::Whole(SparseLu::default()),
+        LinearAlgebra::Whole(SparseLu::Partial),
+        LinearAlgebra::condensed(),
+    ];
     let choices = [Method::BN, Method::Ip].into_iter().flat_map(|method| {
         all.map(|linear| SolverChoice { linear: Some(linear), tolerance, ..SolverChoice::new(method) })
     });
@@ -409,7 +413,7 @@ displacement = [0, -0.01]
 end = 1
 increments = 2
 "#;
-    for linear in [LinearAlgebra::Whole(SparseLu::Umfpack), LinearAlgebra::condensed()] {
+    for linear in [LinearAlgebra::Whole(SparseLu::default()), LinearAlgebra::condensed()] {
         let report = report(text, SolverChoice { linear: Some(linear), ..bn() });
         let [lower, upper] = [0, 1].map(|k| report.reactions.last().unwrap().supports[k].force.clone());
         near(&[lower[1]], &[-upper[1]], 1e-9);
@@ -540,4 +544,156 @@ fn the_library_couples() {
         &block.load(Load::from(stickslip::body::Action::Moment { coupling: "end".into(), moment: vec![1.0] })),
     );
     assert!(model.is_ok());
+}
+
+/// An elastic half-plane, nearly: a deep plate below a rigid body whose bottom is 2 `a` wide, with `across` elements below
+/// it and twice as many beside and under it. No friction.
+fn pressed(a: f64, across: usize, gap: &str, load: &str) -> String {
+    let beside = 2 * across;
+    format!(
+        r#"
+units = {{ length = "mm", stress = "MPa" }}
+[[body]]
+name = "plate"
+[body.mesh]
+kind = "block"
+size = [[{side}, {width}, {side}], 100]
+elements = [[{beside}, {across}, {beside}], {beside}]
+grading = [[0.02, 1, 50], 0.01]
+cells = "triangle6"
+[body.material]
+young = 2e5
+poisson = 0.3
+[[body]]
+name = "punch"
+at = [{side}, 100]
+[body.mesh]
+kind = "block"
+size = [{width}, 5]
+elements = [8, 2]
+[body.material]
+young = 1
+poisson = 0.3
+[[coupling]]
+name = "punch"
+body = "punch"
+point = [100, 100]
+[[contact]]
+boundary = "plate:top"
+against = "punch:bottom"
+friction = 0
+gap = {gap}
+[[support]]
+boundary = "plate:bottom"
+fix = ["x", "y"]
+{load}
+[time]
+end = 1
+increments = 1
+"#,
+        side = 100.0 - a,
+        width = 2.0 * a,
+    )
+}
+
+/// A flat rigid punch with a force and a moment on a half-plane turns by `θ = 4 M / (π E* a²)` (Johnson, Contact Mechanics,
+/// 1985, section 2.8). Its pressure is singular at both edges, so that the order is 1.
+#[test]
+fn a_flat_punch_tilts() {
+    let load = "[[support]]\ncoupling = \"punch\"\nfix = [\"x\"]\n[[load]]\ncoupling = \"punch\"\nforce = [0, -5000]\n\
+                [[load]]\ncoupling = \"punch\"\nmoment = 8000";
+    let exact = 4.0 * 8000.0 / (std::f64::consts::PI * 2e5 / 0.91 * 25.0);
+    let error = |across: usize| {
+        let report = report(&pressed(5.0, across, "0", load), bn());
+        1.0 - point(&report, "punch").rotation[0] / exact
+    };
+    let [coarse, fine] = [10, 20].map(error);
+    assert!(fine > 0.0 && fine < 0.012 && coarse / fine > 1.6, "{coarse} {fine}");
+}
+
+/// A rigid roller pressed by a force has the pressure of Hertz, `p = √(P E* / π R)`.
+#[test]
+fn a_roller_is_pressed_by_a_force() {
+    let load = "[[support]]\ncoupling = \"punch\"\nfix = [\"x\", \"rotation_z\"]\n[[load]]\ncoupling = \"punch\"\n\
+                force = [0, -1726.2]";
+    let text = pressed(2.0, 30, "\"(x - 100)^2 / 200\"", load).replace("cells = \"triangle6\"\n", "");
+    let report = report(&text, bn());
+    let exact = (1726.2 * 2e5 / 0.91 / (std::f64::consts::PI * 100.0)).sqrt();
+    let peak = report.largest_pressure.as_ref().unwrap().pressure.unwrap() * 1e-6;
+    assert!((peak / exact - 1.0).abs() < 0.01, "{peak} {exact}");
+}
+
+/// Random rigid punches in the plane and in space: BN and IP, whole and condensed, agree, the forces balance, and those of
+/// the punch are its load.
+#[test]
+fn random_rigid_bodies() {
+    let mut random = Random(20_261);
+    let tolerance = 1e-12;
+    for trial in 0..16 {
+        let space = trial % 4 == 3;
+        let mut number = |from: f64, to: f64| from + (to - from) * random.next();
+        let (mu, side, push) = (number(0.1, 0.8), number(8.0, 14.0), number(-1.0, 1.0));
+        let (down, arm) = (number(500.0, 5000.0), number(-1.5, 1.5));
+        // Half of the friction at most, and a resultant within the middle half of the base.
+        let aside = 0.5 * mu * down * push;
+        let elements = 2 + (number(0.0, 4.0) as usize);
+        let more = if space { ", \"z\"" } else { "" };
+        let (size, at) = match space {
+            true => (format!("[20, 6, {side}]"), format!("[6, 0, {side}]")),
+            false => (format!("[20, {side}]"), format!("[6, {side}]")),
+        };
+        let (punch, coarse, fine) = match space {
+            true => ("[8, 6, 4]".to_string(), format!("[{elements}, 2, 1]"), "[10, 3, 4]"),
+            false => ("[8, 4]".to_string(), format!("[{elements}, 2]"), "[10, 6]"),
+        };
+        let force = if space { format!("[{aside}, 0, {}]", -down) } else { format!("[{aside}, {}]", -down) };
+        let moment = if space { format!("[0, {}, 0]", -down * arm) } else { format!("{}", down * arm) };
+        let text = format!(
+            r#"
+units = {{ length = "mm", stress = "MPa" }}
+[[body]]
+name = "plate"
+mesh = {{ kind = "block", size = {size}, elements = {fine} }}
+material = {{ young = 2e5, poisson = 0.3 }}
+[[body]]
+name = "punch"
+at = {at}
+mesh = {{ kind = "block", size = {punch}, elements = {coarse} }}
+material = {{ young = 1, poisson = 0.3 }}
+[[coupling]]
+name = "punch"
+body = "punch"
+[[contact]]
+boundary = "plate:top"
+against = "punch:bottom"
+friction = {mu}
+[[support]]
+boundary = "plate:bottom"
+fix = ["x", "y"{more}]
+[[load]]
+coupling = "punch"
+force = {force}
+[[load]]
+coupling = "punch"
+moment = {moment}
+[time]
+end = 1
+increments = 2
+"#
+        );
+        let whole = LinearAlgebra::Whole(SparseLu::default());
+        let choices = [(Method::BN, whole), (Method::BN, LinearAlgebra::condensed()), (Method::Ip, whole)];
+        let ends = choices.map(|(method, linear)| {
+            let choice = SolverChoice { linear: Some(linear), tolerance, ..SolverChoice::new(method) };
+            let report = report(&text, choice);
+            let contact = report.boundaries[0].force.clone();
+            (point(&report, "punch").clone(), contact)
+        });
+        for (end, contact) in &ends {
+            near(&end.displacement, &ends[0].0.displacement, 1e-7);
+            // The contact force on the punch is its load, reversed.
+            let reversed: Vec<f64> = end.force.iter().map(|f| -f).collect();
+            near(contact, &reversed, 1e-9);
+        }
+    }
 }
