@@ -2,6 +2,7 @@
 
 mod assembly;
 mod body_force;
+mod carried;
 mod dofs;
 mod elastic;
 mod facet;

@@ -4,9 +4,6 @@
 //! translation `U` as its displacement, the second one `r θ`, where the length `r` gives the unknowns one size; in two
 //! dimensions its first component is `r θ_z`, and the second is held.
 
-use super::dofs::{Dofs, SAME_DIRECTION};
-use super::relative::{Coefficient, Relative};
-use super::rigid::{BodyMotion, Tie};
 use crate::algebra::vector::{minus, norm};
 use crate::body::mesh::Mesh;
 
@@ -37,117 +34,11 @@ impl ReferencePoint {
     }
 
     /// Returns the matrix `θ × (x - p)` of the displacement of the second node.
-    fn arm(&self, dimension: usize, x: [f64; 3]) -> [[f64; 3]; 3] {
+    pub(super) fn arm(&self, dimension: usize, x: [f64; 3]) -> [[f64; 3]; 3] {
         let [x, y, z] = minus(x, self.position).map(|arm| arm / self.radius);
         match dimension {
             2 => [[-y, 0.0, 0.0], [x, 0.0, 0.0], [0.0; 3]],
             _ => [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]],
         }
-    }
-}
-
-impl Dofs {
-    /// Returns the reference point of a node outside the mesh, and `true` for the node of its rotation.
-    fn point_of(&self, node: usize) -> Option<(&ReferencePoint, bool)> {
-        let beyond = node.checked_sub(self.of_mesh)?;
-        Some((self.points.get(beyond / 2)?, beyond % 2 == 1))
-    }
-
-    /// Returns `true` if there are reference points.
-    pub fn has_points(&self) -> bool {
-        !self.points.is_empty()
-    }
-
-    /// Returns `true` for a node whose displacement is the rotation of a reference point.
-    pub fn is_rotation(&self, node: usize) -> bool {
-        self.point_of(node).is_some_and(|(_, rotation)| rotation)
-    }
-
-    /// Returns the node of the translation for that of the rotation of a reference point, and other nodes unchanged.
-    pub fn translating(&self, node: usize) -> usize {
-        if self.is_rotation(node) { node - 1 } else { node }
-    }
-
-    /// Returns the nodes of translation and rotation of reference point `k`.
-    pub fn nodes_of_point(&self, k: usize) -> [usize; 2] {
-        [self.of_mesh + 2 * k, self.of_mesh + 2 * k + 1]
-    }
-
-    /// Returns the node of the mesh that moves with `node`: the node itself or, for a node of a reference point, one
-    /// that the point carries.
-    pub fn in_mesh(&self, node: usize) -> usize {
-        self.point_of(node).map_or(node, |(point, _)| point.carried)
-    }
-
-    /// Returns the displacement of a node of the mesh or of a reference point in a rigid motion.
-    pub fn in_motion(&self, mesh: &Mesh, node: usize, motion: &BodyMotion) -> [f64; 3] {
-        match self.point_of(node) {
-            None => motion.at(mesh.nodes[node]),
-            Some((point, false)) => motion.at(point.position),
-            Some((point, true)) => point.of_rotation(mesh.dimension, motion.rotation),
-        }
-    }
-
-    /// Returns the force on the node of the rotation of point `k` that is equivalent to a `moment`, N m.
-    pub fn of_moment(&self, k: usize, moment: [f64; 3]) -> [f64; 3] {
-        let radius = self.points[k].radius;
-        self.points[k].of_rotation(self.dimension(), moment).map(|x| x / (radius * radius))
-    }
-
-    /// Returns the rotation (rad) of point `k` from the displacement of its second node.
-    pub fn rotation(&self, k: usize, u: [f64; 3]) -> [f64; 3] {
-        let [x, y, z] = u.map(|u| u / self.points[k].radius);
-        if self.dimension() == 2 { [0.0, 0.0, x] } else { [x, y, z] }
-    }
-
-    /// Returns the moment (N m) of a force on the node of a rotation; `None` for other nodes.
-    pub fn moment(&self, node: usize, force: [f64; 3]) -> Option<[f64; 3]> {
-        let (point, _) = self.point_of(node).filter(|(_, rotation)| *rotation)?;
-        let [x, y, z] = force.map(|f| point.radius * f);
-        Some(if self.dimension() == 2 { [0.0, 0.0, x] } else { [x, y, z] })
-    }
-
-    /// Returns the stiffness (N/m, along the components of the second node) of a `rotational` stiffness of point `k`, N m.
-    pub fn of_rotational(&self, k: usize, rotational: [f64; 3]) -> [f64; 3] {
-        let radius = self.points[k].radius;
-        self.of_moment(k, rotational).map(|x| x / radius)
-    }
-
-    /// Returns `true` if the other nodes of `relation` can move along the parts of `n` that act on them: supports do not
-    /// hold them there, or move one of them.
-    pub fn may_move(&self, relation: &Relative, n: [f64; 3], moved: impl Fn(usize) -> bool) -> bool {
-        relation.others.iter().any(|(other, coefficient)| {
-            let along = self.in_frame(*other, coefficient.transposed_times(n));
-            (0..self.dimension())
-                .any(|a| along[a].abs() > SAME_DIRECTION && (!self.is_held_along(*other, a) || moved(*other)))
-        })
-    }
-
-    /// Returns the form `n · (u - Σ coefficient · u_other)` of a relation.
-    pub fn tie(&self, relation: &Relative, n: [f64; 3]) -> Tie {
-        let others = relation.others.iter().map(|(other, c)| (*other, c.transposed_times(n).map(|x| -x)));
-        std::iter::once((relation.node, n)).chain(others).collect()
-    }
-
-    /// Returns `true` if one reference point carries all of `nodes`, which then cause no strain.
-    pub(super) fn are_rigid(&self, nodes: &[usize]) -> bool {
-        let point = |node: &usize| self.relative.get(node).and_then(|r| r.others.first()).map(|(other, _)| *other);
-        let first = nodes.first().and_then(point);
-        self.has_points()
-            && first.is_some_and(|first| first >= self.of_mesh)
-            && nodes.iter().all(|node| point(node) == first)
-    }
-
-    /// Returns the position of a node of the mesh or of a reference point, m.
-    pub fn position(&self, mesh: &Mesh, node: usize) -> [f64; 3] {
-        self.point_of(node).map_or_else(|| mesh.nodes[node], |(point, _)| point.position)
-    }
-
-    /// Returns the relation that lets point `k` carry `node` of the mesh.
-    pub fn carried_by(&self, mesh: &Mesh, k: usize, node: usize) -> Relative {
-        let [translation, rotation] = self.nodes_of_point(k);
-        let arm = self.points[k].arm(mesh.dimension, mesh.nodes[node]);
-        let others = vec![(translation, Coefficient::Factor(1.0)), (rotation, Coefficient::Matrix(Box::new(arm)))];
-        Relative { node, own: 1.0, others, tied: true }
     }
 }
