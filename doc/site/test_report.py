@@ -116,6 +116,23 @@ def test_a_loop_tells_its_energy(fretting, tab):
     assert tab.faults == []
 
 
+def test_the_cycle_is_that_of_the_report(tmp_path, tab):
+    """Two cycles, of which the curve alone would show halves; the other support moves less, and its probe too."""
+    moves = ["support[2].history=[[1,0],[2,1],[4,-1],[6,1],[8,-1],[10,1]]", "time.end=10", "time.increments=50", "output.cycle=[6,10]"]
+    other = ["support[0].displacement=[-0.001,0]", "support[0].history=[[1,0],[2,1],[4,-1],[6,1],[8,-1],[10,1]]"]
+    sets = [*moves, *other, 'output.probe=[{name="side", point=[0, 0]}]']
+    stickslip("run", "data/tutorials/fretting.toml", *(word for one in sets for word in ["--set", one]), "--out", tmp_path)
+    tab.goto((tmp_path / "report.html").as_uri())
+    assert tab.input_value("#across") == "support cylinder:top: u_x"
+    for across in ["support cylinder:top: u_x", "probe side: u_x"]:
+        tab.select_option("#across", label=across)
+        for up in ["support cylinder:top: f_x", "contact cylinder:bottom: sum_p_t", "strain energy"]:
+            tab.select_option("#up", label=up)
+            told = tab.inner_text("#loop")
+            assert "t = 6 to 10 s" in told and "the one before" in told, (across, up, told)
+    assert tab.faults == []
+
+
 def test_names_that_differ_by_a_slash_are_told_apart(fretting, tab):
     tab.goto((fretting / "report.html").as_uri())
     names = tab.locator("#across option").all_inner_texts()

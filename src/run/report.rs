@@ -39,7 +39,7 @@ pub use exact_path::ExactPath;
 pub use explain::{Explanation, WorstNode};
 pub use force_jump::ForceJump;
 pub use history_curves::{ForceCurves, HistoryCurves};
-pub use key_results::{FrictionResult, KeyWatch, LargestForce};
+pub use key_results::{FrictionResult, HoldingForce, KeyWatch, LargestForce};
 pub use pairs::PairRecord;
 pub use peak::LargestPressure;
 pub use principal::{principal_stresses, von_mises};

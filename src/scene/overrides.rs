@@ -18,7 +18,8 @@ pub(super) const MARK: &str = " (with --set)";
 /// One override, parsed from `key=value`.
 ///
 /// The key is a path such as `mesh.elements`; in a list of tables it refers to all of them (`contact.friction`) or to
-/// one, counted from 0 (`contact[1].friction`). The value is TOML; bare words are strings.
+/// one, counted from 0 (`contact[1].friction`). An index at the end refers to one entry of a list (`mesh.elements[0]`,
+/// `load[0].history[1][1]`). The value is TOML; bare words are strings.
 #[derive(Debug, Clone)]
 pub struct Override {
     text: String,
@@ -29,7 +30,8 @@ pub struct Override {
 #[derive(Debug, Clone)]
 struct Segment {
     name: String,
-    index: Option<usize>,
+    /// The indices in brackets, from the outer list to the inner one.
+    indices: Vec<usize>,
 }
 
 /// An override that is not of the form `key=value`.
@@ -65,7 +67,7 @@ impl Override {
     /// Creates an override that sets the key at a path, such as `time.increments` or `body[1].mesh.elements`, to
     /// `value`.
     pub fn value(key: &str, value: impl Into<Value>) -> Self {
-        let plain = |name: &str| Segment { name: name.to_string(), index: None };
+        let plain = |name: &str| Segment { name: name.to_string(), indices: Vec::new() };
         let path = key.split('.').map(|name| Segment::parse(name).unwrap_or_else(|| plain(name))).collect();
         let value = value.into();
         Override { text: format!("{key}={value}"), path, value }
@@ -77,22 +79,27 @@ impl Override {
 
     /// Follows the path below `table` and sets the value.
     fn set(&self, table: &mut dyn TableLike, path: &[Segment]) -> Result<(), SceneError> {
-        let Some((Segment { name, index }, rest)) = path.split_first() else {
+        let Some((Segment { name, indices }, rest)) = path.split_first() else {
             return Err(self.error("this is a whole table".to_string(), "set one of its keys"));
         };
-        if rest.is_empty() && index.is_none() {
+        if rest.is_empty() && indices.is_empty() {
             match table.get_mut(name) {
-                Some(Item::Value(old)) => {
-                    // Keeps the spaces and the comment around the old value.
-                    let decor = old.decor().clone();
-                    *old = self.value.clone();
-                    *old.decor_mut() = decor;
-                }
+                Some(Item::Value(old)) => self.replace(old),
                 Some(list @ Item::ArrayOfTables(_)) if self.value.is_array() => *list = Item::Value(self.value.clone()),
                 Some(_) => return Err(self.error(format!("`{name}` is a table"), "set one of its keys")),
                 None => drop(table.insert(name, Item::Value(self.value.clone()))),
             }
             return Ok(());
+        }
+        if rest.is_empty() && !LISTS.contains(&name.as_str()) {
+            return match table.get_mut(name) {
+                Some(Item::Value(list)) => self.set_entry(name, list, indices),
+                Some(_) => Err(self.error(format!("`{name}` is not a list"), "leave the [index] out")),
+                None => {
+                    let help = format!("set the whole list, {name}=[...]");
+                    Err(self.error(format!("the scene has no list `{name}` there"), &help))
+                }
+            };
         }
         if table.get(name).is_none() {
             if LISTS.contains(&name.as_str()) {
@@ -105,14 +112,17 @@ impl Override {
             table.insert(name, Item::Table(Table::new()));
         }
         match table.get_mut(name) {
-            Some(Item::ArrayOfTables(list)) => {
-                self.set_in_list(name, *index, list.iter_mut().map(|table| table as &mut dyn TableLike).collect(), rest)
-            }
+            Some(Item::ArrayOfTables(list)) => self.set_in_list(
+                name,
+                indices,
+                list.iter_mut().map(|table| table as &mut dyn TableLike).collect(),
+                rest,
+            ),
             Some(Item::Value(Value::Array(list))) if list.iter().any(Value::is_inline_table) => {
                 let tables = list.iter_mut().filter_map(Value::as_inline_table_mut);
-                self.set_in_list(name, *index, tables.map(|table| table as &mut dyn TableLike).collect(), rest)
+                self.set_in_list(name, indices, tables.map(|table| table as &mut dyn TableLike).collect(), rest)
             }
-            Some(_) if index.is_some() => {
+            Some(_) if !indices.is_empty() => {
                 Err(self.error(format!("`{name}` is not a list of tables"), "leave the [index] out"))
             }
             child => match child.and_then(Item::as_table_like_mut) {
@@ -122,19 +132,51 @@ impl Override {
         }
     }
 
-    /// Sets the value in all `tables` of the list `name`, or in the one at `index`.
+    /// Replaces a value. Keeps the spaces and the comment around it.
+    fn replace(&self, old: &mut Value) {
+        let decor = old.decor().clone();
+        *old = self.value.clone();
+        *old.decor_mut() = decor;
+    }
+
+    /// Sets the entry at `indices` of the list `name`. The entry must exist.
+    fn set_entry(&self, name: &str, value: &mut Value, indices: &[usize]) -> Result<(), SceneError> {
+        let Some((&index, rest)) = indices.split_first() else {
+            self.replace(value);
+            return Ok(());
+        };
+        let Some(list) = value.as_array_mut() else {
+            return Err(self.error(format!("`{name}` is not a list"), "leave the [index] out"));
+        };
+        let count = list.len();
+        let entry = format!("{name}[{index}]");
+        match list.get_mut(index) {
+            Some(table) if table.is_inline_table() => {
+                Err(self.error("this is a whole table".to_string(), "set one of its keys"))
+            }
+            Some(value) => self.set_entry(&entry, value, rest),
+            None => {
+                let entries = if count == 1 { "entry" } else { "entries" };
+                let message = format!("`{name}` has {count} {entries}, so there is no {entry}");
+                Err(self.error(message, "count from 0"))
+            }
+        }
+    }
+
+    /// Sets the value in all `tables` of the list `name`, or in the one at the index.
     fn set_in_list(
         &self,
         name: &str,
-        index: Option<usize>,
+        indices: &[usize],
         mut tables: Vec<&mut dyn TableLike>,
         rest: &[Segment],
     ) -> Result<(), SceneError> {
         let count = tables.len();
-        match index {
-            None => tables.into_iter().try_for_each(|table| self.set(table, rest)),
-            Some(k) if k < count => self.set(tables.swap_remove(k), rest),
-            Some(k) => {
+        match *indices {
+            [] => tables.into_iter().try_for_each(|table| self.set(table, rest)),
+            [k] if k < count => self.set(tables.swap_remove(k), rest),
+            [k, _, ..] => Err(self.error(format!("{name}[{k}] is a table"), "leave the second [index] out")),
+            [k] => {
                 let message = format!("the scene has {count} [[{name}]], so there is no {name}[{k}]");
                 Err(self.error(message, "count from 0"))
             }
@@ -143,17 +185,13 @@ impl Override {
 }
 
 impl Segment {
-    /// Parses `name` or `name[index]`.
+    /// Parses `name`, `name[index]` or `name[index][index]`.
     fn parse(text: &str) -> Option<Self> {
-        let (name, index) = match text.strip_suffix(']').map(|text| text.split_once('[')) {
-            None => (text, None),
-            Some(parts) => {
-                let (name, index) = parts?;
-                (name, Some(index.parse().ok()?))
-            }
-        };
+        let (name, indices) = text.split_at(text.find('[').unwrap_or(text.len()));
+        let index = |piece: &str| piece.strip_prefix('[')?.strip_suffix(']')?.parse().ok();
+        let indices = indices.split_inclusive(']').map(index).collect::<Option<Vec<usize>>>()?;
         let sound = !name.is_empty() && name.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_' || b == b'-');
-        sound.then(|| Segment { name: name.to_string(), index })
+        sound.then(|| Segment { name: name.to_string(), indices })
     }
 }
 

@@ -170,7 +170,7 @@ fn what_is_no_checkpoint_of_this_run_is_refused() {
     // What an exact path leaves is another part.
     assert_eq!(refused(&["solver.method=\"events\""]), CheckpointError::Damaged);
     assert_eq!(
-        refused(&["solver.linear=\"condensed\"", "solver.linear=\"umfpack\"", "mesh.elements=[6,7]"]).to_string(),
+        refused(&["solver.linear=\"condensed\"", "solver.linear=\"faer\"", "mesh.elements=[6,7]"]).to_string(),
         "the checkpoint is that of another run: the mesh or its contact differs"
     );
 }

@@ -72,7 +72,6 @@ fn what_is_not_key_equals_value_is_refused() {
         "contact[-1].friction=1",
         "contact[0.friction=1",
         "contact0].friction=1",
-        "contact[0][1].friction=1",
         "[0].friction=1",
     ];
     for text in faulty {
@@ -167,6 +166,21 @@ fn an_unknown_key_is_reported_as_such() {
     }
 }
 
+/// An index at the end of a key is that of one entry of a list. The other entries stay.
+#[test]
+fn an_index_sets_one_entry_of_a_list() {
+    let changed = scene(&["load[1].traction[0]=123", "mesh.elements[1]=7", "load[0].history[1][1]=0.5"]);
+    let whole = ["load[1].traction=[123, 0.0]", "mesh.elements=[100, 7]", "load[0].history=[[0, 0], [1, 0.5], [2, 1]]"];
+    let whole = scene(&whole);
+    assert_eq!(changed.description.loads, whole.description.loads);
+    assert_eq!(changed.description.mesh, whole.description.mesh);
+    assert_ne!(changed.description.loads, scene(&[]).description.loads);
+    // Lines and comments stay.
+    for mark in ['\n', '#'] {
+        assert_eq!(changed.text().matches(mark).count(), BLOCK.matches(mark).count());
+    }
+}
+
 #[test]
 fn what_cannot_be_set_is_refused() {
     let no_contact = without("[[contact]]", Some("[[load]]"));
@@ -179,7 +193,13 @@ fn what_cannot_be_set_is_refused() {
         (BLOCK, "contact=3", "`contact` is a table", "one of its keys"),
         (BLOCK, "contact[0]=3", "whole table", "one of its keys"),
         (BLOCK, "time[0].end=1", "`time` is not a list of tables", "leave the [index] out"),
-        (BLOCK, "mesh.elements[0]=1", "`elements` is not a list of tables", "leave the [index] out"),
+        (BLOCK, "time.end[0]=1", "`end` is not a list", "leave the [index] out"),
+        (BLOCK, "mesh[0]=1", "`mesh` is not a list", "leave the [index] out"),
+        (BLOCK, "mesh.elements[2]=1", "`elements` has 2 entries, so there is no elements[2]", "from 0"),
+        (BLOCK, "load[0].history[1][2]=1", "`history[1]` has 2 entries, so there is no history[1][2]", "from 0"),
+        (BLOCK, "mesh.elements[0][0]=1", "`elements[0]` is not a list", "leave the [index] out"),
+        (BLOCK, "load[0].force[0]=1", "the scene has no list `force` there", "set the whole list, force=[...]"),
+        (BLOCK, "contact[0][0].friction=1", "contact[0] is a table", "leave the second [index] out"),
         (BLOCK, "time.end.x=1", "`end` is not a table", "look the key up"),
     ] {
         let error = parse(text, &[set]).err().unwrap_or_else(|| panic!("accepted: {set}"));

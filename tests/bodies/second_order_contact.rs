@@ -112,17 +112,17 @@ fn all_ways_agree() {
             assert!(outcome.linear.worst_backward_error < 1e-13, "{:e}", outcome.linear.worst_backward_error);
             keep.states
         };
-        let reference = states(Method::BN, LinearAlgebra::Whole(SparseLu::Umfpack));
+        let reference = states(Method::BN, LinearAlgebra::Whole(SparseLu::default()));
         // Friction and normal forces come and go.
         let slid = reference.iter().any(|state| sums(state)[1] > 1e-3);
         let opened = reference.iter().flat_map(|state| &state.p_n).any(|p| *p == 0.0);
         assert!(slid && opened, "{:?}", reference.iter().map(sums).collect::<Vec<_>>());
         for (method, linear) in [
             (Method::BN, LinearAlgebra::Whole(SparseLu::Faer)),
-            (Method::BN, LinearAlgebra::Condensed(SparseCholesky::Cholmod)),
+            (Method::BN, LinearAlgebra::Condensed(SparseCholesky::default())),
             (Method::BN, LinearAlgebra::Condensed(SparseCholesky::Faer)),
-            (Method::Ip, LinearAlgebra::Whole(SparseLu::Umfpack)),
-            (Method::Ip, LinearAlgebra::Condensed(SparseCholesky::Cholmod)),
+            (Method::Ip, LinearAlgebra::Whole(SparseLu::default())),
+            (Method::Ip, LinearAlgebra::Condensed(SparseCholesky::default())),
         ] {
             let off = difference(&reference, &states(method, linear));
             assert!(off < 1e-9, "{cells} {method:?} {linear:?}: {off:e}");

@@ -58,13 +58,13 @@ pub enum Verdict {
     /// A run did not converge.
     NotConverged,
     /// The limit of runs was reached.
-    Runs,
+    RunLimit,
     /// The next run would exceed the limit of time.
-    Time,
+    TimeLimit,
     /// There is no finer mesh.
-    Meshes,
+    NoFinerMesh,
     /// The next mesh needs more memory than there is.
-    Memory,
+    MemoryLimit,
 }
 
 /// The result of a study. Numbers are SI.

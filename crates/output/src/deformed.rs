@@ -143,7 +143,7 @@ impl DeformedBody {
             factor => format!("magnified {factor} times"),
         };
         let units = self.units.of_pictures();
-        let largest = self.units.rounded(Quantity::Length, self.largest, 4).replace(" um", " µm");
+        let largest = self.units.rounded(Quantity::Length, self.largest, 4);
         let subtitle = format!("t = {} s, displacements {shown}, {largest} at most", self.time);
         svg.text([0.5 * WIDTH, 48.0], &subtitle, LABEL_SIZE, Anchor::Middle);
         let told = |(corners, stress): &(Vec<[f64; 2]>, f64)| {

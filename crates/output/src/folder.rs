@@ -18,4 +18,5 @@ mod table;
 
 pub use claim::LockedOutputDir;
 pub use directory::{FolderLock, write_file};
+pub use kept::KeptSolver;
 pub use results::{ResultFolder, write_page};

@@ -14,7 +14,6 @@
 //! | `body` | the lines of the plane body, see `view.rs` |
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::io;
 
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
@@ -87,7 +86,7 @@ struct Contact {
 ///
 /// # Errors
 /// If a file cannot be read, or `run.json` is not a report.
-pub(crate) fn page(names: &[String], read: impl Fn(&str) -> io::Result<String>) -> Result<String, PageError> {
+pub(crate) fn page(names: &[String], read: impl Fn(&str) -> Result<String, PageError>) -> Result<String, PageError> {
     let is_there = |name: &str| names.iter().any(|other| other == name);
     let report = is_there("run.json").then(|| read("run.json")).transpose()?;
     let report = report.map(|text| serde_json::from_str::<Report>(&text).map(|report| report.rest)).transpose();
@@ -263,7 +262,10 @@ fn body(head: Option<&view::Head>, states: &str, peak: Option<usize>) -> Vec<Val
 }
 
 /// Returns the pictures that fit, the first ones before the others.
-fn encoded(wanted: &[String], read: impl Fn(&str) -> io::Result<String>) -> io::Result<BTreeMap<String, String>> {
+fn encoded(
+    wanted: &[String],
+    read: impl Fn(&str) -> Result<String, PageError>,
+) -> Result<BTreeMap<String, String>, PageError> {
     let (mut pictures, mut left) = (BTreeMap::new(), MOST_PICTURES);
     for name in wanted {
         let picture = read(name)?;

@@ -4,7 +4,7 @@ use super::system::{Quantity, UnitSystem};
 
 /// The prefixes of SI units, descending.
 const PREFIXES: [(f64, &str); 7] =
-    [(1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "u"), (1e-9, "n")];
+    [(1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n")];
 
 /// Smaller numbers are written with an exponent.
 const SMALL: f64 = 1e-4;
@@ -96,7 +96,7 @@ mod tests {
             (Quantity::Stress, -2.1e11, "-210 GPa"),
             (Quantity::Stress, 999.96, "1.00 kPa"),
             (Quantity::Stress, 3e12, "3000 GPa"),
-            (Quantity::Length, 9.4562e-5, "94.6 um"),
+            (Quantity::Length, 9.4562e-5, "94.6 µm"),
             (Quantity::Length, 1234.5, "1234 m"),
             (Quantity::Length, 3e-14, "3.00e-5 nm"),
             (Quantity::Force, 15_500.0, "15.5 kN"),

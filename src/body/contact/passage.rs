@@ -4,6 +4,9 @@
 //! search distance. Elsewhere bodies may overlap while every law holds. Therefore the nodes on the outside of each
 //! displaced body are searched for inside the cells of the others. Nodes that have rows between two bodies, or are in
 //! such rows, are left out for these two bodies, since facets may overlap slightly there.
+//!
+//! A given gap replaces the measured one, such as that of an edge whose rounding is not drawn. The true surface of the
+//! slave is then behind the drawn one by the difference, and nodes beside the contact enter the drawn body first.
 
 use std::collections::BTreeSet;
 
@@ -56,17 +59,29 @@ pub struct Passages {
     /// Pairs of boundaries of one body: the number of the body, the nodes of one boundary without rows, and the other
     /// boundary.
     slots: Vec<(usize, Vec<usize>, Outside)>,
+    receded: Vec<Receded>,
+}
+
+/// A slave node whose given gap exceeds the measured one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Receded {
+    node: usize,
+    /// The bodies of slave and master.
+    bodies: [usize; 2],
+    /// The difference, m.
+    by: f64,
 }
 
 impl Passages {
-    /// Creates the search for `mesh`, whose bodies are in contact by `mortars`. `None` for a single body without a
-    /// boundary in front of itself.
-    pub fn new<'a>(mesh: &Mesh, mortars: impl Iterator<Item = &'a Mortar>) -> Option<Self> {
+    /// Creates the search for `mesh`, whose bodies are in contact by `mortars`, each with the gaps (m) of its rows at the
+    /// beginning. `None` for a single body without a boundary in front of itself.
+    pub fn new<'a>(mesh: &Mesh, mortars: impl Iterator<Item = (&'a Mortar, &'a [f64])>) -> Option<Self> {
         let bodies = mesh.bodies();
         let of = bodies.of_nodes();
         let mut guarded = BTreeSet::new();
         let mut slots = Vec::new();
-        for mortar in mortars {
+        let mut receded = Vec::new();
+        for (mortar, gaps) in mortars {
             let [slave, master] = mortar.sides();
             let masters: BTreeSet<usize> = master.iter().flatten().map(|&node| of[node]).collect();
             let covered = slave.iter().zip(&mortar.covered).filter(|(_, share)| **share > COVERED);
@@ -75,8 +90,15 @@ impl Passages {
                 .chain(mortar.rows.iter().map(|row| row.node))
                 .collect();
             guarded.extend(with_rows.iter().flat_map(|&node| masters.iter().map(move |&body| (node, body))));
-            for row in &mortar.rows {
+            for (row, gap) in mortar.rows.iter().zip(gaps) {
                 guarded.extend(row.master.iter().map(|&(node, _)| (node, of[row.node])));
+                let master = row.master.first().map(|&(node, _)| of[node]);
+                let recedes = master.filter(|_| *gap > row.gap);
+                receded.extend(recedes.map(|master| Receded {
+                    node: row.node,
+                    bodies: [of[row.node], master],
+                    by: gap - row.gap,
+                }));
             }
             let own = slave.first().map_or(0, |facet| of[facet[0]]);
             if masters.contains(&own) {
@@ -105,7 +127,7 @@ impl Passages {
                 body.nodes = nodes.into_iter().collect();
             }
         }
-        Some(Passages { bodies: outside, guarded, slots })
+        Some(Passages { bodies: outside, guarded, slots, receded })
     }
 
     /// Returns the node that has entered a body furthest after the nodes of `mesh` have moved by `u` (m), if the depth
@@ -121,6 +143,7 @@ impl Passages {
                 let at_rest = |node: usize| mesh.nodes[node];
                 let before = inside(mesh, &at_rest, &[node], other).first().map_or(0.0, |(_, depth)| *depth);
                 let depth = depth - before;
+                let depth = depth - self.recess(mesh, node, bodies, depth);
                 if depth > least.max(COUNTS * spread) && deepest.is_none_or(|deepest| depth > deepest.depth) {
                     let apart = if before > 0.0 { 0.0 } else { distances(mesh, &at_rest, &other.facets, &[node])[0] };
                     deepest = Some(Passed { node, bodies, depth, apart });
@@ -142,6 +165,15 @@ impl Passages {
             look([*body; 2], &nodes, other, spread(&other.nodes, u));
         }
         deepest
+    }
+
+    /// Returns the distance (m) by which the true surface is behind the drawn one at a node of the first body that is
+    /// `depth` (m) inside the second: that of the nearest slave node. It is 0 away from the contact.
+    fn recess(&self, mesh: &Mesh, node: usize, bodies: [usize; 2], depth: f64) -> f64 {
+        let away = |receded: &Receded| norm(minus(mesh.nodes[node], mesh.nodes[receded.node]));
+        let ours = |receded: &&Receded| receded.bodies == bodies || receded.bodies == [bodies[1], bodies[0]];
+        let nearest = self.receded.iter().filter(ours).min_by(|a, b| away(a).total_cmp(&away(b)));
+        nearest.filter(|receded| away(receded) <= depth + receded.by).map_or(0.0, |receded| receded.by)
     }
 }
 

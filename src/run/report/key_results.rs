@@ -1,11 +1,12 @@
-//! The results that a reader asks for first, each with its errors: the largest force, the friction work, the stick zone.
+//! The results that a reader asks for first, each with its errors: the largest force, the holding force, the friction
+//! work, the stick zone.
 //! The largest pressure is in [`super::LargestPressure`].
 
 use serde::{Deserialize, Serialize};
 
 use super::estimates::Estimates;
 use super::largest::is_as_large;
-use super::resultant::ForceRecord;
+use super::resultant::{ForceRecord, Resultant};
 use crate::body::mesh::Geometry;
 use crate::solver::history::{IncrementRecord, Status};
 
@@ -31,6 +32,24 @@ pub struct LargestForce {
     pub time_error: Option<f64>,
 }
 
+/// The largest tangential force of a contact in a history: the force by which it holds, or at which it is drawn out.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
+pub struct HoldingForce {
+    /// The boundary.
+    pub boundary: String,
+    /// The magnitude of (Σ p_t, Σ p_o), N; in two dimensions |Σ p_t|, N per m of depth. On a curved boundary it is the sum
+    /// along the turning tangents.
+    pub magnitude: f64,
+    /// The time, s.
+    pub time: f64,
+    /// The error of the mesh, as a share of the largest tangential force. `None` if it is unknown.
+    pub mesh_error: Option<f64>,
+    /// The error of the time steps, as a share of the largest tangential force, if it was estimated.
+    pub time_error: Option<f64>,
+}
+
 /// The friction work of a history.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -52,6 +71,7 @@ const ROUNDING: f64 = 1e-8;
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct KeyWatch {
     largest: Option<LargestForce>,
+    holding: Option<HoldingForce>,
     work: f64,
 }
 
@@ -64,6 +84,7 @@ impl KeyWatch {
         self.work += record.friction_work;
         let first = usize::from(geometry == Geometry::Axisymmetric);
         for ForceRecord { time, resultant, .. } in forces {
+            self.see_tangential(resultant, *time);
             let magnitude = resultant.force[first..].iter().map(|f| f * f).sum::<f64>().sqrt();
             let so_far = self.largest.as_ref().map_or(0.0, |largest| largest.magnitude);
             // The first of equally large forces counts.
@@ -78,6 +99,21 @@ impl KeyWatch {
                 });
             }
         }
+    }
+
+    fn see_tangential(&mut self, resultant: &Resultant, time: f64) {
+        let magnitude = resultant.sums.sum_p_t.hypot(resultant.sums.sum_p_o.unwrap_or(0.0));
+        let so_far = self.holding.as_ref().map_or(0.0, |holding| holding.magnitude);
+        if magnitude > 0.0 && !is_as_large(so_far, magnitude) {
+            let boundary = resultant.boundary.clone();
+            self.holding = Some(HoldingForce { boundary, magnitude, time, mesh_error: None, time_error: None });
+        }
+    }
+
+    /// Returns the largest tangential force with its errors; `None` without any.
+    pub(super) fn holding_force(&self, estimates: &Estimates) -> Option<HoldingForce> {
+        let (mesh_error, time_error) = (estimates.tangential, estimates.force_error());
+        self.holding.clone().map(|holding| HoldingForce { mesh_error, time_error, ..holding })
     }
 
     /// Returns the largest force with its errors; `None` without contact.

@@ -20,6 +20,10 @@ pub struct LargestPressure {
     pub pressure: Option<f64>,
     /// The kind of the pressure: of a node, or of a node and its neighbours.
     pub peak_of: Option<PeakOf>,
+    /// The mean pressure of the closed nodes of its boundary at that time, Pa: the sum of their `p_n` over the sum of their
+    /// weights l (32).
+    #[serde(default)]
+    pub mean_pressure: Option<f64>,
     /// The boundary of the node.
     pub boundary: String,
     /// The node's position, m.
@@ -43,6 +47,8 @@ pub(super) struct Peak {
     pressure: f64,
     /// The indices of the boundary and of the contact node.
     at: [usize; 2],
+    /// The mean pressure of the closed nodes of the boundary at that time, Pa.
+    mean: Option<f64>,
     /// The time, s.
     time: f64,
     /// The contact forces at that time; displacements are omitted.
@@ -76,9 +82,14 @@ impl Peak {
         if let (pressure, Some(at)) = largest
             && is_as_large(pressure, so_far)
         {
+            let parts = model.contact_boundaries[at[0]].parts(&model.contacts).filter(|(i, _)| is_closed(i));
+            let [force, area] = parts.fold([0.0; 2], |[force, area], (i, share)| {
+                [force + share * state.p_n[i], area + share * model.contacts[i].weight]
+            });
+            let mean = (area > 0.0).then(|| force / area);
             let State { p_n, p_t, p_o, .. } = state;
             let state = State { p_n: p_n.clone(), p_t: p_t.clone(), p_o: p_o.clone(), ..State::default() };
-            *before = Some(Peak { pressure: pressure.max(so_far), at, time: record.time, state });
+            *before = Some(Peak { pressure: pressure.max(so_far), at, mean, time: record.time, state });
         }
     }
 
@@ -124,6 +135,7 @@ impl Peak {
         LargestPressure {
             pressure: peak_of.map(|_| self.pressure),
             peak_of,
+            mean_pressure: self.mean,
             boundary: model.contact_boundaries[boundary].name.clone(),
             position: model.contacts[i].position,
             time: self.time,

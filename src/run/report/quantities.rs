@@ -97,7 +97,7 @@ const KEYS: &Table = &[
     (&["force", "magnitude", "sum_p_n", "sum_p_t", "sum_p_o"], Force),
     (&["moment"], Moment),
     (&["friction_work", "friction_work_corrected", "strain_energy"], Energy),
-    (&["pressure", "peak_pressure", "patch_pressure"], Stress),
+    (&["pressure", "mean_pressure", "peak_pressure", "patch_pressure"], Stress),
 ];
 
 /// A list of names with their quantity.

@@ -11,7 +11,7 @@ use super::explain::Explanation;
 use super::force_jump::ForceJump;
 use super::history_curves::HistoryCurves;
 use super::increment_warnings;
-use super::key_results::{FrictionResult, KeyWatch, LargestForce};
+use super::key_results::{FrictionResult, HoldingForce, KeyWatch, LargestForce};
 use super::pairs::PairRecord;
 use super::peak::LargestPressure;
 use super::quantities;
@@ -80,6 +80,9 @@ pub struct RunReport {
     /// The largest contact force.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub largest_force: Option<LargestForce>,
+    /// The largest tangential force of a contact.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub holding_force: Option<HoldingForce>,
     /// The friction work, if anything slipped.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub friction: Option<FrictionResult>,
@@ -338,6 +341,7 @@ impl RunReport {
             explanation: Explanation::new(solver, model, outcome),
             largest_pressure: facts.largest_pressure,
             largest_force: facts.key.largest_force(&facts.estimates),
+            holding_force: facts.key.holding_force(&facts.estimates),
             friction: facts.key.friction(&facts.estimates),
             stick_zone: facts.estimates.stick_zone().cloned(),
             cycle: facts.cycle,

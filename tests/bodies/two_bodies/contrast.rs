@@ -25,11 +25,11 @@ fn stiff_on_soft() {
             let model = Model::build(&stack(contrast, slave)).unwrap();
             let mut reference = None;
             for (method, linear) in [
-                (Method::BN, LinearAlgebra::Whole(SparseLu::Umfpack)),
+                (Method::BN, LinearAlgebra::Whole(SparseLu::default())),
                 (Method::BN, LinearAlgebra::Whole(SparseLu::Faer)),
-                (Method::BN, LinearAlgebra::Condensed(SparseCholesky::Cholmod)),
-                (Method::Ip, LinearAlgebra::Whole(SparseLu::Umfpack)),
-                (Method::Ip, LinearAlgebra::Condensed(SparseCholesky::Cholmod)),
+                (Method::BN, LinearAlgebra::Condensed(SparseCholesky::default())),
+                (Method::Ip, LinearAlgebra::Whole(SparseLu::default())),
+                (Method::Ip, LinearAlgebra::Condensed(SparseCholesky::default())),
             ] {
                 let mut keep = Keep::default();
                 let solver = SolverChoice { linear: Some(linear), tolerance: 1e-10, ..SolverChoice::new(method) };

@@ -10,7 +10,7 @@ use stickslip::run::report::{RunReport, WarningKind};
 use stickslip::solver::history::{LinearAlgebra, Method};
 
 fn run(body: &Description) -> RunReport {
-    whole::report(body, Method::BN, LinearAlgebra::Whole(SparseLu::Umfpack))
+    whole::report(body, Method::BN, LinearAlgebra::Whole(SparseLu::default()))
 }
 
 /// A block that is pressed on a shorter one and sticks out at both ends, with `n` elements along.

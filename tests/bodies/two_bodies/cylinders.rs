@@ -105,11 +105,11 @@ fn all_ways_agree() {
     let (_, reference) = solve([8, 12], 0.02, 1.15, Side::Upper, Method::BN, LinearAlgebra::default());
     for (method, linear) in [
         (Method::BN, LinearAlgebra::Whole(SparseLu::Faer)),
-        (Method::BN, LinearAlgebra::Condensed(SparseCholesky::Cholmod)),
+        (Method::BN, LinearAlgebra::Condensed(SparseCholesky::default())),
         (Method::BN, LinearAlgebra::Condensed(SparseCholesky::Faer)),
-        (Method::Ip, LinearAlgebra::Whole(SparseLu::Umfpack)),
-        (Method::Ip, LinearAlgebra::Condensed(SparseCholesky::Cholmod)),
-        (Method::Bn { r_factor: 1.0, rescue: true }, LinearAlgebra::Whole(SparseLu::Umfpack)),
+        (Method::Ip, LinearAlgebra::Whole(SparseLu::default())),
+        (Method::Ip, LinearAlgebra::Condensed(SparseCholesky::default())),
+        (Method::Bn { r_factor: 1.0, rescue: true }, LinearAlgebra::Whole(SparseLu::default())),
     ] {
         let (_, outcome) = solve([8, 12], 0.02, 1.15, Side::Upper, method, linear);
         let largest = reference.state.p_n.iter().fold(0.0_f64, |m, p| m.max(*p));

@@ -4,14 +4,15 @@ use super::whole;
 use crate::common::round::moved;
 use std::f64::consts::FRAC_PI_2;
 use stickslip::algebra::linear::SparseLu;
+use stickslip::base::Formula;
 use stickslip::body::fem::{Material, Plane};
 use stickslip::body::mesh::{Body, Mesh, MeshSource, block};
-use stickslip::body::{Axis, Description, Opposite, Support};
+use stickslip::body::{Axis, Description, FirstGap, Opposite, Support};
 use stickslip::run::report::{RunReport, WarningKind};
 use stickslip::solver::history::{LinearAlgebra, Method};
 
 fn run(body: &Description) -> RunReport {
-    whole::report(body, Method::BN, LinearAlgebra::Whole(SparseLu::Umfpack))
+    whole::report(body, Method::BN, LinearAlgebra::Whole(SparseLu::default()))
 }
 
 fn message(report: &RunReport, kind: WarningKind) -> Option<&str> {
@@ -69,6 +70,32 @@ fn a_search_that_is_too_short() {
         assert!(told.contains("within the search distance of 3.00 mm") && told.contains("contact[0].search"), "{told}");
         assert_eq!(message(&wedge(0.05, upper_is_slave), WarningKind::PassedThrough), None);
     }
+}
+
+/// The edges of a punch are drawn sharp, and their rounding is a given gap. The drawn edges enter the body below before
+/// the true ones: no body passes through another. A body that sinks in deeper than that does.
+#[test]
+fn roundings_that_are_given_as_a_gap() {
+    // The edges are 0.02 m behind the flat.
+    let gap = Formula::parse("max(0, abs(x - 0.5) - 0.1)^2 / (2 * 0.0625)").unwrap();
+    let punch = |gap: Option<Formula>| {
+        let mesh = MeshSource::Bodies(vec![
+            Body::new("lower", block(&[1.0, 0.5], &[37, 20])),
+            Body::new("punch", block(&[0.3, 0.2], &[12, 40])).at([0.35, 0.500_001]),
+        ]);
+        let body = Description::new(mesh, Material::new(70e9, 0.3), vec![1.0])
+            .support("lower:bottom", &[Axis::X, Axis::Y])
+            .held(Support::new("punch:top", &[Axis::X, Axis::Y]).moved(&[0.0, -0.015]));
+        match gap {
+            Some(gap) => {
+                let against = Opposite { gap: FirstGap::Formula(gap), ..Opposite::from("lower:top") };
+                body.pair("punch:bottom", 0.0, against)
+            }
+            None => body,
+        }
+    };
+    assert_eq!(message(&run(&punch(Some(gap))), WarningKind::PassedThrough), None);
+    assert!(message(&run(&punch(None)), WarningKind::PassedThrough).is_some());
 }
 
 /// A quarter of a ring that is drawn larger than the bore of another by `overlap` (m), with `n` facets along the inner and `m` along the outer one.

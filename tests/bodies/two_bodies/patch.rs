@@ -20,7 +20,7 @@ pub(super) fn mesh<const D: usize>(size: [f64; D], elements: [usize; D], cells: 
 /// The largest errors of the stresses and of the contact pressures, relative to the pressure.
 fn errors(description: &Description) -> [f64; 2] {
     let model = Model::build(description).unwrap();
-    let condensed = LinearAlgebra::Condensed(SparseCholesky::Cholmod);
+    let condensed = LinearAlgebra::Condensed(SparseCholesky::default());
     let state = solved(&model, solver(Method::BN, condensed), &mut ()).state;
     let up = model.mesh.dimension - 1;
     let displacements = model.displacements(1.0, &state.u).unwrap();
@@ -155,7 +155,7 @@ fn nodes_of_second_order_tell_what_is_there() {
     }
     let model = Model::build(&body).unwrap();
     let mut line = Line(Some(&model), Vec::new());
-    solved(&model, solver(Method::BN, LinearAlgebra::Condensed(SparseCholesky::Cholmod)), &mut line);
+    solved(&model, solver(Method::BN, LinearAlgebra::Condensed(SparseCholesky::default())), &mut line);
     // Radii of 10, 30 and 50 mm.
     let pressure = 210e9 / 0.91 / 0.03 * 1e-5 * (800.0 * 1600.0) / (2.0 * 900.0 * 2400.0);
     assert_eq!(line.1.len(), 7);

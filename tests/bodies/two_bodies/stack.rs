@@ -8,14 +8,16 @@ use stickslip::body::mesh::MeshSource;
 use stickslip::body::{Description, Model};
 use stickslip::solver::history::{LinearAlgebra, Method};
 
-const CONDENSED: LinearAlgebra = LinearAlgebra::Condensed(SparseCholesky::Cholmod);
+fn condensed() -> LinearAlgebra {
+    LinearAlgebra::Condensed(SparseCholesky::default())
+}
 
 /// Iterations, statuses after every fifth increment and the forces at the end, from left to right.
 #[test]
 fn a_finer_block_on_a_coarser_one() {
     let model = Model::build(&stack([8, 4], [11, 5], Side::Upper)).unwrap();
     let mut keep = Keep::default();
-    let outcome = solved(&model, solver(Method::BN, CONDENSED), &mut keep);
+    let outcome = solved(&model, solver(Method::BN, condensed()), &mut keep);
     let iterations: Vec<usize> = outcome.records.iter().map(|record| record.iterations).collect();
     let expected = [2, 1, 1, 1, 1, 2, 1, 1, 1, 4, 2, 1, 1, 1, 1, 1, 2, 1, 3, 3];
     // Those are from the last state. From the tangent there it takes fewer, but where the load turns round up to two more.
@@ -60,7 +62,7 @@ fn a_finer_block_on_a_coarser_one() {
 #[test]
 fn the_coarser_side_as_the_slave() {
     let model = Model::build(&stack([8, 4], [11, 5], Side::Lower)).unwrap();
-    let outcome = solved(&model, solver(Method::BN, CONDENSED), &mut ());
+    let outcome = solved(&model, solver(Method::BN, condensed()), &mut ());
     let mut p_n: Vec<(f64, f64)> =
         model.contacts.iter().zip(&outcome.state.p_n).map(|(contact, p)| (contact.position[0], *p)).collect();
     p_n.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -97,7 +99,7 @@ struct Expected<'a> {
 
 fn assert_history(description: &Description, expected: &Expected<'_>) {
     let model = Model::build(description).unwrap();
-    for linear in [CONDENSED, LinearAlgebra::Whole(SparseLu::Umfpack)] {
+    for linear in [condensed(), LinearAlgebra::Whole(SparseLu::default())] {
         let outcome = solved(&model, solver(Method::BN, linear), &mut ());
         let iterations: Vec<usize> = outcome.records.iter().map(|record| record.iterations).collect();
         assert!(iterations.iter().zip(expected.iterations).all(|(a, b)| a.abs_diff(b) <= 1), "{iterations:?}");
@@ -195,14 +197,14 @@ fn all_ways_agree() {
         solved(&model, solver(method, linear), &mut keep);
         keep.states
     };
-    let reference = run(Method::BN, CONDENSED);
+    let reference = run(Method::BN, condensed());
     for (method, linear) in [
-        (Method::BN, LinearAlgebra::Whole(SparseLu::Umfpack)),
+        (Method::BN, LinearAlgebra::Whole(SparseLu::default())),
         (Method::BN, LinearAlgebra::Whole(SparseLu::Faer)),
         (Method::BN, LinearAlgebra::Condensed(SparseCholesky::Faer)),
-        (Method::Ip, LinearAlgebra::Whole(SparseLu::Umfpack)),
-        (Method::Ip, CONDENSED),
-        (Method::Bn { r_factor: 1.0, rescue: false }, CONDENSED),
+        (Method::Ip, LinearAlgebra::Whole(SparseLu::default())),
+        (Method::Ip, condensed()),
+        (Method::Bn { r_factor: 1.0, rescue: false }, condensed()),
     ] {
         let apart = difference(&reference, &run(method, linear));
         assert!(apart < 1e-8, "{method:?} {linear:?}: {apart:e}");

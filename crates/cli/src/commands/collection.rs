@@ -10,7 +10,7 @@ use stickslip::algebra::parallel_map;
 use stickslip::run::report::thread_cpu_seconds;
 use stickslip_cli::problems::{Collection, ProblemReport, Row, Verdict};
 use stickslip_exchange::{ProblemFile, Way, solve_by};
-use stickslip_output::write_file;
+use stickslip_output::{FolderLock, write_file};
 
 use super::progress::bar;
 use super::run::write_failure;
@@ -18,6 +18,12 @@ use super::{Failure, interrupt};
 
 /// The name endings of exchange files.
 const ENDINGS: [&str; 4] = ["hdf5", "h5", "hdf", "dat"];
+
+/// The files of a collection.
+const FILES: [&str; 4] = ["collection.csv", "collection.json", "profile.csv", "profile.svg"];
+
+/// The first columns of every `collection.csv`.
+const COLUMNS: &str = "file,way,form,dimension,contacts,unknowns,";
 
 #[derive(Args)]
 pub(super) struct CollectionArgs {
@@ -40,6 +46,9 @@ pub(super) struct CollectionArgs {
 pub(super) fn collection(args: &CollectionArgs, threads: usize) -> Result<ExitCode, Failure> {
     interrupt::listen();
     let (files, others) = files(&args.folder)?;
+    let lock =
+        |folder: &PathBuf| FolderLock::new(folder, &FILES, COLUMNS).map_err(|error| write_failure(folder, &error));
+    let _alone = args.out.as_ref().map(lock).transpose()?;
     let ways: &[Way] = if args.compare { &Way::ALL } else { &[Way::Default] };
     let tasks: Vec<(&PathBuf, Way)> = files.iter().flat_map(|file| ways.iter().map(move |way| (file, *way))).collect();
     let bar = bar(tasks.len(), "problems");
@@ -128,12 +137,6 @@ fn write(folder: &Path, of: &Path, collection: &Collection, json: &str) -> Resul
     let chart = profile.chart(&format!("Problems of {}", of.display())).to_svg();
     let chart = chart.map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
     let failed = |error: std::io::Error| write_failure(folder, &error);
-    fs::create_dir_all(folder).map_err(failed)?;
-    let files = [
-        ("collection.csv", collection.to_csv()),
-        ("collection.json", json.to_string()),
-        ("profile.csv", profile.to_csv()),
-        ("profile.svg", chart),
-    ];
-    files.into_iter().try_for_each(|(name, text)| write_file(folder, name, text)).map_err(failed)
+    let texts = [collection.to_csv(), json.to_string(), profile.to_csv(), chart];
+    FILES.into_iter().zip(texts).try_for_each(|(name, text)| write_file(folder, name, text)).map_err(failed)
 }

@@ -40,7 +40,8 @@ pub(super) struct CompareArgs {
     #[arg(long, value_delimiter = ',')]
     solvers: Vec<LinearAlgebra>,
     /// Meshes, each by its first number of elements, the other numbers in the proportions of the scene [default: an
-    /// eighth, a quarter and half of the scene's]; for a scene with a mesh file, mesh files: a.msh,b.msh
+    /// eighth, a quarter and half of the scene's]; for a scene with a mesh file, mesh files, relative to the scene
+    /// file: a.msh,b.msh
     #[arg(long, value_delimiter = ',')]
     meshes: Vec<MeshSize>,
     /// Elements of each mesh: cell types as in mesh.cells, strains as in mesh.element, or both:

@@ -1,6 +1,5 @@
 //! `stickslip converge`.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -13,7 +12,7 @@ use stickslip::solver::IterationRecord;
 use stickslip::solver::history::Observer;
 use stickslip_cli::compare::MeshSize;
 use stickslip_cli::converge::{self, ConvergeError, Convergence, Plan, Sought, Verdict};
-use stickslip_output::write_file;
+use stickslip_output::{FolderLock, write_file};
 
 use super::Failure;
 use super::interrupt;
@@ -34,7 +33,7 @@ pub(super) struct ConvergeArgs {
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<Override>,
     /// Meshes from coarse to fine, each by its first number of elements, the other numbers in the proportions of the
-    /// scene; for a scene with a mesh file, mesh files: a.msh,b.msh [default: a quarter, half, all of the scene's
+    /// scene; for a scene with a mesh file, mesh files, relative to the scene file: a.msh,b.msh [default: a quarter, half, all of the scene's
     /// elements along each axis, and so on]
     #[arg(long, value_delimiter = ',')]
     meshes: Vec<MeshSize>,
@@ -65,6 +64,12 @@ fn ratio(text: &str) -> Result<f64, String> {
     ratio.filter(|ratio| (1.2..=4.0).contains(ratio)).ok_or_else(|| "give a factor from 1.2 to 4".to_string())
 }
 
+/// The files of a study.
+const FILES: [&str; 3] = ["converge.csv", "converge.json", "converge.svg"];
+
+/// The first columns of every `converge.csv`.
+const COLUMNS: &str = "mesh,elements,increments,";
+
 /// Stops a run when the user asks for it.
 struct OnRequest;
 
@@ -78,9 +83,9 @@ impl Observer for OnRequest {
 pub(super) fn converge(args: &ConvergeArgs) -> Result<ExitCode, Failure> {
     interrupt::listen();
     let scene = Scene::read(&args.scene, &args.overrides)?;
-    if let Some(folder) = &args.out {
-        fs::create_dir_all(folder).map_err(|error| write_failure(folder, &error))?;
-    }
+    let lock =
+        |folder: &PathBuf| FolderLock::new(folder, &FILES, COLUMNS).map_err(|error| write_failure(folder, &error));
+    let _alone = args.out.as_ref().map(lock).transpose()?;
     let plan = Plan {
         sought: args.sought,
         to: args.to,
@@ -109,8 +114,8 @@ pub(super) fn converge(args: &ConvergeArgs) -> Result<ExitCode, Failure> {
         say!("{json}");
     } else {
         print(&study);
-        if study.verdict == Verdict::Meshes
-            && let Some(command) = finer(&scene)
+        if study.verdict == Verdict::NoFinerMesh
+            && let Some((command, _)) = finer(&scene)
         {
             say!("             {command}");
         }
@@ -133,26 +138,30 @@ fn print(study: &Convergence) {
 
 fn no_finer_mesh(scene: &Scene) -> Failure {
     let error = ConvergeError::NoFinerMesh;
-    let Some(command) = finer(scene) else { return Failure::Input(error.into()) };
-    let help = format!("make finer meshes, e.g. {command}, and name all from coarse to fine (--meshes a.msh,b.msh)");
+    let Some((command, meshes)) = finer(scene) else { return Failure::Input(error.into()) };
+    let help = format!(
+        "make finer meshes, e.g. {command}, and name all from coarse to fine, relative to the scene file (--meshes {})",
+        meshes.join(",")
+    );
     Failure::Input(miette::miette!(help = help, "{error}"))
 }
 
-/// Returns the command by which Gmsh makes a mesh of half the element size, if the geometry lies beside the mesh of the
-/// scene.
-fn finer(scene: &Scene) -> Option<String> {
+/// Returns the command by which Gmsh makes a mesh of half the element size, and both meshes as `--meshes` names them, if
+/// the geometry lies beside the mesh of the scene.
+fn finer(scene: &Scene) -> Option<(String, [String; 2])> {
     let MeshSource::File { file, .. } = &scene.description.mesh else { return None };
     let geometry = file.with_extension("geo");
     let fine = file.with_file_name(format!("{}-fine.msh", file.file_stem()?.to_str()?));
+    let folder = Path::new(scene.file()).parent()?;
+    let named = [file, &fine].map(|path| path.strip_prefix(folder).unwrap_or(path).display().to_string());
     let [geometry, fine] = [&geometry, &fine].map(|path| path.display().to_string());
-    Path::new(&geometry).is_file().then(|| format!("gmsh -3 -clscale 0.5 {geometry} -format msh41 -o {fine}"))
+    let command = format!("gmsh -3 -clscale 0.5 {geometry} -format msh41 -o {fine}");
+    Path::new(&geometry).is_file().then_some((command, named))
 }
 
 fn write(folder: &Path, study: &Convergence, json: &str) -> Result<(), Failure> {
     let chart = study.chart().to_svg().map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
-    for (name, content) in
-        [("converge.csv", study.to_csv().as_str()), ("converge.json", json), ("converge.svg", &chart)]
-    {
+    for (name, content) in FILES.into_iter().zip([study.to_csv().as_str(), json, &chart]) {
         write_file(folder, name, content).map_err(|error| write_failure(folder, &error))?;
     }
     Ok(())

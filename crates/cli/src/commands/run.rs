@@ -23,7 +23,7 @@ use stickslip::run::{MemoryEstimate, Run};
 use stickslip::scene::{Provenance, Scene};
 use stickslip::solver::Checkpoint;
 use stickslip::solver::history::Status;
-use stickslip_output::{LockedOutputDir, ResultFolder};
+use stickslip_output::{KeptSolver, LockedOutputDir, ResultFolder};
 use watcher::Watcher;
 
 #[cfg(feature = "mpi")]
@@ -108,12 +108,14 @@ pub(super) fn run(args: &RunArgs, count: usize) -> Result<ExitCode, Failure> {
     let claim =
         args.results.out.as_deref().map(|path| LockedOutputDir::new(path).map_err(|error| write_failure(path, &error)));
     let claim = claim.transpose()?;
+    let mut reason = None;
     let left = match &claim {
         None => None,
         Some(claim) => match Left::of(claim, &origin, args)? {
             Some(Left::Ended(status)) => return resume::told_again(claim, args, status),
-            Some(Left::Underway { checkpoint, linear }) => {
+            Some(Left::Underway { checkpoint, linear, reason: earlier }) => {
                 scene.solver.linear = Some(linear);
+                reason = earlier;
                 Some(checkpoint)
             }
             None => None,
@@ -122,7 +124,8 @@ pub(super) fn run(args: &RunArgs, count: usize) -> Result<ExitCode, Failure> {
     let done = left.as_ref().map_or(0, Checkpoint::increments);
     let resumes = left.is_some();
     let run = prepared(args, &scene, count, left)?;
-    let linear = run.choice().linear.to_string();
+    let linear = KeptSolver { name: run.choice().linear.to_string(), reason: run.choice().reason().or(reason) };
+    let choice = linear.reason.clone();
     let folder = claim.map(|claim| open_folder(claim, &scene, run.model(), (origin, linear), resumes)).transpose()?;
     if !args.printed.json {
         summary::print_head(&scene, &run, args.is_verbose());
@@ -150,6 +153,7 @@ pub(super) fn run(args: &RunArgs, count: usize) -> Result<ExitCode, Failure> {
     let Watcher { mut folder, failed_write, .. } = watcher;
     let mut report = report?;
     report.chosen_increments = chosen;
+    report.solver_choice = choice;
     let mut is_written = false;
     if let Some(folder) = &mut folder {
         let written = failed_write.map_or_else(|| folder.add_report(&report), Err);
@@ -212,7 +216,7 @@ fn open_folder(
     claim: LockedOutputDir,
     scene: &Scene,
     model: &Model,
-    (origin, linear): (Provenance, String),
+    (origin, linear): (Provenance, KeptSolver),
     resumes: bool,
 ) -> Result<ResultFolder, Failure> {
     let probes = ProbeTable::all(model, &scene.output.probes).map_err(|fault| scene.located(fault))?;

@@ -24,14 +24,14 @@ use processes::{Ended, Processes};
 pub(super) struct SweepArgs {
     #[command(flatten)]
     scene: SceneArgs,
-    /// Vary a key over a list (mesh.file=a.msh,b.msh) or a range from:to:count (contact.friction=0.1:0.8:8); with
-    /// several --vary, all combinations are run
+    /// Vary a key over a list (mesh.file=a.msh,b.msh) or a range from:to:count (contact.friction=0.1:0.8:8), or several
+    /// keys together (time.end,time.increments=[1,10],[2,20]); with several --vary, all combinations are run
     #[arg(long = "vary", value_name = "KEY=VALUES", required = true)]
     variations: Vec<Variation>,
     #[command(flatten)]
     shown: ShownArgs,
     /// Number of increments of all variants, replaces time.increments
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = increments)]
     increments: Option<u32>,
     /// Estimate the time-step error of the tangential forces of each variant by a second run with a quarter of the
     /// increments
@@ -47,6 +47,16 @@ pub(super) struct SweepArgs {
     /// Print only the table, as one JSON object
     #[arg(long)]
     json: bool,
+}
+
+fn increments(text: &str) -> Result<u32, String> {
+    match text.parse() {
+        Ok(number) => Ok(number),
+        Err(_) if text == "auto" => Err("all variants have equal increments; `stickslip run SCENE --increments auto` \
+            says how many one of them requires: give the largest such number"
+            .to_string()),
+        Err(_) => Err("not a number".to_string()),
+    }
 }
 
 /// Options for what is shown of each variant.
@@ -111,7 +121,8 @@ pub(super) fn sweep(args: &SweepArgs, cli: &Cli) -> Result<ExitCode, Failure> {
     let shown = args.shown.of(&places)?;
     let wanted = shown.all();
     let passing = || std::env::temp_dir().join(format!("stickslip-sweep-{}", std::process::id()));
-    let lock = |folder: &PathBuf| FolderLock::new(folder).map_err(|error| write_failure(folder, &error));
+    let lock =
+        |folder: &PathBuf| FolderLock::new(folder, &TABLES, COLUMNS).map_err(|error| write_failure(folder, &error));
     let _alone = args.out.as_ref().map(lock).transpose()?;
     let path = args.out.as_ref().map_or_else(passing, |out| out.join("variants"));
     let results = Results { path, passes: args.out.is_none() };
@@ -194,7 +205,7 @@ fn tasks(args: &SweepArgs) -> Result<(Vec<Task>, Places), Failure> {
     let variants =
         combinations(&args.variations).map_err(|error| Failure::Input(miette::miette!("--vary: {error}")))?;
     if args.increments.is_some()
-        && args.variations.iter().any(|one| ["time", "time.increments"].contains(&one.key.as_str()))
+        && args.variations.iter().flat_map(Variation::keys).any(|key| ["time", "time.increments"].contains(&key))
     {
         let help = "remove --increments";
         return Err(Failure::Input(miette::miette!(help = help, "--increments: the increments are varied")));
@@ -220,12 +231,15 @@ fn one(args: &SweepArgs, overrides: &[Override]) -> Result<(String, String, Scen
     Ok((origin(&scene)?.fingerprint(), scene.text().to_string(), scene))
 }
 
-/// The file endings of the tables of a sweep.
-const TABLES: [&str; 5] = ["csv", "json", "txt", "svg", "html"];
+/// The tables of a sweep.
+const TABLES: [&str; 5] = ["sweep.csv", "sweep.json", "sweep.txt", "sweep.svg", "sweep.html"];
+
+/// The columns of every `sweep.csv`, behind the varied keys.
+const COLUMNS: &str = ",status,converged,iterations,seconds,largest_pressure";
 
 /// Returns an error, before anything runs, if a table cannot be written.
 fn writable(folder: &Path) -> Result<(), Failure> {
-    let tables = TABLES.map(|kind| folder.join(format!("sweep.{kind}")));
+    let tables = TABLES.map(|name| folder.join(name));
     match tables.iter().find(|table| table.is_dir()) {
         Some(table) => Err(write_failure(table, &io::Error::from(io::ErrorKind::IsADirectory))),
         None => Ok(()),
@@ -235,8 +249,8 @@ fn writable(folder: &Path) -> Result<(), Failure> {
 fn write(folder: &Path, sweep: &Sweep, json: &str) -> Result<(), Failure> {
     let chart = sweep.chart().to_svg().map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
     let (csv, text, page) = (sweep.to_csv(), sweep.to_text(), sweep.to_html(&chart));
-    for (kind, content) in TABLES.into_iter().zip([&csv, json, &text, &chart, &page]) {
-        write_file(folder, &format!("sweep.{kind}"), content).map_err(|error| write_failure(folder, &error))?;
+    for (name, content) in TABLES.into_iter().zip([&csv, json, &text, &chart, &page]) {
+        write_file(folder, name, content).map_err(|error| write_failure(folder, &error))?;
     }
     Ok(())
 }

@@ -206,7 +206,7 @@ pub(super) fn refine(
         match solve(mesh, increments) {
             Ok(run) => steps.push(Step { run, mesh }),
             Err(ConvergeError::Run(error)) if is_for_lack_of_memory(&error) && !steps.is_empty() => {
-                break (Verdict::Memory, error.to_string());
+                break (Verdict::MemoryLimit, error.to_string());
             }
             Err(error) => return Err(error),
         }
@@ -221,19 +221,19 @@ pub(super) fn refine(
             break (Verdict::Singular, String::new());
         }
         if steps.len() >= limits.most_runs {
-            break (Verdict::Runs, String::new());
+            break (Verdict::RunLimit, String::new());
         }
         let next = next(&steps, found.as_ref());
         let last_mesh = ladder.meshes().is_some_and(|number| mesh + 1 >= number);
         let growth = match next {
-            Refined::Mesh if last_mesh => break (Verdict::Meshes, String::new()),
+            Refined::Mesh if last_mesh => break (Verdict::NoFinerMesh, String::new()),
             Refined::Mesh => ladder.growth(mesh),
             Refined::Increments => None,
         };
         let seconds = predict(&steps, next, growth);
         if start.elapsed().as_secs_f64() + seconds.unwrap_or(0.0) > limits.within {
             predicted = seconds;
-            break (Verdict::Time, String::new());
+            break (Verdict::TimeLimit, String::new());
         }
         match next {
             Refined::Mesh => mesh += 1,
@@ -402,7 +402,7 @@ mod tests {
         assert_eq!((ended.verdict, ended.steps.last().unwrap().mesh), (Verdict::Singular, 4));
         // A contact of one node on all meshes.
         let narrow = study(0.02, |h, _| 1.0 / h, |run, _| run.is_resolved = false);
-        assert_eq!(narrow.verdict, Verdict::Runs);
+        assert_eq!(narrow.verdict, Verdict::RunLimit);
         // A rounded edge: the growth ends.
         let rounded = |h: f64, _: f64| (h + 0.2).powf(-0.5);
         assert_eq!(study(0.05, rounded, |_, _| ()).verdict, Verdict::Known);
@@ -422,9 +422,9 @@ mod tests {
     #[test]
     fn limits_end_the_study() {
         let slow = |h: f64, _: f64| 1.0 + h.sqrt();
-        assert_eq!(study(1e-6, slow, |_, _| ()).verdict, Verdict::Runs);
+        assert_eq!(study(1e-6, slow, |_, _| ()).verdict, Verdict::RunLimit);
         let ended = study(1e-6, slow, |run, h| run.seconds = 1e6 / (h * h));
-        assert_eq!(ended.verdict, Verdict::Time);
+        assert_eq!(ended.verdict, Verdict::TimeLimit);
         assert!(ended.predicted.unwrap() > 1e9);
     }
 }

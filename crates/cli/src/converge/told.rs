@@ -225,13 +225,13 @@ impl Convergence {
             Verdict::NotConverged => {
                 format!("{here} did not converge: {}; see stickslip run with this mesh", self.reason)
             }
-            Verdict::Runs => format!("{so_far}{short}: {} runs are done (--max-runs)", self.steps.len()),
-            Verdict::Time => {
+            Verdict::RunLimit => format!("{so_far}{short}: {} runs are done (--max-runs)", self.steps.len()),
+            Verdict::TimeLimit => {
                 let next = self.predicted.unwrap_or_default();
                 format!("{so_far}{short}: the next run would take about {next:.0} s more (--within)")
             }
-            Verdict::Meshes => format!("{so_far}{short}: no finer mesh is named (--meshes)"),
-            Verdict::Memory => format!("{so_far}{short}: {}", self.reason),
+            Verdict::NoFinerMesh => format!("{so_far}{short}: no finer mesh is named (--meshes)"),
+            Verdict::MemoryLimit => format!("{so_far}{short}: {}", self.reason),
         }
     }
 

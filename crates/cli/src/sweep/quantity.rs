@@ -564,7 +564,7 @@ mod tests {
         for (text, words) in [
             ("friction_work", "did you mean cycle.friction_work or friction.friction_work or "),
             ("friction.work", "the keys of friction are friction_work, mesh_error, time_error"),
-            ("largest_presure.pressure", "did you mean largest_pressure.pressure?"),
+            ("largest_presure.pressure", "did you mean largest_pressure.pressure or largest_pressure.mean_pressure?"),
             ("boundaries.force[0]", "did you mean boundaries[0].force[0]"),
             ("boundaries[x].force[0]", "is no key of a report"),
             ("", "is no key of a report"),

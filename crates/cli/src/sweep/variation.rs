@@ -10,12 +10,13 @@ use stickslip::scene::{Override, OverrideSyntax};
 /// The largest number of variants; more are taken for a mistake.
 pub const MOST_VARIANTS: usize = 100_000;
 
-/// A key and its values.
+/// A key and its values, or several keys that change together.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Variation {
-    /// The key, in the syntax of an [`Override`].
+    /// The key, in the syntax of an [`Override`]; several are separated by commas.
     pub key: String,
-    /// The values, in the syntax of an override: two or more, all different.
+    /// The values, in the syntax of an override: two or more, all different. With several keys each is a list of one value
+    /// for each key.
     pub values: Vec<String>,
 }
 
@@ -37,6 +38,16 @@ pub enum VariationError {
     /// There is only one value.
     #[error("{0} has one value only; give several, a,b,c, or a range from:to:count, or use --set")]
     One(String),
+    /// A value of several keys is no list of as many.
+    #[error("{value} is no list of {count} values, one for each of {key}; give them as [a,b],[c,d]")]
+    Together {
+        /// The keys.
+        key: String,
+        /// The number of the keys.
+        count: usize,
+        /// The value.
+        value: String,
+    },
     /// A value is given twice.
     #[error("{key} has the value {value} twice; give each once")]
     Twice {
@@ -62,12 +73,13 @@ pub enum VariationError {
 impl FromStr for Variation {
     type Err = VariationError;
 
-    /// Parses `key=a,b,c`, in which commas within brackets and quotes do not separate, or `key=from:to:count`.
+    /// Parses `key=a,b,c`, in which commas within brackets and quotes do not separate, `key=from:to:count`, or
+    /// `key,other=[a,b],[c,d]`.
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        // Parsing as an override checks the key and reports a missing one.
-        let _: Override = text.parse()?;
-        let (key, given) = text.split_once('=').unwrap_or((text, ""));
+        let (key, given) = text.split_once('=').ok_or(()).or_else(|()| text.parse::<Override>().map(|_| (text, "")))?;
         let (key, given) = (key.trim().to_string(), given.trim());
+        // Parsing as an override checks each key.
+        key.split(',').try_for_each(|one| format!("{one}={given}").parse::<Override>().map(drop))?;
         let values = range(given)?.unwrap_or_else(|| listed(given));
         if values.len() < 2 {
             return Err(VariationError::One(key));
@@ -76,7 +88,32 @@ impl FromStr for Variation {
         if let Some(value) = values.iter().find(|value| !met.insert(Value::of(value))) {
             return Err(VariationError::Twice { key, value: value.clone() });
         }
-        Ok(Variation { key, values })
+        let variation = Variation { key, values };
+        let count = variation.keys().count();
+        if let Some(value) = variation.values.iter().find(|value| variation.entries(value).len() != count) {
+            return Err(VariationError::Together { key: variation.key.clone(), count, value: value.clone() });
+        }
+        Ok(variation)
+    }
+}
+
+impl Variation {
+    /// Returns its keys: one, or those that change together.
+    pub fn keys(&self) -> impl Iterator<Item = &str> {
+        self.key.split(',').map(str::trim)
+    }
+
+    /// Returns the value of each key in one of its values; empty if the value is no list.
+    fn entries(&self, value: &str) -> Vec<String> {
+        if self.keys().count() == 1 {
+            return vec![value.to_string()];
+        }
+        value.strip_prefix('[').and_then(|value| value.strip_suffix(']')).map(listed).unwrap_or_default()
+    }
+
+    /// Returns the overrides that set one of its values.
+    fn overrides(&self, value: &str) -> Result<Vec<Override>, OverrideSyntax> {
+        self.keys().zip(self.entries(value)).map(|(key, value)| format!("{key}={value}").parse()).collect()
     }
 }
 
@@ -134,16 +171,12 @@ fn range(given: &str) -> Result<Option<Vec<String>>, VariationError> {
 }
 
 /// Returns `true` if two keys name the same value, or one contains the other. A list without an index refers to all of
-/// its tables.
+/// its tables or entries.
 fn overlap(a: &str, b: &str) -> bool {
-    let parts = |segment: &str| {
-        segment
-            .split_once('[')
-            .map_or((segment.to_string(), None), |(name, index)| (name.to_string(), Some(index.to_string())))
-    };
+    let bracket = |segment: &str| segment.find('[').unwrap_or(segment.len());
     a.split('.').zip(b.split('.')).all(|(a, b)| {
-        let ((name, index), (other, of_other)) = (parts(a), parts(b));
-        name == other && (index == of_other || index.is_none() || of_other.is_none())
+        let ((name, index), (other_name, other)) = (a.split_at(bracket(a)), b.split_at(bracket(b)));
+        name == other_name && (index.starts_with(other) || other.starts_with(index))
     })
 }
 
@@ -152,14 +185,13 @@ fn overlap(a: &str, b: &str) -> bool {
 /// # Errors
 /// [`VariationError::Again`], [`VariationError::Units`], [`VariationError::TooMany`], or [`VariationError::Syntax`] of a value.
 pub fn combinations(variations: &[Variation]) -> Result<Vec<Variant>, VariationError> {
-    let again = |(k, one): &(usize, &Variation)| variations[..*k].iter().any(|other| overlap(&other.key, &one.key));
-    let again = variations.iter().enumerate().find(again);
-    if let Some((_, variation)) = again {
-        return Err(VariationError::Again(variation.key.clone()));
+    let keys: Vec<&str> = variations.iter().flat_map(Variation::keys).collect();
+    let again = |(k, one): &(usize, &&str)| keys[..*k].iter().any(|other| overlap(other, one));
+    if let Some((_, key)) = keys.iter().enumerate().find(again) {
+        return Err(VariationError::Again((*key).to_string()));
     }
-    let of_units = |key: &str| key == "units" || key.starts_with("units.");
-    if let Some(variation) = variations.iter().find(|variation| of_units(&variation.key)) {
-        return Err(VariationError::Units(variation.key.clone()));
+    if let Some(key) = keys.iter().find(|key| **key == "units" || key.starts_with("units.")) {
+        return Err(VariationError::Units((*key).to_string()));
     }
     let all = variations.iter().try_fold(1_usize, |all, variation| all.checked_mul(variation.values.len()));
     let Some(all) = all.filter(|&all| all <= MOST_VARIANTS) else { return Err(VariationError::TooMany) };
@@ -170,9 +202,8 @@ pub fn combinations(variations: &[Variation]) -> Result<Vec<Variant>, VariationE
             number /= variation.values.len();
         }
         values.reverse();
-        let keys = variations.iter().map(|variation| &variation.key);
-        let overrides = keys.zip(&values).map(|(key, value)| format!("{key}={value}").parse());
-        Ok(Variant { overrides: overrides.collect::<Result<_, OverrideSyntax>>()?, values })
+        let overrides = variations.iter().zip(&values).map(|(variation, value)| variation.overrides(value));
+        Ok(Variant { overrides: overrides.collect::<Result<Vec<_>, OverrideSyntax>>()?.concat(), values })
     };
     (0..all).map(variant).collect()
 }
@@ -212,6 +243,10 @@ mod tests {
             ("contact.friction=0,-0", "has the value -0 twice"),
             ("title=nan,a,nan", "has the value nan twice"),
             ("contact.friction=0.1:0.1:2", "has the value 0.1 twice"),
+            ("a,b=[1,2],3", "3 is no list of 2 values, one for each of a,b; give them as [a,b],[c,d]"),
+            ("a,b=[1,2],[1,2,3]", "[1,2,3] is no list of 2 values"),
+            ("a,b=1:2:3", "1 is no list of 2 values"),
+            ("a,=[1,2],[3,4]", "is not of the form"),
             ("contact.friction=0.1:0.8:1", "is no range"),
             ("contact.friction=0.1:0.8:-3", "is no range"),
             ("contact.friction=0.1:inf:3", "is no range"),
@@ -221,15 +256,34 @@ mod tests {
         }
         let [a, b] = ["a=1:2:1000", "b=1:2:1000"].map(|text| text.parse::<Variation>().unwrap());
         assert_eq!(combinations(&[a.clone(), b]).unwrap_err(), VariationError::TooMany);
-        assert_eq!(combinations(&[a.clone(), a]).unwrap_err(), VariationError::Again("a".to_string()));
+        assert_eq!(combinations(&[a.clone(), a.clone()]).unwrap_err(), VariationError::Again("a".to_string()));
+        let together: Variation = "b,a=[1,2],[3,4]".parse().unwrap();
+        assert_eq!(combinations(&[a, together]).unwrap_err(), VariationError::Again("a".to_string()));
         for (a, b, same) in [
             ("contact.friction", "contact[0].friction", true),
             ("contact[1].friction", "contact[0].friction", false),
             ("contact[0].friction", "contact[0].obstacle.gap", false),
             ("mesh", "mesh.elements", true),
+            ("load[1].traction", "load[1].traction[0]", true),
+            ("load[1].traction[1]", "load[1].traction[0]", false),
+            ("load[0].history[1]", "load[0].history[1][0]", true),
+            ("load[1].history", "load[10].history", false),
         ] {
             assert_eq!(overlap(a, b), same, "{a} {b}");
         }
+    }
+
+    #[test]
+    fn keys_change_together() {
+        let variations = ["a, b[0].c=[1,[2,3]],[4,'x,y']", "d=5,6"].map(|text| text.parse::<Variation>().unwrap());
+        let variants = combinations(&variations).unwrap();
+        let all: Vec<String> =
+            variants.iter().map(|variant| variant.overrides.iter().map(|one| format!("{one} ")).collect()).collect();
+        assert_eq!(
+            all,
+            ["a=1 b[0].c=[2,3] d=5 ", "a=1 b[0].c=[2,3] d=6 ", "a=4 b[0].c='x,y' d=5 ", "a=4 b[0].c='x,y' d=6 "]
+        );
+        assert_eq!(variants[3].values, ["[4,'x,y']", "6"]);
     }
 
     #[test]

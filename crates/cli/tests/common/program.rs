@@ -46,6 +46,9 @@ impl Folder {
     }
 }
 
+/// The solver of the whole system that this build has.
+pub const WHOLE: &str = if cfg!(feature = "umfpack") { "umfpack" } else { "faer" };
+
 impl Drop for Folder {
     fn drop(&mut self) {
         let _ = fs::remove_dir_all(&self.0);

@@ -18,7 +18,7 @@ fn check_explains_without_solving() {
         "Elastic block on a frictional foundation",
         "4 x 4 bilinear quadrilaterals, 25 nodes",
         "left: x and y held",
-        "bottom: plane at 10 um, mu = 0.4",
+        "bottom: plane at 10 µm, mu = 0.4",
         "40 displacements u",
         "4 normal forces p_n",
         "4 increments of 0.5 s",
@@ -71,7 +71,7 @@ fn check_tells_every_obstacle() {
     let told = check(rollers);
     for words in [
         "contact      bottom: 2 obstacles, mu = 0.4\n",
-        "             cylinder, radius 0.2 m, apex (0.5, -0.00001) m, moves in by 0 m at 0 s, 10 um at 1 s, met by 1 node\n",
+        "             cylinder, radius 0.2 m, apex (0.5, -0.00001) m, moves in by 0 m at 0 s, 10 µm at 1 s, met by 1 node\n",
         "             bore, radius 90 m, apex (1, -0.02) m, met by 3 nodes\n             gaps to the nearest point",
     ] {
         assert!(told.contains(words), "{words}{told}");
@@ -96,7 +96,7 @@ fn check_tells_histories() {
         stdout(&output).to_string()
     };
     let told = check(&text);
-    let words = "moves in by 0 m at 0 s, 10 um at 1 s, 0 m at 2 s, \
+    let words = "moves in by 0 m at 0 s, 10 µm at 1 s, 0 m at 2 s, \
                  moves by (0, 0) m at 0 s, (0.001, 0) m at 0.5 s, (0, 0) m at 2 s, \
                  turns by 0 rad at 0 s, 1e-6 rad at 1 s, -1e-6 rad at 2 s, mu = 0.4";
     assert!(told.contains(words), "{told}");
@@ -113,7 +113,7 @@ fn check_tells_histories() {
     // Of ten points, three are omitted.
     let many: Vec<String> = (0..10).map(|k| format!("[{}, {}e-6]", 0.2 * f64::from(k), k % 2)).collect();
     let told = check(&edit(&small(), "gap = 1e-5", &format!("gap = 1e-5, approach = [{}]", many.join(", "))));
-    assert!(told.contains("1 um at 1 s, (3 more), 1 um at 1.8 s"), "{told}");
+    assert!(told.contains("1 µm at 1 s, (3 more), 1 µm at 1.8 s"), "{told}");
 }
 
 #[test]

@@ -109,7 +109,7 @@ fn limits_and_failures_end_with_status_1() {
     let output = stickslip(&converge(LINE, "peak", &["--to", "1e-6", "--meshes", "12,24,48", "--json"]));
     assert_exit(&output, 1);
     let told = json(&output);
-    assert_eq!((told["verdict"].as_str(), told["runs"].as_array().unwrap().len()), (Some("meshes"), 3));
+    assert_eq!((told["verdict"].as_str(), told["runs"].as_array().unwrap().len()), (Some("no-finer-mesh"), 3));
     let output = stickslip(&converge(PUNCH, "peak", &["--set", "solver.max_iterations=1"]));
     assert_exit(&output, 1);
     assert!(stdout(&output).contains("did not converge"), "{}", stdout(&output));
@@ -132,10 +132,31 @@ fn bad_questions_are_refused() {
     }
     let output = stickslip(&converge(LINE, "pressure", &[]));
     assert_exit(&output, 2);
-    assert!(stderr(&output).contains("friction_work"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("peak, force, friction_work, stick_ratio"), "{}", stderr(&output));
     let output = stickslip(&converge(LINE, "peak", &["--meshes", "24,12,6"]));
     assert_exit(&output, 2);
     assert!(stderr(&output).contains("from coarse to fine"), "{}", stderr(&output));
+}
+
+/// Files of other programs stay as they are. Earlier results are replaced.
+#[test]
+fn foreign_files_are_not_replaced() {
+    let folder = Folder::new();
+    let out = folder.join("out");
+    fs::create_dir(&out).unwrap();
+    for name in ["converge.csv", "converge.svg"] {
+        let file = folder.0.join("out").join(name);
+        fs::write(&file, "mine").unwrap();
+        let output = stickslip(&converge(LINE, "force", &["--to", "0.5", "--out", &out]));
+        assert_exit(&output, 2);
+        let words = stderr(&output).replace("\n  │ ", " ");
+        assert!(words.contains(name) && words.contains("was not written by stickslip"), "{words}");
+        assert_eq!(fs::read_to_string(&file).unwrap(), "mine");
+        fs::remove_file(&file).unwrap();
+    }
+    for _ in 0..2 {
+        assert_exit(&stickslip(&converge(LINE, "force", &["--to", "0.5", "--out", &out])), 0);
+    }
 }
 
 /// A mesh file has finer ones only by name. If its geometry lies beside it, the command of Gmsh is printed.
@@ -159,7 +180,10 @@ fn mesh_files_are_named() {
     fs::write(folder.join("a.geo"), "").unwrap();
     let output = stickslip(&converge(&file, "peak", &[]));
     assert_exit(&output, 2);
-    assert!(stderr(&output).contains("-clscale 0.5"), "{}", stderr(&output));
+    let words = stderr(&output).split_whitespace().filter(|word| *word != "│").collect::<Vec<_>>().join(" ");
+    assert!(words.contains("-clscale 0.5"), "{words}");
+    // Names are relative to the scene file, wherever the command is typed.
+    assert!(words.contains("relative to the scene file (--meshes a.msh,a-fine.msh)"), "{words}");
     let output = stickslip(&converge(&file, "force", &["--meshes", "a.msh"]));
     assert_exit(&output, 1);
     assert!(stdout(&output).contains("no finer mesh is named") && stdout(&output).contains("gmsh -3 -clscale 0.5"));

@@ -4,7 +4,7 @@
 
 use std::fs;
 
-use crate::program::{Folder, assert_exit, json, small, stickslip};
+use crate::program::{Folder, WHOLE, assert_exit, json, small, stickslip};
 
 /// A beam that is pressed against a wall at 45 degrees and then drawn along it. The beam is much softer across its axis
 /// than along it, so it moves off the wall when it slides in one direction. With friction above 1 no quasi-static
@@ -49,7 +49,7 @@ fn events(folder: &Folder) -> Vec<Vec<String>> {
 fn each_change_of_status_is_a_line() {
     let (folder, scene) = Folder::with_scene(&small());
     let out = folder.join("out");
-    for linear in ["umfpack", "condensed"] {
+    for linear in [WHOLE, "condensed"] {
         let run = stickslip(&["run", &scene, "--method", "events", "--solver", linear, "--out", &out, "--json"]);
         assert_exit(&run, 0);
         let report = json(&run);
@@ -72,7 +72,7 @@ fn each_change_of_status_is_a_line() {
 fn a_lost_path_tells_how_far_friction_is_beyond_its_critical_value_and_may_jump() {
     let (folder, scene) = Folder::with_scene(OBLIQUE_BEAM);
     let out = folder.join("out");
-    for linear in ["umfpack", "condensed"] {
+    for linear in [WHOLE, "condensed"] {
         let run = stickslip(&["run", &scene, "--solver", linear, "--json"]);
         assert_exit(&run, 1);
         let report = json(&run);

@@ -67,4 +67,11 @@ fn a_folder_without_results_is_refused_with_the_cure() {
     refused("no results of a run", "name the folder of `--out`");
     fs::write(folder.0.join("out/run.json"), "{").unwrap();
     refused("run.json is no report", "remove run.json");
+    fs::write(folder.0.join("out/run.json"), b"{\n\xff}").unwrap();
+    refused("run.json, line 2: byte 3 of the file is not UTF-8 text", "save the file as UTF-8");
+    fs::write(folder.0.join("out/run.json"), "{}").unwrap();
+    fs::write(folder.0.join("out/forces.csv"), b"index,boundary\n1,g\xfcn\n").unwrap();
+    refused("forces.csv, line 2: byte 19 of the file is not UTF-8 text", "save the file as UTF-8");
+    fs::remove_file(folder.0.join("out/forces.csv")).unwrap();
+    assert_exit(&stickslip(&["report", &folder.join("out")]), 0);
 }

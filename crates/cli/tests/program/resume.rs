@@ -11,7 +11,7 @@ use std::thread::sleep;
 use std::time::Instant;
 
 use crate::common::random::Random;
-use crate::program::{Folder, assert_exit, small, stderr, stdout};
+use crate::program::{Folder, WHOLE, assert_exit, small, stderr, stdout};
 use crate::whole::{assert_same, assert_whole, assert_whole_but_for_a_line, files};
 
 /// Returns the library that makes calls fail, compiled once.
@@ -136,7 +136,7 @@ fn calls_that_fail_leave_a_folder_that_the_next_run_takes_up() {
 #[ignore = "minutes"]
 fn every_call_that_fails_leaves_a_folder_that_the_next_run_takes_up() {
     let exact = ["--method", "events", "--setting", "default"];
-    for options in [&["--solver", "umfpack"][..], &["--solver", "condensed", "--setting", "default"], &exact] {
+    for options in [&["--solver", WHOLE][..], &["--solver", "condensed", "--setting", "default"], &exact] {
         let tried = all_faults(&Case::new(&small(), options), 1);
         println!("{options:?}: {tried} faults");
     }
@@ -176,7 +176,7 @@ fn a_run_that_is_killed_again_and_again_ends_as_if_it_had_not_been() {
     let scene = small().replace("[4, 4]", "[20, 20]").replace("increments = 4", "increments = 30");
     let mut random = Random(20);
     let exact = ["--method", "events", "--setting", "default"];
-    for options in [&["--setting", "default"][..], &["--method", "ip", "--solver", "umfpack"], &exact] {
+    for options in [&["--setting", "default"][..], &["--method", "ip", "--solver", WHOLE], &exact] {
         let case = Case::new(&scene, options);
         let killed = killed_until_done(&case, "killed", &mut random);
         assert_same(&case.path("whole"), &case.path("killed"));
@@ -192,7 +192,7 @@ fn two_hundred_kills() {
     let (mut kills, mut runs) = (0, 0);
     while kills < 200 {
         let options: [&[&str]; 3] =
-            [&["--solver", "umfpack"], &["--setting", "default"], &["--method", "events", "--setting", "default"]];
+            [&["--solver", WHOLE], &["--setting", "default"], &["--method", "events", "--setting", "default"]];
         let options = options[runs % 3];
         let case = Case::new(&scene, options);
         kills += killed_until_done(&case, "killed", &mut random);
@@ -222,6 +222,26 @@ fn a_run_that_was_another_is_not_gone_on_with() {
     let output = case.command("left", &["--resume", "--json"]).output().unwrap();
     assert_exit(&output, 0);
     assert_eq!(stdout(&output), report);
+}
+
+/// A resumed run keeps its linear solver, and tells why it was chosen.
+#[test]
+fn the_reason_for_the_solver_outlives_a_kill() {
+    let chosen = |case: &Case, out: &str| {
+        let report = fs::read_to_string(case.path(out).join("run.json")).unwrap();
+        serde_json::from_str::<serde_json::Value>(&report).unwrap()["solver_choice"].clone()
+    };
+    for (solver, has_reason) in [("auto", true), ("condensed", false)] {
+        let case = Case::new(&small(), &["--setting", "default", "--solver", solver]);
+        assert!(case.failing("left", 75, "kill", false).status.code().is_none());
+        assert!(case.path("left/.checkpoint").exists());
+        let output = case.command("left", &["--resume"]).output().unwrap();
+        assert_exit(&output, 0);
+        assert!(stdout(&output).contains("resume       after"), "{}", stdout(&output));
+        case.whole("whole");
+        assert_eq!(chosen(&case, "left"), chosen(&case, "whole"));
+        assert_eq!(chosen(&case, "left").is_string(), has_reason);
+    }
 }
 
 #[test]

@@ -80,7 +80,8 @@ fn every_combination_is_a_row_and_a_folder() {
 fn any_quantity_of_a_report_is_shown() {
     let (folder, scene) = Folder::with_scene(&small());
     let out = folder.join("out");
-    let asked = "max:bottom.f_x,last:top.u_y,max:load:top.f_y,friction.friction_work,size:largest_force.force,status";
+    let asked = "max:bottom.f_x,last:top.u_y,max:load:top.f_y,friction.friction_work,size:largest_force.force,\
+                 holding_force.magnitude,status";
     let variations = ["--vary", "contact.friction=0.2,0.4", "--vary", "time.increments=2,4"];
     let shown = ["--table", asked, "--plot", "min:support:left.f_x"];
     let output = stickslip(&sweep(&scene, &out, &[&variations[..], &shown].concat()));
@@ -107,6 +108,7 @@ fn any_quantity_of_a_report_is_shown() {
             column("load", "top", "f_y").into_iter().reduce(f64::max).unwrap(),
             number(&report["friction"]["friction_work"]),
             force.iter().map(|f| number(f).powi(2)).sum::<f64>().sqrt(),
+            column("contact", "bottom", "sum_p_t").into_iter().map(f64::abs).reduce(f64::max).unwrap(),
         ];
         for (name, value) in asked.split(',').zip(expected) {
             assert_eq!(number(&row["quantities"][name]), value, "{name}");
@@ -196,6 +198,7 @@ fn increments_and_companions_are_for_all_variants() {
     assert_eq!(told(&asked, done), estimated);
     for (more, words) in [
         (&["--vary", "time.increments=2,4", "--increments", "8"][..], "the increments are varied"),
+        (&["--vary", "contact.friction=0.2,0.4", "--increments", "auto"], "run SCENE --increments auto` says how many"),
         (
             &["--vary", "contact.friction=0.2,0.4", "--companion", "--method", "events"],
             "the exact path has no increments",
@@ -217,6 +220,26 @@ fn tables_have_their_place() {
     assert_exit(&output, 2);
     assert!(stderr(&output).contains("sweep.csv: results cannot be written"), "{}", stderr(&output));
     assert!(results(&folder).0.is_empty());
+}
+
+/// Files of other programs stay as they are.
+#[test]
+fn foreign_files_are_not_replaced() {
+    let (folder, scene) = Folder::with_scene(&small());
+    let out = folder.join("out");
+    fs::create_dir(&out).unwrap();
+    let vary = ["--vary", "contact.friction=0.2,0.4"];
+    for (name, command) in
+        [("sweep.csv", sweep(&scene, &out, &vary)), ("compare.csv", vec!["compare", &scene, "--out", &out])]
+    {
+        let file = folder.0.join("out").join(name);
+        fs::write(&file, "mine").unwrap();
+        let output = stickslip(&command);
+        assert_exit(&output, 2);
+        assert!(stderr(&output).replace("\n  │ ", " ").contains("not written by stickslip"), "{}", stderr(&output));
+        assert_eq!(fs::read_to_string(&file).unwrap(), "mine");
+    }
+    assert!(!folder.0.join("out/variants").exists());
 }
 
 /// The same command runs nothing again; a larger sweep runs new variants; a changed file runs the affected ones.

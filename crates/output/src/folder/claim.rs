@@ -1,7 +1,7 @@
 //! A result folder before a run writes to it: its lock and the state left by an earlier run.
 
 use super::directory::{Directory, Locked};
-use super::kept::Kept;
+use super::kept::{Kept, KeptSolver};
 use super::names::{CHECKPOINT, PAGE, is_ours};
 use super::results::ResultFolder;
 use super::series::Series;
@@ -68,9 +68,8 @@ impl LockedOutputDir {
         self.place.directory.read("run.json")
     }
 
-    /// Returns the checkpoint of an earlier run, if any, with the identification of the run, the name of its linear
-    /// solver, and its verdict if it has finished.
-    pub fn left(&self) -> Option<(&Checkpoint, &Provenance, &str, Option<Status>)> {
+    /// Returns the checkpoint of an earlier run, if any, with the identification of the run, its linear solver, and its verdict if it has finished.
+    pub fn left(&self) -> Option<(&Checkpoint, &Provenance, &KeptSolver, Option<Status>)> {
         let (checkpoint, kept) = self.kept.as_ref()?;
         Some((checkpoint, &kept.origin, &kept.linear, kept.ended))
     }
@@ -94,7 +93,7 @@ impl LockedOutputDir {
         model: &Model,
         probes: Vec<ProbeTable>,
         origin: Provenance,
-        linear: String,
+        linear: KeptSolver,
     ) -> io::Result<ResultFolder> {
         let mut place = self.place;
         let several = model.contact_boundaries.iter().any(|boundary| boundary.obstacles.len() > 1);
@@ -193,9 +192,7 @@ fn may_take(directory: &Directory) -> io::Result<()> {
     if read.is_ok() && found == increments::FIRST_COLUMNS.as_bytes() {
         return Ok(());
     }
-    let message =
-        format!("{} already exists, and was not written by stickslip", directory.path().join(first).display());
-    Err(io::Error::new(io::ErrorKind::AlreadyExists, message))
+    Err(directory.foreign(first))
 }
 
 /// Returns an error if a folder has the name of a result file.

@@ -5,7 +5,7 @@
 //! this one ends. File names are relative to the opened folder, and links are never followed.
 
 use std::fs::{self, File};
-use std::io::{self, Write};
+use std::io::{self, BufRead, BufReader, Read, Write};
 use std::os::fd::{AsRawFd, OwnedFd};
 use std::path::{Path, PathBuf};
 
@@ -18,6 +18,9 @@ use rustix::io::Errno;
 
 /// The file that marks a result folder. The writing process holds its lock.
 pub(super) const MARKER: &str = ".stickslip";
+
+/// The first line of a table is no longer, bytes.
+const LONGEST_LINE: u64 = 1 << 20;
 
 const READ: Mode = Mode::from_raw_mode(0o666);
 
@@ -125,6 +128,20 @@ impl Directory {
     /// Returns the error for an entry with the name of a result file that is no regular file.
     pub(super) fn in_the_way(&self, name: &str) -> io::Error {
         let message = format!("{} exists, but is no regular file: remove it", self.path.join(name).display());
+        io::Error::new(io::ErrorKind::AlreadyExists, message)
+    }
+
+    /// Returns `true` if the first line of a file contains `columns`.
+    fn begins(&self, name: &str, columns: &str) -> bool {
+        let mut line = Vec::new();
+        let read =
+            self.read(name).and_then(|file| BufReader::new(file).take(LONGEST_LINE).read_until(b'\n', &mut line));
+        read.is_ok() && String::from_utf8_lossy(&line).contains(columns)
+    }
+
+    /// Returns the error for a result file that this program did not write.
+    pub(super) fn foreign(&self, name: &str) -> io::Error {
+        let message = format!("{} already exists, and was not written by stickslip", self.path.join(name).display());
         io::Error::new(io::ErrorKind::AlreadyExists, message)
     }
 
@@ -368,14 +385,23 @@ pub struct FolderLock {
 }
 
 impl FolderLock {
-    /// Creates the folder if necessary, and locks it.
+    /// Creates the folder if necessary, and locks it. `files` are those that will be written. The first one is a table;
+    /// an earlier one is known by `columns`, which its first line contains.
     ///
     /// # Errors
-    /// When the folder cannot be created, and when another command writes there ([`io::ErrorKind::ResourceBusy`]).
-    pub fn new(path: &Path) -> io::Result<Self> {
+    /// When the folder cannot be created, when another command writes there ([`io::ErrorKind::ResourceBusy`]), and when
+    /// it contains files of these names that no command of this program wrote.
+    pub fn new(path: &Path, files: &[&str], columns: &str) -> io::Result<Self> {
         fs::create_dir_all(path)?;
         let directory = Directory::open(path)?;
         directory.lock()?;
+        let names = directory.names()?;
+        let there = names.iter().find(|(name, is_folder)| !is_folder && files.contains(&name.as_str()));
+        if let (Some((name, _)), Some(table)) = (there, files.first())
+            && !directory.begins(table, columns)
+        {
+            return Err(directory.foreign(name));
+        }
         Ok(FolderLock { _directory: directory })
     }
 }

@@ -1,7 +1,7 @@
 //! The files written by a run, and when.
 
 use super::directory::{self, Directory, Locked};
-use super::kept::Kept;
+use super::kept::{Kept, KeptSolver};
 use super::names::{CHECKPOINT, PAGE, is_head, is_ours};
 use super::series::Series;
 use super::table::Table;
@@ -45,8 +45,8 @@ pub struct ResultFolder {
     pub(super) fields: Series,
     /// `true` if a checkpoint exists from which this run can be resumed.
     pub(super) can_be_taken_up: bool,
-    /// The identification of this run and the name of its linear solver, which a resumed run must match.
-    pub(super) of: (Provenance, String),
+    /// The identification of this run, which a resumed run must match, and its linear solver, which it keeps.
+    pub(super) of: (Provenance, KeptSolver),
 }
 
 impl ResultFolder {
@@ -290,5 +290,17 @@ pub fn write_page(folder: &Path) -> Result<(), PageError> {
 fn page_of(directory: &Directory) -> Result<String, PageError> {
     let names = directory.names()?.into_iter().filter(|(name, is_folder)| !is_folder && is_ours(name));
     let names: Vec<String> = names.map(|(name, _)| name).collect();
-    page(&names, |name| io::read_to_string(directory.read(name)?))
+    page(&names, |name| text_of(directory, name))
+}
+
+/// Reads a result file.
+fn text_of(directory: &Directory, name: &str) -> Result<String, PageError> {
+    let mut bytes = Vec::new();
+    let read = directory.read(name).and_then(|mut file| file.read_to_end(&mut bytes));
+    read.map_err(|error| PageError::Unreadable { name: name.to_string(), error })?;
+    String::from_utf8(bytes).map_err(|error| {
+        let at = error.utf8_error().valid_up_to();
+        let line = 1 + String::from_utf8_lossy(&error.as_bytes()[..at]).matches('\n').count();
+        PageError::NoText { name: name.to_string(), line, byte: at + 1 }
+    })
 }

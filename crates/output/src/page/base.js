@@ -14,7 +14,7 @@ const unitOf = (column) => (column === "time" ? "s" : unit(quantities[column]));
 const LENGTH = unit("length"), STRESS = unit("stress"), FORCE = unit("force"), ENERGY = unit("energy");
 
 // Numbers with few digits.
-const PREFIXES = [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""], [1e-3, "m"], [1e-6, "u"], [1e-9, "n"]];
+const PREFIXES = [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""], [1e-3, "m"], [1e-6, "µ"], [1e-9, "n"]];
 const LARGEST = { Pa: Infinity, N: Infinity, J: Infinity, "N m": Infinity, "J/m2": Infinity, m: 1 };
 function plain(x, digits = 4) {
   if (!Number.isFinite(x)) return "–";

@@ -23,7 +23,25 @@ pub enum PageError {
     /// The report cannot be read.
     #[error("run.json is no report of a run: {0}")]
     Report(serde_json::Error),
-    /// A file cannot be read or written.
+    /// A result file cannot be read.
+    #[error("{name} cannot be read: {error}")]
+    Unreadable {
+        /// The file.
+        name: String,
+        /// The reason.
+        error: io::Error,
+    },
+    /// A result file is no text.
+    #[error("{name}, line {line}: byte {byte} of the file is not UTF-8 text")]
+    NoText {
+        /// The file.
+        name: String,
+        /// The line, from 1.
+        line: usize,
+        /// The byte, from 1.
+        byte: usize,
+    },
+    /// The page cannot be written, or the folder not be listed.
     #[error(transparent)]
     Disk(#[from] io::Error),
 }
@@ -35,6 +53,10 @@ impl PageError {
             PageError::Folder { .. } => "name the folder that `stickslip run SCENE --out DIR` has filled",
             PageError::NoResults { .. } => "name the folder of `--out`; a run has results from its first increment on",
             PageError::Report(_) => "remove run.json: the page is then made from the tables; or repeat the run",
+            PageError::Unreadable { .. } => "make it a file that can be read, or repeat the run",
+            PageError::NoText { .. } => {
+                "save the file as UTF-8, or remove it: the page is then made without it; or repeat the run"
+            }
             PageError::Disk(_) => "check that the folder can be read and written, and that the disk is not full",
         }
     }

@@ -36,10 +36,32 @@ for (const id of ["#across", "#up"]) {
   $(id).append(...groups.values());
 }
 
-// Returns the cycles between two returns of a curve, the last first, each as its points and their first and last place. A curve has returned if it is
-// closer to a place than 2 % of the extent of the cycle in both directions, after it was farther away than 20 % of the whole extent.
+// A curve has returned if it is closer to a place than 2 % of the extent of the cycle in both directions, after it was farther away than 20 % of the
+// whole extent.
 const CLOSED = 0.02, AWAY = 0.2, BOTH = [0, 1];
-function cyclesOf(points) {
+// Returns the load cycles of the report, the last first, each as its points and their first and last place (-1: the undeformed body), as far as they
+// are closed. `null` without a report, or if the curve has too few of its points.
+function cyclesOfReport(indices, points) {
+  if (!report.cycle) return null;
+  const { start, end, earlier = [] } = report.cycle, slack = 1e-9 * end, at = indices.map((index) => times.get(index));
+  const place = (time) => (time <= slack ? -1 : at.findIndex((other) => Math.abs(other - time) <= slack));
+  const between = ({ start, end }) => {
+    const [from, to] = [place(start), place(end)];
+    return { points: from < 0 ? [[0, 0], ...points.slice(0, to + 1)] : points.slice(from, to + 1), from, to, isThere: to > from + 1 && (from >= 0 || start <= slack) };
+  };
+  const isClosed = ({ points }) => BOTH.every((c) => {
+    const values = points.map((p) => p[c]), range = Math.max(...values) - Math.min(...values);
+    return Math.abs(values[0] - values[values.length - 1]) <= CLOSED * range;
+  });
+  const cycles = [{ start, end }, ...[...earlier].reverse()].map(between);
+  if (!cycles[0].isThere) return null;
+  const open = cycles.findIndex((cycle) => !cycle.isThere || !isClosed(cycle));
+  return open < 0 ? cycles : cycles.slice(0, open);
+}
+// Returns the cycles of a curve: those of the report, or without any those that the curve itself shows.
+const cyclesOf = (indices, points) => cyclesOfReport(indices, points) || foundCycles(points);
+// Returns the cycles between two returns of a curve, the last first, each as its points and their first and last place.
+function foundCycles(points) {
   const low = BOTH.map((c) => Math.min(...points.map((p) => p[c]))), size = BOTH.map((c) => Math.max(...points.map((p) => p[c])) - low[c] || 1);
   const at = points.map((p) => BOTH.map((c) => (p[c] - low[c]) / size[c]));
   const found = [];
@@ -75,7 +97,7 @@ function showHistory() {
   const points = across.map((value, k) => [value, up[k]]);
   const labels = [titled($("#across").value, acrossUnit), titled($("#up").value, upUnit)];
   const returns = across.some((value, k) => k && value < across[k - 1]);
-  const cycles = returns ? cyclesOf(points) : [], rawCycles = returns ? cyclesOf(raw) : [];
+  const cycles = returns ? cyclesOf(both, points) : [], rawCycles = returns ? cyclesOf(both, raw) : [];
   const whole = { name: cycles.length ? "history" : $("#up").value, colour: cycles.length ? "var(--three)" : "var(--one)", points, arrows: returns && !cycles.length, ends: returns };
   const last = cycles.length ? [{ name: "last cycle", colour: "var(--two)", points: [...cycles[0].points, cycles[0].points[0]], arrows: true, wide: true }] : [];
   draw($("#curve"), [whole, ...last], labels);
@@ -84,7 +106,7 @@ function showHistory() {
     : `Arrows show the direction of time. The last cycle${during(both, cycles[0])} encloses ${areaOf(rawCycles[0], x, y)}${rawCycles[1] ? `, the one before ${areaOf(rawCycles[1], x, y)}` : ""}.`;
 }
 const during = (indices, { from, to }) => {
-  const at = (k) => { const [a, b] = [Math.floor(k), Math.ceil(k)].map((j) => times.get(indices[j])); return a + (k - Math.floor(k)) * (b - a); };
+  const at = (k) => { if (k < 0) return 0; const [a, b] = [Math.floor(k), Math.ceil(k)].map((j) => times.get(indices[j])); return a + (k - Math.floor(k)) * (b - a); };
   return Number.isFinite(at(from)) && Number.isFinite(at(to)) ? ` (t = ${plain(at(from))} to ${plain(at(to))} s)` : "";
 };
 function areaOf(cycle, x, y) {
@@ -93,20 +115,32 @@ function areaOf(cycle, x, y) {
     return rounded((size * factor("force") * factor("length")) / factor("energy"), ENERGY);
   return [plain(size), [y.unit, x.unit].filter(Boolean).join(" · ")].join(" ").trim();
 }
-// The history opens at the loop of force against displacement that encloses most, or at friction over time.
-function widestLoop() {
+// An open loop encloses at least this share of the rectangle around it. A loop that encloses less than the second share is a line, but for rounding.
+const OPEN = 1e-3, LINE = 1e-6;
+// The history opens at the open loop of a force over the displacement with the largest range in the cycle, at a narrower loop, or at friction over time. Of equal ranges
+// that with the larger area counts, or one before a probe, which has no force of its own but the contact forces along its displacement.
+function widestLoop(share) {
   let widest = null;
+  const contacts = [...columns].filter(([, column]) => column.group.startsWith("contact ")).map(([name]) => name);
   for (const [name, x] of columns) {
-    const up = name.replace(/: u_([xyz])$/, ": f_$1"), y = columns.get(up);
-    if (up === name || !y) continue;
-    const [last] = cyclesOf([...x.values.keys()].filter((index) => y.values.has(index)).map((index) => [x.values.get(index), y.values.get(index)]));
-    const size = last ? area(last.points) : 0;
-    if (size > (widest ? widest.size : 0)) widest = { names: [name, up], size };
+    const [, axis] = name.match(/: u_([xyz])$/) || [];
+    if (!axis) continue;
+    const own = name.replace(/: u_[xyz]$/, `: f_${axis}`);
+    for (const up of columns.has(own) ? [own] : contacts.filter((other) => other.endsWith(`: f_${axis}`))) {
+      const y = columns.get(up), both = [...x.values.keys()].filter((index) => y.values.has(index)).sort((a, b) => a - b);
+      const [last] = cyclesOf(both, both.map((index) => [x.values.get(index), y.values.get(index)]));
+      if (!last) continue;
+      const [range, height] = BOTH.map((c) => Math.max(...last.points.map((p) => p[c])) - Math.min(...last.points.map((p) => p[c])));
+      const size = area(last.points);
+      if (!(size > share * range * height)) continue;
+      const wider = widest ? range / widest.range - 1 : 1;
+      if (wider > 1e-6 || (wider > -1e-6 && up === own && size > widest.size)) widest = { names: [name, up], range, size };
+    }
   }
   return widest && widest.names;
 }
 const overTime = ["time", [...columns.keys()].find((name) => /sum_p_t/.test(name)) || [...columns.keys()][1] || ""];
-[$("#across").value, $("#up").value] = widestLoop() || overTime;
+[$("#across").value, $("#up").value] = widestLoop(OPEN) || widestLoop(LINE) || overTime;
 for (const id of ["#across", "#up"]) $(id).addEventListener("change", showHistory);
 addEventListener("resize", showHistory);
 $("#history").hidden = times.size < 2;

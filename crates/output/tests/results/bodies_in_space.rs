@@ -52,7 +52,7 @@ fn bricks_slide_round_a_corner() {
         let model = Model::build(&bricks(slave)).unwrap();
         let weights: f64 = model.contacts.iter().map(|contact| contact.weight).sum();
         assert!((weights - 0.36).abs() < 1e-14);
-        for linear in [LinearAlgebra::Condensed(SparseCholesky::Cholmod), LinearAlgebra::Whole(SparseLu::Umfpack)] {
+        for linear in [LinearAlgebra::Condensed(SparseCholesky::default()), LinearAlgebra::Whole(SparseLu::default())] {
             let mut maps = Maps(&model, 0);
             let outcome = solved(&model, solver(Method::BN, linear), &mut maps);
             assert_eq!(maps.1, 10);

@@ -1,11 +1,26 @@
 //! Stores the finished histories of an unfinished comparison in a folder beside its tables.
 
+use super::csv::OF_RUN;
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 use stickslip::scene::Provenance;
 use stickslip::solver::Checkpoint;
 use stickslip_cli::compare::Cells;
 use stickslip_output::{FolderLock, write_file};
+
+/// The files of a comparison. Not all comparisons have all pictures.
+const FILES: [&str; 10] = [
+    "compare.csv",
+    "iterations.csv",
+    "meshes.csv",
+    "compare.md",
+    "forces.svg",
+    "work.svg",
+    "growth.svg",
+    "increment.svg",
+    "mesh-size.svg",
+    "mesh-time.svg",
+];
 
 /// The name of the folder, which is removed once the tables are written.
 const FOLDER: &str = ".cells";
@@ -20,7 +35,8 @@ pub(super) struct CellFolder {
 impl CellFolder {
     /// Opens the store of the results in `out`. It is emptied unless the comparison `resumes`.
     pub(super) fn open(out: &Path, origin: Provenance, resumes: bool) -> io::Result<Self> {
-        let cells = CellFolder { path: out.join(FOLDER), origin, _alone: FolderLock::new(out)? };
+        let cells =
+            CellFolder { path: out.join(FOLDER), origin, _alone: FolderLock::new(out, &FILES, &OF_RUN.join(","))? };
         if !resumes {
             cells.remove()?;
         }

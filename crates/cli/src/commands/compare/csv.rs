@@ -6,7 +6,7 @@ use stickslip_cli::compare::{Comparison, MeshResult, Phases, SolverPath, Trial};
 use super::{Told, fields, resultants, told};
 
 /// The columns that identify a run: [`named_path`].
-const OF_RUN: [&str; 6] = ["method", "setting", "solver", "elements", "mesh", "increments"];
+pub(super) const OF_RUN: [&str; 6] = ["method", "setting", "solver", "elements", "mesh", "increments"];
 
 /// The columns of the results of a run.
 const RUN_COLUMNS: [&str; 23] = [

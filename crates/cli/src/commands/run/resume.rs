@@ -8,14 +8,14 @@ use stickslip::run::report::RunReport;
 use stickslip::scene::Provenance;
 use stickslip::solver::Checkpoint;
 use stickslip::solver::history::{LinearAlgebra, Status};
-use stickslip_output::{LockedOutputDir, ResultFolder};
+use stickslip_output::{KeptSolver, LockedOutputDir, ResultFolder};
 
 /// The state left in the folder by an earlier run.
 pub(super) enum Left {
     /// A finished run.
     Ended(Status),
-    /// An interrupted run that can be resumed, with its linear solver.
-    Underway { checkpoint: Checkpoint, linear: LinearAlgebra },
+    /// An interrupted run that can be resumed, with its linear solver and the reason for its choice, if there was a choice.
+    Underway { checkpoint: Checkpoint, linear: LinearAlgebra, reason: Option<String> },
 }
 
 impl Left {
@@ -29,7 +29,7 @@ impl Left {
                 claim.path().display()
             )));
         }
-        let Some((checkpoint, earlier, linear, ended)) = claim.left() else {
+        let Some((checkpoint, earlier, KeptSolver { name, reason }, ended)) = claim.left() else {
             if args.results.resume && !args.printed.json {
                 say!("resume       no earlier run was found: a new run begins");
             }
@@ -46,7 +46,7 @@ impl Left {
             return Ok(None);
         }
         let changes = origin.changes_since(earlier);
-        let linear = linear.parse::<LinearAlgebra>().ok().filter(|linear| linear.is_built_in());
+        let linear = name.parse::<LinearAlgebra>().ok().filter(|linear| linear.is_built_in());
         let Some(linear) = linear.filter(|_| changes.is_empty()) else {
             let help = "run without --resume to start a new run; it replaces the existing results after its first \
              increment";
@@ -71,7 +71,7 @@ impl Left {
         if !args.printed.json {
             say!("resume       after {} increments, at t = {} s", checkpoint.increments(), checkpoint.time());
         }
-        Ok(Some(Left::Underway { checkpoint: checkpoint.clone(), linear }))
+        Ok(Some(Left::Underway { checkpoint: checkpoint.clone(), linear, reason: reason.clone() }))
     }
 }
 
