@@ -2,6 +2,7 @@
 
 mod balance;
 mod bodies;
+mod carried;
 mod carrying;
 mod contact;
 mod coupling;
@@ -258,7 +259,7 @@ impl Model {
 
         let recovery = Recovery::new(&mesh, &contacts, &contact_boundaries, &pairs.all);
         let past = |contact: &ContactNode| support::moves_past(&moved, &rows, &dofs, &carrying, contact);
-        let ties = [pairs.ties(&dofs), couplings.ties(&mesh, &dofs)].concat();
+        let ties = [pairs.ties(&dofs), carried::ties(&couplings, &mesh, &dofs)].concat();
         let rigid_motions = unresisted_motions(&mesh, &dofs, &springs, &ties);
         let shared = match &sharing {
             Some((share, body)) => body.stiffness(&contacts, share)?,

@@ -3,13 +3,12 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::find;
-use super::holding::Holding;
 use super::place::{of_dimension, suits};
 use crate::algebra::null_space::{Row, null_space};
 use crate::algebra::vector::{axis, cross, dot, minus, norm, plus};
 use crate::base::input_error::InputError;
 use crate::body::description::{Coupling, CouplingKind, Description, Part};
-use crate::body::fem::{Dofs, NodalForces, ReferencePoint, Relative, Tie, cell_volume, facet_weights};
+use crate::body::fem::{Dofs, NodalForces, ReferencePoint, cell_volume, facet_weights};
 use crate::body::mesh::{Geometry, Mesh};
 
 /// The couplings of a description.
@@ -160,60 +159,12 @@ impl Couplings {
         self.all.iter().flat_map(|coupled| coupled.carried()).map(|(node, _)| *node).collect()
     }
 
-    /// Returns the relations of the carried nodes to their reference points. Supports may hold a carried node only
-    /// along directions in which the point cannot move it.
-    pub(super) fn relative(
-        &self,
-        description: &Description,
-        mesh: &Mesh,
-        dofs: &Dofs,
-        holdings: &[Holding],
-    ) -> Result<Vec<Relative>, InputError> {
-        let moved: BTreeSet<usize> = holdings.iter().flatten().filter(|(.., to)| *to != 0.0).map(|h| h.0).collect();
-        let mut relations = Vec::new();
-        for (of, coupled) in self.all.iter().enumerate() {
-            let Link::Rigid { k, .. } = coupled.link else { continue };
-            for &(node, _) in &coupled.shares {
-                let relation = dofs.carried_by(mesh, k, node);
-                let mut held = dofs.held(node).filter(|n| mesh.dimension == 3 || n[2] == 0.0);
-                let moves = |other: usize| moved.contains(&other);
-                if held.any(|n| moves(node) || dofs.may_move(&relation, n, moves)) {
-                    let place = description.system(mesh.dimension).place(mesh.nodes[node]);
-                    let support = holdings.iter().position(|holding| holding.iter().any(|h| h.0 == node));
-                    let message =
-                        format!("a support holds the node at {place}, which the coupling `{}` moves", coupled.name);
-                    let (key, help) = match support {
-                        Some(j) => (
-                            format!("support[{j}].boundary"),
-                            "support the coupling itself (coupling = ...), also along these directions and against \
-                             rotation, or couple a boundary that shares no node with the support",
-                        ),
-                        None => (
-                            format!("coupling[{of}].{}", description.couplings[of].part.key()),
-                            "couple another boundary",
-                        ),
-                    };
-                    return Err(InputError::new(key, message, help));
-                }
-                relations.push(relation);
-            }
-        }
-        Ok(relations)
-    }
-
-    /// Returns the ties between the bodies that one reference point carries.
-    pub(super) fn ties(&self, mesh: &Mesh, dofs: &Dofs) -> Vec<Tie> {
-        let bodies = mesh.bodies();
-        let of = bodies.of_nodes();
-        let mut ties = Vec::new();
-        for coupled in &self.all {
-            let Link::Rigid { k, .. } = coupled.link else { continue };
-            let first = coupled.shares.first().map(|(node, _)| of[*node]);
-            for &(node, _) in coupled.shares.iter().filter(|(node, _)| Some(of[*node]) != first) {
-                ties.extend((0..mesh.dimension).map(|c| dofs.tie(&dofs.carried_by(mesh, k, node), axis(c))));
-            }
-        }
-        ties
+    /// Returns each rigid coupling with its number in the description, the number of its reference point and its nodes.
+    pub(super) fn each_rigid(&self) -> impl Iterator<Item = (usize, usize, Vec<usize>)> {
+        self.all.iter().enumerate().filter_map(|(of, coupled)| match coupled.link {
+            Link::Rigid { k, .. } => Some((of, k, coupled.shares.iter().map(|(node, _)| *node).collect())),
+            Link::Distributing(_) => None,
+        })
     }
 
     /// Returns the bodies that reference points connect: for each point the nodes that it carries.

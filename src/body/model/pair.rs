@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::carried;
 use super::coupling::Couplings;
 use super::find;
 use super::holding::Holding;
@@ -62,7 +63,7 @@ impl Pairs {
         materials: &[Elasticity],
         couplings: &Couplings,
     ) -> Result<Self, InputError> {
-        let carried = couplings.relative(description, mesh, dofs, holdings)?;
+        let carried = carried::relations(couplings, description, mesh, dofs, holdings)?;
         let mut pairs = Pairs { relative: carried, ..Pairs::default() };
         let mut taken: BTreeSet<usize> = couplings.carried();
         let mut tied = taken.clone();
