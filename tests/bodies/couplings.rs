@@ -9,7 +9,7 @@ use stickslip::algebra::linear::SparseLu;
 use stickslip::body::fem::Material;
 use stickslip::body::mesh::{Boundary, Mesh, MeshSource};
 use stickslip::body::{Axis, Coupling, Description, Load, Model, Part, Support, Where};
-use stickslip::run::report::{AppliedForce, RunReport};
+use stickslip::run::report::{PointRecord, RunReport};
 use stickslip::run::{Run, discretise};
 use stickslip::scene::Scene;
 use stickslip::solver::history::{LinearAlgebra, Method, SolverChoice, Status};
@@ -130,7 +130,7 @@ fn solved(model: &Model, solver: SolverChoice) -> RunReport {
 }
 
 /// The reference point `name` at the end.
-fn point<'a>(report: &'a RunReport, name: &str) -> &'a AppliedForce {
+fn point<'a>(report: &'a RunReport, name: &str) -> &'a PointRecord {
     report.reactions.last().unwrap().couplings.iter().find(|coupling| coupling.at == name).unwrap()
 }
 
@@ -321,7 +321,7 @@ fn a_rigid_body_under_a_force() {
     let choices = [Method::BN, Method::Ip].into_iter().flat_map(|method| {
         all.map(|linear| SolverChoice { linear: Some(linear), tolerance, ..SolverChoice::new(method) })
     });
-    let ends: Vec<AppliedForce> = choices.map(|choice| point(&report(PUNCH, choice), "handle").clone()).collect();
+    let ends: Vec<PointRecord> = choices.map(|choice| point(&report(PUNCH, choice), "handle").clone()).collect();
     let first = &ends[0];
     near(&first.force, &[3e5, -5e6], 1e-9);
     for other in &ends {

@@ -3,7 +3,7 @@
 use stickslip::base::UnitSystem;
 use stickslip::body::Model;
 use stickslip::run::report::Column;
-use stickslip::run::report::{AppliedForce, BalanceRecord};
+use stickslip::run::report::{AppliedForce, BalanceRecord, PointRecord};
 use stickslip::run::report::{ComponentSums, ForceRecord, OnObstacle, Resultant};
 use stickslip::run::report::{csv_line, csv_number, csv_table};
 use stickslip::solver::Event;
@@ -140,11 +140,13 @@ pub(super) fn forces_lines(contact: &[ForceRecord], balance: &BalanceRecord, uni
         [all].into_iter().chain(other_side).chain(obstacles.iter().map(|on| on_each(boundary, on))).collect::<String>()
     };
     let mut lines: String = contact.iter().map(on_obstacle).collect();
-    let of_kinds = [("support", supports), ("spring", springs), ("load", loads), ("coupling", couplings)];
-    for (kind, acting) in of_kinds {
-        lines.extend(acting.iter().map(|AppliedForce { at, force, moment, displacement, rotation }| {
-            line(at, force, moment, [displacement, rotation], [None; 3], kind, "")
+    for (kind, acting) in [("support", supports), ("spring", springs), ("load", loads)] {
+        lines.extend(acting.iter().map(|AppliedForce { at, force, moment, displacement }| {
+            line(at, force, moment, [displacement, &[]], [None; 3], kind, "")
         }));
     }
+    lines.extend(couplings.iter().map(|PointRecord { at, force, moment, displacement, rotation }| {
+        line(at, force, moment, [displacement, rotation], [None; 3], "coupling", "")
+    }));
     lines
 }

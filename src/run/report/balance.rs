@@ -29,7 +29,7 @@ pub struct BalanceRecord {
     /// The motion of each reference point, and the force and moment on the body there: the sum of loads, supports and
     /// springs that act on the point. The moment is about the point.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub couplings: Vec<AppliedForce>,
+    pub couplings: Vec<PointRecord>,
     /// The imbalance of all forces on the body: the magnitude of the resultant force, or of the moment about the body's
     /// middle divided by its size, relative to the sum of the magnitudes of the nodal forces.
     pub balance: f64,
@@ -55,9 +55,22 @@ pub struct AppliedForce {
     /// The mean displacement of the nodes on which it acts: x, y and, in three dimensions, z, m.
     #[serde(default)]
     pub displacement: Vec<f64>,
-    /// The rotation of a reference point: about z in two dimensions, about x, y and z in three, rad. Empty for forces of
-    /// supports, springs and loads.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+}
+
+/// The reference point of a coupling.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct PointRecord {
+    /// The name of the coupling.
+    pub at: String,
+    /// The force on the body at the point: x, y and, in three dimensions, z, N; in two dimensions N per m of depth.
+    pub force: Vec<f64>,
+    /// The moment on the body about the point: about z in two dimensions, about x, y and z in three, N m; in two
+    /// dimensions N m per m of depth.
+    pub moment: Vec<f64>,
+    /// The displacement of the point: x, y and, in three dimensions, z, m.
+    pub displacement: Vec<f64>,
+    /// The rotation of the point: about z in two dimensions, about x, y and z in three, rad.
     pub rotation: Vec<f64>,
 }
 
@@ -74,8 +87,10 @@ impl BalanceRecord {
         };
         let couplings = model.coupled(time, step.state, [&loads, &supports, &springs]);
         let couplings = couplings.into_iter().zip(&description.couplings).map(|((wrench, [u, rotation]), coupling)| {
-            let acting = AppliedForce::new(coupling.name.clone(), wrench, u, model.mesh.dimension);
-            AppliedForce { rotation: about_axes(rotation, model.mesh.dimension), ..acting }
+            let dimension = model.mesh.dimension;
+            let AppliedForce { at, force, moment, displacement } =
+                AppliedForce::new(coupling.name.clone(), wrench, u, dimension);
+            PointRecord { at, force, moment, displacement, rotation: about_axes(rotation, dimension) }
         });
         BalanceRecord {
             index,
@@ -154,7 +169,7 @@ impl AppliedForce {
         let Wrench { force, moment } = wrench;
         let displacement = displacement[..dimension].to_vec();
         let (force, moment) = (force[..dimension].to_vec(), about_axes(moment, dimension));
-        AppliedForce { at, force, moment, displacement, rotation: Vec::new() }
+        AppliedForce { at, force, moment, displacement }
     }
 }
 

@@ -245,6 +245,7 @@ fn reports() -> Vec<Value> {
         json_of(&edit(&cube, "{ kind = \"plane\", gap = 1e-5 }", ON_A_BALL), &[]),
         json_of(&small(), &HALVED),
         json_of(&[&small(), "\n[[spring]]\nboundary = \"right\"\nnormal = 1e9\n"].concat(), &[]),
+        json_of(&[&small(), "\n[[coupling]]\nname = \"end\"\nboundary = \"right\"\n"].concat(), &[]),
         report(&edit(&small(), "[solver]", "[solver]\nmax_iterations = 1"), 1),
         json_of(
             &edit(

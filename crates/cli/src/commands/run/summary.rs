@@ -6,7 +6,7 @@ use stickslip::body::{PeakOf, StickZone};
 use stickslip::run::Run;
 use stickslip::run::report::{
     AppliedForce, BalanceRecord, CompanionEstimate, ComponentSums, CycleReport, EliminatedUnknown, FrictionResult,
-    LargestForce, LargestPressure, RankRecord, Resultant, RunReport, SlipRegime, Unknowns, Warning,
+    LargestForce, LargestPressure, PointRecord, RankRecord, Resultant, RunReport, SlipRegime, Unknowns, Warning,
 };
 use stickslip::scene::{Scene, Time};
 use stickslip::solver::formulation::Layout;
@@ -132,7 +132,7 @@ fn print_forces(report: &RunReport) {
         {
             say!("{kind:<12} {at}: {} on the body", vector(force));
         }
-        for AppliedForce { at, force, moment, displacement, rotation } in couplings {
+        for PointRecord { at, force, moment, displacement, rotation } in couplings {
             let moved = units.rounded_vector(Quantity::Length, displacement, DIGITS);
             let turned: Vec<String> = rotation.iter().map(|angle| rounded(*angle).to_string()).collect();
             say!("coupling     {at}: moved by {moved}, turned by ({}) rad", turned.join(", "));
