@@ -19,12 +19,13 @@ enum Cells {
     Simplices,
     SecondOrder,
     Prisms,
+    SecondOrderBricks,
 }
 
 /// The kinds of cells there are in a dimension.
 fn kinds(dimension: usize) -> Vec<Cells> {
-    let all = vec![Cells::Bricks, Cells::Simplices, Cells::SecondOrder, Cells::Prisms];
-    if dimension == 2 { all[..3].to_vec() } else { all }
+    let all = vec![Cells::Bricks, Cells::Simplices, Cells::SecondOrder, Cells::SecondOrderBricks, Cells::Prisms];
+    if dimension == 2 { all[..4].to_vec() } else { all }
 }
 
 /// A block with its lowest corner at `at`.
@@ -46,6 +47,7 @@ fn shaped<const D: usize>(
         Cells::Simplices => mesh.into_simplices(),
         Cells::SecondOrder => mesh.into_simplices().into_second_order(),
         Cells::Prisms => mesh.into_prisms(),
+        Cells::SecondOrderBricks => mesh.into_second_order(),
     }
 }
 

@@ -48,7 +48,7 @@ impl NodalVolumes {
     /// Returns `true` if cells of this kind have averaged dilatations; other kinds, for which there is B-bar, keep
     /// their own dilatation.
     pub fn take(kind: CellKind) -> bool {
-        kind.is_simplex() || kind == CellKind::Prism
+        kind.is_simplex() || kind.is_prism()
     }
 
     /// Computes the nodal volumes of `mesh`, where `material` returns the law of each cell; empty unless the elements
