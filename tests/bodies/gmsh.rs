@@ -5,7 +5,7 @@
 use miette::Diagnostic;
 use std::path::Path;
 use stickslip::body::fem::{Material, MaterialGroup};
-use stickslip::body::mesh::{Cell, CellKind, Mesh, MeshFault, MeshFileError, MeshFormat, Notes, block, from_gmsh};
+use stickslip::body::mesh::{Cell, CellKind, Mesh, MeshFault, MeshFileError, MeshFormat, MeshSource, Notes, block, from_gmsh};
 use stickslip::body::{Axis, Description, Model, ModelError};
 
 fn read(name: &str, scale: f64) -> Mesh {

@@ -8,7 +8,7 @@ use crate::base::units::Quantity;
 use crate::body::contact::holes_in_front_of;
 use crate::body::description::Action;
 use crate::body::estimate::expected_locking;
-use crate::body::fem::{Element, NodalVolumes};
+use crate::body::fem::Element;
 use crate::body::model::Model;
 use crate::solver::history::LinearAlgebra;
 
@@ -266,10 +266,9 @@ fn expected(model: &Model) -> Option<Warning> {
     let quadratic = model.mesh.cells.iter().any(|cell| cell.kind.is_quadratic());
     let plain = model.element() == Element::Bilinear && !model.is_thin();
     let locks = quadratic && plain && poisson > QUADRATIC_LOCKING + CORNER_ROUNDING;
-    let averaged = model.mesh.cells.iter().all(|cell| NodalVolumes::take(cell.kind));
-    let cure = if averaged { "nodal-volume" } else { "b-bar" };
-    let message =
-        format!("nu is {poisson:.6}: elements of second order may be too stiff as well; use mesh.element = \"{cure}\"");
+    let message = format!(
+        "nu is {poisson:.6}: elements of second order may be too stiff as well; use mesh.element = \"nodal-volume\""
+    );
     locks.then_some(Warning { kind: WarningKind::Locking, message })
 }
 
