@@ -214,7 +214,12 @@ fn what_is_no_mesh_is_refused_with_its_line() {
         ("20e-1", "20e", "bad.inp:9: *NODE: a number and finite coordinates", "1, 0.5, 2.5, 0."),
         ("20e-1", "inf", "bad.inp:9: *NODE: a number and finite coordinates", "1, 0.5, 2.5, 0."),
         (" 6, 1., 2.", " 4, 1., 2.", "bad.inp:10: the node 4 is there twice, in two places", "a number of its own"),
-        ("cpe4r", "CPE5R", "bad.inp:13: elements of the type CPE5R are not supported", "CPE, CPS or CAX of 3, 4, 6 or 8"),
+        (
+            "cpe4r",
+            "CPE5R",
+            "bad.inp:13: elements of the type CPE5R are not supported",
+            "CPE, CPS or CAX of 3, 4, 6 or 8",
+        ),
         ("cpe4r", "B21", "elements of the type B21 are not supported", "C3D10"),
         ("TYPE=CPE4,", "", "bad.inp:17: *ELEMENT has no TYPE=", "TYPE=NAME"),
         (" 20, 3, 4, 6, 5", " 20, 3, 4, 6", "bad.inp:18: element 20 has 3 nodes, but a quadrilateral has 4", "nodes"),

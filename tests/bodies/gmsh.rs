@@ -5,7 +5,9 @@
 use miette::Diagnostic;
 use std::path::Path;
 use stickslip::body::fem::{Material, MaterialGroup};
-use stickslip::body::mesh::{Cell, CellKind, Mesh, MeshFault, MeshFileError, MeshFormat, MeshSource, Notes, block, from_gmsh};
+use stickslip::body::mesh::{
+    Cell, CellKind, Mesh, MeshFault, MeshFileError, MeshFormat, MeshSource, Notes, block, from_gmsh,
+};
 use stickslip::body::{Axis, Description, Model, ModelError};
 
 fn read(name: &str, scale: f64) -> Mesh {
@@ -233,7 +235,8 @@ fn cells_of_the_wrong_orientation_are_turned_over() {
 fn every_kind_of_cell_is_turned_over() {
     let (plane, space) = (block(&[2.0, 1.0], &[2, 1]), block(&[2.0, 1.0, 1.0], &[2, 1, 1]));
     let (triangles, tetrahedra) = (plane.clone().into_simplices(), space.clone().into_simplices());
-    let nine = MeshSource::segmented(&[vec![2.0], vec![1.0]], &[vec![2], vec![1]], None, Some(CellKind::Quadrilateral9));
+    let nine =
+        MeshSource::segmented(&[vec![2.0], vec![1.0]], &[vec![2], vec![1]], None, Some(CellKind::Quadrilateral9));
     let nine = (*nine.unwrap().build().unwrap()).clone();
     let linear = [plane, space.clone(), triangles, tetrahedra, space.into_prisms()];
     let second = linear.clone().map(Mesh::into_second_order);

@@ -324,14 +324,18 @@ fn the_error_of_tetrahedra_of_ten_nodes_is_met() {
 }
 
 /// The same with the other cells of second order: no other program has their errors, so that only the estimate is tested.
+/// On the coarser mesh of hexahedra, most of which are on the surface, it is twice the error.
 #[test]
 fn the_error_of_quadrilaterals_hexahedra_and_prisms_of_second_order_is_met() {
     use CellKind::*;
-    for (kind, sizes) in [(Quadrilateral8, [4, 8]), (Quadrilateral9, [4, 8]), (Hexahedron20, [3, 6]), (Prism15, [3, 6])] {
+    for (kind, sizes) in [(Quadrilateral8, [4, 8]), (Quadrilateral9, [4, 8]), (Hexahedron20, [3, 6]), (Prism15, [3, 6])]
+    {
         let errors = sizes.map(|n| {
             let [found, estimate] = smooth(kind, Element::Bilinear, 0.3, n, &rule(kind));
             println!("{kind:?} {n}: error {found:.8e}, estimate / error {:.6}", estimate / found);
-            //assert!((estimate / found - 1.0).abs() < 0.25, "{kind:?} {n}: {estimate} {found}");
+            let coarse = kind == Hexahedron20 && n == 3;
+            let most = if coarse { 2.1 } else { 1.25 };
+            assert!((0.75..most).contains(&(estimate / found)), "{kind:?} {n}: {estimate} {found}");
             found
         });
         assert!(((errors[0] / errors[1]).log2() - 2.0).abs() < 0.25, "{kind:?}: {errors:?}");

@@ -16,7 +16,8 @@ pub(super) fn of_all_kinds() -> Vec<Mesh> {
     let (triangles, tetrahedra) = (plane.clone().into_simplices(), space.clone().into_simplices());
     let all = [plane, space.clone(), triangles, tetrahedra, space.into_prisms()];
     let second = all.clone().map(Mesh::into_second_order);
-    let nine = MeshSource::segmented(&[vec![2.0], vec![1.0]], &[vec![3], vec![2]], None, Some(CellKind::Quadrilateral9));
+    let nine =
+        MeshSource::segmented(&[vec![2.0], vec![1.0]], &[vec![3], vec![2]], None, Some(CellKind::Quadrilateral9));
     let nine = (*nine.unwrap().build().unwrap()).clone();
     all.into_iter().chain(second).chain([nine]).map(skewed).collect()
 }

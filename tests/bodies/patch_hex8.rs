@@ -9,7 +9,9 @@ use stickslip::algebra::{norm, unit};
 use stickslip::body::fem::{
     Dofs, Elasticity, Element, RigidMotion, assemble, element_stiffness, facet_load, gradients, rigid_motions,
 };
-use stickslip::body::mesh::{Cell, CellKind, Geometry, Mesh, MeshSource, block, fine_quadrature, quadrature, quadrature_of, shape};
+use stickslip::body::mesh::{
+    Cell, CellKind, Geometry, Mesh, MeshSource, block, fine_quadrature, quadrature, quadrature_of, shape,
+};
 use stickslip::run::discretise;
 use stickslip::scene::Scene;
 
@@ -42,11 +44,7 @@ const KINDS: [CellKind; 11] = CellKind::ALL;
 
 /// Elements to test: B-bar where there is something to average.
 fn elements(kind: CellKind) -> &'static [Element] {
-    if kind.is_simplex() || kind.is_quadratic() {
-        &[Element::Bilinear]
-    } else {
-        &[Element::Bilinear, Element::BBar]
-    }
+    if kind.is_simplex() || kind.is_quadratic() { &[Element::Bilinear] } else { &[Element::Bilinear, Element::BBar] }
 }
 
 #[test]

@@ -36,7 +36,9 @@ pub(crate) fn reference_point(kind: CellKind, nodes: &[[f64; 3]], x: [f64; 3]) -
 fn inside(kind: CellKind, point: [f64; 3]) -> bool {
     let [xi, eta, zeta] = point;
     match kind {
-        _ if kind.is_prism() => [1.0 - xi - eta, xi, eta].iter().all(|share| *share >= -SLACK) && zeta.abs() <= 1.0 + SLACK,
+        _ if kind.is_prism() => {
+            [1.0 - xi - eta, xi, eta].iter().all(|share| *share >= -SLACK) && zeta.abs() <= 1.0 + SLACK
+        }
         _ if kind.is_simplex() => [1.0 - xi - eta - zeta, xi, eta, zeta].iter().all(|share| *share >= -SLACK),
         _ => point.iter().all(|c| c.abs() <= 1.0 + SLACK),
     }

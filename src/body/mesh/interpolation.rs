@@ -130,9 +130,8 @@ fn barycentric(kind: CellKind, [xi, eta, zeta]: [f64; 3]) -> Vec<f64> {
 /// Returns `∂N_a/∂(ξ, η, ζ)` of all nodes; the last is 0 in two dimensions.
 pub(crate) fn local_gradients(kind: CellKind, point: [f64; 3]) -> Vec<[f64; 3]> {
     let (axes, corners) = (kind.dimension(), kind.corners());
-    let slopes = |k: usize, quadratic: bool| {
-        [0, 1, 2].map(|c| if c < axes { slope(kind, k, point, quadratic, c) } else { 0.0 })
-    };
+    let slopes =
+        |k: usize, quadratic: bool| [0, 1, 2].map(|c| if c < axes { slope(kind, k, point, quadratic, c) } else { 0.0 });
     let linear = || match axes {
         2 => vec![[-1.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
         _ => vec![[-1.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],

@@ -243,20 +243,7 @@ const QUADRILATERAL9: Properties = Properties {
 const HEXAHEDRON20: Properties = Properties {
     name: "hexahedron of twenty nodes",
     functions: Functions::Serendipity,
-    edges: &[
-        [0, 1],
-        [1, 2],
-        [2, 3],
-        [3, 0],
-        [4, 5],
-        [5, 6],
-        [6, 7],
-        [7, 4],
-        [0, 4],
-        [1, 5],
-        [2, 6],
-        [3, 7],
-    ],
+    edges: &[[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]],
     mirrored: &[4, 5, 6, 7, 0, 1, 2, 3, 12, 13, 14, 15, 8, 9, 10, 11, 16, 17, 18, 19],
     sides: &[
         &[0, 11, 3, 10, 2, 9, 1, 8],
@@ -418,7 +405,10 @@ impl CellKind {
     pub(crate) fn between(self, k: usize) -> &'static [usize] {
         let Properties { edges, around, .. } = self.properties();
         let Some(middle) = k.checked_sub(self.corners()) else { return &[] };
-        edges.get(middle).map_or_else(|| around[middle - edges.len()], |ends| ends)
+        match edges.get(middle) {
+            Some(ends) => ends,
+            None => around[middle - edges.len()],
+        }
     }
 
     /// Returns the position of node `k` in the reference cell.

@@ -280,7 +280,8 @@ fn edges_are_alike(description: &Description, mesh: &Mesh, pairs: &Pairs) -> Res
             for [_, middle, _] in mesh.bent_edges(facet) {
                 if *shares.entry(middle).or_insert(share) != share {
                     let place = description.system(mesh.dimension).place(mesh.nodes[middle]);
-                    let message = format!("a triangle and a quadrilateral of second order with contact meet at {place}");
+                    let message =
+                        format!("a triangle and a quadrilateral of second order with contact meet at {place}");
                     let help = "let the boundaries with contact be of triangles alone or of quadrilaterals alone, or use \
                                 cells of first order";
                     return Err(InputError::new(format!("contact[{k}].boundary"), message, help));

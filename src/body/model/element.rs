@@ -27,8 +27,7 @@ pub(super) fn element(description: &Description, mesh: &Mesh) -> Result<Element,
             None => Ok(element),
             Some(kind) => {
                 let message = format!("mesh.element is \"nodal-volume\", but the mesh has a {}", kind.name());
-                let help =
-                    "nodal volumes are for triangles, tetrahedra and prisms, and for second order: use \"b-bar\", or a mesh of these alone";
+                let help = "nodal volumes are for triangles, tetrahedra and prisms, and for second order: use \"b-bar\", or a mesh of these alone";
                 Err(InputError::new("mesh.element", message, help))
             }
         },

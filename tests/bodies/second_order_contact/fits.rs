@@ -52,8 +52,9 @@ fn on_a_shaft(mesh: Mesh, radius: f64, approach: f64, more: &str) -> Model {
 #[test]
 fn shrink_fits() {
     let sizes = [1e-4, 1e-2].into_iter().flat_map(|delta| [4, 8, 16].map(|n| (delta, n)));
-    for (cells, (delta, n)) in
-        [Cells::Triangles6, Cells::Quadrilaterals8].into_iter().flat_map(|cells| sizes.clone().map(move |size| (cells, size)))
+    for (cells, (delta, n)) in [Cells::Triangles6, Cells::Quadrilaterals8]
+        .into_iter()
+        .flat_map(|cells| sizes.clone().map(move |size| (cells, size)))
     {
         let model = on_a_shaft(quarter(n, cells), 1.0 + delta, 0.0, "");
         let mut lines = Lines(&model, Vec::new());
@@ -67,7 +68,10 @@ fn shrink_fits() {
             lines.1[0].points.iter().map(|point| off(point.sigma_n)).fold(0.0, f64::max),
             lines.1[0].points.iter().map(|point| (point.gap / delta).abs()).fold(0.0, f64::max),
         ];
-        println!("{cells:?}, delta {delta}, n {n}: means {:.2e}, at nodes {:.2e}, gap {:.2e}", worst[0], worst[1], worst[2]);
+        println!(
+            "{cells:?}, delta {delta}, n {n}: means {:.2e}, at nodes {:.2e}, gap {:.2e}",
+            worst[0], worst[1], worst[2]
+        );
         // What is left is the error of the stresses of the ring, of second order.
         let size = 1.57 / n as f64;
         assert!(worst[0].max(worst[1]) < 0.6 * size.powi(2) && worst[2] < 1e-9, "{worst:?}");

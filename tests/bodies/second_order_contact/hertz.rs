@@ -218,10 +218,14 @@ fn hertz_of_quadrilaterals_and_hexahedra() {
         let plane = kind.dimension() == 2;
         let scene = |n: usize| if plane { half(kind, n) } else { quarter(kind, n, 0.0, SPHERE) };
         let found: Vec<[f64; 3]> = sizes.iter().map(|&n| errors(&scene(n), share, force)).collect();
-        let order = |k: usize| {
-            found.windows(2).map(|pair| (pair[0][k] / pair[1][k]).abs().log2()).collect::<Vec<f64>>()
-        };
-        println!("{kind:?} {sizes:?}: force, peak, mean {found:.5?}; orders {:.2?} {:.2?} {:.2?}", order(0), order(1), order(2));
+        let order =
+            |k: usize| found.windows(2).map(|pair| (pair[0][k] / pair[1][k]).abs().log2()).collect::<Vec<f64>>();
+        println!(
+            "{kind:?} {sizes:?}: force, peak, mean {found:.5?}; orders {:.2?} {:.2?} {:.2?}",
+            order(0),
+            order(1),
+            order(2)
+        );
         all.push(found);
     }
     // With as many nodes along the zone the force is several times as accurate, and as many elements would be enough for

@@ -265,14 +265,8 @@ impl Projected {
 mod tests {
     use super::*;
 
-    const ALL: [Kind; 6] = [
-        Kind::Edge,
-        Kind::BentEdge,
-        Kind::Triangle,
-        Kind::Quadrilateral,
-        Kind::BentTriangle,
-        Kind::BentQuadrilateral,
-    ];
+    const ALL: [Kind; 6] =
+        [Kind::Edge, Kind::BentEdge, Kind::Triangle, Kind::Quadrilateral, Kind::BentTriangle, Kind::BentQuadrilateral];
 
     #[test]
     fn slopes_are_derivatives_and_add_up_to_nothing() {
