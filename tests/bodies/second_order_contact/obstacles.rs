@@ -229,8 +229,8 @@ fn triangles_and_quadrilaterals_of_second_order_do_not_meet() {
         format!(
             "[mesh]\nkind = \"block\"\nsize = [1, 1, 0.5]\nelements = [2, 2, 1]\ncells = \"prism15\"\n\
              [material]\nyoung = 1.0\npoisson = 0.3\n\
-             [[contact]]\nboundary = \"bottom\"\nobstacle = {{ kind = \"plane\", gap = 0 }}\n\
-             [[contact]]\nboundary = \"{side}\"\nobstacle = {{ kind = \"plane\", gap = 0 }}\n\
+             [[contact]]\nboundary = \"bottom\"\nfriction = 0\nobstacle = {{ kind = \"plane\", gap = 0 }}\n\
+             [[contact]]\nboundary = \"{side}\"\nfriction = 0\nobstacle = {{ kind = \"plane\", gap = 0 }}\n\
              [time]\nend = 1\nincrements = 1\n"
         )
     };
