@@ -17,7 +17,7 @@ use stickslip::scene::{Contents, Override, OverrideSyntax, Scene, with_contents}
 use stickslip::solver::history::SolverChoice;
 
 /// The kinds of cells by the names of meshio.
-const KINDS: [(&str, CellKind); 7] = [
+const KINDS: [(&str, CellKind); 11] = [
     ("triangle", CellKind::Triangle),
     ("quad", CellKind::Quadrilateral),
     ("tetra", CellKind::Tetrahedron),
@@ -25,6 +25,10 @@ const KINDS: [(&str, CellKind); 7] = [
     ("wedge", CellKind::Prism),
     ("triangle6", CellKind::Triangle6),
     ("tetra10", CellKind::Tetrahedron10),
+    ("quad8", CellKind::Quadrilateral8),
+    ("quad9", CellKind::Quadrilateral9),
+    ("hexahedron20", CellKind::Hexahedron20),
+    ("wedge15", CellKind::Prism15),
 ];
 
 fn kind_name(kind: CellKind) -> &'static str {

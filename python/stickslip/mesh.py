@@ -27,15 +27,35 @@ SIDES: dict[str, tuple[tuple[int, ...], ...]] = {
     "wedge": ((0, 2, 1), (3, 4, 5), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5)),
     "triangle6": ((0, 1, 3), (1, 2, 4), (2, 0, 5)),
     "tetra10": ((0, 2, 1, 6, 5, 4), (0, 1, 3, 4, 8, 7), (1, 2, 3, 5, 9, 8), (0, 3, 2, 7, 9, 6)),
+    "quad8": ((0, 1, 4), (1, 2, 5), (2, 3, 6), (3, 0, 7)),
+    "quad9": ((0, 1, 4), (1, 2, 5), (2, 3, 6), (3, 0, 7)),
+    "hexahedron20": (
+        (0, 3, 2, 1, 11, 10, 9, 8), (4, 5, 6, 7, 12, 13, 14, 15), (0, 1, 5, 4, 8, 17, 12, 16),
+        (1, 2, 6, 5, 9, 18, 13, 17), (2, 3, 7, 6, 10, 19, 14, 18), (3, 0, 4, 7, 11, 16, 15, 19),
+    ),
+    "wedge15": (
+        (0, 2, 1, 8, 7, 6), (3, 4, 5, 9, 10, 11), (0, 1, 4, 3, 6, 13, 9, 12), (1, 2, 5, 4, 7, 14, 10, 13), (2, 0, 3, 5, 8, 12, 11, 14),
+    ),
 }
 
-_DIMENSION = {name: 2 if name in ("triangle", "quad", "triangle6") else 3 for name in SIDES}
-_CORNERS = {name: 1 + max(max(side) for side in sides) for name, sides in SIDES.items()}
-_FACETS = {2: ("line", "line3"), 3: ("triangle", "quad", "triangle6")}
+_DIMENSION = {name: 2 if name in ("triangle", "quad", "triangle6", "quad8", "quad9") else 3 for name in SIDES}
+# The centre of a quadrilateral is on no side.
+_NODES = {name: 1 + max(max(side) for side in sides) for name, sides in SIDES.items()} | {"quad9": 9}
+_FACETS = {2: ("line", "line3"), 3: ("triangle", "quad", "triangle6", "quad8")}
 _GMSH = {
-    1: "line", 2: "triangle", 3: "quad", 4: "tetra", 5: "hexahedron", 6: "wedge", 8: "line3", 9: "triangle6", 11: "tetra10",
+    1: "line", 2: "triangle", 3: "quad", 4: "tetra", 5: "hexahedron", 6: "wedge", 8: "line3", 9: "triangle6", 10: "quad9", 11: "tetra10",
+    16: "quad8", 17: "hexahedron20", 18: "wedge15",
 }
-_VTK = {5: "triangle", 9: "quad", 10: "tetra", 12: "hexahedron", 13: "wedge", 22: "triangle6", 24: "tetra10"}
+#: The place of each node in the order of Gmsh, where it is another.
+_GMSH_ORDER = {
+    "tetra10": [0, 1, 2, 3, 4, 5, 6, 7, 9, 8],
+    "hexahedron20": [0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15],
+    "wedge15": [0, 1, 2, 3, 4, 5, 6, 9, 7, 12, 14, 13, 8, 10, 11],
+}
+_VTK = {
+    5: "triangle", 9: "quad", 10: "tetra", 12: "hexahedron", 13: "wedge", 22: "triangle6", 23: "quad8", 24: "tetra10",
+    25: "hexahedron20", 26: "wedge15", 28: "quad9",
+}
 #: Points and lines of VTK, which are no part of a body.
 _VTK_LINES = {0, 1, 2, 3, 4, 21, 35, 68}
 
@@ -43,7 +63,7 @@ _VTK_LINES = {0, 1, 2, 3, 4, 21, 35, 68}
 class Given(TypedDict):
     """A mesh of arrays.
 
-    points: m, (n, 3). cells: (kind, nodes (k, corners), group of each (k,)). groups: names of the materials; cells of no
+    points: m, (n, 3). cells: (kind, nodes (k, nodes of the kind), group of each (k,)). groups: names of the materials; cells of no
     group are of the group with the empty name, which has the material of the scene itself. boundaries: (name, facets by their nodes).
     """
 
@@ -133,7 +153,7 @@ def from_arrays(
 
     Args:
         points: (n, 2) or (n, 3).
-        cells: (kind, nodes (k, corners)) of the kinds in `SIDES`, in the order of VTK.
+        cells: (kind, nodes (k, nodes of the kind)) of the kinds in `SIDES`, in the order of VTK.
         boundaries: by name; see the head of this module.
         scale: the length of the unit of `points`, m.
         groups: by name, for each block of cells the numbers of those in the material group, or a mask. Cells of no group have the
@@ -149,11 +169,11 @@ def from_arrays(
     blocks = [(kind, _integers(f"cells: {kind}", nodes)) for kind, nodes in cells]
     _refuse({kind: len(nodes) for kind, nodes in blocks if kind not in SIDES})
     for kind, nodes in blocks:
-        if nodes.size and (nodes.ndim != 2 or nodes.shape[1] != _CORNERS[kind]):
-            raise ValueError(f"cells: {kind} has nodes of the shape {nodes.shape}, expected (k, {_CORNERS[kind]})")
+        if nodes.size and (nodes.ndim != 2 or nodes.shape[1] != _NODES[kind]):
+            raise ValueError(f"cells: {kind} has nodes of the shape {nodes.shape}, expected (k, {_NODES[kind]})")
         if nodes.size and (nodes.min() < 0 or nodes.max() >= len(xyz)):
             raise ValueError(f"cells: {kind} has nodes that are not among the {len(xyz)} points")
-    blocks = [(kind, nodes.reshape(-1, _CORNERS[kind])) for kind, nodes in blocks]
+    blocks = [(kind, nodes.reshape(-1, _NODES[kind])) for kind, nodes in blocks]
     if not blocks or not any(len(nodes) for _, nodes in blocks):
         raise ValueError("cells: there is none")
     dimension = max(_DIMENSION[kind] for kind, _ in blocks)
@@ -252,9 +272,7 @@ def from_gmsh(model: Any, boundaries: Mapping[str, Where] | None = None, *, scal
                 unknown[name] += len(elements)
                 continue
             table = np.array([number[int(n)] for n in nodes], dtype=np.int64).reshape(-1, int(count))
-            if _GMSH[kind] == "tetra10":
-                table[:, [8, 9]] = table[:, [9, 8]]
-            found.append((_GMSH[kind], table))
+            found.append((_GMSH[kind], table[:, _GMSH_ORDER.get(_GMSH[kind], slice(None))]))
         return found
 
     cells: list[tuple[str, Array]] = []

@@ -5,7 +5,9 @@
 use miette::Diagnostic;
 use std::path::Path;
 use stickslip::body::fem::{Material, MaterialGroup};
-use stickslip::body::mesh::{Cell, CellKind, Mesh, MeshFault, MeshFileError, MeshFormat, Notes, block, from_gmsh};
+use stickslip::body::mesh::{
+    Cell, CellKind, Mesh, MeshFault, MeshFileError, MeshFormat, MeshSource, Notes, block, from_gmsh,
+};
 use stickslip::body::{Axis, Description, Model, ModelError};
 
 fn read(name: &str, scale: f64) -> Mesh {
@@ -108,9 +110,9 @@ fn what_is_no_such_file_is_refused_with_its_line() {
         (TRIANGLES.replace("1 1 1 4\n", "1 1 8 4\n"), "has 2 nodes, but a line of three nodes has 3", "export"),
         (TRIANGLES.replace("2 1 2 16\n", "2 1 9 16\n"), "has 3 nodes, but a triangle of six nodes has 6", "export"),
         (
-            TRIANGLES.replace("2 1 2 16\n", "2 1 16 16\n"),
-            "the type 16 (quadrilateral of second order), which is not supported",
-            "Mesh.ElementOrder = 2",
+            TRIANGLES.replace("2 1 2 16\n", "2 1 12 16\n"),
+            "the type 12 (hexahedron of 27 nodes), which is not supported",
+            "Mesh.SecondOrderIncomplete = 1",
         ),
         (
             TRIANGLES.replace("2 1 2 16\n", "2 1 21 16\n"),
@@ -233,9 +235,12 @@ fn cells_of_the_wrong_orientation_are_turned_over() {
 fn every_kind_of_cell_is_turned_over() {
     let (plane, space) = (block(&[2.0, 1.0], &[2, 1]), block(&[2.0, 1.0, 1.0], &[2, 1, 1]));
     let (triangles, tetrahedra) = (plane.clone().into_simplices(), space.clone().into_simplices());
-    let second = [triangles.clone().into_second_order(), tetrahedra.clone().into_second_order()];
-    let [triangles6, tetrahedra10] = second;
-    for mesh in [plane, space.clone(), triangles, tetrahedra, space.into_prisms(), triangles6, tetrahedra10] {
+    let nine =
+        MeshSource::segmented(&[vec![2.0], vec![1.0]], &[vec![2], vec![1]], None, Some(CellKind::Quadrilateral9));
+    let nine = (*nine.unwrap().build().unwrap()).clone();
+    let linear = [plane, space.clone(), triangles, tetrahedra, space.into_prisms()];
+    let second = linear.clone().map(Mesh::into_second_order);
+    for mesh in linear.into_iter().chain(second).chain([nine]) {
         // In a mirror all cells are numbered the wrong way round.
         let numbers = |n: usize| (1..=n).map(|k| format!("{k}\n")).collect::<Vec<_>>().concat();
         let nodes = mesh.nodes.iter().map(|[x, y, z]| format!("{} {y} {z}\n", -x)).collect::<Vec<_>>().concat();
@@ -267,15 +272,23 @@ fn gmsh_type(kind: CellKind) -> usize {
         CellKind::Prism => 6,
         CellKind::Triangle6 => 9,
         CellKind::Tetrahedron10 => 11,
+        CellKind::Quadrilateral8 => 16,
+        CellKind::Quadrilateral9 => 10,
+        CellKind::Hexahedron20 => 17,
+        CellKind::Prism15 => 18,
     }
 }
 
-/// Gmsh has the last two nodes of a tetrahedron of second order in the other order.
-fn in_gmsh_order(kind: CellKind, mut nodes: Vec<String>) -> Vec<String> {
-    if kind == CellKind::Tetrahedron10 {
-        nodes.swap(8, 9);
-    }
-    nodes
+/// Gmsh has the last two nodes of a tetrahedron of second order in the other order. Of hexahedra and prisms it lists the
+/// edges by their first corner.
+fn in_gmsh_order(kind: CellKind, nodes: Vec<String>) -> Vec<String> {
+    let places: &[usize] = match kind {
+        CellKind::Tetrahedron10 => &[0, 1, 2, 3, 4, 5, 6, 7, 9, 8],
+        CellKind::Hexahedron20 => &[0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 16, 9, 17, 10, 18, 19, 12, 15, 13, 14],
+        CellKind::Prism15 => &[0, 1, 2, 3, 4, 5, 6, 8, 12, 7, 13, 14, 9, 11, 10],
+        _ => return nodes,
+    };
+    places.iter().map(|&k| nodes[k].clone()).collect()
 }
 
 /// Nodes that only points or lines have, such as the centres of arcs, are left out.

@@ -5,7 +5,7 @@
 use miette::Diagnostic;
 use std::path::Path;
 use stickslip::body::fem::Material;
-use stickslip::body::mesh::{Cell, Mesh, MeshFormat, block, from_gmsh};
+use stickslip::body::mesh::{Cell, CellKind, Mesh, MeshFormat, MeshSource, block, from_gmsh};
 use stickslip::body::{Axis, Description, Model};
 
 use super::common::mesh_files::{Msh, msh};
@@ -14,9 +14,12 @@ use super::common::mesh_files::{Msh, msh};
 pub(super) fn of_all_kinds() -> Vec<Mesh> {
     let (plane, space) = (block(&[2.0, 1.0], &[3, 2]), block(&[2.0, 1.0, 1.5], &[2, 2, 1]));
     let (triangles, tetrahedra) = (plane.clone().into_simplices(), space.clone().into_simplices());
-    let second = [triangles.clone().into_second_order(), tetrahedra.clone().into_second_order()];
     let all = [plane, space.clone(), triangles, tetrahedra, space.into_prisms()];
-    all.into_iter().chain(second).map(skewed).collect()
+    let second = all.clone().map(Mesh::into_second_order);
+    let nine =
+        MeshSource::segmented(&[vec![2.0], vec![1.0]], &[vec![3], vec![2]], None, Some(CellKind::Quadrilateral9));
+    let nine = (*nine.unwrap().build().unwrap()).clone();
+    all.into_iter().chain(second).chain([nine]).map(skewed).collect()
 }
 
 /// Moves the nodes so that no coordinate is round, and an element of wrong node order has another volume.

@@ -19,12 +19,17 @@ enum Cells {
     Simplices,
     SecondOrder,
     Prisms,
+    SecondOrderBricks,
+}
+
+fn is_quadratic(cells: Cells) -> bool {
+    matches!(cells, Cells::SecondOrder | Cells::SecondOrderBricks)
 }
 
 /// The kinds of cells there are in a dimension.
 fn kinds(dimension: usize) -> Vec<Cells> {
-    let all = vec![Cells::Bricks, Cells::Simplices, Cells::SecondOrder, Cells::Prisms];
-    if dimension == 2 { all[..3].to_vec() } else { all }
+    let all = vec![Cells::Bricks, Cells::Simplices, Cells::SecondOrder, Cells::SecondOrderBricks, Cells::Prisms];
+    if dimension == 2 { all[..4].to_vec() } else { all }
 }
 
 /// A block with its lowest corner at `at`.
@@ -46,6 +51,7 @@ fn shaped<const D: usize>(
         Cells::Simplices => mesh.into_simplices(),
         Cells::SecondOrder => mesh.into_simplices().into_second_order(),
         Cells::Prisms => mesh.into_prisms(),
+        Cells::SecondOrderBricks => mesh.into_second_order(),
     }
 }
 
@@ -138,7 +144,8 @@ fn total(terms: &[(usize, f64)]) -> f64 {
 /// What makes patch tests exact: translations and linear fields pass, and a uniform pressure is put on the master as its own
 /// facets would have it, as far as `pressures`.
 fn is_exact(mesh: &Mesh, [slave, master]: [&Boundary; 2], name: &str, pressures: f64) {
-    let tolerance = 1e-13;
+    // The mass matrix of a face of eight nodes is the worst conditioned.
+    let tolerance = if [slave, master].iter().any(|side| side.facets[0].len() == 8) { 1e-12 } else { 1e-13 };
     let pair = pair(mesh, [slave, master], 0.1);
     let (mut largest, up) = (0.0_f64, mesh.dimension - 1);
     for row in &pair.rows {
@@ -236,9 +243,11 @@ fn matching_meshes_are_joined_node_to_node() {
                     let mut expected: Vec<(usize, f64)> = row.slave.iter().map(|(node, c)| (twin(*node), *c)).collect();
                     expected.sort_by_key(|(node, _)| *node);
                     assert_eq!(row.master, expected, "{name}");
-                    assert_eq!(row.slave.len(), if row.slave.iter().any(|(_, c)| *c == 2.0) { 3 } else { 1 });
+                    assert_eq!(row.slave.len(), if row.slave.iter().any(|(_, c)| *c >= 2.0) { 3 } else { 1 });
                     assert!(row.slave.len() == 3 || row.slave == [(row.node, 1.0)]);
-                    assert_eq!(row.gap, gap, "{name}");
+                    // Coefficients of faces of eight nodes are larger, and so is the rounding of what they add up.
+                    let rounding = if cells == Cells::SecondOrderBricks { 1e-15 } else { 0.0 };
+                    assert!((row.gap - gap).abs() <= rounding, "{name}: {} {gap}", row.gap);
                 }
             }
         }

@@ -44,7 +44,7 @@ impl Observer for Line<'_> {
 fn cell_at(model: &Model, x: [f64; 3]) -> (usize, [f64; 3]) {
     let mesh = &model.mesh;
     let place = |(e, cell): (usize, &Cell)| {
-        let rectangle = cell.kind == CellKind::Quadrilateral;
+        let rectangle = !cell.kind.is_simplex();
         let [from, a, b] = [0, 1, if rectangle { 3 } else { 2 }].map(|k| mesh.nodes[cell.nodes[k]]);
         let (x, a, b) = (minus(x, from), minus(a, from), minus(b, from));
         let area = a[0] * b[1] - a[1] * b[0];
@@ -97,6 +97,11 @@ fn stresses_of_a_tube() {
         (CellKind::Quadrilateral, Element::BBar, 0.45, [0.0, 0.02], false),
         (CellKind::Quadrilateral, Element::BBar, 0.49, [0.0, 0.02], false),
         (CellKind::Quadrilateral, Element::BBar, 0.499, [0.0, 0.02], false),
+        (CellKind::Quadrilateral8, Element::Bilinear, 0.45, [0.0, 0.01], false),
+        (CellKind::Quadrilateral8, Element::Bilinear, 0.49, [0.0, 0.05], false),
+        (CellKind::Quadrilateral9, Element::Bilinear, 0.49, [0.0, 0.05], false),
+        (CellKind::Quadrilateral8, Element::NodalVolume, 0.499, [0.0, 0.002], false),
+        (CellKind::Quadrilateral9, Element::NodalVolume, 0.499, [0.0, 0.002], false),
         (CellKind::Triangle6, Element::NodalVolume, 0.45, [0.0, 0.002], false),
         (CellKind::Triangle6, Element::NodalVolume, 0.49, [0.0, 0.002], false),
         (CellKind::Triangle6, Element::NodalVolume, 0.499, [0.0, 0.002], false),
@@ -125,6 +130,8 @@ fn pressures_of_a_tube() {
         (CellKind::Triangle, 0.4999, [0.04, 0.12]),
         (CellKind::Triangle, 0.49999, [0.1, 0.25]),
         (CellKind::Triangle6, 0.499, [0.0, 0.01]),
+        (CellKind::Quadrilateral8, 0.499, [0.0, 0.01]),
+        (CellKind::Quadrilateral9, 0.499, [0.0, 0.01]),
     ] {
         let ([_, rough], ..) = tube(cells, Element::NodalVolume, nu);
         println!("{cells:?} with nodal volumes, nu {nu}: pressures off by {rough:.4}");

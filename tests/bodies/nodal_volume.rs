@@ -1,4 +1,4 @@
-//! Dilatations averaged at the corners of triangles, tetrahedra and prisms. Figures without a closed form are those of a program that
+//! Dilatations averaged at the corners of triangles, tetrahedra, prisms and cells of second order. Figures without a closed form are those of a program that
 //! shares nothing with this one.
 #![allow(clippy::unwrap_used)]
 
@@ -29,8 +29,10 @@ fn irregular() -> Vec<Mesh> {
     }
     for mesh in [block(&[1.0, 0.8], &[3, 3]), block(&[1.0, 0.9, 0.8], &[2, 2, 2])] {
         let corners = mesh.nodes.len();
-        let straight = moved(mesh.into_simplices()).into_second_order();
-        all.extend([straight.clone(), curved(straight, corners)]);
+        for cells in [mesh.clone().into_simplices(), mesh.clone().into_prisms(), mesh] {
+            let straight = moved(cells).into_second_order();
+            all.extend([straight.clone(), curved(straight, corners)]);
+        }
     }
     all
 }
@@ -123,7 +125,8 @@ fn stiffness_of_one_element() {
         (CellKind::Prism, &PRISM, [3.842_849_321_796e-1, 6.193_171_299_339, 2.527_470_383_322, 8.798_370_401_751e-1]),
     ] {
         let cell = Cell { kind, nodes: (0..corners.len()).collect(), group: 0 };
-        let mesh = Mesh::new(corners.to_vec(), vec![cell], Vec::new(), Vec::new()).unwrap().into_second_order();
+        let mesh = Mesh::new(corners.to_vec(), vec![cell], Vec::new(), Vec::new()).unwrap();
+        let mesh = if kind.is_simplex() { mesh.into_second_order() } else { mesh };
         let dofs = Dofs::new(&mesh, |_, _| false);
         let k = assemble(&mesh, &dofs, Element::NodalVolume, |_| Elasticity::isotropic(1.0, 0.3)).unwrap();
         let field = |&[x, y, z]: &[f64; 3]| match mesh.dimension {

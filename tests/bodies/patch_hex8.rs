@@ -9,20 +9,17 @@ use stickslip::algebra::{norm, unit};
 use stickslip::body::fem::{
     Dofs, Elasticity, Element, RigidMotion, assemble, element_stiffness, facet_load, gradients, rigid_motions,
 };
-use stickslip::body::mesh::{Cell, CellKind, Geometry, Mesh, block, fine_quadrature, quadrature, quadrature_of, shape};
+use stickslip::body::mesh::{
+    Cell, CellKind, Geometry, Mesh, MeshSource, block, fine_quadrature, quadrature, quadrature_of, shape,
+};
 use stickslip::run::discretise;
 use stickslip::scene::Scene;
 
 /// A unit square or cube of `n` elements along each axis, of any kind.
 fn cube(kind: CellKind, n: usize) -> Mesh {
     let d = kind.dimension();
-    let mesh = if d == 2 { block(&[1.0; 2], &[n; 2]) } else { block(&[1.0; 3], &[n; 3]) };
-    let mesh = match kind {
-        CellKind::Prism => mesh.into_prisms(),
-        _ if kind.is_simplex() => mesh.into_simplices(),
-        _ => mesh,
-    };
-    if kind.is_quadratic() { mesh.into_second_order() } else { mesh }
+    let source = MeshSource::segmented(&vec![vec![1.0]; d], &vec![vec![n]; d], None, Some(kind));
+    (*source.unwrap().build().unwrap()).clone()
 }
 
 fn on_boundary(mesh: &Mesh, x: [f64; 3]) -> bool {
@@ -43,11 +40,11 @@ fn distorted(kind: CellKind, n: usize) -> Mesh {
     mesh
 }
 
-const KINDS: [CellKind; 7] = CellKind::ALL;
+const KINDS: [CellKind; 11] = CellKind::ALL;
 
 /// Elements to test: B-bar where there is something to average.
 fn elements(kind: CellKind) -> &'static [Element] {
-    if kind.is_simplex() { &[Element::Bilinear] } else { &[Element::Bilinear, Element::BBar] }
+    if kind.is_simplex() || kind.is_quadratic() { &[Element::Bilinear] } else { &[Element::Bilinear, Element::BBar] }
 }
 
 #[test]
@@ -193,6 +190,10 @@ fn manufactured_solution_converges_at_its_order() {
         (CellKind::Prism, [4, 8, 16], 2.0),
         (CellKind::Triangle6, [8, 16, 32], 3.0),
         (CellKind::Tetrahedron10, [2, 4, 8], 3.0),
+        (CellKind::Quadrilateral8, [8, 16, 32], 3.0),
+        (CellKind::Quadrilateral9, [8, 16, 32], 3.0),
+        (CellKind::Hexahedron20, [2, 4, 8], 3.0),
+        (CellKind::Prism15, [3, 6, 12], 3.0),
     ] {
         let errors = sizes.map(|n| manufactured_error(kind, n));
         let orders: Vec<f64> = errors.windows(2).map(|pair| (pair[0] / pair[1]).log2()).collect();
@@ -244,7 +245,7 @@ fn manufactured_error(kind: CellKind, n: usize) -> f64 {
                 let (a, b) = (0.138_196_601_125_010_5, 0.585_410_196_624_968_5);
                 [[a, a, a], [b, a, a], [a, b, a], [a, a, b]].map(|p| (p, 1.0 / 24.0)).to_vec()
             }
-            CellKind::Triangle6 | CellKind::Tetrahedron10 => fine_quadrature(kind),
+            _ if kind.is_quadratic() => fine_quadrature(kind),
             _ => quadrature(kind),
         };
         rule.into_iter()
@@ -341,6 +342,9 @@ fn inverted_elements_are_named() {
         let edges: &[[usize; 2]] = match kind {
             CellKind::Triangle6 => &[[4, 5]],
             CellKind::Tetrahedron10 => &[[5, 6], [7, 8]],
+            CellKind::Prism15 => &[[7, 8], [12, 13]],
+            CellKind::Quadrilateral8 | CellKind::Quadrilateral9 => &[[2, 3], [5, 7]],
+            CellKind::Hexahedron20 => &[[2, 3], [4, 5], [6, 7], [9, 11], [13, 15], [16, 17], [18, 19]],
             _ => &[],
         };
         edges.iter().chain(&[[0, 1]]).for_each(|&[a, b]| mesh.cells[e].nodes.swap(a, b));
@@ -358,7 +362,15 @@ fn inverted_elements_are_named() {
 fn contact_patch_test() {
     let (young, poisson, pressure) = (210e9, 0.3, 10e6);
     let kinds = [("triangle", 2), ("quadrilateral", 2), ("tetrahedron", 3), ("hexahedron", 3)];
-    for (cells, d) in kinds.into_iter().chain([("prism", 3), ("triangle6", 2), ("tetrahedron10", 3)]) {
+    for (cells, d) in kinds.into_iter().chain([
+        ("prism", 3),
+        ("triangle6", 2),
+        ("tetrahedron10", 3),
+        ("quadrilateral8", 2),
+        ("quadrilateral9", 2),
+        ("hexahedron20", 3),
+        ("prism15", 3),
+    ]) {
         let (size, elements, grading, traction, front) = match d {
             2 => ("[1.0, 0.5]", "[5, 3]", "[3.0, 0.5]", "[0.0, -10e6]", ""),
             _ => (

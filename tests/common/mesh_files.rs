@@ -21,6 +21,10 @@ fn gmsh_type(kind: CellKind) -> i32 {
         CellKind::Prism => 6,
         CellKind::Triangle6 => 9,
         CellKind::Tetrahedron10 => 11,
+        CellKind::Quadrilateral8 => 16,
+        CellKind::Quadrilateral9 => 10,
+        CellKind::Hexahedron20 => 17,
+        CellKind::Prism15 => 18,
     }
 }
 
@@ -31,8 +35,19 @@ fn corners_first(quadratic: bool, facet: &[usize]) -> Vec<usize> {
     corners.chain(facet.iter().skip(1).step_by(2).take(facet.len() - first).copied()).collect()
 }
 
-/// The facets of the boundaries and the cells, in the order of the mesh. Gmsh has the last two nodes of a tetrahedron of
-/// second order in the other order.
+/// The nodes of a cell in the order of Gmsh: the last two nodes of a tetrahedron of second order are in the other order,
+/// the edges of hexahedra and prisms in that of their first corner, then of their second.
+fn in_gmsh_order(kind: CellKind, nodes: &[usize]) -> Vec<usize> {
+    let places: &[usize] = match kind {
+        CellKind::Tetrahedron10 => &[0, 1, 2, 3, 4, 5, 6, 7, 9, 8],
+        CellKind::Hexahedron20 => &[0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 16, 9, 17, 10, 18, 19, 12, 15, 13, 14],
+        CellKind::Prism15 => &[0, 1, 2, 3, 4, 5, 6, 8, 12, 7, 13, 14, 9, 11, 10],
+        _ => return nodes.to_vec(),
+    };
+    places.iter().map(|&k| nodes[k]).collect()
+}
+
+/// The facets of the boundaries and the cells, in the order of the mesh.
 pub fn blocks(mesh: &Mesh) -> Vec<Block> {
     let mut blocks: Vec<Block> = Vec::new();
     let mut add = |dimension: usize, kind: i32, group: &str, nodes: Vec<usize>| match blocks.last_mut() {
@@ -49,17 +64,14 @@ pub fn blocks(mesh: &Mesh) -> Vec<Block> {
                 (2, _) => 8,
                 (_, 3) => 2,
                 (_, 4) => 3,
-                _ => 9,
+                (_, 6) => 9,
+                _ => 16,
             };
             add(mesh.dimension - 1, kind, &boundary.name, corners_first(quadratic, facet));
         }
     }
     for Cell { kind, nodes, group } in &mesh.cells {
-        let mut nodes = nodes.clone();
-        if *kind == CellKind::Tetrahedron10 {
-            nodes.swap(8, 9);
-        }
-        add(mesh.dimension, gmsh_type(*kind), &mesh.groups[*group], nodes);
+        add(mesh.dimension, gmsh_type(*kind), &mesh.groups[*group], in_gmsh_order(*kind, nodes));
     }
     blocks
 }
@@ -264,6 +276,10 @@ pub fn inp(mesh: &Mesh) -> String {
             CellKind::Prism => "C3D6",
             CellKind::Triangle6 => "CAX6M",
             CellKind::Tetrahedron10 => "C3D10H",
+            CellKind::Quadrilateral8 => "CPS8R",
+            CellKind::Quadrilateral9 => panic!("Abaqus has none"),
+            CellKind::Hexahedron20 => "C3D20R",
+            CellKind::Prism15 => "C3D15",
         };
         let group = &mesh.groups[*group];
         let set = if group.is_empty() { String::new() } else { format!(", ELSET={group}") };
@@ -284,10 +300,10 @@ pub fn inp(mesh: &Mesh) -> String {
 fn sides_of(kind: CellKind) -> &'static [&'static str] {
     match kind {
         CellKind::Triangle | CellKind::Triangle6 => &["12", "23", "31"],
-        CellKind::Quadrilateral => &["12", "23", "34", "41"],
+        CellKind::Quadrilateral | CellKind::Quadrilateral8 | CellKind::Quadrilateral9 => &["12", "23", "34", "41"],
         CellKind::Tetrahedron | CellKind::Tetrahedron10 => &["123", "142", "243", "341"],
-        CellKind::Hexahedron => &["1234", "5876", "1562", "2673", "3784", "4851"],
-        CellKind::Prism => &["123", "465", "1452", "2563", "3641"],
+        CellKind::Hexahedron | CellKind::Hexahedron20 => &["1234", "5876", "1562", "2673", "3784", "4851"],
+        CellKind::Prism | CellKind::Prism15 => &["123", "465", "1452", "2563", "3641"],
     }
 }
 

@@ -2,15 +2,15 @@
 //!
 //! On a facet of second order the shape function of a corner is negative over most of the facet, so that the sign of
 //! its force does not give the sign of the pressure: under a flat punch all inner corners would open. On such facets
-//! the law applies to forces weighted by Bernstein polynomials ([`bernstein`]), which are nowhere negative:
-//! `p̃_i = ∫ Ñ_i σ dA`. The displacements conjugate to these forces are
+//! the law applies to forces weighted by polynomials that are nowhere negative ([`bernstein`]): `p̃_i = ∫ Ñ_i σ dA`. The
+//! displacements conjugate to these forces are
 //!
 //! ```text
-//! w̃_a = w_a                     at corners,
-//! w̃_m = 2 w_m - ½ (w_a + w_b)   at the node m between the corners a and b,
+//! w̃_a = w_a                                     at corners,
+//! w̃_m = (w_m - α (w_a + w_b)) / (1 - 2 α)       at the node m between the corners a and b,
 //! ```
 //!
-//! each along the normal or the tangent of its own node; gaps `g̃` and tangential motions of the obstacle are formed in
+//! with the share α of [`Mesh::share_of_ends`], each along the normal or the tangent of its own node; gaps `g̃` and tangential motions of the obstacle are formed in
 //! the same way. `w̃ ≤ g̃` keeps every node out of the obstacle; in front of a plane it keeps a whole straight facet
 //! out. If normals turn along the edge and the normal of m were used for all three nodes, the height of the arc between
 //! them, as a share of a displacement, would appear as a gap.
@@ -103,6 +103,8 @@ pub struct End {
     /// The obstacle of the contact node as seen from the corner; the tangents are those of the contact node, turned
     /// with the normal.
     pub facing: Facing,
+    /// The share of the corner in the contact node, see [`Mesh::share_of_ends`].
+    pub share: f64,
 }
 
 /// A node in the rows of a contact node, `w̃ = Σ coefficient · w`.
@@ -165,19 +167,20 @@ pub fn contact_nodes(
         for (&node, weight) in facet.iter().zip(bernstein(mesh, facet, &facet_weights(mesh, facet))) {
             weights[node] += weight;
         }
-        edges.extend(mesh.bent_edges(facet).into_iter().map(|[a, middle, b]| (middle, [a, b])));
+        let share = mesh.share_of_ends(facet);
+        edges.extend(mesh.bent_edges(facet).into_iter().map(|[a, middle, b]| (middle, ([a, b], share))));
     }
     (met.iter())
         .map(|&Meeting { node, obstacle, mut facing, ref others }| {
             let frame = facing.tangents;
             let tangents = tangents(&dofs.held(node).collect::<Vec<_>>(), &facing);
             facing.tangents = [0, 1].map(|k| tangents.get(k).copied().unwrap_or_default());
-            let end = |node: usize| {
+            let end = |node: usize, share: f64| {
                 let position = mesh.nodes[node];
                 let seen = obstacles[obstacle].0.seen_from(position);
-                End { node, position, facing: Facing { tangents: turned(&facing, &seen), ..seen } }
+                End { node, position, facing: Facing { tangents: turned(&facing, &seen), ..seen }, share }
             };
-            let ends = edges.get(&node).map(|edge| edge.map(end));
+            let ends = edges.get(&node).map(|&(edge, share)| edge.map(|node| end(node, share)));
             let (position, weight, none) = (mesh.nodes[node], weights[node], [Row::new(), Row::new()]);
             let contact = ContactNode {
                 node,
@@ -240,10 +243,10 @@ impl ContactNode {
     /// Returns the nodes in its rows. In front of an obstacle, these are the node itself and, if it is between corners,
     /// the ends of its edge.
     pub fn terms(&self) -> impl Iterator<Item = Term> + '_ {
-        let own = if self.ends.is_some() { 2.0 } else { 1.0 };
+        let own = 1.0 / (1.0 - self.ends.iter().flatten().map(|end| end.share).sum::<f64>());
         let term = |coefficient, node, position, facing| Term { coefficient, node, position, facing, opposite: false };
         let own = term(own, self.node, self.position, self.facing);
-        let of_end = move |end: &End| term(-0.5, end.node, end.position, end.facing);
+        let of_end = move |end: &End| term(-end.share * own.coefficient, end.node, end.position, end.facing);
         let of_node = move |opposite: bool| {
             move |&(node, position, c): &_| Term { opposite, ..term(c, node, position, self.facing) }
         };

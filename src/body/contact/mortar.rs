@@ -236,9 +236,9 @@ impl Mortar {
             }
         }
         let edges = edges_of(mesh, &self.facets[1]);
-        for (middle, [a, b]) in edges {
+        for (middle, ([a, b], of_end)) in edges {
             let Some(force) = nodal.get(&middle).copied() else { continue };
-            for (node, share) in [(middle, -0.5), (a, 0.25), (b, 0.25)] {
+            for (node, share) in [(middle, -2.0 * of_end), (a, of_end), (b, of_end)] {
                 let sum = nodal.entry(node).or_default();
                 *sum = plus(*sum, share, force);
             }
@@ -249,24 +249,29 @@ impl Mortar {
     }
 }
 
-/// The ends of the edge of each node between corners.
-type Edges = BTreeMap<usize, [usize; 2]>;
+/// The ends of the edge of each node between corners, and their share α of [`Mesh::share_of_ends`].
+type Edges = BTreeMap<usize, ([usize; 2], f64)>;
 
 fn edges_of(mesh: &Mesh, facets: &[Facet]) -> Edges {
-    facets.iter().flat_map(|facet| mesh.bent_edges(facet)).map(|[a, middle, b]| (middle, [a, b])).collect()
+    let of_facet = |facet: &Facet| {
+        let share = mesh.share_of_ends(facet);
+        mesh.bent_edges(facet).into_iter().map(move |[a, middle, b]| (middle, ([a, b], share)))
+    };
+    facets.iter().flat_map(of_facet).collect()
 }
 
-/// Converts integrals with Ñ, `terms`, to integrals with the shape functions: `N_m = 2 Ñ_m` between the corners a and
-/// b, `N_a = Ñ_a - ½ Σ Ñ_m`.
+/// Converts integrals with Ñ, `terms`, to integrals with the shape functions: `N_m = Ñ_m / (1 - 2 α)` between the corners
+/// a and b, `N_a = Ñ_a - α Σ N_m`.
 fn nodal(terms: Vec<(usize, f64)>, edges: &Edges) -> BTreeMap<usize, f64> {
     let mut nodal = BTreeMap::new();
     for (node, value) in terms {
         let mut add = |node: usize, value: f64| *nodal.entry(node).or_default() += value;
         match edges.get(&node) {
-            Some(ends) => {
-                add(node, 2.0 * value);
-                for &end in ends {
-                    add(end, -0.5 * value);
+            Some(&(ends, share)) => {
+                let own = 1.0 / (1.0 - 2.0 * share);
+                add(node, own * value);
+                for end in ends {
+                    add(end, -share * own * value);
                 }
             }
             None => add(node, value),

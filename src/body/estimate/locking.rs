@@ -49,7 +49,7 @@ fn measured(kind: CellKind) -> Option<[f64; 2]> {
         CellKind::Hexahedron | CellKind::Prism => Some([1.3, 0.21]),
         CellKind::Triangle => Some([2.0, 0.26]),
         CellKind::Tetrahedron => Some([3.0, 0.28]),
-        CellKind::Triangle6 | CellKind::Tetrahedron10 => None,
+        _ => None,
     }
 }
 

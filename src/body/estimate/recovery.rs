@@ -2,8 +2,8 @@
 //!
 //! On linear cells a nodal value is the mean over the surrounding cells of one law, weighted by volume. On cells of
 //! second order means are not accurate enough: each corner has a quadratic polynomial, fitted to the strains of the
-//! surrounding cells (Zienkiewicz and Zhu, Int. J. Numer. Meth. Engng 33 (1992) 1331). A node between two corners has
-//! the mean of the polynomials of all corners of its cells.
+//! surrounding cells (Zienkiewicz and Zhu, Int. J. Numer. Meth. Engng 33 (1992) 1331). A node between two corners, in
+//! hexahedra and prisms every node, has the mean of the polynomials of all corners of its cells.
 
 use super::places::Places;
 use super::strains::Strains;
@@ -131,6 +131,13 @@ impl Polynomial {
     }
 }
 
+/// Returns `true` for hexahedra and prisms of second order. In the middle of a hexahedron their functions are -¼ at the
+/// eight corners and ¼ at the twelve edges, so that differences of corners from edges grow: there corners, too, have the
+/// mean of the polynomials of all corners of their cells.
+fn differences_grow(kind: CellKind) -> bool {
+    kind.dimension() == 3 && !kind.is_simplex()
+}
+
 /// Recovers the strains at the nodes by a polynomial for each corner.
 fn fitted(model: &Model, places: &Places, strains: &Strains) -> Option<Vec<[f64; 6]>> {
     let (mesh, d) = (&model.mesh, model.mesh.dimension);
@@ -173,7 +180,7 @@ fn fitted(model: &Model, places: &Places, strains: &Strains) -> Option<Vec<[f64;
         })?;
         for &e in own {
             for (k, &place) in places.of_cell(e).iter().enumerate() {
-                let takes = place == corner || k >= corners(e).len();
+                let takes = place == corner || k >= corners(e).len() || differences_grow(mesh.cells[e].kind);
                 if takes && std::mem::replace(&mut last[place], corner) != corner {
                     let (sum, count) = &mut sums[place];
                     sum.iter_mut().zip(fit.at(mesh.nodes[nodes[place]])).for_each(|(sum, x)| *sum += x);

@@ -255,8 +255,8 @@ mod tests {
             for element in [Element::Bilinear, Element::BBar, Element::NodalVolume] {
                 let meant = match element {
                     Element::Bilinear => true,
-                    Element::BBar => !kind.is_simplex(),
-                    Element::NodalVolume => kind.is_simplex() || kind == CellKind::Prism,
+                    Element::BBar => !kind.is_simplex() && !kind.is_quadratic(),
+                    Element::NodalVolume => kind.is_simplex() || kind.is_prism() || kind.is_quadratic(),
                 };
                 if !meant {
                     continue;

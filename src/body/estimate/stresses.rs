@@ -268,9 +268,9 @@ impl StressRecovery {
                 if !patches_of[place].is_empty() {
                     continue;
                 }
-                patches_of[place] = match cell.kind.ends(k) {
-                    None => search.of_corner(place),
-                    Some(ends) => {
+                patches_of[place] = match cell.kind.between(k) {
+                    [] => search.of_corner(place),
+                    ends => {
                         let mut both: Vec<usize> = ends.iter().flat_map(|&end| patches_of[own[end]].clone()).collect();
                         both.sort_unstable();
                         both.dedup();

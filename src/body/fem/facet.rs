@@ -2,7 +2,7 @@
 
 use super::dofs::Dofs;
 use crate::algebra::vector::{cross, norm, unit};
-use crate::body::mesh::{Boundary, CellKind, Geometry, Mesh, fine_quadrature, local_gradients, quadrature, shape};
+use crate::body::mesh::{Boundary, CellKind, Geometry, Mesh, fine_quadrature, local_gradients, shape};
 
 /// Forces on nodes (N; in two dimensions per unit depth, for a body of revolution over the full circumference), each
 /// with the number of its node; forces on the same node are added.
@@ -21,7 +21,7 @@ pub(super) struct FacetPoint {
 
 /// Returns the integration points of a facet. The rule is exact for cubic polynomials along an edge and along both axes
 /// of a quadrilateral, and for quadratic polynomials on a triangle; on facets of second order, for degree five along an
-/// edge and degree four on a triangle.
+/// edge and along both axes of a quadrilateral, and degree four on a triangle.
 pub(super) fn facet_points(mesh: &Mesh, facet: &[usize]) -> Vec<FacetPoint> {
     let nodes = mesh.points(facet);
     let position = |shape: &[f64]| [0, 1, 2].map(|c| shape.iter().zip(&nodes).map(|(n, x)| n * x[c]).sum());
@@ -64,12 +64,11 @@ const GAUSS: [(f64, f64); 3] = [
     (0.887_298_334_620_741_7, 0.277_777_777_777_777_8),
 ];
 
-/// Returns the integration points of a quadrilateral, an edge of three nodes or a triangle of six nodes.
+/// Returns the integration points of a quadrilateral or a facet of second order.
 fn curved_points(mesh: &Mesh, facet: &[usize]) -> Vec<Point> {
-    let rule = match (mesh.dimension, facet.len()) {
-        (2, _) => GAUSS.map(|(s, weight)| ([s, 0.0, 0.0], weight)).into(),
-        (_, 6) => fine_quadrature(CellKind::Triangle6),
-        _ => quadrature(CellKind::Quadrilateral),
+    let rule = match mesh.dimension {
+        2 => GAUSS.map(|(s, weight)| ([s, 0.0, 0.0], weight)).into(),
+        _ => fine_quadrature(kind_of(facet)),
     };
     rule.into_iter().map(|(at, weight)| point(mesh, facet, at, weight)).collect()
 }
@@ -84,23 +83,32 @@ fn point(mesh: &Mesh, facet: &[usize], at: [f64; 3], weight: f64) -> Point {
         let along = [sum(&[4.0 * s - 3.0, 4.0 - 8.0 * s, 4.0 * s - 1.0]), [0.0, 0.0, 1.0]];
         return Point { along, weight: weight * mesh.geometry.depth(sum(&shape)), shape };
     }
-    let kind = if facet.len() == 6 { CellKind::Triangle6 } else { CellKind::Quadrilateral };
+    let kind = kind_of(facet);
     let all = |value: &dyn Fn(usize) -> f64| (0..facet.len()).map(|k| value(place(kind, k))).collect::<Vec<f64>>();
     let (values, gradients) = (shape(kind, at), local_gradients(kind, at));
     Point { shape: all(&|k| values[k]), along: [0, 1].map(|r| sum(&all(&|k| gradients[k][r]))), weight }
 }
 
+/// Returns the kind of a face that is no triangle of three nodes.
+fn kind_of(facet: &[usize]) -> CellKind {
+    match facet.len() {
+        6 => CellKind::Triangle6,
+        8 => CellKind::Quadrilateral8,
+        _ => CellKind::Quadrilateral,
+    }
+}
+
 /// Returns the number, in a face of this kind, of node `k` of a facet; in a facet, nodes between corners are listed
 /// between these corners.
 fn place(kind: CellKind, k: usize) -> usize {
-    if kind.is_quadratic() { k / 2 + 3 * (k % 2) } else { k }
+    if kind.is_quadratic() { k / 2 + kind.corners() * (k % 2) } else { k }
 }
 
 /// Computes `∫ N_a dA` for each node of a facet: its share of the length (m, half of an edge) or of the area (m²), in a
 /// body of revolution over the full circumference.
 ///
 /// The result is exact for edges, triangles and flat quadrilaterals, and for straight facets of second order. The
-/// corners of a flat triangle of six nodes have 0.
+/// corners of a flat triangle of six nodes have 0, those of a rectangle of eight nodes -1/12 of its area.
 pub fn facet_weights(mesh: &Mesh, facet: &[usize]) -> Vec<f64> {
     let nodes = facet.len();
     if nodes <= mesh.dimension && mesh.geometry == Geometry::Cartesian {
@@ -121,21 +129,24 @@ pub fn facet_weights(mesh: &Mesh, facet: &[usize]) -> Vec<f64> {
 }
 
 /// Converts `values` of the shape functions of a facet's nodes to nowhere negative functions, so that weighted
-/// quantities keep their sign: Bernstein polynomials on facets of second order,
+/// quantities keep their sign: on facets of second order
 ///
 /// ```text
-/// Ñ_a = N_a + ¼ Σ N_m    at corners, m between a and others,
-/// Ñ_m = ½ N_m            between corners.
+/// Ñ_a = N_a + α Σ N_m      at corners, m between a and others,
+/// Ñ_m = (1 - 2 α) N_m      between corners.
 /// ```
 ///
-/// Their sum is 1, too. On facets of first order they are the shape functions.
+/// With α = ¼, on edges and triangles, they are Bernstein's polynomials. On a quadrilateral of eight nodes
+/// `Ñ_a = ¼ (1 + ξ ξ_a) (1 + η η_a) (4 α - 1 + (1 - 2 α) (ξ ξ_a + η η_a))`, so that α = ⅜ is the least share without a
+/// negative value. The sum of all functions is 1, too. On facets of first order they are the shape functions.
 pub fn bernstein(mesh: &Mesh, facet: &[usize], values: &[f64]) -> Vec<f64> {
     let mut changed = values.to_vec();
+    let share = mesh.share_of_ends(facet);
     for (k, _) in mesh.bent_edges(facet).iter().enumerate() {
         let [a, m, b] = [2 * k, 2 * k + 1, (2 * k + 2) % facet.len()];
-        changed[m] = 0.5 * values[m];
-        changed[a] += 0.25 * values[m];
-        changed[b] += 0.25 * values[m];
+        changed[m] = (1.0 - 2.0 * share) * values[m];
+        changed[a] += share * values[m];
+        changed[b] += share * values[m];
     }
     changed
 }
@@ -160,9 +171,9 @@ pub fn facet_normals(mesh: &Mesh, facet: &[usize]) -> Vec<[f64; 3]> {
         return vec![area; facet.len()];
     }
     let normal = |k: usize| {
-        let at = match mesh.dimension {
-            2 => [0.5 * k as f64, 0.0, 0.0],
-            _ => [[0.0; 3], [0.5, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 0.5, 0.0], [0.0, 1.0, 0.0], [0.0, 0.5, 0.0]][k],
+        let at = match (mesh.dimension, kind_of(facet)) {
+            (2, _) => [0.5 * k as f64, 0.0, 0.0],
+            (_, kind) => kind.reference_node(place(kind, k)),
         };
         let [along, across] = point(mesh, facet, at, 1.0).along;
         unit(cross(along, across)).map(|c| norm(area) * c)
@@ -240,5 +251,31 @@ mod tests {
             let sum = uniform.iter().map(|(_, force)| force[0]).sum::<f64>();
             assert!((sum - area(mesh, mesh.boundary("top").unwrap())).abs() < 1e-14);
         }
+    }
+
+    /// Bernstein's weights are equal on a square of eight nodes but for corners and middles, where the shape functions are
+    /// negative at corners; no function is negative anywhere, and with a lesser share one would be.
+    #[test]
+    fn functions_of_a_quadrilateral_of_eight_nodes_are_nowhere_negative() {
+        let mesh = block(&[1.0; 3], &[1; 3]).into_second_order();
+        let facet = &mesh.boundary("top").unwrap().facets[0];
+        let weights = facet_weights(&mesh, facet);
+        let raised = bernstein(&mesh, facet, &weights);
+        for (k, (weight, raised)) in weights.iter().zip(raised).enumerate() {
+            let expected = if k % 2 == 0 { [-1.0 / 12.0, 1.0 / 6.0] } else { [1.0 / 3.0, 1.0 / 12.0] };
+            assert!((weight - expected[0]).abs() < 1e-15 && (raised - expected[1]).abs() < 1e-15, "{k}");
+        }
+        let step = |k: i32| f64::from(k) / 20.0;
+        let places = (-20..=20).flat_map(|i| (-20..=20).map(move |j| [step(i), step(j), 0.0]));
+        let mut least = f64::INFINITY;
+        for at in places {
+            let values = bernstein(&mesh, facet, &point(&mesh, facet, at, 1.0).shape);
+            assert!((values.iter().sum::<f64>() - 1.0).abs() < 1e-14);
+            least = values.into_iter().fold(least, f64::min);
+        }
+        assert!((-1e-16..1e-15).contains(&least), "{least}");
+        // Opposite a corner the function begins with the slope 0: 4 α - 1 - 2 (1 - 2 α) = 0.
+        let share = mesh.share_of_ends(facet);
+        assert!((4.0 * share - 1.0 - 2.0 * (1.0 - 2.0 * share)).abs() < 1e-15);
     }
 }

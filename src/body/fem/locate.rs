@@ -36,7 +36,9 @@ pub(crate) fn reference_point(kind: CellKind, nodes: &[[f64; 3]], x: [f64; 3]) -
 fn inside(kind: CellKind, point: [f64; 3]) -> bool {
     let [xi, eta, zeta] = point;
     match kind {
-        CellKind::Prism => [1.0 - xi - eta, xi, eta].iter().all(|share| *share >= -SLACK) && zeta.abs() <= 1.0 + SLACK,
+        _ if kind.is_prism() => {
+            [1.0 - xi - eta, xi, eta].iter().all(|share| *share >= -SLACK) && zeta.abs() <= 1.0 + SLACK
+        }
         _ if kind.is_simplex() => [1.0 - xi - eta - zeta, xi, eta, zeta].iter().all(|share| *share >= -SLACK),
         _ => point.iter().all(|c| c.abs() <= 1.0 + SLACK),
     }
@@ -45,6 +47,7 @@ fn inside(kind: CellKind, point: [f64; 3]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::body::mesh::corner_shape;
 
     const CORNERS: [[f64; 3]; 8] = [
         [0.0, 0.0, 0.0],
@@ -63,7 +66,7 @@ mod tests {
             let flat = |x: [f64; 3]| if kind.dimension() == 2 { [x[0], x[1], 0.0] } else { x };
             let spatial_simplex = kind.is_simplex() && kind.dimension() == 3;
             let chosen: Vec<usize> = match kind {
-                CellKind::Prism => vec![0, 1, 3, 4, 5, 7],
+                _ if kind.is_prism() => vec![0, 1, 3, 4, 5, 7],
                 _ if spatial_simplex => vec![0, 1, 3, 4],
                 _ => (0..8).collect(),
             };
@@ -71,11 +74,7 @@ mod tests {
             // Nodes between corners are moved off the middle.
             let off = |k: usize| flat([0.03 * (k as f64).sin(), 0.02 * (k as f64).cos(), 0.01]);
             let between = (corners.len()..kind.nodes()).map(|k| {
-                let linear = match kind.dimension() {
-                    2 => CellKind::Triangle,
-                    _ => CellKind::Tetrahedron,
-                };
-                let values = shape(linear, kind.reference_node(k));
+                let values = corner_shape(kind, kind.reference_node(k));
                 [0, 1, 2].map(|c| values.iter().zip(&corners).map(|(n, x)| n * x[c]).sum::<f64>() + off(k)[c])
             });
             let nodes: Vec<_> = corners.iter().copied().chain(between).collect();
@@ -83,7 +82,7 @@ mod tests {
                 let values = shape(kind, reference);
                 [0, 1, 2].map(|c| values.iter().zip(&nodes).map(|(n, x)| n * x[c]).sum::<f64>())
             };
-            let triangular = kind.is_simplex() || kind == CellKind::Prism;
+            let triangular = kind.is_simplex() || kind.is_prism();
             let reference = flat(if triangular { [0.2, 0.3, 0.1] } else { [0.7, -0.9, 0.3] });
             let found = reference_point(kind, &nodes, place(reference)).unwrap();
             assert!((0..3).all(|c| (found[c] - reference[c]).abs() < 1e-12), "{kind:?}: {found:?}");

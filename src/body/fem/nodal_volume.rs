@@ -1,4 +1,4 @@
-//! Dilatations averaged at the corners of triangles, tetrahedra and prisms (Bonet & Burton, Commun. Numer. Meth. Engng
+//! Dilatations averaged at the corners of triangles, tetrahedra, prisms and all cells of second order (Bonet & Burton, Commun. Numer. Meth. Engng
 //! 14 (1998) 437, for small strains).
 //!
 //! With the shape functions L_a of the corners, a corner has a share of each surrounding cell and the mean dilatation
@@ -45,10 +45,10 @@ pub(super) struct NodalVolume {
 }
 
 impl NodalVolumes {
-    /// Returns `true` if cells of this kind have averaged dilatations; other kinds, for which there is B-bar, keep
-    /// their own dilatation.
+    /// Returns `true` if cells of this kind have averaged dilatations; quadrilaterals and hexahedra of first order, for
+    /// which there is B-bar, keep their own dilatation.
     pub fn take(kind: CellKind) -> bool {
-        kind.is_simplex() || kind == CellKind::Prism
+        kind.is_simplex() || kind.is_prism() || kind.is_quadratic()
     }
 
     /// Computes the nodal volumes of `mesh`, where `material` returns the law of each cell; empty unless the elements

@@ -73,7 +73,7 @@ fn is_inside(kind: CellKind, [xi, eta, zeta]: [f64; 3]) -> bool {
     let shares = [1.0 - xi - eta, xi, eta];
     let away = |x: f64| x.abs() < 1.0 - INSIDE;
     match kind {
-        CellKind::Prism => shares.iter().all(|share| *share > INSIDE) && away(zeta),
+        _ if kind.is_prism() => shares.iter().all(|share| *share > INSIDE) && away(zeta),
         _ if kind.is_simplex() && kind.dimension() == 2 => shares.iter().all(|share| *share > INSIDE),
         _ if kind.is_simplex() => [1.0 - xi - eta - zeta, xi, eta, zeta].iter().all(|share| *share > INSIDE),
         _ => [xi, eta, zeta][..kind.dimension()].iter().all(|x| away(*x)),

@@ -18,8 +18,8 @@ pub enum Element {
     /// revolution and three dimensions: in two dimensions, the correction has a component `ε_zz`.
     BBar,
     /// The strain with the mean dilatation over the cells around each corner (see `NodalVolumes`), for
-    /// triangles in plane strain and in bodies of revolution, tetrahedra and prisms. A single cell, and a cell of
-    /// another kind, has the strain of its displacements.
+    /// triangles in plane strain and in bodies of revolution, tetrahedra, prisms and all cells of second order. A single
+    /// cell, and a cell of another kind, has the strain of its displacements.
     NodalVolume,
 }
 

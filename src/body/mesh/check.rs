@@ -3,7 +3,7 @@
 
 use std::fmt::Write;
 
-use super::sides::{Joint, unmatched};
+use super::sides::Joint;
 use super::{Cell, Jacobian, Mesh, fine_quadrature, quadrature_of};
 use crate::algebra::vector::{cross, dot, minus};
 
@@ -186,7 +186,7 @@ impl MeshFault {
             MeshFault::Dimensions { .. } => "let all cells be plane, or all have a volume",
             MeshFault::Corners { .. } => {
                 "give 3 nodes of a triangle, 4 of a quadrilateral or tetrahedron, 8 of a hexahedron; of second order 6 of a \
-                 triangle, 10 of a tetrahedron"
+                 triangle, 8 or 9 of a quadrilateral, 10 of a tetrahedron, 15 of a prism, 20 of a hexahedron"
             }
             MeshFault::NoNode { .. } => "number nodes from 0 on",
             MeshFault::NoGroup { .. } => "number groups from 0 on; without names there is the one group 0",
@@ -281,7 +281,7 @@ impl Mesh {
             return Err(MeshFault::CoincidentNodes(numbered(numbers.nodes, coincident)));
         }
         let sides = self.sides().map_err(|pairs| MeshFault::Overlapping(numbered(numbers.cells, pairs)))?;
-        let unmatched = unmatched(&sides);
+        let unmatched = self.unmatched(&sides);
         if !unmatched.is_empty() {
             return Err(MeshFault::Unmatched(numbered(numbers.cells, unmatched)));
         }

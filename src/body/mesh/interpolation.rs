@@ -1,5 +1,6 @@
 //! Shape functions: linear on triangles and tetrahedra, quadratic on triangles and tetrahedra of second order, bilinear
-//! on quadrilaterals, trilinear on hexahedra, products on prisms. They also map the reference cell to the cell.
+//! on quadrilaterals, trilinear on hexahedra, products on prisms, and those of second order of the last three. They also
+//! map the reference cell to the cell.
 
 use super::CellKind;
 use super::kind::Functions;
@@ -13,32 +14,105 @@ const STRAIGHT: f64 = 1e-10;
 /// for a square or cube; `1 - ξ - η - ζ, ξ, η, ζ` for a tetrahedron, without ζ for a triangle, and the latter times
 /// `½ (1 ± ζ)` for a prism. With these `L_a`, simplices of second order have `L_a (2 L_a - 1)` at corners and
 /// `4 L_a L_b` between the corners a and b.
+///
+/// Quadrilaterals of eight nodes and hexahedra of twenty have `(Σ ξ_c ξ_ac - d + 1) Π ½ (1 + ξ_c ξ_ac)` at corners, in
+/// d dimensions, and the product with `1 - ξ_c²` in place of the factor of the axis c between corners. Quadrilaterals
+/// of nine nodes have products of quadratic functions along the axes. Prisms of fifteen nodes have, with the `L_a` of
+/// the triangle, `½ L_a (1 ± ζ) (2 L_a - 2 ± ζ)` at corners, `2 L_a L_b (1 ± ζ)` between corners of a triangle and
+/// `L_a (1 - ζ²)` between the triangles.
 pub fn shape(kind: CellKind, point: [f64; 3]) -> Vec<f64> {
-    let corners = kind.corners();
-    let product = |k: usize| {
-        let corner = kind.reference_node(k);
-        (0..kind.dimension()).map(|c| 0.5 * (1.0 + point[c] * corner[c])).product()
-    };
     match kind.properties().functions {
-        Functions::Multilinear => (0..corners).map(product).collect(),
-        Functions::Prismatic => {
-            let ends = [0.5 * (1.0 - point[2]), 0.5 * (1.0 + point[2])];
-            let l = across(point);
-            ends.into_iter().flat_map(|end| l.map(|l| l * end)).collect()
-        }
-        Functions::Linear => barycentric(kind, point),
+        Functions::Multilinear | Functions::Linear | Functions::Prismatic => corner_shape(kind, point),
         Functions::Quadratic => {
             let l = barycentric(kind, point);
             let middles = kind.properties().edges.iter().map(|&[a, b]| 4.0 * l[a] * l[b]);
             l.iter().map(|l| l * (2.0 * l - 1.0)).chain(middles).collect()
         }
+        Functions::Serendipity => {
+            let of = |k: usize| product(kind, k, point, false) * beyond(kind, k, point);
+            (0..kind.nodes()).map(of).collect()
+        }
+        Functions::Multiquadratic => (0..kind.nodes()).map(|k| product(kind, k, point, true)).collect(),
+        Functions::SerendipityPrism => prism(kind, point).into_iter().map(|(value, _)| value).collect(),
     }
 }
 
 /// Returns the shape functions of the corners of a cell without other nodes.
 pub(crate) fn corner_shape(kind: CellKind, point: [f64; 3]) -> Vec<f64> {
-    if kind.is_quadratic() { barycentric(kind, point) } else { shape(kind, point) }
+    if kind.is_prism() {
+        let ends = [0.5 * (1.0 - point[2]), 0.5 * (1.0 + point[2])];
+        let l = across(point);
+        return ends.into_iter().flat_map(|end| l.map(|l| l * end)).collect();
+    }
+    if kind.is_simplex() {
+        return barycentric(kind, point);
+    }
+    (0..kind.corners()).map(|k| product(kind, k, point, false)).collect()
 }
+
+/// Returns value and slope along one axis of the function of a node at the coordinate `at`, -1, 0 or 1. At 0 it is
+/// `1 - ξ²`, otherwise linear or, if the functions of all three are `quadratic`, `½ ξ (ξ ± 1)`.
+fn along_axis(at: f64, xi: f64, quadratic: bool) -> [f64; 2] {
+    match () {
+        () if at == 0.0 => [1.0 - xi * xi, -2.0 * xi],
+        () if quadratic => [0.5 * xi * (xi + at), xi + 0.5 * at],
+        () => [0.5 * (1.0 + xi * at), 0.5 * at],
+    }
+}
+
+/// Returns the product over the axes of the functions of node `k` of a square or cube.
+fn product(kind: CellKind, k: usize, point: [f64; 3], quadratic: bool) -> f64 {
+    let node = kind.reference_node(k);
+    (0..kind.dimension()).map(|c| along_axis(node[c], point[c], quadratic)[0]).product()
+}
+
+/// Returns the derivative of [`product`] along an axis.
+fn slope(kind: CellKind, k: usize, point: [f64; 3], quadratic: bool, along: usize) -> f64 {
+    let node = kind.reference_node(k);
+    let others = (0..kind.dimension()).filter(|&c| c != along);
+    along_axis(node[along], point[along], quadratic)[1]
+        * others.map(|c| along_axis(node[c], point[c], quadratic)[0]).product::<f64>()
+}
+
+/// Returns `Σ ξ_c ξ_ac - d + 1`, the factor of a corner of a square or cube that makes its function 0 at the middles of
+/// its edges; 1 for other nodes.
+fn beyond(kind: CellKind, k: usize, point: [f64; 3]) -> f64 {
+    if k >= kind.corners() {
+        return 1.0;
+    }
+    dot(kind.reference_node(k), point) - (kind.dimension() - 1) as f64
+}
+
+/// Returns values and gradients of the functions of a prism of fifteen nodes.
+fn prism(kind: CellKind, point: [f64; 3]) -> Vec<(f64, [f64; 3])> {
+    let (l, zeta) = (across(point), point[2]);
+    let of = |k: usize| -> (f64, [f64; 3]) {
+        let sign = kind.reference_node(k)[2];
+        match *kind.between(k) {
+            [a, b] if sign == 0.0 => {
+                // Between the triangles, at the same corner of both.
+                let (a, end) = (a.min(b), 1.0 - zeta * zeta);
+                let [x, y] = ACROSS[a].map(|d| d * end);
+                (l[a] * end, [x, y, -2.0 * zeta * l[a]])
+            }
+            [a, b] => {
+                let ([a, b], end) = ([a % 3, b % 3], 1.0 + sign * zeta);
+                let [x, y] = [0, 1].map(|c| 2.0 * end * (l[a] * ACROSS[b][c] + l[b] * ACROSS[a][c]));
+                (2.0 * l[a] * l[b] * end, [x, y, 2.0 * sign * l[a] * l[b]])
+            }
+            _ => {
+                let (a, end) = (k % 3, 1.0 + sign * zeta);
+                let rest = 2.0 * l[a] - 2.0 + sign * zeta;
+                let [x, y] = ACROSS[a].map(|d| 0.5 * end * d * (rest + 2.0 * l[a]));
+                (0.5 * l[a] * end * rest, [x, y, 0.5 * sign * l[a] * (rest + end)])
+            }
+        }
+    };
+    (0..kind.nodes()).map(of).collect()
+}
+
+/// `∂L_a/∂(ξ, η)` of the triangular section of a prism.
+const ACROSS: [[f64; 2]; 3] = [[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]];
 
 /// Returns `L_a` of the triangular section of a prism.
 fn across([xi, eta, _]: [f64; 3]) -> [f64; 3] {
@@ -56,25 +130,29 @@ fn barycentric(kind: CellKind, [xi, eta, zeta]: [f64; 3]) -> Vec<f64> {
 /// Returns `∂N_a/∂(ξ, η, ζ)` of all nodes; the last is 0 in two dimensions.
 pub(crate) fn local_gradients(kind: CellKind, point: [f64; 3]) -> Vec<[f64; 3]> {
     let (axes, corners) = (kind.dimension(), kind.corners());
-    let slope = |corner: &[f64; 3], along: usize| {
-        let others = (0..axes).filter(|&c| c != along);
-        0.5 * corner[along] * others.map(|c| 0.5 * (1.0 + point[c] * corner[c])).product::<f64>()
-    };
-    let gradient = |k: usize| {
-        let corner = kind.reference_node(k);
-        [0, 1, 2].map(|c| if c < axes { slope(&corner, c) } else { 0.0 })
-    };
+    let slopes =
+        |k: usize, quadratic: bool| [0, 1, 2].map(|c| if c < axes { slope(kind, k, point, quadratic, c) } else { 0.0 });
     let linear = || match axes {
         2 => vec![[-1.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
         _ => vec![[-1.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
     };
     match kind.properties().functions {
-        Functions::Multilinear => (0..corners).map(gradient).collect(),
+        Functions::Multilinear => (0..corners).map(|k| slopes(k, false)).collect(),
+        Functions::Multiquadratic => (0..kind.nodes()).map(|k| slopes(k, true)).collect(),
+        Functions::Serendipity => {
+            let of = |k: usize| {
+                let (rest, slopes, corner) = (beyond(kind, k, point), slopes(k, false), kind.reference_node(k));
+                let own = if k < corners { product(kind, k, point, false) } else { 0.0 };
+                [0, 1, 2].map(|c| rest * slopes[c] + own * corner[c])
+            };
+            (0..kind.nodes()).map(of).collect()
+        }
+        Functions::SerendipityPrism => prism(kind, point).into_iter().map(|(_, gradient)| gradient).collect(),
         Functions::Prismatic => {
-            let (l, d) = (across(point), [[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]]);
+            let l = across(point);
             let at_end = |sign: f64| {
                 let end = 0.5 * (1.0 + sign * point[2]);
-                (0..3).map(move |a| [end * d[a][0], end * d[a][1], 0.5 * sign * l[a]])
+                (0..3).map(move |a| [end * ACROSS[a][0], end * ACROSS[a][1], 0.5 * sign * l[a]])
             };
             at_end(-1.0).chain(at_end(1.0)).collect()
         }

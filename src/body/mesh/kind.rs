@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::rules::{self, Rule};
 
 /// The kinds of cells. Nodes are in the order of VTK: first the corners, then, in cells of second order, the nodes at
-/// the middles of the edges.
+/// the middles of the edges, at last those within the cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum CellKind {
@@ -24,6 +24,17 @@ pub enum CellKind {
     /// A tetrahedron with nodes at the middles of its edges, from corner 0 to 1, 1 to 2, 2 to 0, 0 to 3, 1 to 3 and 2
     /// to 3, which may be curved.
     Tetrahedron10,
+    /// A quadrilateral with nodes at the middles of its edges, from corner 0 to 1, 1 to 2, 2 to 3 and 3 to 0, which may
+    /// be curved.
+    Quadrilateral8,
+    /// The quadrilateral of eight nodes with another at its centre.
+    Quadrilateral9,
+    /// A hexahedron with nodes at the middles of its edges, which may be curved: those around the first four corners,
+    /// those around the other four, and those between the two.
+    Hexahedron20,
+    /// A prism with nodes at the middles of its edges, which may be curved: those around the first three corners, those
+    /// around the other three, and those between the two.
+    Prism15,
 }
 
 /// The shape functions of a cell.
@@ -37,6 +48,13 @@ pub(super) enum Functions {
     Multilinear,
     /// Products of the functions of a triangle and linear functions normal to it.
     Prismatic,
+    /// Those of [`Functions::Multilinear`] and their products with one of the coordinates, for nodes at the middles of
+    /// edges but none within the cell.
+    Serendipity,
+    /// Products of quadratic functions along the axes of a square.
+    Multiquadratic,
+    /// Those of [`Functions::Serendipity`] for a prism.
+    SerendipityPrism,
 }
 
 /// The properties of a kind of cell.
@@ -49,8 +67,10 @@ pub(super) struct Properties {
     /// For each corner, the corners at the other ends of its edges, as many as there are dimensions, in right-handed
     /// order; for a tetrahedron one corner suffices.
     pub neighbours: &'static [&'static [usize]],
-    /// The corners at the ends of the edge of each node that is not a corner.
+    /// The corners at the ends of the edge of each node on an edge.
     pub edges: &'static [[usize; 2]],
+    /// The corners around each node within the cell.
+    pub around: &'static [&'static [usize]],
     /// The order of the nodes that reverses the orientation of a cell.
     pub mirrored: &'static [usize],
     /// The sides, oriented as in [`super::Facet`].
@@ -77,6 +97,7 @@ const TRIANGLE: Properties = Properties {
     functions: Functions::Linear,
     neighbours: AROUND_A_TRIANGLE,
     edges: &[],
+    around: &[],
     mirrored: &[2, 1, 0],
     sides: &[&[0, 1], &[1, 2], &[2, 0]],
     rule: rules::triangle1,
@@ -93,6 +114,7 @@ const QUADRILATERAL: Properties = Properties {
     functions: Functions::Multilinear,
     neighbours: &[&[1, 3], &[2, 0], &[3, 1], &[0, 2]],
     edges: &[],
+    around: &[],
     mirrored: &[3, 2, 1, 0],
     sides: &[&[0, 1], &[1, 2], &[2, 3], &[3, 0]],
     rule: rules::square4,
@@ -109,6 +131,7 @@ const TETRAHEDRON: Properties = Properties {
     functions: Functions::Linear,
     neighbours: &[&[1, 2, 3]],
     edges: &[],
+    around: &[],
     mirrored: &[1, 0, 2, 3],
     sides: &[&[0, 2, 1], &[0, 1, 3], &[1, 2, 3], &[0, 3, 2]],
     rule: rules::tetrahedron1,
@@ -125,6 +148,7 @@ const HEXAHEDRON: Properties = Properties {
     functions: Functions::Multilinear,
     neighbours: &[&[1, 3, 4], &[2, 0, 5], &[3, 1, 6], &[0, 2, 7], &[7, 5, 0], &[4, 6, 1], &[5, 7, 2], &[6, 4, 3]],
     edges: &[],
+    around: &[],
     mirrored: &[4, 5, 6, 7, 0, 1, 2, 3],
     sides: &[&[0, 3, 2, 1], &[4, 5, 6, 7], &[0, 1, 5, 4], &[1, 2, 6, 5], &[2, 3, 7, 6], &[3, 0, 4, 7]],
     rule: rules::cube8,
@@ -141,6 +165,7 @@ const PRISM: Properties = Properties {
     functions: Functions::Prismatic,
     neighbours: &[&[1, 2, 3], &[2, 0, 4], &[0, 1, 5], &[5, 4, 0], &[3, 5, 1], &[4, 3, 2]],
     edges: &[],
+    around: &[],
     mirrored: &[3, 4, 5, 0, 1, 2],
     sides: &[&[0, 2, 1], &[3, 4, 5], &[0, 1, 4, 3], &[1, 2, 5, 4], &[2, 0, 3, 5]],
     // With one point in the triangle, the prism would have a zero-energy mode.
@@ -158,6 +183,7 @@ const TRIANGLE6: Properties = Properties {
     functions: Functions::Quadratic,
     neighbours: AROUND_A_TRIANGLE,
     edges: &[[0, 1], [1, 2], [2, 0]],
+    around: &[],
     mirrored: &[2, 1, 0, 4, 3, 5],
     sides: &[&[0, 3, 1], &[1, 4, 2], &[2, 5, 0]],
     rule: rules::triangle3,
@@ -174,6 +200,7 @@ const TETRAHEDRON10: Properties = Properties {
     functions: Functions::Quadratic,
     neighbours: &[&[1, 2, 3]],
     edges: &[[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]],
+    around: &[],
     mirrored: &[1, 0, 2, 3, 4, 6, 5, 8, 7, 9],
     sides: &[&[0, 6, 2, 5, 1, 4], &[0, 4, 1, 8, 3, 7], &[1, 5, 2, 9, 3, 8], &[0, 7, 3, 9, 2, 6]],
     // Four points are exact on straight edges. The gradients times the determinant of curved ones are cubic, and four
@@ -184,6 +211,78 @@ const TETRAHEDRON10: Properties = Properties {
     gmsh: 11,
     gmsh_order: &[0, 1, 2, 3, 4, 5, 6, 7, 9, 8],
     vtk: 24,
+};
+
+const QUADRILATERAL8: Properties = Properties {
+    name: "quadrilateral of eight nodes",
+    functions: Functions::Serendipity,
+    edges: &[[0, 1], [1, 2], [2, 3], [3, 0]],
+    mirrored: &[3, 2, 1, 0, 6, 5, 4, 7],
+    sides: &[&[0, 4, 1], &[1, 5, 2], &[2, 6, 3], &[3, 7, 0]],
+    // Exact for the gradients times the determinant of curved edges, too, and times the distance from an axis.
+    rule: rules::square9,
+    curved_rule: rules::square9,
+    fine_rule: rules::square9,
+    gmsh: 16,
+    gmsh_order: &[0, 1, 2, 3, 4, 5, 6, 7],
+    vtk: 23,
+    ..QUADRILATERAL
+};
+
+const QUADRILATERAL9: Properties = Properties {
+    name: "quadrilateral of nine nodes",
+    functions: Functions::Multiquadratic,
+    around: &[&[0, 1, 2, 3]],
+    mirrored: &[3, 2, 1, 0, 6, 5, 4, 7, 8],
+    gmsh: 10,
+    gmsh_order: &[0, 1, 2, 3, 4, 5, 6, 7, 8],
+    vtk: 28,
+    ..QUADRILATERAL8
+};
+
+const HEXAHEDRON20: Properties = Properties {
+    name: "hexahedron of twenty nodes",
+    functions: Functions::Serendipity,
+    edges: &[[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]],
+    mirrored: &[4, 5, 6, 7, 0, 1, 2, 3, 12, 13, 14, 15, 8, 9, 10, 11, 16, 17, 18, 19],
+    sides: &[
+        &[0, 11, 3, 10, 2, 9, 1, 8],
+        &[4, 12, 5, 13, 6, 14, 7, 15],
+        &[0, 8, 1, 17, 5, 12, 4, 16],
+        &[1, 9, 2, 18, 6, 13, 5, 17],
+        &[2, 10, 3, 19, 7, 14, 6, 18],
+        &[3, 11, 0, 16, 4, 15, 7, 19],
+    ],
+    // Exact for the gradients times the determinant of curved edges, too.
+    rule: rules::cube27,
+    curved_rule: rules::cube27,
+    fine_rule: rules::cube27,
+    gmsh: 17,
+    gmsh_order: &[0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15],
+    vtk: 25,
+    ..HEXAHEDRON
+};
+
+const PRISM15: Properties = Properties {
+    name: "prism of fifteen nodes",
+    functions: Functions::SerendipityPrism,
+    edges: &[[0, 1], [1, 2], [2, 0], [3, 4], [4, 5], [5, 3], [0, 3], [1, 4], [2, 5]],
+    mirrored: &[3, 4, 5, 0, 1, 2, 9, 10, 11, 6, 7, 8, 12, 13, 14],
+    sides: &[
+        &[0, 8, 2, 7, 1, 6],
+        &[3, 9, 4, 10, 5, 11],
+        &[0, 6, 1, 13, 4, 9, 3, 12],
+        &[1, 7, 2, 14, 5, 10, 4, 13],
+        &[2, 8, 0, 12, 3, 11, 5, 14],
+    ],
+    // With three points in the triangle, a prism whose ends are not parallel would fail the patch test.
+    rule: rules::prism18,
+    curved_rule: rules::prism18,
+    fine_rule: rules::prism18,
+    gmsh: 18,
+    gmsh_order: &[0, 1, 2, 3, 4, 5, 6, 9, 7, 12, 14, 13, 8, 10, 11],
+    vtk: 26,
+    ..PRISM
 };
 
 /// The corners of the cube [-1, 1]³; the corners of the square are the first four, without ζ.
@@ -203,7 +302,7 @@ const SIMPLEX: [[f64; 3]; 4] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0
 
 impl CellKind {
     /// All kinds.
-    pub const ALL: [CellKind; 7] = [
+    pub const ALL: [CellKind; 11] = [
         CellKind::Triangle,
         CellKind::Quadrilateral,
         CellKind::Tetrahedron,
@@ -211,6 +310,10 @@ impl CellKind {
         CellKind::Prism,
         CellKind::Triangle6,
         CellKind::Tetrahedron10,
+        CellKind::Quadrilateral8,
+        CellKind::Quadrilateral9,
+        CellKind::Hexahedron20,
+        CellKind::Prism15,
     ];
 
     pub(super) fn properties(self) -> &'static Properties {
@@ -222,6 +325,10 @@ impl CellKind {
             CellKind::Prism => &PRISM,
             CellKind::Triangle6 => &TRIANGLE6,
             CellKind::Tetrahedron10 => &TETRAHEDRON10,
+            CellKind::Quadrilateral8 => &QUADRILATERAL8,
+            CellKind::Quadrilateral9 => &QUADRILATERAL9,
+            CellKind::Hexahedron20 => &HEXAHEDRON20,
+            CellKind::Prism15 => &PRISM15,
         }
     }
 
@@ -230,11 +337,14 @@ impl CellKind {
         if axes == 2 { CellKind::Quadrilateral } else { CellKind::Hexahedron }
     }
 
-    /// Returns the kind with the same corners and nodes at the middles of the edges.
+    /// Returns the kind with the same corners and nodes at the middles of the edges; `None` if it has such nodes.
     pub(super) fn of_second_order(self) -> Option<Self> {
         match self {
             CellKind::Triangle => Some(CellKind::Triangle6),
+            CellKind::Quadrilateral => Some(CellKind::Quadrilateral8),
             CellKind::Tetrahedron => Some(CellKind::Tetrahedron10),
+            CellKind::Hexahedron => Some(CellKind::Hexahedron20),
+            CellKind::Prism => Some(CellKind::Prism15),
             _ => None,
         }
     }
@@ -249,9 +359,14 @@ impl CellKind {
         matches!(self.properties().functions, Functions::Linear | Functions::Quadratic)
     }
 
+    /// Returns `true` for prisms.
+    pub fn is_prism(self) -> bool {
+        matches!(self.properties().functions, Functions::Prismatic | Functions::SerendipityPrism)
+    }
+
     /// Returns `true` if there are nodes at the middles of the edges.
     pub fn is_quadratic(self) -> bool {
-        self.properties().functions == Functions::Quadratic
+        !self.properties().edges.is_empty()
     }
 
     /// Returns the dimension, 2 or 3.
@@ -262,16 +377,18 @@ impl CellKind {
     /// Returns the centre of the reference cell. Coordinates go from -1 to 1; in a triangle or tetrahedron, and across
     /// the axis of a prism, from 0 to 1.
     pub fn centre(self) -> [f64; 3] {
-        match (self.properties().functions, self.dimension()) {
-            (Functions::Multilinear, _) => [0.0; 3],
-            (Functions::Prismatic, _) | (_, 2) => [1.0 / 3.0, 1.0 / 3.0, 0.0],
-            (Functions::Linear | Functions::Quadratic, _) => [0.25; 3],
+        match self.dimension() {
+            _ if self.is_prism() => [1.0 / 3.0, 1.0 / 3.0, 0.0],
+            _ if !self.is_simplex() => [0.0; 3],
+            2 => [1.0 / 3.0, 1.0 / 3.0, 0.0],
+            _ => [0.25; 3],
         }
     }
 
     /// Returns the number of corners.
     pub fn corners(self) -> usize {
-        self.nodes() - self.properties().edges.len()
+        let Properties { edges, around, gmsh_order, .. } = self.properties();
+        gmsh_order.len() - edges.len() - around.len()
     }
 
     /// Returns the number of nodes.
@@ -284,25 +401,27 @@ impl CellKind {
         self.properties().sides
     }
 
-    /// Returns the corners at the ends of the edge of node `k`; `None` for a corner.
-    pub(crate) fn ends(self, k: usize) -> Option<[usize; 2]> {
-        k.checked_sub(self.corners()).map(|middle| self.properties().edges[middle])
+    /// Returns the corners between which node `k` is: the ends of its edge, or those around it; none for a corner.
+    pub(crate) fn between(self, k: usize) -> &'static [usize] {
+        let Properties { edges, around, .. } = self.properties();
+        let Some(middle) = k.checked_sub(self.corners()) else { return &[] };
+        match edges.get(middle) {
+            Some(ends) => ends,
+            None => around[middle - edges.len()],
+        }
     }
 
     /// Returns the position of node `k` in the reference cell.
     pub(crate) fn reference_node(self, k: usize) -> [f64; 3] {
-        let corner = |k: usize| match (self.properties().functions, self.dimension()) {
-            (Functions::Linear | Functions::Quadratic, _) => SIMPLEX[k],
-            (Functions::Prismatic, _) => [SIMPLEX[k % 3][0], SIMPLEX[k % 3][1], CUBE[4 * (k / 3)][2]],
-            (Functions::Multilinear, 2) => [CUBE[k][0], CUBE[k][1], 0.0],
-            (Functions::Multilinear, _) => CUBE[k],
+        let corner = |k: usize| match self.dimension() {
+            _ if self.is_prism() => [SIMPLEX[k % 3][0], SIMPLEX[k % 3][1], CUBE[4 * (k / 3)][2]],
+            _ if self.is_simplex() => SIMPLEX[k],
+            2 => [CUBE[k][0], CUBE[k][1], 0.0],
+            _ => CUBE[k],
         };
-        match self.ends(k) {
-            None => corner(k),
-            Some(ends) => {
-                let [a, b] = ends.map(corner);
-                [0, 1, 2].map(|c| 0.5 * (a[c] + b[c]))
-            }
+        match self.between(k) {
+            [] => corner(k),
+            of => [0, 1, 2].map(|c| of.iter().map(|&k| corner(k)[c]).sum::<f64>() / of.len() as f64),
         }
     }
 

@@ -3,7 +3,7 @@
 use super::{CellKind, Geometry, Mesh, corner_shape, fine_quadrature, local_gradients, shape, stiffness_rule};
 
 /// The largest number of nodes of a cell.
-pub(crate) const MOST_NODES: usize = 10;
+pub(crate) const MOST_NODES: usize = 20;
 
 /// The largest number of corners of a cell.
 const MOST_CORNERS: usize = 8;

@@ -26,6 +26,35 @@ pub(super) fn cube8() -> Rule {
     GAUSS.iter().map(|&point| (point, 1.0)).collect()
 }
 
+/// Three Gauss points on [-1, 1].
+const GAUSS3: [(f64, f64); 3] = [
+    (-0.774_596_669_241_483_4, 0.555_555_555_555_555_6),
+    (0.0, 0.888_888_888_888_888_8),
+    (0.774_596_669_241_483_4, 0.555_555_555_555_555_6),
+];
+
+/// Returns a rule that is exact for degree 5 along both axes.
+pub(super) fn square9() -> Rule {
+    let row = |(eta, w_eta): (f64, f64)| GAUSS3.map(|(xi, w_xi)| ([xi, eta, 0.0], w_xi * w_eta));
+    GAUSS3.into_iter().flat_map(row).collect()
+}
+
+/// Returns the points of a plane rule at three heights.
+fn layers(plane: &Rule) -> Rule {
+    let layer = |(zeta, w_zeta): (f64, f64)| plane.iter().map(move |&([xi, eta, _], w)| ([xi, eta, zeta], w * w_zeta));
+    GAUSS3.into_iter().flat_map(layer).collect()
+}
+
+/// Returns a rule that is exact for degree 5 along each axis.
+pub(super) fn cube27() -> Rule {
+    layers(&square9())
+}
+
+/// Returns a rule that is exact for degree 4 across the axis and 5 along it.
+pub(super) fn prism18() -> Rule {
+    layers(&triangle6())
+}
+
 fn near_corner(k: usize, near: f64, far: f64) -> [f64; 3] {
     [0, 1, 2].map(|c| if c == k { near } else { far })
 }
@@ -144,6 +173,24 @@ mod tests {
                 let exact = factorial(a) * factorial(b) * factorial(c) / factorial(a + b + c + dimension as i32);
                 let sum: f64 = rule.iter().map(|([x, y, z], w)| w * x.powi(a) * y.powi(b) * z.powi(c)).sum();
                 assert!((sum - exact).abs() < 1e-15, "{dimension} {degree}: ({a}, {b}, {c}) {sum} {exact}");
+            }
+        }
+    }
+
+    /// `∫ ξ^a η^b ζ^c` is a product of `2 / (a + 1)` for even exponents.
+    #[test]
+    fn products_are_exact_up_to_their_degrees() {
+        let along = |a: i32| if a % 2 == 0 { 2.0 / f64::from(a + 1) } else { 0.0 };
+        for (a, b, c) in (0..6).flat_map(|a| (0..6).flat_map(move |b| (0..6).map(move |c| (a, b, c)))) {
+            let sum = |rule: Rule| rule.iter().map(|([x, y, z], w)| w * x.powi(a) * y.powi(b) * z.powi(c)).sum::<f64>();
+            assert!((sum(cube27()) - along(a) * along(b) * along(c)).abs() < 1e-14);
+            if c == 0 {
+                assert!((sum(square9()) - along(a) * along(b)).abs() < 1e-14);
+            }
+            if a + b <= 4 {
+                let factorial = |n: i32| (1..=n).map(f64::from).product::<f64>();
+                let triangle = factorial(a) * factorial(b) / factorial(a + b + 2);
+                assert!((sum(prism18()) - triangle * along(c)).abs() < 1e-15);
             }
         }
     }

@@ -21,6 +21,12 @@ impl Cell {
         sides.iter().map(|side| side.iter().map(|&k| self.nodes[k]).collect()).collect()
     }
 
+    /// Returns those of `nodes` that are corners of the cell.
+    fn corners_among(&self, nodes: &[usize]) -> Facet {
+        let corners = &self.nodes[..self.kind.corners()];
+        nodes.iter().copied().filter(|node| corners.contains(node)).collect()
+    }
+
     /// Returns the nodes around a plane cell.
     pub fn around(&self) -> Vec<usize> {
         self.facets().iter().flat_map(|side| &side[..side.len() - 1]).copied().collect()
@@ -87,27 +93,32 @@ impl Mesh {
     }
 }
 
-/// Returns pairs of cells of which one has a quadrilateral side, of those in `sides`, and the other a triangle with
-/// three of its corners.
-pub(super) fn unmatched(sides: &HashMap<Facet, usize>) -> Vec<(usize, usize)> {
-    if sides.keys().all(|facet| facet.len() != 4) || sides.keys().all(|facet| facet.len() != 3) {
-        return Vec::new();
+impl Mesh {
+    /// Returns pairs of cells of which one has a quadrilateral side, of those in `sides`, and the other a triangle with
+    /// three of its corners.
+    pub(super) fn unmatched(&self, sides: &HashMap<Facet, usize>) -> Vec<(usize, usize)> {
+        let has = |counts: [usize; 2]| sides.keys().any(|facet| counts.contains(&facet.len()));
+        if self.dimension == 2 || !has([4, 8]) || !has([3, 6]) {
+            return Vec::new();
+        }
+        let corners: Vec<(Facet, usize)> =
+            sides.iter().map(|(facet, &e)| (self.cells[e].corners_among(facet), e)).collect();
+        let of = |count: usize| corners.iter().filter(move |(facet, _)| facet.len() == count);
+        let sorted = |mut corners: Facet| {
+            corners.sort_unstable();
+            corners
+        };
+        let triangles: HashMap<Facet, usize> = of(3).map(|(facet, e)| (sorted(facet.clone()), *e)).collect();
+        let mut pairs: Vec<(usize, usize)> = Vec::new();
+        for (facet, e) in of(4) {
+            let without = |k: usize| sorted((0..4).filter(|j| *j != k).map(|j| facet[j]).collect());
+            let others = (0..4).filter_map(|k| triangles.get(&without(k))).filter(|other| *other != e);
+            pairs.extend(others.map(|other| (*e.min(other), *e.max(other))));
+        }
+        pairs.sort_unstable();
+        pairs.dedup();
+        pairs
     }
-    let sorted = |mut corners: Facet| {
-        corners.sort_unstable();
-        corners
-    };
-    let triangles: HashMap<Facet, usize> =
-        sides.iter().filter(|(facet, _)| facet.len() == 3).map(|(facet, &e)| (sorted(facet.clone()), e)).collect();
-    let mut pairs: Vec<(usize, usize)> = Vec::new();
-    for (facet, &e) in sides.iter().filter(|(facet, _)| facet.len() == 4) {
-        let without = |k: usize| sorted((0..4).filter(|j| *j != k).map(|j| facet[j]).collect());
-        let others = (0..4).filter_map(|k| triangles.get(&without(k))).filter(|other| **other != e);
-        pairs.extend(others.map(|&other| (e.min(other), e.max(other))));
-    }
-    pairs.sort_unstable();
-    pairs.dedup();
-    pairs
 }
 
 /// Rotates the nodes of a facet to begin with the least one, with the same orientation. An edge is not changed.

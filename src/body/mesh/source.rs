@@ -208,11 +208,15 @@ impl MeshSource {
                     mesh.nodes.iter_mut().for_each(|x| *x = plus(*x, 1.0, origin));
                 }
                 let mesh = match cells {
-                    CellKind::Prism => mesh.into_prisms(),
+                    _ if cells.is_prism() => mesh.into_prisms(),
                     _ if cells.is_simplex() => mesh.into_simplices(),
                     _ => mesh,
                 };
-                if cells.is_quadratic() { mesh.into_second_order() } else { mesh }
+                match cells {
+                    CellKind::Quadrilateral9 => mesh.with_centres(),
+                    _ if cells.is_quadratic() => mesh.into_second_order(),
+                    _ => mesh,
+                }
             }
             MeshSource::HalfPlane(m) => {
                 half_plane(m.size, m.contact_width, m.contact_elements, m.outer_elements, m.layers)
@@ -237,10 +241,21 @@ impl MeshSource {
     pub fn nodes(&self) -> Option<(usize, usize)> {
         match self {
             MeshSource::Block { axes, cells, .. } => {
-                // The ends and middles of the edges of simplices are the points of a lattice twice as fine.
-                let each = if cells.is_quadratic() { 2 } else { 1 };
-                let along = |axis: &Vec<Segment>| 1 + each * axis.iter().map(|segment| segment.elements).sum::<usize>();
-                Some((axes.iter().map(along).product(), axes.len()))
+                let along = |axis: &Vec<Segment>| axis.iter().map(|segment| segment.elements).sum::<usize>();
+                let elements: Vec<usize> = axes.iter().map(along).collect();
+                let lattice = |each: usize| elements.iter().map(|n| 1 + each * n).product::<usize>();
+                let nodes = match (cells, &elements[..]) {
+                    _ if !cells.is_quadratic() => lattice(1),
+                    // The points of a lattice twice as fine, but for the centres of elements and of their sides.
+                    (CellKind::Quadrilateral8, _) => lattice(2) - elements.iter().product::<usize>(),
+                    (CellKind::Hexahedron20 | CellKind::Prism15, &[x, y, z]) => {
+                        let upright = x * z * (y + 1) + y * z * (x + 1);
+                        let level = if *cells == CellKind::Prism15 { 0 } else { x * y * (z + 1) };
+                        lattice(2) - x * y * z - upright - level
+                    }
+                    _ => lattice(2),
+                };
+                Some((nodes, axes.len()))
             }
             MeshSource::HalfPlane(m) => Some(((m.contact_elements + m.outer_elements + 1) * (m.layers + 1), 2)),
             MeshSource::File { .. } => None,
@@ -305,8 +320,8 @@ fn check_block(axes: &[Vec<Segment>], cells: CellKind, origin: Option<Vector>) -
         return Ok(());
     }
     let message = format!("mesh.cells have {} dimensions, but mesh.size has {}", cells.dimension(), axes.len());
-    let help = "use \"triangle\", \"triangle6\" or \"quadrilateral\" in two dimensions, \"tetrahedron\", \"tetrahedron10\", \
-                \"prism\" or \"hexahedron\" in three";
+    let help = "use \"triangle\", \"triangle6\", \"quadrilateral\", \"quadrilateral8\" or \"quadrilateral9\" in two dimensions, \
+                \"tetrahedron\", \"tetrahedron10\", \"prism\", \"prism15\", \"hexahedron\" or \"hexahedron20\" in three";
     Err(InputError::new("mesh.cells", message, help))
 }
 

@@ -63,6 +63,7 @@ impl Contacts {
     ) -> Result<Self, InputError> {
         let mut contacts = Contacts::default();
         share_no_facet(description, mesh, pairs)?;
+        edges_are_alike(description, mesh, pairs)?;
         let body = ContactBody { description, mesh, dofs, rows, moved, pairs, carrying };
         for k in 0..description.contacts.len() {
             match pairs.of_contact(k) {
@@ -259,6 +260,33 @@ fn share_no_facet(description: &Description, mesh: &Mesh, pairs: &Pairs) -> Resu
             let message = format!("the boundaries `{other}` and `{own}` have the facet at {place} in common");
             let help = "let each facet be of one [[contact]]; several obstacles may be in front of one boundary";
             return Err(InputError::new(format!("contact[{k}].boundary"), message, help));
+        }
+    }
+    Ok(())
+}
+
+/// Fails if an edge of second order is between a triangle and a quadrilateral with contact, on which the shares of its
+/// ends differ, see [`Mesh::share_of_ends`].
+fn edges_are_alike(description: &Description, mesh: &Mesh, pairs: &Pairs) -> Result<(), InputError> {
+    if mesh.dimension == 2 {
+        return Ok(());
+    }
+    let mut shares: BTreeMap<usize, f64> = BTreeMap::new();
+    for (k, contact) in description.contacts.iter().enumerate() {
+        let pair = pairs.of_contact(k).map(|pair| &pairs.all[pair]);
+        let own = find(mesh, pair.map_or(&contact.boundary, |pair| &pair.slave), &format!("contact[{k}]"))?;
+        for facet in own.facets.iter().chain(pair.iter().flat_map(|pair| &pair.master.facets)) {
+            let share = mesh.share_of_ends(facet);
+            for [_, middle, _] in mesh.bent_edges(facet) {
+                if *shares.entry(middle).or_insert(share) != share {
+                    let place = description.system(mesh.dimension).place(mesh.nodes[middle]);
+                    let message =
+                        format!("a triangle and a quadrilateral of second order with contact meet at {place}");
+                    let help = "let the boundaries with contact be of triangles alone or of quadrilaterals alone, or use \
+                                cells of first order";
+                    return Err(InputError::new(format!("contact[{k}].boundary"), message, help));
+                }
+            }
         }
     }
     Ok(())

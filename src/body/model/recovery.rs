@@ -1,13 +1,13 @@
 //! Contact tractions at the nodes of boundaries of second order, for output only.
 //!
-//! `p̃ / l̃` is the mean of the traction over the support of the Bernstein polynomial of the node; at the top of a dome
+//! `p̃ / l̃` is the mean of the traction over the support of the polynomial of the node; at the top of a dome
 //! it is several percent too low. One defect correction with the mass matrix of the polynomials removes this error,
 //!
 //! ```text
 //! s_i = p̃_i / l̃_i,   λ_i = s_i + (p̃_i - Σ_j M̃_ij s_j) / l̃_i,   M̃_ij = ∫ Ñ_i Ñ_j dA,
 //! ```
 //!
-//! and `Σ λ_i Ñ_i` at the nodes is `λ_a` at corners and `½ λ_m + ¼ (λ_a + λ_b)` between them. Next to the end of a
+//! and `Σ λ_i Ñ_i` at the nodes is `λ_a` at corners and `(1 - 2 α) λ_m + α (λ_a + λ_b)` between them. Next to the end of a
 //! contact the correction may give tension, which is set to 0; the law and the status are those of `p̃`. Nodes that
 //! supports hold have no contact force; their traction is taken from the node beside them.
 
@@ -42,13 +42,16 @@ pub(super) fn beside_the_end(
     beside.into_iter().map(|(i, others)| (i, others.into_iter().collect())).collect()
 }
 
+/// The contact nodes at the ends of an edge, if they are such, and the share α of [`Mesh::share_of_ends`].
+type Ends = ([Option<usize>; 2], f64);
+
 /// The data of the recovery of nodal tractions.
 #[derive(Debug, Clone)]
 pub(super) struct Recovery {
     /// For each contact node, the other nodes whose polynomials overlap its own, with `M̃`.
     mass: Vec<Vec<(usize, f64)>>,
-    /// For each contact node, the contact nodes at the ends of its edge.
-    ends: Vec<Option<[Option<usize>; 2]>>,
+    /// For each contact node, the contact nodes at the ends of its edge, and their share α.
+    ends: Vec<Option<Ends>>,
     /// For each contact node: `true` if it is on a facet that another body covers only in part; its traction is not
     /// corrected.
     plain: Vec<bool>,
@@ -77,7 +80,7 @@ impl Recovery {
             for (f, facet) in facets(own).iter().enumerate() {
                 for [a, middle, b] in mesh.bent_edges(facet) {
                     if let Some(i) = at_node[middle] {
-                        recovery.ends[i] = Some([at_node[a], at_node[b]]);
+                        recovery.ends[i] = Some(([at_node[a], at_node[b]], mesh.share_of_ends(facet)));
                     }
                 }
                 if own.pair.is_some_and(|pair| pairs[pair].mortar.covered[f] < 1.0 - UNCOVERED) {
@@ -98,10 +101,10 @@ impl Recovery {
 
 impl Model {
     /// Returns the value at contact node `i` itself from the values of rows in front of another body, `value`: on
-    /// boundaries of second order `½ w̃_m + ¼ (w̃_a + w̃_b)` at a node between corners, and `w̃` elsewhere.
+    /// boundaries of second order `(1 - 2 α) w̃_m + α (w̃_a + w̃_b)` at a node between corners, and `w̃` elsewhere.
     pub(crate) fn of_node_from_rows(&self, i: usize, value: impl Fn(usize) -> f64) -> f64 {
         match self.recovery.as_ref().and_then(|recovery| recovery.ends[i]) {
-            Some([Some(a), Some(b)]) => 0.5 * value(i) + 0.25 * (value(a) + value(b)),
+            Some(([Some(a), Some(b)], share)) => (1.0 - 2.0 * share) * value(i) + share * (value(a) + value(b)),
             _ => value(i),
         }
     }
@@ -152,14 +155,15 @@ impl Model {
             })
         };
         let corrected: Vec<[f64; 4]> = self.contacts.iter().enumerate().map(corrected).collect();
-        let nodal = |(i, ends): (usize, &Option<[Option<usize>; 2]>)| {
+        let nodal = |(i, ends): (usize, &Option<Ends>)| {
             if plain[i] {
                 let [pressure, x, y, z] = means[i];
                 return plus([x, y, z], pressure, self.contacts[i].facing.normal);
             }
             let own = corrected[i];
-            let [a, b] = ends.unwrap_or([None; 2]).map(|end| end.map_or(own, |j| corrected[j]));
-            let [pressure, x, y, z] = std::array::from_fn(|c| 0.5 * own[c] + 0.25 * (a[c] + b[c]));
+            let (ends, share) = ends.unwrap_or(([None; 2], 0.0));
+            let [a, b] = ends.map(|end| end.map_or(own, |j| corrected[j]));
+            let [pressure, x, y, z] = std::array::from_fn(|c| (1.0 - 2.0 * share) * own[c] + share * (a[c] + b[c]));
             let normal = self.contacts[i].facing.normal;
             // Tension from the correction beside the end of a contact is not part of the law.
             plus(across([x, y, z], normal), f64::max(pressure, 0.0), normal)

@@ -372,7 +372,9 @@ impl Estimates {
     fn rough(&self, model: &Model) -> Option<Warning> {
         let (stresses, whole) = (self.stresses?, self.discretisation?);
         let cure = match model.element() {
-            Element::Bilinear if model.mesh.cells.iter().all(|cell| !cell.kind.is_simplex()) => {
+            Element::Bilinear
+                if model.mesh.cells.iter().all(|cell| !cell.kind.is_simplex() && !cell.kind.is_quadratic()) =>
+            {
                 "use mesh.element = \"b-bar\""
             }
             Element::Bilinear => "use mesh.element = \"nodal-volume\"",

@@ -92,6 +92,26 @@ fn quarter(kind: CellKind, n: usize, friction: f64, formula: &str) -> Scene {
     scene
 }
 
+/// Half of the rectangle of such cells, `n` along the zone, under a parabola.
+fn half(kind: CellKind, n: usize) -> Scene {
+    let lines = graded(n, 0.03, 1.0);
+    let outside = lines.len() - 1 - n;
+    let ratio = (lines[n + outside] - lines[n + outside - 1]) / (lines[n + 1] - lines[n]);
+    let source = MeshSource::segmented(
+        &[vec![0.03, 0.97], vec![0.97, 0.03]],
+        &[vec![n, outside], vec![outside, n]],
+        Some(&[vec![1.0, ratio], vec![1.0 / ratio, 1.0]]),
+        Some(kind),
+    );
+    let mut mesh = (*source.unwrap().build().unwrap()).clone();
+    keep_zone(&mut mesh, "zone", 0.03);
+    let symmetric = "[[support]]\nboundary = \"left\"\nfix = [\"x\"]\n";
+    let mut scene = pressed("triangle6", "[1, 1]", 0.0, "0.5 * x^2 - 0.001", symmetric);
+    scene.description.mesh = MeshSource::from(mesh);
+    scene.description.contacts[0].boundary = "zone".into();
+    scene
+}
+
 const SPHERE: &str = "0.5 * (x^2 + y^2) - 4e-4";
 
 fn condensed() -> SolverChoice {
@@ -154,6 +174,75 @@ fn hertz_sphere_and_flat_punch_of_second_order() {
         }
         let rms = f64::sqrt(error / whole);
         assert!(rms < 0.028, "{rms}");
+    }
+}
+
+/// The errors of the force and of the largest pressure, and their means over the contact, for a scene of which `share` is
+/// meshed. The force is that of much finer meshes, see doc/method/elements.md; the pressures are Hertz' for it.
+fn errors(scene: &Scene, share: f64, force: f64) -> [f64; 3] {
+    let model = discretise(scene).unwrap();
+    let mut lines = Lines(&model, Vec::new());
+    let found = sums(&solve(&model, &[1.0], condensed(), &mut lines).state)[0] / share;
+    let (modulus, pi) = (1.0 / 0.91, std::f64::consts::PI);
+    let (a, p0) = if model.mesh.dimension == 2 {
+        let a = (4.0 * force / (pi * modulus)).sqrt();
+        (a, 2.0 * force / (pi * a))
+    } else {
+        let a = (0.75 * force / modulus).cbrt();
+        (a, 1.5 * force / (pi * a * a))
+    };
+    let away = |x: [f64; 3]| x[..model.mesh.dimension - 1].iter().map(|c| c * c).sum::<f64>().sqrt();
+    let peak = lines.1[0].points.iter().map(|p| p.sigma_n).fold(0.0, f64::max);
+    let (mut error, mut whole) = (0.0, 0.0);
+    for (point, contact) in lines.1[0].points.iter().zip(&model.contacts) {
+        let exact = p0 * (1.0 - (away(contact.position) / a).powi(2)).max(0.0).sqrt();
+        error += contact.weight * (point.sigma_n - exact).powi(2);
+        whole += contact.weight * exact * exact;
+    }
+    [found / force - 1.0, peak / p0 - 1.0, (error / whole).sqrt()]
+}
+
+/// A cylinder on quadrilaterals and a sphere on hexahedra of first and second order, with as many nodes along the zone.
+#[test]
+fn hertz_of_quadrilaterals_and_hexahedra() {
+    use CellKind::{Hexahedron, Hexahedron20, Prism15, Quadrilateral, Quadrilateral8, Quadrilateral9};
+    let mut all = Vec::new();
+    for (kind, sizes, share, force) in [
+        (Quadrilateral, &[8, 16, 32][..], 0.5, 3.77283e-4),
+        (Quadrilateral8, &[4, 8, 16], 0.5, 3.77283e-4),
+        (Quadrilateral9, &[4, 8, 16], 0.5, 3.77283e-4),
+        (Hexahedron, &[4, 8], 0.25, 1.2227e-5),
+        (Hexahedron20, &[2, 4], 0.25, 1.2227e-5),
+        (Prism15, &[2, 4], 0.25, 1.2227e-5),
+    ] {
+        let plane = kind.dimension() == 2;
+        let scene = |n: usize| if plane { half(kind, n) } else { quarter(kind, n, 0.0, SPHERE) };
+        let found: Vec<[f64; 3]> = sizes.iter().map(|&n| errors(&scene(n), share, force)).collect();
+        let order =
+            |k: usize| found.windows(2).map(|pair| (pair[0][k] / pair[1][k]).abs().log2()).collect::<Vec<f64>>();
+        println!(
+            "{kind:?} {sizes:?}: force, peak, mean {found:.5?}; orders {:.2?} {:.2?} {:.2?}",
+            order(0),
+            order(1),
+            order(2)
+        );
+        all.push(found);
+    }
+    // With as many nodes along the zone the force is several times as accurate, and as many elements would be enough for
+    // the pressure.
+    for second in 1..3 {
+        for (coarse, first) in all[second].iter().zip(&all[0]) {
+            assert!(coarse[0].abs() < 0.25 * first[0].abs(), "{coarse:?} {first:?}");
+        }
+        let [force, peak, mean] = all[second][2];
+        assert!(force.abs() < 5e-4 && peak.abs() < 1e-3 && mean < 0.01, "{force} {peak} {mean}");
+        let order = (all[second][0][0] / all[second][2][0]).log2() / 2.0;
+        assert!(order > 1.5, "{order}");
+    }
+    for second in 4..6 {
+        let [force, peak, mean] = all[second][1];
+        assert!(force.abs() < 0.012 && peak.abs() < 0.02 && mean < 0.12, "{force} {peak} {mean}");
+        assert!(force.abs() < 1.5 * all[3][1][0].abs(), "{force}");
     }
 }
 

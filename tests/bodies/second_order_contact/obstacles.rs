@@ -220,3 +220,21 @@ fn rims_of_obstacles() {
     let state = solve(&model, model.times(), SolverChoice::default(), &mut ()).state;
     assert!(sums(&state)[0] > 0.0);
 }
+
+/// Triangles and quadrilaterals of second order share the displacements of an edge differently among its nodes: prisms have
+/// contact on the one or on the other.
+#[test]
+fn triangles_and_quadrilaterals_of_second_order_do_not_meet() {
+    let text = |side: &str| {
+        format!(
+            "[mesh]\nkind = \"block\"\nsize = [1, 1, 0.5]\nelements = [2, 2, 1]\ncells = \"prism15\"\n\
+             [material]\nyoung = 1.0\npoisson = 0.3\n\
+             [[contact]]\nboundary = \"bottom\"\nfriction = 0\nobstacle = {{ kind = \"plane\", gap = 0 }}\n\
+             [[contact]]\nboundary = \"{side}\"\nfriction = 0\nobstacle = {{ kind = \"plane\", gap = 0 }}\n\
+             [time]\nend = 1\nincrements = 1\n"
+        )
+    };
+    assert!(discretise(&Scene::parse("ends.toml", &text("top"), &[]).unwrap()).is_ok());
+    let error = discretise(&Scene::parse("ends.toml", &text("left"), &[]).unwrap()).unwrap_err();
+    assert!(error.to_string().contains("a triangle and a quadrilateral of second order with contact meet"), "{error}");
+}

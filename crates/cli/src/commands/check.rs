@@ -91,6 +91,9 @@ fn body(scene: &Scene, model: &Model) {
         ([CellKind::Hexahedron], _) => "trilinear hexahedra",
         ([CellKind::Prism], Element::BBar) => "B-bar prisms",
         ([CellKind::Prism], _) => "prisms",
+        ([CellKind::Quadrilateral8 | CellKind::Quadrilateral9], _) => "quadratic quadrilaterals",
+        ([CellKind::Hexahedron20], _) => "quadratic hexahedra",
+        ([CellKind::Prism15], _) => "quadratic prisms",
         (_, Element::BBar) => "B-bar elements of several kinds",
         _ => "elements of several kinds",
     };

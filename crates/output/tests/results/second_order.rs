@@ -1,4 +1,4 @@
-//! Triangles of six nodes and tetrahedra of ten: stiffness, loads, curved edges, Gmsh meshes.
+//! Triangles of six nodes, tetrahedra of ten, and other cells of second order: stiffness, loads, curved edges, Gmsh meshes.
 // Reference figures are quoted as printed.
 #![allow(clippy::unwrap_used, clippy::unreadable_literal)]
 
@@ -355,7 +355,14 @@ impl stickslip::solver::history::Observer for Fields<'_> {
 /// A pulled bar: stresses in the nodes and at the centre, fields on cells of second order, balanced reactions.
 #[test]
 fn a_bar_that_is_pulled() {
-    for (cells, vtk, d) in [("triangle6", 22, 2), ("tetrahedron10", 24, 3)] {
+    for (cells, vtk, d) in [
+        ("triangle6", 22, 2),
+        ("tetrahedron10", 24, 3),
+        ("quadrilateral8", 23, 2),
+        ("quadrilateral9", 28, 2),
+        ("hexahedron20", 25, 3),
+        ("prism15", 26, 3),
+    ] {
         let pairs: [[&str; 2]; 7] = [
             ["SIZE", if d == 2 { "[2, 1]" } else { "[2, 1, 1]" }],
             ["ELEMENTS", if d == 2 { "[3, 2]" } else { "[3, 2, 1]" }],
@@ -389,7 +396,8 @@ fn a_bar_that_is_pulled() {
 fn blocks_of_second_order() {
     let source =
         |cells, axes: usize| MeshSource::segmented(&vec![vec![1.0]; axes], &vec![vec![3]; axes], None, Some(cells));
-    for (cells, axes) in [(CellKind::Triangle6, 2), (CellKind::Tetrahedron10, 3)] {
+    let second = CellKind::ALL.into_iter().filter(|kind| kind.is_quadratic());
+    for (cells, axes) in second.map(|kind| (kind, kind.dimension())) {
         let source = source(cells, axes).unwrap();
         assert_eq!(source.nodes(), Some((source.build().unwrap().nodes.len(), axes)));
     }

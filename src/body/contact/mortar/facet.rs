@@ -5,7 +5,7 @@ use crate::algebra::vector::{cross, dot, minus, plus, unit};
 use crate::body::mesh::Mesh;
 
 /// The largest number of nodes of a facet.
-pub(super) const MOST: usize = 6;
+pub(super) const MOST: usize = 8;
 
 /// A value for each node of a facet; 0 beyond the last node.
 pub(super) type Values = [f64; MOST];
@@ -24,6 +24,10 @@ const FOUND: f64 = 1e-14;
 /// coordinates leaves is far less.
 const LOST: f64 = 1e-6;
 
+/// The nodes of a quadrilateral of second order in its local coordinates, all around.
+const AROUND: [Flat; MOST] =
+    [[-1.0, -1.0], [0.0, -1.0], [1.0, -1.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [-1.0, 1.0], [-1.0, 0.0]];
+
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     Edge,
@@ -31,6 +35,7 @@ pub(super) enum Kind {
     Triangle,
     Quadrilateral,
     BentTriangle,
+    BentQuadrilateral,
 }
 
 impl Kind {
@@ -40,6 +45,7 @@ impl Kind {
             (2, _) => Kind::Edge,
             (_, 4) => Kind::Quadrilateral,
             (_, 6) => Kind::BentTriangle,
+            (_, 8) => Kind::BentQuadrilateral,
             _ => Kind::Triangle,
         }
     }
@@ -50,6 +56,7 @@ impl Kind {
             Kind::BentEdge | Kind::Triangle => 3,
             Kind::Quadrilateral => 4,
             Kind::BentTriangle => 6,
+            Kind::BentQuadrilateral => 8,
         }
     }
 
@@ -57,7 +64,7 @@ impl Kind {
         match self {
             Kind::Edge | Kind::BentEdge => [0.5, 0.0],
             Kind::Triangle | Kind::BentTriangle => [1.0 / 3.0; 2],
-            Kind::Quadrilateral => [0.0; 2],
+            Kind::Quadrilateral | Kind::BentQuadrilateral => [0.0; 2],
         }
     }
 
@@ -65,17 +72,22 @@ impl Kind {
     fn shape(self, [x, y]: Flat) -> Values {
         let z = 1.0 - x - y;
         match self {
-            Kind::Edge => [1.0 - x, x, 0.0, 0.0, 0.0, 0.0],
-            Kind::BentEdge => [(1.0 - x) * (1.0 - 2.0 * x), 4.0 * x * (1.0 - x), x * (2.0 * x - 1.0), 0.0, 0.0, 0.0],
-            Kind::Triangle => [z, x, y, 0.0, 0.0, 0.0],
+            Kind::Edge => filled([1.0 - x, x]),
+            Kind::BentEdge => filled([(1.0 - x) * (1.0 - 2.0 * x), 4.0 * x * (1.0 - x), x * (2.0 * x - 1.0)]),
+            Kind::Triangle => filled([z, x, y]),
             Kind::Quadrilateral => {
                 let at = |a: f64, b: f64| 0.25 * (1.0 + a * x) * (1.0 + b * y);
-                [at(-1.0, -1.0), at(1.0, -1.0), at(1.0, 1.0), at(-1.0, 1.0), 0.0, 0.0]
+                filled([at(-1.0, -1.0), at(1.0, -1.0), at(1.0, 1.0), at(-1.0, 1.0)])
             }
             Kind::BentTriangle => {
                 let corner = |l: f64| l * (2.0 * l - 1.0);
-                [corner(z), 4.0 * z * x, corner(x), 4.0 * x * y, corner(y), 4.0 * y * z]
+                filled([corner(z), 4.0 * z * x, corner(x), 4.0 * x * y, corner(y), 4.0 * y * z])
             }
+            Kind::BentQuadrilateral => AROUND.map(|[a, b]| match () {
+                () if a == 0.0 => 0.5 * (1.0 - x * x) * (1.0 + b * y),
+                () if b == 0.0 => 0.5 * (1.0 - y * y) * (1.0 + a * x),
+                () => 0.25 * (1.0 + a * x) * (1.0 + b * y) * (a * x + b * y - 1.0),
+            }),
         }
     }
 
@@ -83,19 +95,37 @@ impl Kind {
     fn slopes(self, [x, y]: Flat) -> [Values; 2] {
         let z = 1.0 - x - y;
         match self {
-            Kind::Edge => [[-1.0, 1.0, 0.0, 0.0, 0.0, 0.0], [0.0; MOST]],
-            Kind::BentEdge => [[4.0 * x - 3.0, 4.0 - 8.0 * x, 4.0 * x - 1.0, 0.0, 0.0, 0.0], [0.0; MOST]],
-            Kind::Triangle => [[-1.0, 1.0, 0.0, 0.0, 0.0, 0.0], [-1.0, 0.0, 1.0, 0.0, 0.0, 0.0]],
+            Kind::Edge => [filled([-1.0, 1.0]), [0.0; MOST]],
+            Kind::BentEdge => [filled([4.0 * x - 3.0, 4.0 - 8.0 * x, 4.0 * x - 1.0]), [0.0; MOST]],
+            Kind::Triangle => [filled([-1.0, 1.0, 0.0]), filled([-1.0, 0.0, 1.0])],
             Kind::Quadrilateral => [
-                [-(1.0 - y), 1.0 - y, 1.0 + y, -(1.0 + y), 0.0, 0.0].map(|c| 0.25 * c),
-                [-(1.0 - x), -(1.0 + x), 1.0 + x, 1.0 - x, 0.0, 0.0].map(|c| 0.25 * c),
+                filled([-(1.0 - y), 1.0 - y, 1.0 + y, -(1.0 + y)].map(|c| 0.25 * c)),
+                filled([-(1.0 - x), -(1.0 + x), 1.0 + x, 1.0 - x].map(|c| 0.25 * c)),
             ],
             Kind::BentTriangle => [
-                [1.0 - 4.0 * z, 4.0 * (z - x), 4.0 * x - 1.0, 4.0 * y, 0.0, -4.0 * y],
-                [1.0 - 4.0 * z, -4.0 * x, 0.0, 4.0 * x, 4.0 * y - 1.0, 4.0 * (z - y)],
+                filled([1.0 - 4.0 * z, 4.0 * (z - x), 4.0 * x - 1.0, 4.0 * y, 0.0, -4.0 * y]),
+                filled([1.0 - 4.0 * z, -4.0 * x, 0.0, 4.0 * x, 4.0 * y - 1.0, 4.0 * (z - y)]),
             ],
+            Kind::BentQuadrilateral => {
+                let slopes = AROUND.map(|[a, b]| match () {
+                    () if a == 0.0 => [-x * (1.0 + b * y), 0.5 * b * (1.0 - x * x)],
+                    () if b == 0.0 => [0.5 * a * (1.0 - y * y), -y * (1.0 + a * x)],
+                    () => [
+                        0.25 * a * (1.0 + b * y) * (2.0 * a * x + b * y),
+                        0.25 * b * (1.0 + a * x) * (2.0 * b * y + a * x),
+                    ],
+                });
+                [0, 1].map(|c| slopes.map(|slope| slope[c]))
+            }
         }
     }
+}
+
+/// Returns values with 0 beyond the last.
+fn filled<const N: usize>(given: [f64; N]) -> Values {
+    let mut values = [0.0; MOST];
+    values[..N].copy_from_slice(&given);
+    values
 }
 
 /// The plane of a facet (in two dimensions a line) and the normal along which other facets are projected on it.
@@ -115,7 +145,7 @@ impl Plane {
         let axes = if mesh.dimension == 2 {
             [unit(minus(points[points.len() - 1], points[0])), [0.0; 3]]
         } else {
-            let side = minus(points[if facet.len() == 6 { 2 } else { 1 }], points[0]);
+            let side = minus(points[if mesh.is_quadratic(facet) { 2 } else { 1 }], points[0]);
             let along = unit(plus(side, -dot(side, normal), normal));
             [along, cross(normal, along)]
         };
@@ -153,14 +183,25 @@ impl Projected {
         let between = |[a, m, b]: [usize; 3]| {
             small([0, 1].map(|c| p[m][c] - 0.5 * (p[a][c] + p[b][c])), [0, 1].map(|c| p[b][c] - p[a][c]))
         };
+        let parallelogram = |[a, b, c, d]: [usize; 4]| {
+            small([0, 1].map(|k| p[a][k] - p[b][k] + p[c][k] - p[d][k]), [0, 1].map(|k| p[c][k] - p[a][k]))
+        };
         match self.kind {
             Kind::Edge | Kind::Triangle => true,
             Kind::BentEdge => between([0, 1, 2]),
             Kind::BentTriangle => [[0, 1, 2], [2, 3, 4], [4, 5, 0]].into_iter().all(between),
-            Kind::Quadrilateral => {
-                small([0, 1].map(|c| p[0][c] - p[1][c] + p[2][c] - p[3][c]), [0, 1].map(|c| p[2][c] - p[0][c]))
+            Kind::Quadrilateral => parallelogram([0, 1, 2, 3]),
+            Kind::BentQuadrilateral => {
+                parallelogram([0, 2, 4, 6]) && [[0, 1, 2], [2, 3, 4], [4, 5, 6], [6, 7, 0]].into_iter().all(between)
             }
         }
+    }
+
+    /// Returns `true` if the products of shape functions of both facets are polynomials of degree five at most in the
+    /// coordinates of the plane.
+    pub(super) fn is_of_low_degree(&self, other: &Self) -> bool {
+        let low = |facet: &Self| facet.straight && facet.kind != Kind::BentQuadrilateral;
+        low(self) && low(other)
     }
 
     /// Returns the two ends along the axis, in two dimensions.
@@ -168,13 +209,18 @@ impl Projected {
         [self.at[0][0], self.at[self.kind.nodes() - 1][0]]
     }
 
-    /// Returns the polygons that make up the facet, in the order of its nodes: four if edges between three nodes are
-    /// bent.
+    /// Returns the polygons that make up the facet, in the order of its nodes: four, in a quadrilateral five, if edges
+    /// between three nodes are bent.
     pub(super) fn polygons(&self) -> Vec<Vec<Flat>> {
         let pick = |places: &[usize]| places.iter().map(|&k| self.at[k]).collect();
         match self.kind {
             Kind::BentTriangle if self.straight => vec![pick(&[0, 2, 4])],
             Kind::BentTriangle => [[0, 1, 5], [1, 2, 3], [3, 4, 5], [1, 3, 5]].map(|places| pick(&places)).into(),
+            Kind::BentQuadrilateral if self.straight => vec![pick(&[0, 2, 4, 6])],
+            Kind::BentQuadrilateral => {
+                let corners = [[0, 1, 7], [2, 3, 1], [4, 5, 3], [6, 7, 5]].map(|places| pick(&places));
+                corners.into_iter().chain([pick(&[1, 3, 5, 7])]).collect()
+            }
             kind => vec![self.at[..kind.nodes()].to_vec()],
         }
     }
@@ -219,7 +265,8 @@ impl Projected {
 mod tests {
     use super::*;
 
-    const ALL: [Kind; 5] = [Kind::Edge, Kind::BentEdge, Kind::Triangle, Kind::Quadrilateral, Kind::BentTriangle];
+    const ALL: [Kind; 6] =
+        [Kind::Edge, Kind::BentEdge, Kind::Triangle, Kind::Quadrilateral, Kind::BentTriangle, Kind::BentQuadrilateral];
 
     #[test]
     fn slopes_are_derivatives_and_add_up_to_nothing() {
@@ -244,7 +291,8 @@ mod tests {
     #[test]
     fn places_without_local_coordinates_are_not_given_others() {
         let moves = [[0.029, 0.142], [-0.043, 0.131], [0.101, -0.128]];
-        let mut at = [[0.0, 0.0], [0.5, 0.0], [1.0, 0.0], [0.5, 0.5], [0.0, 1.0], [0.0, 0.5]];
+        let mut at = [[0.0; 2]; MOST];
+        at[..6].copy_from_slice(&[[0.0, 0.0], [0.5, 0.0], [1.0, 0.0], [0.5, 0.5], [0.0, 1.0], [0.0, 0.5]]);
         for (k, by) in [1, 3, 5].into_iter().zip(moves) {
             (0..2).for_each(|c| at[k][c] += by[c]);
         }
@@ -267,12 +315,13 @@ mod tests {
     #[test]
     fn points_of_bent_facets_are_found() {
         let bend = |[x, y]: Flat| [x + 0.1 * y * y, y - 0.2 * x + 0.05 * x * x];
-        let nodes: [(Kind, &[Flat]); 5] = [
+        let nodes: [(Kind, &[Flat]); 6] = [
             (Kind::Edge, &[[0.0, 0.0], [1.0, 0.0]]),
             (Kind::BentEdge, &[[0.0, 0.0], [0.45, 0.0], [1.0, 0.0]]),
             (Kind::Triangle, &[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]),
             (Kind::Quadrilateral, &[[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]),
             (Kind::BentTriangle, &[[0.0, 0.0], [0.5, 0.0], [1.0, 0.0], [0.5, 0.5], [0.0, 1.0], [0.0, 0.5]]),
+            (Kind::BentQuadrilateral, &AROUND),
         ];
         for (kind, nodes) in nodes {
             let edge = matches!(kind, Kind::Edge | Kind::BentEdge);

@@ -24,7 +24,7 @@ const FREE: f64 = 0.1;
 /// ```text
 /// (a × b) / (|a|² |b|²)   a and b the edges of the facet that begin at the node (Max 1999),
 /// ν / |edge|              in two dimensions,
-/// ν / area                on triangles of six nodes, ν their normal in the node:
+/// ν / area                on faces of second order, ν their normal in the node:
 /// ```
 ///
 /// The first two sums give the normal of the sphere or circle on which the nodes lie. On a plane of symmetry the normal
@@ -59,7 +59,7 @@ pub(super) fn sums(mesh: &Mesh, boundary: &Boundary) -> BTreeMap<usize, [f64; 3]
 
 fn parts(mesh: &Mesh, facet: &[usize]) -> Vec<[f64; 3]> {
     match Kind::of(mesh, facet) {
-        Kind::Edge | Kind::BentEdge | Kind::BentTriangle => {
+        Kind::Edge | Kind::BentEdge | Kind::BentTriangle | Kind::BentQuadrilateral => {
             let normals = facet_normals(mesh, facet);
             let size = norm(mesh.area_vector(facet));
             normals.into_iter().map(|n| n.map(|c| c / (size * size))).collect()

@@ -49,8 +49,9 @@ pub(super) fn default_search(mesh: &Mesh, sides: [&Boundary; 2]) -> f64 {
 
 /// Fails if a quadrilateral is not convex.
 pub(super) fn convex(mesh: &Mesh, boundary: &Boundary) -> Result<(), MortarFault> {
-    for facet in boundary.facets.iter().filter(|facet| mesh.dimension == 3 && facet.len() == 4) {
-        let (normal, points) = (mesh.area_vector(facet), mesh.points(facet));
+    for facet in boundary.facets.iter().filter(|facet| mesh.dimension == 3 && matches!(facet.len(), 4 | 8)) {
+        let corners: Vec<usize> = facet.iter().step_by(facet.len() / 4).copied().collect();
+        let (normal, points) = (mesh.area_vector(facet), mesh.points(&corners));
         let turns = |k: usize| {
             let to = |other: usize| minus(points[other % 4], points[k]);
             dot(cross(to(k + 1), to(k + 3)), normal) > 0.0

@@ -37,7 +37,8 @@ const GAUSS6: [(f64, f64); 6] = [
 pub(super) struct Rules {
     /// Exact for polynomials of degree five (Radon).
     straight: Vec<([f64; 3], f64)>,
-    /// Exact for degree ten, for bent facets, where local coordinates raise the degree of polynomials.
+    /// Exact for degree ten, for bent facets, where local coordinates raise the degree of polynomials, and for
+    /// quadrilaterals of eight nodes, whose functions are cubic.
     bent: Vec<([f64; 3], f64)>,
 }
 
@@ -88,7 +89,7 @@ pub(super) fn segment(dimension: usize, slave: &Projected, size: f64, master: &P
     let places = if dimension == 2 {
         overlap(slave, size, master)
     } else {
-        common(slave, size, master, if slave.straight && master.straight { &rules.straight } else { &rules.bent })
+        common(slave, size, master, if slave.is_of_low_degree(master) { &rules.straight } else { &rules.bent })
     };
     let mut segment = Segment::default();
     for (y, weight) in places {

@@ -19,10 +19,13 @@ pub(super) fn kind_of(name: &str) -> Option<CellKind> {
         (false, "3") => CellKind::Triangle,
         (false, "4") => CellKind::Quadrilateral,
         (false, "6") => CellKind::Triangle6,
+        (false, "8") => CellKind::Quadrilateral8,
         (true, "4") => CellKind::Tetrahedron,
         (true, "6") => CellKind::Prism,
         (true, "8") => CellKind::Hexahedron,
         (true, "10") => CellKind::Tetrahedron10,
+        (true, "15") => CellKind::Prism15,
+        (true, "20") => CellKind::Hexahedron20,
         _ => return None,
     })
 }

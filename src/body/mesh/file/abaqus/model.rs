@@ -42,7 +42,7 @@ pub(super) struct Model {
     fields: usize,
 }
 
-const TYPES: &str = "mesh with CPE, CPS or CAX of 3, 4 or 6 nodes, or with C3D4, C3D6, C3D8 or C3D10";
+const TYPES: &str = "mesh with CPE, CPS or CAX of 3, 4, 6 or 8 nodes, or with C3D4, C3D6, C3D8, C3D10, C3D15 or C3D20";
 
 impl Model {
     /// Takes a keyword with its data.
@@ -419,6 +419,7 @@ fn side_kind(dimension: usize, nodes: usize) -> ElementKind {
         (2, _) => ElementKind::Line3,
         (_, 3) => ElementKind::Cell(CellKind::Triangle),
         (_, 4) => ElementKind::Cell(CellKind::Quadrilateral),
-        _ => ElementKind::Cell(CellKind::Triangle6),
+        (_, 6) => ElementKind::Cell(CellKind::Triangle6),
+        _ => ElementKind::Cell(CellKind::Quadrilateral8),
     }
 }

@@ -19,9 +19,9 @@ fn kind_of(number: i64) -> Result<ElementKind, String> {
         _ => match (CellKind::ALL.into_iter().find(|kind| kind.properties().gmsh == number), number) {
             (Some(kind), _) => ElementKind::Cell(kind),
             (None, 7) => return Err("7 (pyramid)".to_string()),
-            (None, 10 | 16) => return Err(format!("{number} (quadrilateral of second order)")),
-            (None, 12 | 17) => return Err(format!("{number} (hexahedron of second order)")),
-            (None, 13 | 14 | 18 | 19) => return Err(format!("{number} (prism or pyramid of second order)")),
+            (None, 12) => return Err("12 (hexahedron of 27 nodes)".to_string()),
+            (None, 13) => return Err("13 (prism of 18 nodes)".to_string()),
+            (None, 14 | 19) => return Err(format!("{number} (pyramid of second order)")),
             (None, 20..) => return Err(format!("{number} (third order or higher)")),
             _ => return Err(number.to_string()),
         },
@@ -31,8 +31,13 @@ fn kind_of(number: i64) -> Result<ElementKind, String> {
 /// Returns the kind of Gmsh's type `number`, or the error at the place of the reader.
 fn supported(reader: &Reader<'_>, number: i64) -> Result<ElementKind, MeshFormatError> {
     kind_of(number).map_err(|name| {
-        let help = "mesh with triangles or tetrahedra of first or second order (Mesh.ElementOrder = 2), or with quadrilaterals, \
-                    hexahedra or prisms of the first";
+        let help = match number {
+            12 | 13 => "mesh with nodes at the middles of edges alone (Mesh.SecondOrderIncomplete = 1)",
+            _ => {
+                "mesh with triangles, quadrilaterals, tetrahedra, hexahedra or prisms of first or second order (Mesh.ElementOrder = 2, \
+                 Mesh.SecondOrderIncomplete = 1)"
+            }
+        };
         reader.error(format!("the mesh has elements of the type {name}, which is not supported"), help)
     })
 }
