@@ -10,7 +10,7 @@ use stickslip::body::Model;
 use stickslip::run::{Run, discretise};
 use stickslip::scene::{Provenance, Scene};
 use stickslip::solver::history::{self, HistorySettings, IncrementView, LinearAlgebra, Method, Observer, SystemSolver};
-use stickslip_output::{Grid, LockedOutputDir, ResultFolder, fields};
+use stickslip_output::{Grid, KeptSolver, LockedOutputDir, ResultFolder, fields};
 
 /// Observer that keeps the fields of every increment.
 struct Fields<'a>(&'a Model, Vec<Grid>);
@@ -229,9 +229,10 @@ fn the_series_names_whole_files() {
     let scene = common::block(&["mesh.elements=[4,3]", "time.increments=2"]);
     let (model, grids) = solve(&scene);
     let path = std::env::temp_dir().join(format!("stickslip_series_{}", std::process::id()));
+    let linear = KeptSolver { name: String::new(), reason: None };
     let begin = || {
         let origin = Provenance::new(&scene, "a test").unwrap();
-        LockedOutputDir::new(&path).unwrap().begin(&model, Vec::new(), origin, String::new()).unwrap()
+        LockedOutputDir::new(&path).unwrap().begin(&model, Vec::new(), origin, linear.clone()).unwrap()
     };
     let undeformed = Run::new(&scene).unwrap().undeformed().record;
     let mut folder: ResultFolder = begin();
