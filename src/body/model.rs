@@ -10,6 +10,7 @@ mod discrete;
 mod element;
 mod energy;
 mod holding;
+mod large_motion;
 mod load;
 mod meridian;
 mod motions;
@@ -28,6 +29,7 @@ mod surface;
 mod unseen;
 
 pub use balance::{Balance, Wrench};
+pub use large_motion::LargeMotion;
 pub use on_the_way::OnTheWay;
 pub use pair::Pair;
 pub use pair_state::{Faceted, Slid};

@@ -340,6 +340,55 @@ fn a_rigid_body_under_a_force() {
     assert!(point(&report, "handle").moment[0].abs() < 1e-6 * 5e6 * 0.01);
 }
 
+/// A pushed half of a bar, and a disc at its axis: supports hold carried nodes in directions in which the point does not move.
+#[test]
+fn moved_points_on_planes_of_symmetry() {
+    let support = "[[support]]\ncoupling = \"end\"\nfix = [\"x\", \"y\", \"rotation_z\"]\ndisplacement = [0.3, 0, 0]\n";
+    let symmetry = "[[support]]\nboundary = \"bottom\"\nfix = [\"y\"]\n";
+    let half = edit(BEAM, "[[load]]\ncoupling = \"end\"\nmoment = 1000\n", &format!("{support}{symmetry}"));
+    near(&point(&report(&half, bn()), "end").force, &[2e11 * 0.003 * 0.01, 0.0], 1e-9);
+    let disc = BEAM
+        .replace("plane = \"stress\"", "plane = \"axisymmetric\"")
+        .replace("fix = [\"x\", \"y\"]", "fix = [\"y\"]")
+        .replace("boundary = \"left\"", "boundary = \"bottom\"")
+        .replace("boundary = \"right\"", "boundary = \"top\"")
+        .replace(
+            "[[load]]\ncoupling = \"end\"\nmoment = 1000\n",
+            "[[support]]\ncoupling = \"end\"\nfix = [\"y\"]\ndisplacement = 0.1\n",
+        );
+    let area = std::f64::consts::PI * 0.01;
+    near(&point(&report(&disc, bn()), "end").force, &[0.0, 2e11 * 0.01 * area], 1e-9);
+}
+
+/// A load beside the base tips a punch; the motion that nothing resists is a rotation.
+#[test]
+fn a_punch_that_tips_is_said_to_tip() {
+    let text = edit(PUNCH, "force = [300, -5000]", "force = [0, -5000]");
+    let text = edit(&text, "[time]", "[[load]]\ncoupling = \"handle\"\nmoment = 60000\n[time]");
+    let model = discretise(&scene(&text)).unwrap();
+    let report = Run::of(&model, model.times().to_vec(), bn()).unwrap().solve(&mut ()).unwrap();
+    assert_ne!(report.status, Status::Converged);
+    assert!(report.explanation.reason.contains("a rotation about"), "{}", report.explanation.reason);
+}
+
+/// Forces stay where they were: a roller that is free to turn does not roll.
+#[test]
+fn a_body_that_rolls_is_warned_of() {
+    use stickslip::run::report::WarningKind;
+    let load = |rest: &str| format!("[[load]]\ncoupling = \"punch\"\nforce = [10, -1726.2]\n{rest}");
+    let text = pressed(2.0, 16, "\"(x - 100)^2 / 200\"", &load("")).replace("cells = \"triangle6\"\n", "");
+    let text = edit(&text, "friction = 0", "friction = 0.5");
+    let text = edit(&text, "point = [100, 100]", "point = [100, 200]");
+    let warned = |text: &str| {
+        let report = report(text, bn());
+        report.warnings.iter().any(|warning| warning.kind == WarningKind::LargeMotion)
+    };
+    assert!(warned(&text));
+    let held = edit(&text, "[time]", "[[support]]\ncoupling = \"punch\"\nfix = [\"rotation_z\"]\n[time]");
+    assert!(!warned(&held));
+    assert!(!warned(&edit(PUNCH, "[300, -5000]", "[100, -5000]")));
+}
+
 /// A rigid body equals a body a million times as stiff.
 #[test]
 fn a_rigid_body_is_the_limit_of_a_stiff_one() {
@@ -486,8 +535,8 @@ fn faults_name_their_keys() {
         (
             "[[load]]",
             "[[spring]]\ncoupling = \"end\"\nrotational = 1\nstiffness = [1, 0]\n[[load]]",
-            "no stiffness",
-            "remove",
+            "both stiffness and rotational",
+            "two springs",
         ),
         ("[[load]]", "[[spring]]\ncoupling = \"end\"\nnormal = 1\n[[load]]", "stiffness or rotational", "add one"),
     ];
@@ -512,6 +561,15 @@ fn faults_name_their_keys() {
         ),
         (&axisymmetric, "", "", "does not turn", "remove"),
         (&plate, "", "", "every node", "elastic"),
+        (BEAM, "boundary = \"right\"", "boundary = \"right\"\npoint = [1e7, 0]", "times the size", "nearer point"),
+        (
+            BEAM,
+            "[[load]]",
+            "[[contact]]\nboundary = \"right\"\nfriction = 0\nobstacle = { kind = \"plane\" }\n[[load]]",
+            "rigid by a coupling",
+            "elastic",
+        ),
+        (&axisymmetric, "moment = 1000", "force = [1, 0]", "along its axis only", "[0, y]"),
         (BAR, "moment = [0, 500, 300]", "moment = 3", "1 components", "[x, y, z]"),
     ];
     let all = of_beam.iter().map(|&(from, to, says, help)| (BEAM, from, to, says, help));

@@ -29,7 +29,7 @@ const READ: &[InputError] = &[
         "order the points",
     ),
     (FIX, "fix = [\"x\"]\npoint = [0, 0]", "point", &["both boundary and point"], "keep one"),
-    ("boundary = \"left\"\n", "", "[[support]]", &["needs a boundary or a point"], "add one"),
+    ("boundary = \"left\"\n", "", "[[support]]", &["needs a boundary, a point or a coupling"], "add one"),
     (
         "boundary = \"left\"\nfix = [\"x\", \"y\"]",
         "point = [0, 0]\nfix = [\"normal\"]",
@@ -57,7 +57,7 @@ const READ: &[InputError] = &[
     (FACES, "rotation = { through = [0, 0], speed = 1, axis = [0, 0, 0] }", "rotation", &["a direction"], "give e.g."),
     (FACES, "temperature = \"20 +\"", "temperature", &["the formula"], "a formula of x"),
     ("[time]", "[[spring]]\nboundary = \"top\"\n[time]", "[[spring]]", &["needs a stiffness"], "stiffness per area"),
-    ("[time]", "[[spring]]\nnormal = 1\n[time]", "[[spring]]", &["needs a boundary or a point"], "add one"),
+    ("[time]", "[[spring]]\nnormal = 1\n[time]", "[[spring]]", &["needs a boundary, a point or a coupling"], "add one"),
     ("[time]", "[[spring]]\nboundary = \"top\"\nnormal = -1\n[time]", "normal = -1", &["0 or more"], "stiffness"),
     ("[time]", "[[spring]]\nboundary = \"top\"\nnormal = 0\n[time]", "normal = 0", &["not 0 throughout"], "stiffness"),
     (

@@ -74,12 +74,13 @@ impl Dofs {
     }
 
     /// Returns `true` if the other nodes of `relation` can move along the parts of `n` that act on them: supports do not
-    /// hold them there, or move one of them.
-    pub fn may_move(&self, relation: &Relative, n: [f64; 3], moved: impl Fn(usize) -> bool) -> bool {
+    /// hold them there, or move them along such an axis, as `moved` tells for a node and an axis.
+    pub fn may_move(&self, relation: &Relative, n: [f64; 3], moved: impl Fn(usize, [f64; 3]) -> bool) -> bool {
         relation.others.iter().any(|(other, coefficient)| {
             let along = self.in_frame(*other, coefficient.transposed_times(n));
-            (0..self.dimension())
-                .any(|a| along[a].abs() > SAME_DIRECTION && (!self.is_held_along(*other, a) || moved(*other)))
+            let axes = self.axes(*other).into_iter().enumerate();
+            axes.filter(|(a, _)| along[*a].abs() > SAME_DIRECTION)
+                .any(|(a, axis)| !self.is_held_along(*other, a) || moved(*other, axis))
         })
     }
 
@@ -90,7 +91,7 @@ impl Dofs {
     }
 
     /// Returns `true` if one reference point carries all of `nodes`, which then cause no strain.
-    pub(super) fn are_rigid(&self, nodes: &[usize]) -> bool {
+    pub fn are_rigid(&self, nodes: &[usize]) -> bool {
         let point = |node: &usize| self.relative.get(node).and_then(|r| r.others.first()).map(|(other, _)| *other);
         let first = nodes.first().and_then(point);
         self.has_points()

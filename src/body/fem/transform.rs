@@ -198,7 +198,7 @@ impl Dofs {
     }
 
     /// Returns the axes of the frame of `node`, as many as there are dimensions.
-    fn axes(&self, node: usize) -> Vec<[f64; 3]> {
+    pub(super) fn axes(&self, node: usize) -> Vec<[f64; 3]> {
         let frame = self.frame(node).copied().unwrap_or([0, 1, 2].map(axis));
         frame[..self.node(node).len()].to_vec()
     }

@@ -1,13 +1,13 @@
 //! The relations of nodes to the reference points that carry them.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 
 use super::coupling::Couplings;
 use super::holding::Holding;
-use crate::algebra::vector::axis;
+use crate::algebra::vector::{axis, dot};
 use crate::base::input_error::InputError;
 use crate::body::description::Description;
-use crate::body::fem::{Dofs, Relative, Tie};
+use crate::body::fem::{Dofs, Relative, SAME_DIRECTION, Tie};
 use crate::body::mesh::Mesh;
 
 /// Returns the relations of the carried nodes to their reference points. Supports may hold a carried node only along
@@ -19,14 +19,18 @@ pub(super) fn relations(
     dofs: &Dofs,
     holdings: &[Holding],
 ) -> Result<Vec<Relative>, InputError> {
-    let moved: BTreeSet<usize> = holdings.iter().flatten().filter(|(.., to)| *to != 0.0).map(|h| h.0).collect();
-    let moves = |node: usize| moved.contains(&node);
+    let mut moved: BTreeMap<usize, Vec<[f64; 3]>> = BTreeMap::new();
+    for (node, n, _) in holdings.iter().flatten().filter(|(.., to)| *to != 0.0) {
+        moved.entry(*node).or_default().push(*n);
+    }
+    let moves =
+        |node: usize, n: [f64; 3]| moved.get(&node).into_iter().flatten().any(|to| dot(*to, n).abs() > SAME_DIRECTION);
     let mut relations = Vec::new();
     for (of, k, nodes) in couplings.each_rigid() {
         for node in nodes {
             let relation = dofs.carried_by(mesh, k, node);
             let mut held = dofs.held(node).filter(|n| mesh.dimension == 3 || n[2] == 0.0);
-            if held.any(|n| moves(node) || dofs.may_move(&relation, n, moves)) {
+            if held.any(|n| moves(node, n) || dofs.may_move(&relation, n, moves)) {
                 let coupling = &description.couplings[of];
                 let place = description.system(mesh.dimension).place(mesh.nodes[node]);
                 let message =
@@ -38,7 +42,10 @@ pub(super) fn relations(
                         "support the coupling itself (coupling = ...), also along these directions and against \
                          rotation, or couple a boundary that shares no node with the support",
                     ),
-                    None => (format!("coupling[{of}].{}", coupling.part.key()), "couple another boundary"),
+                    None => (
+                        format!("coupling[{of}].{}", coupling.part.key()),
+                        "the axis of a body of revolution holds it: couple another boundary",
+                    ),
                 };
                 return Err(InputError::new(key, message, help));
             }

@@ -11,6 +11,9 @@ use crate::body::description::{Coupling, CouplingKind, Description, Part};
 use crate::body::fem::{Dofs, NodalForces, ReferencePoint, cell_volume, facet_weights};
 use crate::body::mesh::{Geometry, Mesh};
 
+/// The largest distance of a reference point from its part, in sizes of the mesh. Moments lose as many digits.
+const FURTHEST: f64 = 1e4;
+
 /// The couplings of a description.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Couplings {
@@ -85,6 +88,16 @@ impl Couplings {
                 let message = "the reference point of a body of revolution is not on its axis, x = 0";
                 return Err(InputError::new(format!("{key}.point"), message, "give [0, y]"));
             }
+        }
+        let apart = norm(minus(position, centroid(mesh, &shares)));
+        if apart > FURTHEST * mesh.size() {
+            let message = format!(
+                "the reference point is {:.0} times the size of the body away from `{}`",
+                apart / mesh.size(),
+                given.part.name()
+            );
+            let help = "a moment of its force loses digits: give the force and its moment at a nearer point";
+            return Err(InputError::new(format!("{key}.point"), message, help));
         }
         if !spans(mesh, &shares) {
             let name = given.part.name();
@@ -165,6 +178,11 @@ impl Couplings {
             Link::Rigid { k, .. } => Some((of, k, coupled.shares.iter().map(|(node, _)| *node).collect())),
             Link::Distributing(_) => None,
         })
+    }
+
+    /// Returns the couplings of whole bodies among them.
+    pub(super) fn each_rigid_body(&self) -> impl Iterator<Item = (usize, usize, Vec<usize>)> {
+        self.each_rigid().filter(|(of, ..)| matches!(self.all[*of].link, Link::Rigid { whole: true, .. }))
     }
 
     /// Returns the bodies that reference points connect: for each point the nodes that it carries.

@@ -58,6 +58,11 @@ impl LoadedBody<'_> {
             }
             Action::Force { at: place, force } => {
                 let force = in_space(mesh, force, &at("force"))?;
+                if mesh.geometry == Geometry::Axisymmetric && force[0] != 0.0 && matches!(place, Where::Coupling(_)) {
+                    let message =
+                        "the force has a component along x, but a body of revolution moves along its axis only";
+                    return Err(InputError::new(at("force"), message, "give [0, y]"));
+                }
                 match place {
                     Where::Point(point) => {
                         vec![(node(mesh, *point, &description.system(mesh.dimension), &key)?, force)]

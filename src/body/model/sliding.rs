@@ -1,20 +1,36 @@
 //! The motion of a body that slides.
 
 use super::Model;
+use crate::algebra::vector::dot;
 use crate::body::fem::RigidMotion;
 
 /// A part of a motion along the contact that is smaller than this share of it is rounding, or belongs to a body that is lifted.
 const LEAST: f64 = 0.1;
+
+/// The loads drive a part of a motion if they do at least this share of their work along it.
+const DRIVEN: f64 = 0.5;
 
 /// A row of contact that is smaller than this share of itself after the other rows are removed depends on them.
 const DEPENDENT: f64 = 1e-9;
 
 impl Model {
     /// Returns the rigid motion with these weights, of [`Model::rigid_motions`], without its components along the normals of the
-    /// contact nodes for which `is_closed` is `true`; if it has no others, the motion itself. The proof that nothing balances the
-    /// loads of a sliding body has a motion that also lifts it, by the friction angle.
-    pub fn motion_along_contact(&self, weights: &[f64], is_closed: impl Fn(usize) -> bool) -> Option<RigidMotion> {
-        let along = self.along_contact(weights, is_closed);
+    /// contact nodes for which `is_closed` is `true`; if it has no others, or the loads at time `t` (s) do not drive them, the
+    /// motion itself. The proof that nothing balances the loads of a sliding body has a motion that also lifts it, by the friction
+    /// angle; that of a body that tips is a rotation.
+    pub fn motion_along_contact(
+        &self,
+        t: f64,
+        weights: &[f64],
+        is_closed: impl Fn(usize) -> bool,
+    ) -> Option<RigidMotion> {
+        let power = |weights: &[f64]| {
+            let mut force = vec![0.0; self.problem.displacements()];
+            self.loading.force(t, &mut force);
+            let modes = self.problem.rigid_modes().iter().zip(weights);
+            modes.map(|(mode, weight)| weight * dot(mode, &force)).sum::<f64>()
+        };
+        let along = self.along_contact(weights, is_closed).filter(|along| power(along) >= DRIVEN * power(weights));
         RigidMotion::combination(&self.rigid_motions, along.as_deref().unwrap_or(weights))
     }
 

@@ -86,6 +86,13 @@ impl BalanceRecord {
             acting.map(|((at, wrench), u)| AppliedForce::new(at, wrench, u, model.mesh.dimension)).collect()
         };
         let couplings = model.coupled(time, step.state, [&loads, &supports, &springs]);
+        // What acts on a reference point moves with it.
+        let at_point = |name: Option<&str>| {
+            let names = description.couplings.iter().map(|coupling| coupling.name.as_str());
+            names.zip(&couplings).find(|(own, _)| Some(*own) == name).map(|(_, (_, [u, _]))| *u)
+        };
+        let of_loads = description.loads.iter().zip(of_loads);
+        let of_loads = of_loads.map(|(load, u)| at_point(load.action.coupling()).unwrap_or(u)).collect();
         let couplings = couplings.into_iter().zip(&description.couplings).map(|((wrench, [u, rotation]), coupling)| {
             let dimension = model.mesh.dimension;
             let AppliedForce { at, force, moment, displacement } =

@@ -280,7 +280,8 @@ fn motion(model: &Model, outcome: &HistoryOutcome) -> Option<RigidMotion> {
     // In the first increment nothing is known of the contact.
     let knows = outcome.state.p_n.iter().any(|p| *p > 0.0);
     let is_closed = |i: usize| !knows || outcome.state.p_n.get(i).is_some_and(|p| *p > 0.0);
-    model.motion_along_contact(outcome.free_motion.as_ref()?, is_closed)
+    let time = outcome.records.last().map_or(outcome.reached, |record| record.time);
+    model.motion_along_contact(time, outcome.free_motion.as_ref()?, is_closed)
 }
 
 /// Returns the node of the largest violation. `None` for a body that comes free, which violates no law at any node.

@@ -9,7 +9,7 @@ use crate::base::units::Quantity;
 use crate::body::contact::{Passed, RangeLeft, TOLERATED_SHARE};
 use crate::body::fem::RigidMotion;
 use crate::body::mesh::Boundary;
-use crate::body::model::{BetweenNodes, Faceted, Model, OnTheWay, Overlap, Pair, Slid};
+use crate::body::model::{BetweenNodes, Faceted, LargeMotion, Model, OnTheWay, Overlap, Pair, Slid};
 use crate::solver::history::{IncrementView, Status};
 use crate::solver::laws::ContactStatus;
 use crate::solver::problem::State;
@@ -37,6 +37,10 @@ const PASSES: f64 = 1.0;
 /// The share of neglected friction above which it is reported.
 const LEFT_OUT: f64 = 0.01;
 
+/// The largest motion of a rigid body along its contact, as a share of half the width of the pressed zone. Pressures shift by
+/// about this share.
+const MOVED_ALONG: f64 = 0.1;
+
 /// The slip of a node above which it is reported, relative to the size of the opposing facet.
 const ACROSS_FACETS: f64 = 0.25;
 
@@ -59,6 +63,8 @@ pub struct Validity {
     pub friction_left_out: Option<(usize, f64, f64)>,
     /// The largest slip of bodies relative to the size of their facets, if any, and the time, s.
     pub slid: Option<(Slid, f64)>,
+    /// The largest motion of a rigid body along its contact, if any, and the time, s.
+    pub large_motion: Option<(LargeMotion, f64)>,
     /// The contact node deepest inside an obstacle that it does not meet, if any, and the time, s.
     pub overlap: Option<(Overlap, f64)>,
     /// The largest deviation of an obstacle between nodes when contact forces were largest, if any, and the time, s.
@@ -102,6 +108,7 @@ impl Validity {
             faceted: Vec::new(),
             friction_left_out: None,
             slid: None,
+            large_motion: None,
             overlap: None,
             between: None,
             on_the_way: None,
@@ -120,6 +127,7 @@ impl Validity {
         self.touched.len() == contacts
             && is_contact(self.steepest.map(|(i, _)| i))
             && is_contact(self.slid.map(|(slid, _)| slid.contact))
+            && self.large_motion.is_none_or(|(motion, _)| motion.coupling < model.description().couplings.len())
             && is_contact(self.overlap.map(|(overlap, _)| overlap.contact))
             && self.overlap.is_none_or(|(overlap, _)| overlap.obstacle < model.obstacles.len())
             && self.beyond.is_none_or(|(pair, ..)| pair < model.pairs.len())
@@ -172,6 +180,11 @@ impl Validity {
             && self.slid.is_none_or(|(worst, _)| slid.share > worst.share)
         {
             self.slid = Some((slid, record.time));
+        }
+        if let Some(motion) = model.large_motion(record.time, state)
+            && self.large_motion.is_none_or(|(worst, _)| motion.share > worst.share)
+        {
+            self.large_motion = Some((motion, record.time));
         }
         if let Some(overlap) = model.overlap(record.time, state)
             && self.overlap.is_none_or(|(deepest, _)| overlap.depth > deepest.depth)
@@ -333,6 +346,17 @@ impl Validity {
                 100.0 * slid.share
             );
             warn(WarningKind::SlidAcrossFacets, message);
+        }
+        if let Some((motion, time)) = self.large_motion.filter(|(motion, _)| motion.share > MOVED_ALONG) {
+            let message = format!(
+                "the rigid body `{}` has moved by {} along its contact at t = {time} s, {:.0} % of half the width of the \
+                 pressed zone: forces act where they were, so that moments about the contact are off by force times \
+                 motion, and a body does not roll; hold its rotation, or let it move less",
+                model.description().couplings[motion.coupling].name,
+                units.rounded(Quantity::Length, motion.moved, 3),
+                100.0 * motion.share
+            );
+            warn(WarningKind::LargeMotion, message);
         }
         if let Some((motion, time)) = &self.neutral
             && let Some(message) = not_unique(model, motion, *time)

@@ -58,6 +58,8 @@ pub enum WarningKind {
     FrictionLeftOut,
     /// Bodies that slide across each other's facets.
     SlidAcrossFacets,
+    /// A rigid body that moves along its contact while contact alone holds it against rotation.
+    LargeMotion,
     /// A contact node inside an obstacle that it does not meet.
     ObstacleNotMet,
     /// An obstacle with details finer than the elements.
@@ -124,6 +126,7 @@ impl WarningKind {
             | WarningKind::FacetedGaps
             | WarningKind::FrictionLeftOut
             | WarningKind::SlidAcrossFacets
+            | WarningKind::LargeMotion
             | WarningKind::ObstacleNotMet
             | WarningKind::ObstacleBetweenNodes
             | WarningKind::NotUnique

@@ -85,9 +85,15 @@ pub(super) fn spring(given: document::Spring, key: &str) -> Result<Bed, InputErr
     if let Some(Segments(rotational)) = rotational {
         let whose = "a rotational spring";
         foreign("boundary", boundary.as_ref(), whose).and(foreign("point", point.as_ref(), whose)).map_err(under)?;
-        foreign("stiffness", stiffness.as_ref(), whose)
-            .and(foreign("normal", normal.as_ref(), whose))
-            .map_err(under)?;
+        if stiffness.is_some() {
+            let message = "a spring has both stiffness and rotational";
+            return Err(under(InputError::new(
+                "stiffness",
+                message,
+                "make two springs of them, each with the coupling",
+            )));
+        }
+        foreign("normal", normal.as_ref(), whose).map_err(under)?;
         foreign("tangential", tangential.as_ref(), whose).map_err(under)?;
         let missing = || InputError::new("coupling", format!("{whose} needs a coupling"), "add the key");
         return Ok(Bed::Rotational { coupling: coupling.ok_or_else(missing).map_err(under)?, rotational });

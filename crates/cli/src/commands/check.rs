@@ -353,7 +353,7 @@ fn equilibrium(scene: &Scene, model: &Model) -> Result<(), ProblemError> {
         let force = model.loading.force_at(time, &model.problem)?;
         let mu = model.loading.friction().map(|friction| friction.at(time));
         let driven = rigid_equilibrium_with(&model.problem, mu.as_deref().unwrap_or(model.problem.mu()), &force)?;
-        if let Some(motion) = driven.and_then(|weights| model.motion_along_contact(&weights, |_| true)) {
+        if let Some(motion) = driven.and_then(|weights| model.motion_along_contact(time, &weights, |_| true)) {
             say!(
                 "NO BALANCE   first at t = {time} s: the loads drive {}, and no contact force within the friction \
                  limit resists; change the loads or add a support",

@@ -54,7 +54,7 @@ struct Column {
 }
 
 /// The columns: name, key of the report, and axis.
-const COLUMNS: [(&str, &str, Option<usize>); 12] = [
+const COLUMNS: [(&str, &str, Option<usize>); 15] = [
     ("f_x", "force", Some(0)),
     ("f_y", "force", Some(1)),
     ("f_z", "force", Some(2)),
@@ -64,6 +64,9 @@ const COLUMNS: [(&str, &str, Option<usize>); 12] = [
     ("u_x", "displacement", Some(0)),
     ("u_y", "displacement", Some(1)),
     ("u_z", "displacement", Some(2)),
+    ("rotation_x", "rotation", Some(0)),
+    ("rotation_y", "rotation", Some(1)),
+    ("rotation_z", "rotation", Some(2)),
     ("sum_p_n", "sum_p_n", None),
     ("sum_p_t", "sum_p_t", None),
     ("sum_p_o", "sum_p_o", None),
@@ -282,8 +285,9 @@ fn column(text: &str, pick: Pick, rest: &str) -> Result<Source, QuantityError> {
 /// Returns `true` if forces of this kind have the numbers of a key.
 fn has(acting: Option<Acting>, key: &str) -> bool {
     match acting {
-        Some(Acting::Contact) => key != "displacement",
-        Some(_) => !key.starts_with("sum_p"),
+        Some(Acting::Contact) => !["displacement", "rotation"].contains(&key),
+        Some(Acting::Coupling) => !key.starts_with("sum_p"),
+        Some(_) => !key.starts_with("sum_p") && key != "rotation",
         None => true,
     }
 }
@@ -449,7 +453,7 @@ fn of_column(report: &Value, acting: Option<Acting>, place: &str, column: &Colum
 /// Returns a component of a vector. In two dimensions a moment has one component, about z.
 fn component<'a>(of: &'a Value, key: &str, axis: usize) -> &'a Value {
     let vector = &of[key];
-    let is_plane = key == "moment" && vector.as_array().is_some_and(|all| all.len() == 1);
+    let is_plane = ["moment", "rotation"].contains(&key) && vector.as_array().is_some_and(|all| all.len() == 1);
     match axis {
         2 if is_plane => &vector[0],
         _ if is_plane => &Value::Null,

@@ -277,11 +277,13 @@ mod tests {
     fn keys_change_together() {
         let variations = ["a, b[0].c=[1,[2,3]],[4,'x,y']", "d=5,6"].map(|text| text.parse::<Variation>().unwrap());
         let variants = combinations(&variations).unwrap();
-        let all: Vec<String> =
-            variants.iter().map(|variant| variant.overrides.iter().map(|one| format!("{one} ")).collect()).collect();
+        let all: Vec<String> = variants
+            .iter()
+            .map(|variant| variant.overrides.iter().map(ToString::to_string).collect::<Vec<_>>().join(" "))
+            .collect();
         assert_eq!(
             all,
-            ["a=1 b[0].c=[2,3] d=5 ", "a=1 b[0].c=[2,3] d=6 ", "a=4 b[0].c='x,y' d=5 ", "a=4 b[0].c='x,y' d=6 "]
+            ["a=1 b[0].c=[2,3] d=5", "a=1 b[0].c=[2,3] d=6", "a=4 b[0].c='x,y' d=5", "a=4 b[0].c='x,y' d=6"]
         );
         assert_eq!(variants[3].values, ["[4,'x,y']", "6"]);
     }

@@ -50,7 +50,7 @@ pub enum MortarFault {
         at: Vector,
     },
     /// Supports hold all slave nodes in front of the master along their normals.
-    #[error("supports hold `{slave}` along its normal wherever `{master}` is in front of it")]
+    #[error("supports or a coupling hold `{slave}` along its normal wherever `{master}` is in front of it")]
     SlaveHeld {
         /// The slave boundary.
         slave: String,

@@ -40,7 +40,7 @@ pub enum SlaveReason {
 impl fmt::Display for SlaveReason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            SlaveReason::OtherHeld => "supports hold the other",
+            SlaveReason::OtherHeld => "supports or a coupling hold the other",
             SlaveReason::OtherTaken => "the other is that of another contact",
             SlaveReason::OtherOverhangs => "the other has nodes beyond its end",
             SlaveReason::MoreNodes => "it has more nodes in front of the other",

@@ -15,7 +15,8 @@ use stickslip::solver::history::{IncrementError, WorkingSet};
 /// The digits of forces. Those of the largest component are enough to see a balance.
 const FORCE_DIGITS: usize = 6;
 
-/// A component of a force that is smaller than this share of the largest one is rounding.
+/// A component of a force or displacement that is smaller than this share of the largest one is rounding, and a rotation that is
+/// smaller than this share of one radian.
 const NO_FORCE: f64 = 1e-12;
 
 /// The digits of other results: more than their errors leave.
@@ -133,8 +134,14 @@ fn print_forces(report: &RunReport) {
             say!("{kind:<12} {at}: {} on the body", vector(force));
         }
         for PointRecord { at, force, moment, displacement, rotation } in couplings {
-            let moved = units.rounded_vector(Quantity::Length, displacement, DIGITS);
-            let turned: Vec<String> = rotation.iter().map(|angle| rounded(*angle).to_string()).collect();
+            let length = report.largest_displacement.as_ref().map_or(0.0, |largest| largest.length);
+            let moved: Vec<f64> =
+                displacement.iter().map(|u| if u.abs() > NO_FORCE * length { *u } else { 0.0 }).collect();
+            let moved = units.rounded_vector(Quantity::Length, &moved, DIGITS);
+            let turned: Vec<String> = rotation
+                .iter()
+                .map(|angle| if angle.abs() > NO_FORCE { rounded(*angle).to_string() } else { "0".to_string() })
+                .collect();
             say!("coupling     {at}: moved by {moved}, turned by ({}) rad", turned.join(", "));
             let moment = units.rounded_vector(Quantity::Moment, moment, FORCE_DIGITS);
             say!("             {} and {moment} on the body", vector(force));
