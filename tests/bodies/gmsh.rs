@@ -94,7 +94,7 @@ fn what_is_no_such_file_is_refused_with_its_line() {
             "gmsh bad.msh -save -format msh41 -o new.msh",
         ),
         ("*HEADING\n*NODE\n".into(), "bad.msh:1: it is an input of Abaqus or CalculiX", "kind = \"abaqus\""),
-        ("  -1\n  2411\n".into(), "bad.msh:1: it is a mesh in the format UNV", "gmsh OLD -save -format msh41"),
+        ("  -1\n  2411\n".into(), "bad.msh:1: it is a mesh in the format UNV", "kind = \"unv\""),
         ("ISO-10303-21;\n".into(), "bad.msh:1: it is a geometry in the format STEP", "has to be meshed"),
         (TRIANGLES.replace("4.1 0 8", "3 0 8"), "bad.msh:2: the file has the format MSH 3,", "-format msh41"),
         (TRIANGLES.replace("4.1 0 8", "4 1 8"), "bad.msh:2: the file has the format MSH 4.0, binary", "-format msh41"),
