@@ -354,6 +354,14 @@ fn other_planes() {
     }
 }
 
+/// Gmsh fills the names of groups that it reads from a MED file up with spaces.
+#[test]
+fn names_from_med() {
+    let filled = QUADS.replace("\"top\"", &format!("\"{:80}\"", "top"));
+    assert!(filled != QUADS);
+    assert_eq!(from_gmsh("med.msh", filled.as_bytes(), 1.0).unwrap(), read("plate_quads_mm.msh", 1.0));
+}
+
 /// The older formats of Gmsh list an element of several groups once for each of them, and so do files converted from these.
 #[test]
 fn elements_of_several_groups() {

@@ -58,4 +58,5 @@ mod turning;
 mod two_bodies;
 mod unit_conversion;
 mod unseen;
+mod unv;
 mod verification;

@@ -106,7 +106,10 @@ impl FileKind {
                 "a geometry has to be meshed: merge it in a .geo file with physical groups, then gmsh -3 PART.geo -format msh41"
             }
             FileKind::Stl => "a surface can be an obstacle of the kind \"surface\"; a body needs volume elements",
-            FileKind::Hdf5 | FileKind::Json => "export the mesh with: gmsh -2 part.geo -format msh41, in space -3",
+            FileKind::Hdf5 => {
+                "convert a MED file with: gmsh OLD.med -save -format msh41 -o NEW.msh, or export it from Salome as UNV"
+            }
+            FileKind::Json => "export the mesh with: gmsh -2 part.geo -format msh41, in space -3",
         }
     }
 }
