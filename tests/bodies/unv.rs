@@ -284,6 +284,10 @@ fn what_is_no_mesh_is_refused_with_its_line() {
         assert!(said.starts_with("bad.unv:") && said.contains(message), "`{message}`: {said}");
         assert!(advice.contains(help), "`{help}`: {advice}");
     }
+}
+
+#[test]
+fn what_is_no_universal_file_is_refused() {
     let (said, advice) = refused("$MeshFormat\n4.1 0 8\n");
     assert!(said.contains("it is a mesh of Gmsh") && advice.contains("kind = \"gmsh\""), "{said}: {advice}");
     let (said, advice) = refused("\u{89}HDF\r\n\u{1a}\n");
@@ -334,8 +338,8 @@ fn memory_is_bounded_by_the_file() {
     let mut text = unv(&block(&[1.0, 1.0], &[100, 1]));
     for k in 0..3000 {
         write!(text, "    -1\n  2467\n{k} 0 0 0 0 0 0 202\nset{k}\n").unwrap();
-        let members: String = (1..=202).map(|node| format!("7 {node} 0 0 ")).collect();
-        write!(text, "{members}\n    -1\n").unwrap();
+        let members: Vec<String> = (1..=202).map(|node| format!("7 {node} 0 0")).collect();
+        write!(text, "{}\n    -1\n", members.join(" ")).unwrap();
     }
     let (said, advice) = refused(&text);
     assert!(said.contains("the groups of nodes repeat one another"), "{said}");

@@ -342,8 +342,8 @@ pub fn unv(mesh: &Mesh) -> String {
             writeln!(text, "{:10}{:10}{:10}", 0, 1, 1).unwrap();
         }
         for row in nodes.chunks(8) {
-            let row: String = row.iter().map(|node| format!("{:10}", node + 1)).collect();
-            writeln!(text, "{row}").unwrap();
+            let row: Vec<String> = row.iter().map(|node| format!("{:10}", node + 1)).collect();
+            writeln!(text, "{}", row.concat()).unwrap();
         }
         match groups.iter_mut().find(|(known, _)| known == group) {
             Some((_, members)) => members.push(number),
@@ -370,8 +370,8 @@ pub fn unv(mesh: &Mesh) -> String {
         let zeros = format!("{:10}", 0).repeat(6);
         writeln!(text, "{:10}{zeros}{:10}\n{name}", k + 1, members.len()).unwrap();
         for row in members.chunks(2) {
-            let row: String = row.iter().map(|member| format!("{:10}{member:10}{:10}{:10}", 8, 0, 0)).collect();
-            writeln!(text, "{row}").unwrap();
+            let row: Vec<String> = row.iter().map(|member| format!("{:10}{member:10}{:10}{:10}", 8, 0, 0)).collect();
+            writeln!(text, "{}", row.concat()).unwrap();
         }
     }
     text + "    -1\n"
