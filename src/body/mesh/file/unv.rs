@@ -276,13 +276,11 @@ impl Model {
             self.mesh.add(element.kind, names, (element.number, element.nodes.clone()));
         }
         let dimension = self.elements.iter().map(|element| element.kind.dimension()).max().unwrap_or(0);
-        let outer = outer(&self.elements, dimension);
+        let sets: Vec<&Group> = self.groups.iter().filter(|set| !set.has_elements && !set.nodes.is_empty()).collect();
+        let outer = if sets.is_empty() { Vec::new() } else { outer(&self.elements, dimension) };
         // Node sets that repeat one another could otherwise have more sides than the memory holds.
         let mut left = 1000 + 16 * lines.line();
-        for Group { name, nodes, has_elements } in &self.groups {
-            if *has_elements || nodes.is_empty() {
-                continue;
-            }
+        for Group { name, nodes, .. } in sets {
             let sides = within(&self.elements, &outer, nodes);
             if sides.is_empty() {
                 let remark = no_side(&self.mesh, dimension, name, nodes);
