@@ -23,7 +23,7 @@ pub fn found(target: &str) -> PathBuf {
 pub struct Corpus {
     /// Scenes, in TOML.
     pub scenes: Vec<Vec<u8>>,
-    /// Meshes of Gmsh, text and binary, and of Abaqus.
+    /// Meshes of Gmsh, text and binary, of Abaqus, and universal files.
     pub meshes: Vec<Vec<u8>>,
     /// Tables of gaps.
     pub tables: Vec<Vec<u8>>,

@@ -96,7 +96,7 @@ fn what_is_no_such_file_is_refused_with_its_line() {
             "gmsh bad.msh -save -format msh41 -o new.msh",
         ),
         ("*HEADING\n*NODE\n".into(), "bad.msh:1: it is an input of Abaqus or CalculiX", "kind = \"abaqus\""),
-        ("  -1\n  2411\n".into(), "bad.msh:1: it is a mesh in the format UNV", "gmsh OLD -save -format msh41"),
+        ("  -1\n  2411\n".into(), "bad.msh:1: it is a mesh in the format UNV", "kind = \"unv\""),
         ("ISO-10303-21;\n".into(), "bad.msh:1: it is a geometry in the format STEP", "has to be meshed"),
         (TRIANGLES.replace("4.1 0 8", "3 0 8"), "bad.msh:2: the file has the format MSH 3,", "-format msh41"),
         (TRIANGLES.replace("4.1 0 8", "4 1 8"), "bad.msh:2: the file has the format MSH 4.0, binary", "-format msh41"),
@@ -365,6 +365,14 @@ fn other_planes() {
         assert_eq!((&mesh.nodes, &mesh.cells), (&straight.nodes, &straight.cells));
         assert_eq!(mesh.notes.remarks, [remark]);
     }
+}
+
+/// Gmsh fills the names of groups that it reads from a MED file up with spaces.
+#[test]
+fn names_from_med() {
+    let filled = QUADS.replace("\"top\"", &format!("\"{:80}\"", "top"));
+    assert!(filled != QUADS);
+    assert_eq!(from_gmsh("med.msh", filled.as_bytes(), 1.0).unwrap(), read("plate_quads_mm.msh", 1.0));
 }
 
 /// The older formats of Gmsh list an element of several groups once for each of them, and so do files converted from these.

@@ -59,4 +59,5 @@ mod turning;
 mod two_bodies;
 mod unit_conversion;
 mod unseen;
+mod unv;
 mod verification;

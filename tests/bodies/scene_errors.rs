@@ -193,7 +193,7 @@ fn files_that_cannot_be_read() {
     for (bytes, what, help) in [
         (&b"$MeshFormat\n4.1 0 8\n"[..], "a mesh of Gmsh", "names this mesh under [mesh]"),
         (b"** part\n*HEADING\n*NODE\n1, 0, 0, 0\n", "an input of Abaqus or CalculiX", "kind = \"abaqus\""),
-        (b"    -1\n  2411\n", "a mesh in the format UNV", "mesh of Gmsh"),
+        (b"    -1\n  2411\n", "a mesh in the format UNV", "kind = \"unv\""),
         (b"solid part\n facet normal 0 0 1\n", "a surface in the format STL", "an obstacle of the kind \"surface\""),
         (b"<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\">\n", "a file of VTK", "mesh of Gmsh"),
         (b"{\n  \"status\": \"converged\"\n}\n", "a file in the format JSON", "TOML file"),

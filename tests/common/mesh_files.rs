@@ -319,3 +319,89 @@ fn side(mesh: &Mesh, facet: &[usize]) -> (usize, usize) {
     });
     found.unwrap()
 }
+
+/// The finite element descriptor of a kind in a universal file.
+fn descriptor(kind: CellKind) -> usize {
+    match kind {
+        CellKind::Triangle => 41,
+        CellKind::Quadrilateral => 94,
+        CellKind::Tetrahedron => 111,
+        CellKind::Hexahedron => 115,
+        CellKind::Prism => 112,
+        CellKind::Triangle6 => 92,
+        CellKind::Tetrahedron10 => 118,
+        CellKind::Quadrilateral8 => 95,
+        CellKind::Prism15 => 113,
+        CellKind::Hexahedron20 => 116,
+        other => panic!("universal files have no {other:?} here"),
+    }
+}
+
+/// The order of the nodes of a kind in a universal file: those at the middles of edges are between the corners.
+fn in_unv_order(kind: CellKind, nodes: &[usize]) -> Vec<usize> {
+    let places: &[usize] = match kind {
+        CellKind::Triangle6 => &[0, 3, 1, 4, 2, 5],
+        CellKind::Quadrilateral8 => &[0, 4, 1, 5, 2, 6, 3, 7],
+        CellKind::Prism15 => &[0, 6, 1, 7, 2, 8, 12, 13, 14, 3, 9, 4, 10, 5, 11],
+        CellKind::Hexahedron20 => &[0, 8, 1, 9, 2, 10, 3, 11, 16, 17, 18, 19, 4, 12, 5, 13, 6, 14, 7, 15],
+        CellKind::Tetrahedron10 => &[0, 4, 1, 5, 2, 6, 7, 8, 9, 3],
+        _ => return nodes.to_vec(),
+    };
+    places.iter().map(|&k| nodes[k]).collect()
+}
+
+/// Writes a mesh as a universal file, with boundaries as groups of edges or faces.
+pub fn unv(mesh: &Mesh) -> String {
+    let mut text = "    -1\n  2411\n".to_string();
+    for (k, [x, y, z]) in mesh.nodes.iter().enumerate() {
+        writeln!(text, "{:10}{:10}{:10}{:10}\n{}", k + 1, 1, 1, 11, fortran(&[*x, *y, *z])).unwrap();
+    }
+    text += "    -1\n    -1\n  2412\n";
+    let (mut number, mut groups) = (0, Vec::<(String, Vec<usize>)>::new());
+    let mut element = |descriptor: usize, nodes: &[usize], group: &str| {
+        number += 1;
+        writeln!(text, "{number:10}{descriptor:10}{:10}{:10}{:10}{:10}", 2, 1, 7, nodes.len()).unwrap();
+        if matches!(descriptor, 11 | 22) {
+            writeln!(text, "{:10}{:10}{:10}", 0, 1, 1).unwrap();
+        }
+        for row in nodes.chunks(8) {
+            let row: Vec<String> = row.iter().map(|node| format!("{:10}", node + 1)).collect();
+            writeln!(text, "{}", row.concat()).unwrap();
+        }
+        match groups.iter_mut().find(|(known, _)| known == group) {
+            Some((_, members)) => members.push(number),
+            None => groups.push((group.to_string(), vec![number])),
+        }
+    };
+    for boundary in &mesh.boundaries {
+        for facet in &boundary.facets {
+            let descriptor = match (mesh.dimension, facet.len()) {
+                (2, 2) => 11,
+                (2, _) => 22,
+                (_, 3) => 41,
+                (_, 4) => 44,
+                (_, 6) => 42,
+                _ => 45,
+            };
+            element(descriptor, facet, &boundary.name);
+        }
+    }
+    for Cell { kind, nodes, group } in &mesh.cells {
+        element(descriptor(*kind), &in_unv_order(*kind, nodes), &mesh.groups[*group]);
+    }
+    text += "    -1\n    -1\n  2467\n";
+    for (k, (name, members)) in groups.iter().filter(|(name, _)| !name.is_empty()).enumerate() {
+        let zeros = format!("{:10}", 0).repeat(6);
+        writeln!(text, "{:10}{zeros}{:10}\n{name}", k + 1, members.len()).unwrap();
+        for row in members.chunks(2) {
+            let row: Vec<String> = row.iter().map(|member| format!("{:10}{member:10}{:10}{:10}", 8, 0, 0)).collect();
+            writeln!(text, "{}", row.concat()).unwrap();
+        }
+    }
+    text + "    -1\n"
+}
+
+/// The numbers with exponents as Fortran writes them, with all digits.
+fn fortran(numbers: &[f64]) -> String {
+    numbers.iter().map(|x| format!("{x:25.17e}").replace('e', "D")).collect()
+}

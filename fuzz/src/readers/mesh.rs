@@ -12,7 +12,11 @@ pub(super) fn make(random: &mut Random, corpus: &Corpus) -> Vec<u8> {
 }
 
 pub(super) fn check(bytes: &[u8]) -> Verdict {
-    let format = if bytes.starts_with(b"$") { MeshFormat::Gmsh } else { MeshFormat::Abaqus };
+    let format = match bytes.trim_ascii_start() {
+        [b'$', ..] => MeshFormat::Gmsh,
+        [b'-', ..] => MeshFormat::Unv,
+        _ => MeshFormat::Abaqus,
+    };
     match format.parse("fuzz.msh", bytes, 1e-3) {
         Err(error) => told(&error),
         Ok(mesh) => match MeshSource::from(mesh).check() {

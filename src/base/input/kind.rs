@@ -7,7 +7,7 @@ pub(crate) enum FileKind {
     Gmsh,
     /// An Abaqus input file, which CalculiX also reads.
     Abaqus,
-    /// The universal format of I-DEAS.
+    /// The universal format of I-DEAS and Salome.
     Unv,
     /// Bulk data of Nastran.
     Nastran,
@@ -86,8 +86,9 @@ impl FileKind {
             FileKind::Hdf5 => "a problem of FCLIB is solved by `stickslip solve FILE`",
             FileKind::Json => "a scene is a TOML file; `stickslip init block` shows one",
             FileKind::Abaqus => "write a scene, a TOML file that names this mesh under [mesh] with kind = \"abaqus\"",
-            FileKind::Unv | FileKind::Nastran | FileKind::Vtk | FileKind::Step => {
-                "write a scene, a TOML file that names a mesh of Gmsh, Abaqus or CalculiX; `stickslip init gmsh --out FOLDER` shows both"
+            FileKind::Unv => "write a scene, a TOML file that names this mesh under [mesh] with kind = \"unv\"",
+            FileKind::Nastran | FileKind::Vtk | FileKind::Step => {
+                "write a scene, a TOML file that names a mesh of Gmsh, Abaqus or CalculiX, or a UNV file; `stickslip init gmsh --out FOLDER` shows a scene with a mesh"
             }
         }
     }
@@ -96,16 +97,19 @@ impl FileKind {
     pub(crate) fn as_mesh(self) -> &'static str {
         match self {
             FileKind::Gmsh => "write kind = \"gmsh\" under [mesh]",
-            FileKind::Unv => "convert it: gmsh OLD -save -format msh41 -o NEW.msh",
             FileKind::Nastran | FileKind::Vtk => {
                 "convert it: gmsh OLD -save -format msh41 -o NEW.msh; it has the names of groups only if the file has them"
             }
             FileKind::Abaqus => "write kind = \"abaqus\" under [mesh]",
+            FileKind::Unv => "write kind = \"unv\" under [mesh]",
             FileKind::Step => {
                 "a geometry has to be meshed: merge it in a .geo file with physical groups, then gmsh -3 PART.geo -format msh41"
             }
             FileKind::Stl => "a surface can be an obstacle of the kind \"surface\"; a body needs volume elements",
-            FileKind::Hdf5 | FileKind::Json => "export the mesh with: gmsh -2 part.geo -format msh41, in space -3",
+            FileKind::Hdf5 => {
+                "convert a MED file with: gmsh OLD.med -save -format msh41 -o NEW.msh, or export it from Salome as UNV"
+            }
+            FileKind::Json => "export the mesh with: gmsh -2 part.geo -format msh41, in space -3",
         }
     }
 }

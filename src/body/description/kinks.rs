@@ -70,7 +70,6 @@ impl Description {
 mod tests {
     use super::*;
     use crate::algebra::vector::Vector;
-    use crate::base::units::Units;
     use crate::body::contact::{Obstacle, Rotation};
     use crate::body::description::{Axis, Contact};
     use crate::body::fem::Material;

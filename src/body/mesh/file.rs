@@ -1,4 +1,4 @@
-//! Meshes from files: Gmsh, Abaqus and CalculiX.
+//! Meshes from files: Gmsh, Abaqus and CalculiX, and the universal format (UNV).
 //!
 //! Each format is parsed to one [`raw::RawMesh`] of nodes, elements and named groups. The dimension is that of the
 //! highest-dimensional elements. Groups of that dimension become material groups, groups of one dimension less become
@@ -10,6 +10,8 @@ mod abaqus;
 mod gmsh;
 mod groups;
 mod raw;
+mod sides;
+mod unv;
 
 use std::fmt;
 use std::io;
@@ -26,6 +28,8 @@ pub enum MeshFormat {
     Gmsh,
     /// The input file of Abaqus and CalculiX.
     Abaqus,
+    /// The universal format of I-DEAS and Salome, text.
+    Unv,
 }
 
 /// The error of a mesh file that cannot be used.
@@ -127,13 +131,14 @@ impl MeshFormat {
         match self {
             MeshFormat::Gmsh => gmsh::read(name, bytes),
             MeshFormat::Abaqus => abaqus::read(name, bytes),
+            MeshFormat::Unv => unv::read(name, bytes),
         }
     }
 
     /// Returns the files that the mesh file at `path` includes, as far as they can be read.
     pub(super) fn includes(self, path: &Path) -> Vec<PathBuf> {
         match self {
-            MeshFormat::Gmsh => Vec::new(),
+            MeshFormat::Gmsh | MeshFormat::Unv => Vec::new(),
             MeshFormat::Abaqus => abaqus::includes(path),
         }
     }

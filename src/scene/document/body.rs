@@ -23,6 +23,7 @@ pub(in crate::scene) enum MeshKind {
     HalfPlane,
     Gmsh,
     Abaqus,
+    Unv,
 }
 
 #[derive(Deserialize)]

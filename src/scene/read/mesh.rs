@@ -16,6 +16,7 @@ pub(super) fn source(mesh: &Mesh, source: &Source) -> Result<MeshSource, InputEr
         MeshKind::HalfPlane => half_plane(mesh),
         MeshKind::Gmsh => file(mesh, source, MeshFormat::Gmsh, "a mesh from Gmsh"),
         MeshKind::Abaqus => file(mesh, source, MeshFormat::Abaqus, "a mesh from Abaqus or CalculiX"),
+        MeshKind::Unv => file(mesh, source, MeshFormat::Unv, "a mesh in the format UNV"),
     }
 }
 

@@ -150,7 +150,8 @@ fn physical_names(reader: &mut Reader<'_>) -> Result<HashMap<Entity, String>, Me
         let mut words = line.splitn(3, char::is_whitespace);
         let dimension = words.next().and_then(|word| word.parse().ok());
         let number = words.next().and_then(|word| word.parse().ok());
-        let quoted = |word: &'_ str| word.trim().strip_prefix('"')?.strip_suffix('"').map(str::to_string);
+        // Gmsh fills the names of a MED file up with spaces.
+        let quoted = |word: &'_ str| Some(word.trim().strip_prefix('"')?.strip_suffix('"')?.trim().to_string());
         let name = words.next().and_then(quoted);
         let (Some(dimension), Some(number), Some(name)) = (dimension, number, name) else {
             return Err(reader.malformed(section, "a dimension, a number and a name in quotes"));

@@ -24,6 +24,7 @@ pub(super) fn mesh(file: &mut RawMesh, name: &str, format: MeshFormat) -> Result
                  groups, Gmsh writes nothing else"
             }
             MeshFormat::Abaqus => "let the file, or one that it includes, have *NODE and *ELEMENT",
+            MeshFormat::Unv => "export the faces of a plane mesh, the volumes of a body in space, in the dataset 2412",
         };
         return Err(error("the file has no elements of two or three dimensions".to_string(), help));
     }
@@ -68,6 +69,10 @@ pub(super) fn mesh(file: &mut RawMesh, name: &str, format: MeshFormat) -> Result
             MeshFormat::Abaqus => {
                 "turn a plane mesh into the x-y plane of the file (x-z and y-z are read, too); a body in space needs volume \
                  elements, C3D4 or others"
+            }
+            MeshFormat::Unv => {
+                "turn a plane mesh into the x-y plane of the file (x-z and y-z are read, too); a body in space needs volumes: \
+                 mesh it in three dimensions and export it again"
             }
         };
         let axes = plane(file).map_err(|message| error(message, help))?;

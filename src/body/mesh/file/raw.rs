@@ -32,6 +32,26 @@ impl ElementKind {
             ElementKind::Cell(kind) => kind.nodes(),
         }
     }
+
+    /// Returns the kind of the sides with so many `nodes` of the cells of a `dimension`.
+    pub(super) fn of_side(dimension: usize, nodes: usize) -> Self {
+        match (dimension, nodes) {
+            (2, 2) => ElementKind::Line,
+            (2, _) => ElementKind::Line3,
+            _ => {
+                let mut flat = CellKind::ALL.into_iter().filter(|kind| kind.dimension() == 2);
+                ElementKind::Cell(flat.find(|kind| kind.nodes() == nodes).unwrap_or(CellKind::Triangle))
+            }
+        }
+    }
+
+    /// Returns the nodes of each side of a cell.
+    pub(super) fn sides(self) -> &'static [&'static [usize]] {
+        match self {
+            ElementKind::Cell(kind) => kind.sides(),
+            ElementKind::Point | ElementKind::Line | ElementKind::Line3 => &[],
+        }
+    }
 }
 
 impl fmt::Display for ElementKind {
@@ -69,6 +89,15 @@ pub(super) struct RawMesh {
 }
 
 impl RawMesh {
+    /// Adds an element, its number and its nodes, to the last block if that has its kind and groups, otherwise to a new
+    /// one.
+    pub(super) fn add(&mut self, kind: ElementKind, groups: Vec<String>, element: (usize, Vec<usize>)) {
+        match self.blocks.last_mut() {
+            Some(last) if last.kind == kind && last.groups == groups => last.elements.push(element),
+            _ => self.blocks.push(Block { kind, groups, elements: vec![element] }),
+        }
+    }
+
     /// Removes the nodes that belong to no element of this `dimension`, such as the centres of arcs, and returns their
     /// number. In elements of lower dimension they are replaced by the coincident used node, if there is one, otherwise
     /// by an index beyond the end.
@@ -129,3 +158,9 @@ impl RawMesh {
 /// The largest distance of coincident nodes, as a share of the size of the mesh. Coordinates are written with about
 /// sixteen digits; nine leave room for the errors of the program that made them.
 pub(super) const SAME_PLACE: f64 = 1e-9;
+
+/// Reads a finite number, whose exponent may begin with D, as Fortran writes it.
+pub(super) fn real(word: &str) -> Option<f64> {
+    let value = word.parse().or_else(|_| word.replace(['D', 'd'], "e").parse());
+    value.ok().filter(|value: &f64| value.is_finite())
+}

@@ -5,16 +5,9 @@ use std::collections::{HashMap, HashSet};
 use super::elements::{is_variant, kind_of};
 use super::keywords::{Data, Keyword};
 use super::sets::{Sets, Span, present, too_many};
-use crate::body::mesh::file::raw::{Block, ElementKind, RawMesh};
+use crate::body::mesh::file::raw::{ElementKind, RawMesh, real};
+use crate::body::mesh::file::sides::{Element, add_boundary, no_side, outer, within};
 use crate::body::mesh::file::{MeshFormatError, Place};
-use crate::body::mesh::{CellKind, Facet};
-
-/// An element: its number, its kind and the indices of its nodes.
-struct Element {
-    number: usize,
-    kind: CellKind,
-    nodes: Vec<usize>,
-}
 
 /// Sides of elements by their number from 0, or all outer sides of the elements.
 type Sides = (Vec<Span>, Option<usize>);
@@ -90,7 +83,8 @@ impl Model {
         let set = keyword.set("NSET");
         for row in data {
             let number = row.fields.first().and_then(|field| field.parse().ok());
-            let coordinates = [1, 2, 3].map(|k| row.fields.get(k).map_or(Some(0.0), |field| real(field)));
+            let coordinates = [1, 2, 3]
+                .map(|k| row.fields.get(k).filter(|field| !field.is_empty()).map_or(Some(0.0), |field| real(field)));
             let (Some(number), [Some(x), Some(y), Some(z)]) = (number, coordinates) else {
                 let help = "write a line such as 1, 0.5, 2.5, 0.";
                 return Err(keyword.error_at(
@@ -159,7 +153,7 @@ impl Model {
             if self.element_indices.insert(number, self.elements.len()).is_some() {
                 return Err(damaged(format!("the element {number} is there twice")));
             }
-            self.elements.push(Element { number, kind, nodes });
+            self.elements.push(Element { number, kind: ElementKind::Cell(kind), nodes });
             if let Some(set) = &set {
                 self.element_sets.add(set, [Span::one(number)]);
             }
@@ -247,29 +241,11 @@ impl Model {
         let mut left = most(self.fields) + 16 * self.elements.len();
         let groups = self.groups(dimension, &mut left).ok_or_else(many)?;
         for (element, groups) in self.elements.iter().zip(groups) {
-            let kind = ElementKind::Cell(element.kind);
-            let numbered = (element.number, element.nodes.clone());
-            match self.mesh.blocks.last_mut() {
-                Some(last) if last.kind == kind && last.groups == groups => last.elements.push(numbered),
-                _ => self.mesh.blocks.push(Block { kind, groups, elements: vec![numbered] }),
-            }
+            self.mesh.add(element.kind, groups, (element.number, element.nodes.clone()));
         }
         let boundaries = self.boundaries(dimension, &mut left).ok_or_else(many)?;
         for (name, sides) in boundaries {
-            for (e, side) in sides {
-                let Element { number, kind, ref nodes } = self.elements[e];
-                let nodes: Facet = kind.sides()[side].iter().map(|&k| nodes[k]).collect();
-                let kind = side_kind(dimension, nodes.len());
-                match self.mesh.blocks.last_mut() {
-                    Some(last) if last.kind == kind && last.groups[..] == [name.as_str()] => {
-                        last.elements.push((number, nodes));
-                    }
-                    _ => {
-                        let (groups, elements) = (vec![name.clone()], vec![(number, nodes)]);
-                        self.mesh.blocks.push(Block { kind, groups, elements });
-                    }
-                }
-            }
+            add_boundary(&mut self.mesh, &self.elements, &name, &sides);
         }
         Ok(self.mesh)
     }
@@ -306,7 +282,7 @@ impl Model {
     /// Returns the sides of each boundary as elements and numbers of sides, each once, and remarks on the node sets that
     /// are none. `None` if there are more than are `left`.
     fn boundaries(&mut self, dimension: usize, left: &mut usize) -> Option<Vec<Named>> {
-        let outer = self.outer(dimension);
+        let outer = outer(&self.elements, dimension);
         let mut boundaries: Vec<Named> = Vec::new();
         let mut places = HashMap::new();
         let mut add = |name: &str, found: Vec<(usize, usize)>| {
@@ -337,23 +313,9 @@ impl Model {
         let mut points = Vec::new();
         for name in &self.node_sets.names {
             let nodes = self.node_sets.indices(name, &self.nodes);
-            let chosen: HashSet<usize> = nodes.iter().copied().collect();
-            let within = |&(e, side): &(usize, usize)| {
-                let Element { kind, nodes, .. } = &self.elements[e];
-                kind.sides()[side].iter().all(|&k| chosen.contains(&nodes[k]))
-            };
-            let found: Vec<(usize, usize)> = outer.iter().copied().filter(within).collect();
+            let found = within(&self.elements, &outer, &nodes);
             if found.is_empty() {
-                let place = |node: &usize| {
-                    let [x, y, z] = self.mesh.nodes[*node];
-                    if dimension == 2 { format!("({x}, {y})") } else { format!("({x}, {y}, {z})") }
-                };
-                let places: Vec<String> = nodes.iter().take(4).map(place).collect();
-                let more = if nodes.len() > 4 { ", ..." } else { "" };
-                points.push(format!(
-                    "the node set {name} has no whole side, so that it is no boundary; its nodes: {}{more}",
-                    places.join(", ")
-                ));
+                points.push(no_side(&self.mesh, dimension, name, &nodes));
             } else {
                 add(name, found)?;
             }
@@ -364,21 +326,6 @@ impl Model {
         }
         self.mesh.remarks.extend(points);
         Some(boundaries)
-    }
-
-    /// Returns the sides that belong to one element only, as elements and numbers of sides.
-    fn outer(&self, dimension: usize) -> Vec<(usize, usize)> {
-        let mut count: HashMap<Facet, usize> = HashMap::new();
-        let mut all = Vec::new();
-        for (e, Element { kind, nodes, .. }) in self.elements.iter().enumerate() {
-            for (k, side) in kind.sides().iter().enumerate().filter(|_| kind.dimension() == dimension) {
-                let mut key: Facet = side.iter().map(|&k| nodes[k]).collect();
-                key.sort_unstable();
-                *count.entry(key.clone()).or_default() += 1;
-                all.push((key, (e, k)));
-            }
-        }
-        all.into_iter().filter(|(key, _)| count.get(key) == Some(&1)).map(|(_, side)| side).collect()
     }
 }
 
@@ -402,24 +349,4 @@ fn complete(keyword: &Keyword<'_>) -> Result<(), MeshFormatError> {
         return Err(keyword.error(format!("*{name}, INSTANCE= is not read"), help));
     }
     Ok(())
-}
-
-/// Reads a number, whose exponent may begin with D.
-fn real(field: &str) -> Option<f64> {
-    if field.is_empty() {
-        return Some(0.0);
-    }
-    let value = field.parse().or_else(|_| field.replace(['D', 'd'], "e").parse());
-    value.ok().filter(|value: &f64| value.is_finite())
-}
-
-fn side_kind(dimension: usize, nodes: usize) -> ElementKind {
-    match (dimension, nodes) {
-        (2, 2) => ElementKind::Line,
-        (2, _) => ElementKind::Line3,
-        (_, 3) => ElementKind::Cell(CellKind::Triangle),
-        (_, 4) => ElementKind::Cell(CellKind::Quadrilateral),
-        (_, 6) => ElementKind::Cell(CellKind::Triangle6),
-        _ => ElementKind::Cell(CellKind::Quadrilateral8),
-    }
 }

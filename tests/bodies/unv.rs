@@ -1,0 +1,349 @@
+//! Universal files (UNV): their nodes, elements and groups, and what is refused.
+
+#![allow(clippy::unwrap_used)]
+
+use miette::Diagnostic;
+use std::fmt::Write as _;
+use std::path::Path;
+use stickslip::body::mesh::{CellKind, Mesh, MeshFormat, block};
+
+use super::common::mesh_files::unv;
+use super::mesh_formats::{from_least, of_all_kinds};
+
+fn read(text: &str) -> Mesh {
+    MeshFormat::Unv.parse("part.unv", text.as_bytes(), 1.0).unwrap()
+}
+
+fn refused(text: &str) -> (String, String) {
+    let error = MeshFormat::Unv.parse("bad.unv", text.as_bytes(), 1.0).unwrap_err();
+    (error.to_string(), error.help().unwrap().to_string())
+}
+
+/// Every kind of elements has its nodes in the right order, and every boundary its sides.
+#[test]
+fn all_kinds_of_elements() {
+    // A universal file has no quadrilaterals of nine nodes.
+    let kinds = of_all_kinds().into_iter().filter(|mesh| mesh.cells[0].kind != CellKind::Quadrilateral9);
+    for mesh in kinds {
+        assert_eq!(from_least(read(&unv(&mesh))), from_least(mesh));
+    }
+}
+
+/// Files of Gmsh 4.15.2, `gmsh plates_41_text.msh -save -o plates.unv` with `Mesh.SaveGroupsOfElements = 1`: curved
+/// elements of second order, elements of several groups, a group without a name.
+#[test]
+fn files_of_gmsh() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/meshes/formats");
+    for name in ["plates", "rod"] {
+        let mesh = MeshFormat::Unv.read(&folder.join(format!("{name}.unv")), 1.0).unwrap();
+        let expected = MeshFormat::Gmsh.read(&folder.join(format!("{name}_41_text.msh")), 1.0).unwrap();
+        let named = |name: &str| if name == "3" { "PhysicalLine3".to_string() } else { name.to_string() };
+        assert_eq!(mesh.groups, expected.groups);
+        assert_eq!(mesh.cells, expected.cells);
+        assert_eq!(mesh.nodes.len(), expected.nodes.len());
+        for (x, y) in mesh.nodes.iter().flatten().zip(expected.nodes.iter().flatten()) {
+            assert!((x - y).abs() < 1e-14, "{x}, {y}");
+        }
+        let boundaries = expected.boundaries.into_iter().map(|boundary| (named(&boundary.name), boundary.facets));
+        let read = mesh.boundaries.into_iter().map(|boundary| (boundary.name, boundary.facets));
+        assert_eq!(read.collect::<Vec<_>>(), boundaries.collect::<Vec<_>>(), "{name}");
+    }
+}
+
+/// Two quadrilaterals above each other, 1 by 1 each, in columns as Salome writes them, and a group of each form.
+const TOWER: &str = "    -1
+   164
+         1  SI: Meter (newton)         2
+  1.0000000000000000D+00  1.0000000000000000D+00  1.0000000000000000D+00
+  2.7314999999999998D+02
+    -1
+    -1
+  2420
+         1
+part
+         1         0        12
+Global
+  1.0000000000000000D+00  0.0000000000000000D+00  0.0000000000000000D+00
+  0.0000000000000000D+00  1.0000000000000000D+00  0.0000000000000000D+00
+  0.0000000000000000D+00  0.0000000000000000D+00  1.0000000000000000D+00
+  0.0000000000000000D+00  0.0000000000000000D+00  0.0000000000000000D+00
+    -1
+    -1
+  2411
+         1         1         1        11
+   0.0000000000000000E+00   0.0000000000000000E+00   0.0000000000000000E+00
+         2         1         1        11
+   1.0000000000000000D+00   0.0000000000000000D+00   0.0000000000000000D+00
+         3         1         1        11
+   0.0000000000000000d+00   1.0000000000000000d+00   0.0000000000000000d+00
+         4         1         1        11
+   1.0000000000000000E+00   1.0000000000000000E+00   0.0000000000000000E+00
+    -1
+    -1
+    15
+         5         1         1        11  0.00000E+00  2.00000E+00  0.00000E+00
+         6         1         1        11  1.00000E+00  2.00000E+00  0.00000E+00
+        99         1         1        11  7.00000E+00  7.00000E+00  0.00000E+00
+    -1
+    -1
+  2412
+        10        84         2         1         7         4
+         1         2         4         3
+        20        44         2         1         7         4
+         3         4         6         5
+        30        11         2         1         7         2
+         0         1         1
+         1         2
+        40        21         2         1         7         2
+         0         1         1
+         5         6
+    -1
+    -1
+  2467
+         1         0         0         0         0         0         0         2
+whole body
+         8        10         0         0         8        20         0         0
+         2         0         0         0         0         0         0         1
+
+         8        20         0         0
+         3         0         0         0         0         0         0         3
+foot
+         8        30         0         0         7         1         0         0
+         7         2         0         0
+         4         0         0         0         0         0         0         3
+side
+         7         1         0         0         7         3         0         0
+         7         5         0         0
+         5         0         0         0         0         0         0         1
+tip
+         7         6         0         0
+         6         0         0         0         0         0         0         0
+empty
+
+    -1
+    -1
+  2430
+         7         0         0         0         0         0         0         2
+roof
+         8        40         1         5
+    -1
+    -1
+  2414
+  anything
+    -1
+    -1
+    58b     1     2          11        5600
+\u{1}\u{2}
+    -1
+    -1
+  2414
+    -1
+";
+
+#[test]
+fn groups_are_materials_and_boundaries() {
+    let mesh = read(TOWER);
+    assert_eq!((mesh.dimension, mesh.nodes.len(), mesh.cells.len()), (2, 6, 2));
+    assert_eq!(mesh.nodes[5], [1.0, 2.0, 0.0]);
+    assert_eq!(mesh.groups, ["whole body", "2+whole body"]);
+    assert_eq!(mesh.boundary_names(), ["foot", "roof", "side"]);
+    let facets = |name: &str| &mesh.boundary(name).unwrap().facets;
+    assert_eq!((facets("foot"), facets("roof")), (&vec![vec![0, 1]], &vec![vec![5, 4]]));
+    assert_eq!(facets("side"), &[[4, 2], [2, 0]]);
+    assert_eq!(
+        mesh.notes.remarks,
+        [
+            "the units of the file, `SI: Meter (newton)`, are left aside: mesh.scale or [units] gives its unit of length",
+            "left aside, as no part of the mesh: the datasets 2414, 58b",
+            "the node set tip has no whole side, so that it is no boundary; its nodes: (1, 2)",
+            "1 node is left out: no element of the body has it",
+        ]
+    );
+    // Windows ends lines otherwise; the newer form of groups has the same columns.
+    let other = TOWER.replace("  2467\n", "  2477\n").replace('\n', "\r\n");
+    assert_eq!(read(&other), mesh);
+}
+
+/// A plane mesh may lie in any coordinate plane of its file.
+#[test]
+fn other_planes() {
+    let mesh = block(&[2.0, 1.0], &[3, 2]).into_simplices();
+    for (axes, remark) in [
+        ([0, 2], "the mesh lies in the x-z plane of its file: x is x here, z is y"),
+        ([1, 2], "the mesh lies in the y-z plane of its file: y is x here, z is y"),
+    ] {
+        let mut placed = mesh.clone();
+        for x in &mut placed.nodes {
+            let mut place = [5.0; 3];
+            place[axes[0]] = x[0];
+            place[axes[1]] = x[1];
+            *x = place;
+        }
+        let mut read = read(&unv(&placed));
+        assert_eq!(std::mem::take(&mut read.notes.remarks), [remark]);
+        assert_eq!(read, mesh);
+    }
+}
+
+#[test]
+fn what_is_no_mesh_is_refused_with_its_line() {
+    for (from, to, message, help) in [
+        ("    -1\n   164\n", "    -1\n   164.5\n", "bad.unv:2: the number of a dataset was expected", "export"),
+        ("    -1\n    15\n", "    15\n", "bad.unv:29: a dataset, which begins with -1, was expected", "export"),
+        (
+            "11\n   0.0000000000000000E+00",
+            "11\n   0.00000000000000x0E+00",
+            "bad.unv:21: dataset 2411: the number",
+            "export",
+        ),
+        ("11\n   1.0000000000000000E+00", "11\n   1E999", "bad.unv:27: dataset 2411: the number of a node", "export"),
+        (
+            "         2         1         1        11",
+            "   2 1",
+            "bad.unv:22: dataset 2411: the number of a node",
+            "export",
+        ),
+        ("         2         1         1        11", "   1 1 1 1", "bad.unv:23: the node 1 is there twice", "export"),
+        (
+            "84         2",
+            "114         2",
+            "bad.unv:37: element 10 has the descriptor 114 (pyramid of second order, or prism of third order)",
+            "mesh with",
+        ),
+        (
+            "84         2",
+            "161         2",
+            "element 10 has the descriptor 161 (mass), which is not supported",
+            "mesh with",
+        ),
+        ("84         2", "999         2", "element 10 has the descriptor 999 (unknown)", "mesh with"),
+        ("84         2", "41         2", "bad.unv:37: element 10 has 4 nodes, but a triangle has 3", "export"),
+        (
+            "11         2         1         7         2",
+            "11 2 1 7 4",
+            "element 30 has 4 nodes, but a line of three",
+            "export",
+        ),
+        ("        20        44", "        10        44", "bad.unv:40: the element 10 is there twice", "export"),
+        (
+            "         3         4         6         5",
+            " 3 4 6 77",
+            "bad.unv:40: element 20 names the node 77, which no",
+            "export",
+        ),
+        (
+            "         3         4         6         5",
+            " 3 4 6",
+            "bad.unv:41: element 20 names the node 30, which no",
+            "export",
+        ),
+        (
+            "         3         4         6         5",
+            " 3 4 6 5 1",
+            "bad.unv:40: dataset 2412: 4 nodes of the element 20",
+            "export",
+        ),
+        (
+            "         8        20         0         0\n         3",
+            " 8 50 0 0\n 3",
+            "bad.unv:55: the group `2` has the element 50",
+            "export",
+        ),
+        (
+            "         7         6         0",
+            "         7        66         0",
+            "the group `tip` has the node 66, which no",
+            "export",
+        ),
+        (
+            "         7         6         0         0",
+            " 7 6 0",
+            "bad.unv:67: dataset 2467: the last of 1 members",
+            "export",
+        ),
+        (
+            "         7         6         0         0",
+            " 7 6 0 0 7 5 0 0",
+            "the last of 1 members of the group expected",
+            "export",
+        ),
+        (
+            "Global\n  1.0",
+            "Global\n  0.5",
+            "bad.unv:21: node 1 is in the system of coordinates 1, which is not",
+            "global",
+        ),
+        (
+            "         1         0        12",
+            "         1         1        12",
+            "bad.unv:21: node 1 is in the system",
+            "global",
+        ),
+        ("Global\n  1.0", "Global\n  a.0", "bad.unv:13: dataset 2420: three numbers of the axes", "export"),
+    ] {
+        assert!(TOWER.contains(from), "{from}");
+        let (said, advice) = refused(&TOWER.replacen(from, to, 1));
+        assert!(said.starts_with("bad.unv:") && said.contains(message), "`{message}`: {said}");
+        assert!(advice.contains(help), "`{help}`: {advice}");
+    }
+}
+
+#[test]
+fn what_is_no_universal_file_is_refused() {
+    let (said, advice) = refused("$MeshFormat\n4.1 0 8\n");
+    assert!(said.contains("it is a mesh of Gmsh") && advice.contains("kind = \"gmsh\""), "{said}: {advice}");
+    let (said, advice) = refused("\u{89}HDF\r\n\u{1a}\n");
+    assert!(said.contains("begins with -1"), "{said}: {advice}");
+    for text in ["", "    -1\n  2411\n    -1\n"] {
+        let (said, advice) = refused(text);
+        assert!(said.contains("no elements of two or three dimensions") && advice.contains("2412"), "{said}: {advice}");
+    }
+    let long = TOWER.replace("whole body", &"long".repeat(51));
+    let (said, advice) = refused(&long);
+    assert!(said.contains("bad.unv:51: the name of the group 1 has more than 200 letters"), "{said}");
+    assert!(advice.contains("shorter"), "{advice}");
+}
+
+/// A file that is cut off anywhere, or with another byte anywhere, is read or refused with a place and a cure.
+#[test]
+fn damaged_files() {
+    let solid = unv(&block(&[2.0, 1.0, 1.0], &[1, 1, 1]).into_simplices().into_second_order());
+    for whole in [TOWER.as_bytes(), solid.as_bytes()] {
+        let refuse = |bytes: &[u8]| {
+            let error = MeshFormat::Unv.parse("bad.unv", bytes, 1.0).err()?;
+            assert!(error.to_string().starts_with("bad.unv:") && error.help().is_some(), "{error}");
+            Some(error)
+        };
+        let elements = whole.windows(6).position(|part| part == b"  2412").unwrap();
+        let end = elements + whole[elements..].windows(6).position(|part| part == b"    -1").unwrap();
+        for cut in 0..whole.len() {
+            assert!(refuse(&whole[..cut]).is_some() || cut >= end, "{cut}");
+        }
+        for k in 0..whole.len() {
+            for byte in [0, b'9', b'-', b'\n', 0xff, whole[k] ^ 1] {
+                let mut bytes = whole.to_vec();
+                bytes[k] = byte;
+                refuse(&bytes);
+            }
+        }
+    }
+}
+
+/// Numbers of nodes and members that the file does not have take no memory, and neither do node sets that repeat one
+/// another.
+#[test]
+fn memory_is_bounded_by_the_file() {
+    let many = TOWER.replace("         0         2\nwhole", "         0 999999999999999999\nwhole");
+    assert!(many != TOWER && refused(&many).0.contains("expected in this line"));
+    let many = TOWER.replace("11         2         1         7         2", "11 2 1 7 999999999999999999");
+    assert!(many != TOWER && refused(&many).0.contains("has 999999999999999999 nodes"));
+    let mut text = unv(&block(&[1.0, 1.0], &[100, 1]));
+    for k in 0..3000 {
+        write!(text, "    -1\n  2467\n{k} 0 0 0 0 0 0 202\nset{k}\n").unwrap();
+        let members: Vec<String> = (1..=202).map(|node| format!("7 {node} 0 0")).collect();
+        write!(text, "{}\n    -1\n", members.join(" ")).unwrap();
+    }
+    let (said, advice) = refused(&text);
+    assert!(said.contains("the groups of nodes repeat one another"), "{said}");
+    assert!(advice.contains("fewer"), "{advice}");
+}
