@@ -206,8 +206,7 @@ impl Model {
             let (stiffness, rows) = HeldRows::beside(&mesh, &dofs, element, &volumes, law, &springs)?;
             (Some(stiffness), rows)
         };
-        let held = holdings.iter().flatten().map(|(node, ..)| *node);
-        let carrying = Carrying::new(description, &mesh, &dofs, (&couplings, &pairs), held)?;
+        let carrying = Carrying::new(description, &mesh, &dofs, (&couplings, &pairs), &holdings)?;
         let moved = Moved::all(description, &mesh, &dofs, &holdings, &rows, &carrying)?;
 
         let contacts = Contacts::new(description, &mesh, &dofs, &rows, &moved, &pairs, &carrying)?;
@@ -223,7 +222,6 @@ impl Model {
         let gap: Vec<f64> = contacts.iter().map(gap).collect();
         let Motions { rates: mut motions, bends, nearest } =
             motions::motions(&contacts, &obstacles, &gap, &description.times)?;
-        let thin = description.material.plane == Some(Plane::Stress);
         let body = load::LoadedBody {
             description,
             mesh: &mesh,
@@ -231,7 +229,6 @@ impl Model {
             couplings: &couplings,
             element,
             volumes: &volumes,
-            thin,
             materials: &materials,
         };
         let (mut cases, mut forces, mut thermal) = (Vec::new(), Vec::new(), Vec::new());

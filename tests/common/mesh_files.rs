@@ -333,7 +333,7 @@ fn descriptor(kind: CellKind) -> usize {
         CellKind::Quadrilateral8 => 95,
         CellKind::Prism15 => 113,
         CellKind::Hexahedron20 => 116,
-        other => panic!("universal files have no {other:?} here"),
+        CellKind::Quadrilateral9 => panic!("a universal file has no quadrilateral of nine nodes"),
     }
 }
 

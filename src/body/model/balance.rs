@@ -141,7 +141,9 @@ impl Statics {
             loads.iter().map(of_loads).collect(),
         ];
         for nodes in places.iter_mut().flatten() {
-            nodes.iter_mut().for_each(|node| *node = dofs.translating(*node));
+            for node in nodes.iter_mut() {
+                *node = dofs.translating(*node);
+            }
             nodes.sort_unstable();
             nodes.dedup();
         }

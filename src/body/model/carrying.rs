@@ -8,6 +8,7 @@ use std::collections::{BTreeSet, VecDeque};
 
 use super::coupling::Couplings;
 use super::find;
+use super::holding::Holding;
 use super::pair::Pairs;
 use crate::algebra::union_find::UnionFind;
 use crate::base::input_error::InputError;
@@ -31,13 +32,13 @@ pub(super) struct Carrying {
 }
 
 impl Carrying {
-    /// Creates the groups of the bodies of `mesh`, where supports hold the nodes `held`.
+    /// Creates the groups of the bodies of `mesh`, where supports hold the nodes of `holdings`.
     pub(super) fn new(
         description: &Description,
         mesh: &Mesh,
         dofs: &Dofs,
         (couplings, pairs): (&Couplings, &Pairs),
-        held: impl Iterator<Item = usize>,
+        holdings: &[Holding],
     ) -> Result<Self, InputError> {
         let bodies = mesh.bodies();
         let mut together = UnionFind::new(bodies.count());
@@ -70,7 +71,7 @@ impl Carrying {
         let least: Vec<usize> = (0..bodies.count()).map(|k| together.least(k)).collect();
         let firsts: Vec<usize> = (0..bodies.count()).filter(|&k| least[k] == k).collect();
         let group = |body: usize| firsts.binary_search(&least[body]).unwrap_or(0);
-        let held: BTreeSet<usize> = held.map(|node| group(of(node))).collect();
+        let held: BTreeSet<usize> = holdings.iter().flatten().map(|(node, ..)| group(of(*node))).collect();
         let carrier = |from: usize| {
             let (mut seen, mut queue) = (BTreeSet::from([from]), VecDeque::from([from]));
             while let Some(k) = queue.pop_front() {

@@ -169,7 +169,7 @@ impl Couplings {
 
     /// Returns all nodes that reference points carry.
     pub(super) fn carried(&self) -> BTreeSet<usize> {
-        self.all.iter().flat_map(|coupled| coupled.carried()).map(|(node, _)| *node).collect()
+        self.all.iter().flat_map(Coupled::carried).map(|(node, _)| *node).collect()
     }
 
     /// Returns each rigid coupling with its number in the description, the number of its reference point and its nodes.

@@ -7,7 +7,7 @@ use crate::algebra::vector::{axis, cross, dot, minus, norm, unit};
 use crate::base::input_error::InputError;
 use crate::body::description::{Action, Bed, Description, Field, Where};
 use crate::body::fem::{
-    Bedding, Dofs, Elasticity, Element, NodalForces, NodalVolumes, Spring, area, body_force, thermal_forces,
+    Bedding, Dofs, Elasticity, Element, NodalForces, NodalVolumes, Plane, Spring, area, body_force, thermal_forces,
     traction as traction_of, uniform_traction,
 };
 use crate::body::mesh::{Boundary, Geometry, Mesh};
@@ -20,7 +20,6 @@ pub(super) struct LoadedBody<'a> {
     pub couplings: &'a Couplings,
     pub element: Element,
     pub volumes: &'a NodalVolumes,
-    pub thin: bool,
     pub materials: &'a [Elasticity],
 }
 
@@ -43,10 +42,11 @@ pub(super) struct FreeStrain {
 impl LoadedBody<'_> {
     /// Computes the effect of load `k`.
     pub(super) fn load(&self, k: usize) -> Result<LoadOnMesh, InputError> {
-        let LoadedBody { description, mesh, dofs, couplings, element, volumes, thin, materials } = *self;
+        let LoadedBody { description, mesh, dofs, couplings, element, volumes, materials } = *self;
         let key = format!("load[{k}]");
         let at = |name: &str| format!("{key}.{name}");
         let boundary = |name: &str| find(mesh, name, &key);
+        let thin = description.material.plane == Some(Plane::Stress);
         let mut free_strain = None;
         let forces = match &description.loads[k].action {
             Action::Traction { boundary: name, traction } => {

@@ -336,27 +336,11 @@ impl Validity {
         if let Some(found) = self.passage() {
             warn(WarningKind::CurvedGaps, on_the_way(model, found, self.pressed));
         }
-        if let Some((slid, time)) = self.slid.filter(|(slid, _)| slid.share > ACROSS_FACETS) {
-            let message = format!(
-                "the contact node at {} has slid by {} at t = {time} s, {:.0} % of the opposing facet, \
-                 but remains paired with its initial nodes; pressures may be off by as much as they change over \
-                 that distance",
-                units.place(model.contacts[slid.contact].position),
-                units.rounded(Quantity::Length, slid.slip, 3),
-                100.0 * slid.share
-            );
-            warn(WarningKind::SlidAcrossFacets, message);
+        if let Some((found, time)) = self.slid.filter(|(slid, _)| slid.share > ACROSS_FACETS) {
+            warn(WarningKind::SlidAcrossFacets, slid(model, found, time));
         }
         if let Some((motion, time)) = self.large_motion.filter(|(motion, _)| motion.share > MOVED_ALONG) {
-            let message = format!(
-                "the rigid body `{}` has moved by {} along its contact at t = {time} s, {:.0} % of half the width of the \
-                 pressed zone: forces act where they were, so that moments about the contact are off by force times \
-                 motion, and a body does not roll; hold its rotation, or let it move less",
-                model.description().couplings[motion.coupling].name,
-                units.rounded(Quantity::Length, motion.moved, 3),
-                100.0 * motion.share
-            );
-            warn(WarningKind::LargeMotion, message);
+            warn(WarningKind::LargeMotion, moved_along(model, motion, time));
         }
         if let Some((motion, time)) = &self.neutral
             && let Some(message) = not_unique(model, motion, *time)
@@ -440,6 +424,28 @@ fn faceted_gaps(model: &Model, faceted: &Faceted) -> String {
         100.0 * (STIFFER * share).min(1.0),
         pair.contact,
         (STIFFER * share / FACETED).sqrt().ceil()
+    )
+}
+
+fn slid(model: &Model, slid: Slid, time: f64) -> String {
+    let units = model.units();
+    format!(
+        "the contact node at {} has slid by {} at t = {time} s, {:.0} % of the opposing facet, but remains paired with \
+         its initial nodes; pressures may be off by as much as they change over that distance",
+        units.place(model.contacts[slid.contact].position),
+        units.rounded(Quantity::Length, slid.slip, 3),
+        100.0 * slid.share
+    )
+}
+
+fn moved_along(model: &Model, motion: LargeMotion, time: f64) -> String {
+    format!(
+        "the rigid body `{}` has moved by {} along its contact at t = {time} s, {:.0} % of half the width of the pressed \
+         zone: forces act where they were, so that moments about the contact are off by force times motion, and a body \
+         does not roll; hold its rotation, or let it move less",
+        model.description().couplings[motion.coupling].name,
+        model.units().rounded(Quantity::Length, motion.moved, 3),
+        100.0 * motion.share
     )
 }
 
