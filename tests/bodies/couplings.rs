@@ -196,9 +196,10 @@ fn forces_and_motions_belong_together() {
         let list = |values: &[f64], factor: f64| {
             values.iter().map(|x| format!("{:e}", factor * x)).collect::<Vec<_>>().join(", ")
         };
-        let (fix, rotation) = match text.contains("[40, 4, 6]") {
-            true => ("\"x\", \"y\", \"z\"", "\"rotation_x\", \"rotation_y\", \"rotation_z\""),
-            false => ("\"x\", \"y\"", "\"rotation_z\""),
+        let (fix, rotation) = if text.contains("[40, 4, 6]") {
+            ("\"x\", \"y\", \"z\"", "\"rotation_x\", \"rotation_y\", \"rotation_z\"")
+        } else {
+            ("\"x\", \"y\"", "\"rotation_z\"")
         };
         let to = format!("{}, {}", list(&end.displacement, 1e3), list(&end.rotation, 1.0));
         let support = format!("[[support]]\ncoupling = \"end\"\nfix = [{fix}, {rotation}]\ndisplacement = [{to}]\n");
@@ -474,72 +475,59 @@ increments = 2
     }
 }
 
+/// Faults of the beam: what to replace, by what, words of the message, words of the help.
+const OF_BEAM: &[(&str, &str, &str, &str)] = &[
+    ("name = \"end\"\nboundary", "boundary", "missing field `name`", "add the key"),
+    ("boundary = \"right\"", "", "needs a boundary or a body", "add one"),
+    ("boundary = \"right\"", "boundary = \"right\"\nbody = \"block\"", "both boundary and body", "keep one"),
+    ("boundary = \"right\"", "boundary = \"rihgt\"", "no boundary `rihgt`", "bottom"),
+    ("boundary = \"right\"", "body = \"bolck\"", "no body `bolck`", "bodies"),
+    ("boundary = \"right\"", "boundary = \"right\"\nkind = \"elastic\"", "unknown variant", "one of the values"),
+    ("boundary = \"right\"", "body = \"block\"\nkind = \"distributing\"", "needs a boundary", "rigid"),
+    ("boundary = \"right\"", "boundary = \"right\"\npoint = [1, 2, 3]", "3 components", "[x, y]"),
+    ("boundary = \"right\"", "boundary = \"right\"\npoint = [nan, 2]", "finite", "not nan"),
+    ("boundary = \"right\"", "boundary = \"right\"\nweight = 1", "unknown field `weight`", "spelling"),
+    ("boundary = \"right\"", "boundary = \"left\"", "holds the node", "couple"),
+    ("[[load]]", "[[coupling]]\nname = \"end\"\nboundary = \"top\"\n[[load]]", "two couplings", "a name of its own"),
+    ("[[load]]", "[[coupling]]\nname = \"top\"\nboundary = \"top\"\n[[load]]", "both carry the node", "share no node"),
+    ("moment = 1000", "moment = [1, 2, 3]", "3 components", "one number"),
+    ("moment = 1000", "moment = inf", "finite", "one about z"),
+    ("moment = 1000", "moment = 1000\nforce = [0, 1]", "both force and moment", "two loads"),
+    ("moment = 1000", "pressure = 3", "a pressure has no coupling", "remove"),
+    ("moment = 1000", "traction = [1, 0]\nboundary = \"top\"", "a traction has no coupling", "remove"),
+    ("moment = 1000", "force = [1, 2, 3]", "3 components", "[x, y]"),
+    ("moment = 1000", "temperature = 3", "a temperature has no coupling", "remove"),
+    ("coupling = \"end\"\nmoment = 1000", "moment = 1000", "needs a coupling", "add the key"),
+    ("coupling = \"end\"", "coupling = \"edn\"", "no coupling `edn`", "couplings end"),
+    ("coupling = \"end\"", "coupling = \"end\"\nboundary = \"top\"", "a moment has no boundary", "remove"),
+    ("[[load]]", "[[support]]\ncoupling = \"end\"\nfix = [\"normal\"]\n[[load]]", "single point", "direction"),
+    ("[[load]]", "[[support]]\ncoupling = \"end\"\nfix = [\"z\"]\n[[load]]", "two dimensions", "leave out"),
+    ("[[load]]", "[[support]]\ncoupling = \"end\"\nfix = [\"rotation_x\"]\n[[load]]", "about z only", "rotation_z"),
+    ("[[load]]", "[[support]]\ncoupling = \"no\"\nfix = [\"x\"]\n[[load]]", "no coupling `no`", "couplings end"),
+    ("[[load]]", "[[support]]\nboundary = \"top\"\nfix = [\"rotation_z\"]\n[[load]]", "rotation", "name a coupling"),
+    (
+        "[[load]]",
+        "[[support]]\nboundary = \"top\"\ncoupling = \"end\"\nfix = [\"x\"]\n[[load]]",
+        "both boundary",
+        "keep one",
+    ),
+    ("[[load]]", "[[support]]\ncoupling = \"end\"\ndirection = [0, 0]\n[[load]]", "a direction", "give e.g."),
+    ("[[load]]", "[[spring]]\ncoupling = \"end\"\n[[load]]", "stiffness or rotational", "add one"),
+    ("[[load]]", "[[spring]]\ncoupling = \"end\"\nrotational = -1\n[[load]]", "0 or more", "give stiffnesses"),
+    ("[[load]]", "[[spring]]\ncoupling = \"end\"\nrotational = [1, 2, 3]\n[[load]]", "3 components", "one number"),
+    ("[[load]]", "[[spring]]\nrotational = 1\n[[load]]", "needs a coupling", "add the key"),
+    (
+        "[[load]]",
+        "[[spring]]\ncoupling = \"end\"\nrotational = 1\nstiffness = [1, 0]\n[[load]]",
+        "both stiffness and rotational",
+        "two springs",
+    ),
+    ("[[load]]", "[[spring]]\ncoupling = \"end\"\nnormal = 1\n[[load]]", "stiffness or rotational", "add one"),
+];
+
 /// Each fault of a coupling, and of what acts on it, names its key.
 #[test]
 fn faults_name_their_keys() {
-    let of_beam: &[(&str, &str, &str, &str)] = &[
-        ("name = \"end\"\nboundary", "boundary", "missing field `name`", "add the key"),
-        ("boundary = \"right\"", "", "needs a boundary or a body", "add one"),
-        ("boundary = \"right\"", "boundary = \"right\"\nbody = \"block\"", "both boundary and body", "keep one"),
-        ("boundary = \"right\"", "boundary = \"rihgt\"", "no boundary `rihgt`", "bottom"),
-        ("boundary = \"right\"", "body = \"bolck\"", "no body `bolck`", "bodies"),
-        ("boundary = \"right\"", "boundary = \"right\"\nkind = \"elastic\"", "unknown variant", "one of the values"),
-        ("boundary = \"right\"", "body = \"block\"\nkind = \"distributing\"", "needs a boundary", "rigid"),
-        ("boundary = \"right\"", "boundary = \"right\"\npoint = [1, 2, 3]", "3 components", "[x, y]"),
-        ("boundary = \"right\"", "boundary = \"right\"\npoint = [nan, 2]", "finite", "not nan"),
-        ("boundary = \"right\"", "boundary = \"right\"\nweight = 1", "unknown field `weight`", "spelling"),
-        ("boundary = \"right\"", "boundary = \"left\"", "holds the node", "couple"),
-        (
-            "[[load]]",
-            "[[coupling]]\nname = \"end\"\nboundary = \"top\"\n[[load]]",
-            "two couplings",
-            "a name of its own",
-        ),
-        (
-            "[[load]]",
-            "[[coupling]]\nname = \"top\"\nboundary = \"top\"\n[[load]]",
-            "both carry the node",
-            "share no node",
-        ),
-        ("moment = 1000", "moment = [1, 2, 3]", "3 components", "one number"),
-        ("moment = 1000", "moment = inf", "finite", "one about z"),
-        ("moment = 1000", "moment = 1000\nforce = [0, 1]", "both force and moment", "two loads"),
-        ("moment = 1000", "pressure = 3", "a pressure has no coupling", "remove"),
-        ("moment = 1000", "traction = [1, 0]\nboundary = \"top\"", "a traction has no coupling", "remove"),
-        ("moment = 1000", "force = [1, 2, 3]", "3 components", "[x, y]"),
-        ("moment = 1000", "temperature = 3", "a temperature has no coupling", "remove"),
-        ("coupling = \"end\"\nmoment = 1000", "moment = 1000", "needs a coupling", "add the key"),
-        ("coupling = \"end\"", "coupling = \"edn\"", "no coupling `edn`", "couplings end"),
-        ("coupling = \"end\"", "coupling = \"end\"\nboundary = \"top\"", "a moment has no boundary", "remove"),
-        ("[[load]]", "[[support]]\ncoupling = \"end\"\nfix = [\"normal\"]\n[[load]]", "single point", "direction"),
-        ("[[load]]", "[[support]]\ncoupling = \"end\"\nfix = [\"z\"]\n[[load]]", "two dimensions", "leave out"),
-        ("[[load]]", "[[support]]\ncoupling = \"end\"\nfix = [\"rotation_x\"]\n[[load]]", "about z only", "rotation_z"),
-        ("[[load]]", "[[support]]\ncoupling = \"no\"\nfix = [\"x\"]\n[[load]]", "no coupling `no`", "couplings end"),
-        (
-            "[[load]]",
-            "[[support]]\nboundary = \"top\"\nfix = [\"rotation_z\"]\n[[load]]",
-            "rotation",
-            "name a coupling",
-        ),
-        (
-            "[[load]]",
-            "[[support]]\nboundary = \"top\"\ncoupling = \"end\"\nfix = [\"x\"]\n[[load]]",
-            "both boundary",
-            "keep one",
-        ),
-        ("[[load]]", "[[support]]\ncoupling = \"end\"\ndirection = [0, 0]\n[[load]]", "a direction", "give e.g."),
-        ("[[load]]", "[[spring]]\ncoupling = \"end\"\n[[load]]", "stiffness or rotational", "add one"),
-        ("[[load]]", "[[spring]]\ncoupling = \"end\"\nrotational = -1\n[[load]]", "0 or more", "give stiffnesses"),
-        ("[[load]]", "[[spring]]\ncoupling = \"end\"\nrotational = [1, 2, 3]\n[[load]]", "3 components", "one number"),
-        ("[[load]]", "[[spring]]\nrotational = 1\n[[load]]", "needs a coupling", "add the key"),
-        (
-            "[[load]]",
-            "[[spring]]\ncoupling = \"end\"\nrotational = 1\nstiffness = [1, 0]\n[[load]]",
-            "both stiffness and rotational",
-            "two springs",
-        ),
-        ("[[load]]", "[[spring]]\ncoupling = \"end\"\nnormal = 1\n[[load]]", "stiffness or rotational", "add one"),
-    ];
     let distributing = edit(BEAM, "name = \"end\"", "name = \"end\"\nkind = \"distributing\"");
     let axisymmetric =
         BEAM.replace("plane = \"stress\"", "plane = \"axisymmetric\"").replace("fix = [\"x\", \"y\"]", "fix = [\"x\"]");
@@ -572,7 +560,7 @@ fn faults_name_their_keys() {
         (&axisymmetric, "moment = 1000", "force = [1, 0]", "along its axis only", "[0, y]"),
         (BAR, "moment = [0, 500, 300]", "moment = 3", "1 components", "[x, y, z]"),
     ];
-    let all = of_beam.iter().map(|&(from, to, says, help)| (BEAM, from, to, says, help));
+    let all = OF_BEAM.iter().map(|&(from, to, says, help)| (BEAM, from, to, says, help));
     let mut wrong = Vec::new();
     for (text, from, to, says, help) in all.chain(others.iter().copied()) {
         let text = if from.is_empty() { text.to_string() } else { edit(text, from, to) };
@@ -696,13 +684,15 @@ fn random_rigid_bodies() {
         let aside = 0.5 * mu * down * push;
         let elements = 2 + (number(0.0, 4.0) as usize);
         let more = if space { ", \"z\"" } else { "" };
-        let (size, at) = match space {
-            true => (format!("[20, 6, {side}]"), format!("[6, 0, {side}]")),
-            false => (format!("[20, {side}]"), format!("[6, {side}]")),
+        let (size, at) = if space {
+            (format!("[20, 6, {side}]"), format!("[6, 0, {side}]"))
+        } else {
+            (format!("[20, {side}]"), format!("[6, {side}]"))
         };
-        let (punch, coarse, fine) = match space {
-            true => ("[8, 6, 4]".to_string(), format!("[{elements}, 2, 1]"), "[10, 3, 4]"),
-            false => ("[8, 4]".to_string(), format!("[{elements}, 2]"), "[10, 6]"),
+        let (punch, coarse, fine) = if space {
+            ("[8, 6, 4]".to_string(), format!("[{elements}, 2, 1]"), "[10, 3, 4]")
+        } else {
+            ("[8, 4]".to_string(), format!("[{elements}, 2]"), "[10, 6]")
         };
         let force = if space { format!("[{aside}, 0, {}]", -down) } else { format!("[{aside}, {}]", -down) };
         let moment = if space { format!("[0, {}, 0]", -down * arm) } else { format!("{}", down * arm) };
