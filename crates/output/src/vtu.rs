@@ -9,7 +9,7 @@ use std::fmt;
 use stickslip::base::{Quantity, UnitSystem};
 use stickslip::run::report::field_quantity;
 
-/// The texts in the field data of a file: the units of its numbers.
+/// The field data of a file: the sizes of the units of its numbers in SI. Numbers, because many readers refuse texts.
 const UNITS: [(&str, Quantity); 2] = [("unit_length", Quantity::Length), ("unit_stress", Quantity::Stress)];
 
 /// The values of a field.
@@ -67,10 +67,9 @@ impl fmt::Display for Grid {
         )?;
         f.write_str("<FieldData>\n")?;
         for (name, quantity) in UNITS {
-            // A text is its bytes and a zero.
-            write!(f, "<DataArray type=\"String\" Name=\"{name}\" NumberOfTuples=\"1\" format=\"ascii\">")?;
-            self.units.name(quantity).bytes().try_for_each(|byte| write!(f, "{byte} "))?;
-            f.write_str("0</DataArray>\n")?;
+            let size = self.units.to_si(quantity, 1.0);
+            write!(f, "<DataArray type=\"Float64\" Name=\"{name}\" NumberOfTuples=\"1\" format=\"ascii\">")?;
+            writeln!(f, "{size}</DataArray>")?;
         }
         f.write_str("</FieldData>\n")?;
         let (points, cells) = (self.points.len(), self.cells.len());
