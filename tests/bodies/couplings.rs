@@ -231,7 +231,8 @@ fn distributing_forces_are_reciprocal() {
     let rigid = edit(BEAM, "name = \"end\"", "name = \"end\"\npoint = [110, 3]");
     let rigid = report(&rigid, bn());
     let [free, rigid] = [of_moment, point(&rigid, "end")].map(|end| end.rotation[0]);
-    assert!(free >= rigid && free < 1.01 * rigid, "{free} {rigid}");
+    // Without lateral contraction a plane end stays plane, so that both are exact.
+    near(&[free], &[rigid], 1e-9);
     let space = edit(BAR, "name = \"end\"", "name = \"end\"\nkind = \"distributing\"");
     let space = report(&space, bn());
     near(&point(&space, "end").force, &[1200.0, 0.0, 0.0], 1e-9);
