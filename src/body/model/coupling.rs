@@ -15,7 +15,7 @@ use crate::body::mesh::{Geometry, Mesh};
 const FURTHEST: f64 = 1e4;
 
 /// The couplings of a description.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub(super) struct Couplings {
     pub all: Vec<Coupled>,
     /// The number of nodes of the mesh.
@@ -314,6 +314,10 @@ fn shares(mesh: &Mesh, part: &Part, key: &str) -> Result<Vec<(usize, f64)>, Inpu
         }
     }
     let whole: f64 = weights.values().sum();
+    if !(whole > 0.0 && whole.is_finite()) {
+        let message = format!("`{}` has no area or volume, so that it has no centroid", part.name());
+        return Err(InputError::new(format!("{key}.{}", part.key()), message, "name another boundary or body"));
+    }
     Ok(weights.into_iter().map(|(node, weight)| (node, weight / whole)).collect())
 }
 

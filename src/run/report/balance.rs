@@ -86,7 +86,7 @@ impl BalanceRecord {
             acting.map(|((at, wrench), u)| AppliedForce::new(at, wrench, u, model.mesh.dimension)).collect()
         };
         let couplings = model.coupled(time, step.state, [&loads, &supports, &springs]);
-        // What acts on a reference point moves with it.
+        // A load on a reference point moves with it.
         let at_point = |name: Option<&str>| {
             let names = description.couplings.iter().map(|coupling| coupling.name.as_str());
             names.zip(&couplings).find(|(own, _)| Some(*own) == name).map(|(_, (_, [u, _]))| *u)
