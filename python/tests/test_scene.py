@@ -39,6 +39,7 @@ REDUCED: dict[str, dict[str, object]] = {
     "seal": {"mesh.elements": [8, 8]},
     "ssnv128": {},
     "strip": {"mesh.elements": [40, 4]},
+    "tilted_punch": {},
     "tip": {"mesh.elements": [8, 5, 3]},
     "turning_load": {"mesh.elements": [8, 8]},
     "two_blocks": {},

@@ -5,7 +5,7 @@ use stickslip::run::Run;
 use stickslip::scene::{Override, Scene};
 
 /// The scenes, each with the overrides that reduce it.
-pub const SCENES: [(&str, &[&str]); 20] = [
+pub const SCENES: [(&str, &[&str]); 21] = [
     ("block", &["mesh.elements=[20,20]"]),
     ("boxed", &[]),
     ("cattaneo_mindlin", &["mesh.elements=[[6,8,6],8]"]),
@@ -22,6 +22,7 @@ pub const SCENES: [(&str, &[&str]); 20] = [
     ("seal", &["mesh.elements=[8,8]"]),
     ("ssnv128", &[]),
     ("strip", &["mesh.elements=[40,4]"]),
+    ("tilted_punch", &[]),
     ("tip", &["mesh.elements=[8,5,3]"]),
     ("turning_load", &["mesh.elements=[8,8]"]),
     ("two_blocks", &[]),

@@ -25,7 +25,7 @@ function showState() {
   $("#when").textContent = `${index}${when}${failed.has(index) ? ", not converged" : ""}`;
   const picture = pictures[file];
   $("#contact .note").textContent = (picture ? "" : "Blue nodes stick, orange ones slip. ")
-    + `${numbers.length} of ${[...times.keys()].pop() || 0} increments are here: those of output.times in the scene, at most 40.`;
+    + `States: ${numbers.length}, those of output.times in the scene, at most 40; increments: ${[...times.keys()].pop() || 0}.`;
   $("#surface").replaceChildren();
   for (const id of ["#stresses", "#slips"]) $(id).hidden = Boolean(picture);
   if (picture) {
