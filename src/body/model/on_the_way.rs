@@ -22,6 +22,10 @@ pub struct OnTheWay {
 /// phase with all of them.
 const SHARES: [f64; 7] = [0.11, 0.24, 0.37, 0.5, 0.62, 0.77, 0.9];
 
+/// A node touches an obstacle if its normal force is a larger share of the largest normal force; a smaller share is the
+/// rounding of a node that opens.
+const ROUNDING: f64 = 1e-9;
+
 impl Model {
     /// Returns `true` if an obstacle may pass within an increment. Only a single plane that does not turn never does.
     pub fn has_passing_obstacles(&self) -> bool {
@@ -45,6 +49,7 @@ impl Model {
         for boundary in self.contact_boundaries.iter().filter(|boundary| self.may_pass(boundary)) {
             let Some(facets) = self.mesh.boundary(&boundary.name) else { continue };
             let outsides = outsides(&self.mesh, facets);
+            let pressed = states.map(|state| ROUNDING * state.p_n.iter().fold(0.0, |most: f64, p_n| most.max(*p_n)));
             let [before, after] = [0, 1].map(|end| self.strained(times[end], &states[end].u));
             for share in SHARES {
                 let t = times[0] + share * (times[1] - times[0]);
@@ -52,7 +57,7 @@ impl Model {
                     let (node, x) = (self.contacts[i].node, self.contacts[i].position);
                     let Some(outside) = outsides.get(&node) else { continue };
                     let [first, last] = [&before, &after].map(|u| self.see(boundary, t, x, u[node], *outside).distance);
-                    let touches = states.iter().all(|state| state.p_n[i] > 0.0);
+                    let touches = states.iter().zip(pressed).all(|(state, least)| state.p_n[i] > least);
                     let distance = if first < 0.0 && last < 0.0 {
                         first.max(last)
                     } else if touches && first > 0.0 && last > 0.0 {
