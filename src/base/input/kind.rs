@@ -103,8 +103,8 @@ impl FileKind {
         match self {
             FileKind::Gmsh => "write kind = \"gmsh\" under [mesh]",
             FileKind::Nastran | FileKind::Vtk | FileKind::Medit => {
-                "convert it with meshio to an input of Abaqus, with a node set for each boundary: doc/reference/scene/mesh.md has the \
-                 six lines under \"Other formats\"; or, without boundaries, gmsh OLD -save -format msh41 -o NEW.msh"
+                "convert it: gmsh OLD -save -format msh41 -o NEW.msh; groups are lost, and doc/reference/scene/mesh.md shows under \"Other \
+                 formats\" how to name boundaries by their coordinates"
             }
             FileKind::Abaqus => "write kind = \"abaqus\" under [mesh]",
             FileKind::Unv => "write kind = \"unv\" under [mesh]",
