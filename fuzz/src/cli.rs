@@ -4,6 +4,7 @@ use std::io::{self, Write};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
+use clap::builder::PossibleValuesParser;
 use clap::{Parser, ValueEnum};
 use stickslip_fuzz::pool::{self, Plan, Tally};
 use stickslip_fuzz::{readers, runs};
@@ -14,6 +15,9 @@ use stickslip_fuzz::{readers, runs};
 struct Arguments {
     /// What is tried.
     target: Target,
+    /// The only reader that is tried, by its name; all in turn without it.
+    #[arg(long, value_parser = PossibleValuesParser::new(readers::ALL.map(|reader| reader.name)))]
+    reader: Option<String>,
     /// How many inputs.
     #[arg(long)]
     count: Option<u64>,
@@ -41,10 +45,10 @@ fn line(text: &str) {
     let _ = writeln!(io::stdout().lock(), "{text}");
 }
 
-fn show(target: Target, seed: u64) {
+fn show(target: Target, reader: Option<&str>, seed: u64) {
     match target {
         Target::Readers => {
-            let (reader, bytes) = readers::input(seed);
+            let (reader, bytes) = readers::input_of(reader, seed);
             line(&format!("# {}\n{}", reader.name, String::from_utf8_lossy(&bytes)));
         }
         Target::Runs => line(&runs::case(seed).text(&runs::Telling::SI)),
@@ -69,21 +73,23 @@ fn summary(tally: &Tally, begun: Instant) -> String {
 
 /// The program.
 pub fn run() -> ExitCode {
-    let Arguments { target, count, seconds, seed, jobs } = Arguments::parse();
+    let Arguments { target, reader, count, seconds, seed, jobs } = Arguments::parse();
     let time = match (count, seconds) {
         (_, Some(seconds)) => Duration::from_secs(seconds),
         (Some(_), None) => Duration::MAX,
         (None, None) => Duration::from_secs(10),
     };
-    let (begun, check) = match target {
-        Target::Readers => (Instant::now(), readers::check as fn(u64) -> pool::Verdict),
-        Target::Runs => (Instant::now(), runs::check as fn(u64) -> pool::Verdict),
-    };
+    let begun = Instant::now();
     pool::keep_panics();
     if count == Some(1) {
-        show(target, seed);
+        show(target, reader.as_deref(), seed);
     }
-    let name = format!("{target:?}").to_lowercase();
+    let only = reader.as_deref().map(|name| format!(" --reader {name}")).unwrap_or_default();
+    let name = format!("{}{only}", format!("{target:?}").to_lowercase());
+    let check = move |seed| match target {
+        Target::Readers => readers::check_of(reader.as_deref(), seed),
+        Target::Runs => runs::check(seed),
+    };
     let plan = Plan { seed, count: count.unwrap_or(u64::MAX), time, jobs: jobs.max(1) };
     let tally = pool::run(plan, check, |tally, failure| match failure {
         Some((seed, wrong)) => line(&format!("{name} --seed {seed} --count 1: {wrong}")),

@@ -23,8 +23,12 @@ pub fn found(target: &str) -> PathBuf {
 pub struct Corpus {
     /// Scenes, in TOML.
     pub scenes: Vec<Vec<u8>>,
-    /// Meshes of Gmsh, text and binary, of Abaqus, and universal files.
-    pub meshes: Vec<Vec<u8>>,
+    /// Meshes of Gmsh, text and binary.
+    pub gmsh: Vec<Vec<u8>>,
+    /// Input files of Abaqus and CalculiX.
+    pub abaqus: Vec<Vec<u8>>,
+    /// Universal files.
+    pub unv: Vec<Vec<u8>>,
     /// Tables of gaps.
     pub tables: Vec<Vec<u8>>,
     /// STL files.
@@ -89,7 +93,9 @@ pub fn corpus() -> &'static Corpus {
             hdf5: beginning(of("fclib", &["problems"], 20_000), &[b"\x89HDF"]),
             siconos: beginning(of("siconos", &["problems"], 20_000), &[b"2\n", b"3\n"]),
             scenes: of("scene", &["scenes"], 4000),
-            meshes: of("mesh", &["meshes", "meshes/formats", "../doc/howto/abaqus"], 10_000),
+            gmsh: beginning(of("gmsh", &["meshes", "meshes/formats"], 10_000), &[b"$"]),
+            abaqus: beginning(of("abaqus", &["../doc/howto/abaqus"], 10_000), &[b"*"]),
+            unv: beginning(of("unv", &["meshes/formats"], 20_000), &[b"    -1"]),
             tables: of("table", &[], 4000),
             surfaces: of("surface", &[], 4000),
             matrices: of("matrix", &[], 4000),

@@ -26,11 +26,13 @@ pub struct Reader {
 }
 
 /// All readers; the shares add up to 100.
-pub const ALL: [Reader; 11] = [
+pub const ALL: [Reader; 13] = [
     Reader { name: "scene", share: 12, make: scene::make, check: scene::check },
     Reader { name: "override", share: 8, make: scene::make_override, check: scene::check_override },
-    Reader { name: "formula", share: 20, make: formula::make, check: formula::check },
-    Reader { name: "mesh", share: 10, make: mesh::make, check: mesh::check },
+    Reader { name: "formula", share: 18, make: formula::make, check: formula::check },
+    Reader { name: "gmsh", share: 6, make: mesh::make_gmsh, check: mesh::check_gmsh },
+    Reader { name: "abaqus", share: 3, make: mesh::make_abaqus, check: mesh::check_abaqus },
+    Reader { name: "unv", share: 3, make: mesh::make_unv, check: mesh::check_unv },
     Reader { name: "surface", share: 4, make: tables::make_surface, check: tables::check_surface },
     Reader { name: "table", share: 10, make: tables::make, check: tables::check },
     Reader { name: "matrix", share: 6, make: tables::make_matrix, check: tables::check_matrix },
@@ -64,12 +66,28 @@ pub fn input(seed: u64) -> (Reader, Vec<u8>) {
     (reader, bytes)
 }
 
+/// The reader and the bytes of a seed, if only the reader of this name is tried; of any without a name or with an unknown one.
+pub fn input_of(name: Option<&str>, seed: u64) -> (Reader, Vec<u8>) {
+    match ALL.into_iter().find(|reader| Some(reader.name) == name) {
+        Some(reader) => (reader, (reader.make)(&mut Random::new(reader.name, seed), corpus())),
+        None => input(seed),
+    }
+}
+
 /// Gives the input of `seed` to its reader.
 ///
 /// # Errors
 /// As [`Reader::check`].
 pub fn check(seed: u64) -> Verdict {
-    let (reader, bytes) = input(seed);
+    check_of(None, seed)
+}
+
+/// Gives the input of `seed` to the reader of this name, as [`input_of`] does.
+///
+/// # Errors
+/// As [`Reader::check`].
+pub fn check_of(name: Option<&str>, seed: u64) -> Verdict {
+    let (reader, bytes) = input_of(name, seed);
     reader.check(&bytes).map_err(|wrong| format!("{}: {wrong}", reader.name))
 }
 

@@ -351,14 +351,14 @@ fn find<'a>(mesh: &'a Mesh, name: &str, key: &str) -> Result<&'a Boundary, Input
             );
         }
         let known = mesh.boundary_names();
-        let help = match (&known[..], mesh.dimension) {
-            ([], 2) => {
-                "the mesh has no boundaries: put its outer curves into physical groups, too, and mesh again".into()
-            }
-            ([], _) => {
-                "the mesh has no boundaries: put its outer surfaces into physical groups, too, and mesh again".into()
-            }
-            (known, _) => format!("the mesh has the boundaries {}", known.join(", ")),
+        let help = if known.is_empty() {
+            let sides = if mesh.dimension == 2 { "curves" } else { "surfaces" };
+            format!(
+                "the mesh has no boundaries: put its outer {sides} into physical groups, too, and mesh again (Gmsh); define a *SURFACE or \
+                 an *NSET with all their nodes (Abaqus); export groups of them (UNV)"
+            )
+        } else {
+            format!("the mesh has the boundaries {}", known.join(", "))
         };
         InputError::new(format!("{key}.boundary"), format!("the mesh has no boundary `{name}`"), help)
     })

@@ -223,6 +223,12 @@ fn what_is_no_mesh_is_refused_with_its_line() {
         ("cpe4r", "B21", "elements of the type B21 are not supported", "C3D10"),
         ("TYPE=CPE4,", "", "bad.inp:17: *ELEMENT has no TYPE=", "TYPE=NAME"),
         (" 20, 3, 4, 6, 5", " 20, 3, 4, 6", "bad.inp:18: element 20 has 3 nodes, but a quadrilateral has 4", "nodes"),
+        (
+            " 20, 3, 4, 6, 5",
+            " 20, 3, 4, 6, 5, 1, 2,",
+            "bad.inp:18: element 20 has 6 nodes, but a quad",
+            "TYPE= says how many",
+        ),
         (" 20, 3, 4, 6, 5", " 20, 3, 4, 6, 77", "element 20 names the node 77, which no *NODE", "nodes"),
         (" 20, 3, 4, 6, 5", " 10, 3, 4, 6, 5", "the element 10 is there twice", "nodes"),
         (" BOTH, LOWER", " BOTH, LOWR", "bad.inp:29: `LOWR` is neither a number nor a set", "define the set first"),
@@ -245,6 +251,21 @@ fn what_is_no_mesh_is_refused_with_its_line() {
     let (said, advice) = refused("$MeshFormat\n4.1 0 8\n");
     assert!(said.contains("it is a mesh of Gmsh") && advice.contains("kind = \"gmsh\""), "{said}: {advice}");
     assert!(refused("").0.contains("no elements"));
+}
+
+/// Each element has the names of its groups: long names of large sets could take far more memory than the file.
+#[test]
+fn long_names_of_many_sets() {
+    let plate = inp(&block(&[1.0, 1.0], &[20, 20]));
+    let with_names_of = |letters: usize| {
+        let sets = (0..100).map(|k| format!("*ELSET, ELSET={k:A>letters$}, GENERATE\n1, 400, 1\n"));
+        plate.replacen("*SURFACE", &format!("{}*SURFACE", sets.collect::<String>()), 1)
+    };
+    assert!(plate.contains("*SURFACE") && !plate.contains("*SOLID SECTION"));
+    assert!(read(&with_names_of(8)).notes.combined[0].1.len() >= 100);
+    let (said, advice) = refused(&with_names_of(4000));
+    assert!(said.contains("names and members that are far longer than the file"), "{said}");
+    assert!(advice.contains("shorter names"), "{advice}");
 }
 
 /// A file that is damaged anywhere is read or refused with a message and a cure.

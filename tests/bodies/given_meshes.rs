@@ -82,4 +82,5 @@ fn a_mesh_without_boundaries() {
     assert!(error.to_string().contains("the mesh has no boundary `left`"), "{error}");
     let help = error.help().unwrap().to_string();
     assert!(help.contains("has no boundaries: put its outer curves into physical groups"), "{help}");
+    assert!(help.contains("*NSET with all their nodes (Abaqus)"), "{help}");
 }

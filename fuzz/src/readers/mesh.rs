@@ -7,16 +7,31 @@ use crate::corpus::Corpus;
 use crate::pool::Verdict;
 use crate::random::Random;
 
-pub(super) fn make(random: &mut Random, corpus: &Corpus) -> Vec<u8> {
-    changed(random, &corpus.meshes, &[])
+pub(super) fn make_gmsh(random: &mut Random, corpus: &Corpus) -> Vec<u8> {
+    changed(random, &corpus.gmsh, &[])
 }
 
-pub(super) fn check(bytes: &[u8]) -> Verdict {
-    let format = match bytes.trim_ascii_start() {
-        [b'$', ..] => MeshFormat::Gmsh,
-        [b'-', ..] => MeshFormat::Unv,
-        _ => MeshFormat::Abaqus,
-    };
+pub(super) fn make_abaqus(random: &mut Random, corpus: &Corpus) -> Vec<u8> {
+    changed(random, &corpus.abaqus, &[])
+}
+
+pub(super) fn make_unv(random: &mut Random, corpus: &Corpus) -> Vec<u8> {
+    changed(random, &corpus.unv, &[])
+}
+
+pub(super) fn check_gmsh(bytes: &[u8]) -> Verdict {
+    check(MeshFormat::Gmsh, bytes)
+}
+
+pub(super) fn check_abaqus(bytes: &[u8]) -> Verdict {
+    check(MeshFormat::Abaqus, bytes)
+}
+
+pub(super) fn check_unv(bytes: &[u8]) -> Verdict {
+    check(MeshFormat::Unv, bytes)
+}
+
+fn check(format: MeshFormat, bytes: &[u8]) -> Verdict {
     match format.parse("fuzz.msh", bytes, 1e-3) {
         Err(error) => told(&error),
         Ok(mesh) => match MeshSource::from(mesh).check() {

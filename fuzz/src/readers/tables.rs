@@ -54,7 +54,7 @@ pub(super) fn check_matrix(bytes: &[u8]) -> Verdict {
 }
 
 pub(super) fn make_surface(random: &mut Random, corpus: &Corpus) -> Vec<u8> {
-    let texts: Vec<Vec<u8>> = corpus.surfaces.iter().chain(corpus.meshes.first()).cloned().collect();
+    let texts: Vec<Vec<u8>> = corpus.surfaces.iter().chain(corpus.gmsh.first()).cloned().collect();
     changed(random, &texts, &[])
 }
 

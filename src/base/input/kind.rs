@@ -14,6 +14,8 @@ pub(crate) enum FileKind {
     Stl,
     /// A VTK file, with or without XML.
     Vtk,
+    /// The text format of Medit, which FreeFEM and MMG write.
+    Medit,
     Hdf5,
     Json,
     /// A geometry without a mesh.
@@ -48,6 +50,8 @@ impl FileKind {
             Some(FileKind::Stl)
         } else if first.starts_with("# vtk DataFile") || has_line(&["<VTKFile"]) {
             Some(FileKind::Vtk)
+        } else if first.starts_with("MeshVersionFormatted") {
+            Some(FileKind::Medit)
         } else if first.starts_with("ISO-10303-21") {
             Some(FileKind::Step)
         } else if first.starts_with('{') {
@@ -68,6 +72,7 @@ impl FileKind {
             FileKind::Nastran => "a mesh of Nastran",
             FileKind::Stl => "a surface in the format STL",
             FileKind::Vtk => "a file of VTK",
+            FileKind::Medit => "a mesh in the format of Medit",
             FileKind::Hdf5 => "a file in the format HDF5",
             FileKind::Json => "a file in the format JSON",
             FileKind::Step => "a geometry in the format STEP",
@@ -87,7 +92,7 @@ impl FileKind {
             FileKind::Json => "a scene is a TOML file; `stickslip init block` shows one",
             FileKind::Abaqus => "write a scene, a TOML file that names this mesh under [mesh] with kind = \"abaqus\"",
             FileKind::Unv => "write a scene, a TOML file that names this mesh under [mesh] with kind = \"unv\"",
-            FileKind::Nastran | FileKind::Vtk | FileKind::Step => {
+            FileKind::Nastran | FileKind::Vtk | FileKind::Medit | FileKind::Step => {
                 "write a scene, a TOML file that names a mesh of Gmsh, Abaqus or CalculiX, or a UNV file; `stickslip init gmsh --out FOLDER` shows a scene with a mesh"
             }
         }
@@ -97,8 +102,9 @@ impl FileKind {
     pub(crate) fn as_mesh(self) -> &'static str {
         match self {
             FileKind::Gmsh => "write kind = \"gmsh\" under [mesh]",
-            FileKind::Nastran | FileKind::Vtk => {
-                "convert it: gmsh OLD -save -format msh41 -o NEW.msh; it has the names of groups only if the file has them"
+            FileKind::Nastran | FileKind::Vtk | FileKind::Medit => {
+                "convert it: gmsh OLD -save -format msh41 -o NEW.msh; groups are lost, and doc/reference/scene/mesh.md shows under \"Other \
+                 formats\" how to name boundaries by their coordinates"
             }
             FileKind::Abaqus => "write kind = \"abaqus\" under [mesh]",
             FileKind::Unv => "write kind = \"unv\" under [mesh]",
@@ -122,7 +128,7 @@ mod tests {
     fn files_are_known_by_their_first_bytes() {
         let mut binary = vec![b' '; 84 + 50];
         binary[80..84].copy_from_slice(&1_u32.to_le_bytes());
-        let kinds: [(&[u8], FileKind); 15] = [
+        let kinds: [(&[u8], FileKind); 17] = [
             (b"$MeshFormat\n2.2 0 8\n", FileKind::Gmsh),
             (b"$NOD\n3\n", FileKind::Gmsh),
             (b"** made by hand\n*HEADING\n", FileKind::Abaqus),
@@ -134,6 +140,8 @@ mod tests {
             (&binary, FileKind::Stl),
             (b"# vtk DataFile Version 3.0\n", FileKind::Vtk),
             (b"<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\">\n", FileKind::Vtk),
+            (b"MeshVersionFormatted 2\nDimension 3\n", FileKind::Medit),
+            (b"\nMeshVersionFormatted\n1\n", FileKind::Medit),
             (b"\x89HDF\r\n\x1a\n", FileKind::Hdf5),
             (b"{ \"status\": \"converged\" }", FileKind::Json),
             (b"ISO-10303-21;\nHEADER;\n", FileKind::Step),

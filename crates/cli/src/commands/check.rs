@@ -339,7 +339,7 @@ fn theorem(model: &Model) {
         };
         say!(
             "{label:<12} (b) violated: the contact rows at {place}{others} depend on each other, so the contact \
-             forces there are not unique; turn a normal, or remove a contact or a support"
+             forces there are not unique; turn a normal, or remove a contact, a support or a rigid coupling there"
         );
     }
 }

@@ -37,6 +37,7 @@ pub(super) fn mesh(file: &mut RawMesh, name: &str, format: MeshFormat) -> Result
         });
     }
     let (mut cells, mut numbers, mut groups) = (Vec::new(), Vec::new(), Vec::<String>::new());
+    let mut places = HashMap::new();
     for Block { kind, groups: names, elements } in &file.blocks {
         let ElementKind::Cell(kind) = *kind else { continue };
         if kind.dimension() < dimension {
@@ -49,8 +50,8 @@ pub(super) fn mesh(file: &mut RawMesh, name: &str, format: MeshFormat) -> Result
         if names.len() > 1 && !notes.combined.iter().any(|(known, _)| *known == group) {
             notes.combined.push((group.clone(), names.clone()));
         }
-        let group = groups.iter().position(|known| *known == group).unwrap_or_else(|| {
-            groups.push(group);
+        let group = *places.entry(group).or_insert_with_key(|group| {
+            groups.push(group.clone());
             groups.len() - 1
         });
         for (number, nodes) in elements {

@@ -115,8 +115,8 @@ impl Model {
                 ElementKind::Cell(kind_of(descriptor).map_err(|name| {
                     let message =
                         format!("element {number} has the descriptor {descriptor} ({name}), which is not supported");
-                    let help = "mesh with triangles or tetrahedra of first or second order, or with quadrilaterals, hexahedra or \
-                                prisms of the first, and export only these and edges";
+                    let help = "mesh with triangles, quadrilaterals, tetrahedra, hexahedra or prisms of first or second order, and export \
+                                only these and edges";
                     lines.error(message, help)
                 })?)
             };

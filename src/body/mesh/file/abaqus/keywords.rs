@@ -27,6 +27,13 @@ pub(super) struct Data<'a> {
     pub fields: Vec<&'a str>,
 }
 
+impl<'a> Data<'a> {
+    /// Returns the fields that are not empty.
+    pub(super) fn words(&self) -> impl Iterator<Item = &'a str> {
+        self.fields.iter().copied().filter(|field| !field.is_empty())
+    }
+}
+
 /// A function that takes a keyword and its data.
 pub(super) type Take<'a> = &'a mut dyn FnMut(&Keyword<'_>, &[Data<'_>]) -> Result<(), MeshFormatError>;
 

@@ -35,7 +35,8 @@ pub(super) struct Model {
     fields: usize,
 }
 
-const TYPES: &str = "mesh with CPE, CPS or CAX of 3, 4, 6 or 8 nodes, or with C3D4, C3D6, C3D8, C3D10, C3D15 or C3D20";
+const TYPES: &str = "only solid elements are read: remove the others from the file, or mesh with CPE, CPS or CAX of 3, 4, 6 or 8 \
+                     nodes, or with C3D4, C3D6, C3D8, C3D10, C3D15 or C3D20";
 
 impl Model {
     /// Takes a keyword with its data.
@@ -122,33 +123,37 @@ impl Model {
             self.variants.push(name);
         }
         let set = keyword.set("ELSET");
-        let mut fields = data
-            .iter()
-            .flat_map(|row| row.fields.iter().filter(|field| !field.is_empty()).map(move |field| (row, *field)));
-        while let Some((row, first)) = fields.next() {
+        let mut rows = data.iter();
+        while let Some(row) = rows.next() {
             let damaged = |message: String| {
-                keyword.error_at(
-                    row,
-                    message,
-                    "give the number of the element and its nodes, 9 and more also in several lines",
-                )
+                let help = "give in a line the number of an element and its nodes, 9 and more also in several lines; TYPE= says how \
+                            many it has";
+                keyword.error_at(row, message, help)
             };
+            let mut fields = row.words();
+            let Some(first) = fields.next() else { continue };
             let Ok(number) = first.parse::<usize>() else {
                 return Err(damaged(format!(
                     "*ELEMENT: the number of an element was expected, but there is `{first}`"
                 )));
             };
-            let mut nodes = Vec::new();
-            for (_, field) in fields.by_ref().take(kind.nodes()) {
-                let node = field.parse().ok().and_then(|node: usize| self.nodes.get(&node));
-                let absent =
-                    || damaged(format!("element {number} names the node {field}, which no *NODE before it has"));
-                nodes.push(*node.ok_or_else(absent)?);
+            let mut words: Vec<&str> = fields.collect();
+            // Rows follow until the element is complete.
+            while words.len() < kind.nodes() {
+                let Some(more) = rows.next() else { break };
+                words.extend(more.words());
             }
-            if nodes.len() < kind.nodes() {
+            if words.len() != kind.nodes() {
                 let message =
-                    format!("element {number} has {} nodes, but a {} has {}", nodes.len(), kind.name(), kind.nodes());
+                    format!("element {number} has {} nodes, but a {} has {}", words.len(), kind.name(), kind.nodes());
                 return Err(damaged(message));
+            }
+            let mut nodes = Vec::with_capacity(kind.nodes());
+            for word in words {
+                let node = word.parse().ok().and_then(|node: usize| self.nodes.get(&node));
+                let absent =
+                    || damaged(format!("element {number} names the node {word}, which no *NODE before it has"));
+                nodes.push(*node.ok_or_else(absent)?);
             }
             if self.element_indices.insert(number, self.elements.len()).is_some() {
                 return Err(damaged(format!("the element {number} is there twice")));
@@ -234,8 +239,8 @@ impl Model {
         let many = || MeshFormatError {
             file: name.to_string(),
             place: Place::Line(1),
-            message: "the sets of the file have far more members than the file has numbers".to_string(),
-            help: "define fewer sets".to_string(),
+            message: "the sets of the file have names and members that are far longer than the file".to_string(),
+            help: "define fewer sets, or give them shorter names".to_string(),
         };
         self.remark();
         let mut left = most(self.fields) + 16 * self.elements.len();
@@ -263,7 +268,8 @@ impl Model {
     }
 
     /// Returns the names of the groups of each element: the sets of `*SOLID SECTION` or, without any, all sets; for
-    /// plane elements beside solid ones all sets. `None` if there are more than are `left`.
+    /// plane elements beside solid ones all sets. `None` if there are more than are `left`, where a long name counts
+    /// several times: each element has a copy of it.
     fn groups(&self, dimension: usize, left: &mut usize) -> Option<Vec<Vec<String>>> {
         let sections: HashSet<&str> = self.sections.iter().map(|(name, _)| name.as_str()).collect();
         let mut groups = vec![Vec::new(); self.elements.len()];
@@ -271,7 +277,7 @@ impl Model {
             let of_section = sections.is_empty() || sections.contains(name.as_str());
             for e in self.element_sets.indices(name, &self.element_indices) {
                 if of_section || self.elements[e].kind.dimension() < dimension {
-                    *left = left.checked_sub(1)?;
+                    *left = left.checked_sub(1 + name.len() / 16)?;
                     groups[e].push(name.clone());
                 }
             }

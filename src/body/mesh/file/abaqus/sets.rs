@@ -65,7 +65,7 @@ impl Sets {
     ) -> Result<(), MeshFormatError> {
         let mut members = Vec::new();
         for row in data {
-            let fields = row.fields.iter().copied().filter(|field| !field.is_empty());
+            let fields = row.words();
             if keyword.value("GENERATE").is_some() {
                 let numbers: Option<Vec<usize>> = fields.map(|field| field.parse().ok()).collect();
                 members.push(match numbers.as_deref() {
