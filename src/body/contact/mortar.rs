@@ -22,6 +22,7 @@ mod search;
 mod segment;
 mod side;
 mod supports;
+mod surface;
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -1,0 +1,157 @@
+//! The normals of the surface on which the nodes of a boundary lie.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::algebra::elimination::solve;
+use crate::algebra::vector::{across, cross, dot, minus, norm, plus, unit};
+use crate::body::mesh::{Boundary, Mesh};
+
+/// The least cosine of the angle, 44°, between facets of one smooth surface; beyond it is an edge of the body.
+const SMOOTH: f64 = 0.7193;
+
+/// A node between two others belongs to a straight edge if it is off by less than this share of it.
+const STRAIGHT: f64 = 1e-6;
+
+/// A surface that turns by less than this along an edge is flat: coordinates are rounded.
+const FLAT: f64 = 1e-9;
+
+/// The weight of the curvatures beside that of the points, so that the curvature is 0 where points do not tell it.
+const UNKNOWN: f64 = 1e-8;
+
+/// The number of points around a node that determine three curvatures and two slopes with one to spare.
+const ENOUGH: usize = 6;
+
+/// The normal and the curvatures of a surface in a node are those of the quadric that fits the nodes around it best,
+///
+/// ```text
+/// n · (x_k - x) = -½ κ(x_k - x, x_k - x),
+/// ```
+///
+/// where κ has three unknown components and n two (Cazals and Pouget 2005). The square of the distance is that in
+/// space, so that the result is exact on spheres; in two dimensions it is the circle through three nodes. Nodes beyond
+/// an edge of the body do not count. Where the nodes of the facets around a node are on one side only, those of the
+/// next facets count, too.
+pub(super) struct Surface<'a> {
+    mesh: &'a Mesh,
+    /// The corners of each facet; none if it is curved.
+    corners: Vec<Vec<usize>>,
+    /// The unit normal of each facet.
+    normals: Vec<[f64; 3]>,
+    /// The facets of each node.
+    around: BTreeMap<usize, Vec<usize>>,
+}
+
+impl<'a> Surface<'a> {
+    pub(super) fn new(mesh: &'a Mesh, boundary: &Boundary) -> Self {
+        let straight = |[a, m, b]: [usize; 3]| {
+            let [a, m, b] = [a, m, b].map(|node| mesh.nodes[node]);
+            let middle = [0, 1, 2].map(|c| 0.5 * (a[c] + b[c]));
+            norm(minus(m, middle)) < STRAIGHT * norm(minus(b, a))
+        };
+        let corners = |facet: &Vec<usize>| match mesh.is_quadratic(facet) {
+            true if mesh.bent_edges(facet).into_iter().all(straight) => facet.iter().step_by(2).copied().collect(),
+            true => Vec::new(),
+            false => facet.clone(),
+        };
+        let corners: Vec<Vec<usize>> = boundary.facets.iter().map(corners).collect();
+        let mut around = BTreeMap::<usize, Vec<usize>>::new();
+        for (f, corners) in corners.iter().enumerate() {
+            for &node in corners {
+                around.entry(node).or_default().push(f);
+            }
+        }
+        let normals = boundary.facets.iter().map(|facet| unit(mesh.area_vector(facet))).collect();
+        Surface { mesh, corners, normals, around }
+    }
+
+    /// Returns the corners of facet `f`; none if it follows the surface.
+    pub(super) fn corners(&self, f: usize) -> &[usize] {
+        &self.corners[f]
+    }
+
+    /// Returns the unit normal of the surface of facet `f` in its corner `node`.
+    pub(super) fn normal(&self, node: usize, f: usize) -> [f64; 3] {
+        let fan = self.fan(node, f);
+        let mut points = self.points(node, &fan);
+        let enough = if self.mesh.dimension == 2 { 2 } else { ENOUGH };
+        if points.len() < enough || !self.is_closed(node, &fan) {
+            let next = |&f: &usize| self.corners[f].iter().flat_map(move |&corner| self.fan(corner, f));
+            points = self.points(node, &fan.iter().flat_map(next).collect());
+        }
+        let mean = unit(fan.iter().fold([0.0; 3], |sum, &f| plus(sum, 1.0, self.normals[f])));
+        let apart: Vec<[f64; 3]> = points.iter().map(|&k| minus(self.mesh.nodes[k], self.mesh.nodes[node])).collect();
+        fitted(mean, &apart).unwrap_or(mean)
+    }
+
+    /// Returns the parts `-n_i · (x_j - x_i)` and `n_j · (x_j - x_i)` of the turn of the normals `n` along an edge, m.
+    pub(super) fn turns(&self, nodes: [usize; 2], n: [[f64; 3]; 2]) -> [f64; 2] {
+        let apart = minus(self.mesh.nodes[nodes[1]], self.mesh.nodes[nodes[0]]);
+        let rounding = FLAT * norm(apart);
+        [-dot(n[0], apart), dot(n[1], apart)].map(|turn| if turn.abs() > rounding { turn } else { 0.0 })
+    }
+
+    /// Returns the facets at `node` that belong to the same smooth surface as facet `f`.
+    fn fan(&self, node: usize, f: usize) -> BTreeSet<usize> {
+        let (mut fan, mut next) = (BTreeSet::from([f]), vec![f]);
+        while let Some(f) = next.pop() {
+            for &g in &self.around[&node] {
+                if !fan.contains(&g) && self.continues(f, g) {
+                    fan.insert(g);
+                    next.push(g);
+                }
+            }
+        }
+        fan
+    }
+
+    /// Returns `true` if two facets share an edge, in two dimensions a node, across which the surface is smooth.
+    fn continues(&self, f: usize, g: usize) -> bool {
+        let shared = self.corners[f].iter().filter(|node| self.corners[g].contains(node)).count();
+        shared + 1 >= self.mesh.dimension && dot(self.normals[f], self.normals[g]) > SMOOTH
+    }
+
+    /// Returns `true` if facets are all around `node`: none of their edges there belongs to one of them only.
+    fn is_closed(&self, node: usize, fan: &BTreeSet<usize>) -> bool {
+        if self.mesh.dimension == 2 {
+            return fan.len() == 2;
+        }
+        let mut ends = BTreeMap::<usize, usize>::new();
+        for corners in fan.iter().map(|&f| &self.corners[f]) {
+            let (count, place) = (corners.len(), corners.iter().position(|&corner| corner == node).unwrap_or(0));
+            for beside in [place + 1, place + count - 1] {
+                *ends.entry(corners[beside % count]).or_default() += 1;
+            }
+        }
+        ends.values().all(|&count| count > 1)
+    }
+
+    /// Returns the corners of `facets` without `node`.
+    fn points(&self, node: usize, facets: &BTreeSet<usize>) -> BTreeSet<usize> {
+        facets.iter().flat_map(|&f| &self.corners[f]).copied().filter(|&corner| corner != node).collect()
+    }
+}
+
+/// Fits the quadric to the points at the distances `apart` (m) from a node; returns its normal there. `about` is a unit
+/// vector near the normal.
+fn fitted(about: [f64; 3], apart: &[[f64; 3]]) -> Option<[f64; 3]> {
+    let first = unit(across(*apart.first()?, about));
+    let axes = [first, cross(about, first)];
+    let mean = apart.iter().map(|x| norm(*x)).sum::<f64>() / apart.len() as f64;
+    let mut rows = [[0.0; 6]; 5];
+    for x in apart {
+        let length = norm(*x);
+        let [u, v] = axes.map(|axis| dot(axis, *x) / length);
+        let half = 0.5 * length / mean / (u * u + v * v);
+        let terms = [u, v, half * u * u, 2.0 * half * u * v, half * v * v, dot(about, *x) / length];
+        for (row, a) in rows.iter_mut().zip(terms) {
+            row.iter_mut().zip(terms).for_each(|(sum, b)| *sum += a * b / apart.len() as f64);
+        }
+    }
+    for (k, row) in rows.iter_mut().enumerate() {
+        // In two dimensions nothing is aside.
+        row[k] += if k > 1 { UNKNOWN } else { f64::from(u8::from(row[k] == 0.0)) };
+    }
+    solve(&mut rows)?;
+    let normal = unit((0..2).fold(about, |n, k| plus(n, -rows[k][5], axes[k])));
+    normal.iter().all(|c| c.is_finite()).then_some(normal)
+}
