@@ -49,6 +49,8 @@ fn uneven(t: f64, by: f64) -> f64 {
 
 /// A body between two radii, with `n` facets around.
 fn part(shape: Shape, cells: Cells, [from, to]: [f64; 2], n: usize, by: f64) -> Mesh {
+    // Nodes between corners are in the middle of arcs, as those of meshers.
+    let by = if cells == Cells::SecondOrder { 0.0 } else { by };
     let across = if from < RADII[1] - 0.01 { 3 } else { 4 };
     let grid = match shape {
         Shape::Rings | Shape::Section => block(&[1.0, 1.0], &[across, n]),
@@ -128,6 +130,12 @@ fn exact(shape: Shape) -> f64 {
     YOUNG * INTERFERENCE / (r * stiff)
 }
 
+/// The largest error of the gaps that are measured, relative to the interference.
+fn gap_error(shape: Shape, cells: Cells, n: [usize; 2], inner_is_slave: bool) -> f64 {
+    let model = Model::build(&pressed(shape, cells, n, FirstGap::Curved, inner_is_slave)).unwrap();
+    model.pairs[0].gaps.iter().map(|gap| (gap / -INTERFERENCE - 1.0).abs()).fold(0.0, f64::max)
+}
+
 /// The errors of the mean pressure, and of the pressure that is furthest off.
 fn errors(shape: Shape, cells: Cells, n: [usize; 2], gap: FirstGap, inner_is_slave: bool) -> [f64; 2] {
     let model = Model::build(&pressed(shape, cells, n, gap, inner_is_slave)).unwrap();
@@ -149,7 +157,109 @@ fn table(shape: Shape, cells: Cells, meshes: &[[usize; 2]]) {
             let orders = [0, 1].map(|k| order(&elements, &all.iter().map(|errors| errors[k]).collect::<Vec<_>>()));
             println!("{shape:?} {cells:?} {meshes:?} inner {inner_is_slave} {gap:?}: {all:.4?}, orders {orders:.1?}");
             if inner_is_slave {
-                println!("{:?}", faceted(&pressed(shape, cells, meshes[meshes.len() - 1], gap.clone(), true)));
+                let gaps = meshes.iter().map(|&n| gap_error(shape, cells, n, true)).collect::<Vec<_>>();
+                println!(
+                    "gaps {gaps:.5?} {:?}",
+                    faceted(&pressed(shape, cells, meshes[meshes.len() - 1], gap.clone(), true))
+                );
+            }
+        }
+    }
+}
+
+const ALL: [(Shape, [[usize; 2]; 2]); 4] = [
+    (Shape::Rings, [[8, 6], [16, 12]]),
+    (Shape::Section, [[8, 6], [16, 12]]),
+    (Shape::Tubes, [[8, 6], [12, 10]]),
+    (Shape::Balls, [[4, 3], [6, 5]]),
+];
+
+/// Facets make pressures of a multiple of the right one. Between curved surfaces they are right, and the warning that
+/// names the cure is gone with it.
+#[test]
+fn fits_of_facets_that_do_not_match() {
+    for (shape, meshes) in ALL {
+        for inner_is_slave in [true, false] {
+            let of = |n, gap| errors(shape, Cells::Blocks, n, gap, inner_is_slave);
+            assert!(of(meshes[1], FirstGap::Measured)[0] > 1.0, "{shape:?}");
+            let [coarse, fine] = meshes.map(|n| {
+                let (curved, given) = (of(n, FirstGap::Curved), of(n, FirstGap::Uniform(-INTERFERENCE)));
+                println!("{shape:?} {n:?} {inner_is_slave}: curved {curved:.4?}, given {given:.4?}");
+                (curved[0] - given[0], curved)
+            });
+            assert!(fine.1[0].abs() < 0.03 && fine.1[1].abs() < 0.1, "{shape:?}: {fine:?}");
+            assert!(fine.0.abs() < 0.003 && fine.0.abs() < coarse.0.abs().max(1e-4), "{shape:?}: {coarse:?} {fine:?}");
+        }
+        let told = |gap| faceted(&pressed(shape, Cells::Blocks, meshes[1], gap, true));
+        assert!(told(FirstGap::Measured).unwrap().contains("contact[0].gap = \"curved\""), "{shape:?}");
+        assert_eq!(told(FirstGap::Curved), None, "{shape:?}");
+    }
+}
+
+/// Gaps between circles, balls and tubes are exact to the square of the angle of a facet, also at planes of symmetry.
+#[test]
+fn gaps_of_curved_surfaces() {
+    for (shape, meshes) in ALL {
+        for cells in [Cells::Blocks, Cells::Simplices, Cells::Straight] {
+            for inner_is_slave in [true, false] {
+                let error = gap_error(shape, cells, meshes[1], inner_is_slave);
+                println!("{shape:?} {cells:?} {inner_is_slave}: {error:.5}");
+                assert!(error < 0.05, "{shape:?} {cells:?} {inner_is_slave}: {error}");
+            }
+        }
+    }
+}
+
+/// Flat boundaries, and those of second order on the surface, keep their measured gaps to the last bit.
+#[test]
+fn gaps_without_bulges() {
+    let gaps = |body: &Description| Model::build(body).unwrap().pairs[0].gaps.clone();
+    for shape in [Shape::Rings, Shape::Balls] {
+        let of = |gap| gaps(&pressed(shape, Cells::SecondOrder, [4, 3], gap, true));
+        assert_eq!(of(FirstGap::Measured), of(FirstGap::Curved));
+    }
+    for turned in [0.0, 0.3_f64] {
+        let of = |gap| {
+            let turn = |mesh| {
+                moved(mesh, |[x, y, z]: [f64; 3]| {
+                    [x, turned.cos() * y - turned.sin() * z, turned.sin() * y + turned.cos() * z]
+                })
+            };
+            let lower = moved(block(&[1.0, 1.0, 0.5], &[3, 3, 1]), |[x, y, z]| [x, y, z - 0.5 + 1e-3 * (1.0 - x)]);
+            let upper = block(&[1.0, 1.0, 0.5], &[4, 5, 1]);
+            let mesh = MeshSource::Bodies(vec![Body::new("lower", turn(lower)), Body::new("upper", turn(upper))]);
+            let against = Opposite { gap, ..Opposite::from("lower:top") };
+            Description::new(mesh, Material::new(YOUNG, NU), vec![1.0])
+                .pair("upper:bottom", 0.0, against)
+                .support("lower:bottom", &[Axis::X, Axis::Y, Axis::Z])
+                .support("upper:top", &[Axis::X, Axis::Y, Axis::Z])
+        };
+        assert_eq!(gaps(&of(FirstGap::Measured)), gaps(&of(FirstGap::Curved)), "{turned}");
+    }
+}
+
+/// A flat that ends in a chamfer or in a rounding stays flat.
+#[test]
+fn flats_beside_edges_and_curves() {
+    for rounded in [false, true] {
+        let lower = moved(block(&[1.0, 0.5], &[20, 4]), |[x, y, z]| {
+            let beyond = (x - 0.7).max(0.0);
+            let down = if rounded { 0.5 - (0.25 - beyond * beyond).sqrt() } else { beyond };
+            [x, y * (1.0 - 2.0 * down), z]
+        });
+        let mesh = MeshSource::Bodies(vec![
+            Body::new("lower", lower),
+            Body::new("upper", block(&[1.0, 0.5], &[13, 4])).at([0.0, 0.5]),
+        ]);
+        let body = Description::new(mesh, Material::new(YOUNG, NU), vec![1.0])
+            .pair("lower:top", 0.0, Opposite::from("upper:bottom").within(0.4).curved())
+            .support("upper:top", &[Axis::X, Axis::Y])
+            .support("lower:bottom", &[Axis::X, Axis::Y]);
+        let model = Model::build(&body).unwrap();
+        for (row, gap) in model.pairs[0].mortar.rows.iter().zip(&model.pairs[0].gaps) {
+            let x = model.mesh.nodes[row.node][0];
+            if x < 0.69 {
+                assert!(*gap == row.gap, "{rounded} {x}: {gap}");
             }
         }
     }
@@ -159,7 +269,8 @@ fn table(shape: Shape, cells: Cells, meshes: &[[usize; 2]]) {
 fn pin(cells: Cells, n: [usize; 2], gap: FirstGap, inner_is_slave: bool) -> Description {
     let ring = |radii: [f64; 2], n: usize, down: f64| {
         let place = move |[s, t, _]: [f64; 3]| {
-            let (r, angle) = (radii[0] + s * (radii[1] - radii[0]), PI * (uneven(t, 0.1) - 0.5));
+            let by = if cells == Cells::SecondOrder { 0.0 } else { 0.1 };
+            let (r, angle) = (radii[0] + s * (radii[1] - radii[0]), PI * (uneven(t, by) - 0.5));
             [if t == 0.0 || t == 1.0 { 0.0 } else { r * angle.cos() }, r * angle.sin() - down, 0.0]
         };
         let grid = block(&[1.0, 1.0], &[4, n]);
@@ -204,6 +315,20 @@ fn pressed_pin(cells: Cells, n: [usize; 2], gap: FirstGap, inner_is_slave: bool)
 fn faceted(body: &Description) -> Option<String> {
     let report = whole::report(body, Method::BN, LinearAlgebra::Whole(SparseLu::default()));
     report.warnings.into_iter().find(|warning| warning.kind == WarningKind::FacetedGaps).map(|warning| warning.message)
+}
+
+/// A pin in a bore with a clearance far below the bulge of its facets: the pressure is that on second order.
+#[test]
+fn pins_with_clearance() {
+    for inner_is_slave in [true, false] {
+        let (fine, _) = pressed_pin(Cells::SecondOrder, [48, 36], FirstGap::Measured, inner_is_slave);
+        let (curved, told) = pressed_pin(Cells::Blocks, [24, 18], FirstGap::Curved, inner_is_slave);
+        println!("{inner_is_slave}: {fine:?} {curved:?}");
+        assert!((curved[0] / fine[0] - 1.0).abs() < 0.05 && (curved[1] / fine[1] - 1.0).abs() < 0.1);
+        assert_eq!(told, None);
+        let (measured, told) = pressed_pin(Cells::Blocks, [24, 18], FirstGap::Measured, inner_is_slave);
+        assert!(measured[0] > 1.5 * fine[0] && told.unwrap().contains("\"curved\""), "{measured:?}");
+    }
 }
 
 #[test]

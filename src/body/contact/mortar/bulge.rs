@@ -11,7 +11,9 @@
 //! convex, `l² / 8 R` in the middle of an edge, and exact on circles and spheres, along their normal. The cosine of the
 //! angle between that and ν is `n · ν / √(1 - 2 κ c)`. The normals are those of [`Surface`].
 
-use super::facet::Values;
+use std::collections::BTreeMap;
+
+use super::facet::{MOST, Values};
 use super::surface::Surface;
 use crate::algebra::vector::{dot, minus, unit};
 use crate::body::mesh::{Boundary, Mesh};
@@ -50,9 +52,15 @@ impl Bulges {
             return Bulges(Vec::new());
         }
         let surface = Surface::new(mesh, boundary);
+        let mut known = BTreeMap::new();
         let of_facet = |(f, facet): (usize, &Vec<usize>)| {
             let corners = surface.corners(f);
-            let normals: Vec<[f64; 3]> = corners.iter().map(|&node| surface.normal(node, f)).collect();
+            let normal = |&node: &usize| {
+                let fan = surface.fan(node, f);
+                let first = fan.first().copied().unwrap_or(f);
+                *known.entry((node, first)).or_insert_with(|| surface.normal(node, &fan))
+            };
+            let normals: Vec<[f64; 3]> = corners.iter().map(normal).collect();
             let pairs = (0..corners.len()).flat_map(|i| (i + 1..corners.len()).map(move |j| [i, j]));
             let turn =
                 |pair: [usize; 2]| (pair, limited(surface.turns(pair.map(|k| corners[k]), pair.map(|k| normals[k]))));
@@ -86,7 +94,7 @@ fn on_corners(mesh: &Mesh, facet: &[usize], shape: &Values) -> Values {
     if !mesh.is_quadratic(facet) {
         return *shape;
     }
-    let mut linear = [0.0; super::facet::MOST];
+    let mut linear = [0.0; MOST];
     for (k, n) in shape.iter().enumerate().take(facet.len()) {
         if k % 2 == 0 {
             linear[k / 2] += n;
@@ -105,49 +113,4 @@ fn limited([a, b]: [f64; 2]) -> f64 {
     }
     let most = (1.0 + LIMIT) * a.abs().min(b.abs());
     (a + b).clamp(-most, most)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::algebra::vector::norm;
-    use crate::body::mesh::block;
-    use std::f64::consts::FRAC_PI_2;
-
-    /// The largest relative error of the bulge at the middle of each facet of `boundary`, whose distance from the surface is known.
-    fn error(mesh: &Mesh, boundary: &str, distance: impl Fn([f64; 3]) -> f64) -> f64 {
-        let boundary = mesh.boundary(boundary).unwrap();
-        let bulges = Bulges::new(mesh, boundary);
-        let of_facet = |(f, facet): (usize, &Vec<usize>)| {
-            let mut shape = [0.0; 8];
-            shape[..facet.len()].fill(1.0 / facet.len() as f64);
-            let points = mesh.points(facet);
-            let middle = [0, 1, 2].map(|c| points.iter().map(|x| x[c]).sum::<f64>() / points.len() as f64);
-            (bulges.at(mesh, f, facet, &shape).distance / distance(middle) - 1.0).abs()
-        };
-        boundary.facets.iter().enumerate().map(of_facet).fold(0.0, f64::max)
-    }
-
-    /// A quarter of a ring of radius 1 with `n` facets of sizes that alternate by `uneven`.
-    fn ring(n: usize, uneven: f64, radii: [f64; 2]) -> Mesh {
-        let mut mesh = block(&[1.0, 1.0], &[1, n]);
-        for x in &mut mesh.nodes {
-            let t = x[1] + uneven * (7.0 * x[1] * n as f64).sin() * (x[1] * (1.0 - x[1])).min(1.0 / n as f64);
-            let (r, angle) = (radii[0] + x[0] * (radii[1] - radii[0]), FRAC_PI_2 * t);
-            *x = [r * angle.cos(), r * angle.sin(), 0.0];
-        }
-        mesh
-    }
-
-    /// On circles, also at their ends and between facets of different sizes.
-    #[test]
-    fn of_circles() {
-        for n in [3, 4, 8, 16] {
-            for uneven in [0.0, 0.3] {
-                let outer = error(&ring(n, uneven, [0.5, 1.0]), "right", |x| 1.0 - norm(x));
-                let inner = error(&ring(n, uneven, [1.0, 1.5]), "left", |x| norm(x) - 1.0);
-                assert!(outer < 1e-6 && inner < 1e-6, "{n} {uneven}: {outer:e} {inner:e}");
-            }
-        }
-    }
 }

@@ -16,7 +16,10 @@ const STRAIGHT: f64 = 1e-6;
 const FLAT: f64 = 1e-9;
 
 /// The weight of the curvatures beside that of the points, so that the curvature is 0 where points do not tell it.
-const UNKNOWN: f64 = 1e-8;
+const UNKNOWN: f64 = 1e-7;
+
+/// The largest number of fits after the first. Each makes the error at least ten times smaller between facets that turn by 20°.
+const MOST_FITS: usize = 10;
 
 /// The number of points around a node that determine three curvatures and two slopes with one to spare.
 const ENOUGH: usize = 6;
@@ -27,10 +30,10 @@ const ENOUGH: usize = 6;
 /// n · (x_k - x) = -½ κ(x_k - x, x_k - x),
 /// ```
 ///
-/// where κ has three unknown components and n two (Cazals and Pouget 2005). The square of the distance is that in
-/// space, so that the result is exact on spheres; in two dimensions it is the circle through three nodes. Nodes beyond
-/// an edge of the body do not count. Where the nodes of the facets around a node are on one side only, those of the
-/// next facets count, too.
+/// where n has two unknown components and κ three along the surface (Cazals and Pouget 2005). Across the surface κ is
+/// the larger of the principal curvatures, so that the result is exact on spheres and cylinders; in two dimensions it
+/// is the circle through three nodes. Nodes beyond an edge of the body do not count. Where the nodes of the facets
+/// around a node are on one side only, those of the next facets count, too.
 pub(super) struct Surface<'a> {
     mesh: &'a Mesh,
     /// The corners of each facet; none if it is curved.
@@ -69,12 +72,11 @@ impl<'a> Surface<'a> {
         &self.corners[f]
     }
 
-    /// Returns the unit normal of the surface of facet `f` in its corner `node`.
-    pub(super) fn normal(&self, node: usize, f: usize) -> [f64; 3] {
-        let fan = self.fan(node, f);
-        let mut points = self.points(node, &fan);
+    /// Returns the unit normal in `node` of the surface of the facets `fan`, see [`Surface::fan`].
+    pub(super) fn normal(&self, node: usize, fan: &BTreeSet<usize>) -> [f64; 3] {
+        let mut points = self.points(node, fan);
         let enough = if self.mesh.dimension == 2 { 2 } else { ENOUGH };
-        if points.len() < enough || !self.is_closed(node, &fan) {
+        if points.len() < enough || !self.is_closed(node, fan) {
             let next = |&f: &usize| self.corners[f].iter().flat_map(move |&corner| self.fan(corner, f));
             points = self.points(node, &fan.iter().flat_map(next).collect());
         }
@@ -91,7 +93,7 @@ impl<'a> Surface<'a> {
     }
 
     /// Returns the facets at `node` that belong to the same smooth surface as facet `f`.
-    fn fan(&self, node: usize, f: usize) -> BTreeSet<usize> {
+    pub(super) fn fan(&self, node: usize, f: usize) -> BTreeSet<usize> {
         let (mut fan, mut next) = (BTreeSet::from([f]), vec![f]);
         while let Some(f) = next.pop() {
             for &g in &self.around[&node] {
@@ -134,15 +136,39 @@ impl<'a> Surface<'a> {
 /// Fits the quadric to the points at the distances `apart` (m) from a node; returns its normal there. `about` is a unit
 /// vector near the normal.
 fn fitted(about: [f64; 3], apart: &[[f64; 3]]) -> Option<[f64; 3]> {
+    let mut found = fit(about, apart, None)?;
+    let mut last = f64::INFINITY;
+    for _ in 0..MOST_FITS {
+        let next = fit(found.normal, apart, Some(found.across))?;
+        let step = norm(minus(next.normal, found.normal));
+        if step >= last {
+            break;
+        }
+        (found, last) = (next, step);
+    }
+    Some(found.normal)
+}
+
+/// A quadric in a node.
+struct Fit {
+    normal: [f64; 3],
+    /// The curvature across the surface times the mean distance of the points.
+    across: f64,
+}
+
+/// Fits the quadric with the curvature `across` that of the fit before. Without one, the square of the distance takes
+/// its place, which is exact on spheres.
+fn fit(about: [f64; 3], apart: &[[f64; 3]], across_surface: Option<f64>) -> Option<Fit> {
     let first = unit(across(*apart.first()?, about));
     let axes = [first, cross(about, first)];
     let mean = apart.iter().map(|x| norm(*x)).sum::<f64>() / apart.len() as f64;
     let mut rows = [[0.0; 6]; 5];
     for x in apart {
         let length = norm(*x);
-        let [u, v] = axes.map(|axis| dot(axis, *x) / length);
-        let half = 0.5 * length / mean / (u * u + v * v);
-        let terms = [u, v, half * u * u, 2.0 * half * u * v, half * v * v, dot(about, *x) / length];
+        let ([u, v], w) = (axes.map(|axis| dot(axis, *x) / length), dot(about, *x) / length);
+        let half = 0.5 * length / mean;
+        let (along, beyond) = across_surface.map_or((half / (u * u + v * v), 0.0), |k| (half, half * k * w * w));
+        let terms = [u, v, along * u * u, 2.0 * along * u * v, along * v * v, w - beyond];
         for (row, a) in rows.iter_mut().zip(terms) {
             row.iter_mut().zip(terms).for_each(|(sum, b)| *sum += a * b / apart.len() as f64);
         }
@@ -152,6 +178,10 @@ fn fitted(about: [f64; 3], apart: &[[f64; 3]]) -> Option<[f64; 3]> {
         row[k] += if k > 1 { UNKNOWN } else { f64::from(u8::from(row[k] == 0.0)) };
     }
     solve(&mut rows)?;
-    let normal = unit((0..2).fold(about, |n, k| plus(n, -rows[k][5], axes[k])));
-    normal.iter().all(|c| c.is_finite()).then_some(normal)
+    let [a, b, first, twist, second] = rows.map(|row| row[5]);
+    let normal = unit(plus(plus(about, -a, axes[0]), -b, axes[1]));
+    let (mean, spread) = (0.5 * (first + second), (0.5 * (first - second)).hypot(twist));
+    // More than the curvature of a circle of six facets comes from scattered nodes.
+    let across = (mean + spread.copysign(mean)).clamp(-1.0, 1.0);
+    normal.iter().all(|c| c.is_finite()).then_some(Fit { normal, across })
 }
