@@ -15,8 +15,12 @@ const STRAIGHT: f64 = 1e-6;
 /// A surface that turns by less than this along an edge is flat: coordinates are rounded.
 const FLAT: f64 = 1e-9;
 
-/// The weight of the curvatures beside that of the points, so that the curvature is 0 where points do not tell it.
-const UNKNOWN: f64 = 1e-7;
+/// The weight of the curvatures in the first and in later fits in space, beside that of the points, so that curvatures
+/// are 0 where points do not tell them: along the axis of a tube of one facet in length.
+const IN_SPACE: [f64; 2] = [1e-3, 1e-5];
+
+/// That weight in two dimensions, where it is needed for one facet alone.
+const IN_PLANE: [f64; 2] = [1e-7; 2];
 
 /// The largest number of fits after the first. Each makes the error at least ten times smaller between facets that turn by 20°.
 const MOST_FITS: usize = 10;
@@ -82,7 +86,8 @@ impl<'a> Surface<'a> {
         }
         let mean = unit(fan.iter().fold([0.0; 3], |sum, &f| plus(sum, 1.0, self.normals[f])));
         let apart: Vec<[f64; 3]> = points.iter().map(|&k| minus(self.mesh.nodes[k], self.mesh.nodes[node])).collect();
-        fitted(mean, &apart).unwrap_or(mean)
+        let unknown = if self.mesh.dimension == 2 { IN_PLANE } else { IN_SPACE };
+        fitted(mean, &apart, unknown).unwrap_or(mean)
     }
 
     /// Returns the parts `-n_i · (x_j - x_i)` and `n_j · (x_j - x_i)` of the turn of the normals `n` along an edge, m.
@@ -134,12 +139,12 @@ impl<'a> Surface<'a> {
 }
 
 /// Fits the quadric to the points at the distances `apart` (m) from a node; returns its normal there. `about` is a unit
-/// vector near the normal.
-fn fitted(about: [f64; 3], apart: &[[f64; 3]]) -> Option<[f64; 3]> {
-    let mut found = fit(about, apart, None)?;
+/// vector near the normal, `unknown` the weights of the curvatures in the first and in later fits.
+fn fitted(about: [f64; 3], apart: &[[f64; 3]], unknown: [f64; 2]) -> Option<[f64; 3]> {
+    let mut found = fit(about, apart, None, unknown[0])?;
     let mut last = f64::INFINITY;
     for _ in 0..MOST_FITS {
-        let next = fit(found.normal, apart, Some(found.across))?;
+        let next = fit(found.normal, apart, Some(found.across), unknown[1])?;
         let step = norm(minus(next.normal, found.normal));
         if step >= last {
             break;
@@ -158,7 +163,7 @@ struct Fit {
 
 /// Fits the quadric with the curvature `across` that of the fit before. Without one, the square of the distance takes
 /// its place, which is exact on spheres.
-fn fit(about: [f64; 3], apart: &[[f64; 3]], across_surface: Option<f64>) -> Option<Fit> {
+fn fit(about: [f64; 3], apart: &[[f64; 3]], across_surface: Option<f64>, unknown: f64) -> Option<Fit> {
     let first = unit(across(*apart.first()?, about));
     let axes = [first, cross(about, first)];
     let mean = apart.iter().map(|x| norm(*x)).sum::<f64>() / apart.len() as f64;
@@ -175,7 +180,7 @@ fn fit(about: [f64; 3], apart: &[[f64; 3]], across_surface: Option<f64>) -> Opti
     }
     for (k, row) in rows.iter_mut().enumerate() {
         // In two dimensions nothing is aside.
-        row[k] += if k > 1 { UNKNOWN } else { f64::from(u8::from(row[k] == 0.0)) };
+        row[k] += if k > 1 { unknown } else { f64::from(u8::from(row[k] == 0.0)) };
     }
     solve(&mut rows)?;
     let [a, b, first, twist, second] = rows.map(|row| row[5]);
