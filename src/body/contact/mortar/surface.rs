@@ -179,8 +179,13 @@ fn fit(about: [f64; 3], apart: &[[f64; 3]], across_surface: Option<f64>, unknown
         }
     }
     for (k, row) in rows.iter_mut().enumerate() {
-        // In two dimensions nothing is aside.
-        row[k] += if k > 1 { unknown } else { f64::from(u8::from(row[k] == 0.0)) };
+        row[k] += match k {
+            // In two dimensions nothing is aside.
+            0 | 1 => f64::from(u8::from(row[k] == 0.0)),
+            // The twist counts twice, so that the sum does not depend on the axes.
+            3 => 2.0 * unknown,
+            _ => unknown,
+        };
     }
     solve(&mut rows)?;
     let [a, b, first, twist, second] = rows.map(|row| row[5]);
