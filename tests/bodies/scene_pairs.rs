@@ -32,6 +32,16 @@ fn what_cannot_be_read_is_told_at_its_place() {
         ),
         (FRICTION, "friction = 0.2\ngap = 0\nadjust = 1e-6\n", "adjust =", "left out where gap says", "remove the key"),
         (FRICTION, "friction = 0.2\ngap = \"1 +\"\n", "gap =", "something is missing", "\"measured\""),
+        (FRICTION, "friction = 0.2\ngap = \"curve\"\n", "gap =", "curve", "\"curved\""),
+        (FRICTION, "glue = true\ngap = \"curved\"\n", "gap =", "left out where bodies are glued", "remove the key"),
+        (FRICTION, "friction = 0.2\ngap = \"curved\"\nadjust = -1\n", "adjust =", "0 or more", "a distance in m"),
+        (
+            "against = \"lower:top\"",
+            "obstacle = { kind = \"plane\" }\ngap = \"curved\"",
+            "gap =",
+            "a contact with an obstacle",
+            "remove",
+        ),
         (FRICTION, "friction = 0.2\ndirection = [0, 0]\n", "direction =", "a vector with a direction", "[0, -1]"),
     ];
     for &(from, to, marker, says, help) in cases {

@@ -5,6 +5,7 @@
 mod chains;
 mod contrast;
 mod covered;
+mod curved;
 mod cylinders;
 mod glue;
 mod judged;

@@ -41,7 +41,8 @@ pub fn coupled_nodes(
         };
         let first = if norm(first) > LEANS { unit(first) } else { first_tangent(normal) };
         let frame = [first, cross(normal, first)];
-        let facing = Facing { gap: gap(row), normal, tangents: frame, inward: normal };
+        let gap = gap(row);
+        let facing = Facing { gap, normal, tangents: frame, inward: normal };
         let nodes = |side: &[(usize, f64)], sign: f64| {
             side.iter().map(|&(node, c)| (node, mesh.nodes[node], sign * c)).collect::<Vec<_>>()
         };
@@ -51,7 +52,7 @@ pub fn coupled_nodes(
             relative: relative(row.node),
             tangent_left_out: false,
             beyond_the_end: row.is_beyond_the_end(),
-            bulge: row.bulge,
+            bulge: if gap == row.gap { row.bulge } else { 0.0 },
             still: row.still.clone(),
             slave,
             master,

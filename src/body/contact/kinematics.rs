@@ -83,7 +83,7 @@ pub struct Coupled {
     /// `true` if the node is beyond the end of the other side, see [`super::MortarRow::is_beyond_the_end`].
     pub beyond_the_end: bool,
     /// The reduction of the gap between the curved surfaces that the facets approximate, m; see
-    /// [`super::MortarRow::bulge`].
+    /// [`super::MortarRow::bulge`]. 0 if the gap is not that of the facets.
     pub bulge: f64,
     /// Orthonormal directions in which supports fix both sides.
     pub still: Vec<[f64; 3]>,

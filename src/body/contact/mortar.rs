@@ -22,6 +22,7 @@ mod search;
 mod segment;
 mod side;
 mod supports;
+mod surface;
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -155,8 +156,8 @@ impl Mortar {
         let mut sums = BTreeMap::<usize, Sum>::new();
         for (facet, cover) in slave.facets.iter().zip(&covers.facets) {
             for part in basis::parts(mesh, facet, cover, &lost) {
-                let along = (!mesh.is_quadratic(facet)).then_some(cover.normal);
-                sums.entry(part.node).or_default().add(mesh, &edges, along, part);
+                let turns = mesh.is_quadratic(facet);
+                sums.entry(part.node).or_default().add(mesh, &edges, (cover.normal, turns), part);
             }
             for (k, values) in cover.cross.iter().filter(|_| options.direction.is_none()) {
                 for (node, value) in facet.iter().zip(values) {
@@ -284,7 +285,10 @@ fn nodal(terms: Vec<(usize, f64)>, edges: &Edges) -> BTreeMap<usize, f64> {
 #[derive(Default)]
 struct Sum {
     weight: f64,
+    /// The sum of the bulges along the normals of facets of first order, m² or m³.
     bulge: f64,
+    /// The sum of the bulges of facets of second order, as vectors.
+    turned_bulge: [f64; 3],
     slave: BTreeMap<usize, f64>,
     master: BTreeMap<usize, f64>,
     /// The weighted sum of the normals of the master in front of the node.
@@ -295,7 +299,8 @@ struct Sum {
 }
 
 impl Sum {
-    fn add(&mut self, mesh: &Mesh, edges: &Edges, along: Option<[f64; 3]>, part: basis::FacetShare) {
+    /// Adds a part of a facet with this normal; `turns` if the normal of the node takes its place.
+    fn add(&mut self, mesh: &Mesh, edges: &Edges, (facing, turns): ([f64; 3], bool), part: basis::FacetShare) {
         let basis::FacetShare { node, weight, slave, master, bulge } = part;
         let [slave, master] = [slave, master].map(|terms| nodal(terms, edges));
         // Distances are taken from the node itself, so that coincident points contribute exactly 0.
@@ -303,9 +308,13 @@ impl Sum {
             let to = |other: usize| minus(mesh.nodes[other], mesh.nodes[node]);
             terms.iter().fold([0.0; 3], |sum, (&other, value)| plus(sum, value / weight, to(other)))
         };
-        self.gaps.push((weight, minus(mean(&master), mean(&slave)), along));
+        self.gaps.push((weight, minus(mean(&master), mean(&slave)), (!turns).then_some(facing)));
         self.weight += weight;
-        self.bulge += bulge;
+        if turns {
+            self.turned_bulge = plus(self.turned_bulge, bulge, facing);
+        } else {
+            self.bulge += bulge;
+        }
         for (sums, terms) in [(&mut self.slave, slave), (&mut self.master, master)] {
             for (node, value) in terms {
                 *sums.entry(node).or_default() += value;
@@ -315,7 +324,8 @@ impl Sum {
 
     /// Creates the row; coverage and supports are added later.
     fn row(self, node: usize, normal: [f64; 3]) -> MortarRow {
-        let Sum { weight, slave, master, gaps, bulge, .. } = self;
+        let Sum { weight, slave, master, gaps, .. } = self;
+        let bulge = self.bulge + dot(self.turned_bulge, normal);
         let gap = |(_, apart, along): &(f64, [f64; 3], Option<[f64; 3]>)| dot(*apart, along.unwrap_or(normal));
         // Only differences are averaged, so that the mean of equal gaps is exactly their value.
         let first = gaps.first().map_or(0.0, gap);

@@ -30,6 +30,8 @@ pub enum FirstGap {
     /// The gap of the mesh; overlaps are interference.
     #[default]
     Measured,
+    /// The gap between the curved surfaces that straight facets of both sides approximate.
+    Curved,
     /// A uniform gap, m; negative for interference.
     Uniform(f64),
     /// A formula of the position of the slave node, m.
@@ -76,6 +78,12 @@ impl Opposite {
         Opposite { gap: FirstGap::Uniform(gap), ..self }
     }
 
+    /// Uses the gaps between the curved surfaces that straight facets approximate.
+    #[must_use]
+    pub fn curved(self) -> Self {
+        Opposite { gap: FirstGap::Curved, ..self }
+    }
+
     /// Sets the largest distance (m) at which the two boundaries are paired.
     #[must_use]
     pub fn within(self, search: f64) -> Self {
@@ -107,7 +115,10 @@ impl Opposite {
             let message = format!("`{}` stands there twice", self.boundaries[twice]);
             return Err(InputError::new("against", message, "keep it once"));
         }
-        let measured = self.gap == FirstGap::Measured;
+        let curved = self.gap == FirstGap::Curved;
+        let help = "remove the key: gaps between glued bodies count as 0";
+        ensure(!(curved && self.glued), "gap", &"\"curved\"", "left out where bodies are glued", help)?;
+        let measured = curved || self.gap == FirstGap::Measured;
         ensure(
             measured || self.adjust == 0.0,
             "adjust",

@@ -232,11 +232,12 @@ fn pair(
     };
     let swapped = choice.is_some_and(|choice| choice.slave == 1);
     let (slave, master) = if swapped { (second, first) } else { (first, second) };
+    let adjusted = |gap: f64| if gap.abs() <= opposite.adjust { 0.0 } else { gap };
     let gap = |row: &MortarRow| -> Result<f64, InputError> {
         let place = mesh.nodes[row.node];
         let gap = match &opposite.gap {
-            FirstGap::Measured if row.gap.abs() <= opposite.adjust => 0.0,
-            FirstGap::Measured => row.gap,
+            FirstGap::Measured => adjusted(row.gap),
+            FirstGap::Curved => adjusted(row.gap - row.bulge),
             FirstGap::Uniform(gap) => *gap,
             FirstGap::Formula(formula) => formula.at(place),
         };
@@ -262,7 +263,7 @@ fn pair(
             let message =
                 format!("the bodies start {depth} inside each other at {place}, where one is {thickness} thick");
             let (place, help) = match opposite.gap {
-                FirstGap::Measured => ("against", "move a body out, or give the gap"),
+                FirstGap::Measured | FirstGap::Curved => ("against", "move a body out, or give the gap"),
                 _ => (
                     "gap",
                     "the gap is in the scene's unit of length, and negative where bodies overlap: give a smaller one",

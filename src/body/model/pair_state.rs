@@ -41,10 +41,6 @@ impl Model {
     /// Returns the error by facets for each pressed pair with measured gaps.
     pub fn faceted(&self, state: &State) -> Vec<Faceted> {
         let of_pair = |pair: usize| {
-            let rows = &self.pairs[pair].mortar.rows;
-            if rows.iter().all(|row| row.bulge == 0.0) || !self.pairs[pair].is_measured() {
-                return None;
-            }
             let (mut force, mut closed, mut bulges) = (0.0, 0.0, Vec::new());
             for (contact, p_n) in self.contacts.iter().zip(&state.p_n).filter(|(_, p_n)| **p_n > 0.0) {
                 let Some(coupled) = contact.coupled().filter(|coupled| coupled.pair == pair) else { continue };

@@ -414,8 +414,8 @@ fn faceted_gaps(model: &Model, faceted: &Faceted) -> String {
     let length = |x: f64| units.rounded(Quantity::Length, x, 3);
     format!(
         "the facets of `{}` and `{}` are chords of curved surfaces, which changes gaps by {} (median), {:.1} % of \
-         the {} that contact closes: pressures may be off by about {:.0} %, forces by less; give contact[{}].gap \
-         if it is known, or use elements of second order, or at least {:.0} times as many along the curve",
+         the {} that contact closes: pressures may be off by about {:.0} %, forces by less; set contact[{}].gap \
+         = \"curved\", or to the gap if it is known, or use elements of second order, or at least {:.0} times as many along the curve",
         pair.slave,
         pair.master.name,
         length(faceted.bulge),

@@ -28,7 +28,8 @@ pub(super) struct Cover {
     pub mass: [Values; MOST],
     /// `∫ Ñ_i Ñ_k dA` for each node k of the master, in ascending order.
     pub cross: Vec<(usize, Values)>,
-    /// `∫ Ñ_i b dA`, where b is the sum of the bulges of both surfaces towards each other, m; see [`Bulges`].
+    /// `∫ Ñ_i b dA`, where b is the sum of the bulges of both surfaces towards each other along the
+    /// normal of the facet, m; see [`Bulges`].
     pub bulge: Values,
 }
 
@@ -85,7 +86,11 @@ impl Covers {
                 }
                 covered += points.iter().map(|point| point.weight).sum::<f64>();
                 let sides = [&slave.facets[e], &master.facets[f]];
-                cover.add(mesh, sides, &bulges, &points, &mut covers.on_master[f]);
+                let bulge = |point: &Point| {
+                    let own = bulges[0].at(mesh, e, sides[0], &point.slave);
+                    (own.distance + bulges[1].at(mesh, f, sides[1], &point.master).distance) / own.cosine
+                };
+                cover.add(mesh, sides, &bulge, &points, &mut covers.on_master[f]);
                 covers.segments.push([e, f]);
                 covers.widen(mesh, facet, &points);
             }
@@ -127,14 +132,14 @@ impl Cover {
         &mut self,
         mesh: &Mesh,
         [facet, master]: [&Facet; 2],
-        bulges: &[Bulges; 2],
+        bulge: &dyn Fn(&Point) -> f64,
         points: &[Point],
         on_master: &mut Values,
     ) {
         let mut cross = [[0.0; MOST]; MOST];
         for point in points {
             let weight = point.weight * mesh.geometry.depth(position(mesh, facet, &point.slave));
-            let bulge = bulges[0].at(mesh, facet, &point.slave) + bulges[1].at(mesh, master, &point.master);
+            let bulge = bulge(point);
             let (slave, master) = (raised(mesh, facet, point.slave), raised(mesh, master, point.master));
             for (i, n) in slave.iter().enumerate() {
                 let share = weight * n;
