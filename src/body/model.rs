@@ -21,6 +21,7 @@ mod pair_state;
 mod place;
 mod range;
 mod recovery;
+mod rigid_contact;
 mod shared;
 mod sliding;
 mod stress;

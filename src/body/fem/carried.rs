@@ -92,11 +92,17 @@ impl Dofs {
 
     /// Returns `true` if one reference point carries all of `nodes`, which then cause no strain.
     pub fn are_rigid(&self, nodes: &[usize]) -> bool {
-        let point = |node: &usize| self.relative.get(node).and_then(|r| r.others.first()).map(|(other, _)| *other);
-        let first = nodes.first().and_then(point);
-        self.has_points()
-            && first.is_some_and(|first| first >= self.of_mesh)
-            && nodes.iter().all(|node| point(node) == first)
+        let first = nodes.first().and_then(|node| self.point_carrying(*node));
+        first.is_some() && nodes.iter().all(|node| self.point_carrying(*node) == first)
+    }
+
+    /// Returns the reference point that carries `node`, if one does.
+    pub fn point_carrying(&self, node: usize) -> Option<usize> {
+        if !self.has_points() {
+            return None;
+        }
+        let (other, _) = self.relative.get(&node)?.others.first()?;
+        other.checked_sub(self.of_mesh).map(|beyond| beyond / 2)
     }
 
     /// Returns the position of a node of the mesh or of a reference point, m.

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use super::carrying::Carrying;
 use super::find;
 use super::pair::Pairs;
+use super::rigid_contact::{determined, not_between_carried};
 use super::support::Moved;
 use crate::algebra::vector::{dot, plus};
 use crate::base::input_error::InputError;
@@ -66,12 +67,13 @@ impl Contacts {
         edges_are_alike(description, mesh, pairs)?;
         let body = ContactBody { description, mesh, dofs, rows, moved, pairs, carrying };
         for k in 0..description.contacts.len() {
-            not_carried(description, mesh, dofs, k)?;
+            not_between_carried(description, mesh, dofs, k)?;
             match pairs.of_contact(k) {
                 Some(pair) => contacts.add_pair(&body, k, pair)?,
                 None => contacts.add(&body, k)?,
             }
         }
+        determined(&contacts, description, dofs)?;
         Ok(contacts)
     }
 
@@ -230,24 +232,6 @@ impl Contacts {
         self.nodes[same] = ContactNode { others, weight, ..nearest.clone() };
         Ok(same)
     }
-}
-
-/// Fails if a reference point carries every node of the boundary of contact `k` in front of an obstacle, or of both sides: the
-/// contact forces at its nodes would not be determined.
-fn not_carried(description: &Description, mesh: &Mesh, dofs: &Dofs, k: usize) -> Result<(), InputError> {
-    let contact = &description.contacts[k];
-    let carried = |name: &String| mesh.boundary(name).is_some_and(|boundary| dofs.are_rigid(&boundary.nodes()));
-    let opposite = contact.opposite().map_or(&[][..], |opposite| &opposite.boundaries);
-    if !carried(&contact.boundary) || !opposite.iter().all(carried) {
-        return Ok(());
-    }
-    let message = match opposite {
-        [] => format!("`{}` is rigid by a coupling, and so is the obstacle", contact.boundary),
-        _ => format!("`{}` and the boundary against it are rigid by couplings", contact.boundary),
-    };
-    let help =
-        "contact forces between rigid parts are not determined: couple another boundary, or let one part be elastic";
-    Err(InputError::new(format!("contact[{k}].boundary"), message, help))
 }
 
 /// Fails for a friction history without friction.
