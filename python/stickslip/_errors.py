@@ -12,8 +12,8 @@ if TYPE_CHECKING:
 _WORDS = (
     (r"`stickslip init \w+` shows (the form of every value|a complete scene)", "help(stickslip.builder) shows a complete scene"),
     (r"[;,] `stickslip check` (tells|shows) [^;.]*", ""),
-    (r"; `stickslip run --companion` estimates it better, by a second run", ""),
-    (r", or estimate it with `stickslip run --companion`", ""),
+    (r"`stickslip run --companion`", "run(companion=True)"),
+    (r" \(with --set\)", " (with overrides)"),
 )
 
 
@@ -31,11 +31,25 @@ class StickslipError(Exception):
 class SceneError(StickslipError, ValueError):
     """A scene that is not sound.
 
-    Attributes:
-        message: what is wrong.
-        file, line: where, in the text that was read; None for a dictionary or a `Scene`.
-        key: the path of what is wrong, such as ``contact[0].friction``.
-        help: what mends it.
+    Attributes
+    ----------
+    message : str
+        What is wrong.
+    file, line : str, int or None
+        Where, in the text that was read; None for a dictionary or a `Scene`.
+    key : str or None
+        The path of what is wrong, such as ``contact[0].friction``.
+    help : str
+        What mends it.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> try:
+    ...     ss.run(ss.Scene.example("block"), {"contact.friction": -0.3})
+    ... except ss.SceneError as error:
+    ...     print(error.key)
+    contact[0].friction
     """
 
     def __init__(
@@ -53,7 +67,7 @@ class SceneError(StickslipError, ValueError):
 
     def in_python(self, has_text: bool) -> SceneError:
         """The error in words of this module; without a place where no text was read but a dictionary or a `Scene`."""
-        file, line = (self.file, self.line) if has_text else (None, None)
+        file, line = (in_python(self.file) if self.file else None, self.line) if has_text else (None, None)
         message, help = in_python(self.message), in_python(self.help)
         if not has_text:
             message = re.sub(r"\[\[(\w+)\]\]", r"\1", message)
@@ -63,7 +77,13 @@ class SceneError(StickslipError, ValueError):
 
 
 class NotConverged(StickslipError, RuntimeError):
-    """Raised by `Result.check`; the incomplete result is `.result`."""
+    """Raised by `Result.check`.
+
+    Attributes
+    ----------
+    result : Result
+        What was reached.
+    """
 
     def __init__(self, message: str, result: Result) -> None:
         super().__init__(message)

@@ -92,6 +92,19 @@ def contact(result: Result, k: int = -1, ax: Any = None) -> Any:
 
     In the plane: along x, or along the boundaries where these go to and fro or lie above each other. In space: a map of the normal stress,
     each boundary seen along the axis of its least extent. Of a problem of matrices: by the number of the contact node.
+
+    Parameters
+    ----------
+    result : Result
+        What is drawn.
+    k : int, optional
+        The increment from 0; -1 is the last.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw; new axes without it.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
     """
     ax = _axes(ax)
     model, d = result.model, result.p_t.shape[2]
@@ -155,7 +168,19 @@ def _map(result: Result, model: Model, k: int, ax: Any, stress: Array, unit: str
 
 
 def convergence(result: Result, ax: Any = None) -> Any:
-    """The error of every law over the increments, on a logarithmic scale."""
+    """The error of every law over the increments, on a logarithmic scale.
+
+    Parameters
+    ----------
+    result : Result
+        What is drawn.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw; new axes without it.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
     from ._result import LAWS
 
     ax = _axes(ax)
@@ -169,7 +194,19 @@ def convergence(result: Result, ax: Any = None) -> Any:
 
 
 def history(result: Result, ax: Any = None) -> Any:
-    """Sums of the contact forces over time."""
+    """Sums of the contact forces over time.
+
+    Parameters
+    ----------
+    result : Result
+        What is drawn.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw; new axes without it.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
     ax = _axes(ax)
     ax.plot(result.t, result.p_n.sum(axis=1), ".-", label="sum of p_n")
     for d in range(result.p_t.shape[2]):
@@ -182,7 +219,19 @@ def history(result: Result, ax: Any = None) -> Any:
 
 
 def comparison(table: Comparison, ax: Any = None) -> Any:
-    """Error against CPU time; what breaks a law by more than the tolerance is red."""
+    """Error against CPU time; what breaks a law by more than the tolerance is red.
+
+    Parameters
+    ----------
+    table : Comparison
+        What is drawn.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw; new axes without it.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
     ax = _axes(ax)
     for k, verdict in enumerate(table.verdicts):
         colour, at = _GOOD if verdict.holds else _BAD, (max(verdict.seconds, 1e-6), max(verdict.error, 1e-17))
