@@ -25,7 +25,10 @@ pub(crate) fn examples() -> Vec<&'static str> {
 
 /// The text of one, and the files that it reads.
 #[pyfunction]
-pub(crate) fn example<'py>(py: Python<'py>, name: &str) -> Option<(&'static str, Vec<(&'static str, Bound<'py, PyBytes>)>)> {
+pub(crate) fn example<'py>(
+    py: Python<'py>,
+    name: &str,
+) -> Option<(&'static str, Vec<(&'static str, Bound<'py, PyBytes>)>)> {
     let (_, text, files) = EXAMPLES.iter().find(|(known, ..)| *known == name)?;
     Some((text, files.iter().map(|(name, bytes)| (*name, PyBytes::new(py, bytes))).collect()))
 }
@@ -33,8 +36,8 @@ pub(crate) fn example<'py>(py: Python<'py>, name: &str) -> Option<(&'static str,
 /// A text in TOML as JSON.
 #[pyfunction]
 pub(crate) fn toml_to_json(text: &str) -> PyResult<String> {
-    let document =
-        toml_edit::Document::parse(text).map_err(|error| PyValueError::new_err(error.to_string().trim().to_string()))?;
+    let document = toml_edit::Document::parse(text)
+        .map_err(|error| PyValueError::new_err(error.to_string().trim().to_string()))?;
     serde_json::to_string(&of_table(document.as_table())).map_err(|error| PyValueError::new_err(error.to_string()))
 }
 

@@ -106,7 +106,8 @@ pub(crate) fn contact_values<'py>(
     let data = step.data();
     let points = py.detach(|| contact_points(model, 0..model.contacts.len(), &step.step(&data)));
     let values = PyDict::new(py);
-    let column = |value: fn(&stickslip::run::report::ContactPoint) -> f64| -> Vec<f64> { points.iter().map(value).collect() };
+    let column =
+        |value: fn(&stickslip::run::report::ContactPoint) -> f64| -> Vec<f64> { points.iter().map(value).collect() };
     values.set_item("pressure", column(|p| p.sigma_n).into_pyarray(py))?;
     values.set_item("traction_t", column(|p| p.sigma_t).into_pyarray(py))?;
     values.set_item("traction_o", column(|p| p.sigma_o).into_pyarray(py))?;

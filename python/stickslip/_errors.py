@@ -18,7 +18,17 @@ _WORDS = (
 
 
 def in_python(text: str) -> str:
-    """Advice of the program without its commands, which a user of this module may not have."""
+    """Advice of the program without its commands, which a user of this module may not have.
+
+    Parameters
+    ----------
+    text : str
+        What the library says.
+
+    Returns
+    -------
+    str
+    """
     for said, here in _WORDS:
         text = re.sub(said, here, text)
     return text
@@ -66,7 +76,17 @@ class SceneError(StickslipError, ValueError):
         return type(self), (self.message, self.file, self.line, self.key, self.help)
 
     def in_python(self, has_text: bool) -> SceneError:
-        """The error in words of this module; without a place where no text was read but a dictionary or a `Scene`."""
+        """The error in words of this module.
+
+        Parameters
+        ----------
+        has_text : bool
+            Whether a text was read, which has lines, or a dictionary or a `Scene`.
+
+        Returns
+        -------
+        SceneError
+        """
         file, line = (in_python(self.file) if self.file else None, self.line) if has_text else (None, None)
         message, help = in_python(self.message), in_python(self.help)
         if not has_text:

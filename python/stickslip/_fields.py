@@ -132,7 +132,7 @@ class Fields:
         >>> result.pressure.shape
         (20, 21)
         >>> print(f"{result.pressure[9].mean() / 1e3:.0f} kPa")
-        55 kPa
+        53 kPa
         """
         return self._of_nodes["pressure"]
 
@@ -165,7 +165,7 @@ class Fields:
         >>> import stickslip as ss
         >>> cube = ss.run(ss.Scene.example("cube"), {"mesh.elements": [4, 4, 4]})
         >>> {name: force.shape for name, force in cube.reactions.items()}
-        {}
+        {'top': (10, 3)}
         """
         dimension = self._model().dimension
         size = self.report.get("units", {}).get("force", {}).get("si", 1.0)

@@ -98,7 +98,17 @@ class Sweep(Sequence[Result]):
         return columns
 
     def to_pandas(self, quantities: Mapping[str, Callable[[Result], Any]] | None = None) -> Any:
-        """`table` as a `pandas.DataFrame`."""
+        """`table` as a `pandas.DataFrame`.
+
+        Parameters
+        ----------
+        quantities : Mapping of str to callable, optional
+            See `table`.
+
+        Returns
+        -------
+        pandas.DataFrame
+        """
         import pandas
 
         return pandas.DataFrame(self.table(quantities))
@@ -166,12 +176,12 @@ def sweep(
     >>> import stickslip as ss
     >>> sweep = ss.sweep(
     ...     ss.Scene.example("block"),
-    ...     {"contact.friction": [0.5, 0.7], ("time.end", "time.increments"): [(1.0, 10), (2.0, 20)]},
+    ...     {"contact.friction": [0.5, 0.7], ("load[0].traction[1]", "time.increments"): [(-50e3, 10), (-60e3, 20)]},
     ...     overrides={"mesh.elements": [20, 10]},
     ... )
     >>> table = sweep.table({"force": lambda result: round(result.p_n[-1].sum())})
-    >>> table["time.end"], table["force"]
-    ([1.0, 2.0, 1.0, 2.0], [10000, 10000, 10000, 10000])
+    >>> table["time.increments"], table["force"]
+    ([10, 20, 10, 20], [10000, 12000, 10000, 12000])
     """
     if jobs is not None and (isinstance(jobs, bool) or not isinstance(jobs, int) or jobs < 1):
         raise ValueError(f"jobs: {jobs!r} found, expected a whole number of 1 or more")

@@ -202,10 +202,11 @@ def _used(mesh: Given) -> Given:
     used = np.unique(np.concatenate([nodes.ravel() for _, nodes, _ in mesh["cells"]]))
     number = np.full(len(mesh["points"]), -1, dtype=np.int64)
     number[used] = np.arange(len(used))
+    for name, all_ in mesh["boundaries"]:
+        alien = next((n for facet in all_ for n in facet if not 0 <= n < len(number) or number[n] < 0), None)
+        if alien is not None:
+            raise ValueError(f"boundaries[{name!r}] has the node {alien}, which no cell has")
     facets = [(name, [[int(number[n]) for n in facet] for facet in all_]) for name, all_ in mesh["boundaries"]]
-    for name, all_ in facets:
-        if any(n < 0 for facet in all_ for n in facet):
-            raise ValueError(f"boundaries[{name!r}] has a node that no cell has")
     return {
         "points": np.ascontiguousarray(mesh["points"][used]),
         "cells": [(kind, np.ascontiguousarray(number[nodes]), group) for kind, nodes, group in mesh["cells"]],

@@ -96,10 +96,10 @@ def write(path: Path, kind: str, points: np.ndarray, cells: np.ndarray, soft: np
     path.write_text("\n".join(text))
 
 
-def scene(dimension: int, coupling: str | None) -> dict[str, Any]:
+def scene(dimension: int, coupling: str | None = None, has_soft: bool = False) -> dict[str, Any]:
     down = [5e4] + [0.0] * (dimension - 2) + [-1e6]
     keys: dict[str, Any] = {
-        "material": {"young": 210e9, "poisson": 0.3, "group": [{"name": "soft", "young": 1e9, "poisson": 0.3}]},
+        "material": {"young": 210e9, "poisson": 0.3, "group": [{"name": "soft", "young": 1e9, "poisson": 0.3}] if has_soft else None},
         "support": [{"boundary": "left", "fix": ["x", "y", "z"][:dimension]}],
         "contact": [{"boundary": "bottom", "friction": 0.4, "obstacle": {"kind": "plane", "gap": 1e-6}}],
         "load": [{"boundary": "top", "traction": down, "history": [[0, 0], [1, 1]]}],
@@ -130,7 +130,7 @@ def test_a_mesh_in_memory_is_that_of_a_file(data: st.DataObject, tmp_path: Path)
     planes = [(0, 1), (0, 2), (1, 2)] if dimension == 2 else [(0, 1, 2)]
     axes, points = data.draw(st.sampled_from(planes)), np.full((len(x), 3), data.draw(st.sampled_from([0.0, 0.25])) if dimension == 2 else 0.0)
     points[:, axes] = x
-    problem = scene(dimension, data.draw(st.sampled_from([None, None, "rigid", "distributing"])))
+    problem = scene(dimension, data.draw(st.sampled_from([None, None, "rigid", "distributing"])), bool(soft.any()))
     file = tmp_path / "body.msh"
     write(file, kind, points, cells, soft, sides)
     expected = ss.run({**problem, "mesh": {"kind": "gmsh", "file": str(file)}}).check()
@@ -179,6 +179,6 @@ def test_a_mesh_in_memory_takes_the_place_of_that_of_the_text(mesh_key: str) -> 
     from stickslip._toml import to_toml
 
     x, cells = body("quad", (3, 3), 0.0)
-    text = mesh_key + to_toml(scene(2, None))
+    text = mesh_key + to_toml(scene(2))
     given_mesh = mesh.from_arrays(x, [("quad", cells)], {**facets("quad", x, cells)})
     assert len(ss.Model(text, mesh=given_mesh).points) == 16
