@@ -103,20 +103,23 @@ class Fields:
         step["contact"] = np.ascontiguousarray(self.contact[number])
         return step | {"record": json.dumps(self.records[number])}
 
+    def _contact(self, k: int) -> dict[str, Array]:
+        """Stresses of increment k, and its slip and opening if displacements were kept."""
+        known, d = self._number(k) in self.kept, self.p_t.shape[2]
+        values = self._model()._core.contact_values(self._step(k, known))
+        found = {name: values[name] for name in ("pressure", "opening")[: 1 + known]}
+        for name in ("traction", "slip")[: 1 + known]:
+            found[name] = np.stack([values[f"{name}_t"], values[f"{name}_o"]][:d], axis=-1)
+        return found
+
     @cached_property
     def _of_nodes(self) -> dict[str, Array]:
-        core, d = self._model()._core, self.p_t.shape[2]
         shape = self.p_n.shape
         found = {name: np.full(shape, np.nan) for name in ("pressure", "opening")}
-        found |= {name: np.full((*shape, d), np.nan) for name in ("traction", "slip")}
+        found |= {name: np.full((*shape, self.p_t.shape[2]), np.nan) for name in ("traction", "slip")}
         for k in range(len(self.t)):
-            known = k in self.kept
-            values = core.contact_values(self._step(k, known))
-            found["pressure"][k] = values["pressure"]
-            if known:
-                found["opening"][k] = values["opening"]
-            for name in ("traction", "slip") if known else ("traction",):
-                found[name][k] = np.stack([values[f"{name}_t"], values[f"{name}_o"]][:d], axis=-1)
+            for name, values in self._contact(k).items():
+                found[name][k] = values
         return found
 
     @property

@@ -108,20 +108,22 @@ def contact(result: Result, k: int = -1, ax: Any = None) -> Any:
     """
     ax = _axes(ax)
     model, d = result.model, result.p_t.shape[2]
-    weight = model.problem.weight if model is not None else None
-    unit = "contact force, N" if weight is None else "contact stress, MPa"
-    scale = np.ones(result.p_n.shape[1]) if weight is None else weight * 1e6
-    if model is not None and d == 2:
-        _map(result, model, k, ax, result.p_n[k] / scale, unit)
+    if model is None:
+        normal, tangential, unit = result.p_n[k], result.p_t[k], "contact force, N"
     else:
-        numbers = np.arange(len(scale))
+        stresses = result._contact(k)
+        normal, tangential, unit = stresses["pressure"] / 1e6, stresses["traction"] / 1e6, "contact stress, MPa"
+    if model is not None and d == 2:
+        _map(result, model, k, ax, normal, unit)
+    else:
+        numbers = np.arange(len(normal))
         curves, across = ([("", numbers, numbers)], "contact node") if model is None else _abscissae(model)
         names = ("normal", "tangential") if d == 1 else ("normal", *(f"tangential {j + 1}" for j in range(d)))
         for place, (_, nodes, x) in enumerate(curves):
             for j, (colour, name) in enumerate(zip(_FORCES, names)):
-                force = result.p_n[k] if j == 0 else result.p_t[k, :, j - 1]
+                stress = normal if j == 0 else tangential[:, j - 1]
                 # Numbers of nodes say nothing of neighbours: points without a line.
-                ax.plot(x, (force / scale)[nodes], "." if model is None else "-", color=colour, label="" if place else name)
+                ax.plot(x, stress[nodes], "." if model is None else "-", color=colour, label="" if place else name)
         low = min(0.0, *ax.get_ylim())
         for code, name, colour, marker in _STATUSES:
             here = np.concatenate([x[result.contact[k, nodes] == code] for _, nodes, x in curves])
