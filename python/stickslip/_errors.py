@@ -89,11 +89,17 @@ class SceneError(StickslipError, ValueError):
         """
         file, line = (in_python(self.file) if self.file else None, self.line) if has_text else (None, None)
         message, help = in_python(self.message), in_python(self.help)
+        key = self.key
+        missing = re.match(r"missing field `(\w+)`", message)
+        if missing and not has_text:
+            # A table that a scene lacks has no place; what is told is that of the first line.
+            of_scene = missing[1] in ("mesh", "material", "time") and not (key or "").startswith("body")
+            key, message = (missing[1] if of_scene or not key else f"{key}.{missing[1]}"), "it is missing"
         if not has_text:
             message = re.sub(r"\[\[(\w+)\]\]", r"\1", message)
             help = re.sub(r"write `\[\[\w+\]\]`", "give a list of dictionaries", help)
             help = re.sub(r"write `\[\w+\]`", "give a dictionary", help)
-        return SceneError(message, file, line, self.key, help)
+        return SceneError(message, file, line, key, help)
 
 
 class NotConverged(StickslipError, RuntimeError):

@@ -56,6 +56,8 @@ def _words(overrides: Mapping[str, Any] | None, has_mesh: bool) -> dict[str, str
     for key in overrides:
         if not isinstance(key, str):
             raise TypeError(f"overrides: keys are words such as 'contact[0].friction', {key!r} found")
+        if not re.fullmatch(r"[\w-]+(\[\d+\])*(\.[\w-]+(\[\d+\])*)*", key):
+            raise ValueError(f"{key}: this is no key of a scene, such as 'mesh.elements' or 'contact[0].friction'")
         if has_mesh and re.match(r"mesh\b", key):
             raise ValueError(f"{key}: the mesh is given by `mesh`, so that this key has no effect; leave it out")
     return {key: toml_value(value, key) for key, value in overrides.items()}

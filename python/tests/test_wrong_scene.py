@@ -82,6 +82,11 @@ WRONG: list[tuple[str, Callable[[], object]]] = [
     (r"solver\.method: ", changed(lambda s: s.update(solver={"method": "newton"}))),
     (r"1: keys are words", changed(lambda s: s.update({1: 2}))),
     (r"contact\[0\]\.1: keys are words", changed(lambda s: s["contact"][0].update({1: 2}))),
+    (r"time\.end: ", changed(lambda s: s["time"].pop("end"))),
+    (r"time: ", changed(lambda s: s.pop("time"))),
+    (r"mesh: ", changed(lambda s: s.pop("mesh"))),
+    (r"contact\[0\]\.boundary: ", changed(lambda s: s["contact"][0].pop("boundary"))),
+    (r"load\[2\]: ", changed(lambda s: s["load"].append({"boundary": "top"}))),
     # Scenes.
     (r"scene: ", lambda: ss.run(3)),  # type: ignore[arg-type]
     (r"scene: ", lambda: ss.Model(None)),  # type: ignore[arg-type]
@@ -96,7 +101,8 @@ WRONG: list[tuple[str, Callable[[], object]]] = [
     (r"contact\.frction: |.*`frction`", overridden("contact.frction", 0.3)),
     (r"contact\[3\]\.friction: ", overridden("contact[3].friction", 0.3)),
     (r"contact\.friction: ", overridden("contact.friction", {1})),
-    (r"`?mesh elements", overridden("mesh elements", [1, 1])),
+    (r"mesh elements: ", overridden("mesh elements", [1, 1])),
+    (r"contact\[0\]\.friction=0\.3: ", overridden("contact[0].friction=0.3", 1)),
     (r"mesh\.elements: the mesh is given", lambda: ss.Model(block(), {"mesh.elements": [2, 2]}, mesh=mesh.from_arrays(POINTS, QUADS, SIDES))),
     # Options of a run.
     (r"keep_u", ran(keep_u="some")),
