@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from ._kinds import VTK
+
 if TYPE_CHECKING:
     from ._scene import Model
 
@@ -322,14 +324,23 @@ class Fields:
         import meshio
 
         model = self._model()
+        points, of_cells = self._for_others(k)
+        ends = np.cumsum([len(nodes) for _, nodes in model.cells])[:-1]
+        cells: list[Any] = list(model.cells)
+        try:
+            return meshio.Mesh(model.points, cells, point_data=points, cell_data={name: np.split(v, ends) for name, v in of_cells.items()})
+        except KeyError as error:
+            raise ValueError(f"cells: this meshio cannot hold the kind {error}; write_vtu and to_pyvista can") from None
+
+    def _for_others(self, k: int) -> tuple[dict[str, Array], dict[str, Array]]:
+        """Fields of points and cells as `to_meshio` describes them."""
+        model = self._model()
         points, of_cells = self.fields(k)
         points["p_n"] = np.full(len(model.points), np.nan)
         points["p_n"][model.contact_nodes] = self.p_n[k]
         points.setdefault("status", np.full(len(model.points), -1))
         of_cells["stress"] = self.stress(k)
-        ends = np.cumsum([len(nodes) for _, nodes in model.cells])[:-1]
-        cells: list[Any] = list(model.cells)
-        return meshio.Mesh(model.points, cells, point_data=points, cell_data={name: np.split(v, ends) for name, v in of_cells.items()})
+        return points, of_cells
 
     def to_pyvista(self, k: int = -1) -> Any:
         """A `pyvista.UnstructuredGrid` with the fields of `to_meshio`.
@@ -345,4 +356,13 @@ class Fields:
         """
         import pyvista
 
-        return pyvista.from_meshio(self.to_meshio(k))
+        model = self._model()
+        points, of_cells = self._for_others(k)
+        codes = {name: code for code, name in VTK.items()}
+        cells = np.concatenate([np.insert(nodes, 0, nodes.shape[1], axis=1).ravel() for _, nodes in model.cells])
+        kinds = np.concatenate([np.full(len(nodes), codes[kind], dtype=np.uint8) for kind, nodes in model.cells])
+        grid = pyvista.UnstructuredGrid(cells, kinds, model.points)
+        for data, values in ((grid.point_data, points), (grid.cell_data, of_cells)):
+            for name, of in values.items():
+                data[name] = of
+        return grid

@@ -96,6 +96,20 @@ def test_fields_go_to_meshio_and_pyvista(result: ss.Result) -> None:
         assert "von_mises" in result.to_pyvista().cell_data
 
 
+def test_prisms_of_second_order_go_to_pyvista() -> None:
+    scene = {"mesh.elements": [3, 3, 2], "mesh.cells": "prism15", "time.increments": 1}
+    result = ss.run(ss.Scene.example("cube"), scene)
+    if needs("pyvista"):
+        grid = result.to_pyvista()
+        volume = float(np.prod(result.model.points.max(axis=0))) if result.model else 0.0
+        assert grid.n_cells == 36 and grid.volume == pytest.approx(volume, rel=1e-9)
+    if needs("meshio"):
+        try:
+            assert result.to_meshio().cells[0].type == "wedge15"
+        except ValueError as error:
+            assert "write_vtu" in str(error)
+
+
 @pytest.mark.parametrize("path, overrides", [("block", {"mesh.elements": [10, 10]}), ("cube", {"mesh.elements": [3, 3, 3]}), ("two_blocks", {})])
 def test_pictures_are_those_of_the_program(path: str, overrides: dict[str, Any], tmp_path: Path) -> None:
     result = ss.run(SCENES / f"{path}.toml", overrides)

@@ -135,7 +135,8 @@ def test_a_mesh_in_memory_is_that_of_a_file(data: st.DataObject, tmp_path: Path)
     write(file, kind, points, cells, soft, sides)
     expected = ss.run({**problem, "mesh": {"kind": "gmsh", "file": str(file)}}).check()
 
-    source = data.draw(st.sampled_from(["arrays", "meshio", "pyvista"]))
+    # No meshio so far knows the dimension of prisms of second order.
+    source = data.draw(st.sampled_from(["arrays", "pyvista"] if kind == "wedge15" else ["arrays", "meshio", "pyvista"]))
     if source == "meshio":
         meshio = needs("meshio")
         blocks = [(facet_kind(dimension, of[0]), np.array([f for f in of if len(f) == len(of[0])])) for of in sides.values()]
