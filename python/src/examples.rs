@@ -6,30 +6,37 @@ use pyo3::types::PyBytes;
 use serde_json::Value as Json;
 use toml_edit::{Item, TableLike, Value};
 
-/// The scenes of `stickslip init` by their names, each with the other files that it reads.
-const EXAMPLES: [(&str, &str, &[(&str, &[u8])]); 3] = [
-    ("block", include_str!("../../data/init/block.toml"), &[]),
-    ("cube", include_str!("../../data/init/cube.toml"), &[]),
-    (
-        "gmsh",
-        include_str!("../../data/init/roller.toml"),
-        &[("roller.msh", include_bytes!("../../data/init/roller.msh"))],
-    ),
+/// A scene with the files that it reads.
+struct Example {
+    name: &'static str,
+    text: &'static str,
+    files: &'static [(&'static str, &'static [u8])],
+}
+
+/// The scenes of `stickslip init`.
+const EXAMPLES: [Example; 3] = [
+    Example { name: "block", text: include_str!("../../data/init/block.toml"), files: &[] },
+    Example { name: "cube", text: include_str!("../../data/init/cube.toml"), files: &[] },
+    Example {
+        name: "gmsh",
+        text: include_str!("../../data/init/roller.toml"),
+        files: &[("roller.msh", include_bytes!("../../data/init/roller.msh"))],
+    },
 ];
+
+/// Files by their names.
+type Files<'py> = Vec<(&'static str, Bound<'py, PyBytes>)>;
 
 /// The names of all of them.
 #[pyfunction]
 pub(crate) fn examples() -> Vec<&'static str> {
-    EXAMPLES.iter().map(|(name, ..)| *name).collect()
+    EXAMPLES.iter().map(|example| example.name).collect()
 }
 
 /// The text of one, and the files that it reads.
 #[pyfunction]
-pub(crate) fn example<'py>(
-    py: Python<'py>,
-    name: &str,
-) -> Option<(&'static str, Vec<(&'static str, Bound<'py, PyBytes>)>)> {
-    let (_, text, files) = EXAMPLES.iter().find(|(known, ..)| *known == name)?;
+pub(crate) fn example<'py>(py: Python<'py>, name: &str) -> Option<(&'static str, Files<'py>)> {
+    let Example { text, files, .. } = EXAMPLES.iter().find(|example| example.name == name)?;
     Some((text, files.iter().map(|(name, bytes)| (*name, PyBytes::new(py, bytes))).collect()))
 }
 

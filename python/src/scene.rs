@@ -67,12 +67,14 @@ impl GivenMesh<'_> {
     }
 }
 
-/// What a run is asked for besides.
+/// What a run is asked for besides, and what takes the place of the scene's.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-struct Extras {
+struct RunOptions {
     uniqueness: bool,
     companion: bool,
+    max_iterations: Option<usize>,
+    tolerance: Option<f64>,
 }
 
 #[pyclass(frozen, module = "stickslip._core")]
@@ -261,18 +263,15 @@ impl SceneModel {
         serde_json::to_string(&chosen).map_err(|error| PyValueError::new_err(error.to_string()))
     }
 
-    #[pyo3(signature = (linear, keep, callback, extras, max_iterations, tolerance))]
     fn run<'py>(
         &self,
         py: Python<'py>,
         linear: Option<&Bound<'py, PyAny>>,
         keep: Keep,
         callback: Option<Py<PyAny>>,
-        extras: Extras,
-        max_iterations: Option<usize>,
-        tolerance: Option<f64>,
+        options: RunOptions,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let Extras { uniqueness, companion } = extras;
+        let RunOptions { uniqueness, companion, max_iterations, tolerance } = options;
         if companion && self.scene.solver.method.is_exact_path() {
             let message = "companion: the exact path has no increments to compare with fewer";
             return Err(PyValueError::new_err(message));

@@ -367,10 +367,13 @@ class Model:
 
             told = counted
 
-        extras = {"uniqueness": bool(uniqueness), "companion": bool(companion)}
+        options = {
+            "uniqueness": bool(uniqueness), "companion": bool(companion),
+            "max_iterations": None if max_iterations is None else int(max_iterations), "tolerance": tolerance,
+        }
         try:
             kept = keep(keep_u, len(model.times))
-            raw = model._core.run(linear, kept, told, extras, max_iterations, tolerance)
+            raw = model._core.run(linear, kept, told, options)
         finally:
             if bar is not None:
                 bar.close()
