@@ -4,6 +4,9 @@
 //! | --- | --- |
 //! | a problem of matrices, and the judge of anybody's answer | `problem.rs` |
 //! | a scene, discretised | `scene.rs` |
+//! | an increment of a result: fields, pictures, files | `step.rs` |
+//! | scenes to start from | `examples.rs` |
+//! | problems in files of other programs | `exchange.rs` |
 //! | histories of forces and gaps from tables | `loading.rs` |
 //! | one increment after the other | `stepper.rs` |
 //! | a run: its linear algebra, signals and panics | `solve.rs` |
@@ -15,12 +18,15 @@
 
 mod arrays;
 mod error;
+mod examples;
+mod exchange;
 mod foreign;
 mod loading;
 mod problem;
 mod recorder;
 mod scene;
 mod solve;
+mod step;
 mod stepper;
 
 use pyo3::prelude::*;
@@ -33,6 +39,10 @@ fn keep_freed_memory() {
 
 #[pymodule(gil_used = false)]
 mod _core {
+    #[pymodule_export]
+    use super::examples::{example, examples, toml_to_json};
+    #[pymodule_export]
+    use super::exchange::{read_problem, solve_problem};
     #[pymodule_export]
     use super::keep_freed_memory;
     #[pymodule_export]

@@ -6,13 +6,14 @@ use crate::foreign::Raised;
 use crate::problem::Problem;
 use crate::recorder::{Keep, Recorder};
 use crate::solve::{Algebra, detached, watched};
+use crate::step::{GivenStep, contact_values, fclib, field_arrays, pictures, vtu};
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use stickslip::body::Model;
 use stickslip::body::mesh::{Boundary, Cell, CellKind, Mesh};
-use stickslip::run::{Run, discretise};
+use stickslip::run::{Run, discretise, increments_for};
 use stickslip::scene::{Contents, Override, OverrideSyntax, Scene, with_contents};
 use stickslip::solver::history::SolverChoice;
 
@@ -64,6 +65,16 @@ impl GivenMesh<'_> {
         let boundaries = self.boundaries.into_iter().map(|(name, facets)| Boundary { name, facets }).collect();
         Mesh::new(nodes, cells, self.groups, boundaries).map_err(|error| fault(error.to_string()))
     }
+}
+
+/// What a run is asked for besides, and what takes the place of the scene's.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+struct RunOptions {
+    uniqueness: bool,
+    companion: bool,
+    max_iterations: Option<usize>,
+    tolerance: Option<f64>,
 }
 
 #[pyclass(frozen, module = "stickslip._core")]
@@ -200,18 +211,71 @@ impl SceneModel {
         Ok(history)
     }
 
-    #[pyo3(signature = (linear, keep, callback, uniqueness, max_iterations, tolerance))]
-    #[allow(clippy::too_many_arguments)]
+    /// Stresses, slip and gap of the contact nodes at the end of an increment.
+    fn contact_values<'py>(&self, py: Python<'py>, step: GivenStep<'py>) -> PyResult<Bound<'py, PyDict>> {
+        contact_values(py, &self.model, &step.recorded(&self.model)?)
+    }
+
+    /// The fields of the body at the end of an increment: those of points, those of cells.
+    fn fields<'py>(&self, py: Python<'py>, step: GivenStep<'py>) -> PyResult<[Bound<'py, PyDict>; 2]> {
+        field_arrays(py, &self.model, &step.recorded(&self.model)?)
+    }
+
+    fn vtu(&self, py: Python<'_>, step: GivenStep<'_>) -> PyResult<String> {
+        Ok(vtu(py, &self.model, &step.recorded(&self.model)?))
+    }
+
+    #[pyo3(signature = (step, deformed, magnification))]
+    fn pictures(
+        &self,
+        py: Python<'_>,
+        step: GivenStep<'_>,
+        deformed: bool,
+        magnification: Option<f64>,
+    ) -> PyResult<Vec<(Option<String>, String)>> {
+        pictures(py, &self.model, &step.recorded(&self.model)?, &self.scene.title, deformed, magnification)
+    }
+
+    /// An FCLIB file of an increment, and of the one before it as a guess.
+    fn fclib<'py>(
+        &self,
+        py: Python<'py>,
+        step: GivenStep<'py>,
+        before: Option<GivenStep<'py>>,
+        local: bool,
+        solved: bool,
+    ) -> PyResult<Bound<'py, PyBytes>> {
+        let step = step.recorded(&self.model)?;
+        let before = before.map(|before| before.recorded(&self.model)).transpose()?;
+        let title = format!("{}, increment {} of {}", self.scene.title, step.record.index, self.model.times().len());
+        fclib(py, &self.model, (&step, before.as_ref()), title, local, solved)
+    }
+
+    /// How many increments keep the error of the tangential forces below `asked`, a share, as JSON.
+    fn increments_for(&self, py: Python<'_>, asked: f64) -> PyResult<String> {
+        if self.scene.solver.method.is_exact_path() {
+            return Err(PyValueError::new_err("increments: the exact path has no increments to choose"));
+        }
+        let files = self.files.clone();
+        let (chosen, _) = watched(py, Recorder::new(Keep::All(false), None, Raised::default()), |recorder| {
+            with_contents(files, || increments_for(&self.scene, asked, |_| (), recorder))
+        })?;
+        serde_json::to_string(&chosen).map_err(|error| PyValueError::new_err(error.to_string()))
+    }
+
     fn run<'py>(
         &self,
         py: Python<'py>,
         linear: Option<&Bound<'py, PyAny>>,
         keep: Keep,
         callback: Option<Py<PyAny>>,
-        uniqueness: bool,
-        max_iterations: Option<usize>,
-        tolerance: Option<f64>,
+        options: RunOptions,
     ) -> PyResult<Bound<'py, PyDict>> {
+        let RunOptions { uniqueness, companion, max_iterations, tolerance } = options;
+        if companion && self.scene.solver.method.is_exact_path() {
+            let message = "companion: the exact path has no increments to compare with fewer";
+            return Err(PyValueError::new_err(message));
+        }
         let SceneModel { scene, model, .. } = self;
         let raised = Raised::default();
         let (linear, own) = Algebra::new(linear, &raised)?.split(scene.solver.linear);
@@ -223,8 +287,14 @@ impl SceneModel {
         };
         let (report, recorder) = watched(py, Recorder::new(keep, callback, raised), |recorder| {
             let mut run = Run::of(model, model.times().to_vec(), solver)?;
+            if let Some(cycle) = scene.output.cycle {
+                run = run.with_cycle(cycle);
+            }
             if uniqueness {
                 run = run.with_uniqueness()?;
+            }
+            if companion {
+                run = run.with_companion();
             }
             match own {
                 Some(system) => run.solve_with(system, recorder),

@@ -3,25 +3,29 @@
 SI units throughout; in two dimensions forces are per m of depth.
 
     result = stickslip.run("block.toml", {"contact.friction": 0.3})
+    results = stickslip.sweep("block.toml", {"contact.friction": [0.3, 0.5]})
     result = stickslip.ContactProblem(K, C_n, C_t, mu=0.3).solve(force, gap=1e-5)
     errors = stickslip.errors(problem, force, u, p_n, p_t, gap=1e-5)
     table = stickslip.compare(model, {"mine": my_solver})
 """
 
-from . import builder, mesh, siconos
+from . import builder, exchange, mesh, siconos
 from ._cite import cite
 from ._core import UMFPACK, VERSION as __version__, keep_freed_memory
 from ._errors import AccuracyWarning, NotConverged, NotConvergedWarning, SceneError, StickslipError
 from ._judge import Comparison, Errors, Posed, Verdict, compare, errors, judge
 from ._problem import ContactProblem, LinearSolver
+from ._fields import Svg
 from ._result import LAWS, OPEN, SLIP, STICK, Result
 from ._scene import Model, run
 from ._stepper import Stepper
+from ._sweep import Sweep, sweep
 from .builder import Scene
 
 __all__ = [
     "LAWS", "OPEN", "SLIP", "STICK", "UMFPACK",
     "AccuracyWarning", "Comparison", "ContactProblem", "Errors", "LinearSolver", "Model", "NotConverged", "NotConvergedWarning", "Posed",
-    "Result", "Scene", "SceneError", "Stepper", "StickslipError", "Verdict",
-    "__version__", "builder", "cite", "compare", "errors", "judge", "keep_freed_memory", "mesh", "run", "siconos",
+    "Result", "Scene", "SceneError", "Stepper", "StickslipError", "Svg", "Sweep", "Verdict",
+    "__version__", "builder", "cite", "compare", "errors", "exchange", "judge", "keep_freed_memory", "mesh", "run",
+    "siconos", "sweep",
 ]

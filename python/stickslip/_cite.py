@@ -14,7 +14,25 @@ _PAPER = (
 
 
 def cite(result: Result | None = None) -> str:
-    """What a text that uses `result` should cite: the software, and the paper behind equations and methods."""
+    """What a text should cite: the software, and the paper behind equations and methods.
+
+    Parameters
+    ----------
+    result : Result, optional
+        What the text uses; its method is named.
+
+    Returns
+    -------
+    str
+        Two lines.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> result = ss.run(ss.Scene.example("block"), {"mesh.elements": [20, 10]})
+    >>> print(ss.cite(result).splitlines()[1][:40])
+    Algorithm BN: P. W. Christensen, A. Klar
+    """
     from ._core import VERSION
 
     software = f"stickslip {VERSION}: quasi-static elastic contact with Coulomb friction."

@@ -12,13 +12,23 @@ if TYPE_CHECKING:
 _WORDS = (
     (r"`stickslip init \w+` shows (the form of every value|a complete scene)", "help(stickslip.builder) shows a complete scene"),
     (r"[;,] `stickslip check` (tells|shows) [^;.]*", ""),
-    (r"; `stickslip run --companion` estimates it better, by a second run", ""),
-    (r", or estimate it with `stickslip run --companion`", ""),
+    (r"`stickslip run --companion`", "run(companion=True)"),
+    (r" \(with --set\)", " (with overrides)"),
 )
 
 
 def in_python(text: str) -> str:
-    """Advice of the program without its commands, which a user of this module may not have."""
+    """Advice of the program without its commands, which a user of this module may not have.
+
+    Parameters
+    ----------
+    text : str
+        What the library says.
+
+    Returns
+    -------
+    str
+    """
     for said, here in _WORDS:
         text = re.sub(said, here, text)
     return text
@@ -31,11 +41,25 @@ class StickslipError(Exception):
 class SceneError(StickslipError, ValueError):
     """A scene that is not sound.
 
-    Attributes:
-        message: what is wrong.
-        file, line: where, in the text that was read; None for a dictionary or a `Scene`.
-        key: the path of what is wrong, such as ``contact[0].friction``.
-        help: what mends it.
+    Attributes
+    ----------
+    message : str
+        What is wrong.
+    file, line : str, int or None
+        Where, in the text that was read; None for a dictionary or a `Scene`.
+    key : str or None
+        The path of what is wrong, such as ``contact[0].friction``.
+    help : str
+        What mends it.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> try:
+    ...     ss.run(ss.Scene.example("block"), {"contact.friction": -0.3})
+    ... except ss.SceneError as error:
+    ...     print(error.key)
+    contact[0].friction
     """
 
     def __init__(
@@ -52,18 +76,40 @@ class SceneError(StickslipError, ValueError):
         return type(self), (self.message, self.file, self.line, self.key, self.help)
 
     def in_python(self, has_text: bool) -> SceneError:
-        """The error in words of this module; without a place where no text was read but a dictionary or a `Scene`."""
-        file, line = (self.file, self.line) if has_text else (None, None)
+        """The error in words of this module.
+
+        Parameters
+        ----------
+        has_text : bool
+            Whether a text was read, which has lines, or a dictionary or a `Scene`.
+
+        Returns
+        -------
+        SceneError
+        """
+        file, line = (in_python(self.file) if self.file else None, self.line) if has_text else (None, None)
         message, help = in_python(self.message), in_python(self.help)
+        key = self.key
+        missing = re.match(r"missing field `(\w+)`", message)
+        if missing and not has_text:
+            # A table that a scene lacks has no place; what is told is that of the first line.
+            of_scene = missing[1] in ("mesh", "material", "time") and not (key or "").startswith("body")
+            key, message = (missing[1] if of_scene or not key else f"{key}.{missing[1]}"), "it is missing"
         if not has_text:
             message = re.sub(r"\[\[(\w+)\]\]", r"\1", message)
             help = re.sub(r"write `\[\[\w+\]\]`", "give a list of dictionaries", help)
             help = re.sub(r"write `\[\w+\]`", "give a dictionary", help)
-        return SceneError(message, file, line, self.key, help)
+        return SceneError(message, file, line, key, help)
 
 
 class NotConverged(StickslipError, RuntimeError):
-    """Raised by `Result.check`; the incomplete result is `.result`."""
+    """Raised by `Result.check`.
+
+    Attributes
+    ----------
+    result : Result
+        What was reached.
+    """
 
     def __init__(self, message: str, result: Result) -> None:
         super().__init__(message)

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import html
 import json
+import os
 import warnings
+import zipfile
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +15,7 @@ from numpy.typing import NDArray
 
 from . import plot as _plot
 from ._errors import AccuracyWarning, NotConverged, NotConvergedWarning, in_python
+from ._fields import Fields
 
 if TYPE_CHECKING:
     from ._scene import Model
@@ -29,29 +32,58 @@ _COSTS = ("slow-blas", "multigrid-gave-way", "ranks-apart")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Result:
+class Result(Fields):
     """A history; row k of every array is the end of increment k, the one that failed included.
 
     SI units; in two dimensions forces are per m of depth. m increments, n_u free displacements, n_c contact nodes, d tangents.
 
-    Attributes:
-        status: the verdict, "converged" or the reason of the first increment that did not.
-        reason: why the run ended early, in words; empty if it converged.
-        t: ends of the increments, s, (m,).
-        p_n: normal contact forces, N, positive in compression, (m, n_c).
-        p_t: tangential contact forces of the body on the obstacle, N, (m, n_c, d).
-        contact: `OPEN`, `STICK` or `SLIP`, uint8, (m, n_c).
-        gap: prescribed gaps, m, (m, n_c).
-        mu: friction coefficients, (m, n_c).
-        w_t_last: tangential displacements before the increment, m, (m, n_c, d); of its last part if it was halved.
-        errors: the independent error measure, relative, (m, 6), columns `LAWS`.
-        kept: the indices k of the increments whose `u`, `u_rest` and `force` are kept.
-        u: free displacements, m, (len(kept), n_u).
-        u_rest: what rounding u leaves off, m, (len(kept), n_u); slender bodies need it.
-        force: external nodal forces, N, (len(kept), n_u).
-        records: a dictionary for each increment: iterations, parts, energies, seconds, ...
-        iterations: a structured array with a row for each iteration: increment, iteration, theta, step, error.
-        report: all that the program's `--json` says; empty for a problem of matrices.
+    Attributes
+    ----------
+    status : str
+        The verdict, "converged" or the reason of the first increment that did not.
+    reason : str
+        Why the run ended early, in words; empty if it converged.
+    t : ndarray, shape (m,)
+        Ends of the increments, s.
+    p_n : ndarray, shape (m, n_c)
+        Normal contact forces, N, positive in compression.
+    p_t : ndarray, shape (m, n_c, d)
+        Tangential contact forces of the body on the obstacle, N.
+    contact : ndarray of uint8, shape (m, n_c)
+        `OPEN`, `STICK` or `SLIP`.
+    gap : ndarray, shape (m, n_c)
+        Prescribed gaps, of the undeformed body, m; what is left of them is `opening`.
+    mu : ndarray, shape (m, n_c)
+        Friction coefficients.
+    w_t_last : ndarray, shape (m, n_c, d)
+        Tangential displacements before the increment, m; of its last part if it was halved.
+    errors : ndarray, shape (m, 6)
+        The independent error measure, relative, columns `LAWS`.
+    kept : tuple of int
+        The indices k of the increments whose `u`, `u_rest` and `force` are kept.
+    u : ndarray, shape (len(kept), n_u)
+        Free displacements, m.
+    u_rest : ndarray, shape (len(kept), n_u)
+        What rounding u leaves off, m; slender bodies need it.
+    force : ndarray, shape (len(kept), n_u)
+        External nodal forces, N.
+    records : list of dict
+        For each increment: iterations, parts, energies, seconds, ...
+    iterations : recarray
+        A row for each iteration: increment, iteration, theta, step, error.
+    report : dict
+        All that the program's ``--json`` says, in the units of the scene; empty for a problem of matrices.
+    model : Model or None
+        What was solved; None for a problem of matrices.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> result = ss.run(ss.Scene.example("block"), {"mesh.elements": [20, 10]})
+    >>> result.converged, result.p_n.shape, result.p_t.shape
+    (True, (20, 21), (20, 21, 1))
+    >>> result.error < 1e-10
+    True
     """
 
     status: str
@@ -97,7 +129,8 @@ class Result:
             kept=tuple(k - 1 for k in raw["kept"]), u=raw["u"], u_rest=raw["u_rest"], force=raw["force"],
             records=records, iterations=iterations, report=report, model=model,
         )
-        result._warn(stacklevel + 1)
+        if stacklevel:
+            result._warn(stacklevel + 1)
         return result
 
     def _warn(self, stacklevel: int) -> None:
@@ -110,12 +143,19 @@ class Result:
 
     @property
     def converged(self) -> bool:
-        """Whether every law holds within the tolerance in every increment."""
+        """Whether every law holds within the tolerance in every increment, by the independent error measure; all of the history is there."""
         return self.status == "converged"
 
     @property
     def warnings(self) -> list[dict[str, str]]:
-        """What may make the answer wrong although every law holds, each with its kind and message; empty for a problem of matrices."""
+        """What may make the answer wrong although every law holds.
+
+        Returns
+        -------
+        list of dict
+            Each with its ``kind``, a word, and its ``message`` with numbers and cure; empty for a problem of matrices. What makes
+            numbers wrong was a Python warning, `AccuracyWarning`, when the run ended; what costs time alone is only here.
+        """
         return [{**warning, "message": in_python(warning["message"])} for warning in self.report.get("warnings", [])]
 
     @property
@@ -124,7 +164,17 @@ class Result:
         return float(self.errors.max()) if self.errors.size else float("nan")
 
     def check(self) -> Result:
-        """Itself; raises `NotConverged` if it did not converge."""
+        """Itself, if it converged.
+
+        Returns
+        -------
+        Result
+
+        Raises
+        ------
+        NotConverged
+            If it did not converge; the exception has the incomplete result.
+        """
         if not self.converged:
             raise NotConverged(self._verdict(), self)
         return self
@@ -138,6 +188,13 @@ class Result:
         law = LAWS[int(np.argmax(np.where(np.isnan(last), np.inf, last)))]
         at = f"in increment {len(self.t)} (t = {self.t[-1]:g} s): {law} is violated by {last.max():.1e}"
         return f"{self.status} {at}" + (f"; {self.reason}" if self.reason else "")
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Without what is computed again when it is asked for."""
+        return {name: value for name, value in self.__dict__.items() if name != "_of_nodes"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
 
     def __repr__(self) -> str:
         total = sum(r["iterations"] for r in self.records)
@@ -166,58 +223,15 @@ class Result:
             + (f"<p>Warnings:</p><ul>{found}</ul>" if found else "") + "</div>"
         )
 
-    # With a mesh.
-
-    def _model(self) -> Model:
-        if self.model is None:
-            raise ValueError("this result is of a problem of matrices: it has no mesh")
-        return self.model
-
-    def _row(self, k: int) -> int:
-        """The row of `u` that belongs to increment k."""
-        number = range(len(self.t))[k]
-        if number not in self.kept:
-            raise ValueError(f"k: the displacements of increment {number} were not kept, see keep_u")
-        return self.kept.index(number)
-
-    def displacement(self, k: int = -1) -> Array:
-        """Displacements of all nodes at the end of increment k, m, (nodes, 3)."""
-        return self._model().displacement(self.u[self._row(k)], float(self.t[k]))
-
-    def stress(self, k: int = -1) -> Array:
-        """Stresses in the middle of each cell at the end of increment k, Pa, (cells, 6): xx, yy, zz, xy, yz, zx."""
-        return self._model().stress(self.u[self._row(k)], float(self.t[k]))
-
-    def to_meshio(self, k: int = -1) -> Any:
-        """A `meshio.Mesh` with displacement, p_n and status at the points and stress in the cells."""
-        import meshio
-
-        model = self._model()
-        force, code = np.full(len(model.points), np.nan), np.full(len(model.points), -1)
-        force[model.contact_nodes], code[model.contact_nodes] = self.p_n[k], self.contact[k]
-        stress, data, start = self.stress(k), [], 0
-        for _, nodes in model.cells:
-            data.append(stress[start : start + len(nodes)])
-            start += len(nodes)
-        points = {"displacement": self.displacement(k), "p_n": force, "status": code}
-        cells: list[Any] = list(model.cells)
-        return meshio.Mesh(model.points, cells, point_data=points, cell_data={"stress": data})
-
-    def to_pyvista(self, k: int = -1) -> Any:
-        """A `pyvista.UnstructuredGrid` with the same fields."""
-        import pyvista
-
-        return pyvista.from_meshio(self.to_meshio(k))
-
     def to_pandas(self) -> Any:
-        """A `DataFrame` with a row for each increment: the records, errors by law."""
+        """A `pandas.DataFrame` with a row for each increment: the records, errors by law."""
         import pandas
 
         frame = pandas.json_normalize(self.records)
         return frame.rename(columns=lambda name: name.removeprefix("kkt.")).set_index("index")
 
     def to_xarray(self) -> Any:
-        """A `Dataset` of what is known of the contact nodes, over increments, nodes and tangents."""
+        """An `xarray.Dataset` of what is known of the contact nodes, over increments, nodes and tangents."""
         import xarray
 
         nodes, tangents = ("t", "node"), ("t", "node", "tangent")
@@ -236,21 +250,59 @@ class Result:
     # Pictures.
 
     def plot(self, k: int = -1, ax: Any = None) -> Any:
-        """Contact stresses of increment k along x, statuses below them; returns the axes."""
+        """Contact stresses of increment k, with statuses, by matplotlib.
+
+        Parameters
+        ----------
+        k : int, optional
+            The increment from 0; -1 is the last.
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; new axes without it.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+        """
         return _plot.contact(self, k, ax)
 
     def plot_convergence(self, ax: Any = None) -> Any:
-        """The error of every law over the increments; returns the axes."""
+        """The error of every law over the increments, by matplotlib.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; new axes without it.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+        """
         return _plot.convergence(self, ax)
 
     def plot_history(self, ax: Any = None) -> Any:
-        """Sums of the contact forces over time; returns the axes."""
+        """Sums of the contact forces over time, by matplotlib.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; new axes without it.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+        """
         return _plot.history(self, ax)
 
     # Files.
 
-    def save(self, path: Any) -> None:
-        """Writes all of it to an npz file: arrays, the scene, its mesh and the other files that it names."""
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes all of it to an npz file: arrays, the scene, its mesh and the other files that it names.
+
+        Parameters
+        ----------
+        path : str or os.PathLike
+            The file; `numpy` adds ``.npz`` to a name without it.
+        """
         arrays = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in _NOT_ARRAYS}
         words: dict[str, Any] = {"status": self.status, "reason": self.reason, "records": self.records, "report": self.report}
         words["kept"] = list(self.kept)
@@ -262,13 +314,36 @@ class Result:
         np.savez_compressed(path, words=np.array(json.dumps(words)), **arrays)
 
     @classmethod
-    def load(cls, path: Any) -> Result:
-        """What `save` has written; the model is made again of the scene, its mesh and its files as they were then."""
+    def load(cls, path: str | os.PathLike[str]) -> Result:
+        """What `save` has written; the model is made again of the scene, its mesh and its files as they were then.
+
+        Parameters
+        ----------
+        path : str or os.PathLike
+            The npz file.
+
+        Returns
+        -------
+        Result
+
+        Raises
+        ------
+        FileNotFoundError
+            If there is no such file.
+        ValueError
+            If it was not written by `save`.
+        """
         from ._scene import Model
 
-        with np.load(path, allow_pickle=False) as file:
-            words = json.loads(str(file["words"]))
-            arrays = {name: file[name] for name in file.files if name != "words"}
+        refused = f"path: {path} was not written by Result.save"
+        try:
+            with np.load(path, allow_pickle=False) as file:
+                words = json.loads(str(file["words"]))
+                arrays = {name: file[name] for name in file.files if name != "words"}
+        except (ValueError, KeyError, EOFError, AttributeError, TypeError, zipfile.BadZipFile) as error:
+            raise ValueError(f"{refused}: {error}") from None
+        if not isinstance(words, dict) or "model" not in words or "iterations" not in arrays:
+            raise ValueError(refused)
         arrays["iterations"] = arrays["iterations"].view(np.recarray)
         of_model = {name: arrays.pop(name) for name in list(arrays) if name.startswith("model.")}
         model = Model._loaded(words["model"], of_model) if words["model"] else None

@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import json
-import math
 import os
 import re
 from collections.abc import Mapping, Sequence
-from typing import Any, Union
+from typing import Any, Literal, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
 from . import mesh as _mesh
+from ._kinds import DIMENSION
 from ._errors import SceneError
 from ._problem import Callback, ContactProblem, LinearSolver, keep, vector
 from ._result import Result
+from ._toml import to_toml, toml_value
 from .builder import Scene
 
 Array = NDArray[Any]
@@ -24,91 +25,117 @@ Array = NDArray[Any]
 #: A path, the text of a scene (it has several lines), a dictionary of its keys, or a `Scene`.
 SceneLike = Union[str, "os.PathLike[str]", Mapping[str, Any], Scene]
 
+#: The linear algebra of a run: a word, an object of one's own, or None for what the scene says.
+Linear = Union[Literal["auto", "faer", "partial", "condensed", "umfpack"], LinearSolver, None]
 
-def toml_value(value: Any) -> str:
-    """A value as TOML, tables inline."""
-    value = value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, (int, str)):
-        return json.dumps(value)
-    if isinstance(value, float):
-        return repr(value) if math.isfinite(value) else ("nan" if math.isnan(value) else "inf" if value > 0 else "-inf")
-    if isinstance(value, os.PathLike):
-        return json.dumps(os.fspath(value))
-    if isinstance(value, Mapping):
-        return "{ " + ", ".join(f"{_key(k)} = {toml_value(v)}" for k, v in value.items() if v is not None) + " }"
-    if isinstance(value, (list, tuple)):
-        return "[" + ", ".join(map(toml_value, value)) + "]"
-    raise TypeError(f"a scene has no values of the type {type(value).__name__}")
+#: Of which increments displacements are kept.
+KeepU = Union[Literal["all", "last", "none"], bool, Sequence[int]]
 
 
-def _key(name: Any) -> str:
-    return str(name) if re.fullmatch(r"[A-Za-z0-9_-]+", str(name)) else json.dumps(str(name))
-
-
-def to_toml(scene: Mapping[str, Any]) -> str:
-    """A dictionary as the text of a scene: tables and lists of tables on lines of their own."""
-    plain, tables = [], []
-    for name, value in scene.items():
-        if isinstance(value, Mapping):
-            tables += [f"\n[{_key(name)}]", *_lines(value)]
-        elif isinstance(value, (list, tuple)) and value and all(isinstance(item, Mapping) for item in value):
-            for item in value:
-                tables += [f"\n[[{_key(name)}]]", *_lines(item)]
-        elif value is not None:
-            plain.append(f"{_key(name)} = {toml_value(value)}")
-    return "\n".join([*plain, *tables]) + "\n"
-
-
-def _lines(table: Mapping[str, Any]) -> list[str]:
-    return [f"{_key(name)} = {toml_value(value)}" for name, value in table.items() if value is not None]
-
-
-def _read(scene: SceneLike) -> tuple[str, str]:
-    """Name and text."""
+def _read(scene: SceneLike) -> tuple[str, str, dict[str, bytes]]:
+    """Name, text, and files in memory."""
     if isinstance(scene, Scene):
-        scene = scene.to_dict()
+        return scene._name, to_toml(scene._keys), scene._files
     if isinstance(scene, Mapping):
-        return "scene", to_toml(scene)
+        return "scene", to_toml(scene), {}
     if isinstance(scene, str) and "\n" in scene:
-        return "scene", scene
+        return "scene", scene, {}
     if not isinstance(scene, (str, os.PathLike)):
         raise TypeError(f"scene: a path, a text, a dictionary or a Scene expected, {type(scene).__name__} found")
     path = os.fspath(scene)
     with open(path, encoding="utf-8") as file:
-        return path, file.read()
+        return path, file.read(), {}
+
+
+def _words(overrides: Mapping[str, Any] | None, has_mesh: bool) -> dict[str, str]:
+    """The overrides by key, each value as TOML."""
+    if overrides is None:
+        return {}
+    if not isinstance(overrides, Mapping):
+        raise TypeError(f"overrides: a dictionary expected, such as {{'contact.friction': 0.3}}, {type(overrides).__name__} found")
+    for key in overrides:
+        if not isinstance(key, str):
+            raise TypeError(f"overrides: keys are words such as 'contact[0].friction', {key!r} found")
+        if not re.fullmatch(r"[\w-]+(\[\d+\])*(\.[\w-]+(\[\d+\])*)*", key):
+            raise ValueError(f"{key}: this is no key of a scene, such as 'mesh.elements' or 'contact[0].friction'")
+        if has_mesh and re.match(r"mesh\b", key):
+            raise ValueError(f"{key}: the mesh is given by `mesh`, so that this key has no effect; leave it out")
+    return {key: toml_value(value, key) for key, value in overrides.items()}
+
+
+def _with_any_mesh(text: str, given: _mesh.Given) -> str:
+    """The text with a mesh, which the reader of scenes asks for; the one in memory takes its place."""
+    if re.search(r"(?m)^\s*(\[\s*mesh\s*[\].]|mesh\s*[.=])", text):
+        return text
+    space = any(DIMENSION.get(kind) == 3 for kind, _, _ in given["cells"])
+    ones = "[1, 1, 1]" if space else "[1, 1]"
+    return text + f'\n[mesh]\nkind = "block"\nsize = {ones}\nelements = {ones}\n'
 
 
 class Model:
     """A scene, discretised; nothing is solved yet.
 
-    Args:
-        scene: a path, the text of a scene, a dictionary of its keys, or a `Scene`.
-        overrides: by key, such as {"mesh.elements": [50, 50], "contact[0].friction": 0.3}.
-        mesh: a mesh in memory in place of the scene's, which then may leave out [mesh]: of meshio, gmsh or `stickslip.mesh`, in m.
+    Parameters
+    ----------
+    scene : str, os.PathLike, Mapping or Scene
+        A path, the text of a scene (it has several lines), a dictionary of its keys, or a `Scene`.
+    overrides : Mapping, optional
+        Values by key, such as ``{"mesh.elements": [50, 50], "contact[0].friction": 0.3}``.
+    mesh : object, optional
+        A mesh in memory in place of the scene's, which then may leave out ``mesh``: of meshio or gmsh, in m, or what
+        `stickslip.mesh` makes.
+    name : str, optional
+        What stands for the file in messages; files that the scene names are beside it.
 
-    Attributes:
-        title, dimension: the scene's title; 2 or 3.
-        times: ends of the increments, s, (m,).
-        problem: K, C_n, C_t, mu and weights as a `ContactProblem`.
-        points: nodes, m, (nodes, 3).
-        cells: (kind by meshio's names, nodes (k, corners)), neighbouring cells of a kind together, in the order of the mesh.
-        contact_nodes: the nodes of the mesh that are contact nodes, (n_c,).
-        contact_points: where they are, m, (n_c, 3).
-        frames: normal towards the obstacle and tangents, (n_c, 1 + d, 3).
-        boundaries: by name, the contact nodes of a boundary.
+    Attributes
+    ----------
+    title : str
+        The scene's title.
+    dimension : int
+        2 or 3.
+    times : ndarray, shape (m,)
+        Ends of the increments, s.
+    problem : ContactProblem
+        K, C_n, C_t, mu and weights.
+    points : ndarray, shape (nodes, 3)
+        Nodes, m.
+    cells : list of (str, ndarray)
+        Kind by meshio's names and nodes (k, nodes of the kind); neighbouring cells of a kind together, in the order of the mesh.
+    contact_nodes : ndarray of int, shape (n_c,)
+        The nodes of the mesh that are contact nodes.
+    contact_points : ndarray, shape (n_c, 3)
+        Where they are, m.
+    frames : ndarray, shape (n_c, 1 + d, 3)
+        Normal towards the obstacle and tangents, unit vectors.
+    boundaries : dict of str to ndarray of int
+        By name, the contact nodes of a boundary.
+
+    Raises
+    ------
+    SceneError
+        A scene that is not sound; it names the key.
+    FileNotFoundError
+        The scene or a file that it names.
+    ValueError
+        A mesh in memory that is not sound.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> model = ss.Model(ss.Scene.example("block"), {"mesh.elements": [8, 4]})
+    >>> model.dimension, model.points.shape, model.problem.n_c
+    (2, (45, 3), 9)
+    >>> list(model.boundaries)
+    ['bottom']
     """
 
     def __init__(self, scene: SceneLike, overrides: Mapping[str, Any] | None = None, *, mesh: Any = None, name: str = "") -> None:
-        read, text = _read(scene)
+        read, text, files = _read(scene)
         self._has_text = not isinstance(scene, (Mapping, Scene))
         given = None if mesh is None else _mesh.given(mesh)
-        if given is not None and not re.search(r"(?m)^\s*\[mesh\]", text):
-            space = any(_mesh._DIMENSION.get(kind) == 3 for kind, _, _ in given["cells"])
-            ones = "[1, 1, 1]" if space else "[1, 1]"
-            text += f'\n[mesh]\nkind = "block"\nsize = {ones}\nelements = {ones}\n'
-        self._make(name or read, text, {k: toml_value(v) for k, v in (overrides or {}).items()}, given, {})
+        if given is not None:
+            text = _with_any_mesh(text, given)
+        self._make(name or read, text, _words(overrides, given is not None), given, files)
 
     def _make(self, name: str, text: str, overrides: dict[str, str], given: _mesh.Given | None, files: dict[str, bytes]) -> None:
         self._arguments = (name, text, overrides, given)
@@ -164,10 +191,21 @@ class Model:
 
     @property
     def history(self) -> dict[str, Array]:
-        """What drives it, for other people's solvers.
+        """What drives the model, for other people's solvers.
 
-        force: N, (m, n_u). gap: m, (m + 1, n_c), the first row before the first increment. drift: how far the obstacle has moved past
-        each node, m, (m, n_c, d). mu: (m, n_c). cases, factors: the loads (loads, n_u), N, that force is the sum of, (m, loads).
+        Returns
+        -------
+        dict of str to ndarray
+            ``force``, N, (m, n_u). ``gap``, m, (m + 1, n_c), the first row before the first increment. ``drift``, how far the
+            obstacle has moved past each node, m, (m, n_c, d). ``mu``, (m, n_c). ``cases`` (loads, n_u), N, and ``factors``
+            (m, loads): the loads that ``force`` is the sum of.
+
+        Examples
+        --------
+        >>> import stickslip as ss
+        >>> history = ss.Model(ss.Scene.example("block"), {"mesh.elements": [8, 4]}).history
+        >>> history["force"].shape, history["gap"].shape
+        ((20, 90), (21, 9))
         """
         raw = self._core.history()
         drift = np.stack([raw["drift"], raw["drift_o"]][: self.dimension - 1], axis=-1)
@@ -175,40 +213,151 @@ class Model:
         return {"force": force, "gap": raw["gap"], "drift": drift, "mu": raw["mu"], "cases": raw["cases"], "factors": raw["factors"]}
 
     def displacement(self, u: ArrayLike, t: float | None = None) -> Array:
-        """Displacements of all nodes, m, (nodes, 3), of the free ones u at time t (the end without it), where supports have moved."""
-        return self._core.displacements(self.times[-1] if t is None else t, vector("u", u, self.problem.n_u))
+        """Displacements of all nodes, those of supports included.
+
+        Parameters
+        ----------
+        u : array_like, shape (n_u,)
+            Free displacements, m.
+        t : float, optional
+            When, s, where supports move; the end without it.
+
+        Returns
+        -------
+        ndarray, shape (nodes, 3)
+            m.
+        """
+        return self._core.displacements(self._time(t), vector("u", u, self.problem.n_u))
 
     def stress(self, u: ArrayLike, t: float | None = None) -> Array:
-        """Stresses in the middle of each cell, Pa, (cells, 6): xx, yy, zz, xy, yz, zx, of free displacements u at time t."""
-        return self._core.stresses(self.times[-1] if t is None else t, vector("u", u, self.problem.n_u))
+        """Stresses in the middle of each cell.
+
+        Parameters
+        ----------
+        u : array_like, shape (n_u,)
+            Free displacements, m.
+        t : float, optional
+            When, s; the end without it.
+
+        Returns
+        -------
+        ndarray, shape (cells, 6)
+            Pa: xx, yy, zz, xy, yz, zx.
+        """
+        return self._core.stresses(self._time(t), vector("u", u, self.problem.n_u))
+
+    def _time(self, t: float | None) -> float:
+        if t is None:
+            return float(self.times[-1])
+        if not np.isfinite(t):
+            raise ValueError(f"t: {t} found, expected a time in s")
+        return float(t)
+
+    def with_increments(self, increments: int | Literal["auto"], to: float | None = None) -> Model:
+        """The same scene with other increments.
+
+        Parameters
+        ----------
+        increments : int or "auto"
+            So many equal increments. "auto": as many as the error of the tangential forces requires, which a first run estimates.
+        to : float, optional
+            That error, as a share; 0.05 without it. Only with "auto".
+
+        Returns
+        -------
+        Model
+        """
+        model, _ = self._with_increments(increments, to)
+        return model
+
+    def _with_increments(self, increments: int | Literal["auto"], to: float | None) -> tuple[Model, dict[str, Any] | None]:
+        """The model, and how its increments were chosen if they were."""
+        chosen = None
+        if increments == "auto":
+            asked = 0.05 if to is None else to
+            if not 0 < asked < 1:
+                raise ValueError(f"to: {asked} found, expected a share between 0 and 1")
+            chosen = json.loads(self._core.increments_for(asked))
+            increments = chosen["increments"]
+        elif to is not None:
+            raise ValueError('to: it is the error for increments="auto"; leave it out')
+        if isinstance(increments, (str, bool)) or int(increments) != increments or increments < 1:
+            raise ValueError(f'increments: {increments!r} found, expected "auto" or a whole number of 1 or more')
+        name, text, overrides, given = self._arguments
+        model = Model.__new__(Model)
+        model._has_text = self._has_text
+        model._make(name, text, {**overrides, "time.increments": str(int(increments))}, given, self._files())
+        return model, chosen
 
     def run(
-        self, *, linear: str | LinearSolver | None = "auto", keep_u: str | bool | Sequence[int] = "all",
-        callback: Callback | None = None, progress: bool = False, uniqueness: bool = False,
+        self, *, linear: Linear = "auto", keep_u: KeepU = "all", callback: Callback | None = None, progress: bool = False,
+        uniqueness: bool = False, companion: bool = False, increments: int | Literal["auto"] | None = None, to: float | None = None,
         max_iterations: int | None = None, tolerance: float | None = None, _stacklevel: int = 3,
     ) -> Result:
         """Solves the history as the scene says.
 
-        Args:
-            linear: "auto", the cheapest; "faer", "condensed", "umfpack" where it is built in; or a `LinearSolver`. None: what the
-                scene says, which without a word is a sparse LU of the whole system.
-            keep_u: of which increments displacements are kept: "all", "last", "none" or a list of indices.
-            callback: called with (increment, time, status, iterations, error) once an increment is judged;
-                whatever it raises ends the run and comes out.
-            progress: a bar by tqdm.
-            uniqueness: whether `report["critical_friction"]` is wanted.
-            max_iterations, tolerance: in place of the scene's.
+        Parameters
+        ----------
+        linear : {"auto", "faer", "partial", "condensed", "umfpack"} or LinearSolver, optional
+            "auto": the cheapest. "umfpack" where it is built in, see `stickslip.UMFPACK`. None: what the scene says.
+        keep_u : {"all", "last", "none"} or sequence of int, optional
+            Of which increments displacements are kept.
+        callback : callable, optional
+            Called with (increment, time, status, iterations, error) once an increment is judged. Whatever it raises ends the run and
+            comes out.
+        progress : bool, optional
+            A bar by tqdm.
+        uniqueness : bool, optional
+            Whether ``report["critical_friction"]`` is wanted.
+        companion : bool, optional
+            A second run with other increments estimates the time-step error of the tangential forces:
+            ``report["estimates"]["increments"]``.
+        increments, to : int or "auto", float, optional
+            Other increments than the scene's, see `with_increments`; ``result.model`` has them.
+        max_iterations, tolerance : int, float, optional
+            In place of the scene's.
+
+        Returns
+        -------
+        Result
+
+        Raises
+        ------
+        ValueError
+            An option that cannot be; it names the option.
+        KeyboardInterrupt
+            After Ctrl-C, within an iteration.
+
+        Warns
+        -----
+        NotConvergedWarning
+            A law is violated by more than the tolerance.
+        AccuracyWarning
+            Each of ``result.warnings`` that may make the answer wrong.
+
+        Examples
+        --------
+        >>> import stickslip as ss
+        >>> model = ss.Model(ss.Scene.example("block"), {"mesh.elements": [20, 10]})
+        >>> result = model.run(keep_u="last")
+        >>> result.converged, result.kept
+        (True, (19,))
         """
-        if max_iterations is not None and max_iterations < 1:
-            raise ValueError("max_iterations must be 1 or more")
+        if max_iterations is not None and (isinstance(max_iterations, bool) or int(max_iterations) != max_iterations or max_iterations < 1):
+            raise ValueError(f"max_iterations: {max_iterations!r} found, expected a whole number of 1 or more")
         if tolerance is not None and not 0 < tolerance < 1:
-            raise ValueError("tolerance must be between 0 and 1")
+            raise ValueError(f"tolerance: {tolerance} found, expected a number between 0 and 1")
+        if callback is not None and not callable(callback):
+            raise TypeError(f"callback: a function expected, {type(callback).__name__} found")
+        if increments is None and to is not None:
+            raise ValueError('to: it is the error for increments="auto"; leave it out')
+        model, chosen = (self, None) if increments is None else self._with_increments(increments, to)
         bar: Any = None
         told: Callback | None = callback
         if progress:
             from tqdm.auto import tqdm
 
-            bar = tqdm(total=len(self.times), unit="increment")
+            bar = tqdm(total=len(model.times), unit="increment")
 
             def counted(index: int, time: float, status: str, iterations: int, error: float) -> None:
                 bar.update(1)
@@ -218,13 +367,20 @@ class Model:
 
             told = counted
 
+        options = {
+            "uniqueness": bool(uniqueness), "companion": bool(companion),
+            "max_iterations": None if max_iterations is None else int(max_iterations), "tolerance": tolerance,
+        }
         try:
-            kept = keep(keep_u, len(self.times))
-            raw = self._core.run(linear, kept, told, uniqueness, max_iterations, tolerance)
+            kept = keep(keep_u, len(model.times))
+            raw = model._core.run(linear, kept, told, options)
         finally:
             if bar is not None:
                 bar.close()
-        return Result._of(raw, self.dimension - 1, self, stacklevel=_stacklevel)
+        result = Result._of(raw, model.dimension - 1, model, stacklevel=_stacklevel)
+        if chosen is not None:
+            result.report["chosen_increments"] = chosen
+        return result
 
 
 def _blocks(cells: list[tuple[str, list[int], int]]) -> list[tuple[str, Array]]:
@@ -244,10 +400,40 @@ def _restore(name: str, text: str, overrides: dict[str, str], given: _mesh.Given
     return model
 
 
-def run(scene: SceneLike, overrides: Mapping[str, Any] | None = None, *, mesh: Any = None, **options: Any) -> Result:
-    """Discretises a scene and solves it: `Model(scene, overrides, mesh=mesh).run(**options)`.
+def run(
+    scene: SceneLike, overrides: Mapping[str, Any] | None = None, *, mesh: Any = None, linear: Linear = "auto", keep_u: KeepU = "all",
+    callback: Callback | None = None, progress: bool = False, uniqueness: bool = False, companion: bool = False,
+    increments: int | Literal["auto"] | None = None, to: float | None = None, max_iterations: int | None = None,
+    tolerance: float | None = None,
+) -> Result:
+    """Discretises a scene and solves it: `Model` and `Model.run` in one.
 
-        result = stickslip.run("block.toml", {"mesh.elements": [50, 50]})
-        result.check().plot()
+    Parameters
+    ----------
+    scene, overrides, mesh
+        See `Model`.
+    linear, keep_u, callback, progress, uniqueness, companion, increments, to, max_iterations, tolerance
+        See `Model.run`.
+
+    Returns
+    -------
+    Result
+
+    Raises
+    ------
+    SceneError
+        A scene that is not sound; it names the key.
+    ValueError
+        An option that cannot be; it names the option.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> result = ss.run(ss.Scene.example("block"), {"mesh.elements": [20, 10], "contact.friction": 0.6}).check()
+    >>> print(f"{result.p_n[-1].sum():.0f} N per m of depth")
+    10000 N per m of depth
     """
-    return Model(scene, overrides, mesh=mesh).run(_stacklevel=4, **options)
+    return Model(scene, overrides, mesh=mesh).run(
+        linear=linear, keep_u=keep_u, callback=callback, progress=progress, uniqueness=uniqueness, companion=companion,
+        increments=increments, to=to, max_iterations=max_iterations, tolerance=tolerance, _stacklevel=4,
+    )

@@ -14,30 +14,95 @@
 from __future__ import annotations
 
 import copy
+import os
 from collections.abc import Sequence
 from typing import Any, Literal
 
+from . import _core
+from ._errors import SceneError
+
 
 def plane(*, gap: float = 0.0, **keys: Any) -> dict[str, Any]:
-    """An obstacle with a plane face at a distance `gap` (m) from the boundary; further keys as scenes have them."""
+    """An obstacle with a plane face, for `Scene.contact`.
+
+    Parameters
+    ----------
+    gap : float, optional
+        Its distance from the boundary, m.
+    **keys
+        Further keys as scenes have them: ``normal``, ``approach``, ...
+
+    Returns
+    -------
+    dict
+
+    Examples
+    --------
+    >>> from stickslip.builder import plane
+    >>> plane(gap=1e-5)
+    {'kind': 'plane', 'gap': 1e-05}
+    """
     return {"kind": "plane", "gap": gap, **keys}
 
 
 class Scene:
-    """The keys of a scene; `to_dict` shows them. SI units unless `units` says otherwise."""
+    """The keys of a scene; SI units unless `units` says otherwise.
+
+    Parameters
+    ----------
+    keys : dict, optional
+        As a scene file has them.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> from stickslip.builder import plane
+    >>> scene = (
+    ...     ss.Scene.block([1.0, 1.0], [10, 10], title="A block on a plane")
+    ...     .material(young=210e9, poisson=0.3)
+    ...     .support("left", "x", "y")
+    ...     .contact("bottom", plane(gap=1e-5), friction=0.4)
+    ...     .load("top", traction=[0.0, -10e6], history=[[0, 0], [1, 1]])
+    ...     .time(end=1.0, increments=4)
+    ... )
+    >>> scene
+    <Scene 'A block on a plane': mesh, material, 1 support, 1 contact, 1 load, time>
+    >>> ss.run(scene).converged
+    True
+    """
 
     def __init__(self, keys: dict[str, Any] | None = None) -> None:
-        self._keys = keys or {}
+        if keys is not None and not isinstance(keys, dict):
+            raise TypeError(f"keys: a dictionary expected, {type(keys).__name__} found")
+        self._keys = copy.deepcopy(keys) if keys else {}
+        #: What stands for the file, and the files in memory that the scene names, by their paths.
+        self._name: str = "scene"
+        self._files: dict[str, bytes] = {}
 
     def to_dict(self) -> dict[str, Any]:
-        """The keys, as a scene file has them."""
+        """The keys, as a scene file has them.
+
+        Returns
+        -------
+        dict
+            A copy, which is free to change.
+        """
         return copy.deepcopy(self._keys)
 
     def __repr__(self) -> str:
-        return f"Scene({self._keys!r})"
+        title = self._keys.get("title", "")
+        parts = []
+        for name, value in self._keys.items():
+            if isinstance(value, list):
+                parts.append(f"{len(value)} {name}{'' if len(value) == 1 else 's'}")
+            elif name != "title":
+                parts.append(name)
+        return f"<Scene {title!r}: {', '.join(parts)}>"
 
     def _with(self, **keys: Any) -> Scene:
-        return Scene({**self.to_dict(), **keys})
+        scene = Scene({**self._keys, **keys})
+        scene._name, scene._files = self._name, self._files
+        return scene
 
     def _and(self, table: str, **keys: Any) -> Scene:
         one = {name: value for name, value in keys.items() if value is not None}
@@ -45,45 +110,269 @@ class Scene:
 
     @classmethod
     def block(cls, size: Sequence[float], elements: Sequence[int], *, title: str = "", **keys: Any) -> Scene:
-        """A rectangle or box of `size` (m): boundaries left, right, bottom, top (and front, back)."""
+        """A rectangle or box with the boundaries left, right, bottom, top (and front, back).
+
+        Parameters
+        ----------
+        size : sequence of float
+            Its two or three lengths, m.
+        elements : sequence of int
+            So many elements along each.
+        title : str, optional
+            A line for headings.
+        **keys
+            Further keys of ``mesh`` as scenes have them.
+
+        Returns
+        -------
+        Scene
+        """
         mesh = {"kind": "block", "size": list(size), "elements": list(elements), **keys}
         return cls({**({"title": title} if title else {}), "mesh": mesh})
 
     @classmethod
     def on_mesh(cls, *, title: str = "") -> Scene:
-        """On a mesh that `Model` or `run` is given."""
+        """On a mesh that `Model` or `run` is given.
+
+        Parameters
+        ----------
+        title : str, optional
+            A line for headings.
+
+        Returns
+        -------
+        Scene
+        """
         return cls({"title": title} if title else {})
 
+    @classmethod
+    def from_toml(cls, text: str) -> Scene:
+        """The scene of a text in TOML.
+
+        Parameters
+        ----------
+        text : str
+            As a scene file has it; files that it names are looked for in the working folder.
+
+        Returns
+        -------
+        Scene
+
+        Raises
+        ------
+        SceneError
+            A text that is no TOML. Which keys a scene may have, `Model` says.
+        """
+        if not isinstance(text, str):
+            raise TypeError(f"text: a str expected, {type(text).__name__} found")
+        from ._toml import from_toml
+
+        try:
+            return cls(from_toml(text))
+        except ValueError as error:
+            raise SceneError(f"text: {error}") from None
+
+    @classmethod
+    def from_file(cls, path: str | os.PathLike[str]) -> Scene:
+        """The scene of a file, to be changed; files that it names are beside it.
+
+        Parameters
+        ----------
+        path : str or os.PathLike
+            A scene file.
+
+        Returns
+        -------
+        Scene
+
+        Raises
+        ------
+        FileNotFoundError
+            If there is no such file.
+        SceneError
+            A text that is no TOML.
+        """
+        with open(path, encoding="utf-8") as file:
+            scene = cls.from_toml(file.read())
+        scene._name = os.fspath(path)
+        return scene
+
+    @staticmethod
+    def examples() -> list[str]:
+        """The names of the scenes to start from, those of ``stickslip init``.
+
+        Returns
+        -------
+        list of str
+
+        Examples
+        --------
+        >>> import stickslip as ss
+        >>> ss.Scene.examples()
+        ['block', 'cube', 'gmsh']
+        """
+        return _core.examples()
+
+    @classmethod
+    def example(cls, name: Literal["block", "cube", "gmsh"]) -> Scene:
+        """A scene to start from, with the mesh that it reads.
+
+        Parameters
+        ----------
+        name : {"block", "cube", "gmsh"}
+            Which; `examples` lists them.
+
+        Returns
+        -------
+        Scene
+
+        Raises
+        ------
+        ValueError
+            If there is none of this name.
+
+        Examples
+        --------
+        >>> import stickslip as ss
+        >>> ss.Scene.example("gmsh")
+        <Scene 'Roller on a plane': mesh, material, 1 support, 1 contact, time, solver, output>
+        """
+        found = _core.example(name) if isinstance(name, str) else None
+        if found is None:
+            raise ValueError(f"name: {name!r} found, expected one of {', '.join(_core.examples())}")
+        text, files = found
+        scene = cls.from_toml(text)
+        scene._name, scene._files = f"{name}.toml", dict(files)
+        return scene
+
     def material(self, *, young: float, poisson: float, plane: Literal["strain", "stress"] | None = None, **keys: Any) -> Scene:
-        """Young's modulus, Pa, and Poisson's ratio."""
+        """The elastic constants.
+
+        Parameters
+        ----------
+        young : float
+            Young's modulus, Pa.
+        poisson : float
+            Poisson's ratio.
+        plane : {"strain", "stress"}, optional
+            In two dimensions: a long body, or a thin plate.
+        **keys
+            Further keys as scenes have them.
+
+        Returns
+        -------
+        Scene
+        """
         return self._with(material={"young": young, "poisson": poisson, **({"plane": plane} if plane else {}), **keys})
 
     def support(self, boundary: str, *fix: Literal["x", "y", "z"], **keys: Any) -> Scene:
-        """Holds a boundary along axes."""
+        """Holds a boundary along axes.
+
+        Parameters
+        ----------
+        boundary : str
+            Its name.
+        *fix : {"x", "y", "z"}
+            The axes.
+        **keys
+            Further keys as scenes have them: ``motion``, ...
+
+        Returns
+        -------
+        Scene
+        """
         return self._and("support", boundary=boundary, fix=list(fix) or None, **keys)
 
     def contact(self, boundary: str, obstacle: dict[str, Any] | None = None, *, friction: float, **keys: Any) -> Scene:
-        """Puts an obstacle in front of a boundary: `plane(gap=...)`, or the keys of another kind."""
+        """Puts an obstacle in front of a boundary.
+
+        Parameters
+        ----------
+        boundary : str
+            Its name.
+        obstacle : dict, optional
+            `plane`, or the keys of another kind; without it another boundary by the key ``against``.
+        friction : float
+            Coulomb's coefficient.
+        **keys
+            Further keys as scenes have them.
+
+        Returns
+        -------
+        Scene
+        """
         return self._and("contact", boundary=boundary, friction=friction, obstacle=obstacle, **keys)
 
     def load(
         self, boundary: str | None = None, *, traction: Sequence[float] | None = None,
         history: Sequence[Sequence[float]] | None = None, **keys: Any,
     ) -> Scene:
-        """A traction, N/m², whose factor goes through the points [time, factor] of `history`."""
+        """A load whose factor goes through the points of its history.
+
+        Parameters
+        ----------
+        boundary : str, optional
+            Where a traction acts.
+        traction : sequence of float, optional
+            N/m² along the axes.
+        history : sequence of pairs, optional
+            [time, factor], s and a number.
+        **keys
+            Further keys as scenes have them: ``pressure``, ``force``, ``gravity``, ...
+
+        Returns
+        -------
+        Scene
+        """
         points = None if history is None else [list(point) for point in history]
         return self._and("load", boundary=boundary, traction=None if traction is None else list(traction), history=points, **keys)
 
     def time(self, *, end: float, increments: int) -> Scene:
-        """The end of the history, s, and its equal increments."""
+        """The history.
+
+        Parameters
+        ----------
+        end : float
+            When it ends, s.
+        increments : int
+            So many, of equal length.
+
+        Returns
+        -------
+        Scene
+        """
         return self._with(time={"end": end, "increments": increments})
 
     def solver(
         self, method: Literal["bn", "ip", "events"] = "bn", setting: Literal["default", "paper"] | None = None, **keys: Any
     ) -> Scene:
-        """The method with its constants; further keys as scenes have them: tolerance, max_iterations, linear."""
+        """The method with its constants.
+
+        Parameters
+        ----------
+        method : {"bn", "ip", "events"}, optional
+            Newton's method, the interior point method, or the exact path.
+        setting : {"default", "paper"}, optional
+            Its constants.
+        **keys
+            Further keys as scenes have them: ``tolerance``, ``max_iterations``, ``linear``.
+
+        Returns
+        -------
+        Scene
+        """
         return self._with(solver={"method": method, **({"setting": setting} if setting else {}), **keys})
 
     def units(self, *, length: str, stress: str) -> Scene:
-        """The units of the numbers of this scene, such as "mm" and "MPa", and of `Result.report`; arrays of results stay SI."""
+        """The units of the numbers of this scene and of `Result.report`; arrays of results stay SI.
+
+        Parameters
+        ----------
+        length, stress : str
+            Such as "mm" and "MPa".
+
+        Returns
+        -------
+        Scene
+        """
         return self._with(units={"length": length, "stress": stress})

@@ -13,77 +13,36 @@ from typing import Any, TypedDict, Union
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ._kinds import (
+    DIMENSION, FACETS, GMSH, GMSH_ORDER, NODES, VTK, VTK_LINES, coordinate_plane, outer_facets as outer_facets, right_way_round,
+    SIDES as SIDES,
+)
+
 Array = NDArray[Any]
 
 #: Which outer facets a boundary has: by their corners' points, or by their nodes.
 Where = Union[Callable[[Array], Array], Sequence[Sequence[int]]]
 
-#: The sides of each kind of cell, corners first, then the nodes in the middle of their edges.
-SIDES: dict[str, tuple[tuple[int, ...], ...]] = {
-    "triangle": ((0, 1), (1, 2), (2, 0)),
-    "quad": ((0, 1), (1, 2), (2, 3), (3, 0)),
-    "tetra": ((0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)),
-    "hexahedron": ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)),
-    "wedge": ((0, 2, 1), (3, 4, 5), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5)),
-    "triangle6": ((0, 1, 3), (1, 2, 4), (2, 0, 5)),
-    "tetra10": ((0, 2, 1, 6, 5, 4), (0, 1, 3, 4, 8, 7), (1, 2, 3, 5, 9, 8), (0, 3, 2, 7, 9, 6)),
-    "quad8": ((0, 1, 4), (1, 2, 5), (2, 3, 6), (3, 0, 7)),
-    "quad9": ((0, 1, 4), (1, 2, 5), (2, 3, 6), (3, 0, 7)),
-    "hexahedron20": (
-        (0, 3, 2, 1, 11, 10, 9, 8), (4, 5, 6, 7, 12, 13, 14, 15), (0, 1, 5, 4, 8, 17, 12, 16),
-        (1, 2, 6, 5, 9, 18, 13, 17), (2, 3, 7, 6, 10, 19, 14, 18), (3, 0, 4, 7, 11, 16, 15, 19),
-    ),
-    "wedge15": (
-        (0, 2, 1, 8, 7, 6), (3, 4, 5, 9, 10, 11), (0, 1, 4, 3, 6, 13, 9, 12), (1, 2, 5, 4, 7, 14, 10, 13), (2, 0, 3, 5, 8, 12, 11, 14),
-    ),
-}
-
-_DIMENSION = {name: 2 if name in ("triangle", "quad", "triangle6", "quad8", "quad9") else 3 for name in SIDES}
-# The centre of a quadrilateral is on no side.
-_NODES = {name: 1 + max(max(side) for side in sides) for name, sides in SIDES.items()} | {"quad9": 9}
-_FACETS = {2: ("line", "line3"), 3: ("triangle", "quad", "triangle6", "quad8")}
-_GMSH = {
-    1: "line", 2: "triangle", 3: "quad", 4: "tetra", 5: "hexahedron", 6: "wedge", 8: "line3", 9: "triangle6", 10: "quad9", 11: "tetra10",
-    16: "quad8", 17: "hexahedron20", 18: "wedge15",
-}
-#: The place of each node in the order of Gmsh, where it is another.
-_GMSH_ORDER = {
-    "tetra10": [0, 1, 2, 3, 4, 5, 6, 7, 9, 8],
-    "hexahedron20": [0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15],
-    "wedge15": [0, 1, 2, 3, 4, 5, 6, 9, 7, 12, 14, 13, 8, 10, 11],
-}
-_VTK = {
-    5: "triangle", 9: "quad", 10: "tetra", 12: "hexahedron", 13: "wedge", 22: "triangle6", 23: "quad8", 24: "tetra10",
-    25: "hexahedron20", 26: "wedge15", 28: "quad9",
-}
-#: Points and lines of VTK, which are no part of a body.
-_VTK_LINES = {0, 1, 2, 3, 4, 21, 35, 68}
-
 
 class Given(TypedDict):
     """A mesh of arrays.
 
-    points: m, (n, 3). cells: (kind, nodes (k, nodes of the kind), group of each (k,)). groups: names of the materials; cells of no
-    group are of the group with the empty name, which has the material of the scene itself. boundaries: (name, facets by their nodes).
+    Attributes
+    ----------
+    points : ndarray, shape (n, 3)
+        m.
+    cells : list of (str, ndarray, ndarray)
+        Kind, nodes (k, nodes of the kind), group of each (k,).
+    groups : list of str
+        Names of the materials; cells of no group are of the group with the empty name, which has the material of the scene itself.
+    boundaries : list of (str, list)
+        Name, and facets by their nodes.
     """
 
     points: Array
     cells: list[tuple[str, Array, Array]]
     groups: list[str]
     boundaries: list[tuple[str, list[list[int]]]]
-
-
-def outer_facets(cells: Iterable[tuple[str, Array]]) -> list[list[int]]:
-    """The facets that belong to one cell only."""
-    seen: Counter[tuple[int, ...]] = Counter()
-    facets: dict[tuple[int, ...], list[int]] = {}
-    for kind, nodes in cells:
-        for side in SIDES[kind]:
-            for facet in np.asarray(nodes)[:, side].tolist():
-                key = tuple(sorted(facet))
-                seen[key] += 1
-                facets[key] = facet
-    return [facets[key] for key, count in seen.items() if count == 1]
 
 
 def _refuse(unknown: Mapping[str, int]) -> None:
@@ -151,13 +110,37 @@ def from_arrays(
 ) -> Given:
     """A mesh of points and cells.
 
-    Args:
-        points: (n, 2) or (n, 3).
-        cells: (kind, nodes (k, nodes of the kind)) of the kinds in `SIDES`, in the order of VTK.
-        boundaries: by name; see the head of this module.
-        scale: the length of the unit of `points`, m.
-        groups: by name, for each block of cells the numbers of those in the material group, or a mask. Cells of no group have the
-            material of the scene itself, as have groups that the scene does not name.
+    Parameters
+    ----------
+    points : array_like, shape (n, 2) or (n, 3)
+        In units of `scale`. A plane body may lie in any of the three coordinate planes.
+    cells : iterable of (str, array_like)
+        Kind of those in `SIDES` and nodes (k, nodes of the kind), in the order of VTK. Cells that are turned over are renumbered.
+    boundaries : Mapping of str to callable or list
+        By name, a function of the points that says which are on the boundary, (n, 3) to (n,), or the facets by their nodes.
+    scale : float, optional
+        The length of the unit of `points`, m.
+    groups : Mapping of str to list, optional
+        By name, for each block of cells the numbers of those in the material group, or a mask. Cells of no group have the material
+        of the scene itself, as have groups that the scene does not name.
+
+    Returns
+    -------
+    Given
+        What `Model` and `run` take as `mesh`.
+
+    Raises
+    ------
+    ValueError
+        It names the argument.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> points = [[0, 0], [1, 0], [2, 0], [0, 1], [1, 1], [2, 1]]
+    >>> given = ss.mesh.from_arrays(points, [("quad", [[0, 1, 4, 3], [1, 2, 5, 4]])], {"bottom": lambda x: x[:, 1] == 0})
+    >>> given["boundaries"]
+    [('bottom', [[0, 1], [1, 2]])]
     """
     try:
         xyz = np.asarray(points, dtype=float)
@@ -166,20 +149,29 @@ def from_arrays(
     if xyz.ndim != 2 or xyz.shape[1] not in (2, 3):
         raise ValueError(f"points has the shape {xyz.shape}, expected (n, 2) or (n, 3)")
     xyz = np.column_stack([xyz, np.zeros((len(xyz), 3 - xyz.shape[1]))]) * scale
-    blocks = [(kind, _integers(f"cells: {kind}", nodes)) for kind, nodes in cells]
+    if not 0 < scale < np.inf:
+        raise ValueError(f"scale: {scale} found, expected the length of the unit of the points in m, above 0")
+    if not isinstance(boundaries, Mapping):
+        raise TypeError(f"boundaries: a dictionary expected, {type(boundaries).__name__} found")
+    try:
+        pairs = [(kind, nodes) for kind, nodes in cells]
+    except (TypeError, ValueError):
+        raise TypeError("cells: a list of pairs expected, such as [('quad', nodes)]") from None
+    blocks = [(kind, _integers(f"cells: {kind}", nodes)) for kind, nodes in pairs]
     _refuse({kind: len(nodes) for kind, nodes in blocks if kind not in SIDES})
     for kind, nodes in blocks:
-        if nodes.size and (nodes.ndim != 2 or nodes.shape[1] != _NODES[kind]):
-            raise ValueError(f"cells: {kind} has nodes of the shape {nodes.shape}, expected (k, {_NODES[kind]})")
+        if nodes.size and (nodes.ndim != 2 or nodes.shape[1] != NODES[kind]):
+            raise ValueError(f"cells: {kind} has nodes of the shape {nodes.shape}, expected (k, {NODES[kind]})")
         if nodes.size and (nodes.min() < 0 or nodes.max() >= len(xyz)):
             raise ValueError(f"cells: {kind} has nodes that are not among the {len(xyz)} points")
-    blocks = [(kind, nodes.reshape(-1, _NODES[kind])) for kind, nodes in blocks]
+    blocks = [(kind, nodes.reshape(-1, NODES[kind])) for kind, nodes in blocks]
     if not blocks or not any(len(nodes) for _, nodes in blocks):
         raise ValueError("cells: there is none")
-    dimension = max(_DIMENSION[kind] for kind, _ in blocks)
-    if any(_DIMENSION[kind] != dimension for kind, _ in blocks):
+    dimension = max(DIMENSION[kind] for kind, _ in blocks)
+    if any(DIMENSION[kind] != dimension for kind, _ in blocks):
         raise ValueError("cells: some are of the plane, others of space; leave the facets out")
-    if dimension == 2 and np.ptp(xyz[:, 2]) == 0:
+    axes = coordinate_plane(xyz, blocks) if dimension == 2 else (0, 1)
+    if dimension == 2 and axes == (0, 1):
         xyz[:, 2] = 0.0
     tagged, names = _tagged(blocks, groups or {})
     outer: list[list[int]] | None = None
@@ -192,10 +184,16 @@ def from_arrays(
                 raise ValueError(f"boundaries[{name!r}] gives the shape {on.shape}, expected {(len(xyz),)}")
             facets = [facet for facet in outer if on[facet].all()]
         else:
-            facets = [[int(node) for node in facet] for facet in where]
+            try:
+                facets = [[int(node) for node in facet] for facet in where]
+            except (TypeError, ValueError):
+                raise TypeError(f"boundaries[{name!r}]: a function of points or a list of facets expected, {type(where).__name__} found") from None
         if not facets:
             raise ValueError(f"boundaries[{name!r}] has no facet")
         chosen_facets.append((name, facets))
+    if dimension == 2:
+        xyz = np.column_stack([xyz[:, axes], np.zeros(len(xyz))])
+    tagged = [(kind, right_way_round(xyz, kind, nodes), group) for kind, nodes, group in tagged]
     return _used({"points": xyz, "cells": tagged, "groups": names, "boundaries": chosen_facets})
 
 
@@ -204,10 +202,11 @@ def _used(mesh: Given) -> Given:
     used = np.unique(np.concatenate([nodes.ravel() for _, nodes, _ in mesh["cells"]]))
     number = np.full(len(mesh["points"]), -1, dtype=np.int64)
     number[used] = np.arange(len(used))
+    for name, all_ in mesh["boundaries"]:
+        alien = next((n for facet in all_ for n in facet if not 0 <= n < len(number) or number[n] < 0), None)
+        if alien is not None:
+            raise ValueError(f"boundaries[{name!r}] has the node {alien}, which no cell has")
     facets = [(name, [[int(number[n]) for n in facet] for facet in all_]) for name, all_ in mesh["boundaries"]]
-    for name, all_ in facets:
-        if any(n < 0 for facet in all_ for n in facet):
-            raise ValueError(f"boundaries[{name!r}] has a node that no cell has")
     return {
         "points": np.ascontiguousarray(mesh["points"][used]),
         "cells": [(kind, np.ascontiguousarray(number[nodes]), group) for kind, nodes, group in mesh["cells"]],
@@ -216,13 +215,25 @@ def _used(mesh: Given) -> Given:
 
 
 def from_meshio(mesh: Any, boundaries: Mapping[str, Where] | None = None, *, scale: float = 1.0) -> Given:
-    """Of a `meshio.Mesh`: physical groups, cell sets, and `boundaries` beside them."""
+    """A mesh of meshio: physical groups, cell sets, and `boundaries` beside them.
+
+    Parameters
+    ----------
+    mesh : meshio.Mesh
+        ``Model(scene, mesh=mesh)`` calls this by itself.
+    boundaries, scale : optional
+        See `from_arrays`.
+
+    Returns
+    -------
+    Given
+    """
     filled = [(k, block) for k, block in enumerate(mesh.cells) if len(block.data)]
     dimension = max((block.dim for _, block in filled), default=0)
     body = [k for k, block in filled if block.dim == dimension]
     skin = [k for k, block in filled if block.dim == dimension - 1]
     unknown: Counter[str] = Counter()
-    for kinds, blocks in ((SIDES, body), (_FACETS.get(dimension, ()), skin)):
+    for kinds, blocks in ((SIDES, body), (FACETS.get(dimension, ()), skin)):
         for k in blocks:
             if mesh.cells[k].type not in kinds:
                 unknown[mesh.cells[k].type] += len(mesh.cells[k].data)
@@ -253,8 +264,21 @@ def from_meshio(mesh: Any, boundaries: Mapping[str, Where] | None = None, *, sca
 
 
 def from_gmsh(model: Any, boundaries: Mapping[str, Where] | None = None, *, scale: float = 1.0) -> Given:
-    """Of `gmsh.model` (or `gmsh`) as it is meshed now: physical groups are boundaries and materials.
+    """A mesh of Gmsh in memory, as it is meshed now: physical groups are boundaries and materials.
 
+    Parameters
+    ----------
+    model : gmsh or gmsh.model
+        ``Model(scene, mesh=gmsh)`` calls this by itself.
+    boundaries, scale : optional
+        See `from_arrays`.
+
+    Returns
+    -------
+    Given
+
+    Notes
+    -----
     Cells of no physical group have the material of the scene itself, if they share nodes with cells of one. Where there are groups of
     materials, a part of the mesh without any is refused: it may be left over from the construction, and a file of Gmsh would not have it.
     """
@@ -268,11 +292,11 @@ def from_gmsh(model: Any, boundaries: Mapping[str, Where] | None = None, *, scal
         found = []
         for kind, elements, nodes in zip(*model.mesh.getElements(dim, entity)):
             name, _, _, count = model.mesh.getElementProperties(kind)[:4]
-            if kind not in _GMSH:
+            if kind not in GMSH:
                 unknown[name] += len(elements)
                 continue
             table = np.array([number[int(n)] for n in nodes], dtype=np.int64).reshape(-1, int(count))
-            found.append((_GMSH[kind], table[:, _GMSH_ORDER.get(_GMSH[kind], slice(None))]))
+            found.append((GMSH[kind], table[:, GMSH_ORDER.get(GMSH[kind], slice(None))]))
         return found
 
     cells: list[tuple[str, Array]] = []
@@ -317,14 +341,26 @@ def _refuse_loose(blocks: list[tuple[Array, bool]]) -> None:
 
 
 def from_pyvista(grid: Any, boundaries: Mapping[str, Where], *, scale: float = 1.0) -> Given:
-    """Of a `pyvista.UnstructuredGrid`, which has no names for its boundaries: choose them by `boundaries`."""
+    """A mesh of pyvista, which has no names for its boundaries.
+
+    Parameters
+    ----------
+    grid : pyvista.UnstructuredGrid
+        Points and lines of it are left out.
+    boundaries, scale
+        See `from_arrays`.
+
+    Returns
+    -------
+    Given
+    """
     if not hasattr(grid, "celltypes"):
         raise ValueError(f"mesh: a pyvista.UnstructuredGrid expected, {type(grid).__name__} found; its cast_to_unstructured_grid() makes one")
     kinds = Counter(np.asarray(grid.celltypes).tolist())
-    _refuse({_vtk_name(kind): count for kind, count in kinds.items() if kind not in _VTK and kind not in _VTK_LINES})
-    cells = [(_VTK[int(kind)], nodes) for kind, nodes in grid.cells_dict.items() if int(kind) in _VTK]
-    dimension = max((_DIMENSION[kind] for kind, _ in cells), default=0)
-    return from_arrays(grid.points, [c for c in cells if _DIMENSION[c[0]] == dimension], boundaries, scale=scale)
+    _refuse({_vtk_name(kind): count for kind, count in kinds.items() if kind not in VTK and kind not in VTK_LINES})
+    cells = [(VTK[int(kind)], nodes) for kind, nodes in grid.cells_dict.items() if int(kind) in VTK]
+    dimension = max((DIMENSION[kind] for kind, _ in cells), default=0)
+    return from_arrays(grid.points, [c for c in cells if DIMENSION[c[0]] == dimension], boundaries, scale=scale)
 
 
 def _vtk_name(kind: int) -> str:
@@ -334,8 +370,21 @@ def _vtk_name(kind: int) -> str:
 
 
 def given(mesh: Any) -> Given:
-    """Whatever `mesh=` takes."""
+    """Whatever `Model` and `run` take as `mesh`.
+
+    Parameters
+    ----------
+    mesh : object
+        Of meshio or gmsh, or what this module makes.
+
+    Returns
+    -------
+    Given
+    """
     if isinstance(mesh, dict):
+        missing = [name for name in Given.__annotations__ if name not in mesh]
+        if missing:
+            raise ValueError(f"mesh: a dictionary without {', '.join(missing)}; stickslip.mesh.from_arrays makes a whole one")
         return mesh  # type: ignore[return-value]
     if hasattr(mesh, "field_data") and isinstance(getattr(mesh, "cells", None), list):
         return from_meshio(mesh)

@@ -92,23 +92,38 @@ def contact(result: Result, k: int = -1, ax: Any = None) -> Any:
 
     In the plane: along x, or along the boundaries where these go to and fro or lie above each other. In space: a map of the normal stress,
     each boundary seen along the axis of its least extent. Of a problem of matrices: by the number of the contact node.
+
+    Parameters
+    ----------
+    result : Result
+        What is drawn.
+    k : int, optional
+        The increment from 0; -1 is the last.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw; new axes without it.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
     """
     ax = _axes(ax)
     model, d = result.model, result.p_t.shape[2]
-    weight = model.problem.weight if model is not None else None
-    unit = "contact force, N" if weight is None else "contact stress, MPa"
-    scale = np.ones(result.p_n.shape[1]) if weight is None else weight * 1e6
-    if model is not None and d == 2:
-        _map(result, model, k, ax, result.p_n[k] / scale, unit)
+    if model is None:
+        normal, tangential, unit = result.p_n[k], result.p_t[k], "contact force, N"
     else:
-        numbers = np.arange(len(scale))
+        stresses = result._contact(k)
+        normal, tangential, unit = stresses["pressure"] / 1e6, stresses["traction"] / 1e6, "contact stress, MPa"
+    if model is not None and d == 2:
+        _map(result, model, k, ax, normal, unit)
+    else:
+        numbers = np.arange(len(normal))
         curves, across = ([("", numbers, numbers)], "contact node") if model is None else _abscissae(model)
         names = ("normal", "tangential") if d == 1 else ("normal", *(f"tangential {j + 1}" for j in range(d)))
         for place, (_, nodes, x) in enumerate(curves):
             for j, (colour, name) in enumerate(zip(_FORCES, names)):
-                force = result.p_n[k] if j == 0 else result.p_t[k, :, j - 1]
+                stress = normal if j == 0 else tangential[:, j - 1]
                 # Numbers of nodes say nothing of neighbours: points without a line.
-                ax.plot(x, (force / scale)[nodes], "." if model is None else "-", color=colour, label="" if place else name)
+                ax.plot(x, stress[nodes], "." if model is None else "-", color=colour, label="" if place else name)
         low = min(0.0, *ax.get_ylim())
         for code, name, colour, marker in _STATUSES:
             here = np.concatenate([x[result.contact[k, nodes] == code] for _, nodes, x in curves])
@@ -155,7 +170,19 @@ def _map(result: Result, model: Model, k: int, ax: Any, stress: Array, unit: str
 
 
 def convergence(result: Result, ax: Any = None) -> Any:
-    """The error of every law over the increments, on a logarithmic scale."""
+    """The error of every law over the increments, on a logarithmic scale.
+
+    Parameters
+    ----------
+    result : Result
+        What is drawn.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw; new axes without it.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
     from ._result import LAWS
 
     ax = _axes(ax)
@@ -169,7 +196,19 @@ def convergence(result: Result, ax: Any = None) -> Any:
 
 
 def history(result: Result, ax: Any = None) -> Any:
-    """Sums of the contact forces over time."""
+    """Sums of the contact forces over time.
+
+    Parameters
+    ----------
+    result : Result
+        What is drawn.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw; new axes without it.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
     ax = _axes(ax)
     ax.plot(result.t, result.p_n.sum(axis=1), ".-", label="sum of p_n")
     for d in range(result.p_t.shape[2]):
@@ -182,7 +221,19 @@ def history(result: Result, ax: Any = None) -> Any:
 
 
 def comparison(table: Comparison, ax: Any = None) -> Any:
-    """Error against CPU time; what breaks a law by more than the tolerance is red."""
+    """Error against CPU time; what breaks a law by more than the tolerance is red.
+
+    Parameters
+    ----------
+    table : Comparison
+        What is drawn.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw; new axes without it.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
     ax = _axes(ax)
     for k, verdict in enumerate(table.verdicts):
         colour, at = _GOOD if verdict.holds else _BAD, (max(verdict.seconds, 1e-6), max(verdict.error, 1e-17))

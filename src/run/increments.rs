@@ -35,7 +35,9 @@ pub fn increments_for(
     drop(model);
     let (parts, shortest) = equal_parts(scene.time.end, &kinks);
     let tried = parts * FIRST.div_ceil(shortest);
-    let first = scene.with(&[Override::value("time.increments", tried as i64)])?;
+    let mut first = scene.with(&[Override::value("time.increments", tried as i64)])?;
+    // A mesh that was put in place of that of the text stays.
+    first.description.mesh = scene.description.mesh.clone();
     let report = Run::new(&first)?.with_companion().solve(&mut OnlyIterations(observer))?;
     let error = report.estimates.force_error();
     // A segment shorter than an increment still has one increment, and is divided only by increments shorter than

@@ -1,0 +1,215 @@
+"""One scene with combinations of values."""
+
+from __future__ import annotations
+
+import itertools
+import os
+import threading
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
+from typing import Any, Union, overload
+
+from ._result import Result
+from ._scene import KeepU, Linear, Model, SceneLike
+
+#: A key, or several that change together.
+Key = Union[str, tuple[str, ...]]
+
+
+class Stopped(Exception):
+    """Ends the runs of a sweep that another one, or Ctrl-C, has ended."""
+
+
+class Sweep(Sequence[Result]):
+    """The results of a sweep in the order of their values, the last key the fastest.
+
+    Attributes
+    ----------
+    values : list of dict
+        What each scene has in place of its own values, by key.
+    results : list of Result
+        What came out.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> sweep = ss.sweep(ss.Scene.example("block"), {"contact.friction": [0.5, 0.7]}, overrides={"mesh.elements": [20, 10]})
+    >>> sweep
+    <Sweep of contact.friction: 2 results, all converged>
+    >>> [values["contact.friction"] for values in sweep.values]
+    [0.5, 0.7]
+    """
+
+    def __init__(self, values: list[dict[str, Any]], results: list[Result]) -> None:
+        self.values, self.results = values, results
+
+    def __len__(self) -> int:
+        return len(self.results)
+
+    @overload
+    def __getitem__(self, k: int) -> Result: ...
+
+    @overload
+    def __getitem__(self, k: slice) -> list[Result]: ...
+
+    def __getitem__(self, k: int | slice) -> Result | list[Result]:
+        return self.results[k]
+
+    def __iter__(self) -> Iterator[Result]:
+        return iter(self.results)
+
+    @property
+    def converged(self) -> bool:
+        """Whether all converged."""
+        return all(result.converged for result in self)
+
+    def check(self) -> Sweep:
+        """Itself, if all converged; raises `NotConverged` of the first that did not."""
+        for result in self:
+            result.check()
+        return self
+
+    def __repr__(self) -> str:
+        failed = sum(not result.converged for result in self)
+        keys = ", ".join(self.values[0]) if self.values else ""
+        return f"<Sweep of {keys}: {len(self)} results, {f'{failed} not converged' if failed else 'all converged'}>"
+
+    def table(self, quantities: Mapping[str, Callable[[Result], Any]] | None = None) -> dict[str, list[Any]]:
+        """Columns with an entry for each result.
+
+        Parameters
+        ----------
+        quantities : Mapping of str to callable, optional
+            Further columns by name, each a function of a result.
+
+        Returns
+        -------
+        dict of str to list
+            The keys of the sweep, ``status``, ``error``, ``increments``, the quantities.
+        """
+        columns: dict[str, list[Any]] = {key: [values[key] for values in self.values] for key in (self.values[0] if self.values else {})}
+        columns["status"] = [result.status for result in self]
+        columns["error"] = [result.error for result in self]
+        columns["increments"] = [len(result.t) for result in self]
+        for name, quantity in (quantities or {}).items():
+            if not callable(quantity):
+                raise TypeError(f"quantities[{name!r}]: a function of a result expected, {type(quantity).__name__} found")
+            columns[name] = [quantity(result) for result in self]
+        return columns
+
+    def to_pandas(self, quantities: Mapping[str, Callable[[Result], Any]] | None = None) -> Any:
+        """`table` as a `pandas.DataFrame`.
+
+        Parameters
+        ----------
+        quantities : Mapping of str to callable, optional
+            See `table`.
+
+        Returns
+        -------
+        pandas.DataFrame
+        """
+        import pandas
+
+        return pandas.DataFrame(self.table(quantities))
+
+
+def _combinations(vary: Mapping[Key, Iterable[Any]]) -> list[dict[str, Any]]:
+    if not isinstance(vary, Mapping):
+        raise TypeError(f"vary: a dictionary expected, such as {{'contact.friction': [0.3, 0.5]}}, {type(vary).__name__} found")
+    columns: list[list[dict[str, Any]]] = []
+    for key, values in vary.items():
+        keys = key if isinstance(key, tuple) else (key,)
+        if not keys or not all(isinstance(name, str) for name in keys):
+            raise TypeError(f"vary: a key is a word or a tuple of words, {key!r} found")
+        if isinstance(values, (str, bytes, Mapping)) or not isinstance(values, Iterable):
+            raise TypeError(f"vary[{key!r}]: a list of values expected, {type(values).__name__} found")
+        column = []
+        for value in values:
+            together = value if isinstance(key, tuple) else (value,)
+            if not isinstance(together, (tuple, list)) or len(together) != len(keys):
+                raise ValueError(f"vary[{key!r}]: {value!r} found, expected a value for each of the {len(keys)} keys")
+            column.append(dict(zip(keys, together)))
+        if not column:
+            raise ValueError(f"vary[{key!r}]: there is no value")
+        columns.append(column)
+    names = [name for column in columns for name in column[0]]
+    for name in names:
+        if names.count(name) > 1:
+            raise ValueError(f"vary: {name!r} is there twice")
+    return [{name: value for part in parts for name, value in part.items()} for parts in itertools.product(*columns)]
+
+
+def sweep(
+    scene: SceneLike, vary: Mapping[Key, Iterable[Any]], *, overrides: Mapping[str, Any] | None = None, mesh: Any = None,
+    jobs: int | None = None, linear: Linear = "auto", keep_u: KeepU = "last", companion: bool = False, uniqueness: bool = False,
+) -> Sweep:
+    """Runs a scene with all combinations of values, several at a time.
+
+    All scenes are read and discretised before the first is solved, so that a wrong value is found at once.
+
+    Parameters
+    ----------
+    scene, overrides, mesh
+        See `Model`.
+    vary : Mapping of str to list
+        Values by key, as in `overrides`; a tuple of keys has tuples of values, which change together.
+    jobs : int, optional
+        How many run at a time, in threads; the number of processors without it.
+    linear, keep_u, companion, uniqueness
+        See `Model.run`; displacements are kept of the last increment alone.
+
+    Returns
+    -------
+    Sweep
+        One that did not converge is among the results, with a `NotConvergedWarning`.
+
+    Raises
+    ------
+    SceneError
+        A scene that is not sound; it names the key.
+    TypeError, ValueError
+        Values that are no list; the message names the key.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> sweep = ss.sweep(
+    ...     ss.Scene.example("block"),
+    ...     {"contact.friction": [0.5, 0.7], ("load[0].traction[1]", "time.increments"): [(-50e3, 10), (-60e3, 20)]},
+    ...     overrides={"mesh.elements": [20, 10]},
+    ... )
+    >>> table = sweep.table({"force": lambda result: round(result.p_n[-1].sum())})
+    >>> table["time.increments"], table["force"]
+    ([10, 20, 10, 20], [10000, 12000, 10000, 12000])
+    """
+    if jobs is not None and (isinstance(jobs, bool) or not isinstance(jobs, int) or jobs < 1):
+        raise ValueError(f"jobs: {jobs!r} found, expected a whole number of 1 or more")
+    values = _combinations(vary)
+    models = [Model(scene, {**(overrides or {}), **value}, mesh=mesh) for value in values]
+    stop = threading.Event()
+
+    def watch(*_: object) -> None:
+        if stop.is_set():
+            raise Stopped
+
+    def one(model: Model) -> Result:
+        watch()
+        return model.run(
+            linear=linear, keep_u=keep_u, companion=companion, uniqueness=uniqueness, callback=watch, _stacklevel=0,
+        )
+
+    with ThreadPoolExecutor(jobs or os.cpu_count() or 1) as threads:
+        runs = [threads.submit(one, model) for model in models]
+        try:
+            # The first exception ends the others. It may be that of Ctrl-C, which this thread alone sees.
+            wait(runs, return_when=FIRST_EXCEPTION)
+        finally:
+            stop.set()
+    raised = [error for run in runs if (error := run.exception()) is not None and not isinstance(error, Stopped)]
+    if raised:
+        raise raised[0]
+    results = [run.result() for run in runs]
+    for result in results:
+        result._warn(3)
+    return Sweep(values, results)

@@ -1,0 +1,117 @@
+"""Many runs of one scene, chosen increments, the second run, and scenes to start from."""
+
+from __future__ import annotations
+
+import os
+import pickle
+import signal
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from scenes import SCENES, block, needs
+
+INIT = SCENES.parent / "init"
+
+
+@pytest.mark.parametrize("name, file", [("block", "block"), ("cube", "cube"), ("gmsh", "roller")])
+def test_scenes_to_start_from_are_those_of_the_program(name: str, file: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    scene = ss.Scene.example(name)  # type: ignore[arg-type]
+    few = {"time.increments": 2} if name == "gmsh" else {"time.increments": 2, "mesh.elements": [6, 4, 3][: 3 if name == "cube" else 2]}
+    result, expected = ss.run(scene, few), ss.run(INIT / f"{file}.toml", few)
+    assert (result.u == expected.u).all() and result.report["title"] == expected.report["title"]
+    assert (ss.run(ss.Scene.from_file(INIT / f"{file}.toml"), few).u == expected.u).all()
+    for again in (pickle.loads(pickle.dumps(result)), pickle.loads(pickle.dumps(scene))):
+        assert (ss.run(again, few) if isinstance(again, ss.Scene) else again).p_n[-1] == pytest.approx(expected.p_n[-1])
+    assert name in ss.Scene.examples() and len(repr(scene)) < 120
+
+
+def test_a_scene_is_changed_without_its_source() -> None:
+    scene = ss.Scene.example("gmsh")
+    other = scene.material(young=1e9, poisson=0.3)
+    assert ss.Model(other).problem.n_c == ss.Model(scene).problem.n_c
+    keys = scene.to_dict()
+    keys["material"]["young"] = 0
+    assert scene.to_dict()["material"]["young"] == 3e9
+
+
+@pytest.mark.filterwarnings("ignore::stickslip.NotConvergedWarning")
+def test_a_sweep_has_all_combinations() -> None:
+    vary = {"contact.friction": [0.2, 0.4], ("time.end", "time.increments"): [(1.0, 5), (2.0, 10)]}
+    sweep = ss.sweep(block(n=6), vary, jobs=3).check()
+    assert len(sweep) == 4 and sweep.values[1] == {"contact.friction": 0.2, "time.end": 2.0, "time.increments": 10}
+    for values, result in zip(sweep.values, sweep):
+        assert (ss.run(block(n=6), values).p_t == result.p_t).all() and result.kept == (len(result.t) - 1,)
+    table = sweep.table({"sum": lambda result: result.p_n[-1].sum()})
+    assert list(table) == ["contact.friction", "time.end", "time.increments", "status", "error", "increments", "sum"]
+    assert needs("pandas") and sweep.to_pandas()["increments"].tolist() == [5, 10, 5, 10]
+    assert len(pickle.loads(pickle.dumps(sweep)).results) == 4 and sweep[1:3] == sweep.results[1:3]
+    failed = ss.sweep(block(n=6, setting="paper"), {"solver.max_iterations": [1, 50]})
+    assert not failed.converged and "1 not converged" in repr(failed)
+    with pytest.raises(ss.NotConverged):
+        failed.check()
+
+
+def test_a_sweep_warns_where_it_was_called() -> None:
+    with pytest.warns(ss.AccuracyWarning) as warned:
+        ss.sweep(SCENES / "confined.toml", {"contact.friction": [0.3, 0.4]})
+    assert {w.filename for w in warned} == {__file__}
+
+
+def test_a_wrong_value_is_found_before_anything_is_solved() -> None:
+    began = time.monotonic()
+    with pytest.raises(ss.SceneError) as caught:
+        ss.sweep(block(n=40, increments=200), {"contact.friction": [0.2, -0.4]})
+    assert caught.value.key == "contact[0].friction" and time.monotonic() - began < 20
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals")
+def test_control_c_ends_a_sweep() -> None:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    thread = threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT))
+    scene = block(n=40, increments=4000)
+    with pytest.raises(KeyboardInterrupt):
+        thread.start()
+        ss.sweep(scene, {"contact.friction": [0.1 * k for k in range(1, 9)]}, linear="faer", jobs=2)
+        time.sleep(60)
+    thread.join()
+
+
+def test_increments_are_chosen() -> None:
+    result = ss.run(block(n=8), increments="auto", to=0.02)
+    chosen = result.report["chosen_increments"]
+    assert chosen["asked"] == 0.02 and chosen["increments"] == len(result.t) and result.model is not None
+    assert len(result.model.times) == len(result.t) == len(ss.Model(block(n=8)).with_increments("auto", 0.02).times)
+    # Increments end at the kinks of the loads.
+    assert ss.run(block(n=8), increments=3).t == pytest.approx([2 / 3, 1.0, 4 / 3, 2.0])
+    assert (pickle.loads(pickle.dumps(result)).model.times == result.model.times).all()
+
+
+def test_increments_are_chosen_on_a_mesh_in_memory() -> None:
+    x = np.linspace(0, 1, 7)
+    points = np.array([[a, b] for b in x for a in x])
+    corner = np.array([j * 7 + i for j in range(6) for i in range(6)])
+    sides = {"left": lambda x: x[:, 0] == 0, "right": lambda x: x[:, 0] == 1, "bottom": lambda x: x[:, 1] == 0, "top": lambda x: x[:, 1] == 1}
+    given = ss.mesh.from_arrays(points, [("quad", np.stack([corner, corner + 1, corner + 8, corner + 7], axis=1))], sides)
+    scene = block().to_dict()
+    del scene["mesh"]
+    result, expected = ss.run(scene, mesh=given, increments="auto"), ss.run(block(n=6), increments="auto")
+    assert result.report["chosen_increments"]["increments"] == expected.report["chosen_increments"]["increments"]
+    np.testing.assert_allclose(result.p_n, expected.p_n, rtol=1e-9, atol=1e-6)
+
+
+def test_a_second_run_estimates_the_error_of_increments() -> None:
+    result, plain = ss.run(block(n=8), companion=True), ss.run(block(n=8))
+    assert (result.u == plain.u).all()
+    assert result.report["estimates"] != plain.report["estimates"]
+
+
+def test_a_cycle_is_reported_as_by_the_program() -> None:
+    scene = block(n=6, increments=8).to_dict()
+    scene["output"] = {"cycle": [1.0, 2.0]}
+    assert "cycle" in ss.run(scene).report

@@ -1,0 +1,199 @@
+"""Wrong input of scenes, meshes, runs and results: one clear exception that names the argument or the key."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+from scenes import block
+from stickslip import mesh
+
+POINTS = np.array([[0, 0], [0.5, 0], [1, 0], [0, 1], [0.5, 1], [1, 1]], dtype=float)
+QUADS = [("quad", [[0, 1, 4, 3], [1, 2, 5, 4]])]
+SIDES: dict[str, Any] = {"left": lambda x: x[:, 0] == 0, "bottom": lambda x: x[:, 1] == 0, "top": lambda x: x[:, 1] == 1}
+
+
+def changed(change: Callable[[dict[str, Any]], object]) -> Callable[[], object]:
+    """Runs the block with a change of its keys."""
+
+    def run() -> object:
+        scene = block(n=4, increments=2).to_dict()
+        change(scene)
+        return ss.run(scene)
+
+    return run
+
+
+def overridden(key: Any, value: Any) -> Callable[[], object]:
+    return lambda: ss.run(block(n=4, increments=2), {key: value})
+
+
+def ran(**options: Any) -> Callable[[], object]:
+    return lambda: ss.run(block(n=4, increments=2), **options)
+
+
+def swept(vary: Any, **options: Any) -> Callable[[], object]:
+    return lambda: ss.sweep(block(n=4, increments=2), vary, **options)
+
+
+def made(points: Any = POINTS, cells: Any = QUADS, boundaries: Any = SIDES, **options: Any) -> Callable[[], object]:
+    return lambda: mesh.from_arrays(points, cells, boundaries, **options)
+
+
+def given(**scene: Any) -> Callable[[], object]:
+    """Runs a scene on a mesh in memory."""
+
+    def run() -> object:
+        keys = {key: value for key, value in block(n=4).to_dict().items() if key not in ("mesh", "load")} | scene
+        return ss.run(keys, mesh=mesh.from_arrays(POINTS, QUADS, SIDES))
+
+    return run
+
+
+def looked(look: Callable[[ss.Result], object]) -> Callable[[], object]:
+    return lambda: look(ss.run(block(n=4, increments=2)))
+
+
+#: What the message begins with, or has after the kind of the error, and the call.
+WRONG: list[tuple[str, Callable[[], object]]] = [
+    # Keys of a dictionary.
+    (r"contact\[0\]\.friction: ", changed(lambda s: s["contact"][0].update(friction=-0.1))),
+    (r"contact\[0\]\.friction: ", changed(lambda s: s["contact"][0].update(friction={1, 2}))),
+    (r"contact\[0\]\.frction: |contact\[0\]: .*frction|.*`frction`", changed(lambda s: s["contact"][0].update(frction=0.1))),
+    (r"contact\[0\]\.boundary: ", changed(lambda s: s["contact"][0].update(boundary="floor"))),
+    (r"mesh\.size\b", changed(lambda s: s["mesh"].update(size=[1.0, -1.0]))),
+    (r"mesh\.elements\b", changed(lambda s: s["mesh"].update(elements=[2.5, 2]))),
+    (r"mesh\.elements\b", changed(lambda s: s["mesh"].update(elements=[0, 2]))),
+    (r"mesh\.kind: ", changed(lambda s: s["mesh"].update(kind="ball"))),
+    (r"material\.poisson\b", changed(lambda s: s["material"].update(poisson=0.7))),
+    (r"material\.young\b", changed(lambda s: s["material"].update(young=np.nan))),
+    (r"material\.young\b", changed(lambda s: s["material"].update(young=[None]))),
+    (r"material\.young\[0\]: ", changed(lambda s: s["material"].update(young=[object()]))),
+    (r"time\.increments\b", changed(lambda s: s["time"].update(increments=0))),
+    (r"time\.end\b", changed(lambda s: s["time"].update(end=-1.0))),
+    (r"load\[1\]\.history", changed(lambda s: s["load"][1].update(history=[[1, 0], [0, 1]]))),
+    (r"load\[0\]\.traction", changed(lambda s: s["load"][0].update(traction=[0.0]))),
+    (r"support\[0\]\.fix", changed(lambda s: s["support"][0].update(fix=["w"]))),
+    (r"solver\.method: ", changed(lambda s: s.update(solver={"method": "newton"}))),
+    (r"1: keys are words", changed(lambda s: s.update({1: 2}))),
+    (r"contact\[0\]\.1: keys are words", changed(lambda s: s["contact"][0].update({1: 2}))),
+    (r"time\.end: ", changed(lambda s: s["time"].pop("end"))),
+    (r"time: ", changed(lambda s: s.pop("time"))),
+    (r"mesh: ", changed(lambda s: s.pop("mesh"))),
+    (r"contact\[0\]\.boundary: ", changed(lambda s: s["contact"][0].pop("boundary"))),
+    (r"load\[2\]: ", changed(lambda s: s["load"].append({"boundary": "top"}))),
+    # Scenes.
+    (r"scene: ", lambda: ss.run(3)),  # type: ignore[arg-type]
+    (r"scene: ", lambda: ss.Model(None)),  # type: ignore[arg-type]
+    (r"keys: ", lambda: ss.Scene([1])),  # type: ignore[arg-type]
+    (r"name: ", lambda: ss.Scene.example("ball")),  # type: ignore[arg-type]
+    (r"name: ", lambda: ss.Scene.example(3)),  # type: ignore[arg-type]
+    (r"text: ", lambda: ss.Scene.from_toml("title = ")),
+    (r"text: ", lambda: ss.Scene.from_toml(3)),  # type: ignore[arg-type]
+    # Overrides.
+    (r"overrides: ", lambda: ss.run(block(), [1])),  # type: ignore[arg-type]
+    (r"overrides: ", overridden(3, 0.3)),
+    (r"contact\.frction: |.*`frction`", overridden("contact.frction", 0.3)),
+    (r"contact\[3\]\.friction: ", overridden("contact[3].friction", 0.3)),
+    (r"contact\.friction: ", overridden("contact.friction", {1})),
+    (r"mesh elements: ", overridden("mesh elements", [1, 1])),
+    (r"contact\[0\]\.friction=0\.3: ", overridden("contact[0].friction=0.3", 1)),
+    (r"mesh\.elements: the mesh is given", lambda: ss.Model(block(), {"mesh.elements": [2, 2]}, mesh=mesh.from_arrays(POINTS, QUADS, SIDES))),
+    # Options of a run.
+    (r"keep_u", ran(keep_u="some")),
+    (r"keep_u", ran(keep_u=[7])),
+    (r"linear: ", ran(linear="magic")),
+    (r"callback: ", ran(callback=3)),
+    (r"max_iterations: ", ran(max_iterations=0)),
+    (r"max_iterations: ", ran(max_iterations=2.5)),
+    (r"tolerance: ", ran(tolerance=2.0)),
+    (r"increments: ", ran(increments="some")),
+    (r"increments: ", ran(increments=0)),
+    (r"increments: ", ran(increments=1.5)),
+    (r"to: ", ran(to=0.1)),
+    (r"to: ", ran(increments=3, to=0.1)),
+    (r"to: ", ran(increments="auto", to=2.0)),
+    (r".*unexpected keyword argument 'magic'", ran(magic=1)),
+    (r"companion: ", lambda: ss.run(block(n=4, increments=2, method="events"), companion=True)),
+    (r"increments: ", lambda: ss.run(block(n=4, increments=2, method="events"), increments="auto")),
+    # Sweeps.
+    (r"vary: ", swept([1])),
+    (r"vary\['contact.friction'\]: ", swept({"contact.friction": 0.3})),
+    (r"vary\['contact.friction'\]: ", swept({"contact.friction": []})),
+    (r"vary\[\('time.end', 'time.increments'\)\]: ", swept({("time.end", "time.increments"): [1.0]})),
+    (r"vary: 'time.end' is there twice", swept({"time.end": [1.0], ("time.end", "time.increments"): [(1.0, 2)]})),
+    (r"vary: ", swept({3: [1.0]})),
+    (r"jobs: ", swept({"contact.friction": [0.3]}, jobs=0)),
+    (r"quantities\['a'\]: ", lambda: ss.sweep(block(n=4, increments=2), {"contact.friction": [0.3]}).table({"a": 3})),  # type: ignore[dict-item]
+    # Meshes.
+    (r"points", made(points=POINTS[:, 0])),
+    (r"points: ", made(points="a word")),
+    (r"points: ", made(points=np.column_stack([POINTS, [0, 0, 1, 0, 3, 7]]))),
+    (r"mesh: ", lambda: ss.Model(block(), mesh=mesh.from_arrays(np.full_like(POINTS, np.nan), QUADS, {}))),
+    (r"cells: ", made(cells=[])),
+    (r"cells: ", made(cells=[("octagon", [[0, 1, 2, 3]])])),
+    (r"cells: ", made(cells=[("quad", [[0, 1, 4, 30]])])),
+    (r"cells: ", made(cells=[("quad", [[0, 1, 4]])])),
+    (r"cells: ", made(cells=[("quad", "a word")])),
+    (r"cells: ", made(cells=3)),
+    (r"cells: ", made(cells=[3])),
+    (r"scale: ", made(scale=0.0)),
+    (r"scale: ", made(scale=np.nan)),
+    (r"boundaries\['far'\]", made(boundaries={"far": lambda x: x[:, 0] == 7})),
+    (r"boundaries\['far'\]", made(boundaries={"far": lambda x: True})),
+    (r"boundaries\['far'\]", made(boundaries={"far": [[0, 77]]})),
+    (r"boundaries\['far'\]", made(boundaries={"far": 3})),
+    (r"boundaries: ", made(boundaries=[1])),
+    (r"groups\['a'\]", made(groups={"a": [[7]]})),
+    (r"mesh: ", lambda: ss.Model(block(), mesh=3)),
+    (r"mesh: ", lambda: ss.Model(block(), mesh={"points": POINTS})),
+    (r"mesh: ", lambda: ss.Model(block(), mesh=mesh.from_arrays(POINTS, [("quad", [[0, 1, 3, 4]])], {}))),
+    (r"contact\[0\]\.boundary: ", given(contact=[{"boundary": "roof", "friction": 0.1, "obstacle": {"kind": "plane", "gap": 0.0}}])),
+    (r"support\[0\]\.boundary: ", given(support=[{"boundary": "roof", "fix": ["x"]}])),
+    # Results.
+    (r"k: ", looked(lambda r: r.displacement(7))),
+    (r"k: ", looked(lambda r: r.stress(0.5))),  # type: ignore[arg-type]
+    (r"k: ", lambda: ss.run(block(n=4, increments=2), keep_u="none").fields()),
+    (r"kind: ", looked(lambda r: r.svg("stress"))),  # type: ignore[arg-type]
+    (r"magnification: ", looked(lambda r: r.svg("deformed", magnification=-1.0))),
+    (r"magnification: ", looked(lambda r: r.svg(magnification=1.0))),
+    (r"boundary: ", looked(lambda r: r.svg(boundary="roof"))),
+    (r"form: ", looked(lambda r: r.write_fclib("x", form="dense"))),  # type: ignore[arg-type]
+    (r"u", looked(lambda r: r.model and r.model.displacement([1.0]))),
+    (r"t: ", looked(lambda r: r.model and r.model.stress(r.u[-1], np.nan))),
+]
+
+
+def test_there_are_sixty() -> None:
+    assert len(WRONG) >= 60
+
+
+@pytest.mark.parametrize("number", range(len(WRONG)))
+def test_wrong_input_is_one_clear_error(number: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    pattern, call = WRONG[number]
+    with pytest.raises((ValueError, TypeError, IndexError), match=rf"^({pattern})") as caught:
+        call()
+    words = str(caught.value)
+    assert "stickslip " not in words and "--" not in words and "[[" not in words, words
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("call", [ss.run, ss.Model, ss.Scene.from_file, ss.Result.load])
+def test_a_file_that_is_not_there(call: Callable[..., object]) -> None:
+    with pytest.raises(FileNotFoundError, match="nowhere"):
+        call("nowhere.toml")
+
+
+def test_a_file_that_is_no_result(tmp_path: Path) -> None:
+    (tmp_path / "a.npz").write_bytes(b"nothing")
+    np.savez(tmp_path / "b.npz", a=np.zeros(3))
+    np.savez(tmp_path / "c.npz", words=np.array("[]"))
+    for name in "abc":
+        with pytest.raises(ValueError, match="path: .* was not written by Result.save"):
+            ss.Result.load(tmp_path / f"{name}.npz")
