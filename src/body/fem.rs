@@ -8,6 +8,7 @@ mod elastic;
 mod facet;
 mod held;
 mod inverted;
+mod jump;
 mod locate;
 mod material;
 mod nodal_volume;
@@ -36,6 +37,7 @@ pub use facet::{NodalForces, area, bernstein, facet_load, facet_normals, facet_w
 pub(crate) use held::HeldRows;
 pub(crate) use held::nearest_translation;
 pub use inverted::InvertedElement;
+pub use jump::Jump;
 pub(crate) use locate::reference_point;
 pub use material::{Layer, Material, MaterialGroup, Plane};
 pub(crate) use nodal_volume::NodalVolumes;

@@ -10,6 +10,7 @@ mod discrete;
 mod element;
 mod energy;
 mod holding;
+mod joint;
 mod large_motion;
 mod load;
 mod meridian;
@@ -61,6 +62,7 @@ use carrying::Carrying;
 use contact::Contacts;
 use coupling::Couplings;
 use discrete::Discrete;
+use joint::Joints;
 use load::FreeStrain;
 use motions::Motions;
 use nearest::Nearest;
@@ -101,6 +103,7 @@ pub struct Model {
     moved: Vec<Moved>,
     carrying: Carrying,
     couplings: Couplings,
+    joints: Joints,
     /// The stress-free strain at factor 1 of each thermal load, and the number of the load.
     thermal: Vec<(FreeStrain, usize)>,
     statics: Statics,
@@ -197,7 +200,7 @@ impl Model {
         let laid_out = Description { times, ..description.clone() };
         let description = &laid_out;
         let sharing = share.and_then(|share| Some((share, Body::on(&discrete)?)));
-        let Discrete { mesh, couplings, holdings, dofs, element, materials, pairs, volumes, beds } = discrete;
+        let Discrete { mesh, couplings, joints, holdings, dofs, element, materials, pairs, volumes, beds } = discrete;
         let law = |e: usize| materials[e];
         let springs: Vec<Spring> = beds.iter().flatten().cloned().collect();
         let (stiffness, rows) = if sharing.is_some() {
@@ -207,7 +210,8 @@ impl Model {
             (Some(stiffness), rows)
         };
         let carrying = Carrying::new(description, &mesh, &dofs, (&couplings, &pairs), &holdings)?;
-        let moved = Moved::all(description, &mesh, &dofs, &holdings, &rows, &carrying)?;
+        let mut moved = Moved::all(description, &mesh, &dofs, &holdings, &rows, &carrying)?;
+        moved.extend(joints.moved(description, &dofs, &rows, carrying.groups));
 
         let contacts = Contacts::new(description, &mesh, &dofs, &rows, &moved, &pairs, &carrying)?;
         let friction = contacts.friction_history(description)?;
@@ -251,6 +255,9 @@ impl Model {
                 motions.push(Motion::new(0..contacts.len(), gap, drift, moved.history.clone())?);
             }
         }
+        for (forces, history) in joints.forces(description, &mesh, &dofs) {
+            cases.push(LoadCase::new(dofs.forces(forces), history)?);
+        }
         let on_springs: Vec<_> = moved.iter().map(|moved| moved.forces_of_springs(&carrying, &springs)).collect();
         let statics =
             Statics::new(&mesh, &dofs, rows.clone(), support::shares(&holdings, &rows), beds, &forces, &on_springs);
@@ -258,7 +265,7 @@ impl Model {
 
         let recovery = Recovery::new(&mesh, &contacts, &contact_boundaries, &pairs.all);
         let past = |contact: &ContactNode| support::moves_past(&moved, &rows, &dofs, &carrying, contact);
-        let ties = [pairs.ties(&dofs), carried::ties(&couplings, &mesh, &dofs)].concat();
+        let ties = [pairs.ties(&dofs, &joints), carried::ties(&couplings, &mesh, &dofs)].concat();
         let rigid_motions = unresisted_motions(&mesh, &dofs, &springs, &ties);
         let shared = match &sharing {
             Some((share, body)) => body.stiffness(&contacts, share)?,
@@ -272,7 +279,7 @@ impl Model {
         let problem = contact_problem(stiffness, [&contacts, &alone], mu, rigid_modes, dofs.free())?;
         Ok(Model {
             passed_by: motions::passed_by(&alone, mesh.dimension, &obstacles, past),
-            passages: Passages::new(&mesh, pairs.all.iter().map(|pair| (&pair.mortar, &pair.gaps[..]))),
+            passages: Passages::new(&mesh, pairs.all.iter().filter(|pair| !pair.shifted).map(|pair| (&pair.mortar, &pair.gaps[..]))),
             beside_the_end: recovery::beside_the_end(&mesh, &contacts, &contact_boundaries),
             description: laid_out,
             mesh,
@@ -290,6 +297,7 @@ impl Model {
             moved,
             carrying,
             couplings,
+            joints,
             thermal,
             statics,
             recovery,
