@@ -279,7 +279,10 @@ impl Model {
         let problem = contact_problem(stiffness, [&contacts, &alone], mu, rigid_modes, dofs.free())?;
         Ok(Model {
             passed_by: motions::passed_by(&alone, mesh.dimension, &obstacles, past),
-            passages: Passages::new(&mesh, pairs.all.iter().filter(|pair| !pair.shifted).map(|pair| (&pair.mortar, &pair.gaps[..]))),
+            passages: Passages::new(
+                &mesh,
+                pairs.all.iter().filter(|pair| !pair.shifted).map(|pair| (&pair.mortar, &pair.gaps[..])),
+            ),
             beside_the_end: recovery::beside_the_end(&mesh, &contacts, &contact_boundaries),
             description: laid_out,
             mesh,

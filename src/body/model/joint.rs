@@ -110,7 +110,14 @@ impl Joints {
     }
 
     /// Adds the jump of contact `k`, if it has one, to the relation of a row of its pair, whose slave has this name.
-    pub(super) fn with_jump(&self, dofs: &Dofs, k: usize, slave: &str, row: &MortarRow, relation: Relative) -> Relative {
+    pub(super) fn with_jump(
+        &self,
+        dofs: &Dofs,
+        k: usize,
+        slave: &str,
+        row: &MortarRow,
+        relation: Relative,
+    ) -> Relative {
         let Some(jump) = self.of_contact(k) else { return relation };
         dofs.with_jump(relation, jump, self.factor(jump, slave, row))
     }

@@ -302,7 +302,20 @@ fn pair(
     let relative = BTreeSet::new();
     let tightened = description.pretensions.iter().any(|own| own.boundary == description.contacts[k].boundary);
     let jumps = moved.is_some() || tightened;
-    Ok(Pair { contact: k, slave, master, choice, glued: opposite.glued, shifted: moved.is_some(), jumps, mortar, gaps, slopes, edges, relative })
+    Ok(Pair {
+        contact: k,
+        slave,
+        master,
+        choice,
+        glued: opposite.glued,
+        shifted: moved.is_some(),
+        jumps,
+        mortar,
+        gaps,
+        slopes,
+        edges,
+        relative,
+    })
 }
 
 /// Returns the slope of the surface of `slave` relative to the normal of each row, by its node: the tangent of the

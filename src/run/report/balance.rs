@@ -102,7 +102,8 @@ impl BalanceRecord {
     /// Returns the balance at the end of a step.
     pub fn new(model: &Model, step: &IncrementView<'_>) -> Self {
         let (index, time) = (step.record.index, step.record.time);
-        let Balance { loads, supports, springs, sections, closure, force_closure, size, .. } = model.balanced(time, step.state);
+        let Balance { loads, supports, springs, sections, closure, force_closure, size, .. } =
+            model.balanced(time, step.state);
         let (description, units) = (model.description(), model.units());
         let [of_supports, of_springs, of_loads] = model.mean_displacements(time, step.state);
         let acting = |names: Vec<String>, wrenches: Vec<Wrench>, displacements: Vec<[f64; 3]>| {

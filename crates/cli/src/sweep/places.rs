@@ -19,14 +19,8 @@ pub(super) enum Acting {
 }
 
 impl Acting {
-    pub(super) const ALL: [Acting; 6] = [
-        Acting::Contact,
-        Acting::Support,
-        Acting::Spring,
-        Acting::Load,
-        Acting::Coupling,
-        Acting::Pretension,
-    ];
+    pub(super) const ALL: [Acting; 6] =
+        [Acting::Contact, Acting::Support, Acting::Spring, Acting::Load, Acting::Coupling, Acting::Pretension];
 
     /// Returns the name in the column `kind`.
     pub(super) fn name(self) -> &'static str {
@@ -77,8 +71,7 @@ impl Places {
         let springs = description.springs.iter().map(|spring| (spring.place(&units), Acting::Spring));
         let loads = description.loads.iter().map(|load| (load.action.place(&units), Acting::Load));
         let couplings = description.couplings.iter().map(|coupling| (coupling.name.clone(), Acting::Coupling));
-        let sections =
-            description.pretensions.iter().map(|pretension| (pretension.name.clone(), Acting::Pretension));
+        let sections = description.pretensions.iter().map(|pretension| (pretension.name.clone(), Acting::Pretension));
         for (place, acting) in contacts.chain(supports).chain(springs).chain(loads).chain(couplings).chain(sections) {
             let known = self.0.entry(place).or_default();
             if !known.contains(&acting) {
