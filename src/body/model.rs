@@ -180,6 +180,26 @@ fn contact_problem(
     problem.with_tangents_alone(map(alone, |contact| &contact.tangents[0]), map(alone, |contact| &contact.tangents[1]))
 }
 
+/// Adds the effect of prescribed displacements beyond the rigid offset: forces on the free part of the body, and gaps.
+fn prescribed(
+    moved: &[Moved],
+    contacts: &[ContactNode],
+    (dofs, rows, carrying, springs): (&Dofs, &HeldRows, &Carrying, &[Spring]),
+    (cases, motions): (&mut Vec<LoadCase>, &mut Vec<Motion>),
+) -> Result<(), ProblemError> {
+    for moved in moved {
+        cases.push(LoadCase::new(dofs.forces(moved.forces(carrying, rows, springs)), moved.history.clone())?);
+        let beyond: Vec<_> =
+            contacts.iter().map(|contact| moved.beyond_contact(rows, dofs, carrying, contact)).collect();
+        if beyond.iter().any(|beyond| *beyond != [0.0; 3]) {
+            let gap = beyond.iter().map(|[n, ..]| -n).collect();
+            let drift = beyond.iter().map(|[_, t, o]| [-t, -o]).collect();
+            motions.push(Motion::new(0..contacts.len(), gap, drift, moved.history.clone())?);
+        }
+    }
+    Ok(())
+}
+
 impl Model {
     /// Discretises `description`.
     ///
@@ -244,17 +264,7 @@ impl Model {
             thermal.extend(on_mesh.free_strain.map(|strain| (strain, k)));
             forces.push(on_mesh.forces);
         }
-        // Prescribed displacements beyond the rigid offset act as forces on the free part of the body, and as gaps.
-        for moved in &moved {
-            cases.push(LoadCase::new(dofs.forces(moved.forces(&carrying, &rows, &springs)), moved.history.clone())?);
-            let beyond: Vec<_> =
-                contacts.iter().map(|contact| moved.beyond_contact(&rows, &dofs, &carrying, contact)).collect();
-            if beyond.iter().any(|beyond| *beyond != [0.0; 3]) {
-                let gap = beyond.iter().map(|[n, ..]| -n).collect();
-                let drift = beyond.iter().map(|[_, t, o]| [-t, -o]).collect();
-                motions.push(Motion::new(0..contacts.len(), gap, drift, moved.history.clone())?);
-            }
-        }
+        prescribed(&moved, &contacts, (&dofs, &rows, &carrying, &springs), (&mut cases, &mut motions))?;
         for (forces, history) in joints.forces(description, &mesh, &dofs) {
             cases.push(LoadCase::new(dofs.forces(forces), history)?);
         }

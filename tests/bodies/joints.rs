@@ -185,13 +185,13 @@ fn a_bar_is_tightened() {
     let stiffness = 2e11 * 0.01 / 0.1;
     let forced = report(BAR, bn());
     let bolt = last(&forced);
-    near(bolt.tension, 1e6, 1e-9);
+    near(bolt.normal_force, 1e6, 1e-9);
     near(bolt.shortening, 1e6 / stiffness, 1e-9);
     near(bolt.displacement[1], 1e6 / stiffness, 1e-9);
-    near(section(&forced, 1).tension, 5e5, 1e-9);
+    near(section(&forced, 1).normal_force, 5e5, 1e-9);
     near(forced.reactions[1].supports[1].force[1], 1e6, 1e-9);
     let shortened = report(&edit(BAR, "force = 1000", "shortening = 0.5"), bn());
-    near(last(&shortened).tension, 5e-4 * stiffness, 1e-9);
+    near(last(&shortened).normal_force, 5e-4 * stiffness, 1e-9);
     near(last(&shortened).shortening, 5e-4, 1e-12);
     near(shortened.reactions[1].supports[0].force[1], -5e-4 * stiffness, 1e-9);
     // The other side as boundary, and the section of an oblique bar.
@@ -208,10 +208,10 @@ fn a_bolt_of_revolution_is_tightened() {
     let text = text.replace("fix = [\"x\", \"y\"]", "fix = [\"y\"]");
     let stiffness = 2e11 * std::f64::consts::PI * 1e-4 / 0.1;
     let forced = report(&text, bn());
-    near(last(&forced).tension, 1e3, 1e-9);
+    near(last(&forced).normal_force, 1e3, 1e-9);
     near(last(&forced).shortening, 1e3 / stiffness, 1e-9);
     let shortened = report(&edit(&text, "force = 1000", "shortening = 0.5"), bn());
-    near(last(&shortened).tension, 5e-4 * stiffness, 1e-9);
+    near(last(&shortened).normal_force, 5e-4 * stiffness, 1e-9);
 }
 
 /// The joint in the plane, of revolution, and in space, with the area of the bolt in m² (m in the plane) and the stiffness of
@@ -250,13 +250,13 @@ fn a_joint_follows_its_diagram() {
         let factor = if area == std::f64::consts::PI * 16e-6 { 10.0 } else { factor };
         let (force, service) = (1200.0 * factor, 800.0 * factor);
         let soft = 0.04 / (2e11 * area);
-        near(section(&report, 1).tension, 0.5 * force, 1e-9);
-        near(section(&report, 2).tension, force, 1e-9);
+        near(section(&report, 1).normal_force, 0.5 * force, 1e-9);
+        near(section(&report, 2).normal_force, force, 1e-9);
         near(section(&report, 2).shortening, force * soft * (1.0 + 1.0 / ratio), 1e-9);
-        near(section(&report, 3).tension, force + 0.5 * service / (1.0 + ratio), 1e-9);
-        near(section(&report, 4).tension, force + service / (1.0 + ratio), 1e-9);
+        near(section(&report, 3).normal_force, force + 0.5 * service / (1.0 + ratio), 1e-9);
+        near(section(&report, 4).normal_force, force + service / (1.0 + ratio), 1e-9);
         near(section(&report, 4).shortening, section(&report, 2).shortening, 1e-12);
-        near(section(&report, 6).tension, 4.0 * service, 1e-9);
+        near(section(&report, 6).normal_force, 4.0 * service, 1e-9);
     }
 }
 
@@ -274,7 +274,7 @@ fn all_methods_agree_about_a_joint() {
         for choice in choices {
             let found = report(&text, choice);
             for index in 1..=6 {
-                near(section(&found, index).tension, section(&expected, index).tension, 1e-7);
+                near(section(&found, index).normal_force, section(&expected, index).normal_force, 1e-7);
             }
         }
     }
@@ -348,7 +348,7 @@ end = 1
 increments = 1
 "#;
     let modulus = 1.0 / (0.4 / 100.0 + 0.6 / 300.0);
-    near(last(&report(laminate, bn())).tension, 2.0 * modulus * 0.01 / 10.0, 1e-9);
+    near(last(&report(laminate, bn())).normal_force, 2.0 * modulus * 0.01 / 10.0, 1e-9);
 }
 
 /// An oblique bar in space of second order: tension and shortening are along its axis.
@@ -365,7 +365,7 @@ fn an_oblique_bolt_is_tightened() {
     let turned = Description { mesh: MeshSource::Given(Arc::new(mesh)), ..given };
     let report = solved(&Model::build(&turned).unwrap(), bn());
     let bolt = last(&report);
-    near(bolt.tension, 1e3, 1e-9);
+    near(bolt.normal_force, 1e3, 1e-9);
     near(bolt.shortening, 1e3 * 0.1 / (2e11 * 2e-5), 1e-9);
     for (c, along) in axis.iter().enumerate() {
         near(bolt.force[c], 1e3 * along, 1e-8);
@@ -454,11 +454,11 @@ fn bolts_lock_one_after_the_other() {
     // k = 1, 1 and 3 of bolts and sleeve. While the second bolt has its force, the first and the sleeve share it.
     let one = |index| report_section(&report, index, 0);
     let two = |index| report_section(&report, index, 1);
-    near(one(2).tension, 1200e3, 1e-9);
-    near(one(4).tension, 1200e3 - 600e3 / 4.0, 1e-9);
-    near(two(4).tension, 600e3, 1e-9);
-    near(one(6).tension, 1050e3 + 800e3 / 5.0, 1e-9);
-    near(two(6).tension, 600e3 + 800e3 / 5.0, 1e-9);
+    near(one(2).normal_force, 1200e3, 1e-9);
+    near(one(4).normal_force, 1200e3 - 600e3 / 4.0, 1e-9);
+    near(two(4).normal_force, 600e3, 1e-9);
+    near(one(6).normal_force, 1050e3 + 800e3 / 5.0, 1e-9);
+    near(two(6).normal_force, 600e3 + 800e3 / 5.0, 1e-9);
     near(two(6).shortening, two(4).shortening, 1e-12);
     near(one(6).shortening, one(2).shortening, 1e-12);
 }

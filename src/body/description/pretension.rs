@@ -82,7 +82,7 @@ impl Pretension {
         }
         let is_glued = |contact: &&Contact| contact.opposite().is_some_and(|opposite| opposite.glued);
         let of_section = description.contacts.iter().find(|contact| contact.boundary == self.boundary);
-        if of_section.filter(is_glued).is_none() {
+        if !of_section.is_some_and(|contact| is_glued(&contact)) {
             let message = format!("no glued contact has the boundary `{}`", self.boundary);
             let glued: Vec<&str> =
                 description.contacts.iter().filter(is_glued).map(|contact| contact.boundary.as_str()).collect();

@@ -85,7 +85,7 @@ pub struct SectionRecord {
     /// The name of the pretension.
     pub at: String,
     /// The force along the outward normal of the boundary, positive for tension, N; in two dimensions N per m of depth.
-    pub tension: f64,
+    pub normal_force: f64,
     /// The length by which the boundary has moved beyond the other side, m.
     pub shortening: f64,
     /// The force across the section on the side of the boundary: x, y and, in three dimensions, z, N; in two dimensions N
@@ -126,10 +126,10 @@ impl BalanceRecord {
         });
         let jumps = sections.into_iter().zip(model.sections(time, step.state)).zip(&description.pretensions);
         let pretensions = jumps.map(|((wrench, [normal, jump]), pretension)| {
-            let (tension, shortening) = (dot(wrench.force, normal), dot(jump, normal));
+            let (normal_force, shortening) = (dot(wrench.force, normal), dot(jump, normal));
             let AppliedForce { at, force, moment, displacement } =
                 AppliedForce::new(pretension.name.clone(), wrench, jump, model.mesh.dimension);
-            SectionRecord { at, tension, shortening, force, moment, displacement }
+            SectionRecord { at, normal_force, shortening, force, moment, displacement }
         });
         BalanceRecord {
             index,

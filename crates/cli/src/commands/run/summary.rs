@@ -147,10 +147,10 @@ fn print_forces(report: &RunReport) {
             let moment = units.rounded_vector(Quantity::Moment, moment, FORCE_DIGITS);
             say!("             {} and {moment} on the body", vector(force));
         }
-        for SectionRecord { at, tension, shortening, .. } in pretensions {
-            let tension = units.rounded(Quantity::Force, *tension, FORCE_DIGITS);
+        for SectionRecord { at, normal_force, shortening, .. } in pretensions {
+            let force = units.rounded(Quantity::Force, *normal_force, FORCE_DIGITS);
             let shortening = units.rounded(Quantity::Length, *shortening, DIGITS);
-            say!("pretension   {at}: {tension} across the section, shortened by {shortening}");
+            say!("pretension   {at}: {force} across the section, shortened by {shortening}");
         }
         say!("balance      the forces on the body balance to {balance:.1e} of their sizes");
     }
