@@ -54,7 +54,7 @@ impl Pretension {
     }
 
     /// Sets the time (s) from which the shortening stays as the force made it. The model itself does not lock: a
-    /// [`Run`](crate::run::Run) of a scene finds the shortening first.
+    /// run of a scene finds the shortening first.
     #[must_use]
     pub fn locked_at(self, lock: f64) -> Self {
         Pretension { lock: Some(lock), ..self }
