@@ -37,14 +37,13 @@ pub use facet::{NodalForces, area, bernstein, facet_load, facet_normals, facet_w
 pub(crate) use held::HeldRows;
 pub(crate) use held::nearest_translation;
 pub use inverted::InvertedElement;
-pub use jump::Jump;
 pub(crate) use locate::reference_point;
 pub use material::{Layer, Material, MaterialGroup, Plane};
 pub(crate) use nodal_volume::NodalVolumes;
 pub(crate) use overlap::is_inside_cell;
 pub use overlap::{Overlap, overlaps};
 pub(crate) use part::assemble_part;
-pub use reference_point::ReferencePoint;
+pub use reference_point::{Jump, ReferencePoint};
 pub(crate) use relative::merged;
 pub use relative::{Coefficient, Relative, Ring};
 pub use rigid::{BodyMotion, RigidMotion, Tie, rigid_motions, unresisted_motions};

@@ -2,8 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::jump::Jump;
-use super::reference_point::ReferencePoint;
+use super::reference_point::{Jump, ReferencePoint};
 use super::relative::Resolved;
 use crate::algebra::vector::{axis, axis_across, cross, dot, minus, norm, unit};
 use crate::body::mesh::{Geometry, Mesh};

@@ -4,24 +4,8 @@
 //! free axes it is an unknown, on which the force across the pair acts.
 
 use super::dofs::Dofs;
+use super::reference_point::Jump;
 use super::relative::{Coefficient, Relative};
-use crate::algebra::vector::plus;
-
-/// The jump between the two sides of a glued pair.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Jump {
-    /// A node of the mesh on the first side.
-    pub node: usize,
-    /// The jump as the sum `Σ c u` of displacements of nodes; empty if it is held along all axes.
-    pub sum: Vec<(usize, f64)>,
-}
-
-impl Jump {
-    /// Returns the jump for the displacements `u` of the nodes of the mesh, m.
-    pub(super) fn at(&self, u: impl Fn(usize) -> [f64; 3]) -> [f64; 3] {
-        self.sum.iter().fold([0.0; 3], |sum, &(node, c)| plus(sum, c, u(node)))
-    }
-}
 
 impl Dofs {
     /// Returns the node of jump `k`. These nodes follow those of reference points.
