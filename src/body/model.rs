@@ -231,7 +231,8 @@ impl Model {
         };
         let carrying = Carrying::new(description, &mesh, &dofs, (&couplings, &pairs), &holdings)?;
         let mut moved = Moved::all(description, &mesh, &dofs, &holdings, &rows, &carrying)?;
-        moved.extend(joints.moved(description, &dofs, &rows, carrying.groups));
+        let jumps = joints.prescribed(description, &dofs);
+        moved.extend(jumps.map(|(jump, history)| Moved::of_jump(&dofs, &rows, carrying.groups, jump, history)));
 
         let contacts = Contacts::new(description, &mesh, &dofs, &rows, &moved, &pairs, &carrying)?;
         let friction = contacts.friction_history(description)?;

@@ -35,7 +35,7 @@ fn chords(ends: &[f64], kinks: &[f64]) -> Vec<f64> {
 /// When the scene contradicts its mesh, e.g. by a probe outside the body, when the method cannot solve such a problem,
 /// and when the matrices would not fit into free memory.
 pub fn discretise(scene: &Scene) -> Result<Model, RunError> {
-    tightening(&*locked(scene)?)
+    tightening(&*locked(scene, tightening)?)
 }
 
 /// Discretises `scene` as it is before pretensions lock; no history is solved.
@@ -50,7 +50,7 @@ pub fn tightening(scene: &Scene) -> Result<Model, RunError> {
 /// Discretises `scene` with the stiffness that its solver needs.
 pub(super) fn for_run(scene: &Scene) -> Result<Model, RunError> {
     match share(&scene.solver) {
-        Some(share) => shared(&*locked(scene)?, share),
+        Some(share) => shared(&*locked(scene, tightening)?, share),
         None => discretise(scene),
     }
 }

@@ -7,7 +7,6 @@
 use std::borrow::Cow;
 use std::ops::ControlFlow;
 
-use super::discretise::tightening;
 use super::{Run, RunError};
 use crate::body::description::{Pretension, Tightening};
 use crate::body::model::Model;
@@ -20,12 +19,15 @@ pub(super) fn unlocked(model: &Model) -> Option<&str> {
     open.map(|pretension| pretension.name.as_str())
 }
 
-/// Returns `scene` with prescribed shortenings for the pretensions that lock. If the history until a lock does not
+/// Returns `scene` with prescribed shortenings for the pretensions that lock; `tightening` makes the model before. If the history until a lock does not
 /// converge, the pretension keeps its force, and the run will end there, too.
 ///
 /// # Errors
 /// As [`super::discretise`], and when the linear algebra cannot go on.
-pub(super) fn locked(scene: &Scene) -> Result<Cow<'_, Scene>, RunError> {
+pub(super) fn locked(
+    scene: &Scene,
+    tightening: impl Fn(&Scene) -> Result<Model, RunError>,
+) -> Result<Cow<'_, Scene>, RunError> {
     let mut scene = Cow::Borrowed(scene);
     while let Some(first) = first_lock(&scene) {
         let mut free = scene.clone().into_owned();

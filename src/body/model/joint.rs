@@ -3,13 +3,12 @@
 use std::collections::BTreeSet;
 
 use super::find;
-use super::support::Moved;
 use crate::algebra::vector::{axis_across, cross, dot, norm, plus, unit};
 use crate::base::input_error::InputError;
 use crate::base::timeline::within;
 use crate::body::contact::MortarRow;
 use crate::body::description::{Description, Opposite, Pretension, Tightening};
-use crate::body::fem::{Dofs, HeldRows, Jump, NodalForces, Relative, SAME_DIRECTION, Tie};
+use crate::body::fem::{Dofs, Jump, NodalForces, Relative, SAME_DIRECTION, Tie};
 use crate::body::mesh::{Boundary, Geometry, Mesh};
 
 /// The least length of the sum of the area vectors of a section, as a share of the sum of their lengths.
@@ -195,18 +194,16 @@ impl Joints {
         })
     }
 
-    /// Returns the motions due to prescribed shortenings.
-    pub(super) fn moved<'a>(
+    /// Returns the prescribed jumps at factor 1, a node and its displacement (m), with their histories.
+    pub(super) fn prescribed<'a>(
         &'a self,
         description: &'a Description,
         dofs: &'a Dofs,
-        rows: &'a HeldRows,
-        groups: usize,
-    ) -> impl Iterator<Item = Moved> + 'a {
+    ) -> impl Iterator<Item = ((usize, [f64; 3]), Vec<[f64; 2]>)> + 'a {
         self.sections().filter_map(move |(k, section)| match section.tightening {
             Tightening::Shortening(by) => {
                 let jump = (dofs.node_of_jump(k), section.normal.map(|n| by * n));
-                Some(Moved::of_jump(dofs, rows, groups, jump, history(description, &section)))
+                Some((jump, history(description, &section)))
             }
             Tightening::Force { .. } => None,
         })
