@@ -14,7 +14,7 @@ pub use contact::{
 };
 pub use description::{
     Action, Against, Axis, Bed, Contact, Coupling, CouplingKind, Description, Direction, Field, FirstGap, Held, Kinks,
-    Load, Opposite, Part, Probe, ProbePlace, Slave, Support, Where,
+    Load, Opposite, Part, Pretension, Probe, ProbePlace, Slave, Support, Tightening, Where,
 };
 pub use estimate::{
     ContactEstimate, ContactGraph, DiscretisationError, ElementEstimate, HertzContact, PeakOf, StickZone, peak_error,

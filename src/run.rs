@@ -31,6 +31,7 @@ mod force_jumps;
 #[cfg(feature = "petsc")]
 mod grid;
 mod increments;
+mod lock;
 mod need;
 mod recording;
 pub mod report;
@@ -43,7 +44,7 @@ use std::time::Instant;
 
 pub use applicable::{Unsuited, unsuited};
 use discretise::{as_chosen, for_run};
-pub use discretise::{discretise, expect_exact_path};
+pub use discretise::{discretise, expect_exact_path, tightening};
 pub use error::RunError;
 #[cfg(feature = "petsc")]
 pub use grid::grid;
@@ -161,6 +162,9 @@ impl<'a> Run<'a> {
         start: Instant,
     ) -> Result<Self, RunError> {
         history::check_times(&times).map_err(history::Error::from)?;
+        if let Some(name) = lock::unlocked(&model) {
+            return Err(RunError::Unlocked(name.to_string()));
+        }
         let budget = Budget::of_process();
         // If the factors of the body do not fit into memory, the extent of contact is not estimated with them.
         let has_room = || MemoryEstimate::check(&model, LinearAlgebra::condensed(), budget).is_ok();

@@ -9,6 +9,7 @@ mod formulas;
 mod kinks;
 mod load;
 mod opposite;
+mod pretension;
 mod probe;
 mod spring;
 mod support;
@@ -20,6 +21,7 @@ pub use field::Field;
 pub use kinks::Kinks;
 pub use load::{Action, Load, Where};
 pub use opposite::{FirstGap, Opposite, Slave};
+pub use pretension::{Pretension, Tightening};
 pub use probe::{Probe, ProbePlace};
 pub use spring::Bed;
 pub use support::{Direction, Held, Support};
@@ -73,6 +75,8 @@ pub struct Description {
     pub supports: Vec<Support>,
     /// The boundaries in contact.
     pub contacts: Vec<Contact>,
+    /// The glued contacts that are tightened.
+    pub pretensions: Vec<Pretension>,
     /// The springs and elastic foundations.
     pub springs: Vec<Bed>,
     /// The loads; they are superposed.
@@ -164,6 +168,7 @@ impl Description {
             couplings: Vec::new(),
             supports: Vec::new(),
             contacts: Vec::new(),
+            pretensions: Vec::new(),
             springs: Vec::new(),
             loads: Vec::new(),
             times,
@@ -233,6 +238,13 @@ impl Description {
     pub fn glued(self, boundary: &str, against: impl Into<Opposite>) -> Self {
         let opposite = Opposite { glued: true, ..against.into() };
         self.pair(boundary, 0.0, opposite)
+    }
+
+    /// Adds a pretension.
+    #[must_use]
+    pub fn pretension(mut self, pretension: Pretension) -> Self {
+        self.pretensions.push(pretension);
+        self
     }
 
     /// Adds a load.

@@ -10,6 +10,7 @@ mod discrete;
 mod element;
 mod energy;
 mod holding;
+mod joint;
 mod large_motion;
 mod load;
 mod meridian;
@@ -62,6 +63,7 @@ use carrying::Carrying;
 use contact::Contacts;
 use coupling::Couplings;
 use discrete::Discrete;
+use joint::Joints;
 use load::FreeStrain;
 use motions::Motions;
 use nearest::Nearest;
@@ -102,6 +104,7 @@ pub struct Model {
     moved: Vec<Moved>,
     carrying: Carrying,
     couplings: Couplings,
+    joints: Joints,
     /// The stress-free strain at factor 1 of each thermal load, and the number of the load.
     thermal: Vec<(FreeStrain, usize)>,
     statics: Statics,
@@ -178,6 +181,26 @@ fn contact_problem(
     problem.with_tangents_alone(map(alone, |contact| &contact.tangents[0]), map(alone, |contact| &contact.tangents[1]))
 }
 
+/// Adds the effect of prescribed displacements beyond the rigid offset: forces on the free part of the body, and gaps.
+fn prescribed(
+    moved: &[Moved],
+    contacts: &[ContactNode],
+    (dofs, rows, carrying, springs): (&Dofs, &HeldRows, &Carrying, &[Spring]),
+    (cases, motions): (&mut Vec<LoadCase>, &mut Vec<Motion>),
+) -> Result<(), ProblemError> {
+    for moved in moved {
+        cases.push(LoadCase::new(dofs.forces(moved.forces(carrying, rows, springs)), moved.history.clone())?);
+        let beyond: Vec<_> =
+            contacts.iter().map(|contact| moved.beyond_contact(rows, dofs, carrying, contact)).collect();
+        if beyond.iter().any(|beyond| *beyond != [0.0; 3]) {
+            let gap = beyond.iter().map(|[n, ..]| -n).collect();
+            let drift = beyond.iter().map(|[_, t, o]| [-t, -o]).collect();
+            motions.push(Motion::new(0..contacts.len(), gap, drift, moved.history.clone())?);
+        }
+    }
+    Ok(())
+}
+
 impl Model {
     /// Discretises `description`.
     ///
@@ -198,7 +221,7 @@ impl Model {
         let laid_out = Description { times, ..description.clone() };
         let description = &laid_out;
         let sharing = share.and_then(|share| Some((share, Body::on(&discrete)?)));
-        let Discrete { mesh, couplings, holdings, dofs, element, materials, pairs, volumes, beds } = discrete;
+        let Discrete { mesh, couplings, joints, holdings, dofs, element, materials, pairs, volumes, beds } = discrete;
         let law = |e: usize| materials[e];
         let springs: Vec<Spring> = beds.iter().flatten().cloned().collect();
         let (stiffness, rows) = if sharing.is_some() {
@@ -208,7 +231,9 @@ impl Model {
             (Some(stiffness), rows)
         };
         let carrying = Carrying::new(description, &mesh, &dofs, (&couplings, &pairs), &holdings)?;
-        let moved = Moved::all(description, &mesh, &dofs, &holdings, &rows, &carrying)?;
+        let mut moved = Moved::all(description, &mesh, &dofs, &holdings, &rows, &carrying)?;
+        let jumps = joints.prescribed(description, &dofs);
+        moved.extend(jumps.map(|(jump, history)| Moved::of_jump(&dofs, &rows, carrying.groups, jump, history)));
 
         let contacts = Contacts::new(description, &mesh, &dofs, &rows, &moved, &pairs, &carrying)?;
         let friction = contacts.friction_history(description)?;
@@ -241,16 +266,9 @@ impl Model {
             thermal.extend(on_mesh.free_strain.map(|strain| (strain, k)));
             forces.push(on_mesh.forces);
         }
-        // Prescribed displacements beyond the rigid offset act as forces on the free part of the body, and as gaps.
-        for moved in &moved {
-            cases.push(LoadCase::new(dofs.forces(moved.forces(&carrying, &rows, &springs)), moved.history.clone())?);
-            let beyond: Vec<_> =
-                contacts.iter().map(|contact| moved.beyond_contact(&rows, &dofs, &carrying, contact)).collect();
-            if beyond.iter().any(|beyond| *beyond != [0.0; 3]) {
-                let gap = beyond.iter().map(|[n, ..]| -n).collect();
-                let drift = beyond.iter().map(|[_, t, o]| [-t, -o]).collect();
-                motions.push(Motion::new(0..contacts.len(), gap, drift, moved.history.clone())?);
-            }
+        prescribed(&moved, &contacts, (&dofs, &rows, &carrying, &springs), (&mut cases, &mut motions))?;
+        for (forces, history) in joints.forces(description, &mesh, &dofs) {
+            cases.push(LoadCase::new(dofs.forces(forces), history)?);
         }
         let on_springs: Vec<_> = moved.iter().map(|moved| moved.forces_of_springs(&carrying, &springs)).collect();
         let statics =
@@ -259,7 +277,7 @@ impl Model {
 
         let recovery = Recovery::new(&mesh, &contacts, &contact_boundaries, &pairs.all);
         let past = |contact: &ContactNode| support::moves_past(&moved, &rows, &dofs, &carrying, contact);
-        let ties = [pairs.ties(&dofs), carried::ties(&couplings, &mesh, &dofs)].concat();
+        let ties = [pairs.ties(&dofs, &joints), carried::ties(&couplings, &mesh, &dofs)].concat();
         let rigid_motions = unresisted_motions(&mesh, &dofs, &springs, &ties);
         let shared = match &sharing {
             Some((share, body)) => body.stiffness(&contacts, share)?,
@@ -273,7 +291,10 @@ impl Model {
         let problem = contact_problem(stiffness, [&contacts, &alone], mu, rigid_modes, dofs.free())?;
         Ok(Model {
             passed_by: motions::passed_by(&alone, mesh.dimension, &obstacles, past),
-            passages: Passages::new(&mesh, pairs.all.iter().map(|pair| (&pair.mortar, &pair.gaps[..]))),
+            passages: Passages::new(
+                &mesh,
+                pairs.all.iter().filter(|pair| !pair.shifted).map(|pair| (&pair.mortar, &pair.gaps[..])),
+            ),
             beside_the_end: recovery::beside_the_end(&mesh, &contacts, &contact_boundaries),
             description: laid_out,
             mesh,
@@ -291,6 +312,7 @@ impl Model {
             moved,
             carrying,
             couplings,
+            joints,
             thermal,
             statics,
             recovery,

@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 
 use super::RunError;
+use super::lock::locked;
 use super::need::has_room;
 use super::sharing::share;
 use crate::algebra::linear::built_in::ranks;
@@ -28,12 +29,20 @@ fn chords(ends: &[f64], kinks: &[f64]) -> Vec<f64> {
     times
 }
 
-/// Discretises `scene`.
+/// Discretises `scene`. The history until pretensions lock is solved first, which gives their shortenings.
 ///
 /// # Errors
 /// When the scene contradicts its mesh, e.g. by a probe outside the body, when the method cannot solve such a problem,
 /// and when the matrices would not fit into free memory.
 pub fn discretise(scene: &Scene) -> Result<Model, RunError> {
+    tightening(&*locked(scene, tightening)?)
+}
+
+/// Discretises `scene` as it is before pretensions lock; no history is solved.
+///
+/// # Errors
+/// As [`discretise`].
+pub fn tightening(scene: &Scene) -> Result<Model, RunError> {
     has_room(scene.description.mesh.nodes(), Budget::of_process())?;
     suitable(scene, model_of(scene, None)?)
 }
@@ -41,7 +50,7 @@ pub fn discretise(scene: &Scene) -> Result<Model, RunError> {
 /// Discretises `scene` with the stiffness that its solver needs.
 pub(super) fn for_run(scene: &Scene) -> Result<Model, RunError> {
     match share(&scene.solver) {
-        Some(share) => shared(scene, share),
+        Some(share) => shared(&*locked(scene, tightening)?, share),
         None => discretise(scene),
     }
 }
@@ -56,8 +65,11 @@ pub(super) fn as_chosen<'a>(
 ) -> Result<Cow<'a, Model>, RunError> {
     match (scene, share(&SolverChoice { linear: Some(chosen), ..solver })) {
         (Some(scene), Some(share)) if solver.linear.is_none() => {
+            // The model may have prescribed shortenings in place of locks.
+            let mut scene = scene.clone();
+            scene.description = model.description().clone();
             drop(model);
-            Ok(Cow::Owned(shared(scene, share)?))
+            Ok(Cow::Owned(shared(&scene, share)?))
         }
         _ => Ok(model),
     }

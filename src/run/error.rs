@@ -35,6 +35,10 @@ pub enum RunError {
     )]
     #[diagnostic(help("do not request the uniqueness, or let supports leave only one sliding direction"))]
     SlidesInAPlane,
+    /// The model has a pretension whose lock needs the shortening, which only the run of a scene finds.
+    #[error("the pretension `{0}` locks, but the model still has its force")]
+    #[diagnostic(help("make the model with `run::discretise` from a scene, or prescribe the shortening"))]
+    Unlocked(String),
     /// The linear algebra cannot go on, or an array does not fit.
     #[error(transparent)]
     #[diagnostic(help("{}", remedy(.0)))]
@@ -47,7 +51,7 @@ impl RunError {
         use history::Error::{Checkpoint, NoWeight, Problem};
         let of_history = |error: &history::Error| matches!(error, Problem(_) | NoWeight { .. } | Checkpoint(_));
         match self {
-            RunError::Scene(_) | RunError::Model(_) | RunError::SlidesInAPlane => true,
+            RunError::Scene(_) | RunError::Model(_) | RunError::SlidesInAPlane | RunError::Unlocked(_) => true,
             RunError::NoRoom { .. } => false,
             RunError::History(error) => of_history(error),
         }

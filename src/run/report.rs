@@ -28,7 +28,7 @@ mod usage;
 mod validity;
 mod warnings;
 
-pub use balance::{AppliedForce, BalanceRecord, BalanceWatch, PointRecord};
+pub use balance::{AppliedForce, BalanceRecord, BalanceWatch, PointRecord, SectionRecord};
 pub use companion::{ChosenIncrements, CompanionEstimate};
 pub use contact_line::{ContactLine, ContactPoint, points as contact_points};
 pub use csv::{line as csv_line, number as csv_number, table as csv_table};

@@ -135,6 +135,8 @@ pub(super) struct Document {
     #[serde(default)]
     pub contact: Vec<ContactTable>,
     #[serde(default)]
+    pub pretension: Vec<Pretension>,
+    #[serde(default)]
     pub spring: Vec<Spring>,
     #[serde(default)]
     pub load: Vec<Load>,
@@ -210,11 +212,23 @@ pub(super) struct ContactTable {
     pub obstacle: Option<Obstacles>,
     pub against: Option<Names>,
     pub glue: Option<bool>,
+    pub shift: Option<Vector>,
     pub search: Option<f64>,
     pub gap: Option<Scalar>,
     pub adjust: Option<f64>,
     pub direction: Option<Vector>,
     pub slave: Option<Slave>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Pretension {
+    pub name: String,
+    pub boundary: String,
+    pub force: Option<f64>,
+    pub shortening: Option<f64>,
+    pub history: Option<Vec<Tuple<f64>>>,
+    pub lock: Option<f64>,
 }
 
 /// A name, or a list of several.

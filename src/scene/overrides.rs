@@ -10,7 +10,7 @@ use super::SceneError;
 use super::error::Source;
 
 /// The tables that a scene may contain several times.
-pub(super) const LISTS: [&str; 6] = ["body", "coupling", "support", "contact", "spring", "load"];
+pub(super) const LISTS: [&str; 7] = ["body", "coupling", "support", "contact", "pretension", "spring", "load"];
 
 /// The suffix of the name of a scene with overrides, in messages.
 pub(super) const MARK: &str = " (with --set)";

@@ -8,6 +8,7 @@ mod coupling;
 mod mesh;
 mod obstacle;
 mod output;
+mod pretension;
 mod solver;
 
 use std::path::Path;
@@ -40,6 +41,9 @@ pub(super) fn scene(mut document: Document, mut source: Source) -> Result<Scene,
             .into_iter()
             .map(|(k, given)| contact::contact(k, given, &source))
             .collect::<Result<_, _>>()?,
+        pretensions: keyed("pretension", document.pretension, |given, key| {
+            pretension::pretension(given, key).map_err(at)
+        })?,
         springs: keyed("spring", document.spring, |given, key| action::spring(given, key).map_err(at))?,
         loads: keyed("load", document.load, |given, key| action::load(given, key, &source))?,
         times: time.all(),

@@ -24,6 +24,7 @@ mod fronts;
 mod given_meshes;
 mod gmsh;
 mod increments;
+mod joints;
 mod key_results;
 mod layers;
 mod loads;

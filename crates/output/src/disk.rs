@@ -28,7 +28,12 @@ const STATE: usize = 8;
 /// largest is reached while `run.json` is written from the hidden files of the increments, which make up a third of it.
 pub fn bytes_on_disk(scene: &Scene, model: &Model) -> u64 {
     let (ends, of) = (scene.time.all(), &scene.description);
-    let boundaries = of.contacts.len() + of.supports.len() + of.springs.len() + of.loads.len() + of.couplings.len();
+    let boundaries = of.contacts.len()
+        + of.supports.len()
+        + of.springs.len()
+        + of.loads.len()
+        + of.couplings.len()
+        + of.pretensions.len();
     let points = |probe: &Probe| match probe.place {
         ProbePlace::Point(_) => 1,
         ProbePlace::Line { count, .. } => count,

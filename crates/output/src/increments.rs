@@ -3,7 +3,7 @@
 use stickslip::base::UnitSystem;
 use stickslip::body::Model;
 use stickslip::run::report::Column;
-use stickslip::run::report::{AppliedForce, BalanceRecord, PointRecord};
+use stickslip::run::report::{AppliedForce, BalanceRecord, PointRecord, SectionRecord};
 use stickslip::run::report::{ComponentSums, ForceRecord, OnObstacle, Resultant};
 use stickslip::run::report::{csv_line, csv_number, csv_table};
 use stickslip::solver::Event;
@@ -102,9 +102,9 @@ fn rotation_columns(dimension: usize) -> &'static [Column] {
 }
 
 /// Formats the force lines of an increment: the forces on the obstacles in front of each boundary, on each single
-/// obstacle if there are several, then the forces of supports, springs and loads on the body, and the reference points.
+/// obstacle if there are several, then the forces of supports, springs and loads on the body, the reference points, and the sections with a pretension.
 pub(super) fn forces_lines(contact: &[ForceRecord], balance: &BalanceRecord, units: &UnitSystem) -> String {
-    let BalanceRecord { index, time, supports, springs, loads, couplings, balance, .. } = balance;
+    let BalanceRecord { index, time, supports, springs, loads, couplings, pretensions, balance, .. } = balance;
     let several = contact.iter().any(|record| !record.resultant.obstacles.is_empty());
     let turning = if couplings.is_empty() { 0 } else { usize::MAX };
     let line = |at: &str,
@@ -147,6 +147,9 @@ pub(super) fn forces_lines(contact: &[ForceRecord], balance: &BalanceRecord, uni
     }
     lines.extend(couplings.iter().map(|PointRecord { at, force, moment, displacement, rotation }| {
         line(at, force, moment, [displacement, rotation], [None; 3], "coupling", "")
+    }));
+    lines.extend(pretensions.iter().map(|SectionRecord { at, force, moment, displacement, .. }| {
+        line(at, force, moment, [displacement, &[]], [None; 3], "pretension", "")
     }));
     lines
 }

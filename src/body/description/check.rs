@@ -30,6 +30,9 @@ impl Description {
         for (k, contact) in self.contacts.iter().enumerate() {
             contact.check(&self.contacts[..k]).map_err(under("contact", k))?;
         }
+        for (k, pretension) in self.pretensions.iter().enumerate() {
+            pretension.check(self, &self.pretensions[..k]).map_err(under("pretension", k))?;
+        }
         for (k, spring) in self.springs.iter().enumerate() {
             spring.check().map_err(under("spring", k))?;
         }

@@ -1,6 +1,6 @@
 //! Kinks of histories within increments, and increments that end at kinks.
 
-use super::{Description, Load, Support};
+use super::{Description, Load, Pretension, Support};
 use crate::base::timeline::{kinks_between, with_further_ends};
 use crate::base::units::UnitSystem;
 
@@ -16,6 +16,8 @@ pub struct Kinks<'a> {
 enum History<'a> {
     Load(&'a Load),
     Support(&'a Support),
+    Pretension(&'a Pretension),
+    Lock(&'a Pretension),
     Friction(&'a str),
     Obstacle { motion: &'static str, boundary: &'a str },
 }
@@ -26,6 +28,8 @@ impl Kinks<'_> {
         match &self.of {
             History::Load(load) => format!("the load on {}", load.action.place(units)),
             History::Support(support) => format!("the support of {}", support.at.place(units)),
+            History::Pretension(pretension) => format!("the pretension {}", pretension.name),
+            History::Lock(pretension) => format!("the lock of the pretension {}", pretension.name),
             History::Friction(boundary) => format!("the friction at {boundary}"),
             History::Obstacle { motion, boundary } => format!("the {motion} of the obstacle at {boundary}"),
         }
@@ -55,7 +59,13 @@ impl Description {
             });
             [friction].into_iter().chain(obstacles)
         });
-        let all = loads.chain(supports).chain(contacts).filter(|(_, times)| !times.is_empty());
+        let pretensions = self.pretensions.iter().flat_map(|pretension| {
+            let factors = pretension.factors(end);
+            let own = (History::Pretension(pretension), kinks_between(times, &factors));
+            let lock = pretension.lock.map_or(Vec::new(), |lock| kinks_between(times, &[[0.0, 0.0], [lock, 1.0]]));
+            [own, (History::Lock(pretension), lock)]
+        });
+        let all = loads.chain(supports).chain(pretensions).chain(contacts).filter(|(_, times)| !times.is_empty());
         all.map(|(of, times)| Kinks { of, times }).collect()
     }
 

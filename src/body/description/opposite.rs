@@ -1,5 +1,6 @@
 //! The opposite boundary of a contact, as input.
 
+use super::load::components;
 use crate::algebra::vector::{Vector, norm};
 use crate::base::formula::Formula;
 use crate::base::input_error::{InputError, ensure, finite, not_huge, positive};
@@ -11,6 +12,9 @@ pub struct Opposite {
     pub boundaries: Vec<String>,
     /// `true` if the two are glued: they neither separate nor slide under any load.
     pub glued: bool,
+    /// The vector (m) by which the opposite boundary is moved to be in front of the first one, such as the period of a
+    /// periodic body; glued boundaries only.
+    pub shift: Option<Vector>,
     /// The largest distance at which the two surfaces are paired, m; default: a tenth of the size of the smaller one.
     pub search: Option<f64>,
     /// The gap between the two when the history begins.
@@ -62,6 +66,7 @@ impl<const N: usize> From<[&str; N]> for Opposite {
         Opposite {
             boundaries: boundaries.map(str::to_string).to_vec(),
             glued: false,
+            shift: None,
             search: None,
             gap: FirstGap::Measured,
             adjust: 0.0,
@@ -90,6 +95,12 @@ impl Opposite {
         Opposite { search: Some(search), ..self }
     }
 
+    /// Sets the vector (m) by which the opposite boundary is moved to be in front of the first one.
+    #[must_use]
+    pub fn shifted(self, shift: impl Into<Vector>) -> Self {
+        Opposite { shift: Some(shift.into()), ..self }
+    }
+
     /// Checks that all values are valid.
     ///
     /// # Errors
@@ -108,6 +119,15 @@ impl Opposite {
             let length = norm(direction.components());
             let sound = length > 0.0 && length.is_finite();
             ensure(sound, "direction", &direction, "a vector with a direction", "give e.g. [0, -1]")?;
+        }
+        if let Some(shift) = self.shift {
+            components("shift", &shift.components())?;
+            let length = norm(shift.components());
+            ensure(length > 0.0, "shift", &shift, "a vector other than 0", "give the period, or remove the key")?;
+            if !self.glued {
+                let message = "a contact has shift, but is not glued";
+                return Err(InputError::new("shift", message, "add glue = true, or remove the key"));
+            }
         }
         let help = "name the boundary that is in front of it";
         ensure(!self.boundaries.is_empty(), "against", &"[]", "a name, or a list of names", help)?;

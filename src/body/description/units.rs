@@ -4,8 +4,8 @@
 use std::sync::Arc;
 
 use super::{
-    Action, Against, Bed, Contact, Coupling, Description, Direction, Field, FirstGap, Held, Load, Opposite, Probe,
-    ProbePlace, Support, Where,
+    Action, Against, Bed, Contact, Coupling, Description, Direction, Field, FirstGap, Held, Load, Opposite, Pretension,
+    Probe, ProbePlace, Support, Tightening, Where,
 };
 use crate::algebra::vector::Vector;
 use crate::base::formula::{Formula, FormulaUnits};
@@ -33,8 +33,19 @@ impl Description {
         if units == Units::SI && self.material.thickness.is_none() {
             return Description { units, ..self };
         }
-        let Description { mesh, element, material, couplings, supports, contacts, springs, loads, times, units: _ } =
-            self;
+        let Description {
+            mesh,
+            element,
+            material,
+            couplings,
+            supports,
+            contacts,
+            pretensions,
+            springs,
+            loads,
+            times,
+            units: _,
+        } = self;
         let material = Si { units, depth: Depth::Whole }.material(material);
         let si = Si { units, depth: material.depth(2) };
         Description {
@@ -44,6 +55,7 @@ impl Description {
             couplings: couplings.into_iter().map(|coupling| si.coupling(coupling)).collect(),
             supports: supports.into_iter().map(|support| si.support(support)).collect(),
             contacts: contacts.into_iter().map(|contact| si.contact(contact)).collect(),
+            pretensions: pretensions.into_iter().map(|pretension| si.pretension(pretension)).collect(),
             springs: springs.into_iter().map(|spring| si.spring(spring)).collect(),
             loads: loads
                 .into_iter()
@@ -231,8 +243,20 @@ impl Si {
         Contact { boundary, friction, friction_history, against }
     }
 
+    fn pretension(self, pretension: Pretension) -> Pretension {
+        let Pretension { name, boundary, tightening, history, lock } = pretension;
+        let tightening = match tightening {
+            Tightening::Force { space, plane } => Tightening::Force {
+                space: self.of(Quantity::Force, space),
+                plane: self.in_dimension(2, Quantity::Force, plane),
+            },
+            Tightening::Shortening(shortening) => Tightening::Shortening(self.length(shortening)),
+        };
+        Pretension { name, boundary, tightening, history, lock }
+    }
+
     fn opposite(self, opposite: Opposite) -> Opposite {
-        let Opposite { boundaries, glued, search, gap, adjust, direction, slave } = opposite;
+        let Opposite { boundaries, glued, shift, search, gap, adjust, direction, slave } = opposite;
         let gap = match gap {
             FirstGap::Measured => FirstGap::Measured,
             FirstGap::Curved => FirstGap::Curved,
@@ -240,7 +264,8 @@ impl Si {
             FirstGap::Formula(formula) => FirstGap::Formula(self.formula(Quantity::Length, formula)),
         };
         let search = search.map(|x| self.length(x));
-        Opposite { boundaries, glued, search, gap, adjust: self.length(adjust), direction, slave }
+        let shift = shift.map(|shift| self.point(shift));
+        Opposite { boundaries, glued, shift, search, gap, adjust: self.length(adjust), direction, slave }
     }
 
     fn obstacle(self, obstacle: Obstacle) -> Obstacle {

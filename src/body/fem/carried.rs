@@ -33,10 +33,13 @@ impl Dofs {
         [self.of_mesh + 2 * k, self.of_mesh + 2 * k + 1]
     }
 
-    /// Returns the node of the mesh that moves with `node`: the node itself or, for a node of a reference point, one
-    /// that the point carries.
+    /// Returns the node of the mesh that belongs to `node`: the node itself or, for a node of a reference point, one
+    /// that the point carries, and for a jump one on its first side.
     pub fn in_mesh(&self, node: usize) -> usize {
-        self.point_of(node).map_or(node, |(point, _)| point.carried)
+        match self.jump_of(node) {
+            Some(jump) => jump.node,
+            None => self.point_of(node).map_or(node, |(point, _)| point.carried),
+        }
     }
 
     /// Returns the displacement of a node of the mesh or of a reference point in a rigid motion.
@@ -98,16 +101,14 @@ impl Dofs {
 
     /// Returns the reference point that carries `node`, if one does.
     pub fn point_carrying(&self, node: usize) -> Option<usize> {
-        if !self.has_points() {
-            return None;
-        }
         let (other, _) = self.relative.get(&node)?.others.first()?;
-        other.checked_sub(self.of_mesh).map(|beyond| beyond / 2)
+        self.point_of(*other)?;
+        Some((other - self.of_mesh) / 2)
     }
 
-    /// Returns the position of a node of the mesh or of a reference point, m.
+    /// Returns the position of a node of the mesh or of a reference point, m, and for a jump that of its node.
     pub fn position(&self, mesh: &Mesh, node: usize) -> [f64; 3] {
-        self.point_of(node).map_or_else(|| mesh.nodes[node], |(point, _)| point.position)
+        self.point_of(node).map_or_else(|| mesh.nodes[self.in_mesh(node)], |(point, _)| point.position)
     }
 
     /// Returns the relation that lets point `k` carry `node` of the mesh.

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::reference_point::ReferencePoint;
+use super::reference_point::{Jump, ReferencePoint};
 use super::relative::Resolved;
 use crate::algebra::vector::{axis, axis_across, cross, dot, minus, norm, unit};
 use crate::body::mesh::{Geometry, Mesh};
@@ -17,10 +17,12 @@ type Frame = [[f64; 3]; 3];
 #[derive(Debug, Clone, PartialEq)]
 pub struct Dofs {
     dimension: usize,
-    /// The number of nodes of the mesh; the two nodes of each reference point follow.
+    /// The number of nodes of the mesh; the two nodes of each reference point and the node of each jump follow.
     pub(super) of_mesh: usize,
     /// The reference points.
     pub(super) points: Vec<ReferencePoint>,
+    /// The jumps of glued pairs.
+    pub(super) jumps: Vec<Jump>,
     /// The numbers of the components, node by node.
     numbers: Vec<Option<usize>>,
     /// For each component: `true` if supports hold it.
@@ -52,17 +54,23 @@ impl Dofs {
     ///
     /// Dependent directions are ignored. Nodes on the axis of a body of revolution are also held along x.
     pub fn holding(mesh: &Mesh, held: impl FnMut(usize) -> Vec<[f64; 3]>) -> Self {
-        Self::with_points(mesh, Vec::new(), held)
+        Self::with_points(mesh, Vec::new(), Vec::new(), held)
     }
 
-    /// Numbers the free components of each node and of the two nodes of each of `points`, which follow those of the
-    /// mesh. The points of a body of revolution move along the axis only.
-    pub fn with_points(mesh: &Mesh, points: Vec<ReferencePoint>, mut held: impl FnMut(usize) -> Vec<[f64; 3]>) -> Self {
+    /// Numbers the free components of each node, of the two nodes of each of `points` and of the node of each of `jumps`,
+    /// which follow those of the mesh. The points and jumps of a body of revolution move along the axis only.
+    pub fn with_points(
+        mesh: &Mesh,
+        points: Vec<ReferencePoint>,
+        jumps: Vec<Jump>,
+        mut held: impl FnMut(usize) -> Vec<[f64; 3]>,
+    ) -> Self {
         let dimension = mesh.dimension;
         let mut dofs = Dofs {
             dimension,
             of_mesh: mesh.nodes.len(),
             points,
+            jumps,
             numbers: Vec::new(),
             held: Vec::new(),
             frames: BTreeMap::new(),
@@ -70,7 +78,7 @@ impl Dofs {
             relative_order: Vec::new(),
             free: 0,
         };
-        for node in 0..dofs.of_mesh + 2 * dofs.points.len() {
+        for node in 0..dofs.node_of_jump(dofs.jumps.len()) {
             let mut held = held(node);
             let of_mesh = node < dofs.of_mesh;
             if if of_mesh { mesh.is_on_axis(node) } else { mesh.geometry == Geometry::Axisymmetric } {
@@ -109,7 +117,7 @@ impl Dofs {
         self.dimension
     }
 
-    /// Returns the number of nodes, including those of reference points.
+    /// Returns the number of nodes, including those of reference points and jumps.
     pub fn nodes(&self) -> usize {
         self.held.len() / self.dimension
     }
@@ -203,7 +211,7 @@ impl Dofs {
         forces
     }
 
-    /// Returns the displacement of every node (m), those of reference points last, from the vector `u` of unknowns; held components are 0.
+    /// Returns the displacement of every node (m), those outside the mesh last, from the vector `u` of unknowns; held components are 0.
     pub fn displacements(&self, u: &[f64]) -> Vec<[f64; 3]> {
         let node = |dofs: &[Option<usize>]| [0, 1, 2].map(|c| dofs.get(c).copied().flatten().map_or(0.0, |dof| u[dof]));
         let mut displacements: Vec<[f64; 3]> = self.numbers.chunks_exact(self.dimension).map(node).collect();

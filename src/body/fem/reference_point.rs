@@ -4,7 +4,7 @@
 //! translation `U` as its displacement, the second one `r θ`, where the length `r` gives the unknowns one size; in two
 //! dimensions its first component is `r θ_z`, and the second is held.
 
-use crate::algebra::vector::{minus, norm};
+use crate::algebra::vector::{minus, norm, plus};
 use crate::body::mesh::Mesh;
 
 /// A point that carries nodes of a mesh as a rigid body.
@@ -40,5 +40,21 @@ impl ReferencePoint {
             2 => [[-y, 0.0, 0.0], [x, 0.0, 0.0], [0.0; 3]],
             _ => [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]],
         }
+    }
+}
+
+/// The jump between the two sides of a glued pair.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Jump {
+    /// A node of the mesh on the first side.
+    pub node: usize,
+    /// The jump as the sum `Σ c u` of displacements of nodes; empty if it is held along all axes.
+    pub sum: Vec<(usize, f64)>,
+}
+
+impl Jump {
+    /// Returns the jump for the displacements `u` of the nodes of the mesh, m.
+    pub(super) fn at(&self, u: impl Fn(usize) -> [f64; 3]) -> [f64; 3] {
+        self.sum.iter().fold([0.0; 3], |sum, &(node, c)| plus(sum, c, u(node)))
     }
 }

@@ -86,7 +86,8 @@ impl RigidMotion {
     /// Returns the motion, which belongs to this mesh, as a vector of unknowns, length n_u.
     pub fn displacements(&self, mesh: &Mesh, dofs: &Dofs) -> Vec<f64> {
         let bodies = mesh.bodies();
-        dofs.unknowns(|node| dofs.in_motion(mesh, node, &self.bodies[bodies.of_nodes()[dofs.in_mesh(node)]]))
+        let of_node = |node: usize| dofs.in_motion(mesh, node, &self.bodies[bodies.of_nodes()[dofs.in_mesh(node)]]);
+        dofs.unknowns(|node| dofs.jump_of(node).map_or_else(|| of_node(node), |jump| jump.at(of_node)))
     }
 
     /// Computes the sum `Σ w_k motion_k` of motions of one mesh.
@@ -200,7 +201,9 @@ pub fn unresisted_motions(mesh: &Mesh, dofs: &Dofs, springs: &[Spring], ties: &[
             };
             Row::of_unit_size(all.iter().map(|(k, motion)| felt(*k, motion)).collect())
         };
-        let held = (0..dofs.nodes()).flat_map(|node| dofs.held(node).map(move |n| (node, n)));
+        // The ties contain the held directions of jumps.
+        let nodes = 0..dofs.node_of_jump(0);
+        let held = nodes.flat_map(|node| dofs.held(node).map(move |n| (node, n)));
         let single = held.chain(springs.iter().flat_map(Spring::resisted));
         let single = single.filter(|(node, _)| first_of[of(*node)] == first).map(|form| row(&[form]));
         let several = ties.iter().filter(|tie| tie.first().is_some_and(|(node, _)| first_of[of(*node)] == first));

@@ -12,7 +12,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::dofs::Dofs;
+use super::dofs::{Dofs, SAME_DIRECTION};
 use super::relative::{Coefficient, Relative, Resolved, Ring, in_order, merged};
 use crate::algebra::vector::{axis, dot, plus};
 
@@ -67,6 +67,20 @@ impl Dofs {
     /// Returns `true` if the unknowns of a node are relative to other nodes, or it is tied to them.
     pub fn is_relative(&self, node: usize) -> bool {
         self.relative.contains_key(&node)
+    }
+
+    /// Returns the node that a tied node moves with, if it is tied to one alone, and other nodes unchanged. A jump between
+    /// the two does not count.
+    pub fn moving_alike(&self, mut node: usize) -> usize {
+        // Tied nodes have no rings.
+        while let Some(Resolved { own, others, tied: true, .. }) = self.relative.get(&node) {
+            let mut in_mesh = others.iter().filter(|(other, _)| *other < self.of_mesh);
+            match (in_mesh.next(), in_mesh.next()) {
+                (Some((other, Coefficient::Factor(c))), None) if (c - own).abs() <= SAME_DIRECTION => node = *other,
+                _ => break,
+            }
+        }
+        node
     }
 
     /// Returns the relative displacement of a node along `vector`, `own · u - Σ coefficient · u_other`, in terms of

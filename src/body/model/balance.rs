@@ -74,6 +74,9 @@ pub struct Balance {
     pub supports: Vec<Wrench>,
     /// The force of each spring or foundation on the body.
     pub springs: Vec<Wrench>,
+    /// The force across the section of each pretension on the first of its two sides, and its moment about the centroid of
+    /// the section.
+    pub sections: Vec<Wrench>,
     /// The force of the obstacles on the body. Forces between bodies cancel, except for the moment of friction across a
     /// gap.
     pub contact: Wrench,
@@ -315,12 +318,25 @@ impl Model {
                 }
             }
         }
-        // Forces that glue transfers to held nodes act on their supports.
+        // Forces that glue transfers to held nodes act on their supports, those on jumps on their sections.
+        let mut glue = Wrench::default();
+        let mut sections = vec![Wrench::default(); self.description.pretensions.len()];
         for node in self.dofs.followers().into_iter().rev() {
             let Ok(from) = rows.nodes().binary_search(&node) else { continue };
             let free = self.dofs.free_axes(node).into_iter();
             let passed = free.fold([0.0; 3], |sum, n| plus(sum, dot(forces[from], n), n));
-            for (other, part) in self.dofs.passed_on(node, passed) {
+            let parts = self.dofs.passed_on(node, passed);
+            if let Some(&(jump, part)) = parts.iter().find(|(other, _)| self.dofs.is_jump(*other)) {
+                size += norm(passed);
+                glue += Wrench::at(geometry, self.mesh.nodes[node], passed);
+                let in_mesh = parts.iter().filter(|(other, _)| *other != jump);
+                glue += in_mesh.map(|&(other, part)| self.wrench_on(other, part.map(|f| -f))).sum();
+                if let Some((of, centre)) = self.joints.section(&self.dofs, jump) {
+                    let arm = minus(self.mesh.nodes[node], centre);
+                    sections[of] += Wrench { force: part, ..Wrench::at(geometry, arm, part) };
+                }
+            }
+            for (other, part) in parts {
                 if let Ok(to) = rows.nodes().binary_search(&other) {
                     forces[to] = plus(forces[to], 1.0, part);
                 }
@@ -331,7 +347,7 @@ impl Model {
                 let share = |(held, matrix): &(usize, [[f64; 3]; 3])| {
                     let force = matrix.map(|row| dot(row, forces[*held]));
                     size += norm(force);
-                    Wrench::on(&self.mesh, &self.dofs, rows.nodes()[*held], force)
+                    self.wrench_on(rows.nodes()[*held], force)
                 };
                 shares.iter().map(share).sum()
             })
@@ -342,7 +358,7 @@ impl Model {
                 let all = springs.iter().flat_map(|spring| spring.forces(&displaced));
                 all.map(|(node, force)| {
                     size += norm(force);
-                    Wrench::on(&self.mesh, &self.dofs, node, force)
+                    self.wrench_on(node, force)
                 })
                 .sum()
             })
@@ -351,8 +367,32 @@ impl Model {
         let loads: Vec<Wrench> = loads.iter().zip(factors).map(|(load, factor)| load.whole.times(factor)).collect();
         let mut left: Wrench = loads.iter().chain(&supports).chain(&springs).copied().sum();
         left += contact;
+        left.moment = plus(left.moment, 1.0, glue.moment);
         let [closure, force_closure] = self.left_of(left).map(|left| if size > 0.0 { left / size } else { 0.0 });
-        Balance { loads, supports, springs, contact, closure, force_closure, size }
+        Balance { loads, supports, springs, sections, contact, closure, force_closure, size }
+    }
+
+    /// Returns the wrench of a `force` (N) on a node of the mesh or of a reference point.
+    fn wrench_on(&self, node: usize, force: [f64; 3]) -> Wrench {
+        Wrench::on(&self.mesh, &self.dofs, node, force)
+    }
+
+    /// Returns for each pretension the mean outward normal of its section and the jump there (m) at time `t` (s) in the
+    /// `state` at that time.
+    pub(crate) fn sections(&self, t: f64, state: &State) -> Vec<[[f64; 3]; 2]> {
+        let mut sections = vec![[[0.0; 3]; 2]; self.description.pretensions.len()];
+        if !sections.is_empty() {
+            let all = self.all_displaced(t, &state.u);
+            for (k, section) in self.joints.sections() {
+                sections[section.of] = [section.normal, all[self.dofs.node_of_jump(k)]];
+            }
+        }
+        sections
+    }
+
+    /// Returns the shortening (m) of each pretension at time `t` (s) in the `state` at that time.
+    pub(crate) fn shortenings(&self, t: f64, state: &State) -> Vec<f64> {
+        self.sections(t, state).into_iter().map(|[normal, jump]| dot(normal, jump)).collect()
     }
 
     /// Returns the mean displacement (m) of the nodes of each support, of each spring or foundation, and of each load at

@@ -27,7 +27,7 @@ pub(super) struct Carrying {
     /// For each group, the group whose supports determine its offset: the group itself or, if it has no supports, the
     /// nearest group in contact that has supports.
     pub carrier: Vec<usize>,
-    /// The group of the rotations of reference points, if there are any; it has no offset.
+    /// The group of the rotations of reference points and of jumps, if there are any; it has no offset.
     pub turns: Option<usize>,
 }
 
@@ -83,10 +83,11 @@ impl Carrying {
             }
             from
         };
-        // A translation does not turn reference points.
-        let turns = dofs.has_points().then_some(firsts.len());
+        // A translation does not turn reference points, and both sides of a jump take part in it.
+        let stays = |node: usize| dofs.is_rotation(node) || dofs.is_jump(node);
+        let turns = (mesh.nodes.len()..dofs.nodes()).any(stays).then_some(firsts.len());
         let carrier = (0..firsts.len()).map(carrier).chain(turns).collect();
-        let group_of = |node: usize| turns.filter(|_| dofs.is_rotation(node)).unwrap_or_else(|| group(of(node)));
+        let group_of = |node: usize| turns.filter(|_| stays(node)).unwrap_or_else(|| group(of(node)));
         let of_node = (0..dofs.nodes()).map(group_of).collect();
         Ok(Carrying { of_node, groups: firsts.len() + usize::from(turns.is_some()), carrier, turns })
     }

@@ -12,11 +12,11 @@ use crate::base::input_error::InputError;
 use crate::base::timeline::within;
 use crate::base::units::{Quantity, UnitSystem};
 use crate::body::contact::{
-    ContactBoundary, ContactNode, Counterpart, Meeting, ObstacleMotion, PlacedObstacle, Unclear, contact_nodes,
+    ContactBoundary, ContactNode, Counterpart, Meeting, ObstacleMotion, PlacedObstacle, Row, Unclear, contact_nodes,
     meetings, unreachable,
 };
 use crate::body::description::{Contact, Description};
-use crate::body::fem::{Dofs, HeldRows};
+use crate::body::fem::{Dofs, HeldRows, SAME_DIRECTION, merged};
 use crate::body::mesh::{Boundary, Mesh};
 use crate::solver::loading::FrictionHistory;
 use crate::solver::problem::ProblemError;
@@ -146,20 +146,28 @@ impl Contacts {
             name: contact.boundary.clone(),
             contact: k,
             nodes: Vec::with_capacity(nodes.len()),
-            weights: nodes.iter().map(|node| node.weight).collect(),
+            weights: Vec::with_capacity(nodes.len()),
             beyond: boundary.nodes().len() - met.len(),
             obstacles: first..self.obstacles.len(),
             pair: None,
         };
-        let mut own_mu = Vec::with_capacity(nodes.len());
+        let mut own_mu: Vec<f64> = Vec::with_capacity(nodes.len());
         let units = description.system(mesh.dimension);
         for node in nodes {
-            let mu = friction(contact, &units, &node, k)?;
-            own_mu.push(mu);
+            let (mu, weight) = (friction(contact, &units, &node, k)?, node.weight);
             let met = node.obstacle().unwrap_or(0);
             let others = node.others.iter().map(|k| first + k).collect();
             let node = ContactNode { counterpart: Counterpart::Obstacle(first + met), others, ..node };
-            own.nodes.push(self.add_node(node, mu, &contact.boundary, &description.system(3), k)?);
+            let i = self.add_node(node, mu, dofs, &contact.boundary, (&description.system(3), k))?;
+            // Corners of a periodic body count as one node.
+            if let Some(same) = own.nodes.iter().position(|other| *other == i) {
+                own.weights[same] += weight;
+                own_mu[same] += (mu - own_mu[same]) * (weight / own.weights[same]);
+            } else {
+                own.nodes.push(i);
+                own.weights.push(weight);
+                own_mu.push(mu);
+            }
         }
         refuse_idle_history(contact, &own_mu, k)?;
         self.boundaries.push(own);
@@ -185,21 +193,22 @@ impl Contacts {
         FrictionHistory::new(self.nodes.len(), cases).map(Some)
     }
 
-    /// Returns the number of a node of the boundary `name`: the number from an earlier boundary with the same normal,
-    /// or a new one. Fails for opposite normals, since forces of any size would cancel.
+    /// Returns the number of a node of the boundary `name`: the number from an earlier boundary with the same normal, that
+    /// of a node that is glued to it and has the same rows, or a new one. Fails for opposite normals, since forces of any size would cancel.
     fn add_node(
         &mut self,
         node: ContactNode,
         mu: f64,
+        dofs: &Dofs,
         name: &str,
-        units: &UnitSystem,
-        k: usize,
+        (units, k): (&UnitSystem, usize),
     ) -> Result<usize, InputError> {
-        let sharing = self.at_node.entry(node.node).or_default();
+        let sharing = self.at_node.entry(dofs.moving_alike(node.node)).or_default();
         // Normals within one degree count as parallel; a sharper edge of a body cannot be meshed.
         let parallel = |i: &&usize| {
             let other = &self.nodes[**i];
-            other.obstacle().is_some() && dot(node.facing.normal, other.facing.normal).abs() > 0.9998
+            let alike = other.node == node.node || has_rows_of(&node, other);
+            alike && other.obstacle().is_some() && dot(node.facing.normal, other.facing.normal).abs() > 0.9998
         };
         let Some(&same) = sharing.iter().find(parallel) else {
             sharing.push(self.nodes.len());
@@ -232,6 +241,16 @@ impl Contacts {
         self.nodes[same] = ContactNode { others, weight, ..nearest.clone() };
         Ok(same)
     }
+}
+
+/// Returns `true` if two contact nodes have the same rows.
+fn has_rows_of(node: &ContactNode, other: &ContactNode) -> bool {
+    let same = |a: &Row, b: &Row| {
+        let sorted = |row: &Row| merged(row.clone());
+        let (a, b) = (sorted(a), sorted(b));
+        a.len() == b.len() && a.iter().zip(&b).all(|(a, b)| a.0 == b.0 && (a.1 - b.1).abs() <= SAME_DIRECTION)
+    };
+    same(&node.normal, &other.normal) && node.tangents.iter().zip(&other.tangents).all(|(a, b)| same(a, b))
 }
 
 /// Fails for a friction history without friction.

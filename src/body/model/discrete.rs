@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::coupling::Couplings;
 use super::holding::{self, Holding};
+use super::joint::Joints;
 use super::pair::{Pair, Pairs};
 use super::{ModelError, bodies, element, load, meridian};
 use crate::body::description::Description;
@@ -14,6 +15,7 @@ use crate::body::mesh::Mesh;
 pub(super) struct Discrete {
     pub mesh: Arc<Mesh>,
     pub couplings: Couplings,
+    pub joints: Joints,
     /// The displacements that each support holds.
     pub holdings: Vec<Holding>,
     pub dofs: Dofs,
@@ -35,14 +37,15 @@ impl Discrete {
         let couplings = Couplings::new(description, &mesh)?;
         let points = couplings.points(&mesh);
         let holdings = holding::holdings(description, &mesh, &couplings, &points)?;
-        let dofs = holding::dofs(&mesh, points, &holdings)?;
+        let joints = Joints::new(description, &mesh)?;
+        let dofs = holding::dofs(&mesh, points, &joints, &holdings)?;
         let element = element::element(description, &mesh)?;
         let materials = description.material.laws(&mesh)?;
-        let mut pairs = Pairs::new(description, &mesh, &dofs, &holdings, &materials, &couplings)?;
-        let dofs = pairs.dofs(description, &mesh, dofs)?;
+        let mut pairs = Pairs::new(description, &mesh, &dofs, &holdings, &materials, (&couplings, &joints))?;
+        let dofs = pairs.dofs(description, &mesh, &joints, dofs)?;
         let volumes = NodalVolumes::new(&mesh, element, |e| materials[e])?;
         let beds = load::springs(description, &mesh, &couplings, &dofs)?;
-        Ok(Discrete { mesh, couplings, holdings, dofs, element, materials, pairs, volumes, beds })
+        Ok(Discrete { mesh, couplings, joints, holdings, dofs, element, materials, pairs, volumes, beds })
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::coupling::Couplings;
 use super::find;
+use super::joint::Joints;
 use super::place::{nodes, normals, suits};
 use crate::algebra::vector::{axis, norm, unit};
 use crate::base::input_error::InputError;
@@ -149,12 +150,18 @@ fn beside_axis(
 }
 
 /// Numbers the displacements that the supports leave free.
-pub(super) fn dofs(mesh: &Mesh, points: Vec<ReferencePoint>, holdings: &[Holding]) -> Result<Dofs, InputError> {
+pub(super) fn dofs(
+    mesh: &Mesh,
+    points: Vec<ReferencePoint>,
+    joints: &Joints,
+    holdings: &[Holding],
+) -> Result<Dofs, InputError> {
     let mut directions = vec![Vec::new(); mesh.nodes.len() + 2 * points.len()];
     for (node, n, _) in holdings.iter().flatten() {
         directions[*node].push(*n);
     }
-    let dofs = Dofs::with_points(mesh, points, |node| std::mem::take(&mut directions[node]));
+    directions.extend((0..joints.all.len()).map(|k| joints.held(k, mesh.dimension)));
+    let dofs = Dofs::with_points(mesh, points, joints.jumps(), |node| std::mem::take(&mut directions[node]));
     if dofs.free() == 0 {
         let message = "the supports fix every node of the mesh, so nothing is left to solve";
         return Err(InputError::new("support[0].boundary", message, "support fewer boundaries, or use a finer mesh"));

@@ -6,6 +6,7 @@ use super::carried;
 use super::coupling::Couplings;
 use super::find;
 use super::holding::Holding;
+use super::joint::{self, Joints};
 use crate::algebra::vector::{Vector, axis, dot, minus, norm, plus, unit};
 use crate::base::input_error::InputError;
 use crate::base::units::{Quantity, UnitSystem};
@@ -32,6 +33,10 @@ pub struct Pair {
     pub choice: Option<SlaveChoice>,
     /// `true` if the two are glued.
     pub glued: bool,
+    /// `true` if the master is moved by a period to be in front of the slave.
+    pub shifted: bool,
+    /// `true` if a jump is between the two: pretension, or periodic boundaries.
+    pub jumps: bool,
     /// The mortar rows.
     pub mortar: Mortar,
     /// The gap of each row when the history begins, m.
@@ -61,7 +66,7 @@ impl Pairs {
         dofs: &Dofs,
         holdings: &[Holding],
         materials: &[Elasticity],
-        couplings: &Couplings,
+        (couplings, joints): (&Couplings, &Joints),
     ) -> Result<Self, InputError> {
         let carried = carried::relations(couplings, description, mesh, dofs, holdings)?;
         let mut pairs = Pairs { relative: carried, ..Pairs::default() };
@@ -79,9 +84,11 @@ impl Pairs {
                 let supports = OfNodes { dofs, tied: if glued { &tied } else { &rigid }, moving: &moving };
                 let mut pair = pair(description, mesh, k, opposite, materials, &supports, &slaves)?;
                 slaves.insert(pair.slave.clone());
+                joints.may_follow(description, mesh, dofs, k, find(mesh, &pair.slave, "contact")?, &taken)?;
                 for row in &pair.mortar.rows {
                     if taken.insert(row.node) {
-                        pairs.relative.push(relative(row, glued));
+                        let relation = relative(row, glued);
+                        pairs.relative.push(joints.with_jump(dofs, k, &pair.slave, row, relation));
                         pair.relative.insert(row.node);
                         if glued {
                             tied.insert(row.node);
@@ -95,9 +102,21 @@ impl Pairs {
     }
 
     /// Adds the relative displacements to `dofs`.
-    pub(super) fn dofs(&mut self, description: &Description, mesh: &Mesh, dofs: Dofs) -> Result<Dofs, InputError> {
+    pub(super) fn dofs(
+        &mut self,
+        description: &Description,
+        mesh: &Mesh,
+        joints: &Joints,
+        mut dofs: Dofs,
+    ) -> Result<Dofs, InputError> {
         if self.relative.is_empty() {
             return Ok(dofs);
+        }
+        for pair in &self.all {
+            let row = pair.mortar.rows.iter().find(|row| pair.relative.contains(&row.node));
+            if let Some((jump, sum)) = row.and_then(|row| joints.sum(pair.contact, &pair.slave, row)) {
+                dofs.set_jump(jump, sum);
+            }
         }
         dofs.relative_to(std::mem::take(&mut self.relative)).map_err(|ring| {
             let place = description.system(mesh.dimension).place(mesh.nodes[ring.0]);
@@ -116,13 +135,17 @@ impl Pairs {
     }
 
     /// Returns the ties of glued pairs: sums of displacements along axes that are 0.
-    pub(super) fn ties(&self, dofs: &Dofs) -> Vec<Tie> {
+    pub(super) fn ties(&self, dofs: &Dofs, joints: &Joints) -> Vec<Tie> {
         let glued = self.all.iter().filter(|pair| pair.glued);
-        let rows = glued.flat_map(|pair| pair.mortar.rows.iter().filter(|row| pair.relative.contains(&row.node)));
-        let of_row = |row: &MortarRow| {
+        let rows = glued.flat_map(|pair| {
+            let own = pair.mortar.rows.iter().filter(|row| pair.relative.contains(&row.node));
+            own.map(move |row| (pair, row))
+        });
+        let of_row = |(pair, row): (&Pair, &MortarRow)| {
             let along = |n: [f64; 3]| {
                 let own = row.slave.iter().map(|&(node, c)| (node, n.map(|x| c * x)));
-                own.chain(row.master.iter().map(|&(node, c)| (node, n.map(|x| -c * x)))).collect::<Vec<_>>()
+                let form = own.chain(row.master.iter().map(|&(node, c)| (node, n.map(|x| -c * x)))).collect();
+                joints.tied(dofs, pair.contact, &pair.slave, row, n, form)
             };
             dofs.free_axes(row.node).into_iter().map(along).collect::<Vec<_>>()
         };
@@ -207,6 +230,8 @@ fn pair(
     let first = find(mesh, &description.contacts[k].boundary, &key)?;
     let second = &self::opposite(mesh, opposite, k)?;
     share_nothing(description, mesh, first, second, k)?;
+    let moved = joint::shifted(mesh, opposite, second);
+    let mesh = moved.as_ref().unwrap_or(mesh);
     let units = description.system(mesh.dimension);
     let direction = opposite.direction.map(|direction| unit(direction.components()));
     let options = MortarOptions { search: opposite.search, direction };
@@ -276,7 +301,22 @@ fn pair(
     let slopes = opposite.direction.map_or_else(BTreeMap::new, |_| slopes(mesh, slave, &mortar.rows));
     let (slave, master) = (slave.name.clone(), master.clone());
     let relative = BTreeSet::new();
-    Ok(Pair { contact: k, slave, master, choice, glued: opposite.glued, mortar, gaps, slopes, edges, relative })
+    let tightened = description.pretensions.iter().any(|own| own.boundary == description.contacts[k].boundary);
+    let jumps = moved.is_some() || tightened;
+    Ok(Pair {
+        contact: k,
+        slave,
+        master,
+        choice,
+        glued: opposite.glued,
+        shifted: moved.is_some(),
+        jumps,
+        mortar,
+        gaps,
+        slopes,
+        edges,
+        relative,
+    })
 }
 
 /// Returns the slope of the surface of `slave` relative to the normal of each row, by its node: the tangent of the

@@ -87,16 +87,26 @@ impl Moved {
                     beyond[held] = rest.map(|x| if x.abs() > DISPLACEMENT_ROUNDING * size { x } else { 0.0 });
                 }
             }
-            for node in dofs.followers() {
-                let at = |node: usize| rows.nodes().binary_search(&node).map_or([0.0; 3], |held| beyond[held]);
-                let along = dofs.carried_along(node, at);
-                if let Ok(held) = rows.nodes().binary_search(&node) {
-                    (0..3).for_each(|c| beyond[held][c] += along[c]);
-                }
-            }
+            follow(dofs, rows, &mut beyond);
             Ok(Moved { carried, beyond, history: of })
         };
         histories.into_iter().map(of_history).collect()
+    }
+
+    /// Returns the motion due to a jump, a node and its displacement (m) at factor 1, of bodies in this many groups.
+    pub(super) fn of_jump(
+        dofs: &Dofs,
+        rows: &HeldRows,
+        groups: usize,
+        (node, jump): (usize, [f64; 3]),
+        history: Vec<[f64; 2]>,
+    ) -> Self {
+        let mut beyond = vec![[0.0; 3]; rows.nodes().len()];
+        if let Ok(held) = rows.nodes().binary_search(&node) {
+            beyond[held] = jump;
+        }
+        follow(dofs, rows, &mut beyond);
+        Moved { carried: vec![[0.0; 3]; groups], beyond, history }
     }
 
     /// Returns the forces (N) on all nodes at factor 1 that are equivalent to this motion, from the strain of the body
@@ -153,6 +163,17 @@ impl Moved {
     /// Returns the factor at time `t` (s).
     pub(super) fn factor(&self, t: f64) -> f64 {
         piecewise_linear(&self.history, t).unwrap_or(0.0)
+    }
+}
+
+/// Adds to the displacements `beyond` (m) of the nodes of `rows` those of nodes that are relative to moved nodes.
+fn follow(dofs: &Dofs, rows: &HeldRows, beyond: &mut [[f64; 3]]) {
+    for node in dofs.followers() {
+        let at = |node: usize| rows.nodes().binary_search(&node).map_or([0.0; 3], |held| beyond[held]);
+        let along = dofs.carried_along(node, at);
+        if let Ok(held) = rows.nodes().binary_search(&node) {
+            (0..3).for_each(|c| beyond[held][c] += along[c]);
+        }
     }
 }
 

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::warnings::{Warning, WarningKind};
+use crate::algebra::vector::dot;
 use crate::base::units::Quantity;
 use crate::body::model::{Balance, Model, Pair, Wrench};
 use crate::solver::history::IncrementView;
@@ -30,6 +31,9 @@ pub struct BalanceRecord {
     /// springs that act on the point. The moment is about the point.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub couplings: Vec<PointRecord>,
+    /// The force across each section with a pretension, and its shortening.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub pretensions: Vec<SectionRecord>,
     /// The imbalance of all forces on the body: the magnitude of the resultant force, or of the moment about the body's
     /// middle divided by its size, relative to the sum of the magnitudes of the nodal forces.
     pub balance: f64,
@@ -74,11 +78,32 @@ pub struct PointRecord {
     pub rotation: Vec<f64>,
 }
 
+/// A section with a pretension.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct SectionRecord {
+    /// The name of the pretension.
+    pub at: String,
+    /// The force along the outward normal of the boundary, positive for tension, N; in two dimensions N per m of depth.
+    pub normal_force: f64,
+    /// The length by which the boundary has moved beyond the other side, m.
+    pub shortening: f64,
+    /// The force across the section on the side of the boundary: x, y and, in three dimensions, z, N; in two dimensions N
+    /// per m of depth.
+    pub force: Vec<f64>,
+    /// The moment of this force about the centroid of the section: about z in two dimensions, about x, y and z in three,
+    /// N m; in two dimensions N m per m of depth.
+    pub moment: Vec<f64>,
+    /// The motion of the boundary beyond the other side: x, y and, in three dimensions, z, m.
+    pub displacement: Vec<f64>,
+}
+
 impl BalanceRecord {
     /// Returns the balance at the end of a step.
     pub fn new(model: &Model, step: &IncrementView<'_>) -> Self {
         let (index, time) = (step.record.index, step.record.time);
-        let Balance { loads, supports, springs, closure, force_closure, size, .. } = model.balanced(time, step.state);
+        let Balance { loads, supports, springs, sections, closure, force_closure, size, .. } =
+            model.balanced(time, step.state);
         let (description, units) = (model.description(), model.units());
         let [of_supports, of_springs, of_loads] = model.mean_displacements(time, step.state);
         let acting = |names: Vec<String>, wrenches: Vec<Wrench>, displacements: Vec<[f64; 3]>| {
@@ -99,10 +124,18 @@ impl BalanceRecord {
                 AppliedForce::new(coupling.name.clone(), wrench, u, dimension);
             PointRecord { at, force, moment, displacement, rotation: about_axes(rotation, dimension) }
         });
+        let jumps = sections.into_iter().zip(model.sections(time, step.state)).zip(&description.pretensions);
+        let pretensions = jumps.map(|((wrench, [normal, jump]), pretension)| {
+            let (normal_force, shortening) = (dot(wrench.force, normal), dot(jump, normal));
+            let AppliedForce { at, force, moment, displacement } =
+                AppliedForce::new(pretension.name.clone(), wrench, jump, model.mesh.dimension);
+            SectionRecord { at, normal_force, shortening, force, moment, displacement }
+        });
         BalanceRecord {
             index,
             time,
             couplings: couplings.collect(),
+            pretensions: pretensions.collect(),
             supports: acting(
                 description.supports.iter().map(|support| support.at.place(&units)).collect(),
                 supports,

@@ -46,7 +46,8 @@ impl PairRecord {
     pub(super) fn all_at(model: &Model, t: f64, state: &State) -> Vec<Self> {
         let displacements = if model.pairs.is_empty() { Vec::new() } else { model.displaced(t, &state.u) };
         let overlap = |pair: &Pair| {
-            let least = pair.mortar.least_gap(&model.mesh, &displacements).filter(|_| pair.is_measured())?;
+            let here = pair.is_measured() && !pair.jumps;
+            let least = pair.mortar.least_gap(&model.mesh, &displacements).filter(|_| here)?;
             Some((-least.gap).max(0.0))
         };
         model.pairs.iter().map(|pair| PairRecord { overlap: overlap(pair), ..PairRecord::of(model, pair) }).collect()

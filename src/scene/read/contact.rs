@@ -38,6 +38,7 @@ pub(super) fn contact(k: usize, given: document::ContactTable, source: &Source) 
         (Some(obstacles), None) => {
             let whose = "a contact with an obstacle";
             foreign("glue", given.glue.as_ref(), whose)
+                .and(foreign("shift", given.shift.as_ref(), whose))
                 .and(foreign("search", given.search.as_ref(), whose))
                 .and(foreign("gap", given.gap.as_ref(), whose))
                 .and(foreign("adjust", given.adjust.as_ref(), whose))
@@ -71,6 +72,7 @@ pub(super) fn contact(k: usize, given: document::ContactTable, source: &Source) 
             let opposite = Opposite {
                 boundaries,
                 glued,
+                shift: given.shift,
                 search: given.search,
                 gap,
                 adjust: given.adjust.unwrap_or(0.0),

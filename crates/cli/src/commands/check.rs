@@ -17,9 +17,9 @@ use stickslip::base::{Budget, Quantity, UnitSystem, in_words};
 use stickslip::body::Friction;
 use stickslip::body::fem::{Element, Material, Plane, RigidMotion};
 use stickslip::body::mesh::{CellKind, MeshSource};
-use stickslip::body::{Action, Bed, Coupling, CouplingKind, Direction, Field, Held, Model, Support, Where};
+use stickslip::body::{Action, Bed, Coupling, CouplingKind, Direction, Field, Held, Model, Support, Tightening, Where};
 use stickslip::run::report::{PairRecord, Warning};
-use stickslip::run::{RunError, discretise};
+use stickslip::run::{RunError, tightening};
 use stickslip::scene::Scene;
 use stickslip::solver::formulation::Layout;
 use stickslip::solver::{Conditions, ProblemError, history, rigid_equilibrium_with};
@@ -37,7 +37,7 @@ pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
     // A file that is missing is named with its line.
     origin(&scene)?;
     let budget = Budget::of_process();
-    let model = discretise(&scene)?;
+    let model = tightening(&scene)?;
     say!("{}", scene.title);
     body(&scene, &model);
     contacts(&scene, &model);
@@ -142,6 +142,17 @@ fn body(scene: &Scene, model: &Model) {
             CouplingKind::Distributing => "distributes forces over",
         };
         say!("coupling     {name}: {how} {}", part.name());
+    }
+    for pretension in &scene.description.pretensions {
+        let how = match pretension.tightening {
+            Tightening::Force { space, plane } => {
+                let force = if model.mesh.dimension == 2 { plane } else { space };
+                format!("a force of {}", told(&units, Quantity::Force, force))
+            }
+            Tightening::Shortening(by) => format!("a shortening by {}", told(&units, Quantity::Length, by)),
+        };
+        let lock = pretension.lock.map_or(String::new(), |lock| format!(", locked at t = {lock} s"));
+        say!("pretension   {}: {how} across {}{lock}", pretension.name, pretension.boundary);
     }
     for support in &scene.description.supports {
         say!("support      {}: {}", support.at.place(&units), holds(support, &units, scene.time.end));

@@ -15,11 +15,12 @@ pub(super) enum Acting {
     Spring,
     Load,
     Coupling,
+    Pretension,
 }
 
 impl Acting {
-    pub(super) const ALL: [Acting; 5] =
-        [Acting::Contact, Acting::Support, Acting::Spring, Acting::Load, Acting::Coupling];
+    pub(super) const ALL: [Acting; 6] =
+        [Acting::Contact, Acting::Support, Acting::Spring, Acting::Load, Acting::Coupling, Acting::Pretension];
 
     /// Returns the name in the column `kind`.
     pub(super) fn name(self) -> &'static str {
@@ -29,6 +30,7 @@ impl Acting {
             Acting::Spring => "spring",
             Acting::Load => "load",
             Acting::Coupling => "coupling",
+            Acting::Pretension => "pretension",
         }
     }
 
@@ -40,6 +42,7 @@ impl Acting {
             Acting::Spring => Some("springs"),
             Acting::Load => Some("loads"),
             Acting::Coupling => Some("couplings"),
+            Acting::Pretension => Some("pretensions"),
         }
     }
 }
@@ -68,7 +71,8 @@ impl Places {
         let springs = description.springs.iter().map(|spring| (spring.place(&units), Acting::Spring));
         let loads = description.loads.iter().map(|load| (load.action.place(&units), Acting::Load));
         let couplings = description.couplings.iter().map(|coupling| (coupling.name.clone(), Acting::Coupling));
-        for (place, acting) in contacts.chain(supports).chain(springs).chain(loads).chain(couplings) {
+        let sections = description.pretensions.iter().map(|pretension| (pretension.name.clone(), Acting::Pretension));
+        for (place, acting) in contacts.chain(supports).chain(springs).chain(loads).chain(couplings).chain(sections) {
             let known = self.0.entry(place).or_default();
             if !known.contains(&acting) {
                 known.push(acting);

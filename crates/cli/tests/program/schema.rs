@@ -246,6 +246,7 @@ fn reports() -> Vec<Value> {
         json_of(&small(), &HALVED),
         json_of(&[&small(), "\n[[spring]]\nboundary = \"right\"\nnormal = 1e9\n"].concat(), &[]),
         json_of(&[&small(), "\n[[coupling]]\nname = \"end\"\nboundary = \"right\"\n"].concat(), &[]),
+        json_of(include_str!("../../../../data/scenes/bolt.toml"), &[]),
         report(&edit(&small(), "[solver]", "[solver]\nmax_iterations = 1"), 1),
         json_of(
             &edit(

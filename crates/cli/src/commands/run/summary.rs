@@ -6,7 +6,8 @@ use stickslip::body::{PeakOf, StickZone};
 use stickslip::run::Run;
 use stickslip::run::report::{
     AppliedForce, BalanceRecord, CompanionEstimate, ComponentSums, CycleReport, EliminatedUnknown, FrictionResult,
-    LargestForce, LargestPressure, PointRecord, RankRecord, Resultant, RunReport, SlipRegime, Unknowns, Warning,
+    LargestForce, LargestPressure, PointRecord, RankRecord, Resultant, RunReport, SectionRecord, SlipRegime, Unknowns,
+    Warning,
 };
 use stickslip::scene::{Scene, Time};
 use stickslip::solver::formulation::Layout;
@@ -127,7 +128,7 @@ fn print_forces(report: &RunReport) {
             say!("             {} of it on {}", vector(&on.force), on.obstacle);
         }
     }
-    if let Some(BalanceRecord { supports, springs, couplings, balance, .. }) = &report.last_reactions {
+    if let Some(BalanceRecord { supports, springs, couplings, pretensions, balance, .. }) = &report.last_reactions {
         for (kind, AppliedForce { at, force, .. }) in
             supports.iter().map(|support| ("reaction", support)).chain(springs.iter().map(|spring| ("spring", spring)))
         {
@@ -145,6 +146,11 @@ fn print_forces(report: &RunReport) {
             say!("coupling     {at}: moved by {moved}, turned by ({}) rad", turned.join(", "));
             let moment = units.rounded_vector(Quantity::Moment, moment, FORCE_DIGITS);
             say!("             {} and {moment} on the body", vector(force));
+        }
+        for SectionRecord { at, normal_force, shortening, .. } in pretensions {
+            let force = units.rounded(Quantity::Force, *normal_force, FORCE_DIGITS);
+            let shortening = units.rounded(Quantity::Length, *shortening, DIGITS);
+            say!("pretension   {at}: {force} across the section, shortened by {shortening}");
         }
         say!("balance      the forces on the body balance to {balance:.1e} of their sizes");
     }

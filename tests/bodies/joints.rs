@@ -1,0 +1,577 @@
+//! Pretensions and periodic boundaries: bars and joints in closed form, equal results of all methods, refused inputs.
+#![allow(clippy::unwrap_used)]
+
+use std::sync::Arc;
+
+use miette::Diagnostic;
+use stickslip::algebra::linear::SparseLu;
+use stickslip::body::mesh::{Mesh, MeshSource};
+use stickslip::body::{Description, Model};
+use stickslip::run::report::{RunReport, SectionRecord};
+use stickslip::run::{Run, discretise, tightening};
+use stickslip::scene::Scene;
+use stickslip::solver::history::{LinearAlgebra, Method, SolverChoice, Status};
+
+use crate::common::edit;
+
+/// A bar of two parts between rigid walls, without lateral contraction.
+const BAR: &str = r#"
+units = { length = "mm", stress = "MPa" }
+[[body]]
+name = "lower"
+[body.mesh]
+kind = "block"
+size = [10, 40]
+elements = [3, 4]
+[body.material]
+young = 2e5
+poisson = 0
+[[body]]
+name = "upper"
+at = [0, 40]
+[body.mesh]
+kind = "block"
+size = [10, 60]
+elements = [2, 5]
+[body.material]
+young = 2e5
+poisson = 0
+[[contact]]
+boundary = "lower:top"
+against = "upper:bottom"
+glue = true
+[[pretension]]
+name = "bolt"
+boundary = "lower:top"
+force = 1000
+[[support]]
+boundary = "lower:bottom"
+fix = ["x", "y"]
+[[support]]
+boundary = "upper:top"
+fix = ["x", "y"]
+[time]
+end = 1
+increments = 2
+"#;
+
+/// A bolt in two parts beside a sleeve, both below a rigid head that moves along the bolt only. The bolt has a stiffness of
+/// E A / 40 mm with the area 4 mm (times 1 mm), the sleeve three times as much.
+const JOINT: &str = r#"
+units = { length = "mm", stress = "MPa" }
+[[body]]
+name = "shank"
+mesh = { kind = "block", size = [4, 30], elements = [2, 3] }
+material = { young = 2e5, poisson = 0 }
+[[body]]
+name = "stud"
+at = [0, 30]
+mesh = { kind = "block", size = [4, 10], elements = [3, 2] }
+material = { young = 2e5, poisson = 0 }
+[[body]]
+name = "sleeve"
+at = [6, 0]
+mesh = { kind = "block", size = [12, 40], elements = [3, 4] }
+material = { young = 2e5, poisson = 0 }
+[[body]]
+name = "head"
+at = [0, 40]
+mesh = { kind = "block", size = [20, 5], elements = [5, 1] }
+material = { young = 1, poisson = 0 }
+[[coupling]]
+name = "head"
+body = "head"
+[[contact]]
+boundary = "shank:top"
+against = "stud:bottom"
+glue = true
+[[contact]]
+boundary = "stud:top"
+against = "head:bottom"
+glue = true
+[[contact]]
+boundary = "sleeve:top"
+against = "head:bottom"
+friction = 0.2
+[[support]]
+boundary = "shank:bottom"
+fix = ["x", "y"]
+[[support]]
+boundary = "sleeve:bottom"
+fix = ["x", "y"]
+[[support]]
+coupling = "head"
+fix = ["x", "rotation_z"]
+[[pretension]]
+name = "bolt"
+boundary = "shank:top"
+force = 1200
+history = [[0, 0], [1, 1]]
+lock = 1
+[[load]]
+coupling = "head"
+force = [0, 800]
+history = [[1, 0], [2, 1], [3, 4]]
+[time]
+end = 3
+increments = 6
+"#;
+
+/// A strip that is one period of a layer, below a pressure.
+const STRIP: &str = r#"
+[mesh]
+kind = "block"
+size = [3, 2]
+elements = [4, 3]
+[material]
+young = 100
+poisson = 0.25
+[[contact]]
+boundary = "right"
+against = "left"
+glue = true
+shift = [3, 0]
+[[support]]
+boundary = "bottom"
+fix = ["y"]
+[[support]]
+point = [0, 0]
+fix = ["x"]
+[[load]]
+boundary = "top"
+pressure = 2
+[time]
+end = 1
+increments = 1
+"#;
+
+fn scene(text: &str) -> Scene {
+    Scene::parse("scene.toml", text, &[]).unwrap_or_else(|error| panic!("{error}\n{text}"))
+}
+
+fn bn() -> SolverChoice {
+    SolverChoice::new(Method::BN)
+}
+
+fn report(text: &str, solver: SolverChoice) -> RunReport {
+    let model = discretise(&scene(text)).unwrap_or_else(|error| panic!("{error}\n{text}"));
+    solved(&model, solver)
+}
+
+fn solved(model: &Model, solver: SolverChoice) -> RunReport {
+    let report = Run::of(model, model.times().to_vec(), solver).unwrap().solve(&mut ()).unwrap();
+    assert_eq!(report.status, Status::Converged, "{}", report.explanation.reason);
+    assert!(report.reactions.iter().all(|record| record.balance < 1e-9), "{:?}", report.reactions);
+    report
+}
+
+/// The section of the first pretension at the end of increment `index`, from 1.
+fn section(report: &RunReport, index: usize) -> &SectionRecord {
+    let record = report.reactions.iter().find(|record| record.index == index).unwrap();
+    &record.pretensions[0]
+}
+
+fn last(report: &RunReport) -> &SectionRecord {
+    section(report, report.reactions.last().unwrap().index)
+}
+
+fn near(found: f64, expected: f64, tolerance: f64) {
+    assert!((found - expected).abs() <= tolerance * expected.abs(), "{found}, not {expected}");
+}
+
+/// `F = E A δ / L`, in the plane per m of depth, with different meshes of both sides.
+#[test]
+fn a_bar_is_tightened() {
+    let stiffness = 2e11 * 0.01 / 0.1;
+    let forced = report(BAR, bn());
+    let bolt = last(&forced);
+    near(bolt.normal_force, 1e6, 1e-9);
+    near(bolt.shortening, 1e6 / stiffness, 1e-9);
+    near(bolt.displacement[1], 1e6 / stiffness, 1e-9);
+    near(section(&forced, 1).normal_force, 5e5, 1e-9);
+    near(forced.reactions[1].supports[1].force[1], 1e6, 1e-9);
+    let shortened = report(&edit(BAR, "force = 1000", "shortening = 0.5"), bn());
+    near(last(&shortened).normal_force, 5e-4 * stiffness, 1e-9);
+    near(last(&shortened).shortening, 5e-4, 1e-12);
+    near(shortened.reactions[1].supports[0].force[1], -5e-4 * stiffness, 1e-9);
+    // The other side as boundary, and the section of an oblique bar.
+    let exchanged = BAR.replace("\"lower:top\"", "\"section\"").replace("\"upper:bottom\"", "\"lower:top\"");
+    let exchanged = report(&exchanged.replace("\"section\"", "\"upper:bottom\""), bn());
+    near(last(&exchanged).shortening, 1e6 / stiffness, 1e-9);
+    near(last(&exchanged).force[1], -1e6, 1e-9);
+}
+
+/// A body of revolution: the force is over the full circumference.
+#[test]
+fn a_bolt_of_revolution_is_tightened() {
+    let text = BAR.replace("poisson = 0", "poisson = 0\nplane = \"axisymmetric\"");
+    let text = text.replace("fix = [\"x\", \"y\"]", "fix = [\"y\"]");
+    let stiffness = 2e11 * std::f64::consts::PI * 1e-4 / 0.1;
+    let forced = report(&text, bn());
+    near(last(&forced).normal_force, 1e3, 1e-9);
+    near(last(&forced).shortening, 1e3 / stiffness, 1e-9);
+    let shortened = report(&edit(&text, "force = 1000", "shortening = 0.5"), bn());
+    near(last(&shortened).normal_force, 5e-4 * stiffness, 1e-9);
+}
+
+/// The joint in the plane, of revolution, and in space, with the area of the bolt in m² (m in the plane) and the stiffness of
+/// the sleeve relative to that of the bolt.
+fn joints() -> [(String, f64, f64); 3] {
+    let round = JOINT
+        .replace("poisson = 0 }", "poisson = 0, plane = \"axisymmetric\" }")
+        .replace("fix = [\"x\", \"y\"]", "fix = [\"y\"]")
+        .replace("fix = [\"x\", \"rotation_z\"]", "fix = [\"x\"]")
+        .replace("force = 1200", "force = 12000")
+        .replace("force = [0, 800]", "force = [0, 8000]");
+    let space = JOINT
+        .replace("[4, 30], elements = [2, 3]", "[4, 5, 30], elements = [2, 1, 3]")
+        .replace("[4, 10], elements = [3, 2]", "[4, 5, 10], elements = [1, 2, 2]")
+        .replace("[12, 40], elements = [3, 4]", "[12, 5, 40], elements = [3, 1, 4]")
+        .replace("[20, 5], elements = [5, 1]", "[20, 5, 5], elements = [5, 2, 1]")
+        .replace("at = [0, 30]", "at = [0, 0, 30]")
+        .replace("at = [0, 40]", "at = [0, 0, 40]")
+        .replace("at = [6, 0]", "at = [6, 0, 0]")
+        .replace("fix = [\"x\", \"y\"]", "fix = [\"x\", \"y\", \"z\"]")
+        .replace(
+            "fix = [\"x\", \"rotation_z\"]",
+            "fix = [\"x\", \"y\", \"rotation_x\", \"rotation_y\", \"rotation_z\"]",
+        )
+        .replace("force = [0, 800]", "force = [0, 0, 800]");
+    let pi = std::f64::consts::PI;
+    [(JOINT.to_string(), 4e-3, 3.0), (round, pi * 16e-6, (18.0_f64.powi(2) - 36.0) / 16.0), (space, 20e-6, 3.0)]
+}
+
+/// The joint diagram: `F = F_0 + φ P` with `φ = k_b / (k_b + k_p)` until the joint separates, then `F = P`.
+#[test]
+fn a_joint_follows_its_diagram() {
+    for (text, area, ratio) in joints() {
+        let report = report(&text, bn());
+        let factor = if area == 4e-3 { 1e3 } else { 1.0 };
+        let factor = if area == std::f64::consts::PI * 16e-6 { 10.0 } else { factor };
+        let (force, service) = (1200.0 * factor, 800.0 * factor);
+        let soft = 0.04 / (2e11 * area);
+        near(section(&report, 1).normal_force, 0.5 * force, 1e-9);
+        near(section(&report, 2).normal_force, force, 1e-9);
+        near(section(&report, 2).shortening, force * soft * (1.0 + 1.0 / ratio), 1e-9);
+        near(section(&report, 3).normal_force, force + 0.5 * service / (1.0 + ratio), 1e-9);
+        near(section(&report, 4).normal_force, force + service / (1.0 + ratio), 1e-9);
+        near(section(&report, 4).shortening, section(&report, 2).shortening, 1e-12);
+        near(section(&report, 6).normal_force, 4.0 * service, 1e-9);
+    }
+}
+
+/// Tightening by the force and by the shortening, and all methods and ways of linear algebra, give the same.
+#[test]
+fn all_methods_agree_about_a_joint() {
+    let [(plane, ..), _, (space, ..)] = joints();
+    for text in [plane, space] {
+        let expected = report(&text, bn());
+        let choices = [
+            SolverChoice::new(Method::Ip),
+            SolverChoice { linear: Some(LinearAlgebra::condensed()), ..bn() },
+            SolverChoice { linear: Some(LinearAlgebra::Whole(SparseLu::Partial)), ..bn() },
+        ];
+        for choice in choices {
+            let found = report(&text, choice);
+            for index in 1..=6 {
+                near(section(&found, index).normal_force, section(&expected, index).normal_force, 1e-7);
+            }
+        }
+    }
+}
+
+/// Before it locks, a tightened bolt that only contact holds can move without resistance; the model knows it.
+#[test]
+fn a_free_section_is_a_rigid_motion() {
+    let loose = &BAR[..BAR.find("[[support]]\nboundary = \"upper:top\"").unwrap()];
+    let loose = format!("{loose}{}", &BAR[BAR.find("[time]").unwrap()..]);
+    let model = tightening(&scene(&loose)).unwrap();
+    assert_eq!(model.rigid_motions.len(), 1);
+    assert!(model.rigid_motions[0].to_string().contains("a translation along (0, "), "{}", model.rigid_motions[0]);
+    let held = edit(&loose, "force = 1000", "shortening = 1");
+    assert!(tightening(&scene(&held)).unwrap().rigid_motions.is_empty());
+    // Without a support the two parts are one body that moves and turns, and may separate.
+    let free = edit(&loose, "[[support]]\nboundary = \"lower:bottom\"\nfix = [\"x\", \"y\"]\n", "");
+    assert_eq!(tightening(&scene(&free)).unwrap().rigid_motions.len(), 4);
+}
+
+/// A periodic strip is strained along its height only; with a free period it expands.
+#[test]
+fn a_periodic_strip_is_pressed() {
+    let height = |report: &RunReport| report.reactions[0].loads[0].displacement[1];
+    let confined = report(STRIP, bn());
+    near(height(&confined), -2.0 * 2.0 * (1.25 * 0.5) / (100.0 * 0.75), 1e-9);
+    let free =
+        edit(STRIP, "[[support]]", "[[pretension]]\nname = \"wall\"\nboundary = \"right\"\nforce = 0\n[[support]]");
+    let free = report(&free, bn());
+    near(height(&free), -2.0 * 2.0 * (1.0 - 0.0625) / 100.0, 1e-9);
+    near(last(&free).shortening, 3.0 * 2.0 * 0.25 * 1.25 / 100.0, 1e-9);
+    // Different meshes of both sides.
+    let cut = edit(STRIP, "kind = \"block\"", "kind = \"block\"\ncells = \"triangle6\"");
+    near(height(&report(&cut, bn())), height(&confined), 1e-9);
+}
+
+/// Bars one behind the other: `1 / E = Σ c / E`. A shear has a moment that the periodic boundaries carry.
+#[test]
+fn a_laminate_has_its_modulus() {
+    let laminate = r#"
+[[body]]
+name = "soft"
+mesh = { kind = "block", size = [4, 2], elements = [2, 3] }
+material = { young = 100, poisson = 0 }
+[[body]]
+name = "hard"
+at = [4, 0]
+mesh = { kind = "block", size = [6, 2], elements = [2, 4] }
+material = { young = 300, poisson = 0 }
+[[contact]]
+boundary = "soft:right"
+against = "hard:left"
+glue = true
+[[contact]]
+boundary = "hard:right"
+against = "soft:left"
+glue = true
+shift = [10, 0]
+[[pretension]]
+name = "cell"
+boundary = "hard:right"
+shortening = 0.01
+[[support]]
+boundary = "soft:bottom"
+fix = ["y"]
+[[support]]
+point = [0, 0]
+fix = ["x"]
+[time]
+end = 1
+increments = 1
+"#;
+    let modulus = 1.0 / (0.4 / 100.0 + 0.6 / 300.0);
+    near(last(&report(laminate, bn())).normal_force, 2.0 * modulus * 0.01 / 10.0, 1e-9);
+}
+
+/// An oblique bar in space of second order: tension and shortening are along its axis.
+#[test]
+fn an_oblique_bolt_is_tightened() {
+    let model = tightening(&scene(&space_bar("tetrahedron10"))).unwrap();
+    let axis = [2.0 / 3.0, -1.0 / 3.0, 2.0 / 3.0];
+    let across = [[1.0, 2.0, 0.0].map(|x: f64| x / 5.0_f64.sqrt()), [-4.0, 2.0, 5.0].map(|x: f64| x / 45.0_f64.sqrt())];
+    let mut mesh = Mesh::clone(&model.mesh);
+    for x in &mut mesh.nodes {
+        *x = [0, 1, 2].map(|c| x[0] * across[0][c] + x[1] * across[1][c] + x[2] * axis[c]);
+    }
+    let given = model.description().clone();
+    let turned = Description { mesh: MeshSource::Given(Arc::new(mesh)), ..given };
+    let report = solved(&Model::build(&turned).unwrap(), bn());
+    let bolt = last(&report);
+    near(bolt.normal_force, 1e3, 1e-9);
+    near(bolt.shortening, 1e3 * 0.1 / (2e11 * 2e-5), 1e-9);
+    for (c, along) in axis.iter().enumerate() {
+        near(bolt.force[c], 1e3 * along, 1e-8);
+        near(bolt.displacement[c], bolt.shortening * along, 1e-12);
+    }
+}
+
+/// The bar in space.
+fn space_bar(cells: &str) -> String {
+    BAR.replace(
+        "size = [10, 40]\nelements = [3, 4]",
+        &format!("cells = \"{cells}\"\nsize = [4, 5, 40]\nelements = [2, 1, 3]"),
+    )
+    .replace(
+        "size = [10, 60]\nelements = [2, 5]",
+        &format!("cells = \"{cells}\"\nsize = [4, 5, 60]\nelements = [1, 2, 4]"),
+    )
+    .replace("at = [0, 40]", "at = [0, 0, 40]")
+    .replace("fix = [\"x\", \"y\"]", "fix = [\"x\", \"y\", \"z\"]")
+}
+
+/// A strip whose period is sheared: the moment of the forces on its ends belongs to the balance.
+#[test]
+fn a_sheared_strip_balances() {
+    let sheared = edit(STRIP, "pressure = 2", "traction = [1.5, 0]");
+    let sheared = edit(&sheared, "fix = [\"y\"]", "fix = [\"x\", \"y\"]");
+    let report = report(&sheared, bn());
+    near(report.reactions[0].loads[0].displacement[0], 2.0 * 1.5 * 2.0 * 1.25 / 100.0, 1e-9);
+}
+
+/// A strip on a wavy obstacle has the forces of a strip that begins half a period later, where the crest is at its ends.
+#[test]
+fn a_row_of_punches_has_no_beginning() {
+    let pressed = edit(
+        STRIP,
+        "[[support]]\nboundary = \"bottom\"\nfix = [\"y\"]\n[[support]]\npoint = [0, 0]\nfix = [\"x\"]\n",
+        "",
+    );
+    let pressed = edit(&pressed, "pressure = 2", "traction = [0.3, -2]");
+    let wave = "[[contact]]\nboundary = \"bottom\"\nfriction = 0.4\nobstacle = { kind = \"formula\", formula = \"0.05 * (1 - cos(2.0943951023931953 * (x - at)))\" }\n[[load]]";
+    let pressed = edit(&pressed, "[[load]]", wave);
+    let pressed = edit(&pressed, "[4, 3]", "[12, 6]");
+    for choice in
+        [bn(), SolverChoice::new(Method::Ip), SolverChoice { linear: Some(LinearAlgebra::condensed()), ..bn() }]
+    {
+        let [middle, ends] = ["1.5", "0"].map(|at| report(&pressed.replace("- at", &format!("- {at}")), choice));
+        let [middle, ends] = [&middle, &ends].map(|report| report.largest_pressure.as_ref().unwrap().pressure);
+        near(ends.unwrap(), middle.unwrap(), 1e-6);
+    }
+}
+
+/// A body that is periodic along two axes, on which gravity acts along the third, in space.
+#[test]
+fn a_body_is_periodic_along_two_axes() {
+    let text = STRIP
+        .replace("size = [3, 2]\nelements = [4, 3]", "size = [3, 4, 2]\nelements = [2, 3, 2]")
+        .replace(
+            "shift = [3, 0]",
+            "shift = [3, 0, 0]\n[[contact]]\nboundary = \"back\"\nagainst = \"front\"\nglue = true\nshift = [0, 4, 0]",
+        )
+        .replace("fix = [\"y\"]", "fix = [\"z\"]")
+        .replace("point = [0, 0]\nfix = [\"x\"]", "point = [0, 0, 0]\nfix = [\"x\", \"y\"]");
+    let confined = report(&text, bn());
+    near(confined.reactions[0].loads[0].displacement[2], -2.0 * 2.0 * (1.25 * 0.5) / (100.0 * 0.75), 1e-9);
+    let sections = "[[pretension]]\nname = \"x\"\nboundary = \"right\"\nforce = 0\n[[pretension]]\nname = \"y\"\nboundary = \"back\"\nforce = 0\n[[support]]";
+    let free = report(&edit(&text, "[[support]]", sections), bn());
+    near(free.reactions[0].loads[0].displacement[2], -2.0 * 2.0 / 100.0, 1e-9);
+    near(free.reactions[0].pretensions[0].shortening, 3.0 * 2.0 * 0.25 / 100.0, 1e-9);
+    near(free.reactions[0].pretensions[1].shortening, 4.0 * 2.0 * 0.25 / 100.0, 1e-9);
+}
+
+/// Two bolts that lock one after the other keep their shortenings.
+#[test]
+fn bolts_lock_one_after_the_other() {
+    let second = JOINT
+        [JOINT.find("[[body]]\nname = \"shank\"").unwrap()..JOINT.find("[[body]]\nname = \"sleeve\"").unwrap()]
+        .replace("\"shank\"", "\"shank2\"")
+        .replace("\"stud\"\nat = [0, 30]", "\"stud2\"\nat = [20, 30]")
+        .replace("name = \"shank2\"", "name = \"shank2\"\nat = [20, 0]");
+    let contacts = "[[contact]]\nboundary = \"shank2:top\"\nagainst = \"stud2:bottom\"\nglue = true\n[[contact]]\nboundary = \"stud2:top\"\nagainst = \"head:bottom\"\nglue = true\n[[support]]\nboundary = \"shank2:bottom\"\nfix = [\"x\", \"y\"]\n[[pretension]]\nname = \"bolt2\"\nboundary = \"shank2:top\"\nforce = 600\nhistory = [[1, 0], [2, 1]]\nlock = 2\n[[load]]";
+    let text = edit(JOINT, "[[body]]\nname = \"sleeve\"", &format!("{second}[[body]]\nname = \"sleeve\""));
+    let text = edit(&text, "size = [20, 5], elements = [5, 1]", "size = [26, 5], elements = [5, 1]");
+    let text = edit(&text, "[[load]]", contacts);
+    let text = edit(&text, "[[1, 0], [2, 1], [3, 4]]", "[[2, 0], [3, 1]]");
+    let report = report(&text, bn());
+    // k = 1, 1 and 3 of bolts and sleeve. While the second bolt has its force, the first and the sleeve share it.
+    let one = |index| report_section(&report, index, 0);
+    let two = |index| report_section(&report, index, 1);
+    near(one(2).normal_force, 1200e3, 1e-9);
+    near(one(4).normal_force, 1200e3 - 600e3 / 4.0, 1e-9);
+    near(two(4).normal_force, 600e3, 1e-9);
+    near(one(6).normal_force, 1050e3 + 800e3 / 5.0, 1e-9);
+    near(two(6).normal_force, 600e3 + 800e3 / 5.0, 1e-9);
+    near(two(6).shortening, two(4).shortening, 1e-12);
+    near(one(6).shortening, one(2).shortening, 1e-12);
+}
+
+fn report_section(report: &RunReport, index: usize, k: usize) -> &SectionRecord {
+    &report.reactions.iter().find(|record| record.index == index).unwrap().pretensions[k]
+}
+
+/// A model that is made without a run still has to lock.
+#[test]
+fn a_lock_needs_the_run_of_a_scene() {
+    let model = Model::build(&scene(JOINT).description).unwrap();
+    let error = Run::of(&model, model.times().to_vec(), bn()).unwrap_err();
+    assert!(error.to_string().contains("`bolt` locks") && error.help().unwrap().to_string().contains("discretise"));
+}
+
+/// Faults of the bar: what to replace, by what, words of the message, words of the help.
+const OF_BAR: &[(&str, &str, &str, &str)] = &[
+    ("name = \"bolt\"\n", "", "missing field `name`", "add the key"),
+    ("name = \"bolt\"", "name = \" \"", "a text in one line", "such as"),
+    ("name = \"bolt\"", "name = 3", "invalid type", ""),
+    ("boundary = \"lower:top\"\nforce", "force", "missing field `boundary`", "add the key"),
+    ("boundary = \"lower:top\"\nforce", "boundary = \"lower:tpo\"\nforce", "no glued contact", "lower:top"),
+    ("boundary = \"lower:top\"\nforce", "boundary = \"upper:bottom\"\nforce", "no glued contact", "lower:top"),
+    ("glue = true", "friction = 0.1", "no glued contact", "glue = true"),
+    ("force = 1000", "", "a force or a shortening", "add one"),
+    ("force = 1000", "force = 1000\nshortening = 1", "both force and shortening", "keep one"),
+    ("force = 1000", "force = nan", "finite", "number"),
+    ("force = 1000", "force = [0, 1]", "expected a number", ""),
+    ("force = 1000", "shortening = inf", "finite", "number"),
+    ("force = 1000", "shortening = 1\nlock = 0.5", "cannot be locked", "remove lock"),
+    ("force = 1000", "force = 1000\nlock = 1", "below the end", "time"),
+    ("force = 1000", "force = 1000\nlock = -1", "above 0", "time"),
+    ("force = 1000", "force = 1000\nhistory = []", "history is empty", "points"),
+    ("force = 1000", "force = 1000\nhistory = [[1, 0], [0, 1]]", "times must increase", "order the points"),
+    ("force = 1000", "force = 1000\nstiffness = 1", "unknown field `stiffness`", "spelling"),
+    (
+        "[[support]]",
+        "[[pretension]]\nname = \"bolt\"\nboundary = \"upper:bottom\"\nforce = 1\n[[support]]",
+        "is called `bolt`",
+        "name of its own",
+    ),
+    (
+        "[[support]]",
+        "[[pretension]]\nname = \"b\"\nboundary = \"lower:top\"\nforce = 1\n[[support]]",
+        "already",
+        "keep one",
+    ),
+    (
+        "[[support]]",
+        "[[coupling]]\nname = \"bolt\"\nboundary = \"upper:top\"\n[[support]]",
+        "is called `bolt`",
+        "name of its own",
+    ),
+    (
+        "[[support]]\nboundary = \"lower:bottom\"\nfix = [\"x\", \"y\"]",
+        "[[coupling]]\nname = \"c\"\nboundary = \"lower:right\"",
+        "glued or coupled otherwise",
+        "share no node",
+    ),
+    (
+        "[[support]]",
+        "[[support]]\nboundary = \"lower:left\"\nfix = [\"y\"]\n[[support]]",
+        "a support holds the node",
+        "share no node",
+    ),
+];
+
+/// Faults of the strip.
+const OF_STRIP: &[(&str, &str, &str, &str)] = &[
+    ("shift = [3, 0]", "shift = 3", "invalid type", ""),
+    ("shift = [3, 0]", "shift = [3]", "expected 2 or 3 values", ""),
+    ("shift = [3, 0]", "shift = [0, 0]", "a vector other than 0", "period"),
+    ("shift = [3, 0]", "shift = [nan, 0]", "finite", "not nan"),
+    ("shift = [3, 0]", "shift = [3, 0, 0]", "3 components", "[x, y]"),
+    ("shift = [3, 0]", "shift = [-3, 0]", "within", "search"),
+    ("shift = [3, 0]", "shift = [0, 3]", "within", "search"),
+    ("shift = [3, 0]", "shift = [5, 0]", "within", "search"),
+    ("shift = [3, 0]", "shift = [3, 1e40]", "within", "search"),
+    ("glue = true", "friction = 0", "not glued", "add glue"),
+    ("glue = true", "glue = false\nfriction = 0", "not glued", "add glue"),
+    ("against = \"left\"\nglue = true", "friction = 0\nobstacle = { kind = \"plane\" }", "has no shift", "remove"),
+    ("against = \"left\"", "against = \"bottom\"", "in common", "nodes of their own"),
+];
+
+/// Each fault of a pretension or a period names its key.
+#[test]
+fn faults_name_their_keys() {
+    let round = BAR.replace("poisson = 0", "poisson = 0\nplane = \"axisymmetric\"");
+    let across = round.replace("fix = [\"x\", \"y\"]", "fix = [\"y\"]").replace("at = [0, 40]", "at = [10, 0]");
+    let across = across.replace("lower:top", "lower:right").replace("upper:bottom", "upper:left");
+    let periodic = STRIP.replace("poisson = 0.25", "poisson = 0.25\nplane = \"axisymmetric\"");
+    let others: [(&str, &str, &str, &str, &str); 2] = [
+        (&across, "", "", "not across the axis", "y = constant"),
+        (&periodic, "", "", "along its axis only", "[0, y]"),
+    ];
+    let of_bar = OF_BAR.iter().map(|&(from, to, says, help)| (BAR, from, to, says, help));
+    let of_strip = OF_STRIP.iter().map(|&(from, to, says, help)| (STRIP, from, to, says, help));
+    let mut wrong = Vec::new();
+    for (text, from, to, says, remedy) in of_bar.chain(of_strip).chain(others) {
+        let text = text.replacen(from, to, 1);
+        let told: Result<(), Box<dyn Diagnostic>> = match Scene::parse("scene.toml", &text, &[]) {
+            Err(error) => Err(Box::new(error)),
+            Ok(scene) => discretise(&scene).map(|_| ()).map_err(|error| Box::new(error) as Box<dyn Diagnostic>),
+        };
+        let Err(error) = told else {
+            wrong.push(format!("accepted: {to}"));
+            continue;
+        };
+        let help = error.help().map_or(String::new(), |help| help.to_string());
+        if !error.to_string().contains(says) || !help.contains(remedy) {
+            wrong.push(format!("{to}: {error}; {help}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
