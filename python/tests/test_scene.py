@@ -24,6 +24,7 @@ from scenes import SCENES, block, needs
 #: Reduced, so that each takes a second at most.
 REDUCED: dict[str, dict[str, object]] = {
     "block": {"mesh.elements": [10, 10]},
+    "bolt": {},
     "boxed": {},
     "cattaneo_mindlin": {"mesh.elements": [[6, 8, 6], 8]},
     "confined": {},

@@ -23,8 +23,9 @@ use stickslip::solver::history::{
 const PARTIAL: LinearAlgebra = LinearAlgebra::Whole(SparseLu::Partial);
 
 /// The scenes that are shipped, with coarse meshes.
-const SCENES: [(&str, &[&str]); 21] = [
+const SCENES: [(&str, &[&str]); 22] = [
     ("block.toml", &["mesh.elements=[16,16]", "time.increments=8"]),
+    ("bolt.toml", &["time.increments=4"]),
     ("boxed.toml", &["mesh.elements=[8,8]", "time.increments=4"]),
     ("cattaneo_mindlin.toml", &["mesh.elements=[[6,12,6],8]"]),
     ("confined.toml", &["mesh.elements=[8,8]", "time.increments=4"]),
@@ -169,7 +170,7 @@ impl LinearSolver for Counting {
 #[test]
 fn the_stiffness_is_factored_once() {
     let held_by_contact = ("held_by_contact.toml", &["mesh.elements=[10,10]", "time.increments=5"][..]);
-    for (name, overrides) in [SCENES[0], SCENES[4], SCENES[19], held_by_contact] {
+    for (name, overrides) in [SCENES[0], SCENES[5], SCENES[20], held_by_contact] {
         let scene = common::scene(name, overrides);
         let model = discretise(&scene).unwrap();
         for method in [Method::BN, Method::Ip] {

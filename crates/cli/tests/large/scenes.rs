@@ -5,8 +5,9 @@ use stickslip::run::Run;
 use stickslip::scene::{Override, Scene};
 
 /// The scenes, each with the overrides that reduce it.
-pub const SCENES: [(&str, &[&str]); 21] = [
+pub const SCENES: [(&str, &[&str]); 22] = [
     ("block", &["mesh.elements=[20,20]"]),
+    ("bolt", &[]),
     ("boxed", &[]),
     ("cattaneo_mindlin", &["mesh.elements=[[6,8,6],8]"]),
     ("confined", &[]),
