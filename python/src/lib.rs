@@ -5,6 +5,8 @@
 //! | a problem of matrices, and the judge of anybody's answer | `problem.rs` |
 //! | a scene, discretised | `scene.rs` |
 //! | histories of forces and gaps from tables | `loading.rs` |
+//! | a body condensed to its contact displacements | `condensed.rs` |
+//! | many histories side by side | `many.rs` |
 //! | one increment after the other | `stepper.rs` |
 //! | a run: its linear algebra, signals and panics | `solve.rs` |
 //! | what is kept of a run | `recorder.rs` |
@@ -14,9 +16,11 @@
 #![allow(clippy::needless_pass_by_value)] // What Python hands over is handed over.
 
 mod arrays;
+mod condensed;
 mod error;
 mod foreign;
 mod loading;
+mod many;
 mod problem;
 mod recorder;
 mod scene;
@@ -34,13 +38,17 @@ fn keep_freed_memory() {
 #[pymodule(gil_used = false)]
 mod _core {
     #[pymodule_export]
+    use super::condensed::CondensedBody;
+    #[pymodule_export]
     use super::keep_freed_memory;
+    #[pymodule_export]
+    use super::many::solve_many;
     #[pymodule_export]
     use super::problem::Problem;
     #[pymodule_export]
     use super::scene::SceneModel;
     #[pymodule_export]
-    use super::stepper::Stepper;
+    use super::stepper::{SavedSteps, Stepper};
 
     #[pymodule_export]
     const UMFPACK: bool = cfg!(feature = "umfpack");

@@ -87,7 +87,17 @@ class Comparison:
         return pandas.DataFrame([{key: getattr(v, key) for key in keys} for v in self.verdicts]).set_index("name")
 
     def plot(self, ax: Any = None) -> Any:
-        """Error against CPU time; returns the axes."""
+        """Error against CPU time.
+
+        Parameters
+        ----------
+        ax : matplotlib axes, optional
+            New ones without it.
+
+        Returns
+        -------
+        matplotlib axes
+        """
         return _plot.comparison(self, ax)
 
 

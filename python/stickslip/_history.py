@@ -60,6 +60,10 @@ def posed(
     rows = None
     if mu is not None:
         coefficients = numbers(names[1], mu, (m, n_c))
+        if (coefficients < 0).any():
+            raise ValueError(f"{names[1]} is negative")
+        if not d and coefficients.any():
+            raise ValueError(f"{names[1]} is above 0, but the problem has no C_t")
         largest = coefficients.max(axis=0)
         if (largest != problem.mu).any():
             problem = problem.with_(mu=largest)

@@ -32,10 +32,11 @@ MODULES = ("_options", "_problem", "_matrices", "_many", "_condensed", "_stepper
 
 
 def public(module: str) -> Iterator[tuple[str, Any]]:
-    """Functions, classes and their own methods."""
+    """What the package exports or a public module has: functions, classes and their own methods."""
     found = importlib.import_module(f"stickslip.{module}")
     for name, value in vars(found).items():
-        if name.startswith("_") or getattr(value, "__module__", "") != found.__name__ or not (inspect.isclass(value) or inspect.isfunction(value)):
+        here = getattr(value, "__module__", "") == found.__name__ and (inspect.isclass(value) or inspect.isfunction(value))
+        if not here or name.startswith("_") or (module.startswith("_") and getattr(ss, name, None) is not value):
             continue
         yield f"{module}.{name}", value
         for method, inner in vars(value).items() if inspect.isclass(value) else ():
@@ -56,13 +57,12 @@ def test_examples_of_docstrings_give_what_they_show(module: str) -> None:
 def test_public_names_have_docstrings_that_are_complete(name: str, value: Any) -> None:
     text = inspect.getdoc(value) or ""
     assert text
-    if "see `stickslip." in text:
+    if "see `stickslip." in text or text.startswith("As `") or name.startswith("_options.LinearSolver."):
         return
     if inspect.isclass(value):
-        exported = getattr(ss, value.__name__, None) is value
-        assert not exported or "Examples\n" in text or value.__name__ == "StepperState", "no example"
+        assert "Examples\n" in text or value is ss.StepperState, "no example"
         return
-    parameters = [p for p in inspect.signature(value).parameters if p != "self" and not name.startswith("_options")]
+    parameters = [p for p in inspect.signature(value).parameters if p != "self"]
     if parameters:
         assert "Parameters\n" in text, "no parameters"
         described = text.split("Parameters\n")[1]

@@ -153,7 +153,7 @@ def test_other_contact_on_one_body() -> None:
     assert part.n_c == 3 and (part.weight == p.weight[some]).all() and (part.K != p.K).nnz == 0
     same(part.solve(h["force"], gap=1e-5), anew.solve(h["force"], gap=1e-5))
     same(p.with_(weight=2.0).solve(h["force"], gap=1e-5), p.solve(h["force"], gap=1e-5))
-    with pytest.raises(ValueError, match="^mu is of 7 contact nodes, but C_n has 3 rows"):
+    with pytest.raises(ValueError, match="^mu is of 6 contact nodes, but C_n has 3 rows"):
         p.with_(C_n=p.C_n[some], C_t=p.C_t[0][some])
     with pytest.raises(ValueError, match="^C_t"):
         p.with_(C_n=p.C_n[some], mu=0.2, weight=1.0)
