@@ -24,7 +24,7 @@ def tables(
 def forces(problem: ContactProblem, force: ArrayLike, factors: ArrayLike | None, name: str = "force") -> tuple[Array, Array]:
     """Loads, (loads, n_u), and their factors, (m, loads)."""
     loads = np.atleast_2d(finite(name, force))
-    if loads.ndim != 2 or loads.shape[1] != problem.n_u:
+    if loads.ndim != 2 or loads.shape[1] != problem.n_u or not len(loads):
         raise ValueError(f"{name} has the shape {loads.shape}, expected (..., {problem.n_u})")
     if factors is None:
         return few_loads(np.ascontiguousarray(loads))
@@ -94,20 +94,23 @@ def few_loads(table: Array) -> tuple[Array, Array]:
     taken out of the table: the row of its largest entry, times the column of that entry.
     """
     rest, loads, columns = table.copy(), list[Array](), list[Array]()
-    sizes = abs(table).max(axis=1)
-    for _ in range(1 + min(_LOADS, len(table) // 2)):
-        left = abs(rest).max(axis=1)
-        if loads and (left <= _ROUNDING * sizes).all():
-            found = np.stack(loads), np.ascontiguousarray(np.stack(columns, axis=1))
-            return found if (abs(table - found[1] @ found[0]).max(axis=1) <= _ROUNDING * sizes).all() else (table, np.eye(len(table)))
-        row = int(left.argmax())
-        place = int(abs(rest[row]).argmax())
-        if rest[row, place] == 0.0:
-            break
-        load, column = rest[row] / rest[row, place], rest[:, place].copy()
-        rest -= np.outer(column, load)
-        loads.append(load)
-        columns.append(column)
+    sizes = _ROUNDING * abs(table).max(axis=1)
+    with np.errstate(all="ignore"):
+        for _ in range(1 + min(_LOADS, len(table) // 2)):
+            left = abs(rest).max(axis=1)
+            if loads and (left <= sizes).all():
+                basis, factors = np.stack(loads), np.ascontiguousarray(np.stack(columns, axis=1))
+                if (abs(table - factors @ basis).max(axis=1) <= sizes).all():
+                    return basis, factors
+                break
+            row = int(left.argmax())
+            place = int(abs(rest[row]).argmax())
+            if rest[row, place] == 0.0:
+                break
+            load, column = rest[row] / rest[row, place], rest[:, place].copy()
+            rest -= np.outer(column, load)
+            loads.append(load)
+            columns.append(column)
     return table, np.eye(len(table))
 
 

@@ -27,7 +27,7 @@ from ._problem import ContactProblem
 
 
 class GlobalFriction(NamedTuple):
-    """What `siconos.numerics.GlobalFrictionContactProblem` is made of, in this order."""
+    """What `siconos.numerics.GlobalFrictionContactProblem` is made of, in this order; see `stickslip.siconos.to_siconos`."""
 
     dimension: int
     M: Any

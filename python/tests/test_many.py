@@ -14,6 +14,7 @@ import pytest
 
 import stickslip as ss
 from scenes import SCENES, block, needs
+from stickslip._history import few_loads
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 
@@ -204,3 +205,13 @@ def test_the_example_runs(capsys: pytest.CaptureFixture[str]) -> None:
     exec(compile((EXAMPLES / "many.py").read_text(encoding="utf-8"), "many.py", "exec"), code)
     code["main"](n=8, samples=6)
     assert "the same to" in capsys.readouterr().out
+
+
+def test_a_table_of_forces_is_few_loads_where_that_changes_nothing() -> None:
+    rng = np.random.default_rng(0)
+    loads, factors = rng.standard_normal((2, 30)), rng.standard_normal((12, 2))
+    factors[3] = 0.0
+    for table, few in ((factors @ loads, 2), (rng.standard_normal((12, 30)), 12), (np.zeros((4, 30)), 4), (loads, 2), (loads[:1], 1)):
+        found, factor = few_loads(table)
+        assert len(found) == few and found.shape[0] == factor.shape[1]
+        assert (abs(factor @ found - table).max(axis=1) <= 1e-15 * abs(table).max(axis=1)).all()
