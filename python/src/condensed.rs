@@ -28,12 +28,7 @@ impl CondensedBody {
     }
 
     /// Rows of displacements of the body, m, of those of contact and of the forces on the body, N.
-    fn lift<'py>(
-        &self,
-        py: Python<'py>,
-        contact: Rows<'py>,
-        forces: Rows<'py>,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    fn lift<'py>(&self, py: Python<'py>, contact: Rows<'py>, forces: Rows<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let (contact, forces) = (rows(&contact), rows(&forces));
         let one = |(u, force): (&Vec<f64>, &Vec<f64>)| self.0.displacements(&self.0.reduce(force)?, u);
         let found = detached(py, || stacked(contact.iter().zip(&forces).map(one))).map_err(of_linear)?;

@@ -38,9 +38,9 @@ pub(crate) fn of_problem(error: ProblemError) -> PyErr {
 pub(crate) fn of_linear(error: LinearError) -> PyErr {
     match error {
         LinearError::OutOfMemory { .. } => PyMemoryError::new_err(error.to_string()),
-        LinearError::Singular { .. } => {
-            PyValueError::new_err("K: a part of the body can move while its contact nodes are clamped, so that it cannot be condensed")
-        }
+        LinearError::Singular { .. } => PyValueError::new_err(
+            "K: a part of the body can move while its contact nodes are clamped, so that it cannot be condensed",
+        ),
         error => PyRuntimeError::new_err(error.to_string()),
     }
 }

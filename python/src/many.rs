@@ -42,7 +42,12 @@ impl Sample {
         }
     }
 
-    fn run(&self, solver: &SolverChoice, linear: LinearAlgebra, recorder: &mut Recorder) -> Result<HistoryOutcome, RunError> {
+    fn run(
+        &self,
+        solver: &SolverChoice,
+        linear: LinearAlgebra,
+        recorder: &mut Recorder,
+    ) -> Result<HistoryOutcome, RunError> {
         let loading = self.loading()?;
         let settings = solver.settings(&self.problem, &loading)?;
         Ok(solver.solve(&self.problem, &loading, &self.history.times, &settings, self.system(linear), recorder)?)

@@ -16,7 +16,9 @@ use stickslip::algebra::Csr;
 use stickslip::algebra::linear::SparseCholesky;
 use stickslip::run::{AvailableSolvers, Choice, RunError};
 use stickslip::solver::history::{HistoryOutcome, HistorySettings, LinearAlgebra, SolverChoice, SystemSolver};
-use stickslip::solver::{self, Condensation, Condensed, ContactProblem, Increment, InitialWorkingSet, Loading, Parts, State};
+use stickslip::solver::{
+    self, Condensation, Condensed, ContactProblem, Increment, InitialWorkingSet, Loading, Parts, State,
+};
 use stickslip::solver::{KktErrors, KktScales, statuses};
 use stickslip_exchange::{Info, Way};
 

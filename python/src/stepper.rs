@@ -78,7 +78,12 @@ impl Stepper {
                 "the method events (default) takes no single increments: it follows the whole path of the loads";
             return Err(PyValueError::new_err(message));
         }
-        Ok(Stepper { problem: Arc::clone(&problem.0), solver, raised, on_the_way: Mutex::new(OnTheWay { own, steps: None, start: None }) })
+        Ok(Stepper {
+            problem: Arc::clone(&problem.0),
+            solver,
+            raised,
+            on_the_way: Mutex::new(OnTheWay { own, steps: None, start: None }),
+        })
     }
 
     /// The end of the last increment that converged, s.
