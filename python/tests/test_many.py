@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import multiprocessing
+import os
 import pickle
 import signal
 import threading
@@ -215,3 +217,16 @@ def test_a_table_of_forces_is_few_loads_where_that_changes_nothing() -> None:
         found, factor = few_loads(table)
         assert len(found) == few and found.shape[0] == factor.shape[1]
         assert (abs(factor @ found - table).max(axis=1) <= 1e-15 * abs(table).max(axis=1)).all()
+
+
+def _sums(problem: ss.ContactProblem) -> list[float]:
+    return [float(result.p_n.sum()) for result in problem.solve_many(np.ones(problem.n_u), mus=[0.1, 0.3], gap=-1e-6, threads=2)]
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="fork")
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")
+def test_a_forked_process_solves_many_too() -> None:
+    problem = ss.Model(block(6)).problem
+    expected = _sums(problem)
+    with multiprocessing.get_context("fork").Pool(1) as pool:
+        assert pool.map_async(_sums, [problem]).get(timeout=60)[0] == pytest.approx(expected, rel=1e-12)
