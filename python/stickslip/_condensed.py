@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from . import _core
 from ._arrays import Array, finite
+from ._options import Linear
 from ._problem import ContactProblem
 
 
@@ -37,6 +38,9 @@ class CondensedProblem(ContactProblem):
     >>> small.reduce([-1.0, 0.0, 1.0])
     array([-0.5,  1. ])
     """
+
+    # Its K is dense, and its contact displacements are all that it has.
+    _linear: Linear | None = "condensed"
 
     whole: ContactProblem
     _body: _core.CondensedBody

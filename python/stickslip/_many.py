@@ -132,6 +132,8 @@ def solve(
 ) -> Results:
     """`ContactProblem.solve_many`."""
     histories = _histories(problem, shared, several)
+    if options.get("linear") is None:
+        options["linear"] = problem._linear
     core, linear = core_options(**options)
     if linear is not None and not isinstance(linear, str):
         raise TypeError(f"linear: {type(linear).__name__} is one solver, which cannot work for several histories at once; a word expected")

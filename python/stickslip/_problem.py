@@ -72,6 +72,9 @@ class ContactProblem(Matrices):
     (array([100., 100.]), array([ 0., 30.]))
     """
 
+    #: The linear algebra where nobody says which.
+    _linear: Linear | None = None
+
     @classmethod
     def _of(cls, core: _core.Problem, tangents: int) -> ContactProblem:
         self = ContactProblem.__new__(ContactProblem)
@@ -195,7 +198,7 @@ class ContactProblem(Matrices):
         if method == "events" and tables["mu"] is not None:
             raise ValueError("mu: friction that changes is solved by the methods bn and ip; events follows the path of friction that stays")
         options, linear = core_options(
-            method=method, setting=setting, linear=linear, tolerance=tolerance, max_iterations=max_iterations, r_factor=r_factor
+            method=method, setting=setting, linear=self._linear if linear is None else linear, tolerance=tolerance, max_iterations=max_iterations, r_factor=r_factor
         )
         kept = keep(keep_u, len(tables["times"]))
         raw = problem._core.run(tables, options, linear, kept, callback)
@@ -315,7 +318,7 @@ class ContactProblem(Matrices):
         from ._stepper import Stepper
 
         options, linear = core_options(
-            method=method, setting=setting, linear=linear, tolerance=tolerance, max_iterations=max_iterations, r_factor=r_factor
+            method=method, setting=setting, linear=self._linear if linear is None else linear, tolerance=tolerance, max_iterations=max_iterations, r_factor=r_factor
         )
         return Stepper(self, gap, options, linear)
 

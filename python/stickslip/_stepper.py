@@ -28,7 +28,7 @@ class StepperState:
         return f"<StepperState at t = {self._time:g} s>"
 
     def __reduce__(self) -> Any:
-        raise TypeError("a StepperState is live, as its stepper is: it does not pickle")
+        raise TypeError("a StepperState is live, as its stepper is: it is neither copied nor pickled")
 
 
 class Stepper:
@@ -197,7 +197,7 @@ class Stepper:
         self._force, self._gap, self._drift, self._mu = state._ends
 
     def __reduce__(self) -> Any:
-        raise TypeError("a Stepper is live: it does not pickle; keep the problem, and `save` within a process")
+        raise TypeError("a Stepper is live: it is neither copied nor pickled; `save` and `restore` go back to an increment")
 
     def __repr__(self) -> str:
         return f"<Stepper at t = {self.time:g} s of {self.problem!r}>"
