@@ -160,7 +160,7 @@ fn increments_that_were_taken_back_leave_nothing_behind() {
                 let (before, begun) = (stepper.save(), stepper.time());
                 for _ in 0..2 {
                     // Other loads, and two increments of them.
-                    stepper.step(&between(&model, begun, times[0]), time + 0.5, &mut ()).unwrap();
+                    stepper.step(&between(&model, begun, time + 0.5), time + 0.5, &mut ()).unwrap();
                     stepper.step(&model.loading, time + 1.0, &mut ()).unwrap();
                     stepper.restore(&before);
                     assert_eq!(stepper.time().to_bits(), begun.to_bits());
