@@ -32,8 +32,24 @@ pub(crate) fn of_scene(error: Refused) -> PyErr {
 }
 
 pub(crate) fn of_problem(error: ProblemError) -> PyErr {
-    // The argument of Python for the rigid modes.
-    PyValueError::new_err(error.to_string().replace("rigid_modes", "free_motions"))
+    PyValueError::new_err(in_python(&error.to_string()))
+}
+
+pub(crate) fn of_linear(error: LinearError) -> PyErr {
+    match error {
+        LinearError::OutOfMemory { .. } => PyMemoryError::new_err(error.to_string()),
+        LinearError::Singular { .. } => PyValueError::new_err(
+            "K: a part of the body can move while its contact nodes are clamped, so that it cannot be condensed",
+        ),
+        error => PyRuntimeError::new_err(error.to_string()),
+    }
+}
+
+/// Says the arguments of Python for the parts of a problem.
+fn in_python(message: &str) -> String {
+    let names = [("rigid_modes", "free_motions"), ("c_n", "C_n"), ("c_t", "C_t"), ("c_o", "C_t[1]")];
+    let said = names.iter().fold(message.to_string(), |message, (part, name)| message.replace(part, name));
+    said.strip_prefix("stiffness").map_or(said.clone(), |rest| format!("K{rest}"))
 }
 
 fn of_history(error: HistoryError) -> PyErr {

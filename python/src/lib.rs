@@ -8,6 +8,8 @@
 //! | scenes to start from | `examples.rs` |
 //! | problems in files of other programs | `exchange.rs` |
 //! | histories of forces and gaps from tables | `loading.rs` |
+//! | a body condensed to its contact displacements | `condensed.rs` |
+//! | many histories side by side | `many.rs` |
 //! | one increment after the other | `stepper.rs` |
 //! | a run: its linear algebra, signals and panics | `solve.rs` |
 //! | what is kept of a run | `recorder.rs` |
@@ -17,11 +19,13 @@
 #![allow(clippy::needless_pass_by_value)] // What Python hands over is handed over.
 
 mod arrays;
+mod condensed;
 mod error;
 mod examples;
 mod exchange;
 mod foreign;
 mod loading;
+mod many;
 mod problem;
 mod recorder;
 mod scene;
@@ -40,17 +44,21 @@ fn keep_freed_memory() {
 #[pymodule(gil_used = false)]
 mod _core {
     #[pymodule_export]
+    use super::condensed::CondensedBody;
+    #[pymodule_export]
     use super::examples::{example, examples, toml_to_json};
     #[pymodule_export]
     use super::exchange::{read_problem, solve_problem};
     #[pymodule_export]
     use super::keep_freed_memory;
     #[pymodule_export]
+    use super::many::solve_many;
+    #[pymodule_export]
     use super::problem::Problem;
     #[pymodule_export]
     use super::scene::SceneModel;
     #[pymodule_export]
-    use super::stepper::Stepper;
+    use super::stepper::{SavedSteps, Stepper};
 
     #[pymodule_export]
     const UMFPACK: bool = cfg!(feature = "umfpack");

@@ -6,6 +6,7 @@ use numpy::PyUntypedArrayMethods;
 use pyo3::prelude::*;
 use std::collections::BTreeMap;
 use std::iter::once;
+use std::sync::Arc;
 use stickslip::solver::{ContactProblem, FrictionHistory, GapCorrection, LoadCase, Loading, Motion, ProblemError};
 
 /// What drives a history whose increments end at `times`.
@@ -25,17 +26,20 @@ pub(crate) struct Tables<'py> {
     mu: Option<Rows<'py>>,
 }
 
-/// The time 0 and the others.
-fn from_zero(times: &[f64]) -> Vec<f64> {
-    once(0.0).chain(times.iter().copied()).collect()
+/// Tables apart from the interpreter, from which a thread of any kind makes a loading.
+pub(crate) struct History {
+    pub times: Vec<f64>,
+    forces: Arc<Vec<Vec<f64>>>,
+    /// By cases.
+    factors: Vec<Vec<f64>>,
+    gap: Vec<Vec<f64>>,
+    drift: [Option<Vec<Vec<f64>>>; 2],
+    mu: Option<Vec<Vec<f64>>>,
 }
 
 impl Tables<'_> {
-    pub fn times(&self) -> Vec<f64> {
-        self.times.clone()
-    }
-
-    pub fn loading(&self, problem: &ContactProblem) -> PyResult<Loading> {
+    /// A copy, which shares the forces with `last` if Python has given both the same array.
+    pub fn history(&self, problem: &ContactProblem, last: Option<(&Self, &History)>) -> PyResult<History> {
         let (increments, contacts) = (self.times.len(), problem.contacts());
         expect_length("factors", increments, self.factors.shape()[0])?;
         expect_length("factors[0]", self.forces.shape()[0], self.factors.shape()[1])?;
@@ -46,33 +50,50 @@ impl Tables<'_> {
                 expect_length(name, contacts, table.shape()[1])?;
             }
         }
-        self.parts().map_err(of_problem)
+        let shared = last.filter(|(tables, _)| tables.forces.is(&*self.forces));
+        Ok(History {
+            times: self.times.clone(),
+            forces: shared.map_or_else(|| Arc::new(rows(&self.forces)), |(_, history)| Arc::clone(&history.forces)),
+            factors: self.factors.as_array().columns().into_iter().map(|column| column.to_vec()).collect(),
+            gap: rows(&self.gap),
+            drift: drift.map(|drift| drift.map(rows)),
+            mu: self.mu.as_ref().map(rows),
+        })
     }
 
-    fn parts(&self) -> Result<Loading, ProblemError> {
-        let factors = self.factors.as_array();
-        let case = |(force, factors): (Vec<f64>, Vec<f64>)| {
-            let points = self.times.iter().zip(factors).map(|(time, factor)| [*time, factor]);
-            LoadCase::new(force, once([0.0, 0.0]).chain(points.filter(|point| point[0] > 0.0)).collect())
+    pub fn loading(&self, problem: &ContactProblem) -> PyResult<(Loading, Vec<f64>)> {
+        let history = self.history(problem, None)?;
+        Ok((history.loading().map_err(of_problem)?, history.times))
+    }
+}
+
+/// The time 0 and the others.
+fn from_zero(times: &[f64]) -> Vec<f64> {
+    once(0.0).chain(times.iter().copied()).collect()
+}
+
+impl History {
+    pub fn loading(&self) -> Result<Loading, ProblemError> {
+        let case = |(force, factors): (&Vec<f64>, &Vec<f64>)| {
+            let points = self.times.iter().zip(factors).map(|(time, factor)| [*time, *factor]);
+            LoadCase::new(force.clone(), once([0.0, 0.0]).chain(points.filter(|point| point[0] > 0.0)).collect())
         };
-        let columns = factors.columns().into_iter().map(|column| column.to_vec());
-        let cases = rows(&self.forces).into_iter().zip(columns).map(case).collect::<Result<Vec<_>, _>>()?;
-        let gaps = rows(&self.gap);
-        let first = gaps.first().cloned().unwrap_or_default();
+        let cases = self.forces.iter().zip(&self.factors).map(case).collect::<Result<Vec<_>, _>>()?;
+        let first = self.gap.first().cloned().unwrap_or_default();
         let nodes = 0..first.len();
         let mut motions = Vec::new();
         for (d, drift) in self.drift.iter().enumerate() {
             let Some(drift) = drift else { continue };
-            for (k, row) in rows(drift).into_iter().enumerate() {
-                let along = row.into_iter().map(|drift| if d == 0 { [drift, 0.0] } else { [0.0, drift] });
+            for (k, row) in drift.iter().enumerate() {
+                let along = row.iter().map(|&drift| if d == 0 { [drift, 0.0] } else { [0.0, drift] });
                 let hat = from_zero(&self.times).into_iter().enumerate();
                 let hat = hat.map(|(j, time)| [time, f64::from(u8::from(j == k + 1))]);
                 motions.push(Motion::new(nodes.clone(), vec![0.0; nodes.len()], along.collect(), hat.collect())?);
             }
         }
         let mut bends = Vec::new();
-        if gaps.len() > 1 {
-            let beyond = gaps.iter().map(|row| row.iter().zip(&first).map(|(gap, first)| gap - first).collect());
+        if self.gap.len() > 1 {
+            let beyond = self.gap.iter().map(|row| row.iter().zip(&first).map(|(gap, first)| gap - first).collect());
             bends.push(GapCorrection::new(nodes, from_zero(&self.times), beyond.collect())?);
         }
         Loading::new(cases, first)?.with_motions(motions, bends)?.with_friction(self.friction()?)
@@ -81,19 +102,18 @@ impl Tables<'_> {
     /// Coefficients that change, as histories of factors: one for all nodes whose coefficients go up and down together.
     fn friction(&self) -> Result<Option<FrictionHistory>, ProblemError> {
         let Some(mu) = &self.mu else { return Ok(None) };
-        let (rows, nodes) = (rows(mu), mu.shape()[1]);
-        let first = rows.first().cloned().unwrap_or_default();
+        let first = mu.first().cloned().unwrap_or_default();
         let mut cases: BTreeMap<Vec<u64>, Vec<f64>> = BTreeMap::new();
         for (node, &at_first) in first.iter().enumerate() {
             // A node without friction has none at all times, as Python has made sure.
             let factor =
                 |row: &Vec<f64>| if at_first > 0.0 { (row[node] / at_first).to_bits() } else { 1.0_f64.to_bits() };
-            let coefficients = cases.entry(rows.iter().map(factor).collect()).or_insert_with(|| vec![0.0; nodes]);
+            let coefficients = cases.entry(mu.iter().map(factor).collect()).or_insert_with(|| vec![0.0; first.len()]);
             coefficients[node] = at_first;
         }
         let case = |(factors, mu): (Vec<u64>, Vec<f64>)| {
             (mu, self.times.iter().zip(factors).map(|(time, factor)| [*time, f64::from_bits(factor)]).collect())
         };
-        FrictionHistory::new(nodes, cases.into_iter().map(case).collect()).map(Some)
+        FrictionHistory::new(first.len(), cases.into_iter().map(case).collect()).map(Some)
     }
 }

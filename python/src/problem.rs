@@ -1,7 +1,8 @@
 //! A problem of matrices: solved, and the judge of anybody's answer.
 
 use crate::arrays::{Compressed, Exported, Rows, Vector, export_lower, export_map, map, rows, symmetric};
-use crate::error::of_problem;
+use crate::condensed::CondensedBody;
+use crate::error::{of_linear, of_problem};
 use crate::foreign::Raised;
 use crate::loading::Tables;
 use crate::recorder::{Keep, Recorder, codes};
@@ -11,21 +12,29 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::Arc;
+use stickslip::algebra::Csr;
 use stickslip::algebra::linear::SparseCholesky;
 use stickslip::run::{AvailableSolvers, Choice, RunError};
 use stickslip::solver::history::{HistoryOutcome, HistorySettings, LinearAlgebra, SolverChoice, SystemSolver};
-use stickslip::solver::{self, Condensation, ContactProblem, Increment, InitialWorkingSet, Loading, Parts, State};
+use stickslip::solver::{
+    self, Condensation, Condensed, ContactProblem, Increment, InitialWorkingSet, Loading, Parts, State,
+};
 use stickslip::solver::{KktErrors, KktScales, statuses};
 use stickslip_exchange::{Info, Way};
 
 /// A body against rigid obstacles: K, `C_n`, `C_t`, `C_o`, mu, l and the free motions.
 #[pyclass(frozen, module = "stickslip._core")]
-pub(crate) struct Problem(pub Arc<ContactProblem>, Condensation);
+pub(crate) struct Problem(pub Arc<ContactProblem>, pub Condensation);
 
 impl From<ContactProblem> for Problem {
     fn from(problem: ContactProblem) -> Self {
         Problem(Arc::new(problem), SparseCholesky::default().into())
     }
+}
+
+/// `C_n`, `C_t` and `C_o` by rows, for so many displacements.
+fn maps_of(order: usize, [c_n, c_t, c_o]: &[Compressed<'_>; 3]) -> PyResult<[Csr; 3]> {
+    Ok([map("C_n", order, c_n)?, map("C_t", order, c_t)?, map("C_t[1]", order, c_o)?])
 }
 
 /// A state and what drove it, as the judge wants it.
@@ -165,12 +174,12 @@ impl Problem {
         weight: Option<Vector<'_>>,
         free_motions: Option<Rows<'_>>,
     ) -> PyResult<Self> {
-        let [c_n, c_t, c_o] = [0, 1, 2].map(|k| map(["C_n", "C_t", "C_t[1]"][k], order, &maps[k]));
+        let [c_n, c_t, c_o] = maps_of(order, &maps)?;
         let parts = Parts {
             stiffness: symmetric("K", order, &stiffness)?.into(),
-            c_n: c_n?,
-            c_t: c_t?,
-            c_o: c_o?,
+            c_n,
+            c_t,
+            c_o,
             mu: mu.as_slice()?.to_vec(),
             weight: weight.map(|weight| weight.as_slice().map(<[f64]>::to_vec)).transpose()?,
             rigid_modes: free_motions.as_ref().map(rows),
@@ -178,10 +187,47 @@ impl Problem {
         detached(py, || ContactProblem::new(parts)).map(Problem::from).map_err(of_problem)
     }
 
-    /// The problem with other friction coefficients. It shares the stiffness, and the condensed body once there is one.
-    fn with_friction(&self, mu: Vector<'_>) -> PyResult<Self> {
-        let problem = self.0.with_friction(mu.as_slice()?.to_vec()).map_err(of_problem)?;
-        Ok(Problem(Arc::new(problem), self.1.clone()))
+    /// The problem with other friction coefficients, weights or maps by rows. It shares the stiffness, and the condensed body once
+    /// there is one.
+    #[pyo3(signature = (maps, mu, weight))]
+    fn with_parts(
+        &self,
+        py: Python<'_>,
+        maps: Option<[Compressed<'_>; 3]>,
+        mu: Option<Vector<'_>>,
+        weight: Option<Vector<'_>>,
+    ) -> PyResult<Self> {
+        let own = |values: Vector<'_>| values.as_slice().map(<[f64]>::to_vec);
+        let (mu, weight) = (mu.map(own).transpose()?, weight.map(own).transpose()?);
+        if let (None, Some(mu), None) = (&maps, &mu, &weight) {
+            let problem = self.0.with_friction(mu.clone()).map_err(of_problem)?;
+            return Ok(Problem(Arc::new(problem), self.1.clone()));
+        }
+        let mut parts = (*self.0).clone().into_parts();
+        if let Some(maps) = &maps {
+            [parts.c_n, parts.c_t, parts.c_o] = maps_of(parts.stiffness.order(), maps)?;
+        }
+        parts.mu = mu.unwrap_or(parts.mu);
+        parts.weight = weight.or(parts.weight);
+        let alone = self.0.tangents_alone().filter(|_| maps.is_none()).map(|maps| maps.map(Clone::clone));
+        let problem = detached(py, || {
+            let problem = ContactProblem::new(parts)?;
+            match alone {
+                Some([c_t, c_o]) => problem.with_tangents_alone(c_t, c_o),
+                None => Ok(problem),
+            }
+        });
+        Ok(Problem(Arc::new(problem.map_err(of_problem)?), self.1.clone()))
+    }
+
+    /// The problem on the contact displacements, with all tangents, and the body behind it.
+    fn condense(&self, py: Python<'_>) -> PyResult<(Self, CondensedBody)> {
+        // Rows of nodes without friction are left out of what is condensed.
+        let rough = self.0.with_friction(vec![1.0; self.0.contacts()]).map_err(of_problem)?;
+        let loading = Loading::new(Vec::new(), vec![0.0; self.0.contacts()]).map_err(of_problem)?;
+        let body = detached(py, || Condensed::new(&rough, &loading, self.1.clone())).map_err(of_linear)?;
+        let problem = body.problem.with_friction(self.0.mu().to_vec()).map_err(of_problem)?;
+        Ok((problem.into(), CondensedBody(body)))
     }
 
     #[getter]
@@ -277,7 +323,7 @@ impl Problem {
         callback: Option<Py<PyAny>>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let problem = &*self.0;
-        let (loading, times) = (tables.loading(problem)?, tables.times());
+        let (loading, times) = tables.loading(problem)?;
         let raised = Raised::default();
         let (linear, own) = Algebra::new(linear, &raised)?.split(None);
         let solver = options.solver(linear)?;

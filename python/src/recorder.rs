@@ -21,10 +21,10 @@ pub(crate) fn codes(statuses: &[ContactStatus]) -> impl Iterator<Item = u8> + '_
 
 /// Between two looks at signals. Attaching costs nothing beside this, unless another thread of Python is busy: then each
 /// costs its switch interval, 5 ms.
-const PATIENCE: Duration = Duration::from_millis(50);
+pub(crate) const PATIENCE: Duration = Duration::from_millis(50);
 
 /// The increments whose displacements and forces of size n_u are kept.
-#[derive(FromPyObject)]
+#[derive(Clone, FromPyObject)]
 pub(crate) enum Keep {
     /// `True`: all; `False`: none.
     All(bool),

@@ -36,7 +36,7 @@ impl Algebra {
         let word = word.to_string();
         let named: LinearAlgebra = word.parse().map_err(|_| {
             PyValueError::new_err(format!(
-                "linear: no {word:?}, but auto, faer, partial, condensed, umfpack or an object"
+                "linear is {word:?}, expected auto, faer, partial, condensed, umfpack or an object"
             ))
         })?;
         if !named.is_built_in() {
@@ -67,7 +67,7 @@ pub(crate) fn method(name: &str, setting: &str, r_factor: f64) -> PyResult<Histo
         ("ip", "default") => Method::Ip,
         ("ip", "paper") => Method::paper_ip(Start::Safe),
         ("events", "default") => return Ok(HistoryMethod::EVENTS),
-        _ => return Err(PyValueError::new_err(format!("method: no {name:?} in the setting {setting:?}"))),
+        _ => return Err(PyValueError::new_err(format!("method {name:?} has no setting {setting:?}"))),
     };
     Ok(method.into())
 }
@@ -91,6 +91,9 @@ pub(crate) fn detached<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send)
     })
 }
 
+/// What a panic says.
+pub(crate) const BUG: &str = "a bug in stickslip: please report it with the arrays that led to it";
+
 /// Runs without the lock of the interpreter. Whatever Python has raised meanwhile comes out, and a panic as an exception.
 pub(crate) fn watched<T: Send>(
     py: Python<'_>,
@@ -106,6 +109,6 @@ pub(crate) fn watched<T: Send>(
     }
     match outcome {
         Ok(done) => Ok((done.map_err(of_run)?, recorder)),
-        Err(_) => Err(PyRuntimeError::new_err("a bug in stickslip: please report it with the arrays that led to it")),
+        Err(_) => Err(PyRuntimeError::new_err(BUG)),
     }
 }

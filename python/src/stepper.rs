@@ -8,9 +8,9 @@ use crate::solve::{Algebra, watched};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, MutexGuard};
 use stickslip::run::{AvailableSolvers, Choice, RunError};
-use stickslip::solver::history::{self, SolverChoice, SystemSolver};
+use stickslip::solver::history::{self, SolverChoice, StepperState, SystemSolver};
 use stickslip::solver::{ContactProblem, InitialWorkingSet, Loading};
 
 /// So many increments are expected of somebody who goes step by step: enough for what is kept to be worth it.
@@ -18,17 +18,36 @@ const EXPECTED: usize = 100;
 
 type Steps = history::Stepper<Arc<ContactProblem>>;
 
+/// What waits for the first increment, and then what goes on.
+struct OnTheWay {
+    own: Option<SystemSolver>,
+    steps: Option<Steps>,
+    /// Before the first increment.
+    start: Option<StepperState>,
+}
+
+/// Where a stepper was; `None` before its first increment.
+#[pyclass(frozen, module = "stickslip._core")]
+pub(crate) struct SavedSteps(Option<StepperState>);
+
 /// A history of which nobody knows the rest.
 #[pyclass(frozen, module = "stickslip._core")]
 pub(crate) struct Stepper {
     problem: Arc<ContactProblem>,
     solver: SolverChoice,
     raised: Raised,
-    /// What waits for the first increment, and then what goes on.
-    on_the_way: Mutex<(Option<SystemSolver>, Option<Steps>)>,
+    on_the_way: Mutex<OnTheWay>,
 }
 
 impl Stepper {
+    fn idle(&self) -> PyResult<MutexGuard<'_, OnTheWay>> {
+        self.on_the_way.try_lock().map_err(|_| {
+            PyRuntimeError::new_err(
+                "this stepper is in an increment: from its callback, or in another thread, it takes no other",
+            )
+        })
+    }
+
     /// What the first increment begins: its load tells the units inside.
     fn begin(&self, loading: &Loading, own: &mut Option<SystemSolver>) -> Result<Steps, RunError> {
         let settings = self.solver.settings(&self.problem, loading)?;
@@ -59,14 +78,32 @@ impl Stepper {
                 "the method events (default) takes no single increments: it follows the whole path of the loads";
             return Err(PyValueError::new_err(message));
         }
-        Ok(Stepper { problem: Arc::clone(&problem.0), solver, raised, on_the_way: Mutex::new((own, None)) })
+        Ok(Stepper {
+            problem: Arc::clone(&problem.0),
+            solver,
+            raised,
+            on_the_way: Mutex::new(OnTheWay { own, steps: None, start: None }),
+        })
     }
 
     /// The end of the last increment that converged, s.
     #[getter]
     fn time(&self) -> PyResult<f64> {
-        let on_the_way = self.on_the_way.try_lock().map_err(|_| busy())?;
-        Ok(on_the_way.1.as_ref().map_or(0.0, Steps::time))
+        Ok(self.idle()?.steps.as_ref().map_or(0.0, Steps::time))
+    }
+
+    /// Where it is.
+    fn save(&self) -> PyResult<SavedSteps> {
+        Ok(SavedSteps(self.idle()?.steps.as_ref().map(Steps::save)))
+    }
+
+    /// Goes back to where it was.
+    fn restore(&self, saved: &SavedSteps) -> PyResult<()> {
+        let OnTheWay { steps, start, .. } = &mut *self.idle()?;
+        if let (Some(steps), Some(state)) = (steps, saved.0.as_ref().or(start.as_ref())) {
+            steps.restore(state);
+        }
+        Ok(())
     }
 
     /// Goes on to the last time of `tables`, which tell the loads of both ends.
@@ -78,23 +115,17 @@ impl Stepper {
         keep: Keep,
         callback: Option<Py<PyAny>>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let (loading, times) = (tables.loading(&self.problem)?, tables.times());
+        let (loading, times) = tables.loading(&self.problem)?;
         let end = times.last().copied().unwrap_or(0.0);
-        let mut on_the_way = self.on_the_way.try_lock().map_err(|_| busy())?;
-        let (own, steps) = &mut *on_the_way;
+        let OnTheWay { own, steps, start } = &mut *self.idle()?;
         let (outcome, recorder) = watched(py, Recorder::new(keep, callback, self.raised.clone()), |recorder| {
             let begun = match steps.take() {
                 Some(begun) => begun,
                 None => self.begin(&loading, own)?,
             };
+            start.get_or_insert_with(|| begun.save());
             Ok(steps.insert(begun).step(&loading, end, recorder)?)
         })?;
         exported(py, &outcome, recorder)
     }
-}
-
-fn busy() -> PyErr {
-    PyRuntimeError::new_err(
-        "this stepper is in an increment: from its callback, or in another thread, it takes no other",
-    )
 }

@@ -13,19 +13,24 @@ from . import builder, exchange, mesh, siconos
 from ._cite import cite
 from ._core import UMFPACK, VERSION as __version__, keep_freed_memory
 from ._errors import AccuracyWarning, NotConverged, NotConvergedWarning, SceneError, StickslipError
-from ._judge import Comparison, Errors, Posed, Verdict, compare, errors, judge
-from ._problem import ContactProblem, LinearSolver
+from ._compare import Comparison, compare
+from ._condensed import CondensedProblem
 from ._fields import Svg
+from ._judge import Errors, Posed, Verdict, errors, judge
+from ._many import Results
+from ._options import LinearSolver
+from ._problem import ContactProblem
 from ._result import LAWS, OPEN, SLIP, STICK, Result
 from ._scene import Model, run
-from ._stepper import Stepper
+from ._stepper import Stepper, StepperState
 from ._sweep import Sweep, sweep
 from .builder import Scene
 
 __all__ = [
     "LAWS", "OPEN", "SLIP", "STICK", "UMFPACK",
-    "AccuracyWarning", "Comparison", "ContactProblem", "Errors", "LinearSolver", "Model", "NotConverged", "NotConvergedWarning", "Posed",
-    "Result", "Scene", "SceneError", "Stepper", "StickslipError", "Svg", "Sweep", "Verdict",
+    "AccuracyWarning", "Comparison", "CondensedProblem", "ContactProblem", "Errors", "LinearSolver", "Model", "NotConverged",
+    "NotConvergedWarning", "Posed", "Result", "Results", "Scene", "SceneError", "Stepper", "StepperState", "StickslipError",
+    "Svg", "Sweep", "Verdict",
     "__version__", "builder", "cite", "compare", "errors", "exchange", "judge", "keep_freed_memory", "mesh", "run",
     "siconos", "sweep",
 ]

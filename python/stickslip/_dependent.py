@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from scipy.linalg import qr
 
 if TYPE_CHECKING:
-    from ._problem import Callback, ContactProblem
+    from ._options import Callback
+    from ._problem import ContactProblem
 
 Array = NDArray[np.float64]
 
@@ -57,6 +58,21 @@ def reason(problem: ContactProblem, free_motion: list[float] | None) -> str:
     if not nodes:
         return ""
     return f"the rows of C_n and C_t of the contact nodes {_few(nodes)} depend on each other, so that their forces are not unique"
+
+
+def rescued(
+    problem: ContactProblem, raw: dict[str, Any], tables: dict[str, Any], options: dict[str, Any], keep: bool | list[int],
+    callback: Callback | None,
+) -> tuple[dict[str, Any], str]:
+    """A run of the core, or that of the cascade where dependent rows have ended it, and why it ended."""
+    if raw["status"] != "singular":
+        return raw, raw.get("reason", "")
+    why = reason(problem, raw["free_motion"])
+    supported = raw["free_motion"] is None and not len(problem.free_motions)
+    if not why or not supported or len(raw["p_n"]) or options["method"] == "events":
+        return raw, why
+    raw = solve(problem, tables, options["tolerance"] or 1e-10, keep, callback)
+    return raw, "" if raw["status"] == "converged" else why
 
 
 def solve(

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import html
 import time
-import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -12,10 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import plot as _plot
-from ._errors import NotConvergedWarning
-from ._problem import ContactProblem, numbers, vector
-from ._result import LAWS, Result
+from ._arrays import numbers, tangential, vector
+from ._problem import ContactProblem
+from ._result import LAWS
 from ._scene import Model
 
 Array = NDArray[Any]
@@ -25,10 +22,21 @@ Array = NDArray[Any]
 class Errors:
     """How far a state is from the exact law of an increment; relative, without a unit.
 
-    Attributes:
-        equilibrium, penetration, tension, complementarity, cone, dissipation: the largest violation of each law.
-        contact: what each node does, `OPEN`, `STICK` or `SLIP`, uint8, (n_c,).
-        scales: force, N, and length, m, that errors are relative to; hand them to the next increment.
+    Attributes
+    ----------
+    equilibrium, penetration, tension, complementarity, cone, dissipation : float
+        The largest violation of each law.
+    contact : (n_c,) uint8 array
+        What each node does, `OPEN`, `STICK` or `SLIP`.
+    scales : tuple of float
+        Force, N, and length, m, that errors are relative to; hand them to the next increment.
+
+    Examples
+    --------
+    >>> import numpy as np, stickslip as ss
+    >>> problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
+    >>> ss.errors(problem, [0.0, -100.0], u=[0.0, -1e-4], p_n=[0.0])
+    <Errors: penetration violated by 1.0e+00>
     """
 
     equilibrium: float
@@ -46,6 +54,10 @@ class Errors:
         laws = [(law, float(getattr(self, law))) for law in LAWS]
         return max(laws, key=lambda item: np.inf if np.isnan(item[1]) else item[1])
 
+    def __repr__(self) -> str:
+        law, error = self.worst
+        return f"<Errors: {law} violated by {error:.1e}>"
+
     def _repr_html_(self) -> str:
         law, error = self.worst
         return f"<b>{law}</b>: {error:.1e}"
@@ -53,10 +65,7 @@ class Errors:
 
 def _tangential(name: str, problem: ContactProblem, values: ArrayLike | None) -> list[Array]:
     n_c, d = problem.n_c, problem.tangents
-    array = np.zeros((n_c, d)) if values is None else np.asarray(values, dtype=float)
-    if array.size != n_c * d:
-        raise ValueError(f"{name} has the shape {array.shape}, expected {(n_c, d)}")
-    array = array.reshape(n_c, d)
+    array = tangential(name, values, n_c, d)
     return [np.ascontiguousarray(array[:, k]) if k < d else np.zeros(n_c) for k in range(2)]
 
 
@@ -67,15 +76,43 @@ def errors(
 ) -> Errors:
     """Judges an answer to one increment.
 
-    Args:
-        force: external nodal forces, N, (n_u,).
-        u: free displacements, m, (n_u,), or a pair of them and what rounding leaves off (`Result.u_rest`).
-        p_n: normal contact forces, N, (n_c,), positive in compression.
-        p_t: tangential forces of the body on the obstacle, N, (n_c,) or (n_c, d).
-        gap: m, a number or (n_c,).
-        w_t_last: tangential displacements before the increment, m, shaped as p_t.
-        mu: friction of this increment where that changes, (n_c,).
-        scales: those of the increments before, so that errors are relative to the largest of a history.
+    Parameters
+    ----------
+    problem : ContactProblem
+        K, C_n, C_t, mu.
+    force : (n_u,)
+        External nodal forces, N.
+    u : (n_u,) or a pair of them
+        Free displacements, m, alone or with what rounding leaves off (`Result.u_rest`).
+    p_n : (n_c,)
+        Normal contact forces, N, positive in compression.
+    p_t : (n_c,) or (n_c, d), optional
+        Tangential forces of the body on the obstacle, N.
+    gap : float or (n_c,)
+        m.
+    w_t_last : (n_c,) or (n_c, d), optional
+        Tangential displacements before the increment, m.
+    mu : float or (n_c,), optional
+        Friction of this increment where that changes.
+    scales : tuple of float
+        Those of the increments before, so that errors are relative to the largest of a history.
+
+    Returns
+    -------
+    Errors
+
+    Raises
+    ------
+    ValueError
+        An argument of another shape, or that is not finite.
+
+    Examples
+    --------
+    >>> import numpy as np, stickslip as ss
+    >>> problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
+    >>> judged = ss.errors(problem, [40.0, -100.0], u=[5e-6, 0.0], p_n=[100.0], p_t=[30.0])
+    >>> judged.worst[1] < 1e-12, judged.contact[0] == ss.SLIP
+    (True, np.True_)
     """
     whole, rest = u if isinstance(u, tuple) else (u, None)
     p_t = _tangential("p_t", problem, p_t)
@@ -94,15 +131,32 @@ def errors(
 class Posed:
     """One increment, as it is put to a solver.
 
-    Attributes:
-        problem: K, C_n, C_t, mu.
-        force: external nodal forces at its end, N, (n_u,).
-        gap: gaps at its end, m, (n_c,).
-        w_t_last: tangential displacements at its beginning, past the obstacle, m, (n_c, d).
-        mu: friction coefficients at its end, (n_c,).
-        last: the solver's own last answer (u, p_n, p_t); zeros at first.
-        index: its number, from 1.
-        cache: a dictionary that is the same for all increments, for factors and the like.
+    Attributes
+    ----------
+    problem : ContactProblem
+        K, C_n, C_t, mu.
+    force : (n_u,) array
+        External nodal forces at its end, N.
+    gap : (n_c,) array
+        Gaps at its end, m.
+    w_t_last : (n_c, d) array
+        Tangential displacements at its beginning, past the obstacle, m.
+    mu : (n_c,) array
+        Friction coefficients at its end.
+    last : tuple of arrays
+        The solver's own last answer (u, p_n, p_t); zeros at first.
+    index : int
+        Its number, from 1.
+    cache : dict
+        The same for all increments, for factors and the like; a pickle has what is in it.
+
+    Examples
+    --------
+    >>> import numpy as np, stickslip as ss
+    >>> problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
+    >>> ss.judge(problem, lambda posed: print(posed), history={"force": [[40.0, -100.0]]}).remark
+    <Posed increment 1 of <ContactProblem 2 displacements, 1 contact node, 1 tangent>>
+    'increment 1: TypeError: cannot unpack non-iterable NoneType object'
     """
 
     problem: ContactProblem
@@ -114,6 +168,9 @@ class Posed:
     index: int = 1
     cache: dict[str, Any] = field(default_factory=dict)
 
+    def __repr__(self) -> str:
+        return f"<Posed increment {self.index} of {self.problem!r}>"
+
 
 #: Anybody's solver: an increment in, (u, p_n, p_t) out.
 Solver = Callable[[Posed], tuple[Any, Any, Any]]
@@ -123,16 +180,35 @@ Solver = Callable[[Posed], tuple[Any, Any, Any]]
 class Verdict:
     """What the judge found of a solver over a history.
 
-    Attributes:
-        name: the solver.
-        error: the largest error of any law in any increment.
-        law: that law.
-        increment: where, from 1.
-        seconds: CPU time of the solver, s.
-        holds: whether the error is within the tolerance.
-        errors: by increment, (m, 6), columns `LAWS`.
-        p_n, p_t: contact forces, N, (m, n_c) and (m, n_c, d).
-        remark: what the solver raised, or that its answer was not finite.
+    Attributes
+    ----------
+    name : str
+        The solver.
+    error : float
+        The largest error of any law in any increment.
+    law : str
+        That law.
+    increment : int
+        Where, from 1.
+    seconds : float
+        CPU time of the solver, s.
+    holds : bool
+        Whether the error is within the tolerance.
+    errors : (m, 6) array
+        By increment, columns `LAWS`.
+    p_n, p_t : (m, n_c) and (m, n_c, d) arrays
+        Contact forces, N.
+    remark : str
+        What the solver raised, or that its answer was not finite.
+
+    Examples
+    --------
+    >>> import numpy as np, stickslip as ss
+    >>> problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
+    >>> def broken(posed):
+    ...     raise ArithmeticError("no pivot")
+    >>> ss.judge(problem, broken, history={"force": [[40.0, -100.0]]})
+    <Verdict on solver: WRONG, no answer violated by inf in increment 1; increment 1: ArithmeticError: no pivot>
     """
 
     name: str
@@ -146,8 +222,12 @@ class Verdict:
     p_t: Array
     remark: str = ""
 
+    def __repr__(self) -> str:
+        law = f"{self.law} violated by {self.error:.1e} in increment {self.increment}"
+        return f"<Verdict on {self.name}: {'holds' if self.holds else 'WRONG'}, {law}{'; ' if self.remark else ''}{self.remark}>"
 
-def _history(of: Model | ContactProblem, history: Mapping[str, ArrayLike] | None) -> dict[str, Array]:
+
+def history_of(of: Model | ContactProblem, history: Mapping[str, ArrayLike] | None) -> dict[str, Array]:
     if history is None:
         if not isinstance(of, Model):
             raise ValueError("history: a problem of matrices needs one, with the keys force and, if need be, gap, drift, mu")
@@ -174,16 +254,43 @@ def judge(
 ) -> Verdict:
     """Runs anybody's solver over a history, each increment from its own last answer, and judges every increment.
 
-    Args:
-        of: a model, or a problem of matrices with a `history`: force (m, n_u) and, if need be, gap (m + 1, n_c),
-            drift (m, n_c, d), mu (m, n_c).
-        solver: called with a `Posed` increment; hands back (u, p_n, p_t).
-        tolerance: the largest error of any law that still holds.
+    Parameters
+    ----------
+    of : Model or ContactProblem
+        A model, or a problem of matrices with a `history`.
+    solver : callable
+        Called with a `Posed` increment; hands back (u, p_n, p_t).
+    history : mapping, optional
+        force (m, n_u), N, and, if need be, gap (m + 1, n_c), m, drift (m, n_c, d), m, mu (m, n_c).
+    name : str
+        Of the solver.
+    tolerance : float
+        The largest error of any law that still holds.
+
+    Returns
+    -------
+    Verdict
+        Arithmetic and lookup errors of the solver, `RuntimeError`, `TypeError` and `ValueError` are in its `remark`.
+
+    Raises
+    ------
+    ValueError, TypeError
+        An argument that is no solver or history.
+
+    Examples
+    --------
+    >>> import numpy as np, stickslip as ss
+    >>> problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
+    >>> def mine(posed):
+    ...     result = posed.problem.solve_increment(posed.force, gap=posed.gap, w_t_last=posed.w_t_last, method="ip")
+    ...     return result.u[0], result.p_n[0], result.p_t[0]
+    >>> ss.judge(problem, mine, history={"force": [[0.0, -100.0], [40.0, -100.0]]}).holds
+    True
     """
     if not callable(solver):
         raise TypeError(f"solver: a function of an increment expected, {type(solver).__name__} found; `compare` takes words")
     problem = of.problem if isinstance(of, Model) else of
-    data = _history(of, history)
+    data = history_of(of, history)
     if not len(data["force"]):
         raise ValueError("history['force'] has no increments")
     n_c, d = problem.n_c, problem.tangents
@@ -211,10 +318,10 @@ def judge(
         forces.append((answer[1], answer[2]))
     p_n = np.array([p_n for p_n, _ in forces]).reshape(-1, n_c)
     p_t = np.array([p_t for _, p_t in forces]).reshape(-1, n_c, d)
-    return _verdict(name, rows, seconds, p_n, p_t, remark, tolerance)
+    return verdict_of(name, rows, seconds, p_n, p_t, remark, tolerance)
 
 
-def _verdict(
+def verdict_of(
     name: str, rows: list[list[float]], seconds: float, p_n: Array, p_t: Array, remark: str, tolerance: float
 ) -> Verdict:
     table = np.array(rows)
@@ -222,118 +329,3 @@ def _verdict(
     error = float(table[at])
     law = LAWS[at[1]] if np.isfinite(error) or not remark else "no answer"
     return Verdict(name, error, law, int(at[0]) + 1, seconds, bool(error <= tolerance), table, p_n, p_t, remark)
-
-
-@dataclass(frozen=True, eq=False)
-class Comparison:
-    """Verdicts on several solvers; prints as a table, and in a notebook with what is wrong in red."""
-
-    verdicts: list[Verdict]
-    tolerance: float
-
-    def __getitem__(self, name: str) -> Verdict:
-        return next(verdict for verdict in self.verdicts if verdict.name == name)
-
-    def _rows(self) -> list[tuple[str, str, str, str]]:
-        def last(verdict: Verdict) -> str:
-            total = f"sum p_n = {verdict.p_n[-1].sum():.9e} N" if len(verdict.p_n) else ""
-            return total if verdict.holds else f"{total}  WRONG: {verdict.remark or verdict.law}"
-
-        return [(v.name, f"{v.error:.1e}", f"{v.seconds:.3f} s", last(v)) for v in self.verdicts]
-
-    def __str__(self) -> str:
-        width = max(len(verdict.name) for verdict in self.verdicts)
-        return "\n".join(f"{name:{width}}  {error:>8}  {seconds:>9}  {last}" for name, error, seconds, last in self._rows())
-
-    def _repr_html_(self) -> str:
-        def row(verdict: Verdict, cells: tuple[str, ...]) -> str:
-            colour = "inherit" if verdict.holds else "#cf222e"
-            return f"<tr style='color:{colour}'>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in cells) + "</tr>"
-
-        head = "<tr><th>solver</th><th>largest error</th><th>CPU time</th><th>at the end</th></tr>"
-        return f"<table>{head}{''.join(map(row, self.verdicts, self._rows()))}</table>"
-
-    def to_pandas(self) -> Any:
-        """A `DataFrame` with a row for each solver."""
-        import pandas
-
-        keys = ("name", "error", "law", "increment", "seconds", "holds", "remark")
-        return pandas.DataFrame([{key: getattr(v, key) for key in keys} for v in self.verdicts]).set_index("name")
-
-    def plot(self, ax: Any = None) -> Any:
-        """Error against CPU time; returns the axes."""
-        return _plot.comparison(self, ax)
-
-
-#: The words that `compare` takes.
-_OWN = ("bn", "ip", "events", "stickslip")
-
-
-def _own(of: Model | ContactProblem, word: str, history: Mapping[str, ArrayLike] | None, data: Mapping[str, Array]) -> Result:
-    """A history by this module."""
-    if isinstance(of, Model):
-        if history is None and word == "stickslip":
-            return of.run(_stacklevel=5)
-        of = of.problem
-    return of.solve(
-        data["force"], gap=data["gap"], drift=data["drift"] if of.tangents else None, mu=data["mu"],
-        method="bn" if word == "stickslip" else word,
-    )
-
-
-def _judged(problem: ContactProblem, result: Result, data: Mapping[str, Array]) -> tuple[list[list[float]], str]:
-    """Errors by law of a result of this module, by the history that was posed, and why there are no more."""
-    rows: list[list[float]] = []
-    scales = (0.0, 0.0)
-    increments = list(zip(data["force"], data["gap"][1:], data["mu"]))
-    for k, (force, gap, mu) in enumerate(increments[: len(result.t)]):
-        judged = errors(
-            problem, force, (result.u[k], result.u_rest[k]), result.p_n[k], result.p_t[k], gap=gap,
-            w_t_last=result.w_t_last[k], mu=mu, scales=scales,
-        )
-        scales = judged.scales
-        rows.append([getattr(judged, law) for law in LAWS])
-    if result.converged and len(rows) == len(increments):
-        return rows, ""
-    if len(rows) < len(increments):
-        rows.append([np.inf] * 6)
-    return rows, result._verdict()
-
-
-def compare(
-    of: Model | ContactProblem, solvers: Mapping[str, Solver | str], *,
-    history: Mapping[str, ArrayLike] | None = None, tolerance: float = 1e-8,
-) -> Comparison:
-    """Several solvers on one history, with one judge.
-
-    Args:
-        of, history, tolerance: as those of `judge`.
-        solvers: by name; a callable as `judge` takes it, or a word: "bn", "ip" and "events" are stickslip's on the matrices,
-            "stickslip" the run of the model as its scene says. All answers are judged by the same history.
-    """
-    if not solvers:
-        raise ValueError("solvers is empty: there is nothing to compare")
-    data = _history(of, history)
-    problem = of.problem if isinstance(of, Model) else of
-    verdicts = []
-    for name, solver in solvers.items():
-        if not isinstance(solver, str):
-            verdicts.append(judge(of, solver, history=history, name=name, tolerance=tolerance))
-            continue
-        if solver not in _OWN:
-            raise ValueError(f"solvers[{name!r}] is {solver!r}, expected one of {', '.join(_OWN)} or a function of an increment")
-        start = time.process_time()
-        p_n, p_t = np.zeros((0, problem.n_c)), np.zeros((0, problem.n_c, problem.tangents))
-        try:
-            with warnings.catch_warnings():
-                # The verdict says it.
-                warnings.simplefilter("ignore", NotConvergedWarning)
-                result = _own(of, solver, history, data)
-            seconds = time.process_time() - start
-            rows, remark = _judged(problem, result, data)
-            p_n, p_t = result.p_n, result.p_t
-        except (ArithmeticError, RuntimeError, ValueError) as raised:
-            seconds = time.process_time() - start
-            rows, remark = [[np.inf] * 6], f"{type(raised).__name__}: {raised}"
-        verdicts.append(_verdict(name, rows, seconds, p_n, p_t, remark, tolerance))
-    return Comparison(verdicts, tolerance)

@@ -147,6 +147,21 @@ class Result(Fields):
         return self.status == "converged"
 
     @property
+    def success(self) -> bool:
+        """As `converged`, under the name that results of scipy have."""
+        return self.converged
+
+    @property
+    def message(self) -> str:
+        """The verdict in words: the status, and where it is not "converged" the increment, the law and the reason."""
+        return self._verdict()
+
+    @property
+    def nit(self) -> int:
+        """The number of iterations of all increments."""
+        return sum(record["iterations"] for record in self.records)
+
+    @property
     def warnings(self) -> list[dict[str, str]]:
         """What may make the answer wrong although every law holds.
 

@@ -3,39 +3,71 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from . import _core, _dependent
-from ._problem import Callback, ContactProblem, LinearSolver, vector
+from . import _core, _dependent, _history
+from ._arrays import Array, tangential, vector
 from ._result import Result
 
-Array = NDArray[np.float64]
+if TYPE_CHECKING:
+    from ._options import Callback
+    from ._problem import ContactProblem
+
+
+class StepperState:
+    """Where a `Stepper` was when `Stepper.save` was called; live, as the stepper itself: it does not pickle."""
+
+    def __init__(self, stepper: Stepper, core: Any, ends: tuple[Array, ...]) -> None:
+        self._stepper, self._core, self._ends = stepper, core, ends
+        self._time = stepper.time
+
+    def __repr__(self) -> str:
+        return f"<StepperState at t = {self._time:g} s>"
+
+    def __reduce__(self) -> Any:
+        raise TypeError("a StepperState is live, as its stepper is: it is neither copied nor pickled")
 
 
 class Stepper:
     """A history in single increments, each from the end of the last one that converged; made by `ContactProblem.stepper`.
 
     What a run of the whole history would keep is kept: the symbolic analysis, or the condensed body. An increment that did not
-    converge may be tried again, to an earlier time or under another load.
+    converge may be tried again, to an earlier time or under another load; one that did is taken back by `restore`.
 
-        stepper = problem.stepper()
-        for force in forces:
-            result = stepper.step(force).check()
+    Attributes
+    ----------
+    problem : ContactProblem
+        The problem.
+    work : dict
+        Symbolic "analyses" and numerical "factorizations" so far.
+
+    Notes
+    -----
+    A stepper is live and does not pickle: it has factors, and perhaps a linear solver of yours.
+
+    Examples
+    --------
+    >>> import numpy as np, stickslip as ss
+    >>> problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
+    >>> stepper = problem.stepper()
+    >>> for push in (0.0, 40.0):
+    ...     result = stepper.step([push, -100.0]).check()
+    >>> stepper
+    <Stepper at t = 2 s of <ContactProblem 2 displacements, 1 contact node, 1 tangent>>
+    >>> result.p_t[0, 0, 0]
+    np.float64(30.0)
     """
 
-    def __init__(
-        self, problem: ContactProblem, gap: ArrayLike, options: Mapping[str, Any], linear: str | LinearSolver | None
-    ) -> None:
+    def __init__(self, problem: ContactProblem, gap: ArrayLike, options: Mapping[str, Any], linear: Any) -> None:
         self.problem = problem
         self._core = _core.Stepper(problem._core, dict(options), linear)
         self._force: Array = np.zeros(problem.n_u)
         self._gap: Array = vector("gap", gap, problem.n_c)
         self._drift: Array = np.zeros((problem.n_c, problem.tangents))
         self._mu: Array = problem.mu
-        #: Symbolic analyses and numerical factorisations so far.
         self.work = {"analyses": 0, "factorizations": 0}
 
     @property
@@ -49,17 +81,42 @@ class Stepper:
     ) -> Result:
         """Goes on by an increment; between its ends loads, gaps and obstacles change evenly.
 
-        Args:
-            force: nodal forces at its end, N, (n_u,).
-            time: its end, s, above `time`; a second later without it.
-            gap: gaps at its end, m, a number or (n_c,); as they were without it.
-            drift: how far the obstacle has moved past each node, m, (n_c,) or (n_c, d), counted from the beginning; as it was without it.
-            mu: friction coefficients at its end where they change, a number or (n_c,); as they were without it.
-            keep_u: whether the result has u.
-            callback: as that of `ContactProblem.solve`.
+        Parameters
+        ----------
+        force : (n_u,)
+            Nodal forces at its end, N.
+        time : float, optional
+            Its end, s, above `time`; a second later without it.
+        gap : float or (n_c,), optional
+            Gaps at its end, m; as they were without it.
+        drift : (n_c,) or (n_c, d), optional
+            How far the obstacle has moved past each node, m, counted from the beginning; as it was without it.
+        mu : float or (n_c,), optional
+            Friction coefficients at its end where they change; as they were without it.
+        keep_u : bool
+            Whether the result has u.
+        callback : callable, optional
+            As that of `ContactProblem.solve`.
 
-        Returns:
-            A result with this increment alone. Where it did not converge the stepper has not moved.
+        Returns
+        -------
+        Result
+            With this increment alone. Where it did not converge the stepper has not moved.
+
+        Raises
+        ------
+        ValueError
+            An argument, which is named.
+
+        Examples
+        --------
+        The obstacle moves and drags the mass along, until friction gives way:
+
+        >>> import numpy as np, stickslip as ss
+        >>> problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
+        >>> stepper = problem.stepper()
+        >>> [float(stepper.step([0.0, -100.0], drift=[drift]).p_t[0, 0, 0].round(9)) for drift in (0.0, 1e-5, 2e-5)]
+        [0.0, -20.0, -30.0]
         """
         n_c, d = self.problem.n_c, self.problem.tangents
         begun = self.time
@@ -68,7 +125,7 @@ class Stepper:
             raise ValueError(f"time is {end:g}, but the last increment ended at {begun:g}")
         new_force = vector("force", force, self.problem.n_u)
         new_gap = self._gap if gap is None else vector("gap", gap, n_c)
-        new_drift = self._drift if drift is None else vector("drift", np.ravel(drift), n_c * d).reshape(n_c, d)
+        new_drift = self._drift if drift is None else tangential("drift", drift, n_c, d)
         rows = self._mu if mu is None else vector("mu", mu, n_c)
         moves = bool(new_drift.any() or self._drift.any())
         first = 0 if begun == 0.0 else 1
@@ -80,7 +137,7 @@ class Stepper:
             "drift": [
                 np.stack([self._drift[:, k], new_drift[:, k]][1 - first :]) if moves and k < d else None for k in range(2)
             ],
-            "mu": self.problem._friction(np.stack([self._mu, rows][1 - first :]), 1 + first),
+            "mu": _history.friction(self.problem, np.stack([self._mu, rows][1 - first :])),
         }
         raw = self._core.step(tables, keep_u, callback)
         self.work = {name: raw[name] for name in self.work}
@@ -90,6 +147,57 @@ class Stepper:
         if reason and raw["free_motion"] is None:
             reason += "; `ContactProblem.solve` and `solve_increment` take such contacts"
         return Result._of(raw, d, reason=reason, stacklevel=3)
+
+    def save(self) -> StepperState:
+        """Where the stepper is, for `restore`: an implicit coupling takes back an increment and solves it again.
+
+        Returns
+        -------
+        StepperState
+            It stays valid, so that one can return to it as often as needed.
+
+        Examples
+        --------
+        A spring of 2e6 N/m pulls at the mass with the displacement that comes out:
+
+        >>> import numpy as np, stickslip as ss
+        >>> problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
+        >>> stepper = problem.stepper()
+        >>> before, x, steps = stepper.save(), 0.0, 0
+        >>> while True:
+        ...     result = stepper.step([200.0 - 2e6 * x, -100.0])
+        ...     steps += 1
+        ...     if abs(result.u[0, 0] - x) < 1e-12:
+        ...         break
+        ...     x = 0.5 * (x + result.u[0, 0])
+        ...     stepper.restore(before)
+        >>> stepper.time, bool(np.isclose(x, (200.0 - 30.0) / 4e6))
+        (1.0, True)
+        """
+        return StepperState(self, self._core.save(), (self._force, self._gap, self._drift, self._mu))
+
+    def restore(self, state: StepperState) -> None:
+        """Goes back to where `save` was called. The next increment is what it would have been there.
+
+        Parameters
+        ----------
+        state : StepperState
+            Of this stepper.
+
+        Raises
+        ------
+        ValueError
+            The state is that of another stepper.
+        """
+        if not isinstance(state, StepperState):
+            raise TypeError(f"state: a StepperState from `save` expected, {type(state).__name__} found")
+        if state._stepper is not self:
+            raise ValueError("state is that of another stepper")
+        self._core.restore(state._core)
+        self._force, self._gap, self._drift, self._mu = state._ends
+
+    def __reduce__(self) -> Any:
+        raise TypeError("a Stepper is live: it is neither copied nor pickled; `save` and `restore` go back to an increment")
 
     def __repr__(self) -> str:
         return f"<Stepper at t = {self.time:g} s of {self.problem!r}>"

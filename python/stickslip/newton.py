@@ -15,54 +15,88 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from ._arrays import Array, tangential, vector
 
 if TYPE_CHECKING:
     from ._problem import ContactProblem
 
-Array = NDArray[np.float64]
-
-
 class Natural:
     """The natural map of one increment.
 
-    Args:
-        problem: K, C_n, C_t, mu.
-        force: N, (n_u,).
-        gap: m, a number or (n_c,).
-        w_t_last: tangential displacements before the increment, m, (n_c,) or (n_c, d).
-        r: N/m, a number or (n_c,); the stiffness of each contact node without it.
-        mu: friction coefficients of this increment where they change, a number or (n_c,).
+    Parameters
+    ----------
+    problem : ContactProblem
+        K, C_n, C_t, mu.
+    force : (n_u,)
+        N.
+    gap : float or (n_c,)
+        m.
+    w_t_last : (n_c,) or (n_c, d), optional
+        Tangential displacements before the increment, m.
+    r : float or (n_c,), optional
+        N/m; the stiffness of each contact node without it.
+    mu : float or (n_c,), optional
+        Friction coefficients of this increment where they change.
+
+    Raises
+    ------
+    ValueError
+        An argument of another shape, or r is not above 0.
+
+    Examples
+    --------
+    Newton's method, which takes three steps here:
+
+    >>> import numpy as np, stickslip as ss
+    >>> from scipy.sparse.linalg import spsolve
+    >>> from stickslip.newton import Natural
+    >>> problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
+    >>> natural, z = Natural(problem, [40.0, -100.0]), np.zeros(4)
+    >>> for _ in range(3):
+    ...     z = z - spsolve(natural.jacobian(z[:2], z[2:3], z[3:]), natural.residual(z[:2], z[2:3], z[3:]))
+    >>> z[2:].round(9)
+    array([100.,  30.])
     """
 
     def __init__(
         self, problem: ContactProblem, force: ArrayLike, *, gap: ArrayLike = 0.0, w_t_last: ArrayLike | None = None,
         r: ArrayLike | None = None, mu: ArrayLike | None = None,
     ) -> None:
-        from ._problem import vector
-
         n_c, d = problem.n_c, problem.tangents
         self.problem, self.force, self.gap = problem, vector("force", force, problem.n_u), vector("gap", gap, n_c)
-        w = np.zeros((n_c, d)) if w_t_last is None else np.asarray(w_t_last, float).reshape(n_c, d)
-        self.w_t_last = w
+        self.w_t_last = tangential("w_t_last", w_t_last, n_c, d)
         self.r = problem._core.contact_stiffness if r is None else vector("r", r, n_c)
         if (self.r <= 0).any():
-            raise ValueError("r must be above 0")
+            raise ValueError("r is not above 0")
         self.mu = problem.mu if mu is None else vector("mu", mu, n_c)
         self.K, self.C_n, self.C_t = problem.K, problem.C_n, problem.C_t
 
-    def _trial(self, u: ArrayLike, p_n: ArrayLike, p_t: ArrayLike | None) -> tuple[Array, Array, Array, Array, Array]:
-        from ._problem import vector
+    def __repr__(self) -> str:
+        return f"<Natural map of {self.problem!r}>"
 
+    def _trial(self, u: ArrayLike, p_n: ArrayLike, p_t: ArrayLike | None) -> tuple[Array, Array, Array, Array, Array]:
         n_c, d = self.problem.n_c, self.problem.tangents
         u, p_n = vector("u", u, self.problem.n_u), vector("p_n", p_n, n_c)
-        p_t = np.zeros((n_c, d)) if p_t is None else np.asarray(p_t, float).reshape(n_c, d)
+        p_t = tangential("p_t", p_t, n_c, d)
         pi = p_n + self.r * (self.C_n @ u - self.gap)
         tau = p_t + self.r[:, None] * (self.problem.slip(u) - self.w_t_last)
         return u, p_n, p_t, pi, tau
 
     def residual(self, u: ArrayLike, p_n: ArrayLike, p_t: ArrayLike | None = None) -> Array:
-        """H(z), (n_u + n_c (1 + d),), N."""
+        """H(z).
+
+        Parameters
+        ----------
+        u, p_n, p_t : (n_u,), (n_c,) and (n_c, d)
+            Displacements, m, and contact forces, N.
+
+        Returns
+        -------
+        (n_u + n_c (1 + d),) array
+            N: of the nodes' balance, of p_n, and of p_t tangent after tangent.
+        """
         u, p_n, p_t, pi, tau = self._trial(u, p_n, p_t)
         balance = self.K @ u + self.C_n.T @ p_n - self.force
         for d, C in enumerate(self.C_t):
@@ -72,7 +106,18 @@ class Natural:
         return np.concatenate([balance, p_n - np.maximum(pi, 0.0), (p_t - shrink[:, None] * tau).T.ravel()])
 
     def jacobian(self, u: ArrayLike, p_n: ArrayLike, p_t: ArrayLike | None = None) -> Any:
-        """The derivative of the linear piece that holds at z, csc_array."""
+        """The derivative of the linear piece that holds at z.
+
+        Parameters
+        ----------
+        u, p_n, p_t : (n_u,), (n_c,) and (n_c, d)
+            Displacements, m, and contact forces, N.
+
+        Returns
+        -------
+        csc_array
+            Square, in the order of `residual`.
+        """
         u, p_n, p_t, pi, tau = self._trial(u, p_n, p_t)
         n_c, d = tau.shape
         closed = (pi > 0).astype(float)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from ._judge import Comparison
+    from ._compare import Comparison
     from ._result import Result
     from ._scene import Model
 

@@ -19,16 +19,15 @@ from typing import Any, NamedTuple
 import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import splu
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ._arrays import Array, tangential, vector
 from ._judge import Posed, Solver
-from ._problem import ContactProblem, vector
-
-Array = NDArray[np.float64]
+from ._problem import ContactProblem
 
 
 class GlobalFriction(NamedTuple):
-    """What `siconos.numerics.GlobalFrictionContactProblem` is made of."""
+    """What `siconos.numerics.GlobalFrictionContactProblem` is made of, in this order; see `stickslip.siconos.to_siconos`."""
 
     dimension: int
     M: Any
@@ -37,19 +36,43 @@ class GlobalFriction(NamedTuple):
     b: Array
     mu: Array
 
+    def __repr__(self) -> str:
+        return f"<GlobalFriction in {self.dimension}D, M {self.M.shape}, H {self.H.shape}>"
+
 
 def to_siconos(
     problem: ContactProblem, force: ArrayLike, gap: ArrayLike = 0.0, w_t_last: ArrayLike | None = None, mu: ArrayLike | None = None
 ) -> GlobalFriction:
     """One increment of `problem` as Siconos has it.
 
-    Args:
-        force: N, (n_u,). gap: m, a number or (n_c,). w_t_last: m, (n_c,) or (n_c, d). mu: of this increment where it changes, (n_c,).
+    Parameters
+    ----------
+    problem : ContactProblem
+        With tangents.
+    force : (n_u,)
+        N.
+    gap : float or (n_c,)
+        m.
+    w_t_last : (n_c,) or (n_c, d), optional
+        Tangential displacements before the increment, m.
+    mu : float or (n_c,), optional
+        Friction coefficients of this increment where they change.
+
+    Returns
+    -------
+    GlobalFriction
+
+    Examples
+    --------
+    >>> import numpy as np, stickslip as ss
+    >>> problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
+    >>> ss.siconos.to_siconos(problem, [40.0, -100.0], gap=1e-5)
+    <GlobalFriction in 2D, M (2, 2), H (2, 2)>
     """
     n_c, d = problem.n_c, problem.tangents
     if d == 0:
         raise ValueError("C_t: Siconos's friction problems need tangents")
-    w = np.zeros((n_c, d)) if w_t_last is None else np.asarray(w_t_last, dtype=float).reshape(n_c, d)
+    w = tangential("w_t_last", w_t_last, n_c, d)
     order = np.arange((1 + d) * n_c).reshape(1 + d, n_c).T.ravel()
     H = sp.csr_array(sp.vstack([-problem.C_n, *problem.C_t], format="csr"))[order].T.tocsc()
     b = np.column_stack([vector("gap", gap, n_c), -w]).ravel()
@@ -58,7 +81,35 @@ def to_siconos(
 
 
 def from_siconos(M: Any, H: Any, q: ArrayLike, b: ArrayLike, mu: ArrayLike) -> Posed:
-    """The increment that Siconos's matrices pose, with its problem, force, gap and w_t_last."""
+    """The increment that Siconos's matrices pose.
+
+    Parameters
+    ----------
+    M : (n_u, n_u) matrix
+        K, N/m.
+    H : (n_u, n_c (1 + d)) matrix
+        Columns of a contact one after the other: normal, tangents.
+    q : (n_u,)
+        Force, N.
+    b : (n_c (1 + d),)
+        Gaps, and tangential displacements before the increment with the opposite sign, m.
+    mu : (n_c,)
+        Friction coefficients.
+
+    Returns
+    -------
+    Posed
+        With its problem, force, gap and w_t_last.
+
+    Examples
+    --------
+    >>> import numpy as np, stickslip as ss
+    >>> problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
+    >>> _, M, H, q, b, mu = problem.to_siconos([40.0, -100.0], gap=1e-5)
+    >>> posed = ss.siconos.from_siconos(M, H, q, b, mu)
+    >>> posed.force, posed.gap
+    (array([  40., -100.]), array([1.e-05]))
+    """
     contacts = len(np.atleast_1d(np.asarray(mu, dtype=float)))
     H = sp.csc_array(H)
     dimension, left = divmod(H.shape[1], contacts)
@@ -74,13 +125,52 @@ def from_siconos(M: Any, H: Any, q: ArrayLike, b: ArrayLike, mu: ArrayLike) -> P
 
 
 def answer(problem: ContactProblem, v: ArrayLike, r: ArrayLike) -> tuple[Array, Array, Array]:
-    """(u, p_n, p_t) of Siconos's `v` (n_u,) and reactions `r` (n_c (1 + d),), as the judge wants them."""
+    """Siconos's answer as the judge wants it.
+
+    Parameters
+    ----------
+    problem : ContactProblem
+        Its problem here.
+    v : (n_u,)
+        Displacements, m.
+    r : (n_c (1 + d),)
+        Reactions, N.
+
+    Returns
+    -------
+    tuple of arrays
+        (u, p_n, p_t).
+
+    Examples
+    --------
+    >>> import numpy as np, stickslip as ss
+    >>> problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
+    >>> ss.siconos.answer(problem, [5e-6, 0.0], [100.0, -30.0])
+    (array([5.e-06, 0.e+00]), array([100.]), array([[30.]]))
+    """
     by_node = vector("r", r, problem.n_c * (1 + problem.tangents)).reshape(problem.n_c, -1)
     return vector("v", v, problem.n_u), by_node[:, 0].copy(), -by_node[:, 1:]
 
 
 def reactions(p_n: ArrayLike, p_t: ArrayLike) -> Array:
-    """Siconos's `r` of contact forces here, (n_c (1 + d),)."""
+    """Siconos's reactions of contact forces here.
+
+    Parameters
+    ----------
+    p_n, p_t : (n_c,) and (n_c,) or (n_c, d)
+        Contact forces, N.
+
+    Returns
+    -------
+    (n_c (1 + d),) array
+        N.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> ss.siconos.reactions([100.0], [30.0])
+    array([100., -30.])
+    """
     p_n = np.asarray(p_n, dtype=float)
     return np.column_stack([p_n, -np.asarray(p_t, dtype=float).reshape(len(p_n), -1)]).ravel()
 
@@ -94,9 +184,28 @@ def fc2d(name: str, tolerance: float = 1e-12, max_iterations: int = 100_000) -> 
 
     Siconos has the contact forces as its unknowns: the body is condensed to its compliance, in units near 1.
 
-    Args:
-        name: what follows SICONOS_FRICTION_2D_.
-        tolerance, max_iterations: what Siconos is told.
+    Parameters
+    ----------
+    name : str
+        What follows SICONOS_FRICTION_2D_.
+    tolerance : float
+        What Siconos is told.
+    max_iterations : int
+        What Siconos is told.
+
+    Returns
+    -------
+    callable
+
+    Raises
+    ------
+    ImportError
+        Siconos is not installed.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> ss.compare(model, {"NSGS": ss.siconos.fc2d("NSGS")})  # doctest: +SKIP
     """
     from siconos import numerics  # pyright: ignore[reportAttributeAccessIssue]
 
@@ -105,7 +214,7 @@ def fc2d(name: str, tolerance: float = 1e-12, max_iterations: int = 100_000) -> 
         if problem.tangents != 1:
             raise ValueError("fc2d: a problem in the plane expected")
         if "lu" not in cache:
-            cache["lu"], (cache["W"], cache["C"]) = splu(problem.K), problem.condensed()
+            cache["lu"], (cache["W"], cache["C"]) = splu(problem.K), problem.compliance()
         lu, W, C = cache["lu"], cache["W"], cache["C"]
         signs = np.tile([-1.0, 1.0], problem.n_c)
         free = signs * (C @ lu.solve(posed.force)) + np.column_stack([posed.gap, -posed.w_t_last[:, 0]]).ravel()

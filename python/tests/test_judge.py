@@ -115,8 +115,12 @@ def test_friction_that_changes_on_given_matrices(method: str) -> None:
 def test_friction_is_there_at_all_times_or_never() -> None:
     p = lubricated().problem
     for mu in (0.0, [0.0] + [0.4] * (p.n_c - 1)):
+        # Without friction at all times is another problem; a stepper has one.
+        assert p.solve(np.zeros(p.n_u), mu=mu).converged
         with pytest.raises(ValueError, match="mu: contact node 0"):
-            p.solve(np.zeros(p.n_u), mu=mu)
+            p.solve(np.zeros((2, p.n_u)), mu=[p.mu, mu * np.ones(p.n_c)])
+        with pytest.raises(ValueError, match="mu: contact node 0"):
+            p.stepper().step(np.zeros(p.n_u), mu=mu)
     with pytest.raises(ValueError, match="mu is negative"):
         p.solve(np.zeros(p.n_u), mu=-1.0)
     with pytest.raises(ValueError, match="mu has the shape"):

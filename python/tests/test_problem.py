@@ -54,7 +54,7 @@ def test_other_friction_on_one_body(linear: str) -> None:
     model = ss.Model(block(8))
     p, h = model.problem, model.history
     for mu in (0.0, 0.2, np.linspace(0.1, 0.9, p.n_c)):
-        other = p.with_friction(mu)
+        other = p.with_(mu=mu)
         assert other.n_u == p.n_u and (other.mu == mu).all() and (p.mu == 0.4).all()
         anew = ss.ContactProblem(p.K, p.C_n, p.C_t, mu, weight=p.weight)
         for _ in range(2):
@@ -62,11 +62,11 @@ def test_other_friction_on_one_body(linear: str) -> None:
             np.testing.assert_allclose(a.p_n, b.p_n, rtol=0, atol=1e-12 * abs(b.p_n).max())
             np.testing.assert_allclose(a.p_t, b.p_t, rtol=0, atol=1e-12 * abs(b.p_n).max())
     with pytest.raises(ValueError, match="mu"):
-        p.with_friction(-0.1)
+        p.with_(mu=-0.1)
     with pytest.raises(ValueError, match="shape"):
-        p.with_friction([0.1])
+        p.with_(mu=[0.1])
     with pytest.raises(ValueError, match="no C_t"):
-        ss.ContactProblem(p.K, p.C_n).with_friction(0.1)
+        ss.ContactProblem(p.K, p.C_n).with_(mu=0.1)
 
 
 class Scipy:
@@ -266,4 +266,4 @@ def test_a_body_that_only_friction_holds_has_its_free_motions_found() -> None:
     problem = ss.ContactProblem(K, [[1.0, 0.0]], [[0.0, 1.0]], 0.5)
     assert abs(abs(problem.free_motions) - [[0.0, 1.0]]).max() < 1e-12
     with pytest.raises(ValueError, match="free motions"):
-        problem.condensed()
+        problem.compliance()

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import pickle
+from pathlib import Path
+from typing import Any
+
 import numpy as np
 import pytest
 
 import stickslip as ss
 from scenes import block
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
 
 
 @pytest.mark.parametrize("linear", ["auto", "faer", "condensed"])
@@ -93,3 +99,60 @@ def test_what_cannot_be_is_refused() -> None:
 
     with pytest.raises(RuntimeError, match="callback"):
         stepper.step(model.history["force"][1], callback=again)
+
+
+@pytest.mark.parametrize("linear", ["auto", "faer", "condensed", None])
+@pytest.mark.parametrize("method", ["bn", "ip"])
+def test_an_increment_that_was_taken_back_leaves_nothing_behind(method: Any, linear: Any) -> None:
+    model = ss.Model(block(n=8, increments=8))
+    force = model.history["force"]
+    chain = model.problem.stepper(gap=1e-5, method=method, linear=linear)
+    expected = [chain.step(row).check() for row in force]
+    stepper = model.problem.stepper(gap=1e-5, method=method, linear=linear)
+    for k, row in enumerate(force):
+        before = stepper.save()
+        for other in (-0.5, 2.0):
+            stepper.step(other * row + 0.1 * force[-1], gap=2e-5, drift=np.full(model.problem.n_c, 1e-6), mu=0.3).check()
+            stepper.step(force[2], mu=0.5).check()
+            assert stepper.time == k + 2.0
+            stepper.restore(before)
+            assert stepper.time == float(k)
+        found = stepper.step(row).check()
+        np.testing.assert_allclose(found.p_n, expected[k].p_n, rtol=0, atol=1e-10 * abs(expected[k].p_n).max())
+        np.testing.assert_allclose(found.p_t, expected[k].p_t, rtol=0, atol=1e-10 * abs(expected[k].p_n).max())
+        np.testing.assert_allclose(found.u, expected[k].u, rtol=0, atol=1e-10 * abs(expected[k].u).max())
+        assert (found.gap == expected[k].gap).all() and (found.mu == expected[k].mu).all()
+
+
+def test_states_are_of_one_stepper() -> None:
+    problem = ss.Model(block(n=4, increments=4)).problem
+    one, two = problem.stepper(), problem.stepper()
+    with pytest.raises(ValueError, match="^state is that of another stepper"):
+        two.restore(one.save())
+    with pytest.raises(TypeError, match="^state"):
+        two.restore(1.0)  # type: ignore[arg-type]
+    for live in (one, one.save()):
+        with pytest.raises(TypeError, match="pickle"):
+            pickle.dumps(live)
+    assert repr(one.save()) == "<StepperState at t = 0 s>"
+
+
+def test_the_implicit_coupling_agrees_with_the_history_that_it_found(capsys: pytest.CaptureFixture[str]) -> None:
+    code: dict[str, Any] = {"__name__": "example"}
+    exec(compile((EXAMPLES / "thermoelastic.py").read_text(encoding="utf-8"), "thermoelastic.py", "exec"), code)
+    model, results, warm = code["main"](increments=4)
+    problem, force = model.problem, model.history["force"][-1]
+    assert warm.max() > 10.0 and capsys.readouterr().out.count("iterations") == 4
+    # The gaps that came out, prescribed: the same forces, and they make the heat that makes the gaps.
+    gap = np.vstack([np.zeros(problem.n_c), *(result.gap for result in results)])
+    times = np.array([result.t[0] for result in results])
+    drift = code["speed"] * times[:, None] * np.ones(problem.n_c)
+    whole = problem.solve(np.tile(force, (4, 1)), gap=gap, drift=drift, times=times).check()
+    p_n = np.vstack([result.p_n for result in results])
+    np.testing.assert_allclose(whole.p_n, p_n, rtol=0, atol=1e-8 * p_n.max())
+    slip = np.vstack([np.zeros((1, problem.n_c)), *(problem.slip(u).T for u in whole.u)])
+    slid = np.diff(slip - code["speed"] * np.r_[0.0, times][:, None], axis=0)
+    temperature = -gap / code["growth"]
+    heat = whole.p_t[:, :, 0] * slid / problem.weight
+    balance = code["capacity"] * np.diff(temperature, axis=0) + code["dt"] * code["loss"] * temperature[1:] - heat
+    assert abs(balance).max() < 1e-6 * heat.max()

@@ -19,7 +19,7 @@ EYE, ROW = np.eye(3), np.array([[0.0, 0.0, 1.0]])
     ("K", (EYE[:2], ROW, ROW, 0.1)),
     ("K", (EYE * np.nan, ROW, ROW, 0.1)),
     ("K", ("a word", ROW, ROW, 0.1)),
-    ("stiffness", (-EYE, ROW, ROW, 0.1)),
+    ("^K is not positive semidefinite", (-EYE, ROW, ROW, 0.1)),
     ("C_n", (EYE, ROW[:, :2], ROW, 0.1)),
     ("C_t", (EYE, ROW, sp.csr_array((2, 3)), 0.1)),
     ("C_t", (EYE, ROW, (ROW, ROW, ROW), 0.1)),
@@ -48,14 +48,14 @@ def test_what_goes_with_matrices(name: str, arguments: dict[str, object]) -> Non
     ("gap", [1.0, 0.0, 0.0], {"gap": [0.0, 1.0]}), ("gap", [1.0, 0.0, 0.0], {"gap": [[0.0], [1.0], [2.0]]}),
     ("gap", [1.0, 0.0, 0.0], {"gap": np.nan}), ("drift", [1.0, 0.0, 0.0], {"drift": [1.0]}),
     ("times", [1.0, 0.0, 0.0], {"times": [0.0]}), ("times", [1.0, 0.0, 0.0], {"times": [1.0, 2.0]}),
-    ("method", [1.0, 0.0, 0.0], {"method": "newton"}), ("method", [1.0, 0.0, 0.0], {"setting": "magic"}),
-    ("linear", [1.0, 0.0, 0.0], {"linear": "magic"}), ("tolerance", [1.0, 0.0, 0.0], {"tolerance": -1.0}),
+    ("method", [1.0, 0.0, 0.0], {"method": "newton"}), ("setting", [1.0, 0.0, 0.0], {"setting": "magic"}),
+    ("linear", [1.0, 0.0, 0.0], {"linear": "magic"}), ("force", np.zeros((0, 3)), {}), ("tolerance", [1.0, 0.0, 0.0], {"tolerance": -1.0}),
     ("max_iterations", [1.0, 0.0, 0.0], {"max_iterations": 0}), ("r_factor", [1.0, 0.0, 0.0], {"r_factor": 0.0}),
     ("keep_u", [1.0, 0.0, 0.0], {"keep_u": "some"}), ("keep_u", [1.0, 0.0, 0.0], {"keep_u": [5]}),
     ("weight", [1.0, 0.0, 0.0], {"setting": "paper"}),
 ])
 def test_histories(name: str, force: object, options: dict[str, object]) -> None:
-    with pytest.raises(ValueError, match=name):
+    with pytest.raises(ValueError, match=f"^{name}" if name != "weight" else name):
         ss.ContactProblem(EYE, ROW, ROW[:, [2, 0, 1]], 0.1).solve(force, **options)  # type: ignore[arg-type]
 
 

@@ -89,7 +89,7 @@ pub use observer::{IncrementView, Observer};
 pub use record::{ContactCounts, IncrementRecord, Seconds, Status, Tally};
 pub use saved::Snapshot;
 pub use settings::HistorySettings;
-pub use stepper::Stepper;
+pub use stepper::{Stepper, StepperState};
 pub use system::{LinearAlgebra, SystemSolver, UnknownLinearAlgebra};
 pub use task::{Algorithm, IncrementSolver, Observe, Response, Task};
 pub use working_set::WorkingSet;

@@ -146,3 +146,33 @@ fn an_increment_that_failed_is_tried_again_from_where_the_last_one_ended() {
         assert_eq!(again.state, expected.increments[1].state, "{linear}");
     }
 }
+
+/// Also from the undeformed body, and after several increments that are taken back.
+#[test]
+fn increments_that_were_taken_back_leave_nothing_behind() {
+    let (model, times) = model();
+    for method in [Method::BN, Method::PaperBn, Method::Ip] {
+        let settings = HistorySettings::new(&model.problem, &model.loading, method).unwrap();
+        for linear in built_in() {
+            let whole = history(&model, &times, &settings, linear);
+            let mut stepper = Stepper::new(&model.problem, settings.clone(), linear.into()).unwrap();
+            for (time, expected) in times.iter().zip(&whole.increments) {
+                let (before, begun) = (stepper.save(), stepper.time());
+                for _ in 0..2 {
+                    // Other loads, and two increments of them.
+                    stepper.step(&between(&model, begun, time + 0.5), time + 0.5, &mut ()).unwrap();
+                    stepper.step(&model.loading, time + 1.0, &mut ()).unwrap();
+                    stepper.restore(&before);
+                    assert_eq!(stepper.time().to_bits(), begun.to_bits());
+                }
+                let mut one = Recording::all();
+                let outcome = stepper.step(&model.loading, *time, &mut one).unwrap();
+                assert_eq!(outcome.tally.increments, expected.record.index);
+                let of = |errors: [f64; 2]| errors[0].max(errors[1]);
+                let state = &one.increments[0].state;
+                let error = of([distance(&state.u, &expected.state.u), distance(&state.p_n, &expected.state.p_n)]);
+                assert!(error < 1e-10, "{method} {linear} at {time}: {error:e}");
+            }
+        }
+    }
+}

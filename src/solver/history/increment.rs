@@ -181,8 +181,10 @@ impl<'a> IncrementDriver<'a> {
         let IncrementDriver { problem, loading, settings, .. } = *self;
         loading.force(time, &mut self.stage.force);
         loading.gap_at(time, &mut self.stage.gap);
-        if let Some(friction) = loading.friction() {
-            self.stage.mu = friction.at(time);
+        match loading.friction() {
+            Some(friction) => self.stage.mu = friction.at(time),
+            // The last increment of a stepper may have had another friction, before it failed or was taken back.
+            None => self.stage.mu.copy_from_slice(problem.mu()),
         }
         let from = self.at.reached.unwrap_or(0.0);
         let begins = self.take_estimate(time).or(self.at.reached);

@@ -55,6 +55,16 @@ pub struct Stepper<P> {
     restart: Option<Snapshot>,
 }
 
+/// Where a [`Stepper`] was when [`Stepper::save`] was called.
+#[derive(Clone)]
+pub struct StepperState {
+    times: Vec<f64>,
+    done: Done,
+    position: HistoryState,
+    /// The snapshot of the method; `None` before the equations were set up.
+    method: Option<Snapshot>,
+}
+
 /// The body to which the equations belong.
 enum Body {
     Whole,
@@ -93,6 +103,46 @@ impl<P: Borrow<ContactProblem>> Stepper<P> {
     /// Returns the end of the last converged increment, s; 0 before the first.
     pub fn time(&self) -> f64 {
         self.times.last().copied().unwrap_or(0.0)
+    }
+
+    /// Returns where the stepper is, for [`Stepper::restore`]: an implicit coupling takes increments back.
+    pub fn save(&self) -> StepperState {
+        let now = || self.stage.as_ref().map(|stage| stage.method.snapshot(&self.linear));
+        StepperState {
+            times: self.times.clone(),
+            done: self.done.clone(),
+            position: self.position.clone(),
+            method: self.restart.clone().or_else(now),
+        }
+    }
+
+    /// Returns to a `state` that this stepper has saved. The next increment is what it would have been there.
+    ///
+    /// ```
+    /// # use stickslip::solver::history::{HistorySettings, Method, Stepper, SystemSolver};
+    /// # use stickslip::solver::{ContactProblem, LoadCase, Loading, Parts};
+    /// # use stickslip::algebra::{Csr, Symmetric};
+    /// # let stiffness = Symmetric::from_triplets(1, &[(0, 0, 2.0)])?;
+    /// # let problem = ContactProblem::new(Parts::new(stiffness, Csr::from_rows(1, [[(0, 1.0)]])?))?;
+    /// # let load = |f: f64| Loading::new(vec![LoadCase::new(vec![f], vec![])?], vec![1.0]);
+    /// # let settings = HistorySettings::new(&problem, &load(3.0)?, Method::BN)?;
+    /// // The node of the example above: its force depends on the answer.
+    /// let mut stepper = Stepper::new(&problem, settings, SystemSolver::default())?;
+    /// let (before, mut p) = (stepper.save(), 0.0);
+    /// for _ in 0..60 {
+    ///     stepper.restore(&before);
+    ///     p = stepper.step(&load(3.0 + 0.5 * p)?, 1.0, &mut ())?.state.p_n[0];
+    /// }
+    /// assert!((p - 2.0).abs() < 1e-14 && stepper.time() == 1.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn restore(&mut self, state: &StepperState) {
+        let StepperState { times, done, position, method } = state.clone();
+        if method.is_none() {
+            // The equations are set up again, with whatever the next increment brings.
+            (self.stage, self.loading) = (None, None);
+        }
+        (self.times, self.done, self.position, self.restart) = (times, done, position, method);
     }
 
     /// Advances to `time` (s), where `loading` describes the data between the end of the last increment and `time`.

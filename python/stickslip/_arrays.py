@@ -1,0 +1,107 @@
+"""Arrays and matrices that come in: checked, and named in what is said of them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+
+def finite(name: str, values: ArrayLike) -> Array:
+    """An array of finite real numbers, of any shape."""
+    if np.iscomplexobj(values):
+        raise ValueError(f"{name} is complex")
+    try:
+        array = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{name} is no array of numbers: {error}") from None
+    if not np.isfinite(array).all():
+        raise ValueError(f"{name} is not finite")
+    return array
+
+
+def vector(name: str, values: ArrayLike, length: int) -> Array:
+    """A contiguous, finite vector of that length, of a number or of as many."""
+    array = finite(name, values)
+    if array.ndim > 1 or (array.ndim == 1 and array.shape != (length,)):
+        raise ValueError(f"{name} has the shape {array.shape}, expected {(length,)}")
+    return np.ascontiguousarray(np.broadcast_to(array, length))
+
+
+def numbers(name: str, values: ArrayLike, shape: tuple[int, ...]) -> Array:
+    """An array of this shape, or what numpy makes one of by repeating it."""
+    array = finite(name, values)
+    if 0 in array.shape and 0 not in shape:
+        raise ValueError(f"{name} is empty, expected the shape {shape}")
+    try:
+        return np.broadcast_to(array, shape)
+    except ValueError:
+        raise ValueError(f"{name} has the shape {array.shape}, expected {shape}") from None
+
+
+def tangential(name: str, values: ArrayLike | None, nodes: int, tangents: int) -> Array:
+    """Values along the tangents, (n_c, d), of as many in any shape; zeros for None."""
+    array = np.zeros((nodes, tangents)) if values is None else finite(name, values)
+    if array.size != nodes * tangents:
+        raise ValueError(f"{name} has the shape {array.shape}, expected {(nodes, tangents)}")
+    return array.reshape(nodes, tangents)
+
+
+def matrix(name: str, values: Any, kind: Any, shape: tuple[int, int] | None = None) -> Any:
+    """A finite sparse matrix of this kind, without repeated entries."""
+    if np.iscomplexobj(values):
+        raise ValueError(f"{name} is complex")
+    try:
+        values = kind(values, dtype=np.float64, copy=True)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{name} is no matrix: {error}") from None
+    if values.ndim != 2 or (shape is not None and values.shape != shape):
+        raise ValueError(f"{name} has the shape {values.shape}, expected {shape}")
+    values.sum_duplicates()
+    if not np.isfinite(values.data).all():
+        raise ValueError(f"{name} is not finite")
+    return values
+
+
+def compressed(values: Any) -> tuple[Any, Any, Any]:
+    """A matrix as the core takes it."""
+    return values.data, values.indices.astype(np.int64), values.indptr.astype(np.int64)
+
+
+def symmetric(K: Any, check: bool) -> Any:
+    """K, whose lower triangle is read; refused where that would be another matrix."""
+    above, below = ((part.data != 0).any() for part in (sp.triu(K, 1), sp.tril(K, -1)))
+    triangle = above != below
+    if triangle and not check:
+        return K.T.tocsc() if above else K
+    if check:
+        off, size = abs(K - K.T), abs(K)
+    else:
+        # By products with a vector, which cost a small part of a difference of matrices.
+        x = np.random.default_rng(0).uniform(1.0, 2.0, K.shape[0])
+        off, size = abs(K @ x - K.T @ x), abs(K) @ x
+    share = off.max() / size.max() if above or below else 0.0
+    if share <= 1e-10:
+        return K
+    cure = "pass check=False, which takes a triangle" if triangle else "where that is rounding, give (K + K.T) / 2"
+    what = "has entries on one side of its diagonal only" if triangle else f"differs from its transpose by {share:.1e} of its largest entry"
+    raise ValueError(f"K is not symmetric: it {what}; {cure}")
+
+
+def contact_maps(C_n: Any, C_t: Any, n_u: int) -> tuple[list[Any], int]:
+    """C_n, C_t and C_o by rows, empty where there is none, and the number of tangents."""
+    C_n = matrix("C_n", C_n, sp.csr_array)
+    n_c = C_n.shape[0]
+    # A list of matrices, and no matrix that is written as a list of its rows.
+    several = isinstance(C_t, (list, tuple)) and all(sp.issparse(C) or np.ndim(C) == 2 for C in C_t)
+    tangents = () if C_t is None else tuple(C_t) if several else (C_t,)
+    if len(tangents) > 2:
+        raise ValueError(f"C_t has {len(tangents)} matrices, expected one or two")
+    names = ("C_t",) if len(tangents) == 1 else ("C_t[0]", "C_t[1]")
+    maps = [matrix("C_n", C_n, sp.csr_array, (n_c, n_u))]
+    maps += [matrix(name, C, sp.csr_array, (n_c, n_u)) for name, C in zip(names, tangents)]
+    return maps + [sp.csr_array((n_c, n_u))] * (3 - len(maps)), len(tangents)

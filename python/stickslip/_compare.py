@@ -1,0 +1,194 @@
+"""Several solvers on one history, with one judge."""
+
+from __future__ import annotations
+
+import html
+import time
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import plot as _plot
+from ._errors import NotConvergedWarning
+from ._judge import Solver, Verdict, errors, history_of, judge, verdict_of
+from ._problem import ContactProblem
+from ._result import LAWS, Result
+from ._scene import Model
+
+if TYPE_CHECKING:
+    from ._options import Method
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """Verdicts on several solvers; prints as a table, and in a notebook with what is wrong in red.
+
+    Attributes
+    ----------
+    verdicts : list of Verdict
+        In the order of the solvers; ``comparison["name"]`` is that of one.
+    tolerance : float
+        The largest error of any law that still holds.
+
+    Examples
+    --------
+    >>> import numpy as np, stickslip as ss
+    >>> problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
+    >>> def lazy(posed):
+    ...     return np.linalg.solve(problem.K.toarray(), posed.force), [0.0], [[0.0]]
+    >>> table = ss.compare(problem, {"Newton": "bn", "lazy": lazy}, history={"force": [[40.0, -100.0]]})
+    >>> table["Newton"].holds, table["lazy"].holds, table["lazy"].law
+    (True, False, 'penetration')
+    """
+
+    verdicts: list[Verdict]
+    tolerance: float
+
+    def __getitem__(self, name: str) -> Verdict:
+        for verdict in self.verdicts:
+            if verdict.name == name:
+                return verdict
+        raise KeyError(f"name is {name!r}, expected one of {', '.join(verdict.name for verdict in self.verdicts)}")
+
+    def __repr__(self) -> str:
+        held = sum(verdict.holds for verdict in self.verdicts)
+        return f"<Comparison of {len(self.verdicts)} solvers, {held} within {self.tolerance:g}>"
+
+    def _rows(self) -> list[tuple[str, str, str, str]]:
+        def last(verdict: Verdict) -> str:
+            total = f"sum p_n = {verdict.p_n[-1].sum():.9e} N" if len(verdict.p_n) else ""
+            return total if verdict.holds else f"{total}  WRONG: {verdict.remark or verdict.law}"
+
+        return [(v.name, f"{v.error:.1e}", f"{v.seconds:.3f} s", last(v)) for v in self.verdicts]
+
+    def __str__(self) -> str:
+        width = max(len(verdict.name) for verdict in self.verdicts)
+        return "\n".join(f"{name:{width}}  {error:>8}  {seconds:>9}  {last}" for name, error, seconds, last in self._rows())
+
+    def _repr_html_(self) -> str:
+        def row(verdict: Verdict, cells: tuple[str, ...]) -> str:
+            colour = "inherit" if verdict.holds else "#cf222e"
+            return f"<tr style='color:{colour}'>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in cells) + "</tr>"
+
+        head = "<tr><th>solver</th><th>largest error</th><th>CPU time</th><th>at the end</th></tr>"
+        return f"<table>{head}{''.join(map(row, self.verdicts, self._rows()))}</table>"
+
+    def to_pandas(self) -> Any:
+        """A `DataFrame` with a row for each solver."""
+        import pandas
+
+        keys = ("name", "error", "law", "increment", "seconds", "holds", "remark")
+        return pandas.DataFrame([{key: getattr(v, key) for key in keys} for v in self.verdicts]).set_index("name")
+
+    def plot(self, ax: Any = None) -> Any:
+        """Error against CPU time.
+
+        Parameters
+        ----------
+        ax : matplotlib axes, optional
+            New ones without it.
+
+        Returns
+        -------
+        matplotlib axes
+        """
+        return _plot.comparison(self, ax)
+
+
+#: The words that `compare` takes.
+_OWN = ("bn", "ip", "events", "stickslip")
+
+
+def _own(of: Model | ContactProblem, word: str, history: Mapping[str, ArrayLike] | None, data: Mapping[str, Array]) -> Result:
+    """A history by this module."""
+    if isinstance(of, Model):
+        if history is None and word == "stickslip":
+            return of.run(_stacklevel=5)
+        of = of.problem
+    return of.solve(
+        data["force"], gap=data["gap"], drift=data["drift"] if of.tangents else None, mu=data["mu"],
+        method=cast("Method", "bn" if word == "stickslip" else word),
+    )
+
+
+def _judged(problem: ContactProblem, result: Result, data: Mapping[str, Array]) -> tuple[list[list[float]], str]:
+    """Errors by law of a result of this module, by the history that was posed, and why there are no more."""
+    rows: list[list[float]] = []
+    scales = (0.0, 0.0)
+    increments = list(zip(data["force"], data["gap"][1:], data["mu"]))
+    for k, (force, gap, mu) in enumerate(increments[: len(result.t)]):
+        judged = errors(
+            problem, force, (result.u[k], result.u_rest[k]), result.p_n[k], result.p_t[k], gap=gap,
+            w_t_last=result.w_t_last[k], mu=mu, scales=scales,
+        )
+        scales = judged.scales
+        rows.append([getattr(judged, law) for law in LAWS])
+    if result.converged and len(rows) == len(increments):
+        return rows, ""
+    if len(rows) < len(increments):
+        rows.append([np.inf] * 6)
+    return rows, result._verdict()
+
+
+def compare(
+    of: Model | ContactProblem, solvers: Mapping[str, Solver | str], *,
+    history: Mapping[str, ArrayLike] | None = None, tolerance: float = 1e-8,
+) -> Comparison:
+    """Several solvers on one history, with one judge.
+
+    Parameters
+    ----------
+    of, history, tolerance
+        As those of `judge`.
+    solvers : mapping of str to callable or str
+        By name; a callable as `judge` takes it, or a word: "bn", "ip" and "events" are stickslip's on the matrices, "stickslip" the
+        run of the model as its scene says. All answers are judged by the same history.
+
+    Returns
+    -------
+    Comparison
+
+    Raises
+    ------
+    ValueError
+        No solvers, an unknown word, or a history that does not fit.
+
+    Examples
+    --------
+    >>> import numpy as np, stickslip as ss
+    >>> problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
+    >>> ss.compare(problem, {"Newton": "bn", "interior point": "ip"}, history={"force": [[40.0, -100.0]]})
+    <Comparison of 2 solvers, 2 within 1e-08>
+    """
+    if not solvers:
+        raise ValueError("solvers is empty: there is nothing to compare")
+    data = history_of(of, history)
+    problem = of.problem if isinstance(of, Model) else of
+    verdicts = []
+    for name, solver in solvers.items():
+        if not isinstance(solver, str):
+            verdicts.append(judge(of, solver, history=history, name=name, tolerance=tolerance))
+            continue
+        if solver not in _OWN:
+            raise ValueError(f"solvers[{name!r}] is {solver!r}, expected one of {', '.join(_OWN)} or a function of an increment")
+        start = time.process_time()
+        p_n, p_t = np.zeros((0, problem.n_c)), np.zeros((0, problem.n_c, problem.tangents))
+        try:
+            with warnings.catch_warnings():
+                # The verdict says it.
+                warnings.simplefilter("ignore", NotConvergedWarning)
+                result = _own(of, solver, history, data)
+            seconds = time.process_time() - start
+            rows, remark = _judged(problem, result, data)
+            p_n, p_t = result.p_n, result.p_t
+        except (ArithmeticError, RuntimeError, ValueError) as raised:
+            seconds = time.process_time() - start
+            rows, remark = [[np.inf] * 6], f"{type(raised).__name__}: {raised}"
+        verdicts.append(verdict_of(name, rows, seconds, p_n, p_t, remark, tolerance))
+    return Comparison(verdicts, tolerance)

@@ -1,0 +1,172 @@
+"""Many histories of one body."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _core, _dependent, _history
+from ._errors import NotConverged, NotConvergedWarning
+from ._options import core_options, keep
+from ._result import Result
+
+if TYPE_CHECKING:
+    from ._options import Several
+    from ._problem import ContactProblem
+
+Array = NDArray[Any]
+
+#: The arrays of a `Result` with a row for each increment.
+_ROWS = ("t", "p_n", "p_t", "contact", "gap", "mu", "w_t_last", "errors")
+
+
+class Results(list[Result]):
+    """What `ContactProblem.solve_many` gives back: a list of `Result`, in the order of the input.
+
+    Examples
+    --------
+    >>> import numpy as np, stickslip as ss
+    >>> problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
+    >>> results = problem.solve_many(forces=[[10.0, -100.0], [40.0, -100.0]])
+    >>> results.converged
+    array([ True,  True])
+    >>> results[1].p_n
+    array([[100.]])
+    """
+
+    @property
+    def converged(self) -> NDArray[np.bool_]:
+        """Which histories converged, (N,)."""
+        return np.array([result.converged for result in self], dtype=bool)
+
+    def check(self) -> Results:
+        """Itself; raises `NotConverged` with the first result that did not converge, if there is one."""
+        for k, result in enumerate(self):
+            if not result.converged:
+                raise NotConverged(f"history {k}: {result._verdict()}", result)
+        return self
+
+    def stack(self, name: str) -> Array:
+        """One array of all results.
+
+        Parameters
+        ----------
+        name : str
+            "p_n", "p_t", "contact", "gap", "mu", "w_t_last", "errors" or "t", with a row for each increment; or "u".
+
+        Returns
+        -------
+        (N, m, ...) array
+            NaN, or 255 in "contact", for increments that were not reached. Of "u" the increments that are kept.
+
+        Raises
+        ------
+        KeyError
+            `name` is no such array.
+        """
+        if name not in (*_ROWS, "u"):
+            raise KeyError(f"name is {name!r}, expected one of {', '.join((*_ROWS, 'u'))}")
+        arrays = [getattr(result, name) for result in self]
+        rows = max((len(array) for array in arrays), default=0)
+        widths = [array.shape[1:] for array in arrays if len(array)]
+        width, kind = (widths[0] if widths else ()), np.uint8 if name == "contact" else np.float64
+        stacked = np.full((len(self), rows, *width), 255 if name == "contact" else np.nan, dtype=kind)
+        for k, array in enumerate(arrays):
+            if len(array):
+                stacked[k, : len(array)] = array
+        return stacked
+
+    def __repr__(self) -> str:
+        failed = np.flatnonzero(~self.converged)
+        if not len(failed):
+            return f"<Results of {len(self)} histories, all converged>"
+        return f"<Results of {len(self)} histories, {len(failed)} not converged: {_few(failed)}>"
+
+
+def _few(numbers: Iterable[int]) -> str:
+    numbers = [int(k) for k in numbers]
+    return ", ".join(map(str, numbers[:5])) + (", ..." if len(numbers) > 5 else "")
+
+
+def _samples(several: dict[str, Several | None]) -> int:
+    lengths = {name: len(values) for name, values in several.items() if values is not None}
+    if not lengths:
+        raise ValueError("forces, gaps and mus are missing: give at least one of them, with an entry for each history")
+    if len(set(lengths.values())) > 1:
+        raise ValueError(", ".join(f"{name} has {length} entries" for name, length in lengths.items()) + ": as many expected")
+    return next(iter(lengths.values()))
+
+
+def _histories(
+    problem: ContactProblem, shared: tuple[Any, ...], several: dict[str, Several | None]
+) -> list[tuple[ContactProblem, dict[str, Any]]]:
+    """The problem and the tables of each; equal loads are one array."""
+    force, factors, gap, drift, times = shared
+    forces, gaps, mus = several["forces"], several["gaps"], several["mus"]
+    if (force is None) == (forces is None):
+        raise ValueError("force is missing: give it, or forces" if force is None else "forces: give them or force, not both")
+    if gaps is not None and np.any(np.asarray(gap) != 0):
+        raise ValueError("gaps: give them or gap, not both")
+    loads = None if force is None else _history.forces(problem, force, factors)
+    found = []
+    for k in range(_samples(several)):
+        own = _history.forces(problem, forces[k], factors, f"forces[{k}]") if forces is not None else loads
+        assert own is not None
+        found.append(
+            _history.posed(
+                problem, own, gap if gaps is None else gaps[k], drift, None if mus is None else mus[k], times,
+                ("gap" if gaps is None else f"gaps[{k}]", f"mus[{k}]"),
+            )
+        )
+    return found
+
+
+def solve(
+    problem: ContactProblem, shared: tuple[Any, ...], several: dict[str, Several | None],
+    keep_u: str | bool | Sequence[int], threads: int | None, progress: bool, options: dict[str, Any],
+) -> Results:
+    """`ContactProblem.solve_many`."""
+    histories = _histories(problem, shared, several)
+    if options.get("linear") is None:
+        options["linear"] = problem._linear
+    core, linear = core_options(**options)
+    if linear is not None and not isinstance(linear, str):
+        raise TypeError(f"linear: {type(linear).__name__} is one solver, which cannot work for several histories at once; a word expected")
+    if core["method"] == "events" and (changing := [k for k, (_, tables) in enumerate(histories) if tables["mu"] is not None]):
+        raise ValueError(f"mus[{changing[0]}] changes in time, which the method events does not follow; take bn or ip")
+    if threads is None:
+        threads = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    if threads < 1:
+        raise ValueError(f"threads is {threads}, but must be 1 or more")
+    kept = keep(keep_u, min((len(tables["times"]) for _, tables in histories), default=1))
+    bar: Any = None
+    if progress:
+        from tqdm.auto import tqdm
+
+        bar = tqdm(total=len(histories), unit="history")
+    try:
+        raws = _core.solve_many(
+            [(own._core, tables) for own, tables in histories], core, linear, kept, int(threads),
+            None if bar is None else bar.update,
+        )
+    finally:
+        if bar is not None:
+            bar.close()
+    results = Results()
+    with warnings.catch_warnings():
+        # One warning for all of them, below.
+        warnings.simplefilter("ignore", NotConvergedWarning)
+        for (own, tables), raw in zip(histories, raws):
+            raw, reason = _dependent.rescued(own, raw, tables, core, kept, None)
+            results.append(Result._of(raw, own.tangents, reason=reason))
+    failed = np.flatnonzero(~results.converged)
+    if len(failed):
+        first = int(failed[0])
+        message = f"{len(failed)} of {len(results)} histories did not converge ({_few(failed)}); {first}: {results[first]._verdict()}"
+        warnings.warn(message, NotConvergedWarning, stacklevel=3)
+    return results

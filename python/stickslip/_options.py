@@ -1,0 +1,126 @@
+"""The words and functions that a solve takes."""
+
+from __future__ import annotations
+
+import numbers
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, Literal, Protocol, TypedDict, Union, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+if TYPE_CHECKING:
+    from ._arrays import Array
+
+#: Semismooth Newton, interior point, or the exact path from event to event.
+Method = Literal["bn", "ip", "events"]
+#: The settings of a method: this library's, or those of the paper.
+Setting = Literal["default", "paper"]
+#: The linear algebra: the cheapest, sparse LU or partial elimination by faer, condensed to the contact, UMFPACK where it is built in.
+Linear = Literal["auto", "faer", "partial", "condensed", "umfpack"]
+
+#: What differs between histories: an entry for each, or an array with a row for each.
+Several = Union[Sequence[ArrayLike], NDArray[Any]]
+
+#: Called with (increment from 1, time, status, iterations, error); an exception ends the run and comes out.
+Callback = Callable[[int, float, str, int, float], object]
+
+
+class LinearSolver(Protocol):
+    """A direct solver of one's own, for `linear=`: any object with these three methods.
+
+    Examples
+    --------
+    SuperLU of scipy:
+
+    >>> import numpy as np, scipy.sparse as sp, stickslip as ss
+    >>> from scipy.sparse.linalg import splu
+    >>> class SuperLU:
+    ...     def analyze(self, n, indptr, indices):
+    ...         self.pattern = (n, indptr, indices)
+    ...     def factorize(self, data):
+    ...         n, indptr, indices = self.pattern
+    ...         self.lu = splu(sp.csc_array((data, indices, indptr), shape=(n, n)))
+    ...     def solve(self, b):
+    ...         return self.lu.solve(b)
+    >>> problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
+    >>> problem.solve([40.0, -100.0], linear=SuperLU()).p_t[0, 0]
+    array([30.])
+    """
+
+    def analyze(self, n: int, indptr: NDArray[np.int64], indices: NDArray[np.int64], /) -> object:
+        """Once a run: the pattern of the (n, n) matrix, by columns."""
+
+    def factorize(self, data: Array, /) -> object:
+        """Once an iteration: the values of its entries; `ZeroDivisionError` says that it is singular."""
+
+    def solve(self, b: Array, /) -> Array:
+        """With the last factors: x, float64, (n,)."""
+        ...
+
+
+class SolveOptions(TypedDict, total=False):
+    """The keywords of `ContactProblem.solve` that are not the history; `solve_increment` and `solve_many` pass them on."""
+
+    method: Method | None
+    setting: Setting | None
+    linear: Linear | LinearSolver | None
+    tolerance: float | None
+    max_iterations: int
+    r_factor: float
+
+
+class IncrementOptions(SolveOptions, total=False):
+    """What `solve_increment` takes beside them."""
+
+    mu: ArrayLike | None
+    keep_u: str | bool | Sequence[int]
+    callback: Callback | None
+
+
+def _word(name: str, value: object, words: tuple[str, ...], default: str) -> str:
+    if value is None:
+        return default
+    if not isinstance(value, str):
+        raise TypeError(f"{name} is {value!r}, expected a word: {', '.join(words)}")
+    if value not in words:
+        raise ValueError(f"{name} is {value!r}, expected one of {', '.join(words)}")
+    return value
+
+
+def core_options(
+    *, method: object = None, setting: object = None, linear: object = None, tolerance: object = None,
+    max_iterations: object = 200, r_factor: object = 1.0,
+) -> tuple[dict[str, Any], Any]:
+    """The options of a solve and its linear algebra, of the types that the core takes."""
+    options: dict[str, Any] = {
+        "method": _word("method", method, get_args(Method), "bn"), "setting": _word("setting", setting, get_args(Setting), "default"),
+        "r_factor": r_factor, "tolerance": tolerance, "max_iterations": max_iterations,
+    }
+    kinds: dict[str, tuple[Any, str]] = {
+        "r_factor": (numbers.Real, "a number"), "tolerance": ((numbers.Real, type(None)), "a number or None"),
+        "max_iterations": (numbers.Integral, "a whole number"),
+    }
+    for name, (kind, words) in kinds.items():
+        if not isinstance(options[name], kind) or isinstance(options[name], bool):
+            raise TypeError(f"{name} is {options[name]!r}, expected {words}")
+    if isinstance(linear, str):
+        linear = _word("linear", linear, get_args(Linear), "auto")
+    elif linear is not None and (missing := [step for step in ("analyze", "factorize", "solve") if not callable(getattr(linear, step, None))]):
+        raise TypeError(f"linear: {type(linear).__name__} has no {', '.join(missing)}; a word or a `LinearSolver` expected")
+    return options, linear
+
+
+def keep(keep_u: str | bool | Sequence[int], increments: int) -> bool | list[int]:
+    """What the core is told of `keep_u`: numbers from 1, 0 for the last."""
+    if isinstance(keep_u, (bool, np.bool_)):
+        return bool(keep_u)
+    if isinstance(keep_u, str):
+        words: dict[str, bool | list[int]] = {"all": True, "none": False, "last": [0]}
+        if keep_u not in words:
+            raise ValueError(f"keep_u is {keep_u!r}, expected 'all', 'last', 'none' or a list of increments")
+        return words[keep_u]
+    try:
+        return [range(increments)[k] + 1 for k in keep_u]
+    except (TypeError, IndexError) as error:
+        raise ValueError(f"keep_u: {error}") from None
