@@ -1,5 +1,6 @@
-"""What MkDocs does besides: navigation from folders, Markdown as GitHub reads it, formulas, links out of doc/."""
+"""What MkDocs does besides: navigation from folders, Markdown as GitHub reads it, formulas, links out of doc/, names of the Python module."""
 
+import ast
 import html
 import importlib.util
 import posixpath
@@ -161,7 +162,22 @@ def on_page_markdown(text, page, config, files):
     OutwardLinks.page = page.file.src_uri
     boost = next((factor for start, factor in BOOSTS if page.file.src_uri.startswith(start)), 1)
     page.meta.setdefault("search", {}).setdefault("boost", boost)
-    return as_on_github(text)
+    return as_on_github(text.replace(REST, "\n\n".join(f"::: stickslip.{name}" for name in names_of_no_page())))
+
+
+# ---- Names of the Python module --------------------------------------------------------------------------------------
+
+API = ROOT / "doc/python/api"
+REST = "<!-- public names of no other page -->"
+
+
+def names_of_no_page():
+    """The public names of the module, from `__all__`, that no page of its API has."""
+    module = ast.parse((ROOT / "python/stickslip/__init__.py").read_text())
+    lists = [node.value for node in module.body if isinstance(node, ast.Assign) and node.targets[0].id == "__all__"]
+    public = [name for name in ast.literal_eval(lists[0]) if name != "__version__"]
+    placed = {name for page in API.glob("*.md") for name in re.findall(r"\bstickslip\.(\w+)", page.read_text())}
+    return [name for name in public if name not in placed]
 
 
 # ---- Formulas --------------------------------------------------------------------------------------------------------
