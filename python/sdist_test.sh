@@ -11,7 +11,7 @@ tar -tzf "$sdist" >"$scratch/names"
 for text in LICENSE-MIT LICENSE-APACHE THIRD-PARTY Cargo.lock py.typed README.md; do
 	grep -q "/$text\$" "$scratch/names" || { echo "$sdist: no $text" && exit 1; }
 done
-if grep -E '/(tests|docs|fuzz|studies)/' "$scratch/names"; then
+if grep -E '/(python/tests|python/docs|python/examples|fuzz|studies)/' "$scratch/names"; then
 	echo "$sdist: what nobody builds from"
 	exit 1
 fi

@@ -154,7 +154,7 @@ def as_on_github(text):
 
 
 # By the beginning of a page's path.
-BOOSTS = [("tutorials", 2), ("howto", 2), ("method/error-vs-time", 0.1), ("method", 0.5)]
+BOOSTS = [("tutorials", 2), ("howto", 2), ("python/api", 0.5), ("method/error-vs-time", 0.1), ("method", 0.5)]
 
 
 def on_page_markdown(text, page, config, files):
@@ -269,8 +269,8 @@ class OutwardLinks(markdown.treeprocessors.Treeprocessor):
 
 
 def is_binary(file):
-    """Whether `file` cannot be shown as text: a browser then downloads it."""
-    return file.is_file() and b"\0" in file.read_bytes()[:4096]
+    """Whether `file` is not to be read as text, as notebooks are not either: a browser then downloads it."""
+    return file.is_file() and (file.suffix == ".ipynb" or b"\0" in file.read_bytes()[:4096])
 
 
 def source_address(path):

@@ -7,9 +7,13 @@ from __future__ import annotations
 
 import argparse
 import base64
+import contextlib
+import io
 import os
 import re
+import runpy
 import sys
+import warnings
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -109,6 +113,34 @@ def treat(notebook: Path, write: bool) -> str:
     return "" if there == set(pictures) else f"{page}: pictures {sorted(there ^ set(pictures))}"
 
 
+def draw_examples() -> None:
+    """A picture of each script of python/examples that has something to show, for the gallery."""
+    import matplotlib
+
+    matplotlib.use("agg")
+    import stickslip as ss
+    from matplotlib import pyplot as plt
+
+    def spring(of: dict[str, Any], ax: Any) -> None:
+        x, answer = of["model"].contact_points[:, 0], of["result"]
+        ax.plot(x, 1e-3 * answer.p_n[0], ".-", label="normal")
+        ax.plot(x, 1e-3 * answer.p_t[0, :, 0], ".-", label="tangential")
+        ax.set(xlabel="x, m", ylabel="force of the node, kN/m")
+        ax.legend()
+
+    pictures = {
+        "builder": lambda of, ax: of["result"].plot(ax=ax),
+        "coupling": spring,
+        "own_solver": lambda of, ax: ss.Model(of["block"]).run(linear=of["Scipy"]()).plot_convergence(ax),
+    }
+    with warnings.catch_warnings(), contextlib.redirect_stdout(io.StringIO()):
+        warnings.simplefilter("ignore", ss.AccuracyWarning)
+        for name, draw in pictures.items():
+            figure, ax = plt.subplots(figsize=(7, 4), layout="constrained")
+            draw(runpy.run_path(str(HERE.parent / f"examples/{name}.py")), ax)
+            figure.savefig(PAGES / f"notebooks/example_{name}.png", dpi=110)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--write", action="store_true")
@@ -117,6 +149,8 @@ def main() -> None:
     os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "RAYON_NUM_THREADS": "1", "PYTHONHASHSEED": "0"}
     with ThreadPoolExecutor(2) as pool:
         faults = [fault for fault in pool.map(lambda notebook: treat(notebook, chosen.write), chosen.notebooks) if fault]
+    if chosen.write:
+        draw_examples()
     sys.exit("\n".join(faults) or None)
 
 
