@@ -28,6 +28,10 @@ log = get_plugin_logger("pages")
 # ---- Navigation ------------------------------------------------------------------------------------------------------
 
 
+# Of folders whose name is no word.
+TITLES = {"api": "API"}
+
+
 def pages_of(folder, order):
     """The pages of `folder` below doc/: those of `order` first, then the others by name; subfolders, in one order with it, as sections."""
     there = [path for path in sorted(folder.iterdir()) if path.suffix == ".md" or any(path.glob("**/*.md"))]
@@ -37,7 +41,7 @@ def pages_of(folder, order):
         if path.is_file():
             entries.append(path.relative_to(ROOT / "doc").as_posix())
         elif path.name != "error-vs-time":
-            title = path.name.replace("_", " ").replace("-", " ").capitalize()
+            title = TITLES.get(path.name) or path.name.replace("_", " ").replace("-", " ").capitalize()
             entries.append({title: pages_of(path, order)})
     return entries
 

@@ -65,7 +65,9 @@ def page_of(notebook: Path) -> tuple[str, dict[str, bytes]]:
         parts.append(fenced(re.sub(r"^%.*\n", "", cell.source, flags=re.MULTILINE), "python"))
         for stream in ("stdout", "stderr"):
             said = "".join(output.text for output in cell.outputs if output.get("name") == stream)
-            if said:
+            # A result lists its warnings itself.
+            listed = stream == "stderr" and any("<p>Warnings:" in output.get("data", {}).get("text/html", "") for output in cell.outputs)
+            if said and not listed:
                 parts.append(fenced(WARNED.sub(r"\1", said), "text"))
         for output in cell.outputs:
             if output.output_type == "stream":
@@ -102,6 +104,7 @@ def treat(notebook: Path, write: bool) -> str:
             old.unlink()
         for name, content in pictures.items():
             (PAGES / "notebooks" / name).write_bytes(content)
+        (PAGES / f"notebooks/{notebook.stem}.png").write_bytes(thumbnail(pictures[f"{notebook.stem}_1.png"], notebook.stem == "your_mesh"))
         page.write_text(text, encoding="utf-8")
         return ""
     kept = page.read_text(encoding="utf-8") if page.exists() else ""
@@ -111,6 +114,20 @@ def treat(notebook: Path, write: bool) -> str:
         return f"{page}: not what its notebook says now, which is in {new / page.name}; `make python-docs PAGES=--write` writes it"
     there = {path.name for path in (PAGES / "notebooks").glob(f"{notebook.stem}_*.png")}
     return "" if there == set(pictures) else f"{page}: pictures {sorted(there ^ set(pictures))}"
+
+
+def thumbnail(picture: bytes, lower: bool) -> bytes:
+    """One of the two drawings of a picture, for the gallery: the left one, or the lower one."""
+    from PIL import Image
+
+    image = Image.open(io.BytesIO(picture))
+    width, height = image.size
+    if lower:
+        image = image.crop((0, height // 2, width, height))
+    elif width > 2 * height:
+        image = image.crop((0, 0, width // 2, height))
+    image.save(out := io.BytesIO(), "png", optimize=True)
+    return out.getvalue()
 
 
 def draw_examples() -> None:
