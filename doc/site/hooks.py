@@ -14,6 +14,7 @@ from urllib.parse import unquote
 import markdown
 import markdown.extensions.toc
 import pygments
+from griffe._internal.docstrings import numpy as numpydoc
 from markdown.util import AtomicString
 from math_core import LatexError, LatexToMathML
 from mkdocs.plugins import get_plugin_logger
@@ -175,13 +176,39 @@ API = ROOT / "doc/python/api"
 REST = "<!-- public names of no other page -->"
 
 
-def names_of_no_page():
-    """The public names of the module, from `__all__`, that no page of its API has."""
+def public_names():
+    """The public names of the module, from `__all__`."""
     module = ast.parse((ROOT / "python/stickslip/__init__.py").read_text())
     lists = [node.value for node in module.body if isinstance(node, ast.Assign) and node.targets[0].id == "__all__"]
-    public = [name for name in ast.literal_eval(lists[0]) if name != "__version__"]
+    return [name for name in ast.literal_eval(lists[0]) if name != "__version__"]
+
+
+def names_of_no_page():
+    """The public names that no page of the API has."""
     placed = {name for page in API.glob("*.md") for name in re.findall(r"\bstickslip\.(\w+)", page.read_text())}
-    return [name for name in public if name not in placed]
+    return [name for name in public_names() if name not in placed]
+
+
+def as_written(text, docstring, **options):
+    """The type of a docstring, where it is an expression; griffe takes "ndarray, shape (m,)" for one, too."""
+    return typed(text, docstring, **options) if re.fullmatch(r"[\w.|\[\] ]+", text) else text
+
+
+def each_its_own(lines, docstring, **options):
+    """Parameters that are described together have defaults and types of their own; griffe gives all of them those of the first."""
+    parameters, offset = described(lines, docstring, **options)
+    own = getattr(docstring.parent, "parameters", ())
+    of_signature = {id(one.annotation) for one in own}
+    for parameter in parameters:
+        if parameter.name in own:
+            parameter.value = own[parameter.name].default
+            if id(parameter.annotation) in of_signature:
+                parameter.annotation = own[parameter.name].annotation
+    return parameters, offset
+
+
+typed, described = numpydoc.parse_docstring_annotation, numpydoc._read_parameters
+numpydoc.parse_docstring_annotation, numpydoc._read_parameters = as_written, each_its_own
 
 
 # ---- Formulas --------------------------------------------------------------------------------------------------------

@@ -123,8 +123,8 @@ def thumbnail(picture: bytes, lower: bool) -> bytes:
     image = Image.open(io.BytesIO(picture))
     width, height = image.size
     if lower:
-        image = image.crop((0, height // 2, width, height))
-    elif width > 2 * height:
+        image = image.crop((0, height * 21 // 40, width, height))
+    elif 2 * width > 5 * height:
         image = image.crop((0, 0, width // 2, height))
     image.save(out := io.BytesIO(), "png", optimize=True)
     return out.getvalue()
