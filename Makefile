@@ -118,7 +118,7 @@ python-docs: python-module
 	$(PYTHON) python/docs/pages.py $(PAGES)
 
 # WHEEL_TARGET = aarch64-unknown-linux-gnu, x86_64-unknown-linux-musl or aarch64-unknown-linux-musl makes one for other machines.
-WHEEL_TARGET ?= x86_64-unknown-linux-gnu
+WHEEL_TARGET ?= $(shell uname -m)-unknown-linux-gnu
 WHEEL_TAG = $(if $(findstring musl,$(WHEEL_TARGET)),musllinux_1_2,manylinux2014)
 ZIG_TARGET = $(subst -unknown,,$(WHEEL_TARGET))$(if $(findstring musl,$(WHEEL_TARGET)),,.2.17)
 REMAP = --remap-path-prefix=$(CURDIR)=stickslip --remap-path-prefix=$${CARGO_HOME:-$$HOME/.cargo}=cargo --remap-path-prefix=$$(rustc --print sysroot)=rust
@@ -130,7 +130,7 @@ wheel: $(PYTHON_TOOLS)
 		maturin build --release --target $(WHEEL_TARGET) --compatibility $(WHEEL_TAG) --out ../target/wheels -- -C linker=$(CURDIR)/python/zigcc
 
 wheel-test: wheel
-	python/wheel_test.sh target/wheels/stickslip-*-abi3-manylinux*x86_64.whl $(PYTHON_WHEELS)
+	python/wheel_test.sh target/wheels/stickslip-*-abi3-manylinux*$(firstword $(subst -, ,$(WHEEL_TARGET))).whl $(PYTHON_WHEELS)
 
 sdist: $(PYTHON_TOOLS)
 	cd python && . ../target/python/bin/activate && maturin sdist --out ../target/wheels

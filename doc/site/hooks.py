@@ -88,7 +88,7 @@ def as_on_github(text):
         if out and out[-1].strip():
             out.append("")
 
-    previous, in_list = "", False
+    previous, in_list, in_code = "", False, False
     for line in text.expandtabs(4).split("\n"):
         bare = line.lstrip(" ")
         indent = len(line) - len(bare)
@@ -120,6 +120,8 @@ def as_on_github(text):
         lazy = bool(stack) and indent < stack[-1]
         pad = " " * 4 * len(stack)
         rest = indent - (stack[-1] if stack else 0)
+        # Four spaces after a blank line make code, until a line has fewer.
+        in_code = rest >= 4 and (in_code or not previous.strip())
         if lazy:
             out.append(pad + bare)
         elif opening and rest < 4:
@@ -149,7 +151,7 @@ def as_on_github(text):
         else:
             if bare.startswith("|") and not previous.lstrip().startswith("|"):
                 separate()
-            out.append(pad + " " * (rest if rest >= 4 and not previous.strip() else 0) + bare)
+            out.append(pad + " " * (rest if in_code else 0) + bare)
             if formula and bare.rstrip().endswith("$$"):
                 formula = False
                 out.append("")

@@ -217,6 +217,14 @@ def test_formulas_and_github_markdown(tab, caplog):
     assert "the formula" in caplog.text
 
 
+def test_indented_code_stays_code():
+    import hooks
+
+    code = "Text:\n\n    a = [1]\n    b = a[:, 0][2]\n\n    - c\n"
+    assert hooks.as_on_github(code) == code
+    assert hooks.as_on_github("- an item\n      goes on\n") == "- an item\n    goes on\n"
+
+
 def test_the_scene_of_the_first_page_is_the_one_that_is_drawn():
     scene = (ROOT / "doc/lap.toml").read_text()
     assert f"```toml\n{scene}```" in (ROOT / "README.md").read_text()
