@@ -1,12 +1,13 @@
 # make demo   solve the paper's block, 100 x 100 elements, and say where the results are
 # make test   all tests
 # make python the Python module, compiled and tested in an environment of its own; needs a network once
-# make python-docs its pages, run, in target/python-docs
+# make python-docs its notebooks, run, and compared with their pages in doc/python; PAGES=--write writes these
 # make book   the site of doc/, in target/book; needs a network once
 # make book-test the same in a headless Chromium, which it installs: links, search, formulas, pictures, phone width
 # make readability reading ease and sentence length of the pages
 # make archive the program with its licences, first page and manual, in target/archive
 # make wheel  its wheel for any Linux since glibc 2.17, in target/wheels
+# make sdist  its source package, in target/wheels; make sdist-test compiles and installs it in a fresh environment
 # make wheel-test the same, installed and run in fresh environments of the Pythons at hand
 # make pure   all tests of the program without any C library
 # make campaign the tests that take minutes each (half an hour)
@@ -28,7 +29,7 @@
 PACKAGES = libsuitesparse-dev libopenblas-dev libclang-dev
 SUDO := $(shell test "$$(id -u)" = 0 || echo sudo)
 
-.PHONY: demo test pure campaign packages mumps petsc python python-module python-docs wheel wheel-test book book-test readability archive bench instructions lines tables report extremes elements compare fresh fuzz sanitize deps
+.PHONY: demo test pure campaign packages mumps petsc python python-module python-docs wheel wheel-test sdist sdist-test book book-test readability archive bench instructions lines tables report extremes elements compare fresh fuzz sanitize deps
 
 demo: deps
 	cargo run --release -- run data/scenes/block.toml --out results/block
@@ -110,20 +111,32 @@ python: python-module
 	cd python && . ../target/python/bin/activate && mypy --no-error-summary && STICKSLIP_ALL_PACKAGES=1 python -m pytest -q -rs
 	cargo test -p stickslip --quiet --no-default-features --features faer --test supply -- --ignored
 
+PAGES ?=
+
 # Two at a time, each with one thread.
 python-docs: python-module
-	cd python/docs && . ../../target/python/bin/activate && export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 RAYON_NUM_THREADS=1 && \
-		printf '%s\n' *.ipynb | xargs -n 4 -P 2 python -m nbconvert --log-level ERROR --execute --to html --output-dir $(CURDIR)/target/python-docs
+	$(PYTHON) python/docs/pages.py $(PAGES)
+
+# WHEEL_TARGET = aarch64-unknown-linux-gnu, x86_64-unknown-linux-musl or aarch64-unknown-linux-musl makes one for other machines.
+WHEEL_TARGET ?= $(shell uname -m)-unknown-linux-gnu
+WHEEL_TAG = $(if $(findstring musl,$(WHEEL_TARGET)),musllinux_1_2,manylinux2014)
+ZIG_TARGET = $(subst -unknown,,$(WHEEL_TARGET))$(if $(findstring musl,$(WHEEL_TARGET)),,.2.17)
+REMAP = --remap-path-prefix=$(CURDIR)=stickslip --remap-path-prefix=$${CARGO_HOME:-$$HOME/.cargo}=cargo --remap-path-prefix=$$(rustc --print sysroot)=rust
 
 wheel: $(PYTHON_TOOLS)
 	$(PYTHON) -m pip install -q ziglang==0.17.1
-	python/licences.sh
-	cd python && . ../target/python/bin/activate && \
-		RUSTFLAGS="--remap-path-prefix=$(CURDIR)=stickslip --remap-path-prefix=$${CARGO_HOME:-$$HOME/.cargo}=cargo --remap-path-prefix=$$(rustc --print sysroot)=rust" \
-		maturin build --release --compatibility manylinux2014 --out ../target/wheels -- -C linker=$(CURDIR)/python/zigcc
+	[ -d "$$(rustc --print sysroot)/lib/rustlib/$(WHEEL_TARGET)" ] || rustup target add $(WHEEL_TARGET)
+	cd python && . ../target/python/bin/activate && ZIG_TARGET=$(ZIG_TARGET) RUSTFLAGS="$(REMAP)$(if $(findstring musl,$(WHEEL_TARGET)), -C target-feature=-crt-static)" \
+		maturin build --release --target $(WHEEL_TARGET) --compatibility $(WHEEL_TAG) --out ../target/wheels -- -C linker=$(CURDIR)/python/zigcc
 
 wheel-test: wheel
-	python/wheel_test.sh target/wheels/stickslip-*-abi3-*.whl $(PYTHON_WHEELS)
+	python/wheel_test.sh target/wheels/stickslip-*-abi3-manylinux*$(firstword $(subst -, ,$(WHEEL_TARGET))).whl $(PYTHON_WHEELS)
+
+sdist: $(PYTHON_TOOLS)
+	cd python && . ../target/python/bin/activate && maturin sdist --out ../target/wheels
+
+sdist-test: sdist
+	python/sdist_test.sh target/wheels/stickslip-*.tar.gz python3
 
 # What each environment was made of, as PYTHON_TOOLS above.
 BOOK_TOOLS = target/book-tools/requirements.txt

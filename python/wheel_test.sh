@@ -42,7 +42,7 @@ print(sys.version.split()[0], "numpy", numpy.__version__, "scipy", scipy.__versi
 }
 oldest=
 for python in "$@"; do
-	command -v "$python" >/dev/null || { echo "$python: not here"; continue; }
+	"$python" -c '' 2>/dev/null || { echo "$python: not here"; continue; }
 	environment "$python" "$wheel[plot]"
 	# The oldest numpy and scipy that are promised are no longer made for new Pythons.
 	"$python" -c 'import sys; sys.exit(sys.version_info >= (3, 12))' && oldest=${oldest:-$python}

@@ -1,5 +1,6 @@
-"""What MkDocs does besides: navigation from folders, Markdown as GitHub reads it, formulas, links out of doc/."""
+"""What MkDocs does besides: navigation from folders, Markdown as GitHub reads it, formulas, links out of doc/, names of the Python module."""
 
+import ast
 import html
 import importlib.util
 import posixpath
@@ -13,6 +14,7 @@ from urllib.parse import unquote
 import markdown
 import markdown.extensions.toc
 import pygments
+from griffe._internal.docstrings import numpy as numpydoc
 from markdown.util import AtomicString
 from math_core import LatexError, LatexToMathML
 from mkdocs.plugins import get_plugin_logger
@@ -27,6 +29,10 @@ log = get_plugin_logger("pages")
 # ---- Navigation ------------------------------------------------------------------------------------------------------
 
 
+# Of folders whose name is no word.
+TITLES = {"api": "API"}
+
+
 def pages_of(folder, order):
     """The pages of `folder` below doc/: those of `order` first, then the others by name; subfolders, in one order with it, as sections."""
     there = [path for path in sorted(folder.iterdir()) if path.suffix == ".md" or any(path.glob("**/*.md"))]
@@ -36,7 +42,7 @@ def pages_of(folder, order):
         if path.is_file():
             entries.append(path.relative_to(ROOT / "doc").as_posix())
         elif path.name != "error-vs-time":
-            title = path.name.replace("_", " ").replace("-", " ").capitalize()
+            title = TITLES.get(path.name) or path.name.replace("_", " ").replace("-", " ").capitalize()
             entries.append({title: pages_of(path, order)})
     return entries
 
@@ -82,7 +88,7 @@ def as_on_github(text):
         if out and out[-1].strip():
             out.append("")
 
-    previous, in_list = "", False
+    previous, in_list, in_code = "", False, False
     for line in text.expandtabs(4).split("\n"):
         bare = line.lstrip(" ")
         indent = len(line) - len(bare)
@@ -114,6 +120,8 @@ def as_on_github(text):
         lazy = bool(stack) and indent < stack[-1]
         pad = " " * 4 * len(stack)
         rest = indent - (stack[-1] if stack else 0)
+        # Four spaces after a blank line make code, until a line has fewer.
+        in_code = rest >= 4 and (in_code or not previous.strip())
         if lazy:
             out.append(pad + bare)
         elif opening and rest < 4:
@@ -143,7 +151,7 @@ def as_on_github(text):
         else:
             if bare.startswith("|") and not previous.lstrip().startswith("|"):
                 separate()
-            out.append(pad + " " * (rest if rest >= 4 and not previous.strip() else 0) + bare)
+            out.append(pad + " " * (rest if in_code else 0) + bare)
             if formula and bare.rstrip().endswith("$$"):
                 formula = False
                 out.append("")
@@ -153,7 +161,7 @@ def as_on_github(text):
 
 
 # By the beginning of a page's path.
-BOOSTS = [("tutorials", 2), ("howto", 2), ("method/error-vs-time", 0.1), ("method", 0.5)]
+BOOSTS = [("tutorials", 2), ("howto", 2), ("python/api", 0.5), ("method/error-vs-time", 0.1), ("method", 0.5)]
 
 
 def on_page_markdown(text, page, config, files):
@@ -161,7 +169,48 @@ def on_page_markdown(text, page, config, files):
     OutwardLinks.page = page.file.src_uri
     boost = next((factor for start, factor in BOOSTS if page.file.src_uri.startswith(start)), 1)
     page.meta.setdefault("search", {}).setdefault("boost", boost)
-    return as_on_github(text)
+    return as_on_github(text.replace(REST, "\n\n".join(f"::: stickslip.{name}" for name in names_of_no_page())))
+
+
+# ---- Names of the Python module --------------------------------------------------------------------------------------
+
+API = ROOT / "doc/python/api"
+REST = "<!-- public names of no other page -->"
+
+
+def public_names():
+    """The public names of the module, from `__all__`."""
+    module = ast.parse((ROOT / "python/stickslip/__init__.py").read_text())
+    lists = [node.value for node in module.body if isinstance(node, ast.Assign) and node.targets[0].id == "__all__"]
+    return [name for name in ast.literal_eval(lists[0]) if name != "__version__"]
+
+
+def names_of_no_page():
+    """The public names that no page of the API has."""
+    placed = {name for page in API.glob("*.md") for name in re.findall(r"\bstickslip\.(\w+)", page.read_text())}
+    return [name for name in public_names() if name not in placed]
+
+
+def as_written(text, docstring, **options):
+    """The type of a docstring, where it is an expression; griffe takes "ndarray, shape (m,)" for one, too."""
+    return typed(text, docstring, **options) if re.fullmatch(r"[\w.|\[\] ]+", text) else text
+
+
+def each_its_own(lines, docstring, **options):
+    """Parameters that are described together have defaults and types of their own; griffe gives all of them those of the first."""
+    parameters, offset = described(lines, docstring, **options)
+    own = getattr(docstring.parent, "parameters", ())
+    of_signature = {id(one.annotation) for one in own}
+    for parameter in parameters:
+        if parameter.name in own:
+            parameter.value = own[parameter.name].default
+            if id(parameter.annotation) in of_signature:
+                parameter.annotation = own[parameter.name].annotation
+    return parameters, offset
+
+
+typed, described = numpydoc.parse_docstring_annotation, numpydoc._read_parameters
+numpydoc.parse_docstring_annotation, numpydoc._read_parameters = as_written, each_its_own
 
 
 # ---- Formulas --------------------------------------------------------------------------------------------------------
@@ -253,8 +302,8 @@ class OutwardLinks(markdown.treeprocessors.Treeprocessor):
 
 
 def is_binary(file):
-    """Whether `file` cannot be shown as text: a browser then downloads it."""
-    return file.is_file() and b"\0" in file.read_bytes()[:4096]
+    """Whether `file` is not to be read as text, as notebooks are not either: a browser then downloads it."""
+    return file.is_file() and (file.suffix == ".ipynb" or b"\0" in file.read_bytes()[:4096])
 
 
 def source_address(path):

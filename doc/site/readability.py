@@ -19,6 +19,8 @@ def prose(text):
     text = re.sub(r"^( *)(```|~~~).*?^\1\2 *$", "\n\n", text, flags=re.DOTALL | re.MULTILINE)
     text = re.sub(r"\$\$.*?\$\$", "\n\n", text, flags=re.DOTALL)
     text = re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL)
+    # What a notebook printed as HTML, and names of the Python module.
+    text = re.sub(r"^(<div class=\"output\">|::: ).*$", "\n", text, flags=re.MULTILINE)
     text = re.sub(r"^ *\|.*$", "\n", text, flags=re.MULTILINE)
     text = re.sub(r"^#.*$", "\n", text, flags=re.MULTILINE)
     text = re.sub(r"!\[[^\]]*\]\([^)]*\)", "", text)

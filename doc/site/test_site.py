@@ -1,5 +1,6 @@
 """The site of target/book in a headless Chromium: `make book-test`. Pictures of it go to target/book-pictures."""
 
+import json
 import re
 import sys
 from html.parser import HTMLParser
@@ -96,6 +97,40 @@ def test_no_page_is_lost():
         assert f'href="{address}"' in front or address == "index.html", f"{address} is not in the navigation"
 
 
+NOTEBOOKS = sorted((ROOT / "python/docs").glob("*.ipynb"))
+
+
+@pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda notebook: notebook.stem)
+def test_page_of_a_notebook_is_fresh(notebook):
+    """Every cell is on its page as it is now. `make python-docs` compares the outputs; with PAGES=--write it writes the pages."""
+    page = (ROOT / f"doc/python/{notebook.stem}.md").read_text()
+    for cell in json.loads(notebook.read_text())["cells"]:
+        source = re.sub(r"^%.*\n", "", "".join(cell["source"]), flags=re.MULTILINE).replace("](../../doc/", "](../")
+        assert source in page, cell["id"]
+
+
+def test_gallery_has_every_notebook_and_example():
+    gallery = (ROOT / "doc/python/gallery.md").read_text()
+    for notebook in NOTEBOOKS:
+        assert f"](notebooks/{notebook.stem}.png)]({notebook.stem}.md)" in gallery
+    for example in (ROOT / "python/examples").glob("*.py"):
+        assert f"](../../python/examples/{example.name})" in gallery
+
+
+def test_every_public_name_has_a_place():
+    """Names of the module, by `__all__`, are headings of its API, or in a table there."""
+    import hooks
+
+    pages = [path.read_text() for path in (BOOK / "python/api").glob("*.html")]
+    ids = set().union(*(Links(page).ids for page in pages))
+    for name in hooks.public_names():
+        there = any(anchor.split(".")[-1] == name and anchor.startswith("stickslip.") for anchor in ids)
+        assert there or any(f"<code>stickslip.{name}</code>" in page for page in pages), name
+    text = " ".join(re.sub(r"<[^>]*>", " ", page) for page in pages)
+    # Sections of docstrings were read as such, and no role of reStructuredText is left.
+    assert not re.search(r"-{8,}|:(class|func|meth|math|ref):|^\.\. ", text, re.MULTILINE)
+
+
 @pytest.mark.parametrize("words", ["press fit", "fretting", "friction"])
 def test_search_finds(words, tab, address):
     tab.goto(address)
@@ -182,6 +217,14 @@ def test_formulas_and_github_markdown(tab, caplog):
     assert "the formula" in caplog.text
 
 
+def test_indented_code_stays_code():
+    import hooks
+
+    code = "Text:\n\n    a = [1]\n    b = a[:, 0][2]\n\n    - c\n"
+    assert hooks.as_on_github(code) == code
+    assert hooks.as_on_github("- an item\n      goes on\n") == "- an item\n    goes on\n"
+
+
 def test_the_scene_of_the_first_page_is_the_one_that_is_drawn():
     scene = (ROOT / "doc/lap.toml").read_text()
     assert f"```toml\n{scene}```" in (ROOT / "README.md").read_text()
@@ -191,7 +234,9 @@ def test_pictures(tab, address):
     """Takes pictures for people to look at."""
     tutorials = [page for page in PAGES if page.startswith("tutorials/")]
     tutorial = next((page for page in tutorials if "lap-joint" in page), tutorials[0])
-    for name, page in [("front", "index.html"), ("tutorial", tutorial), ("theory", "method/theory.html")]:
+    shown = [("front", "index.html"), ("tutorial", tutorial), ("theory", "method/theory.html")]
+    shown += [(name, f"python/{page}.html") for name, page in [("gallery", "gallery"), ("notebook", "ten_minutes"), ("api", "api/results")]]
+    for name, page in shown[3:] + shown[:3]:
         tab.goto(f"{address}/{page}")
         tab.screenshot(path=PICTURES / f"{name}.png")
     tab.evaluate("(document.querySelectorAll('.formula')[1] || document.body).scrollIntoView({block: 'center'})")
@@ -201,8 +246,8 @@ def test_pictures(tab, address):
     tab.wait_for_timeout(300)
     tab.screenshot(path=PICTURES / "search.png")
     tab.set_viewport_size(PHONE)
-    for name, page in [("phone_front", "index.html"), ("phone_tutorial", tutorial), ("phone_theory", "method/theory.html")]:
+    for name, page in shown[3:] + shown[:3]:
         tab.goto(f"{address}/{page}")
-        tab.screenshot(path=PICTURES / f"{name}.png")
+        tab.screenshot(path=PICTURES / f"phone_{name}.png")
     tab.evaluate("(document.querySelectorAll('.formula')[1] || document.body).scrollIntoView({block: 'center'})")
     tab.screenshot(path=PICTURES / "phone_formulas.png")
