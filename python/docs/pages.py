@@ -145,9 +145,19 @@ def draw_examples() -> None:
         ax.set(xlabel="x, m", ylabel="force of the node, kN/m")
         ax.legend()
 
+    def warm(of: dict[str, Any], ax: Any) -> None:
+        model, results, temperature = of["main"]()
+        x = model.contact_points[:, 0]
+        ax.plot(x, 1e-6 * results[-1].p_n[0] / model.problem.weight, ".-")
+        ax.set(xlabel="x, m", ylabel="pressure, MPa")
+        other = ax.twinx()
+        other.plot(x, temperature, ".-", color="tab:red")
+        other.set_ylabel("temperature above the beginning, K", color="tab:red")
+
     pictures = {
         "builder": lambda of, ax: of["result"].plot(ax=ax),
         "coupling": spring,
+        "thermoelastic": warm,
         "own_solver": lambda of, ax: ss.Model(of["block"]).run(linear=of["Scipy"]()).plot_convergence(ax),
     }
     with warnings.catch_warnings(), contextlib.redirect_stdout(io.StringIO()):
