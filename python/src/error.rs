@@ -67,7 +67,7 @@ pub(crate) fn of_run(error: RunError) -> PyErr {
         RunError::Scene(error) => of_scene(error),
         RunError::Model(error) => unplaced(error.to_string(), String::new()),
         RunError::NoRoom { .. } => PyMemoryError::new_err(error.to_string()),
-        RunError::SlidesInAPlane => PyValueError::new_err(error.to_string()),
+        RunError::SlidesInAPlane | RunError::Unlocked(_) => PyValueError::new_err(error.to_string()),
         RunError::History(error) => of_history(error),
     }
 }

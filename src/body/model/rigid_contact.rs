@@ -11,7 +11,8 @@ use crate::body::fem::Dofs;
 use crate::body::mesh::Mesh;
 
 /// How to avoid such a contact.
-const HELP: &str = "end the coupled boundary before the contact, use a distributing coupling, or let one part be elastic";
+const HELP: &str =
+    "end the coupled boundary before the contact, use a distributing coupling, or let one part be elastic";
 
 /// Fails if reference points carry every node of both sides of contact `k`.
 pub(super) fn not_between_carried(
