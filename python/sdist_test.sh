@@ -16,6 +16,9 @@ if grep -E '/(python/tests|python/docs|python/examples|fuzz|studies)/' "$scratch
 	exit 1
 fi
 "$python" -m venv "$scratch/environment"
+# The files of a source package are older than anything compiled, so that Cargo would take what another one has left.
+unset CARGO_BUILD_TARGET
+export CARGO_TARGET_DIR=$scratch/target
 "$scratch/environment/bin/pip" install -q --no-cache-dir "$sdist"
 cd "$scratch"
 environment/bin/python -c '
