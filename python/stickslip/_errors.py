@@ -70,12 +70,16 @@ class SceneError(StickslipError, ValueError):
         words = re.sub(r", in `[^`]*`$", "", message) if key else message
         name = f"{key}: " if key and not words.startswith(key) else ""
         super().__init__(f"{place}{name}{words}" + (f"\n  help: {help}" if help else ""))
-        self.message, self.file, self.line, self.key, self.help = message, file, line, key, help
+        self.message: str = message
+        self.file: str | None = file
+        self.line: int | None = line
+        self.key: str | None = key
+        self.help: str = help
 
     def __reduce__(self) -> Any:
         return type(self), (self.message, self.file, self.line, self.key, self.help)
 
-    def in_python(self, has_text: bool) -> SceneError:
+    def _in_python(self, has_text: bool) -> SceneError:
         """The error in words of this module.
 
         Parameters

@@ -22,10 +22,15 @@ if TYPE_CHECKING:
 
 Array = NDArray[Any]
 
-OPEN, STICK, SLIP = 0, 1, 2
+#: The status of a node that does not touch.
+OPEN: int = 0
+#: The status of a node that touches and does not slide.
+STICK: int = 1
+#: The status of a node that slides.
+SLIP: int = 2
 
 #: The laws of the error measure, in the order of the columns of `Result.errors`.
-LAWS = ("equilibrium", "penetration", "tension", "complementarity", "cone", "dissipation")
+LAWS: tuple[str, ...] = ("equilibrium", "penetration", "tension", "complementarity", "cone", "dissipation")
 
 #: The kinds of warnings that cost time or memory and no accuracy.
 _COSTS = ("slow-blas", "multigrid-gave-way", "ranks-apart")

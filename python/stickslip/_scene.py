@@ -143,17 +143,18 @@ class Model:
         try:
             self._core = core = _core.SceneModel(name, text, words, given, files)  # type: ignore[arg-type]
         except SceneError as error:
-            raise error.in_python(self._has_text) from None
-        self.title, self.dimension = core.title, core.dimension
-        self.times = np.array(core.times)
-        self.problem = ContactProblem._of(core.problem(), self.dimension - 1)
-        self.points = core.points()
+            raise error._in_python(self._has_text) from None
+        self.title: str = core.title
+        self.dimension: int = core.dimension
+        self.times: Array = np.array(core.times)
+        self.problem: ContactProblem = ContactProblem._of(core.problem(), self.dimension - 1)
+        self.points: Array = core.points()
         contacts = core.contacts()
-        self.contact_nodes = np.array([node for node, _ in contacts], dtype=np.int64)
-        self.contact_points = np.array([x for _, x in contacts]).reshape(-1, 3)
-        self.frames = np.array(core.frames()).reshape(-1, 3, 3)[:, : self.dimension]
-        self.boundaries = {name: np.array(nodes, dtype=np.int64) for name, nodes in core.boundaries()}
-        self.cells = _blocks(core.cells())
+        self.contact_nodes: Array = np.array([node for node, _ in contacts], dtype=np.int64)
+        self.contact_points: Array = np.array([x for _, x in contacts]).reshape(-1, 3)
+        self.frames: Array = np.array(core.frames()).reshape(-1, 3, 3)[:, : self.dimension]
+        self.boundaries: dict[str, Array] = {name: np.array(nodes, dtype=np.int64) for name, nodes in core.boundaries()}
+        self.cells: list[tuple[str, Array]] = _blocks(core.cells())
 
     def _files(self) -> dict[str, bytes]:
         """The files that the scene names, meshes for one, as they were when the model was made."""

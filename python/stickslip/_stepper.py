@@ -62,13 +62,13 @@ class Stepper:
     """
 
     def __init__(self, problem: ContactProblem, gap: ArrayLike, options: Mapping[str, Any], linear: Any) -> None:
-        self.problem = problem
+        self.problem: ContactProblem = problem
         self._core = _core.Stepper(problem._core, dict(options), linear)
         self._force: Array = np.zeros(problem.n_u)
         self._gap: Array = vector("gap", gap, problem.n_c)
         self._drift: Array = np.zeros((problem.n_c, problem.tangents))
         self._mu: Array = problem.mu
-        self.work = {"analyses": 0, "factorizations": 0}
+        self.work: dict[str, int] = {"analyses": 0, "factorizations": 0}
 
     @property
     def time(self) -> float:

@@ -41,7 +41,8 @@ class Sweep(Sequence[Result]):
     """
 
     def __init__(self, values: list[dict[str, Any]], results: list[Result]) -> None:
-        self.values, self.results = values, results
+        self.values: list[dict[str, Any]] = values
+        self.results: list[Result] = results
 
     def __len__(self) -> int:
         return len(self.results)

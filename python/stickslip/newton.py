@@ -65,13 +65,17 @@ class Natural:
         r: ArrayLike | None = None, mu: ArrayLike | None = None,
     ) -> None:
         n_c, d = problem.n_c, problem.tangents
-        self.problem, self.force, self.gap = problem, vector("force", force, problem.n_u), vector("gap", gap, n_c)
-        self.w_t_last = tangential("w_t_last", w_t_last, n_c, d)
-        self.r = problem._core.contact_stiffness if r is None else vector("r", r, n_c)
+        self.problem: ContactProblem = problem
+        self.force: Array = vector("force", force, problem.n_u)
+        self.gap: Array = vector("gap", gap, n_c)
+        self.w_t_last: Array = tangential("w_t_last", w_t_last, n_c, d)
+        self.r: Array = problem._core.contact_stiffness if r is None else vector("r", r, n_c)
         if (self.r <= 0).any():
             raise ValueError("r is not above 0")
-        self.mu = problem.mu if mu is None else vector("mu", mu, n_c)
-        self.K, self.C_n, self.C_t = problem.K, problem.C_n, problem.C_t
+        self.mu: Array = problem.mu if mu is None else vector("mu", mu, n_c)
+        self.K: Any = problem.K
+        self.C_n: Any = problem.C_n
+        self.C_t: Any = problem.C_t
 
     def __repr__(self) -> str:
         return f"<Natural map of {self.problem!r}>"

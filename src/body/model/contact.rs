@@ -73,7 +73,7 @@ impl Contacts {
                 None => contacts.add(&body, k)?,
             }
         }
-        determined(&contacts, description, dofs)?;
+        determined((&contacts.nodes, &contacts.mu), &contacts.boundaries, description, dofs)?;
         Ok(contacts)
     }
 

@@ -2,10 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use super::contact::Contacts;
 use crate::algebra::null_space::{Row, null_space};
 use crate::base::input_error::InputError;
-use crate::body::contact::ContactNode;
+use crate::body::contact::{ContactBoundary, ContactNode};
 use crate::body::description::Description;
 use crate::body::fem::Dofs;
 use crate::body::mesh::Mesh;
@@ -33,17 +32,24 @@ pub(super) fn not_between_carried(
 
 /// Fails if the forces of obstacles on the nodes that a reference point carries are not determined: their rows of `C_n`,
 /// `C_t` and `C_o`, in the unknowns of the point, depend on each other.
-pub(super) fn determined(contacts: &Contacts, description: &Description, dofs: &Dofs) -> Result<(), InputError> {
+///
+/// `mu` are the friction coefficients of `nodes`.
+pub(super) fn determined(
+    (nodes, mu): (&[ContactNode], &[f64]),
+    boundaries: &[ContactBoundary],
+    description: &Description,
+    dofs: &Dofs,
+) -> Result<(), InputError> {
     let mut of_point: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-    for (i, node) in contacts.nodes.iter().enumerate().filter(|(_, node)| node.obstacle().is_some()) {
+    for (i, node) in nodes.iter().enumerate().filter(|(_, node)| node.obstacle().is_some()) {
         if let Some(point) = dofs.point_carrying(node.node) {
             of_point.entry(point).or_default().push(i);
         }
     }
     for carried in of_point.values() {
         let rows = |&i: &usize| {
-            let ContactNode { normal, tangents, .. } = &contacts.nodes[i];
-            let tangents = tangents.iter().filter(move |row| contacts.mu[i] != 0.0 && !row.is_empty());
+            let ContactNode { normal, tangents, .. } = &nodes[i];
+            let tangents = tangents.iter().filter(move |row| mu[i] != 0.0 && !row.is_empty());
             std::iter::once(normal).chain(tangents)
         };
         let rows: Vec<_> = carried.iter().flat_map(rows).collect();
@@ -61,7 +67,7 @@ pub(super) fn determined(contacts: &Contacts, description: &Description, dofs: &
         if columns.len() - left == rows.len() {
             continue;
         }
-        let boundary = contacts.boundaries.iter().find(|boundary| carried.iter().any(|i| boundary.nodes.contains(i)));
+        let boundary = boundaries.iter().find(|boundary| carried.iter().any(|i| boundary.nodes.contains(i)));
         let k = boundary.map_or(0, |boundary| boundary.contact);
         let message = format!(
             "a rigid coupling carries {} nodes in contact with a rigid obstacle, `{}` among them",
