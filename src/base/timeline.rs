@@ -107,6 +107,15 @@ pub(crate) fn with_further_ends(ends: &[f64], times: impl IntoIterator<Item = f6
     all
 }
 
+/// Returns the number of `ends` of increments until the time `t` (s). An end that is later by no more than rounding counts,
+/// as in [`with_further_ends`].
+pub(crate) fn ends_until(ends: &[f64], t: f64) -> usize {
+    let k = ends.partition_point(|end| *end < t);
+    let Some(&end) = ends.get(k) else { return k };
+    let begin = k.checked_sub(1).map_or(0.0, |k| ends[k]);
+    if k > 0 && t - begin <= rounding(begin, end) { k } else { k + 1 }
+}
+
 /// Returns the start and the end (s) of the increment that contains the time `t`, if there is one.
 fn increment_at(ends: &[f64], t: f64) -> Option<[f64; 2]> {
     let k = ends.partition_point(|end| *end < t);

@@ -240,6 +240,12 @@ impl Description {
         self.pair(boundary, 0.0, opposite)
     }
 
+    /// Returns `true` if `boundary` is glued to its opposite side over a period.
+    pub fn is_periodic(&self, boundary: &str) -> bool {
+        let shifted = |contact: &Contact| contact.opposite().is_some_and(|opposite| opposite.shift.is_some());
+        self.contacts.iter().any(|contact| contact.boundary == boundary && shifted(contact))
+    }
+
     /// Adds a pretension.
     #[must_use]
     pub fn pretension(mut self, pretension: Pretension) -> Self {

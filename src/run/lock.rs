@@ -8,6 +8,7 @@ use std::borrow::Cow;
 use std::ops::ControlFlow;
 
 use super::{Run, RunError};
+use crate::base::timeline::ends_until;
 use crate::body::description::{Pretension, Tightening};
 use crate::body::model::Model;
 use crate::scene::Scene;
@@ -35,8 +36,7 @@ pub(super) fn locked(
             pretension.lock = None;
         }
         let model = tightening(&free)?;
-        let ends = model.times().partition_point(|t| *t < first);
-        let times = model.times()[..=ends.min(model.times().len() - 1)].to_vec();
+        let times = model.times()[..ends_until(model.times(), first)].to_vec();
         let mut watch = Watch { model: &model, points: vec![vec![[0.0; 2]]; free.description.pretensions.len()] };
         let report = Run::of(&model, times, free.solver)?.solve(&mut watch)?;
         let Watch { points, .. } = watch;

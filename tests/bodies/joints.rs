@@ -490,6 +490,7 @@ const OF_BAR: &[(&str, &str, &str, &str)] = &[
     ("force = 1000", "force = [0, 1]", "expected a number", ""),
     ("force = 1000", "shortening = inf", "finite", "number"),
     ("force = 1000", "shortening = 1\nlock = 0.5", "cannot be locked", "remove lock"),
+    ("glue = true", "glue = true\ngap = 0.1", "left out where bodies are glued", "remove the key"),
     ("force = 1000", "force = 1000\nlock = 1", "below the end", "time"),
     ("force = 1000", "force = 1000\nlock = -1", "above 0", "time"),
     ("force = 1000", "force = 1000\nhistory = []", "history is empty", "points"),
@@ -538,11 +539,49 @@ const OF_STRIP: &[(&str, &str, &str, &str)] = &[
     ("shift = [3, 0]", "shift = [0, 3]", "within", "search"),
     ("shift = [3, 0]", "shift = [5, 0]", "within", "search"),
     ("shift = [3, 0]", "shift = [3, 1e40]", "within", "search"),
+    ("shift = [3, 0]", "shift = [2.95, 0]", "apart after the shift", "the opposite boundary"),
+    ("shift = [3, 0]", "shift = [3, 0.3]", "% of a facet is covered", "the opposite boundary"),
+    (
+        "[[support]]\nboundary = \"bottom\"\nfix = [\"y\"]\n",
+        "[[pretension]]\nname = \"p\"\nboundary = \"right\"\nforce = 0\n[[contact]]\nboundary = \"bottom\"\nfriction = 0\n\
+         obstacle = { kind = \"plane\" }\n",
+        "which a pretension moves",
+        "an element before",
+    ),
     ("glue = true", "friction = 0", "not glued", "add glue"),
     ("glue = true", "glue = false\nfriction = 0", "not glued", "add glue"),
     ("against = \"left\"\nglue = true", "friction = 0\nobstacle = { kind = \"plane\" }", "has no shift", "remove"),
     ("against = \"left\"", "against = \"bottom\"", "in common", "nodes of their own"),
 ];
+
+/// Contact of two periodic bodies would have two rows for the node at both ends of the period.
+#[test]
+fn periodic_bodies_in_contact_are_refused() {
+    let body = |name: &str, y: f64| {
+        format!(
+            "[[body]]\nname = \"{name}\"\nat = [0, {y}]\nmesh = {{ kind = \"block\", size = [1, 0.5], elements = [8, 4] }}\n\
+             material = {{ young = 100, poisson = 0.3 }}\n[[contact]]\nboundary = \"{name}:right\"\n\
+             against = \"{name}:left\"\nglue = true\nshift = [1, 0]\n"
+        )
+    };
+    let both = format!(
+        "{}{}[[contact]]\nboundary = \"up:bottom\"\nagainst = \"lo:top\"\nfriction = 0.2\n[[support]]\n\
+         boundary = \"lo:bottom\"\nfix = [\"x\", \"y\"]\n[time]\nend = 1\nincrements = 2\n",
+        body("lo", 0.0),
+        body("up", 0.5),
+    );
+    let error = discretise(&scene(&both)).unwrap_err();
+    assert!(error.to_string().contains("both periodic"), "{error}");
+}
+
+/// A lock just after the end of an increment locks there.
+#[test]
+fn a_lock_beside_the_end_of_an_increment() {
+    let [(plane, ..), ..] = joints();
+    let last = |lock: &str| last(&report(&edit(&plane, "lock = 1\n", &format!("lock = {lock}\n")), bn())).normal_force;
+    near(last("1.0000000001"), last("1"), 1e-9);
+    near(last("0.9999999999"), last("1"), 1e-9);
+}
 
 /// Each fault of a pretension or a period names its key.
 #[test]

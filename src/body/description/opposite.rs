@@ -135,10 +135,11 @@ impl Opposite {
             let message = format!("`{}` stands there twice", self.boundaries[twice]);
             return Err(InputError::new("against", message, "keep it once"));
         }
-        let curved = self.gap == FirstGap::Curved;
-        let help = "remove the key: gaps between glued bodies count as 0";
-        ensure(!(curved && self.glued), "gap", &"\"curved\"", "left out where bodies are glued", help)?;
-        let measured = curved || self.gap == FirstGap::Measured;
+        if self.glued && self.gap != FirstGap::Measured {
+            let help = "remove the key: gaps between glued bodies count as 0";
+            return Err(InputError::new("gap", "gap must be left out where bodies are glued", help));
+        }
+        let measured = matches!(self.gap, FirstGap::Measured | FirstGap::Curved);
         ensure(
             measured || self.adjust == 0.0,
             "adjust",

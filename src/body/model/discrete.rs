@@ -38,6 +38,7 @@ impl Discrete {
         let points = couplings.points(&mesh);
         let holdings = holding::holdings(description, &mesh, &couplings, &points)?;
         let joints = Joints::new(description, &mesh)?;
+        joints.meet_no_contact(description, &mesh)?;
         let dofs = holding::dofs(&mesh, points, &joints, &holdings)?;
         let element = element::element(description, &mesh)?;
         let materials = description.material.laws(&mesh)?;

@@ -20,6 +20,10 @@ use crate::body::mesh::{Bodies, Boundary, Mesh};
 /// The largest initial overlap of two bodies, as a share of the thickness, as for obstacles.
 const DEEPEST: f64 = 0.2;
 
+/// The largest gap of a period, as a share of its length, and the largest share of a facet without anything in front of it:
+/// coordinates are rounded.
+const NEAR: f64 = 1e-3;
+
 /// Two boundaries in contact with each other.
 #[derive(Debug, Clone)]
 pub struct Pair {
@@ -216,6 +220,25 @@ pub(super) fn opposite(mesh: &Mesh, opposite: &Opposite, k: usize) -> Result<Bou
     Ok(Boundary { name: opposite.boundaries.join("+"), facets })
 }
 
+/// Fails if the shifted opposite of a periodic boundary is not in front of all of it, or nowhere meets it.
+fn fits(mortar: &Mortar, opposite: &Opposite, units: &UnitSystem, key: &str) -> Result<(), InputError> {
+    let Some(shift) = opposite.shift else { return Ok(()) };
+    let gap = mortar.rows.iter().map(|row| row.gap).min_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(0.0);
+    let covered = mortar.covered.iter().fold(1.0, |least: f64, share| least.min(*share));
+    let message = if gap.abs() > NEAR * norm(shift.components()) {
+        let gap = units.rounded(Quantity::Length, gap, 3);
+        format!("the two sides of the period are at least {gap} apart after the shift")
+    } else if covered < 1.0 - NEAR {
+        format!(
+            "after the shift, part of the boundary has nothing in front of it: {:.1} % of a facet is covered",
+            100.0 * covered
+        )
+    } else {
+        return Ok(());
+    };
+    Err(InputError::new(format!("{key}.shift"), message, "give the vector from the opposite boundary to this one"))
+}
+
 /// Creates the pair of contact `k`, which is in front of `opposite`.
 fn pair(
     description: &Description,
@@ -255,6 +278,7 @@ fn pair(
     } else {
         (Mortar::new(mesh, first, second, &options, supports).map_err(refused)?, None)
     };
+    fits(&mortar, opposite, &units, &key)?;
     let swapped = choice.is_some_and(|choice| choice.slave == 1);
     let (slave, master) = if swapped { (second, first) } else { (first, second) };
     let adjusted = |gap: f64| if gap.abs() <= opposite.adjust { 0.0 } else { gap };

@@ -30,10 +30,11 @@ pub struct Faceted {
     pub pair: usize,
     /// The sum of the normal forces, N.
     pub force: f64,
-    /// The difference of the gaps between the curved surfaces and between the facets, m: the median over the pressed
-    /// nodes.
+    /// The difference of the gaps between the curved surfaces and between the facets, m: the median over the nodes that
+    /// are pressed or at which the curved surfaces overlap at the beginning.
     pub bulge: f64,
-    /// The mean gap that contact has closed, weighted by the normal forces, m.
+    /// The mean gap that contact has closed, weighted by the normal forces, m; without a force the mean overlap of the curved
+    /// surfaces.
     pub closed: f64,
 }
 
@@ -41,12 +42,17 @@ impl Model {
     /// Returns the error by facets for each pressed pair with measured gaps.
     pub fn faceted(&self, state: &State) -> Vec<Faceted> {
         let of_pair = |pair: usize| {
-            let (mut force, mut closed, mut bulges) = (0.0, 0.0, Vec::new());
-            for (contact, p_n) in self.contacts.iter().zip(&state.p_n).filter(|(_, p_n)| **p_n > 0.0) {
+            let (mut force, mut closed, mut overlaps, mut bulges) = (0.0, 0.0, 0.0, Vec::new());
+            for (contact, p_n) in self.contacts.iter().zip(&state.p_n) {
                 let Some(coupled) = contact.coupled().filter(|coupled| coupled.pair == pair) else { continue };
-                force += p_n;
-                closed += p_n * contact.facing.gap.abs();
-                bulges.push(coupled.bulge.abs());
+                let gap = contact.facing.gap;
+                // Facets may hold nodes apart that the curved surfaces press.
+                if *p_n > 0.0 || gap < coupled.bulge {
+                    bulges.push(coupled.bulge.abs());
+                    overlaps += (gap - coupled.bulge).abs();
+                }
+                force += p_n.max(0.0);
+                closed += p_n.max(0.0) * gap.abs();
             }
             // The median is used because, if a flat ends in a curve, the largest forces are at the first curved facet
             // while the rest of the contact is flat.
@@ -54,11 +60,13 @@ impl Model {
             if bulges.is_empty() {
                 return None;
             }
+            let count = bulges.len() as f64;
             let bulge = *bulges.select_nth_unstable_by(middle, f64::total_cmp).1;
             if bulge <= FLAT * self.mesh.size() {
                 return None;
             }
-            Some(Faceted { pair, force, bulge, closed: closed / force })
+            let closed = if force > 0.0 { closed / force } else { overlaps / count };
+            Some(Faceted { pair, force, bulge, closed })
         };
         (0..self.pairs.len()).filter_map(of_pair).collect()
     }

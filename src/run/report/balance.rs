@@ -92,7 +92,7 @@ pub struct SectionRecord {
     /// per m of depth.
     pub force: Vec<f64>,
     /// The moment of this force about the centroid of the section: about z in two dimensions, about x, y and z in three,
-    /// N m; in two dimensions N m per m of depth.
+    /// N m; in two dimensions N m per m of depth. Empty for periodic boundaries.
     pub moment: Vec<f64>,
     /// The motion of the boundary beyond the other side: x, y and, in three dimensions, z, m.
     pub displacement: Vec<f64>,
@@ -129,6 +129,8 @@ impl BalanceRecord {
             let (normal_force, shortening) = (dot(wrench.force, normal), dot(jump, normal));
             let AppliedForce { at, force, moment, displacement } =
                 AppliedForce::new(pretension.name.clone(), wrench, jump, model.mesh.dimension);
+            // Forces at the corners of a cell are shared by its periods, which have no moments of their own.
+            let moment = if description.is_periodic(&pretension.boundary) { Vec::new() } else { moment };
             SectionRecord { at, normal_force, shortening, force, moment, displacement }
         });
         BalanceRecord {

@@ -319,6 +319,17 @@ fn faceted(body: &Description) -> Option<String> {
     report.warnings.into_iter().find(|warning| warning.kind == WarningKind::FacetedGaps).map(|warning| warning.message)
 }
 
+/// Facets that hold most nodes of a fit apart, or all of them, are named as well as those that press it too hard.
+#[test]
+fn fits_of_which_facets_hold_nodes_apart() {
+    for n in [[8, 12], [12, 24], [8, 48]] {
+        for inner_is_slave in [true, false] {
+            let told = faceted(&pressed(Shape::Rings, Cells::Blocks, n, FirstGap::Measured, inner_is_slave));
+            assert!(told.is_some_and(|told| told.contains("\"curved\"")), "{n:?} {inner_is_slave}");
+        }
+    }
+}
+
 /// A pin in a bore with a clearance far below the bulge of its facets: the pressure is that on second order.
 #[test]
 fn pins_with_clearance() {

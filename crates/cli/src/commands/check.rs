@@ -12,12 +12,15 @@ use histories::points;
 use mesh::{bodies, made};
 use obstacles::{frame, motions, shape};
 use paths::paths;
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 use stickslip::base::{Budget, Quantity, UnitSystem, in_words};
 use stickslip::body::Friction;
 use stickslip::body::fem::{Element, Material, Plane, RigidMotion};
 use stickslip::body::mesh::{CellKind, MeshSource};
-use stickslip::body::{Action, Bed, Coupling, CouplingKind, Direction, Field, Held, Model, Support, Tightening, Where};
+use stickslip::body::{
+    Action, Bed, Coupling, CouplingKind, Direction, Field, Held, Model, Pretension, Support, Tightening, Where,
+};
 use stickslip::run::report::{PairRecord, Warning};
 use stickslip::run::{RunError, tightening};
 use stickslip::scene::Scene;
@@ -70,7 +73,7 @@ pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
     }
     if !model.contacts.is_empty() {
         theorem(&model);
-        equilibrium(&scene, &model).map_err(history::Error::from).map_err(RunError::from)?;
+        equilibrium(&scene, model)?;
     }
     Ok(())
 }
@@ -350,21 +353,25 @@ fn theorem(model: &Model) {
         };
         say!(
             "{label:<12} (b) violated: the contact rows at {place}{others} depend on each other, so the contact \
-             forces there are not unique; turn a normal, or remove a contact, a support or a rigid coupling there"
+             forces there are not unique; turn a normal, make the elements of the other body smaller, or remove a contact, a support or a rigid \
+             coupling there"
         );
     }
 }
 
-/// Prints the first increment that no contact force can balance.
-fn equilibrium(scene: &Scene, model: &Model) -> Result<(), ProblemError> {
-    if model.rigid_motions.is_empty() {
-        return Ok(());
-    }
+/// Prints the first increment that no contact force can balance. Locked sections hold their parts together.
+fn equilibrium(scene: &Scene, model: Model) -> Result<(), RunError> {
+    let (mut scene, mut model) = (Cow::Borrowed(scene), model);
     for time in scene.time.all() {
-        let force = model.loading.force_at(time, &model.problem)?;
-        let mu = model.loading.friction().map(|friction| friction.at(time));
-        let driven = rigid_equilibrium_with(&model.problem, mu.as_deref().unwrap_or(model.problem.mu()), &force)?;
-        if let Some(motion) = driven.and_then(|weights| model.motion_along_contact(time, &weights, |_| true)) {
+        let locked = |pretension: &Pretension| pretension.lock.is_some_and(|lock| lock < time);
+        if scene.description.pretensions.iter().any(locked) {
+            for pretension in scene.to_mut().description.pretensions.iter_mut().filter(|pretension| locked(pretension))
+            {
+                *pretension = Pretension::by_shortening(&pretension.name, &pretension.boundary, 0.0);
+            }
+            model = tightening(&scene)?;
+        }
+        if let Some(motion) = driven(&model, time).map_err(history::Error::from)? {
             say!(
                 "NO BALANCE   first at t = {time} s: the loads drive {}, and no contact force within the friction \
                  limit resists; change the loads or add a support",
@@ -374,6 +381,17 @@ fn equilibrium(scene: &Scene, model: &Model) -> Result<(), ProblemError> {
         }
     }
     Ok(())
+}
+
+/// Returns the rigid motion along the contact that the loads drive at `time` (s).
+fn driven(model: &Model, time: f64) -> Result<Option<RigidMotion>, ProblemError> {
+    if model.rigid_motions.is_empty() {
+        return Ok(None);
+    }
+    let force = model.loading.force_at(time, &model.problem)?;
+    let mu = model.loading.friction().map(|friction| friction.at(time));
+    let driven = rigid_equilibrium_with(&model.problem, mu.as_deref().unwrap_or(model.problem.mu()), &force)?;
+    Ok(driven.and_then(|weights| model.motion_along_contact(time, &weights, |_| true)))
 }
 
 fn named(model: &Model, weights: &[f64]) -> Option<RigidMotion> {

@@ -168,7 +168,7 @@ pub(super) fn run(args: &RunArgs, count: usize) -> Result<ExitCode, Failure> {
             let mu = model.loading.friction().map_or(model.problem.mu().to_vec(), |friction| friction.at(end));
             say!("uniqueness   {}", uniqueness::explain(critical, &mu));
         }
-        summary::print_results(&report, run.times().len(), args.is_verbose());
+        summary::print_results(&scene, &report, run.times().len(), args.is_verbose());
         match &folder {
             Some(folder) => {
                 let before = if is_written { "" } else { ": those of the earlier run, because this one has none" };

@@ -2,7 +2,7 @@
 
 use stickslip::algebra::linear::process::Blas;
 use stickslip::base::{Quantity, UnitSystem};
-use stickslip::body::{PeakOf, StickZone};
+use stickslip::body::{PeakOf, Pretension, StickZone};
 use stickslip::run::Run;
 use stickslip::run::report::{
     AppliedForce, BalanceRecord, CompanionEstimate, ComponentSums, CycleReport, EliminatedUnknown, FrictionResult,
@@ -68,12 +68,12 @@ fn print_set_up(scene: &Scene, run: &Run<'_>) {
 }
 
 /// Prints the results at the end, the computation, and last, where the eye is, the peak and the verdict.
-pub(super) fn print_results(report: &RunReport, increments: usize, is_verbose: bool) {
+pub(super) fn print_results(scene: &Scene, report: &RunReport, increments: usize, is_verbose: bool) {
     let has_results = report.totals.converged > 0;
     if is_verbose {
         say!("");
         if has_results {
-            print_forces(report);
+            print_forces(scene, report);
             print_estimates(report);
             let (law, error) = report.totals.kkt.worst();
             let backward = report.totals.backward_error;
@@ -109,7 +109,7 @@ fn largest_force(report: &RunReport) -> f64 {
 }
 
 /// Prints the resultants of each contact, the reactions and their balance.
-fn print_forces(report: &RunReport) {
+fn print_forces(scene: &Scene, report: &RunReport) {
     let units = &report.units;
     let largest = largest_force(report);
     let vector = |force: &[f64]| {
@@ -150,7 +150,10 @@ fn print_forces(report: &RunReport) {
         for SectionRecord { at, normal_force, shortening, .. } in pretensions {
             let force = units.rounded(Quantity::Force, *normal_force, FORCE_DIGITS);
             let shortening = units.rounded(Quantity::Length, *shortening, DIGITS);
-            say!("pretension   {at}: {force} across the section, shortened by {shortening}");
+            let periodic =
+                |pretension: &Pretension| pretension.name == *at && scene.description.is_periodic(&pretension.boundary);
+            let how = if scene.description.pretensions.iter().any(periodic) { "elongated" } else { "shortened" };
+            say!("pretension   {at}: {force} across the section, {how} by {shortening}");
         }
         say!("balance      the forces on the body balance to {balance:.1e} of their sizes");
     }
