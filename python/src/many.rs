@@ -8,7 +8,6 @@ use crate::recorder::{Keep, PATIENCE, Recorder};
 use crate::solve::{Algebra, BUG, detached};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use std::convert::Infallible;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
@@ -85,6 +84,9 @@ fn prepared(samples: &[Sample], solver: &SolverChoice) -> Result<LinearAlgebra, 
     Ok(linear)
 }
 
+/// Something was raised in Python, such as `KeyboardInterrupt`.
+struct Ended;
+
 /// Looks at signals, and tells `progress` how many more are done, until nobody sends any more.
 fn attend(done: &Receiver<()>, progress: Option<&Py<PyAny>>, raised: &Raised) {
     loop {
@@ -135,16 +137,17 @@ pub(crate) fn solve_many<'py>(
         let raised = raised.clone();
         let told = raised.clone();
         let one = move |sample: &Sample| {
+            if told.is_set() {
+                return Err(Ended);
+            }
             let found = sample.solved(solver, linear, Recorder::new(keep.clone(), None, told.clone()));
             // Nobody listens any more only after a panic.
             let _ = sender.send(());
-            Ok::<_, Infallible>(found)
+            Ok(found)
         };
         thread::scope(|scope| {
-            let work = scope.spawn(move || {
-                let Ok(found) = parallel_map(all, threads, one);
-                found
-            });
+            // What was raised is told in place of results.
+            let work = scope.spawn(move || parallel_map(all, threads, one).unwrap_or_default());
             attend(&receiver, progress.as_ref(), &raised);
             Ok(work.join().unwrap_or_else(|_| all.iter().map(|_| Err(BUG.to_string())).collect()))
         })
