@@ -86,7 +86,7 @@ class CondensedProblem(ContactProblem):
         rows, shape = self._rows("u", u, self.n_u)
         forces, of_force = self._rows("force", force, self.whole.n_u)
         if shape != of_force:
-            raise ValueError(f"force has {len(forces)} rows, but u has {len(rows)}")
+            raise ValueError(f"force has {len(forces)} rows, but u has {len(rows)}; solve_many keeps the last u only without keep_u=\"all\"")
         return self._body.lift(rows, forces).reshape(*shape, self.whole.n_u)
 
     @staticmethod

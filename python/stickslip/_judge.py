@@ -301,12 +301,14 @@ def judge(
     forces: list[tuple[Array, Array]] = []
     for k, (force, gap, moved, mu) in enumerate(zip(data["force"], data["gap"][1:], data["drift"], data["mu"])):
         w = slip + moved - drift
-        posed = Posed(problem, force, gap, w, mu, answer, k + 1, cache)
+        # Copies: what a solver writes into its arrays is its own affair.
+        last = (answer[0].copy(), answer[1].copy(), answer[2].copy())
+        posed = Posed(problem, force.copy(), gap.copy(), w.copy(), mu.copy(), last, k + 1, cache)
         start = time.process_time()
         try:
             u, p_n, p_t = solver(posed)
             seconds += time.process_time() - start
-            answer = (np.asarray(u, float), np.asarray(p_n, float), np.asarray(p_t, float).reshape(n_c, d))
+            answer = (_real("u", u), _real("p_n", p_n), _real("p_t", p_t).reshape(n_c, d))
             judged = errors(problem, force, *answer, gap=gap, w_t_last=w, mu=mu, scales=scales)
         except (ArithmeticError, LookupError, RuntimeError, TypeError, ValueError) as raised:
             remark = f"increment {k + 1}: {type(raised).__name__}: {raised}"
@@ -319,6 +321,12 @@ def judge(
     p_n = np.array([p_n for p_n, _ in forces]).reshape(-1, n_c)
     p_t = np.array([p_t for _, p_t in forces]).reshape(-1, n_c, d)
     return verdict_of(name, rows, seconds, p_n, p_t, remark, tolerance)
+
+
+def _real(name: str, values: Any) -> Array:
+    if np.iscomplexobj(values):
+        raise TypeError(f"{name} is complex")
+    return np.array(values, dtype=np.float64)
 
 
 def verdict_of(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numbers
 import os
 import warnings
 from collections.abc import Iterable, Sequence
@@ -94,6 +95,9 @@ def _few(numbers: Iterable[int]) -> str:
 
 
 def _samples(several: dict[str, Several | None]) -> int:
+    for name, values in several.items():
+        if values is not None and not (isinstance(values, Sequence) or np.ndim(values) > 0):
+            raise TypeError(f"{name} is {type(values).__name__}, expected a list or an array with an entry for each history")
     lengths = {name: len(values) for name, values in several.items() if values is not None}
     if not lengths:
         raise ValueError("forces, gaps and mus are missing: give at least one of them, with an entry for each history")
@@ -141,8 +145,10 @@ def solve(
         raise ValueError(f"mus[{changing[0]}] changes in time, which the method events does not follow; take bn or ip")
     if threads is None:
         threads = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    if threads < 1:
-        raise ValueError(f"threads is {threads}, but must be 1 or more")
+    if not isinstance(threads, numbers.Integral):
+        raise TypeError(f"threads is {threads!r}, expected a whole number")
+    if not 1 <= threads < 2**16:
+        raise ValueError(f"threads is {threads}, but must be 1 or more, and below 65536")
     kept = keep(keep_u, min((len(tables["times"]) for _, tables in histories), default=1))
     bar: Any = None
     if progress:

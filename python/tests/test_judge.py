@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 import scipy.sparse as sp
@@ -23,6 +25,25 @@ def test_the_judge_agrees_with_the_run_and_sees_wrong_answers() -> None:
         assert (judged.contact == result.contact[k]).all()
     wrong = ss.errors(p, result.force[-1], result.u[-1], result.p_n[-1], -result.p_t[-1], gap=1e-5)
     assert wrong.worst[1] > 1e-3
+
+
+def test_arrays_that_a_solver_overwrites_are_its_own() -> None:
+    problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
+
+    def nothing(posed: ss.Posed) -> tuple[Any, Any, Any]:
+        for array in (posed.force, posed.gap, posed.w_t_last, posed.mu, *posed.last):
+            array[...] = 0
+        return np.zeros(2), np.zeros(1), np.zeros(1)
+
+    history = {"force": [[40.0, -100.0], [40.0, -200.0]]}
+    assert not ss.judge(problem, nothing, history=history).holds
+
+    def complex_answer(posed: ss.Posed) -> tuple[Any, Any, Any]:
+        result = posed.problem.solve_increment(posed.force, gap=posed.gap, w_t_last=posed.w_t_last)
+        return result.u[0] + 5j, result.p_n[0], result.p_t[0]
+
+    judged = ss.judge(problem, complex_answer, history=history)
+    assert not judged.holds and "u is complex" in judged.remark
 
 
 def test_each_law_is_seen_by_itself() -> None:

@@ -107,7 +107,7 @@ WRONG: list[tuple[str, Callable[[], object]]] = [
     # Options of a run.
     (r"keep_u", ran(keep_u="some")),
     (r"keep_u", ran(keep_u=[7])),
-    (r"linear: ", ran(linear="magic")),
+    (r"linear is ", ran(linear="magic")),
     (r"callback: ", ran(callback=3)),
     (r"max_iterations: ", ran(max_iterations=0)),
     (r"max_iterations: ", ran(max_iterations=2.5)),
