@@ -166,6 +166,8 @@ def compare(
     >>> ss.compare(problem, {"Newton": "bn", "interior point": "ip"}, history={"force": [[40.0, -100.0]]})
     <Comparison of 2 solvers, 2 within 1e-08>
     """
+    if not isinstance(solvers, Mapping):
+        raise TypeError(f"solvers is {type(solvers).__name__}, expected a dictionary of names and solvers")
     if not solvers:
         raise ValueError("solvers is empty: there is nothing to compare")
     data = history_of(of, history)

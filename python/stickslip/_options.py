@@ -90,9 +90,11 @@ def _word(name: str, value: object, words: tuple[str, ...], default: str) -> str
 
 def core_options(
     *, method: object = None, setting: object = None, linear: object = None, tolerance: object = None,
-    max_iterations: object = 200, r_factor: object = 1.0,
+    max_iterations: object = 200, r_factor: object = 1.0, **others: object,
 ) -> tuple[dict[str, Any], Any]:
     """The options of a solve and its linear algebra, of the types that the core takes."""
+    for name in others:
+        raise TypeError(f"{name} is no argument here, expected method, setting, linear, tolerance, max_iterations or r_factor")
     options: dict[str, Any] = {
         "method": _word("method", method, get_args(Method), "bn"), "setting": _word("setting", setting, get_args(Setting), "default"),
         "r_factor": r_factor, "tolerance": tolerance, "max_iterations": max_iterations,
@@ -104,6 +106,8 @@ def core_options(
     for name, (kind, words) in kinds.items():
         if not isinstance(options[name], kind) or isinstance(options[name], bool):
             raise TypeError(f"{name} is {options[name]!r}, expected {words}")
+    if not 1 <= options["max_iterations"] < 2**31:
+        raise ValueError(f"max_iterations is {max_iterations}, but must be 1 or more, and below 2**31")
     if isinstance(linear, str):
         linear = _word("linear", linear, get_args(Linear), "auto")
     elif linear is not None and (missing := [step for step in ("analyze", "factorize", "solve") if not callable(getattr(linear, step, None))]):
@@ -122,5 +126,13 @@ def keep(keep_u: str | bool | Sequence[int], increments: int) -> bool | list[int
         return words[keep_u]
     try:
         return [range(increments)[k] + 1 for k in keep_u]
-    except (TypeError, IndexError) as error:
+    except IndexError:
+        raise ValueError(f"keep_u is {keep_u!r}, but there are {increments} increments, numbered from 0") from None
+    except TypeError as error:
         raise ValueError(f"keep_u: {error}") from None
+
+
+def called(callback: object) -> None:
+    """Refuses a callback that cannot be called."""
+    if callback is not None and not callable(callback):
+        raise TypeError(f"callback: a function expected, {type(callback).__name__} found")

@@ -12,7 +12,7 @@ from ._arrays import Array, compressed, contact_maps, tangential
 from ._arrays import vector as vector
 from ._matrices import Matrices
 from ._options import Callback as Callback
-from ._options import Linear, Method, Setting, core_options
+from ._options import Linear, Method, Setting, called, core_options
 from ._options import LinearSolver as LinearSolver
 from ._options import keep as keep
 from ._result import Result
@@ -201,6 +201,7 @@ class ContactProblem(Matrices):
             method=method, setting=setting, linear=self._linear if linear is None else linear, tolerance=tolerance, max_iterations=max_iterations, r_factor=r_factor
         )
         kept = keep(keep_u, len(tables["times"]))
+        called(callback)
         raw = problem._core.run(tables, options, linear, kept, callback)
         raw, reason = _dependent.rescued(problem, raw, tables, options, kept, callback)
         return Result._of(raw, self.tangents, reason=reason, stacklevel=3)

@@ -15,6 +15,7 @@ from . import _core
 from . import mesh as _mesh
 from ._kinds import DIMENSION
 from ._errors import SceneError
+from ._options import called
 from ._problem import Callback, ContactProblem, LinearSolver, keep, vector
 from ._result import Result
 from ._toml import to_toml, toml_value
@@ -348,8 +349,7 @@ class Model:
             raise ValueError(f"max_iterations: {max_iterations!r} found, expected a whole number of 1 or more")
         if tolerance is not None and not 0 < tolerance < 1:
             raise ValueError(f"tolerance: {tolerance} found, expected a number between 0 and 1")
-        if callback is not None and not callable(callback):
-            raise TypeError(f"callback: a function expected, {type(callback).__name__} found")
+        called(callback)
         if increments is None and to is not None:
             raise ValueError('to: it is the error for increments="auto"; leave it out')
         model, chosen = (self, None) if increments is None else self._with_increments(increments, to)

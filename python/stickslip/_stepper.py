@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from . import _core, _dependent, _history
 from ._arrays import Array, tangential, vector
+from ._options import called
 from ._result import Result
 
 if TYPE_CHECKING:
@@ -139,6 +140,7 @@ class Stepper:
             ],
             "mu": _history.friction(self.problem, np.stack([self._mu, rows][1 - first :])),
         }
+        called(callback)
         raw = self._core.step(tables, keep_u, callback)
         self.work = {name: raw[name] for name in self.work}
         if self._core.time > begun:

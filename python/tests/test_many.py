@@ -108,7 +108,10 @@ def test_a_solver_of_ones_own_is_refused() -> None:
         ss.ContactProblem(np.eye(2), np.eye(2)[:1]).solve_many(np.ones(2), gaps=[0.0], linear=Own())  # type: ignore[typeddict-item]
 
 
-@pytest.mark.parametrize("arguments", [{"threads": "2"}, {"threads": 1.5}, {"threads": 0}, {"threads": 2**70}, {"mus": 0.3}, {"mus": {0.1, 0.2}}])
+@pytest.mark.parametrize("arguments", [
+    {"threads": "2"}, {"threads": 1.5}, {"threads": 0}, {"threads": 2**70}, {"mus": 0.3}, {"mus": {0.1, 0.2}}, {"mu": 0.3},
+    {"max_iterations": -1}, {"max_iterations": 2**70}, {"keep_u": [9]},
+])
 def test_arguments_of_another_kind_are_named(arguments: dict[str, Any]) -> None:
     problem = ss.ContactProblem(np.eye(2), np.eye(2)[:1], np.eye(2)[1:], 0.3)
     with pytest.raises((TypeError, ValueError), match=f"^{next(iter(arguments))} is"):
