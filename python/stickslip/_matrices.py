@@ -11,6 +11,11 @@ from numpy.typing import ArrayLike
 from . import _core
 from ._arrays import Array, compressed, contact_maps, finite, matrix, symmetric, vector
 
+def _read_only(array: Array) -> Array:
+    array.flags.writeable = False
+    return array
+
+
 
 class Matrices:
     """What a `ContactProblem` is made of, without what is done with it.
@@ -61,13 +66,14 @@ class Matrices:
 
     @property
     def mu(self) -> Array:
-        """Friction coefficients, (n_c,)."""
-        return self._core.mu
+        """Friction coefficients, (n_c,); read-only: `with_` gives the body others."""
+        return _read_only(self._core.mu)
 
     @property
     def weight(self) -> Array | None:
-        """Lengths or areas of the contact nodes, m or m², (n_c,), if they are known."""
-        return self._core.weight
+        """Lengths or areas of the contact nodes, m or m², (n_c,), if they are known; read-only."""
+        weight = self._core.weight
+        return None if weight is None else _read_only(weight)
 
     @property
     def free_motions(self) -> Array:

@@ -267,3 +267,10 @@ def test_a_body_that_only_friction_holds_has_its_free_motions_found() -> None:
     assert abs(abs(problem.free_motions) - [[0.0, 1.0]]).max() < 1e-12
     with pytest.raises(ValueError, match="free motions"):
         problem.compliance()
+
+
+def test_data_of_a_problem_cannot_be_assigned() -> None:
+    problem = ss.ContactProblem(np.eye(2), np.eye(2)[:1], np.eye(2)[1:], 0.3, weight=1.0)
+    for array in (problem.mu, problem.weight):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 0.9
