@@ -208,7 +208,7 @@ class Verdict:
     >>> def broken(posed):
     ...     raise ArithmeticError("no pivot")
     >>> ss.judge(problem, broken, history={"force": [[40.0, -100.0]]})
-    <Verdict on solver: WRONG, no answer violated by inf in increment 1; increment 1: ArithmeticError: no pivot>
+    <Verdict on solver: WRONG; increment 1: ArithmeticError: no pivot>
     """
 
     name: str
@@ -223,8 +223,14 @@ class Verdict:
     remark: str = ""
 
     def __repr__(self) -> str:
-        law = f"{self.law} violated by {self.error:.1e} in increment {self.increment}"
-        return f"<Verdict on {self.name}: {'holds' if self.holds else 'WRONG'}, {law}{'; ' if self.remark else ''}{self.remark}>"
+        at = f"in increment {self.increment}"
+        if self.holds:
+            words = f"holds, largest error {self.error:.1e} ({self.law}) {at}"
+        elif np.isfinite(self.error) or not self.remark:
+            words = f"WRONG, {self.law} violated by {self.error:.1e} {at}"
+        else:
+            words = "WRONG"
+        return f"<Verdict on {self.name}: {words}{'; ' if self.remark else ''}{self.remark}>"
 
 
 def history_of(of: Model | ContactProblem, history: Mapping[str, ArrayLike] | None) -> dict[str, Array]:
