@@ -9,7 +9,7 @@ use crate::body::description::Description;
 use crate::body::fem::Dofs;
 use crate::body::mesh::Mesh;
 
-/// How to avoid such a contact.
+/// The cure for such a contact.
 const HELP: &str =
     "end the coupled boundary before the contact, use a distributing coupling, or let one part be elastic";
 

@@ -23,9 +23,9 @@ const CLEARANCE: f64 = 2e-5;
 enum Cells {
     Blocks,
     Simplices,
-    /// Of second order, with nodes between corners on the surface.
+    /// Cells of second order, with nodes between corners on the surface.
     SecondOrder,
-    /// Of second order, with straight edges.
+    /// Cells of second order, with straight edges.
     Straight,
 }
 

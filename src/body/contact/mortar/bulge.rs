@@ -8,7 +8,8 @@
 //! ```
 //!
 //! with the curvature κ, the largest `e_ij / |x_j - x_i|²` of the facet. It is positive out of the body where it is
-//! convex, `l² / 8 R` in the middle of an edge, and exact on circles and spheres, along their normal. The cosine of the
+//! convex, `l² / 8 R` in the middle of an edge, and exact on circles and spheres with exact normals, along the normal.
+//! The cosine of the
 //! angle between that and ν is `n · ν / √(1 - 2 κ c)`. The normals are those of [`Surface`].
 
 use std::collections::BTreeMap;
