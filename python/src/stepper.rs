@@ -1,5 +1,6 @@
 //! One increment after the other, for time loops in Python.
 
+use crate::error::of_run;
 use crate::foreign::Raised;
 use crate::loading::Tables;
 use crate::problem::{Options, Problem, exported};
@@ -101,7 +102,7 @@ impl Stepper {
     fn restore(&self, saved: &SavedSteps) -> PyResult<()> {
         let OnTheWay { steps, start, .. } = &mut *self.idle()?;
         if let (Some(steps), Some(state)) = (steps, saved.0.as_ref().or(start.as_ref())) {
-            steps.restore(state);
+            steps.restore(state).map_err(|error| of_run(RunError::from(error)))?;
         }
         Ok(())
     }

@@ -162,7 +162,7 @@ fn increments_that_were_taken_back_leave_nothing_behind() {
                     // Other loads, and two increments of them.
                     stepper.step(&between(&model, begun, time + 0.5), time + 0.5, &mut ()).unwrap();
                     stepper.step(&model.loading, time + 1.0, &mut ()).unwrap();
-                    stepper.restore(&before);
+                    stepper.restore(&before).unwrap();
                     assert_eq!(stepper.time().to_bits(), begun.to_bits());
                 }
                 let mut one = Recording::all();

@@ -14,6 +14,7 @@ use crate::solver::condensation::{Condensation, Condensed};
 use crate::solver::loading::Loading;
 use crate::solver::problem::ContactProblem;
 use std::borrow::Borrow;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// A history whose future is unknown: for a caller's own time loop, and for coupled simulations.
@@ -53,6 +54,8 @@ pub struct Stepper<P> {
     loading: Option<Loading>,
     /// The snapshot to which the method must return after an increment that failed.
     restart: Option<Snapshot>,
+    /// Distinguishes it from all other steppers.
+    identity: Arc<()>,
 }
 
 /// Where a [`Stepper`] was when [`Stepper::save`] was called.
@@ -63,6 +66,8 @@ pub struct StepperState {
     position: HistoryState,
     /// The snapshot of the method; `None` before the equations were set up.
     method: Option<Snapshot>,
+    /// The stepper that it belongs to.
+    of: Arc<()>,
 }
 
 /// The body to which the equations belong.
@@ -97,6 +102,7 @@ impl<P: Borrow<ContactProblem>> Stepper<P> {
             stage: None,
             loading: None,
             restart: None,
+            identity: Arc::new(()),
         })
     }
 
@@ -113,6 +119,7 @@ impl<P: Borrow<ContactProblem>> Stepper<P> {
             done: self.done.clone(),
             position: self.position.clone(),
             method: self.restart.clone().or_else(now),
+            of: Arc::clone(&self.identity),
         }
     }
 
@@ -127,22 +134,33 @@ impl<P: Borrow<ContactProblem>> Stepper<P> {
     /// # let load = |f: f64| Loading::new(vec![LoadCase::new(vec![f], vec![])?], vec![1.0]);
     /// # let settings = HistorySettings::new(&problem, &load(3.0)?, Method::BN)?;
     /// // The node of the example above: its force depends on the answer.
-    /// let mut stepper = Stepper::new(&problem, settings, SystemSolver::default())?;
+    /// let mut stepper = Stepper::new(&problem, settings.clone(), SystemSolver::default())?;
     /// let (before, mut p) = (stepper.save(), 0.0);
     /// for _ in 0..60 {
-    ///     stepper.restore(&before);
+    ///     stepper.restore(&before)?;
     ///     p = stepper.step(&load(3.0 + 0.5 * p)?, 1.0, &mut ())?.state.p_n[0];
     /// }
     /// assert!((p - 2.0).abs() < 1e-14 && stepper.time() == 1.0);
+    ///
+    /// // Another stepper refuses the state.
+    /// let mut other = Stepper::new(&problem, settings, SystemSolver::default())?;
+    /// assert!(other.restore(&before).is_err());
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn restore(&mut self, state: &StepperState) {
-        let StepperState { times, done, position, method } = state.clone();
+    ///
+    /// # Errors
+    /// [`CheckpointError::Other`] for a state that another stepper has saved.
+    pub fn restore(&mut self, state: &StepperState) -> Result<(), Error> {
+        let StepperState { times, done, position, method, of } = state.clone();
+        if !Arc::ptr_eq(&of, &self.identity) {
+            return Err(CheckpointError::Other { what: "the stepper" }.into());
+        }
         if method.is_none() {
             // The equations are set up again, with whatever the next increment brings.
             (self.stage, self.loading) = (None, None);
         }
         (self.times, self.done, self.position, self.restart) = (times, done, position, method);
+        Ok(())
     }
 
     /// Advances to `time` (s), where `loading` describes the data between the end of the last increment and `time`.
