@@ -86,8 +86,8 @@ packages: deps
 
 PYTHON = target/python/bin/python
 PYTHON_WHEELS ?= python3.10 python3.11 python3.12 python3.13
-# In the profile and with the features of what is compiled for the program without C libraries: all but the module itself is there then.
-PYTHON_BUILD ?= --profile dev --features schema
+# In the profile of what is compiled for the program without C libraries: all but the module itself is there then.
+PYTHON_BUILD ?= --profile dev
 # What the environment was made of; when python/requirements.txt changes, the environment is made again.
 PYTHON_TOOLS = target/python/requirements.txt
 # The system's libraries that the wheel of gmsh is linked to.

@@ -15,7 +15,7 @@ use common::Rows;
 use stickslip::algebra::Pattern;
 use stickslip::algebra::linear::{FactorInfo, Form, LinearError, LinearSolver, Multigrid, SparseLu};
 use stickslip::run::report::thread_cpu_seconds;
-use stickslip::run::{Run, grid};
+use stickslip::run::{Run, Sink, grid};
 use stickslip::scene::Scene;
 
 /// Multigrid that solves each system to 1e-10, and tells how many iterations that took.
@@ -169,13 +169,14 @@ fn main() {
         let measured = |multigrid: bool| {
             let ((tells, told), (seconds, times)) = (channel(), channel());
             let tight = Tight { solver: solver(multigrid), tells, seconds };
-            let report = run.solve_with((Box::new(tight) as Box<dyn LinearSolver>).into(), &mut ()).unwrap();
+            let report =
+                run.solve_with((Box::new(tight) as Box<dyn LinearSolver>).into(), Sink::Observer(&mut ())).unwrap();
             let told: Vec<(usize, bool)> = told.iter().collect();
             (report, told, times.iter().sum::<f64>())
         };
         let (_, told, seconds) = measured(true);
         let (direct, _, direct_seconds) = measured(false);
-        let loose = run.solve_with(solver(true).into(), &mut ()).unwrap();
+        let loose = run.solve_with(solver(true).into(), Sink::Observer(&mut ())).unwrap();
         let gave_way = told.iter().any(|(_, gave_way)| *gave_way);
         let count = |of: fn(_, _) -> usize, from: usize| told.iter().map(|(count, _)| *count).fold(from, of);
         let most = count(usize::max, 0);

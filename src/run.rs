@@ -76,8 +76,8 @@ use auto::factorizations;
 pub use auto::{AvailableSolvers, Choice, Done, Faster, SolverEstimate};
 use companion::{Companion, Quiet};
 use force_jumps::JumpDetector;
-pub use watch::RecordWriter;
-use watch::{ReportCollector, Sink};
+use watch::ReportCollector;
+pub use watch::{RecordWriter, Sink};
 
 /// The number of factorisations from which on a better ordering is worth its time.
 const MANY: f64 = 10.0;
@@ -300,7 +300,7 @@ impl<'a> Run<'a> {
     /// When the linear algebra cannot go on. A history that does not converge is no error; see the status of the
     /// report.
     pub fn solve(&self, observer: &mut dyn Observer) -> Result<RunReport, RunError> {
-        self.solve_with(self.system(), observer)
+        self.report(self.system(), Sink::Observer(observer))
     }
 
     /// Solves the history with a `ledger` that takes the records of the increments. They are then missing in the
@@ -313,12 +313,12 @@ impl<'a> Run<'a> {
     }
 
     /// Solves the history with another linear system than the chosen one, e.g. with a linear solver of your own:
-    /// `SystemSolver::from(solver)`.
+    /// `SystemSolver::from(solver)`. `sink` takes what comes out.
     ///
     /// # Errors
     /// As [`Run::solve`].
-    pub fn solve_with(&self, system: SystemSolver, observer: &mut dyn Observer) -> Result<RunReport, RunError> {
-        self.report(system, Sink::Observer(observer))
+    pub fn solve_with(&self, system: SystemSolver, sink: Sink<'_>) -> Result<RunReport, RunError> {
+        self.report(system, sink)
     }
 
     fn report(&self, system: SystemSolver, mut audience: Sink<'_>) -> Result<RunReport, RunError> {

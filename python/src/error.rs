@@ -1,5 +1,7 @@
 //! Errors of the library as exceptions of Python.
 
+use std::io;
+
 use pyo3::PyErr;
 use pyo3::exceptions::{PyMemoryError, PyOSError, PyRuntimeError, PyValueError};
 use stickslip::algebra::linear::LinearError;
@@ -15,11 +17,18 @@ fn unplaced(message: String, help: String) -> PyErr {
     SceneError::new_err((message, None::<String>, None::<usize>, None::<String>, help))
 }
 
+/// A file that cannot be read or written; Python says the number of the error by itself.
+pub(crate) fn of_file(error: &io::Error, path: String) -> PyErr {
+    let message = error.to_string();
+    let words = message.split(" (os error").next().unwrap_or_default().to_string();
+    PyOSError::new_err((error.raw_os_error(), words, path))
+}
+
 pub(crate) fn of_scene(error: Refused) -> PyErr {
     let message = error.to_string();
     match error {
         Refused::Other { help, .. } => unplaced(message, help.to_string()),
-        Refused::Io { path, error } => PyOSError::new_err((error.raw_os_error(), error.to_string(), path)),
+        Refused::Io { path, error } => of_file(&error, path),
         Refused::Invalid(at) => {
             let at = *at;
             SceneError::new_err((at.message, Some(at.file), Some(at.line), Some(at.key), at.help))
@@ -55,6 +64,11 @@ fn in_python(message: &str) -> String {
 fn of_history(error: HistoryError) -> PyErr {
     match error {
         HistoryError::Linear(LinearError::OutOfMemory { .. }) => PyMemoryError::new_err(error.to_string()),
+        HistoryError::Checkpoint(error) => {
+            // The error names what is asked for as the program does.
+            let error = error.to_string().replace("--", "");
+            PyValueError::new_err(format!("checkpoint: {error}; remove it, or name another file"))
+        }
         HistoryError::Linear(LinearError::NotBuiltIn { .. })
         | HistoryError::Problem(_)
         | HistoryError::NoWeight { .. } => PyValueError::new_err(error.to_string()),

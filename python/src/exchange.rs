@@ -1,9 +1,10 @@
 //! Problems in the files of other programs.
 
 use crate::arrays::Exported;
+use crate::error::of_file;
 use crate::solve::detached;
 use numpy::PyArray1;
-use pyo3::exceptions::{PyOSError, PyValueError};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
@@ -13,7 +14,7 @@ use stickslip_exchange::{ExchangeError, Problem, ProblemFile, Solution, solve};
 fn refused(error: ExchangeError) -> PyErr {
     let cure = error.help().to_string();
     match error {
-        ExchangeError::Io { file, error } => PyOSError::new_err((error.raw_os_error(), error.to_string(), file)),
+        ExchangeError::Io { file, error } => of_file(&error, file),
         error => PyValueError::new_err(format!("path: {error}; {cure}")),
     }
 }

@@ -13,13 +13,17 @@
 //! | one increment after the other | `stepper.rs` |
 //! | a run: its linear algebra, signals and panics | `solve.rs` |
 //! | what is kept of a run | `recorder.rs` |
+//! | a run that is saved as it goes | `saver.rs` |
 //! | a linear solver that is a Python object | `foreign.rs` |
+//! | finer meshes until a quantity is known | `converge.rs` |
+//! | the program `stickslip` | `program.rs` |
 //! | arrays in and out; errors out | `arrays.rs`, `error.rs` |
 
 #![allow(clippy::needless_pass_by_value)] // What Python hands over is handed over.
 
 mod arrays;
 mod condensed;
+mod converge;
 mod error;
 mod examples;
 mod exchange;
@@ -27,7 +31,9 @@ mod foreign;
 mod loading;
 mod many;
 mod problem;
+mod program;
 mod recorder;
+mod saver;
 mod scene;
 mod solve;
 mod step;
@@ -46,6 +52,8 @@ mod _core {
     #[pymodule_export]
     use super::condensed::CondensedBody;
     #[pymodule_export]
+    use super::converge::converge;
+    #[pymodule_export]
     use super::examples::{example, examples, toml_to_json};
     #[pymodule_export]
     use super::exchange::{read_problem, solve_problem};
@@ -55,6 +63,8 @@ mod _core {
     use super::many::solve_many;
     #[pymodule_export]
     use super::problem::Problem;
+    #[pymodule_export]
+    use super::program::program;
     #[pymodule_export]
     use super::scene::SceneModel;
     #[pymodule_export]

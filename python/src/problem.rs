@@ -153,7 +153,7 @@ pub(crate) fn exported<'py>(
     let json = |error: serde_json::Error| PyValueError::new_err(error.to_string());
     result.set_item("status", outcome.status.to_string())?;
     result.set_item("free_motion", &outcome.free_motion)?;
-    result.set_item("records", serde_json::to_string(&recorder.records).map_err(json)?)?;
+    result.set_item("records", serde_json::to_string(&recorder.kept.records).map_err(json)?)?;
     result.set_item("analyses", outcome.linear.analyses)?;
     result.set_item("factorizations", outcome.linear.factorizations)?;
     recorder.write(&result)?;

@@ -2,13 +2,17 @@
 
 use crate::arrays::table;
 use crate::foreign::Raised;
+use crate::saver::Saver;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
+use stickslip::run::RecordWriter;
+use stickslip::run::report::{BalanceRecord, ForceRecord};
 use stickslip::solver::ContactStatus;
-use stickslip::solver::IterationRecord;
 use stickslip::solver::history::{IncrementRecord, IncrementView, Observer};
+use stickslip::solver::{Checkpoint, IterationRecord};
 
 /// 0 open, 1 stick, 2 slip, as in the VTU files.
 pub(crate) fn codes(statuses: &[ContactStatus]) -> impl Iterator<Item = u8> + '_ {
@@ -24,7 +28,7 @@ pub(crate) fn codes(statuses: &[ContactStatus]) -> impl Iterator<Item = u8> + '_
 pub(crate) const PATIENCE: Duration = Duration::from_millis(50);
 
 /// The increments whose displacements and forces of size n_u are kept.
-#[derive(Clone, FromPyObject)]
+#[derive(Clone, PartialEq, Serialize, Deserialize, FromPyObject)]
 pub(crate) enum Keep {
     /// `True`: all; `False`: none.
     All(bool),
@@ -33,7 +37,7 @@ pub(crate) enum Keep {
 }
 
 /// A table that grows by rows.
-#[derive(Default)]
+#[derive(Default, Serialize, Deserialize)]
 struct Growing {
     rows: usize,
     values: Vec<f64>,
@@ -58,36 +62,47 @@ impl Growing {
 /// The columns of size n_c.
 const OF_NODES: [&str; 7] = ["p_n", "p_t", "p_o", "gap", "mu", "w_t_last", "w_o_last"];
 
+/// What is kept of the increments up to now.
+#[derive(Default, Serialize, Deserialize)]
+pub(crate) struct Kept {
+    /// The numbers of the increments whose `u` is kept.
+    numbers: Vec<usize>,
+    of_body: [Growing; 3],
+    of_nodes: [Growing; OF_NODES.len()],
+    statuses: Vec<u8>,
+    iterations: Growing,
+    /// A record for each increment.
+    pub records: Vec<IncrementRecord>,
+    /// The resultants of the contact forces, and the other forces on the body, of a scene.
+    pub forces: Vec<ForceRecord>,
+    pub reactions: Vec<BalanceRecord>,
+}
+
 pub(crate) struct Recorder {
     looked: Instant,
     keep: Keep,
     callback: Option<Py<PyAny>>,
     /// An exception, a `KeyboardInterrupt` for one, that ends the run.
     pub raised: Raised,
-    /// The numbers of the increments whose `u` is kept.
-    kept: Vec<usize>,
-    of_body: [Growing; 3],
-    of_nodes: [Growing; OF_NODES.len()],
-    statuses: Vec<u8>,
-    iterations: Growing,
-    /// The records, for runs that hand back no report.
-    pub records: Vec<IncrementRecord>,
+    pub kept: Kept,
+    /// Where the run is saved, if it is.
+    saver: Option<Saver>,
 }
 
 impl Recorder {
     pub fn new(keep: Keep, callback: Option<Py<PyAny>>, raised: Raised) -> Self {
-        Recorder {
-            looked: Instant::now(),
-            keep,
-            callback,
-            raised,
-            kept: Vec::new(),
-            of_body: Default::default(),
-            of_nodes: Default::default(),
-            statuses: Vec::new(),
-            iterations: Growing::default(),
-            records: Vec::new(),
-        }
+        Recorder { looked: Instant::now(), keep, callback, raised, kept: Kept::default(), saver: None }
+    }
+
+    /// Saves the run as `saver` says, from which it goes on if `saver` has found an earlier part of it.
+    pub fn saved_by(mut self, saver: Option<Saver>) -> PyResult<(Self, Option<Checkpoint>)> {
+        let Some(mut saver) = saver else { return Ok((self, None)) };
+        let left = saver.left(&self.keep)?;
+        self.saver = Some(saver);
+        Ok(match left {
+            Some((checkpoint, kept)) => (Recorder { kept, ..self }, Some(checkpoint)),
+            None => (self, None),
+        })
     }
 
     /// Calls Python, if the time has come; whether to go on.
@@ -119,34 +134,36 @@ impl Recorder {
             Keep::These(numbers) if numbers.contains(&0) => true,
             _ => return,
         };
+        let kept = &mut self.kept;
         if last {
-            self.kept.clear();
-            self.of_body.iter_mut().zip(rows).for_each(|(kept, row)| kept.replace(row));
+            kept.numbers.clear();
+            kept.of_body.iter_mut().zip(rows).for_each(|(kept, row)| kept.replace(row));
         } else {
-            self.of_body.iter_mut().zip(rows).for_each(|(kept, row)| kept.push(row));
+            kept.of_body.iter_mut().zip(rows).for_each(|(kept, row)| kept.push(row));
         }
-        self.kept.push(number);
+        kept.numbers.push(number);
     }
 
     /// All that was kept, as arrays.
     pub fn write(self, into: &Bound<'_, PyDict>) -> PyResult<()> {
-        let increments = self.of_nodes[0].rows;
-        into.set_item("kept", self.kept)?;
-        for (name, kept) in ["u", "u_rest", "force"].into_iter().zip(self.of_body) {
+        let Kept { numbers, of_body, of_nodes, statuses, iterations, .. } = self.kept;
+        let increments = of_nodes[0].rows;
+        into.set_item("kept", numbers)?;
+        for (name, kept) in ["u", "u_rest", "force"].into_iter().zip(of_body) {
             kept.write(into, name)?;
         }
-        for (name, kept) in OF_NODES.into_iter().zip(self.of_nodes) {
+        for (name, kept) in OF_NODES.into_iter().zip(of_nodes) {
             kept.write(into, name)?;
         }
-        into.set_item("contact", table(into.py(), increments, self.statuses)?)?;
-        self.iterations.write(into, "iterations")
+        into.set_item("contact", table(into.py(), increments, statuses)?)?;
+        iterations.write(into, "iterations")
     }
 }
 
 impl Observer for Recorder {
     fn iteration(&mut self, index: usize, record: &IterationRecord) -> ControlFlow<()> {
         let IterationRecord { iteration, theta, step, error, .. } = *record;
-        self.iterations.push(&[index as f64, iteration as f64, theta, step, error.unwrap_or(f64::NAN)]);
+        self.kept.iterations.push(&[index as f64, iteration as f64, theta, step, error.unwrap_or(f64::NAN)]);
         self.look(|_| Ok(()), false)
     }
 
@@ -155,9 +172,9 @@ impl Observer for Recorder {
         let (state, data) = (step.state, step.increment);
         let columns: [&[f64]; OF_NODES.len()] =
             [&state.p_n, &state.p_t, &state.p_o, data.gap, data.mu, data.w_t_last, data.w_o_last];
-        self.of_nodes.iter_mut().zip(columns).for_each(|(kept, row)| kept.push(row));
-        self.statuses.extend(codes(step.statuses));
-        self.records.push(step.record.clone());
+        self.kept.of_nodes.iter_mut().zip(columns).for_each(|(kept, row)| kept.push(row));
+        self.kept.statuses.extend(codes(step.statuses));
+        self.kept.records.push(step.record.clone());
         let IncrementRecord { index, time, status, iterations, .. } = *step.record;
         let error = step.record.kkt.worst().1;
         let callback = self.callback.as_ref().map(|callback| Python::attach(|py| callback.clone_ref(py)));
@@ -169,5 +186,21 @@ impl Observer for Recorder {
             },
             now,
         )
+    }
+
+    fn rest(&mut self, here: &dyn Fn() -> Checkpoint) {
+        if let Some(saver) = &mut self.saver
+            && let Err(error) = saver.save(here, &self.keep, &self.kept)
+        {
+            self.raised.set(error);
+        }
+    }
+}
+
+impl RecordWriter for Recorder {
+    // The record itself is known from the increment.
+    fn add(&mut self, _: &IncrementRecord, forces: &[ForceRecord], reactions: Option<&BalanceRecord>) {
+        self.kept.forces.extend_from_slice(forces);
+        self.kept.reactions.extend(reactions.cloned());
     }
 }

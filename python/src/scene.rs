@@ -5,16 +5,20 @@ use crate::error::{of_problem, of_run, of_scene};
 use crate::foreign::Raised;
 use crate::problem::Problem;
 use crate::recorder::{Keep, Recorder};
+use crate::saver::Saver;
 use crate::solve::{Algebra, detached, watched};
 use crate::step::{GivenStep, contact_values, fclib, field_arrays, pictures, vtu};
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
+use std::mem;
+use std::path::PathBuf;
+use std::time::Duration;
 use stickslip::body::Model;
 use stickslip::body::mesh::{Boundary, Cell, CellKind, Mesh};
-use stickslip::run::{Run, discretise, increments_for};
-use stickslip::scene::{Contents, Override, OverrideSyntax, Scene, with_contents};
+use stickslip::run::{Run, Sink, discretise, increments_for};
+use stickslip::scene::{Contents, Override, OverrideSyntax, Provenance, Scene, with_contents};
 use stickslip::solver::history::SolverChoice;
 
 /// The kinds of cells by the names of meshio.
@@ -75,6 +79,8 @@ struct RunOptions {
     companion: bool,
     max_iterations: Option<usize>,
     tolerance: Option<f64>,
+    /// The file in which the run is saved as it goes, and the seconds between.
+    checkpoint: Option<(PathBuf, Option<f64>)>,
 }
 
 #[pyclass(frozen, module = "stickslip._core")]
@@ -271,7 +277,7 @@ impl SceneModel {
         callback: Option<Py<PyAny>>,
         options: RunOptions,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let RunOptions { uniqueness, companion, max_iterations, tolerance } = options;
+        let RunOptions { uniqueness, companion, max_iterations, tolerance, checkpoint } = options;
         if companion && self.scene.solver.method.is_exact_path() {
             let message = "companion: the exact path has no increments to compare with fewer";
             return Err(PyValueError::new_err(message));
@@ -285,7 +291,9 @@ impl SceneModel {
             tolerance: tolerance.unwrap_or(scene.solver.tolerance),
             ..scene.solver
         };
-        let (report, recorder) = watched(py, Recorder::new(keep, callback, raised), |recorder| {
+        let saver = checkpoint.map(|(file, every)| self.saver(file, every)).transpose()?;
+        let (recorder, left) = Recorder::new(keep, callback, raised).saved_by(saver)?;
+        let (mut report, mut recorder) = watched(py, recorder, |recorder| {
             let mut run = Run::of(model, model.times().to_vec(), solver)?;
             if let Some(cycle) = scene.output.cycle {
                 run = run.with_cycle(cycle);
@@ -296,18 +304,36 @@ impl SceneModel {
             if companion {
                 run = run.with_companion();
             }
+            if let Some(checkpoint) = left {
+                run = run.from(checkpoint);
+            }
             match own {
-                Some(system) => run.solve_with(system, recorder),
-                None => run.solve(recorder),
+                Some(system) => run.solve_with(system, Sink::RecordWriter(recorder)),
+                None => run.solve_to(recorder),
             }
         })?;
         let result = PyDict::new(py);
         let json = |error: serde_json::Error| PyValueError::new_err(error.to_string());
+        // Those of an earlier part of the run among them.
+        report.increments = mem::take(&mut recorder.kept.records);
+        report.forces = mem::take(&mut recorder.kept.forces);
+        report.reactions = mem::take(&mut recorder.kept.reactions);
         result.set_item("status", report.status.to_string())?;
         result.set_item("records", serde_json::to_string(&report.increments).map_err(json)?)?;
         result.set_item("report", report.to_json().map_err(json)?)?;
         result.set_item("factorizations", report.totals.factorizations)?;
         recorder.write(&result)?;
         Ok(result)
+    }
+}
+
+impl SceneModel {
+    fn saver(&self, file: PathBuf, every: Option<f64>) -> PyResult<Saver> {
+        let every = every.map(Duration::try_from_secs_f64).transpose();
+        let every = every.map_err(|error| PyValueError::new_err(format!("checkpoint_every: {error}")))?;
+        let origin = with_contents(self.files.clone(), || Provenance::new(&self.scene, env!("CARGO_PKG_VERSION")));
+        let unread =
+            |(file, error): (PathBuf, std::io::Error)| PyValueError::new_err(format!("{}: {error}", file.display()));
+        Ok(Saver::new(file, every, origin.map_err(unread)?))
     }
 }

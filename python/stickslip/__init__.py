@@ -4,6 +4,7 @@ SI units throughout; in two dimensions forces are per m of depth.
 
     result = stickslip.run("block.toml", {"contact.friction": 0.3})
     results = stickslip.sweep("block.toml", {"contact.friction": [0.3, 0.5]})
+    study = stickslip.converge("block.toml", "peak", to=0.02)
     result = stickslip.ContactProblem(K, C_n, C_t, mu=0.3).solve(force, gap=1e-5)
     errors = stickslip.errors(problem, force, u, p_n, p_t, gap=1e-5)
     table = stickslip.compare(model, {"mine": my_solver})
@@ -14,6 +15,7 @@ from ._cite import cite
 from ._core import UMFPACK, VERSION as __version__, keep_freed_memory
 from ._errors import AccuracyWarning, NotConverged, NotConvergedWarning, SceneError, StickslipError
 from ._compare import Comparison, compare
+from ._converge import Convergence, converge
 from ._condensed import CondensedProblem
 from ._fields import Svg
 from ._judge import Errors, Posed, Verdict, errors, judge
@@ -28,9 +30,9 @@ from .builder import Scene
 
 __all__ = [
     "LAWS", "OPEN", "SLIP", "STICK", "UMFPACK",
-    "AccuracyWarning", "Comparison", "CondensedProblem", "ContactProblem", "Errors", "LinearSolver", "Model", "NotConverged",
+    "AccuracyWarning", "Comparison", "Convergence", "CondensedProblem", "ContactProblem", "Errors", "LinearSolver", "Model", "NotConverged",
     "NotConvergedWarning", "Posed", "Result", "Results", "Scene", "SceneError", "Stepper", "StepperState", "StickslipError",
     "Svg", "Sweep", "Verdict",
-    "__version__", "builder", "cite", "compare", "errors", "exchange", "judge", "keep_freed_memory", "mesh", "run",
+    "__version__", "builder", "cite", "compare", "converge", "errors", "exchange", "judge", "keep_freed_memory", "mesh", "run",
     "siconos", "sweep",
 ]

@@ -14,6 +14,12 @@ _WORDS = (
     (r"[;,] `stickslip check` (tells|shows) [^;.]*", ""),
     (r"`stickslip run --companion`", "run(companion=True)"),
     (r" \(with --set\)", " (with overrides)"),
+    (r"\(--for (\w+)\)", r'("\1")'),
+    (r"\(--meshes coarse.msh,fine.msh\)", '(meshes=["coarse.msh", "fine.msh"])'),
+    (r"\(--meshes 20,40\)", "(meshes=[20, 40])"),
+    (r"\(--(meshes|within)\)", r"(\1)"),
+    (r"\(--max-runs\)", "(max_runs)"),
+    (r"; see stickslip run with this mesh", "; run() with this mesh says more"),
 )
 
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import re
 from collections.abc import Mapping, Sequence
+from numbers import Real
 from typing import Any, Literal, Union
 
 import numpy as np
@@ -294,7 +296,8 @@ class Model:
     def run(
         self, *, linear: Linear = "auto", keep_u: KeepU = "all", callback: Callback | None = None, progress: bool = False,
         uniqueness: bool = False, companion: bool = False, increments: int | Literal["auto"] | None = None, to: float | None = None,
-        max_iterations: int | None = None, tolerance: float | None = None, _stacklevel: int = 3,
+        max_iterations: int | None = None, tolerance: float | None = None, checkpoint: str | os.PathLike[str] | None = None,
+        checkpoint_every: float | None = None, _stacklevel: int = 3,
     ) -> Result:
         """Solves the history as the scene says.
 
@@ -318,6 +321,11 @@ class Model:
             Other increments than the scene's, see `with_increments`; ``result.model`` has them.
         max_iterations, tolerance : int, float, optional
             In place of the scene's.
+        checkpoint : str or os.PathLike, optional
+            A file in which the run is saved as it goes. A run with the file of an earlier one, which Ctrl-C, an exception or a power
+            cut has ended, goes on from there; its result has all increments. The file is removed when the history has converged.
+        checkpoint_every : float, optional
+            The seconds between; without it checkpoints take 2 % of the time.
 
         Returns
         -------
@@ -350,6 +358,12 @@ class Model:
         if tolerance is not None and not 0 < tolerance < 1:
             raise ValueError(f"tolerance: {tolerance} found, expected a number between 0 and 1")
         called(callback)
+        if checkpoint is not None and (not isinstance(checkpoint, (str, os.PathLike)) or not os.path.basename(checkpoint)):
+            raise TypeError(f"checkpoint: the path of a file expected, {checkpoint!r} found")
+        if checkpoint_every is not None and not (isinstance(checkpoint_every, Real) and 0 <= checkpoint_every < np.inf):
+            raise ValueError(f"checkpoint_every: {checkpoint_every!r} found, expected seconds, 0 or more")
+        if checkpoint is None and checkpoint_every is not None:
+            raise ValueError("checkpoint_every: it is the time between checkpoints; name their file by checkpoint")
         if increments is None and to is not None:
             raise ValueError('to: it is the error for increments="auto"; leave it out')
         model, chosen = (self, None) if increments is None else self._with_increments(increments, to)
@@ -361,7 +375,8 @@ class Model:
             bar = tqdm(total=len(model.times), unit="increment")
 
             def counted(index: int, time: float, status: str, iterations: int, error: float) -> None:
-                bar.update(1)
+                # A run that goes on begins with the increments that are there.
+                bar.update(index - bar.n)
                 bar.set_postfix(error=f"{error:.1e}")
                 if callback is not None:
                     callback(index, time, status, iterations, error)
@@ -371,6 +386,7 @@ class Model:
         options = {
             "uniqueness": bool(uniqueness), "companion": bool(companion),
             "max_iterations": None if max_iterations is None else int(max_iterations), "tolerance": tolerance,
+            "checkpoint": None if checkpoint is None else (checkpoint, checkpoint_every),
         }
         try:
             kept = keep(keep_u, len(model.times))
@@ -381,6 +397,9 @@ class Model:
         result = Result._of(raw, model.dimension - 1, model, stacklevel=_stacklevel)
         if chosen is not None:
             result.report["chosen_increments"] = chosen
+        if checkpoint is not None and result.converged:
+            with contextlib.suppress(FileNotFoundError):
+                os.remove(checkpoint)
         return result
 
 
@@ -405,7 +424,7 @@ def run(
     scene: SceneLike, overrides: Mapping[str, Any] | None = None, *, mesh: Any = None, linear: Linear = "auto", keep_u: KeepU = "all",
     callback: Callback | None = None, progress: bool = False, uniqueness: bool = False, companion: bool = False,
     increments: int | Literal["auto"] | None = None, to: float | None = None, max_iterations: int | None = None,
-    tolerance: float | None = None,
+    tolerance: float | None = None, checkpoint: str | os.PathLike[str] | None = None, checkpoint_every: float | None = None,
 ) -> Result:
     """Discretises a scene and solves it: `Model` and `Model.run` in one.
 
@@ -413,7 +432,7 @@ def run(
     ----------
     scene, overrides, mesh
         See `Model`.
-    linear, keep_u, callback, progress, uniqueness, companion, increments, to, max_iterations, tolerance
+    linear, keep_u, callback, progress, uniqueness, companion, increments, to, max_iterations, tolerance, checkpoint, checkpoint_every
         See `Model.run`.
 
     Returns
@@ -436,5 +455,6 @@ def run(
     """
     return Model(scene, overrides, mesh=mesh).run(
         linear=linear, keep_u=keep_u, callback=callback, progress=progress, uniqueness=uniqueness, companion=companion,
-        increments=increments, to=to, max_iterations=max_iterations, tolerance=tolerance, _stacklevel=4,
+        increments=increments, to=to, max_iterations=max_iterations, tolerance=tolerance, checkpoint=checkpoint,
+        checkpoint_every=checkpoint_every, _stacklevel=4,
     )

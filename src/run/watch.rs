@@ -24,10 +24,10 @@ pub trait RecordWriter: Observer {
 }
 
 /// The receiver of the results of a run.
-pub(super) enum Sink<'a> {
+pub enum Sink<'a> {
     /// An observer; the records go into the report.
     Observer(&'a mut dyn Observer),
-    /// A ledger, which takes the records.
+    /// A ledger, which takes the records in place of the report.
     RecordWriter(&'a mut dyn RecordWriter),
 }
 

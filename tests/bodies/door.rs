@@ -7,7 +7,7 @@ use crate::common::{BELT, Keep, block, run};
 use stickslip::algebra::Pattern;
 use stickslip::algebra::linear::{FactorInfo, LinearError, LinearSolver, SparseLu};
 use stickslip::run::discretise;
-use stickslip::run::{Recording, Run};
+use stickslip::run::{Recording, Run, Sink};
 use stickslip::scene::Scene;
 use stickslip::solver::history::{Status, SystemSolver};
 use stickslip::solver::{ContactStatus, KktErrors, KktScales};
@@ -108,7 +108,7 @@ fn a_linear_solver_of_ones_own() {
     let counts = Arc::default();
     let mine: Box<dyn LinearSolver> =
         Box::new(Counting { backend: SparseLu::default().solver(), factorizations: Arc::clone(&counts) });
-    let report = Run::new(&scene).unwrap().solve_with(SystemSolver::from(mine), &mut ()).unwrap();
+    let report = Run::new(&scene).unwrap().solve_with(SystemSolver::from(mine), Sink::Observer(&mut ())).unwrap();
     assert_eq!((report.status, report.solver.as_str()), (Status::Converged, "mine"));
     assert_eq!(counts.load(std::sync::atomic::Ordering::Relaxed), report.totals.factorizations);
     // That of the run itself may have another order of elimination.

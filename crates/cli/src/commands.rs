@@ -1,7 +1,4 @@
-//! The command line. Only this module prints.
-//!
-//! Exit status: 0 converged, 1 not converged (the results reached so far are written), 2 bad input, 3 failure of the
-//! machine (memory, disk) or bug of this program.
+//! The command line, for the program and for the Python package. Only this module prints.
 
 /// Prints a line on standard output.
 macro_rules! say {
@@ -32,8 +29,10 @@ mod uniqueness;
 
 use clap::error::{ContextKind, ContextValue};
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
+use std::ffi::{OsStr, OsString};
+use std::iter;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
+use std::process;
 use stickslip::algebra::linear::process::take_better_kernel;
 use stickslip::body::ModelError;
 use stickslip::run::RunError;
@@ -49,6 +48,44 @@ struct Cli {
     /// Number of threads [default: OMP_NUM_THREADS if set, otherwise the number of processors]
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(threads::MOST)))]
     threads: Option<u32>,
+    #[arg(skip)]
+    invocation: Invocation,
+}
+
+/// The command line as it was given.
+#[derive(Debug, Clone, Default)]
+pub struct Invocation {
+    /// The command that starts this program again: its path, or an interpreter with a module.
+    pub program: Vec<OsString>,
+    /// The arguments after the program.
+    pub arguments: Vec<OsString>,
+}
+
+impl Invocation {
+    /// Returns a process that runs this program again, with no argument yet.
+    fn again(&self) -> process::Command {
+        let (program, first) = self
+            .program
+            .split_first()
+            .map_or((OsStr::new("stickslip"), &[][..]), |(program, first)| (program.as_os_str(), first));
+        let mut command = process::Command::new(program);
+        command.args(first);
+        command
+    }
+}
+
+/// The exit status of the program.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u8)]
+pub enum ExitStatus {
+    /// Converged, or done.
+    Success = 0,
+    /// Not converged; the results reached so far are written.
+    NotConverged = 1,
+    /// An error of the input.
+    BadInput = 2,
+    /// A failure of the machine (memory, disk), or a bug of this program.
+    MachineFailure = 3,
 }
 
 #[derive(Subcommand)]
@@ -165,7 +202,7 @@ impl From<RunError> for Failure {
 }
 
 impl Cli {
-    fn run(&self) -> Result<ExitCode, Failure> {
+    fn run(&self) -> Result<ExitStatus, Failure> {
         let threads = threads::count(self.threads);
         threads::start(threads);
         #[cfg(feature = "mpi")]
@@ -177,25 +214,25 @@ impl Cli {
         }
         match &self.command {
             Command::Run(args) => run::run(args, threads),
-            Command::Check(args) => check::check(args).map(|()| ExitCode::SUCCESS),
-            Command::Compare(args) => compare::compare(args, threads),
+            Command::Check(args) => check::check(args).map(|()| ExitStatus::Success),
+            Command::Compare(args) => compare::compare(args, threads, &self.invocation),
             Command::Converge(args) => converge::converge(args),
             Command::Sweep(args) => sweep::sweep(args, self),
             Command::Solve(args) => solve::solve_file(args),
             Command::Judge(args) => solve::judge_file(args),
             Command::Collection(args) => collection::collection(args, threads),
             Command::Export(args) => export::export_scene(args),
-            Command::Report(args) => page::report(args).map(|()| ExitCode::SUCCESS),
+            Command::Report(args) => page::report(args).map(|()| ExitStatus::Success),
             Command::Schema(args) => {
                 schema::schema(args);
-                Ok(ExitCode::SUCCESS)
+                Ok(ExitStatus::Success)
             }
-            Command::Init(args) => init::init(args).map(|()| ExitCode::SUCCESS),
+            Command::Init(args) => init::init(args).map(|()| ExitStatus::Success),
             Command::Completions(args) => {
                 shell::completions(args, program());
-                Ok(ExitCode::SUCCESS)
+                Ok(ExitStatus::Success)
             }
-            Command::Man(args) => shell::man(args, program()).map(|()| ExitCode::SUCCESS),
+            Command::Man(args) => shell::man(args, program()).map(|()| ExitStatus::Success),
         }
     }
 }
@@ -235,7 +272,8 @@ fn with_command(mut error: clap::Error) -> clap::Error {
     error
 }
 
-pub(crate) fn main() -> ExitCode {
+/// Does what `invocation` says, and prints what came out.
+pub fn main(invocation: Invocation) -> ExitStatus {
     // Before MPI or this program has a thread.
     take_better_kernel();
     #[cfg(feature = "mpi")]
@@ -244,10 +282,12 @@ pub(crate) fn main() -> ExitCode {
     {
         return code;
     }
-    let json = std::env::args_os().any(|argument| argument == "--json");
+    let json = invocation.arguments.iter().any(|argument| argument == "--json");
     memory::end_in_order(json);
-    let matches = program().try_get_matches();
-    let cli = match matches.and_then(|matches| Cli::from_arg_matches(&matches)) {
+    let name = OsStr::new("stickslip");
+    let matches =
+        program().try_get_matches_from(iter::once(name).chain(invocation.arguments.iter().map(OsString::as_os_str)));
+    let mut cli = match matches.and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(cli) => cli,
         Err(error) => {
             let error = with_command(error);
@@ -259,9 +299,12 @@ pub(crate) fn main() -> ExitCode {
             if json && error.use_stderr() {
                 output::failure_as_json("bad-input", &error.render().to_string());
             }
-            error.exit()
+            // A closed standard output is no reason for another message.
+            let _ = error.print();
+            return if error.use_stderr() { ExitStatus::BadInput } else { ExitStatus::Success };
         }
     };
+    cli.invocation = invocation;
     let code = match bug::caught(|| cli.run()) {
         // The input was read only in part because memory ran out, so the input is not the cause.
         Ok(Err(Failure::Input(report))) if memory::is_short() => output::failure(&Failure::Machine(report), json),
@@ -276,11 +319,11 @@ pub(crate) fn main() -> ExitCode {
             if json {
                 output::failure_as_json("bug", &bug);
             }
-            ExitCode::from(3)
+            ExitStatus::MachineFailure
         }
     };
     #[cfg(feature = "mpi")]
     stickslip::algebra::linear::ranks::end();
     // If standard output failed, the reader has not received the result, whatever it was.
-    if output::failed() { ExitCode::from(3) } else { code }
+    if output::failed() { ExitStatus::MachineFailure } else { code }
 }

@@ -1,6 +1,7 @@
-//! The parts of the program beyond a single run: comparisons of meshes and increments, parameter sweeps, and folders of
-//! exchange files.
+//! The program: its command line, and its parts beyond a single run, which are comparisons of meshes and increments, parameter
+//! sweeps, and folders of exchange files.
 
+pub mod commands;
 pub mod compare;
 pub mod converge;
 pub mod problems;

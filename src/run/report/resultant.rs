@@ -76,7 +76,7 @@ pub struct ComponentSums {
 }
 
 /// The resultant of a boundary at the end of an increment.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct ForceRecord {

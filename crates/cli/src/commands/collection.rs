@@ -3,18 +3,17 @@
 use std::convert::Infallible;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
+use crate::problems::{Collection, ProblemReport, Row, Verdict};
 use clap::Args;
 use stickslip::algebra::parallel_map;
 use stickslip::run::report::thread_cpu_seconds;
-use stickslip_cli::problems::{Collection, ProblemReport, Row, Verdict};
 use stickslip_exchange::{ProblemFile, Way, solve_by};
 use stickslip_output::{FolderLock, write_file};
 
 use super::progress::bar;
 use super::run::write_failure;
-use super::{Failure, interrupt};
+use super::{ExitStatus, Failure, interrupt};
 
 /// The name endings of exchange files.
 const ENDINGS: [&str; 4] = ["hdf5", "h5", "hdf", "dat"];
@@ -43,7 +42,7 @@ pub(super) struct CollectionArgs {
 
 /// Solves `threads` files at a time. Exit status 1: a problem is not solved; 2: a file cannot be read; 3: the machine
 /// failed.
-pub(super) fn collection(args: &CollectionArgs, threads: usize) -> Result<ExitCode, Failure> {
+pub(super) fn collection(args: &CollectionArgs, threads: usize) -> Result<ExitStatus, Failure> {
     interrupt::listen();
     let (files, others) = files(&args.folder)?;
     let lock =
@@ -78,10 +77,10 @@ pub(super) fn collection(args: &CollectionArgs, threads: usize) -> Result<ExitCo
     }
     let has = |verdict: Verdict| collection.rows.iter().any(|row| row.status == verdict);
     Ok(match () {
-        () if has(Verdict::MachineFailure) => ExitCode::from(3),
-        () if has(Verdict::BadInput) => ExitCode::from(2),
-        () if collection.solved < collection.files => ExitCode::from(1),
-        () => ExitCode::SUCCESS,
+        () if has(Verdict::MachineFailure) => ExitStatus::MachineFailure,
+        () if has(Verdict::BadInput) => ExitStatus::BadInput,
+        () if collection.solved < collection.files => ExitStatus::NotConverged,
+        () => ExitStatus::Success,
     })
 }
 

@@ -6,20 +6,19 @@ mod tables;
 
 use super::progress::bar;
 use super::run::write_failure;
-use super::{Failure, origin};
+use super::{ExitStatus, Failure, Invocation, origin};
+use crate::compare::{
+    self, Cells, CompareError, Comparison, ElementChoice, End, MeshChoice, MeshResult, MeshSize, Plan, SolverPath,
+};
 use cells::CellFolder;
 use clap::Args;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 use stickslip::algebra::linear::{self, SparseLu};
 use stickslip::base::{Quantity, UnitSystem};
 use stickslip::run::report::Estimates;
 use stickslip::scene::{Override, Scene};
 use stickslip::solver::history::{HistoryMethod, LinearAlgebra, Method, Start, Status};
-use stickslip_cli::compare::{
-    self, Cells, CompareError, Comparison, ElementChoice, End, MeshChoice, MeshResult, MeshSize, Plan, SolverPath,
-};
 use stickslip_output::write_file;
 use tables::tables;
 
@@ -83,7 +82,7 @@ fn method(name: &str, setting: &str) -> HistoryMethod {
 
 /// Exit status 1: a history in a default setting, or a reference, did not converge. The settings of the paper may fail,
 /// which the table shows.
-pub(super) fn compare(args: &CompareArgs, threads: usize) -> Result<ExitCode, Failure> {
+pub(super) fn compare(args: &CompareArgs, threads: usize, invocation: &Invocation) -> Result<ExitStatus, Failure> {
     let scene = Scene::read(&args.scene, &args.overrides)?;
     let solvers = solvers(&args.solvers)?;
     let plan = plan(args, threads, &solvers, &scene);
@@ -123,7 +122,7 @@ pub(super) fn compare(args: &CompareArgs, threads: usize) -> Result<ExitCode, Fa
         comparison.answers().iter().for_each(|answer| say!("{answer}"));
     }
     if let Some(folder) = &args.out {
-        write(folder, &comparison)?;
+        write(folder, &comparison, invocation)?;
         if let Some(cells) = &kept {
             cells.remove().map_err(|error| write_failure(folder, &error))?;
         }
@@ -134,7 +133,7 @@ pub(super) fn compare(args: &CompareArgs, threads: usize) -> Result<ExitCode, Fa
     let runs = comparison.runs.iter().filter(|run| !run.path.method.increments().is_of_paper()).map(|run| run.status);
     let mut statuses = runs.chain(comparison.meshes.iter().map(|result| result.status));
     let sound = statuses.all(|status| status == Status::Converged);
-    Ok(if sound { ExitCode::SUCCESS } else { ExitCode::from(1) })
+    Ok(if sound { ExitStatus::Success } else { ExitStatus::NotConverged })
 }
 
 /// Returns the linear solvers to compare.
@@ -226,13 +225,14 @@ fn quoted(argument: &str) -> String {
     if argument.chars().all(plain) { argument.to_string() } else { format!("'{}'", argument.replace('\'', r"'\''")) }
 }
 
-fn write(folder: &Path, comparison: &Comparison) -> Result<(), Failure> {
+fn write(folder: &Path, comparison: &Comparison, invocation: &Invocation) -> Result<(), Failure> {
     let written = |result: std::io::Result<()>| result.map_err(|error| write_failure(folder, &error));
     written(fs::create_dir_all(folder))?;
     written(write_file(folder, "compare.csv", csv::runs(comparison)))?;
     written(write_file(folder, "iterations.csv", csv::iterations(comparison)))?;
     written(write_file(folder, "meshes.csv", csv::meshes(comparison)))?;
-    let command = std::env::args().skip(1).map(|argument| quoted(&argument)).collect::<Vec<_>>().join(" ");
+    let command =
+        invocation.arguments.iter().map(|argument| quoted(&argument.to_string_lossy())).collect::<Vec<_>>().join(" ");
     let mut page = format!("## {}\n\n```sh\nstickslip {command}\n```\n\n", comparison.title);
     page.extend(comparison.blas.as_ref().map(|blas| format!("{}.\n\n", blas.with_threads())));
     page.extend(comparison.answers().iter().map(|answer| format!("- {answer}\n")));

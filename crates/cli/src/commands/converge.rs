@@ -1,8 +1,9 @@
 //! `stickslip converge`.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
+use crate::compare::MeshSize;
+use crate::converge::{self, ConvergeError, Convergence, Plan, Sought, Verdict};
 use clap::Args;
 use std::ops::ControlFlow;
 use stickslip::algebra::linear;
@@ -10,14 +11,12 @@ use stickslip::body::mesh::MeshSource;
 use stickslip::scene::{Override, Scene};
 use stickslip::solver::IterationRecord;
 use stickslip::solver::history::Observer;
-use stickslip_cli::compare::MeshSize;
-use stickslip_cli::converge::{self, ConvergeError, Convergence, Plan, Sought, Verdict};
 use stickslip_output::{FolderLock, write_file};
 
-use super::Failure;
 use super::interrupt;
 use super::progress::bar;
 use super::run::write_failure;
+use super::{ExitStatus, Failure};
 
 #[derive(Args)]
 pub(super) struct ConvergeArgs {
@@ -80,7 +79,7 @@ impl Observer for OnRequest {
 }
 
 /// Exit status 1: the quantity is not known to the asked share.
-pub(super) fn converge(args: &ConvergeArgs) -> Result<ExitCode, Failure> {
+pub(super) fn converge(args: &ConvergeArgs) -> Result<ExitStatus, Failure> {
     interrupt::listen();
     let scene = Scene::read(&args.scene, &args.overrides)?;
     let lock =
@@ -126,7 +125,7 @@ pub(super) fn converge(args: &ConvergeArgs) -> Result<ExitCode, Failure> {
             say!("results      {}", folder.display());
         }
     }
-    Ok(if study.verdict == Verdict::Known { ExitCode::SUCCESS } else { ExitCode::from(1) })
+    Ok(if study.verdict == Verdict::Known { ExitStatus::Success } else { ExitStatus::NotConverged })
 }
 
 fn print(study: &Convergence) {

@@ -1,11 +1,10 @@
 //! `stickslip export`: writes one increment of a scene as a problem for other programs.
 
 use super::solve::{destination, write};
-use super::{Failure, SceneArgs, interrupt};
+use super::{ExitStatus, Failure, SceneArgs, interrupt};
 use clap::{Args, ValueEnum};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
-use std::process::ExitCode;
 use stickslip::run::{RecordedIncrement, Run};
 use stickslip::solver::State;
 use stickslip::solver::history::{IncrementView, Observer, Status};
@@ -53,7 +52,7 @@ impl Observer for One {
 }
 
 /// Exit status 1: the increment did not converge, and the file contains the problem without a solution.
-pub(super) fn export_scene(args: &ExportArgs) -> Result<ExitCode, Failure> {
+pub(super) fn export_scene(args: &ExportArgs) -> Result<ExitStatus, Failure> {
     interrupt::listen();
     destination(&args.out)?;
     let scene = args.scene.read()?;
@@ -111,8 +110,8 @@ pub(super) fn export_scene(args: &ExportArgs) -> Result<ExitCode, Failure> {
     );
     say!("results      {}", args.out.display());
     if record.status == Status::Converged {
-        return Ok(ExitCode::SUCCESS);
+        return Ok(ExitStatus::Success);
     }
     say!("verdict      {}: the file has the problem without a solution", record.status);
-    Ok(ExitCode::from(1))
+    Ok(ExitStatus::NotConverged)
 }

@@ -3,14 +3,13 @@
 
 use std::fmt::Arguments;
 use std::io::{ErrorKind, Write, stderr, stdout};
-use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use miette::Diagnostic;
 use serde::Serialize;
 use stickslip::scene::SceneError;
 
-use super::Failure;
+use super::{ExitStatus, Failure};
 
 /// Set if a line could not be written on standard output.
 static FAILED: AtomicBool = AtomicBool::new(false);
@@ -72,10 +71,10 @@ impl JsonFailure<'_> {
 
 /// Reports why a command ended without a result, on standard error and, with `json`, on standard output. Returns the
 /// exit status.
-pub(super) fn failure(failure: &Failure, json: bool) -> ExitCode {
+pub(super) fn failure(failure: &Failure, json: bool) -> ExitStatus {
     let (report, status, code) = match failure {
-        Failure::Input(report) => (report, "bad-input", 2),
-        Failure::Machine(report) => (report, "machine-failure", 3),
+        Failure::Input(report) => (report, "bad-input", ExitStatus::BadInput),
+        Failure::Machine(report) => (report, "machine-failure", ExitStatus::MachineFailure),
     };
     note(&format!("{report:?}"));
     if json {
@@ -91,7 +90,7 @@ pub(super) fn failure(failure: &Failure, json: bool) -> ExitCode {
         }
         .print();
     }
-    ExitCode::from(code)
+    code
 }
 
 /// Returns the path of the scene file if it could not be read.

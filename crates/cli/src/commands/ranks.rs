@@ -3,14 +3,13 @@
 
 use std::env;
 use std::hash::{DefaultHasher, Hash, Hasher};
-use std::process::ExitCode;
 
 use clap::FromArgMatches;
 use stickslip::algebra::NodeRows;
 use stickslip::algebra::linear::{self, LinearError, ranks};
 use stickslip::solver::history::LinearAlgebra;
 
-use super::{Cli, Command, Failure, interrupt, memory, output, program, threads};
+use super::{Cli, Command, ExitStatus, Failure, interrupt, memory, output, program, threads};
 
 /// Environment variables for the rank: of Open MPI's mpirun, of MPICH's, and of Slurm's srun with PMIx.
 const RANK: [&str; 3] = ["OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK"];
@@ -28,12 +27,12 @@ pub(super) fn may_help() -> bool {
 
 /// Runs this process as a worker, for rank 0 in any command. Rank 0 reports errors in full. Returns `None` if MPI knows
 /// of no other process, e.g. if a job of another program has started this one.
-pub(super) fn help() -> Option<ExitCode> {
+pub(super) fn help() -> Option<ExitStatus> {
     // Arguments that cannot be parsed are reported by rank 0, or by this process if it turns out to be the only one.
     let cli = program().try_get_matches().and_then(|matches| Cli::from_arg_matches(&matches)).ok();
     let failed = |error: &LinearError| {
         output::note(&error.to_string());
-        Some(ExitCode::from(3))
+        Some(ExitStatus::MachineFailure)
     };
     let rank = match ranks::start() {
         Ok((0, _)) => return None,
@@ -67,7 +66,7 @@ pub(super) fn help() -> Option<ExitCode> {
         }
     };
     match linear::help(&mut body) {
-        Ok(()) => Some(ExitCode::SUCCESS),
+        Ok(()) => Some(ExitStatus::Success),
         Err(error) => failed(&error),
     }
 }

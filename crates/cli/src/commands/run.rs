@@ -1,20 +1,17 @@
 //! `stickslip run`.
 
 mod increments;
-mod pace;
 mod resume;
 mod summary;
 mod watcher;
 
 use super::progress::Progress;
-use super::{Failure, SceneArgs, interrupt, origin, output, threads, uniqueness};
+use super::{ExitStatus, Failure, SceneArgs, interrupt, origin, output, threads, uniqueness};
 use clap::Args;
 use increments::{IncrementArgs, explain};
-use pace::Pace;
 use resume::Left;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 use std::time::Duration;
 use stickslip::base::Budget;
 use stickslip::body::Model;
@@ -23,7 +20,7 @@ use stickslip::run::{MemoryEstimate, Run};
 use stickslip::scene::{Provenance, Scene};
 use stickslip::solver::Checkpoint;
 use stickslip::solver::history::Status;
-use stickslip_output::{KeptSolver, LockedOutputDir, ResultFolder};
+use stickslip_output::{KeptSolver, LockedOutputDir, Pace, ResultFolder};
 use watcher::Watcher;
 
 #[cfg(feature = "mpi")]
@@ -91,7 +88,7 @@ impl RunArgs {
 }
 
 /// Runs on `count` threads.
-pub(super) fn run(args: &RunArgs, count: usize) -> Result<ExitCode, Failure> {
+pub(super) fn run(args: &RunArgs, count: usize) -> Result<ExitStatus, Failure> {
     interrupt::listen();
     let scene = args.scene.read()?;
     #[cfg(feature = "mpi")]
@@ -181,9 +178,9 @@ pub(super) fn run(args: &RunArgs, count: usize) -> Result<ExitCode, Failure> {
         }
     }
     Ok(match report.status {
-        Status::Converged => ExitCode::SUCCESS,
-        Status::OutOfMemory => ExitCode::from(3),
-        _ => ExitCode::from(1),
+        Status::Converged => ExitStatus::Success,
+        Status::OutOfMemory => ExitStatus::MachineFailure,
+        _ => ExitStatus::NotConverged,
     })
 }
 

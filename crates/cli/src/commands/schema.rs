@@ -23,8 +23,8 @@ enum Of {
 pub(super) fn schema(args: &SchemaArgs) {
     match args.of {
         Of::Run => say!("{:#}", stickslip_output::run_schema()),
-        Of::Problem => say!("{:#}", stickslip_cli::problems::problem_schema()),
-        Of::Collection => say!("{:#}", stickslip_cli::problems::collection_schema()),
+        Of::Problem => say!("{:#}", crate::problems::problem_schema()),
+        Of::Collection => say!("{:#}", crate::problems::collection_schema()),
         Of::Scene => say!("{}", stickslip::scene::SCHEMA.trim_end()),
     }
 }

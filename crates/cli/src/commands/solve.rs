@@ -2,18 +2,17 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
+use crate::problems::{ProblemReport, Verdict};
 use clap::Args;
 use stickslip::algebra::linear::LinearError;
 use stickslip::run::report::cpu_seconds;
 use stickslip::solver::history;
-use stickslip_cli::problems::{ProblemReport, Verdict};
 use stickslip_exchange::{Answer, ProblemFile, ReductionError, SolveError, TOLERANCE, judge, read_solution, solve};
 use stickslip_output::{Table, write_file};
 
-use super::Failure;
 use super::run::write_failure;
+use super::{ExitStatus, Failure};
 
 #[derive(Args)]
 pub(super) struct SolveArgs {
@@ -57,7 +56,7 @@ impl From<SolveError> for Failure {
 }
 
 /// Exit status 1: the problem is not solved.
-pub(super) fn solve_file(args: &SolveArgs) -> Result<ExitCode, Failure> {
+pub(super) fn solve_file(args: &SolveArgs) -> Result<ExitStatus, Failure> {
     let name = args.file.display().to_string();
     args.out.as_deref().map(destination).transpose()?;
     let mut file = ProblemFile::read(&args.file)?;
@@ -89,7 +88,7 @@ pub(super) fn solve_file(args: &SolveArgs) -> Result<ExitCode, Failure> {
 }
 
 /// Exit status 1: the solution violates a law.
-pub(super) fn judge_file(args: &JudgeArgs) -> Result<ExitCode, Failure> {
+pub(super) fn judge_file(args: &JudgeArgs) -> Result<ExitStatus, Failure> {
     let name = args.file.display().to_string();
     let file = ProblemFile::read(&args.file)?;
     let solution = match &args.solution {
@@ -111,8 +110,8 @@ pub(super) fn judge_file(args: &JudgeArgs) -> Result<ExitCode, Failure> {
     Ok(status(report.status))
 }
 
-fn status(verdict: Verdict) -> ExitCode {
-    if verdict == Verdict::Solved { ExitCode::SUCCESS } else { ExitCode::from(1) }
+fn status(verdict: Verdict) -> ExitStatus {
+    if verdict == Verdict::Solved { ExitStatus::Success } else { ExitStatus::NotConverged }
 }
 
 fn head(name: &str, file: &ProblemFile) {

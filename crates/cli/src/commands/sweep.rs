@@ -5,19 +5,18 @@ mod processes;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
-use clap::Args;
-use stickslip::scene::{Override, Scene};
-use stickslip_cli::sweep::{
+use crate::sweep::{
     Places, QuantityError, Row, Shown, Sweep, TableQuantity, VariantResult, Variation, check_places, combinations,
     quantities,
 };
+use clap::Args;
+use stickslip::scene::{Override, Scene};
 use stickslip_output::{FolderLock, write_file};
 
 use super::progress::bar;
 use super::run::{check_companion, write_failure};
-use super::{Cli, Failure, SceneArgs, interrupt, origin, threads};
+use super::{Cli, ExitStatus, Failure, SceneArgs, interrupt, origin, threads};
 use processes::{Ended, Processes};
 
 #[derive(Args)]
@@ -114,7 +113,7 @@ impl Drop for Results {
 }
 
 /// Exit status 1: a variant did not converge; 3: the machine failed in one.
-pub(super) fn sweep(args: &SweepArgs, cli: &Cli) -> Result<ExitCode, Failure> {
+pub(super) fn sweep(args: &SweepArgs, cli: &Cli) -> Result<ExitStatus, Failure> {
     interrupt::listen();
     let first = args.scene.read()?;
     let (tasks, places) = tasks(args)?;
@@ -129,6 +128,7 @@ pub(super) fn sweep(args: &SweepArgs, cli: &Cli) -> Result<ExitCode, Failure> {
     fs::create_dir_all(&results.path).map_err(|error| write_failure(&results.path, &error))?;
     let jobs = args.jobs.map_or_else(threads::processors, usize::from).clamp(1, tasks.len().max(1));
     let processes = Processes {
+        invocation: &cli.invocation,
         scene: &args.scene.scene,
         folder: &results.path,
         // By default, the variants share the processors.
@@ -194,9 +194,9 @@ pub(super) fn sweep(args: &SweepArgs, cli: &Cli) -> Result<ExitCode, Failure> {
     }
     let outcomes = || sweep.variants.iter().map(|row| &row.outcome);
     Ok(match () {
-        () if outcomes().all(VariantResult::is_converged) => ExitCode::SUCCESS,
-        () if outcomes().any(VariantResult::is_of_the_machine) => ExitCode::from(3),
-        () => ExitCode::from(1),
+        () if outcomes().all(VariantResult::is_converged) => ExitStatus::Success,
+        () if outcomes().any(VariantResult::is_of_the_machine) => ExitStatus::MachineFailure,
+        () => ExitStatus::NotConverged,
     })
 }
 
@@ -212,7 +212,7 @@ fn tasks(args: &SweepArgs) -> Result<(Vec<Task>, Places), Failure> {
     }
     let increments = args.increments.map(|number| Override::value("time.increments", i64::from(number)));
     let mut places = Places::default();
-    let mut task = |variant: stickslip_cli::sweep::Variant| {
+    let mut task = |variant: crate::sweep::Variant| {
         let overrides = [args.scene.overrides(), increments.iter().cloned().collect(), variant.overrides].concat();
         let (fingerprint, text, scene) = one(args, &overrides)?;
         if args.companion {

@@ -10,7 +10,7 @@ impl Convergence {
     /// Returns the chart.
     pub fn chart(&self) -> Chart {
         let quantity = self.sought.quantity();
-        let units = self.units.of_pictures();
+        let units = self.units_for_people();
         let value = |x: f64| units.of_si(quantity, x);
         let unit = units.name(quantity);
         let finest = self.steps.iter().map(size).fold(f64::INFINITY, f64::min);

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::extrapolation::{Behaviour, ROUNDING};
 use super::steps::{Own, Step, series};
 use super::{Convergence, Errors, Limit, Verdict};
-use stickslip::base::Quantity;
+use stickslip::base::{Quantity, UnitSystem};
 use stickslip::run::report::{SCHEMA_VERSION, csv_number, csv_table};
 use stickslip_output::Table;
 
@@ -81,7 +81,7 @@ pub struct ToldRun {
 impl Convergence {
     /// Returns the table of the runs.
     pub fn table(&self) -> Table {
-        let units = self.units.of_pictures();
+        let units = self.units_for_people();
         let quantity = self.sought.quantity();
         let unit = units.name(quantity);
         let head = if unit.is_empty() { self.sought.to_string() } else { format!("{}, {unit}", self.sought) };
@@ -174,7 +174,7 @@ impl Convergence {
     /// Returns the value with its uncertainty: `the peak pressure is 71.3 MPa ± 1.4 %`; `None` without a limit.
     fn known(&self) -> Option<String> {
         let errors = self.errors.as_ref().filter(|_| self.has_limit())?;
-        let value = self.units.of_pictures().rounded(self.sought.quantity(), errors.value, DIGITS);
+        let value = self.units_for_people().rounded(self.sought.quantity(), errors.value, DIGITS);
         Some(format!("the {} is {value} ± {}", self.sought, self.percent(errors.total()?)))
     }
 
@@ -243,7 +243,7 @@ impl Convergence {
             && let (Some(total), Some(of_mesh), Some(of_increments)) =
                 (errors.total(), errors.of_mesh(), errors.of_increments())
         {
-            let units = self.units.of_pictures();
+            let units = self.units_for_people();
             lines.push(("extrapolated", units.rounded(self.sought.quantity(), errors.extrapolated(), DIGITS)));
             let behaviour = |limit: Option<Limit>| limit.map_or(String::new(), |limit| format!(" ({limit})"));
             let of_increments = errors.increments.map_or(String::new(), |limit| {
@@ -270,6 +270,11 @@ impl Convergence {
         let is_estimated = matches!(limit.behaviour, Behaviour::Monotone | Behaviour::Constant)
             || Some(found.0) != series.steps.last();
         Some((self.steps[*found.0].run.mesh.clone(), error)).filter(|(_, error)| error.is_finite() && is_estimated)
+    }
+
+    /// Returns the units for text and pictures: in SI, MPa for pressures.
+    pub(super) fn units_for_people(&self) -> UnitSystem {
+        if self.sought.quantity() == Quantity::Stress { self.units.of_pictures() } else { self.units }
     }
 
     /// Returns the change of the value by run `k`, as a share.

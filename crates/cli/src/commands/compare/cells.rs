@@ -1,11 +1,11 @@
 //! Stores the finished histories of an unfinished comparison in a folder beside its tables.
 
 use super::csv::OF_RUN;
+use crate::compare::Cells;
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 use stickslip::scene::Provenance;
 use stickslip::solver::Checkpoint;
-use stickslip_cli::compare::Cells;
 use stickslip_output::{FolderLock, write_file};
 
 /// The files of a comparison. Not all comparisons have all pictures.

@@ -1,7 +1,7 @@
 //! Writes a comparison as comma-separated values.
 
+use crate::compare::{Comparison, MeshResult, Phases, SolverPath, Trial};
 use stickslip::run::report::csv_table;
-use stickslip_cli::compare::{Comparison, MeshResult, Phases, SolverPath, Trial};
 
 use super::{Told, fields, resultants, told};
 

@@ -1,10 +1,10 @@
 //! Formats a comparison as text tables.
 
 use super::{Told, fields, resultants, told};
+use crate::compare::{Comparison, MeshChoice, MeshErrors, MeshResult, Phases};
 use std::fmt::Write;
 use stickslip::base::Quantity;
 use stickslip::solver::history::Status;
-use stickslip_cli::compare::{Comparison, MeshChoice, MeshErrors, MeshResult, Phases};
 use stickslip_output::Table;
 
 /// Formats all tables except the answers, for runs on the given `meshes` only.

@@ -1,9 +1,8 @@
 //! `stickslip run --resume`: reads what an earlier run has left in the folder and checks that this scene may resume it.
 
-use super::super::Failure;
+use super::super::{ExitStatus, Failure};
 use super::RunArgs;
 use std::io::{self, BufRead, BufReader, Read};
-use std::process::ExitCode;
 use stickslip::run::report::RunReport;
 use stickslip::scene::Provenance;
 use stickslip::solver::Checkpoint;
@@ -76,14 +75,14 @@ impl Left {
 }
 
 /// Repeats the report of a run that has already finished.
-pub(super) fn told_again(claim: &LockedOutputDir, args: &RunArgs, status: Status) -> Result<ExitCode, Failure> {
+pub(super) fn told_again(claim: &LockedOutputDir, args: &RunArgs, status: Status) -> Result<ExitStatus, Failure> {
     if args.printed.json {
         print(claim.report().map_err(|error| unreadable(&error))?)?;
     } else {
         say!("resume       nothing to do: the run here is complete");
         say!("\nverdict      {status}\nresults      {}", claim.path().display());
     }
-    Ok(if status == Status::Converged { ExitCode::SUCCESS } else { ExitCode::from(1) })
+    Ok(if status == Status::Converged { ExitStatus::Success } else { ExitStatus::NotConverged })
 }
 
 /// Prints a report as JSON, either from the folder or from memory.

@@ -2,7 +2,6 @@
 
 use super::super::interrupt;
 use super::super::progress::Progress;
-use super::pace::Pace;
 use std::io;
 use std::ops::ControlFlow;
 use stickslip::algebra::linear;
@@ -13,7 +12,7 @@ use stickslip::scene::Output;
 use stickslip::solver::Event;
 use stickslip::solver::history::{IncrementRecord, IncrementView, Observer, Status};
 use stickslip::solver::{Checkpoint, IterationRecord};
-use stickslip_output::{ContactSurface, DeformedBody, MOST_STATES, ResultFolder, fields};
+use stickslip_output::{ContactSurface, DeformedBody, MOST_STATES, Pace, ResultFolder, fields};
 
 /// Observer that updates the display and the result folder.
 pub(super) struct Watcher<'a> {

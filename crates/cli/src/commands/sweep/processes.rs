@@ -6,13 +6,13 @@
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Stdio};
 use std::thread;
 use std::time::Duration;
 
-use stickslip_cli::sweep::{TableQuantity, VariantResult};
+use crate::sweep::{TableQuantity, VariantResult};
 
-use super::super::interrupt;
+use super::super::{Invocation, interrupt};
 use super::Task;
 
 /// The pause between two checks while all processes are busy.
@@ -23,6 +23,8 @@ const BLAS_THREADS: [&str; 4] = ["OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL
 
 /// Runs the variants of a scene.
 pub(super) struct Processes<'a> {
+    /// How the program is started again.
+    pub invocation: &'a Invocation,
     /// The scene file.
     pub scene: &'a Path,
     /// The folder of all results, with a folder for each fingerprint.
@@ -153,7 +155,7 @@ impl Processes<'_> {
         let Task { fingerprint, overrides, .. } = orders[order];
         let partial = self.partial(fingerprint);
         let printed = partial.with_extension(format!("{}.json", std::process::id()));
-        let mut command = Command::new(std::env::current_exe()?);
+        let mut command = self.invocation.again();
         command.arg("run").arg(self.scene).arg("--json").arg("--out").arg(&partial);
         command.args(overrides.iter().flat_map(|change| ["--set".to_string(), change.to_string()]));
         command.args(self.companion.then_some("--companion"));

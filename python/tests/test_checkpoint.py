@@ -1,0 +1,122 @@
+"""A run that is saved as it goes, and goes on from there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import stickslip as ss
+
+SMALL = {"mesh.elements": [20, 10]}
+ARRAYS = ("t", "p_n", "p_t", "contact", "gap", "mu", "w_t_last", "errors", "u", "u_rest", "force")
+
+
+class PowerCut(Exception):
+    pass
+
+
+def cut_in(increment: int) -> Callable[..., None]:
+    def callback(index: int, *_: object) -> None:
+        if index == increment:
+            raise PowerCut
+
+    return callback
+
+
+def left(model: ss.Model, file: Path, **options: Any) -> Path:
+    with pytest.raises(PowerCut):
+        model.run(checkpoint=file, checkpoint_every=0, callback=cut_in(7), **options)
+    return file
+
+
+def without_times(words: Any) -> Any:
+    if isinstance(words, dict):
+        return {key: without_times(word) for key, word in words.items() if "seconds" not in key and key != "totals"}
+    return [without_times(word) for word in words] if isinstance(words, list) else words
+
+
+@pytest.mark.parametrize("method", ["bn", "ip", "events"])
+@pytest.mark.parametrize("options", [{}, {"keep_u": "last"}, {"keep_u": [2, 11]}, {"uniqueness": True}, {"companion": True}])
+def test_a_run_that_goes_on_is_the_whole_run(method: str, options: dict[str, Any], tmp_path: Path) -> None:
+    if method == "events" and "companion" in options:
+        pytest.skip("the exact path has no second run")
+    model = ss.Model(ss.Scene.example("block"), {**SMALL, "solver.method": method, "solver.setting": "default"})
+    whole = model.run(**options)
+    file = left(model, tmp_path / "run.ckpt", **options)
+    seen = []
+    rest = model.run(checkpoint=file, callback=lambda index, *_: seen.append(index), **options)
+    assert seen[0] in (7, 8) and seen[-1] == len(model.times)
+    for name in ARRAYS:
+        assert np.array_equal(getattr(whole, name), getattr(rest, name)), name
+    assert rest.kept == whole.kept and (rest.iterations["increment"] == whole.iterations["increment"]).all()
+    assert without_times(rest.report) == without_times(whole.report)
+    assert not file.exists()
+
+
+def test_a_linear_solver_of_ones_own_goes_on(tmp_path: Path) -> None:
+    import scipy.sparse as sp
+    from scipy.sparse.linalg import splu
+
+    class SuperLU:
+        def analyze(self, n: int, indptr: Any, indices: Any) -> None:
+            self.pattern = (indices, indptr), (n, n)
+
+        def factorize(self, data: Any) -> None:
+            indices, shape = self.pattern
+            self.lu = splu(sp.csc_array((data, *indices), shape=shape))
+
+        def solve(self, b: Any) -> Any:
+            return self.lu.solve(b)
+
+    model = ss.Model(ss.Scene.example("block"), SMALL)
+    file = left(model, tmp_path / "run.ckpt", linear=SuperLU())
+    rest = model.run(checkpoint=file, linear=SuperLU())
+    assert rest.converged and len(rest.report["increments"]) == len(rest.t)
+
+
+def test_what_does_not_converge_keeps_its_file(tmp_path: Path) -> None:
+    file = tmp_path / "run.ckpt"
+    with pytest.warns(ss.NotConvergedWarning):
+        slid = ss.run(ss.Scene.example("block"), {**SMALL, "contact.friction": 0.3}, checkpoint=file, checkpoint_every=0)
+    assert not slid.converged and file.exists()
+
+
+def test_a_checkpoint_of_another_run_is_refused(tmp_path: Path) -> None:
+    model = ss.Model(ss.Scene.example("block"), SMALL)
+    file = left(model, tmp_path / "run.ckpt")
+    saved = file.read_bytes()
+    with pytest.raises(ValueError, match=r"checkpoint: .*friction = 0.6"):
+        ss.run(ss.Scene.example("block"), {**SMALL, "contact.friction": 0.6}, checkpoint=file)
+    with pytest.raises(ValueError, match="checkpoint: .*keep_u"):
+        model.run(checkpoint=file, keep_u="none")
+    with pytest.raises(ValueError, match="checkpoint: .*uniqueness"):
+        model.run(checkpoint=file, uniqueness=True)
+    assert file.read_bytes() == saved
+    for cut in (0, 10, len(saved) // 2, len(saved) - 1):
+        file.write_bytes(saved[:cut])
+        with pytest.raises(ValueError, match="checkpoint: .*damaged"):
+            model.run(checkpoint=file)
+
+
+@pytest.mark.parametrize(
+    "options, error, said",
+    [
+        ({"checkpoint": 3}, TypeError, "checkpoint: the path"),
+        ({"checkpoint": ""}, TypeError, "checkpoint: the path"),
+        ({"checkpoint_every": 3.0}, ValueError, "checkpoint_every: .*checkpoint"),
+        ({"checkpoint": "run.ckpt", "checkpoint_every": -1.0}, ValueError, "checkpoint_every: -1"),
+        ({"checkpoint": "run.ckpt", "checkpoint_every": "often"}, ValueError, "checkpoint_every: 'often'"),
+        ({"checkpoint": "nowhere/run.ckpt", "checkpoint_every": 0.0}, FileNotFoundError, "nowhere"),
+        ({"checkpoint": "."}, IsADirectoryError, r"\."),
+    ],
+)
+def test_wrong_checkpoints(
+    options: dict[str, Any], error: type[Exception], said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(error, match=said):
+        ss.run(ss.Scene.example("block"), SMALL, **options)
