@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
+
+Kind = TypeVar("Kind")
 
 
 def finite(name: str, values: ArrayLike) -> Array:
@@ -64,6 +66,17 @@ def matrix(name: str, values: Any, kind: Any, shape: tuple[int, int] | None = No
     values.sum_duplicates()
     if not np.isfinite(values.data).all():
         raise ValueError(f"{name} is not finite")
+    return values
+
+
+def read_only(values: Kind) -> Kind:
+    """The array or the sparse matrix itself; assignments to it, which would be lost, raise from now on."""
+    matrix: Any = values
+    if sp.issparse(matrix):
+        # Sorted now, since scipy sorts in place.
+        matrix.sum_duplicates()
+    for array in (matrix.data, matrix.indices, matrix.indptr) if sp.issparse(matrix) else (matrix,):
+        array.flags.writeable = False
     return values
 
 

@@ -326,9 +326,9 @@ class Fields:
         model = self._model()
         points, of_cells = self._for_others(k)
         ends = np.cumsum([len(nodes) for _, nodes in model.cells])[:-1]
-        cells: list[Any] = list(model.cells)
+        cells: list[Any] = [(kind, nodes.copy()) for kind, nodes in model.cells]
         try:
-            return meshio.Mesh(model.points, cells, point_data=points, cell_data={name: np.split(v, ends) for name, v in of_cells.items()})
+            return meshio.Mesh(model.points.copy(), cells, point_data=points, cell_data={name: np.split(v, ends) for name, v in of_cells.items()})
         except KeyError as error:
             raise ValueError(f"cells: this meshio cannot hold the kind {error}; write_vtu and to_pyvista can") from None
 
@@ -361,7 +361,7 @@ class Fields:
         codes = {name: code for code, name in VTK.items()}
         cells = np.concatenate([np.insert(nodes, 0, nodes.shape[1], axis=1).ravel() for _, nodes in model.cells])
         kinds = np.concatenate([np.full(len(nodes), codes[kind], dtype=np.uint8) for kind, nodes in model.cells])
-        grid = pyvista.UnstructuredGrid(cells, kinds, model.points)
+        grid = pyvista.UnstructuredGrid(cells, kinds, model.points.copy())
         for data, values in ((grid.point_data, points), (grid.cell_data, of_cells)):
             for name, of in values.items():
                 data[name] = of

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _core
 from . import mesh as _mesh
+from ._arrays import read_only
 from ._kinds import DIMENSION
 from ._errors import SceneError
 from ._options import called
@@ -74,7 +75,7 @@ def _with_any_mesh(text: str, given: _mesh.Given) -> str:
 
 
 class Model:
-    """A scene, discretised; nothing is solved yet.
+    """A scene, discretised; nothing is solved yet. Its arrays are read-only, and copies of them are not.
 
     Parameters
     ----------
@@ -147,14 +148,14 @@ class Model:
             raise error._in_python(self._has_text) from None
         self.title: str = core.title
         self.dimension: int = core.dimension
-        self.times: Array = np.array(core.times)
+        self.times: Array = read_only(np.array(core.times))
         self.problem: ContactProblem = ContactProblem._of(core.problem(), self.dimension - 1)
-        self.points: Array = core.points()
+        self.points: Array = read_only(core.points())
         contacts = core.contacts()
-        self.contact_nodes: Array = np.array([node for node, _ in contacts], dtype=np.int64)
-        self.contact_points: Array = np.array([x for _, x in contacts]).reshape(-1, 3)
-        self.frames: Array = np.array(core.frames()).reshape(-1, 3, 3)[:, : self.dimension]
-        self.boundaries: dict[str, Array] = {name: np.array(nodes, dtype=np.int64) for name, nodes in core.boundaries()}
+        self.contact_nodes: Array = read_only(np.array([node for node, _ in contacts], dtype=np.int64))
+        self.contact_points: Array = read_only(np.array([x for _, x in contacts]).reshape(-1, 3))
+        self.frames: Array = read_only(np.array(core.frames()).reshape(-1, 3, 3)[:, : self.dimension])
+        self.boundaries: dict[str, Array] = {name: read_only(np.array(nodes, dtype=np.int64)) for name, nodes in core.boundaries()}
         self.cells: list[tuple[str, Array]] = _blocks(core.cells())
 
     def _files(self) -> dict[str, bytes]:
@@ -200,7 +201,7 @@ class Model:
         dict of str to ndarray
             ``force``, N, (m, n_u). ``gap``, m, (m + 1, n_c), the first row before the first increment. ``drift``, how far the
             obstacle has moved past each node, m, (m, n_c, d). ``mu``, (m, n_c). ``cases`` (loads, n_u), N, and ``factors``
-            (m, loads): the loads that ``force`` is the sum of.
+            (m, loads): the loads that ``force`` is the sum of. Arrays are read-only; copies of them are not.
 
         Examples
         --------
@@ -212,7 +213,8 @@ class Model:
         raw = self._core.history()
         drift = np.stack([raw["drift"], raw["drift_o"]][: self.dimension - 1], axis=-1)
         force = raw["factors"].reshape(len(self.times), -1) @ raw["cases"]
-        return {"force": force, "gap": raw["gap"], "drift": drift, "mu": raw["mu"], "cases": raw["cases"], "factors": raw["factors"]}
+        history = {"force": force, "gap": raw["gap"], "drift": drift, "mu": raw["mu"], "cases": raw["cases"], "factors": raw["factors"]}
+        return {name: read_only(table) for name, table in history.items()}
 
     def displacement(self, u: ArrayLike, t: float | None = None) -> Array:
         """Displacements of all nodes, those of supports included.
@@ -391,7 +393,7 @@ def _blocks(cells: list[tuple[str, list[int], int]]) -> list[tuple[str, Array]]:
         if not blocks or blocks[-1][0] != kind:
             blocks.append((kind, []))
         blocks[-1][1].append(nodes)
-    return [(kind, np.array(nodes, dtype=np.int64)) for kind, nodes in blocks]
+    return [(kind, read_only(np.array(nodes, dtype=np.int64))) for kind, nodes in blocks]
 
 
 def _restore(name: str, text: str, overrides: dict[str, str], given: _mesh.Given | None, files: dict[str, bytes]) -> Model:

@@ -76,8 +76,8 @@ def to_siconos(
     order = np.arange((1 + d) * n_c).reshape(1 + d, n_c).T.ravel()
     H = sp.csr_array(sp.vstack([-problem.C_n, *problem.C_t], format="csr"))[order].T.tocsc()
     b = np.column_stack([vector("gap", gap, n_c), -w]).ravel()
-    coefficients = problem.mu if mu is None else vector("mu", mu, n_c)
-    return GlobalFriction(1 + d, problem.K, H, vector("force", force, problem.n_u), b, coefficients)
+    coefficients = problem.mu.copy() if mu is None else vector("mu", mu, n_c)
+    return GlobalFriction(1 + d, problem.K.copy(), H, vector("force", force, problem.n_u), b, coefficients)
 
 
 def from_siconos(M: Any, H: Any, q: ArrayLike, b: ArrayLike, mu: ArrayLike) -> Posed:
@@ -121,7 +121,7 @@ def from_siconos(M: Any, H: Any, q: ArrayLike, b: ArrayLike, mu: ArrayLike) -> P
     by_node = vector("b", b, dimension * contacts).reshape(contacts, dimension)
     nothing = (np.zeros(problem.n_u), np.zeros(contacts), np.zeros((contacts, dimension - 1)))
     force = vector("q", q, problem.n_u)
-    return Posed(problem, force, by_node[:, 0].copy(), -by_node[:, 1:], problem.mu, nothing)
+    return Posed(problem, force, by_node[:, 0].copy(), -by_node[:, 1:], problem.mu.copy(), nothing)
 
 
 def answer(problem: ContactProblem, v: ArrayLike, r: ArrayLike) -> tuple[Array, Array, Array]:

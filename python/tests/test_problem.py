@@ -271,6 +271,24 @@ def test_a_body_that_only_friction_holds_has_its_free_motions_found() -> None:
 
 def test_data_of_a_problem_cannot_be_assigned() -> None:
     problem = ss.ContactProblem(np.eye(2), np.eye(2)[:1], np.eye(2)[1:], 0.3, weight=1.0)
-    for array in (problem.mu, problem.weight):
+    held = ss.ContactProblem(np.diag([0.0, 1.0]), np.eye(2)[:1], np.eye(2)[1:], 0.3)
+    arrays = [problem.mu, problem.weight, held.free_motions]
+    for matrix in (problem.K, problem.C_n, *problem.C_t, problem.condense().K):
+        arrays += [matrix.data, matrix.indices, matrix.indptr]
+    for array in arrays:
         with pytest.raises(ValueError, match="read-only"):
-            array[0] = 0.9
+            array[0] = 1
+    own = problem.K.copy()
+    own[0, 0] = own.data[1] = 2.0
+    assert own.sum() == 4.0 and problem.K.sum() == 2.0
+
+
+def test_arrays_of_a_model_cannot_be_assigned() -> None:
+    model = ss.Model(ss.Scene.example("block"), {"mesh.elements": [8, 4]})
+    arrays = [model.times, model.points, model.contact_nodes, model.contact_points, model.frames]
+    arrays += [*model.boundaries.values(), *(nodes for _, nodes in model.cells), *model.history.values()]
+    for array in arrays:
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1
+    given = model.problem.to_siconos(model.history["force"][-1])
+    given.M.data[0] = given.mu[0] = 0.0
