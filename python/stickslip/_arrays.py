@@ -8,6 +8,8 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
 
+from ._words import counted
+
 Array = NDArray[np.float64]
 
 Kind = TypeVar("Kind")
@@ -113,7 +115,7 @@ def contact_maps(C_n: Any, C_t: Any, n_u: int) -> tuple[list[Any], int]:
     several = isinstance(C_t, (list, tuple)) and all(sp.issparse(C) or np.ndim(C) == 2 for C in C_t)
     tangents = () if C_t is None else tuple(C_t) if several else (C_t,)
     if len(tangents) > 2:
-        raise ValueError(f"C_t has {len(tangents)} matrices, expected one or two")
+        raise ValueError(f"C_t has {counted(len(tangents), 'matrix', 'matrices')}, expected one or two")
     names = ("C_t",) if len(tangents) == 1 else ("C_t[0]", "C_t[1]")
     maps = [matrix("C_n", C_n, sp.csr_array, (n_c, n_u))]
     maps += [matrix(name, C, sp.csr_array, (n_c, n_u)) for name, C in zip(names, tangents)]

@@ -18,6 +18,7 @@ from ._judge import Solver, Verdict, errors, history_of, judge, verdict_of
 from ._problem import ContactProblem
 from ._result import LAWS, Result
 from ._scene import Model
+from ._words import counted
 
 if TYPE_CHECKING:
     from ._options import Method
@@ -58,7 +59,7 @@ class Comparison:
 
     def __repr__(self) -> str:
         held = sum(verdict.holds for verdict in self.verdicts)
-        return f"<Comparison of {len(self.verdicts)} solvers, {held} within {self.tolerance:g}>"
+        return f"<Comparison of {counted(len(self.verdicts), 'solver')}, {held} within {self.tolerance:g}>"
 
     def _rows(self) -> list[tuple[str, str, str, str]]:
         def last(verdict: Verdict) -> str:

@@ -12,6 +12,8 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.linalg import qr
 
+from ._words import few
+
 if TYPE_CHECKING:
     from ._options import Callback
     from ._problem import ContactProblem
@@ -45,10 +47,6 @@ def dependent_nodes(problem: ContactProblem) -> list[int]:
     return sorted({int(row) for row in used[rows] % problem.n_c})
 
 
-def _few(nodes: list[int]) -> str:
-    return ", ".join(map(str, nodes[:8])) + (f" and {len(nodes) - 8} more" if len(nodes) > 8 else "")
-
-
 def reason(problem: ContactProblem, free_motion: list[float] | None) -> str:
     """Why the equations are singular."""
     if free_motion is not None:
@@ -57,7 +55,7 @@ def reason(problem: ContactProblem, free_motion: list[float] | None) -> str:
     nodes = dependent_nodes(problem)
     if not nodes:
         return ""
-    return f"the rows of C_n and C_t of the contact nodes {_few(nodes)} depend on each other, so that their forces are not unique"
+    return f"the rows of C_n and C_t of the contact node{'s' * (len(nodes) > 1)} {few(nodes, 8)} depend on each other, so that their forces are not unique"
 
 
 def rescued(

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._kinds import VTK
+from ._words import counted
 
 if TYPE_CHECKING:
     from ._scene import Model
@@ -33,7 +34,7 @@ class Svg(str):
         return str(self)
 
     def __repr__(self) -> str:
-        return f"<Svg of {len(self)} characters>"
+        return f"<Svg of {counted(len(self), 'character')}>"
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes the picture to a file.

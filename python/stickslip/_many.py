@@ -5,7 +5,7 @@ from __future__ import annotations
 import numbers
 import os
 import warnings
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,6 +15,7 @@ from . import _core, _dependent, _history
 from ._errors import NotConverged, NotConvergedWarning
 from ._options import core_options, keep
 from ._result import Result
+from ._words import counted, few
 
 if TYPE_CHECKING:
     from ._options import Several
@@ -85,13 +86,11 @@ class Results(list[Result]):
     def __repr__(self) -> str:
         failed = np.flatnonzero(~self.converged)
         if not len(failed):
-            return f"<Results of {len(self)} histories, all converged>"
-        return f"<Results of {len(self)} histories, {len(failed)} not converged: {_few(failed)}>"
+            return f"<Results of {counted(len(self), *_HISTORY)}, all converged>"
+        return f"<Results of {counted(len(self), *_HISTORY)}, {len(failed)} not converged: {few(failed.tolist())}>"
 
 
-def _few(numbers: Iterable[int]) -> str:
-    numbers = [int(k) for k in numbers]
-    return ", ".join(map(str, numbers[:5])) + (", ..." if len(numbers) > 5 else "")
+_HISTORY = ("history", "histories")
 
 
 def _samples(several: dict[str, Several | None]) -> int:
@@ -102,7 +101,7 @@ def _samples(several: dict[str, Several | None]) -> int:
     if not lengths:
         raise ValueError("forces, gaps and mus are missing: give at least one of them, with an entry for each history")
     if len(set(lengths.values())) > 1:
-        raise ValueError(", ".join(f"{name} has {length} entries" for name, length in lengths.items()) + ": as many expected")
+        raise ValueError(", ".join(f"{name} has {counted(length, 'entry', 'entries')}" for name, length in lengths.items()) + ": as many expected")
     return next(iter(lengths.values()))
 
 
@@ -173,6 +172,6 @@ def solve(
     failed = np.flatnonzero(~results.converged)
     if len(failed):
         first = int(failed[0])
-        message = f"{len(failed)} of {len(results)} histories did not converge ({_few(failed)}); {first}: {results[first]._verdict()}"
+        message = f"{len(failed)} of {counted(len(results), *_HISTORY)} did not converge ({few(failed.tolist())}); {first}: {results[first]._verdict()}"
         warnings.warn(message, NotConvergedWarning, stacklevel=3)
     return results

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from . import _core
 from ._arrays import Array, compressed, contact_maps, finite, matrix, read_only, symmetric, vector
+from ._words import counted
 
 
 class Matrices:
@@ -98,7 +99,7 @@ class Matrices:
 
     def __repr__(self) -> str:
         counts = ((self.n_u, "displacement"), (self.n_c, "contact node"), (self.tangents, "tangent"))
-        return f"<{type(self).__name__} " + ", ".join(f"{n} {what}" + "s" * (n != 1) for n, what in counts) + ">"
+        return f"<{type(self).__name__} " + ", ".join(counted(n, what) for n, what in counts) + ">"
 
     def slip(self, u: ArrayLike) -> Array:
         """Tangential displacements C_t u.

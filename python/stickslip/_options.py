@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol, TypedDict, Union, get_
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ._words import counted
+
 if TYPE_CHECKING:
     from ._arrays import Array
 
@@ -127,7 +129,7 @@ def keep(keep_u: str | bool | Sequence[int], increments: int) -> bool | list[int
     try:
         return [range(increments)[k] + 1 for k in keep_u]
     except IndexError:
-        raise ValueError(f"keep_u is {keep_u!r}, but there are {increments} increments, numbered from 0") from None
+        raise ValueError(f"keep_u is {keep_u!r}, expected numbers from 0 to {increments - 1}, of {counted(increments, 'increment')}") from None
     except TypeError as error:
         raise ValueError(f"keep_u: {error}") from None
 

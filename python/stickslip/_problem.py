@@ -16,6 +16,7 @@ from ._options import Linear, Method, Setting, called, core_options
 from ._options import LinearSolver as LinearSolver
 from ._options import keep as keep
 from ._result import Result
+from ._words import counted
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -130,7 +131,7 @@ class ContactProblem(Matrices):
         n_c = maps[0].shape[0]
         for name, value, mine in (("mu", mu, self.mu), ("weight", weight, self.weight)):
             if value is None and mine is not None and len(mine) != n_c:
-                raise ValueError(f"{name} is of {len(mine)} contact nodes, but C_n has {n_c} rows: give it too")
+                raise ValueError(f"{name} is of {counted(len(mine), 'contact node')}, but C_n has {counted(n_c, 'row')}: give it too")
         coefficients = self.mu if mu is None else vector("mu", mu, n_c)
         if not tangents and coefficients.any():
             raise ValueError("mu is above 0, but there is no C_t")

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from . import plot as _plot
 from ._errors import AccuracyWarning, NotConverged, NotConvergedWarning, in_python
 from ._fields import Fields
+from ._words import counted
 
 if TYPE_CHECKING:
     from ._scene import Model
@@ -209,6 +210,9 @@ class Result(Fields):
         at = f"in increment {len(self.t)} (t = {self.t[-1]:g} s): {law} is violated by {last.max():.1e}"
         return f"{self.status} {at}" + (f"; {self.reason}" if self.reason else "")
 
+    def _amount(self) -> str:
+        return f"{counted(len(self.t), 'increment')}, {counted(self.nit, 'iteration')}"
+
     def __getstate__(self) -> dict[str, Any]:
         """Without what is computed again when it is asked for."""
         return {name: value for name, value in self.__dict__.items() if name != "_of_nodes"}
@@ -217,8 +221,7 @@ class Result(Fields):
         self.__dict__.update(state)
 
     def __repr__(self) -> str:
-        total = sum(r["iterations"] for r in self.records)
-        head = f"<Result {self._verdict()}; {len(self.t)} increments, {total} iterations, error {self.error:.1e}"
+        head = f"<Result {self._verdict()}; {self._amount()}, error {self.error:.1e}"
         if len(self.t):
             counts = {name: int((self.contact[-1] == code).sum()) for name, code in _CODES.items()}
             head += "; at the end " + ", ".join(f"{n} {name}" for name, n in counts.items())
@@ -237,8 +240,7 @@ class Result(Fields):
             f"<li><b>{html.escape(warning['kind'])}</b>: {html.escape(warning['message'])}</li>" for warning in self.warnings
         )
         return (
-            f"<div><b>{title}</b>: <b style='color:{colour}'>{verdict}</b>, {len(self.t)} increments, "
-            f"{sum(r['iterations'] for r in self.records)} iterations"
+            f"<div><b>{title}</b>: <b style='color:{colour}'>{verdict}</b>, {self._amount()}"
             f"<table><tr><th>law</th><th>largest error</th></tr>{rows}</table>"
             + (f"<p>Warnings:</p><ul>{found}</ul>" if found else "") + "</div>"
         )

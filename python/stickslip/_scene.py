@@ -20,6 +20,7 @@ from ._options import called
 from ._problem import Callback, ContactProblem, LinearSolver, keep, vector
 from ._result import Result
 from ._toml import to_toml, toml_value
+from ._words import counted
 from .builder import Scene
 
 Array = NDArray[Any]
@@ -190,7 +191,7 @@ class Model:
         return _restore(words["name"], words["text"], {}, given, files)
 
     def __repr__(self) -> str:
-        return f"<Model {self.title!r}: {len(self.points)} nodes, {len(self.times)} increments, {self.problem!r}>"
+        return f"<Model {self.title!r}: {counted(len(self.points), 'node')}, {counted(len(self.times), 'increment')}, {self.problem!r}>"
 
     @property
     def history(self) -> dict[str, Array]:

@@ -11,6 +11,7 @@ from typing import Any, Union, overload
 
 from ._result import Result
 from ._scene import KeepU, Linear, Model, SceneLike
+from ._words import counted
 
 #: A key, or several that change together.
 Key = Union[str, tuple[str, ...]]
@@ -73,7 +74,7 @@ class Sweep(Sequence[Result]):
     def __repr__(self) -> str:
         failed = sum(not result.converged for result in self)
         keys = ", ".join(self.values[0]) if self.values else ""
-        return f"<Sweep of {keys}: {len(self)} results, {f'{failed} not converged' if failed else 'all converged'}>"
+        return f"<Sweep of {keys}: {counted(len(self), 'result')}, {f'{failed} not converged' if failed else 'all converged'}>"
 
     def table(self, quantities: Mapping[str, Callable[[Result], Any]] | None = None) -> dict[str, list[Any]]:
         """Columns with an entry for each result.
@@ -129,7 +130,7 @@ def _combinations(vary: Mapping[Key, Iterable[Any]]) -> list[dict[str, Any]]:
         for value in values:
             together = value if isinstance(key, tuple) else (value,)
             if not isinstance(together, (tuple, list)) or len(together) != len(keys):
-                raise ValueError(f"vary[{key!r}]: {value!r} found, expected a value for each of the {len(keys)} keys")
+                raise ValueError(f"vary[{key!r}]: {value!r} found, expected {counted(len(keys), 'value')}, one for each key")
             column.append(dict(zip(keys, together)))
         if not column:
             raise ValueError(f"vary[{key!r}]: there is no value")

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from . import _core, siconos
 from ._judge import Posed
+from ._words import counted
 
 Array = NDArray[np.float64]
 
@@ -98,7 +99,7 @@ def read(path: str | os.PathLike[str]) -> ProblemFile:
     if raw["form"] != "global":
         raise ValueError(f"path: {os.fspath(path)} has the local form, contact forces alone; stickslip.exchange.solve takes it")
     if raw["constraints"]:
-        raise ValueError(f"path: {os.fspath(path)} has {raw['constraints']} equality constraints, which no stiffness has; stickslip.exchange.solve takes it")
+        raise ValueError(f"path: {os.fspath(path)} has {counted(raw['constraints'], 'equality constraint')}, which no stiffness has; stickslip.exchange.solve takes it")
     n, columns = len(raw["f"]), len(raw["w"])
     M: Any = sp.csc_array(raw["M"], shape=(n, n))
     H: Any = sp.csc_array(raw["H"], shape=(n, columns))

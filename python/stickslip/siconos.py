@@ -24,6 +24,7 @@ from numpy.typing import ArrayLike
 from ._arrays import Array, tangential, vector
 from ._judge import Posed, Solver
 from ._problem import ContactProblem
+from ._words import counted
 
 
 class GlobalFriction(NamedTuple):
@@ -114,7 +115,7 @@ def from_siconos(M: Any, H: Any, q: ArrayLike, b: ArrayLike, mu: ArrayLike) -> P
     H = sp.csc_array(H)
     dimension, left = divmod(H.shape[1], contacts)
     if left or dimension not in (2, 3):
-        raise ValueError(f"H has {H.shape[1]} columns, expected 2 or 3 for each of {contacts} contacts in mu")
+        raise ValueError(f"H has {counted(H.shape[1], 'column')}, expected 2 or 3 for each of {counted(contacts, 'contact')} in mu")
     rows = H.T.tocsr()
     normal, *tangents = (rows[k::dimension] for k in range(dimension))
     problem = ContactProblem(M, -normal, tangents, mu)

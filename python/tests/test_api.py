@@ -90,3 +90,16 @@ def test_arguments_of_another_shape_are_named() -> None:
     }.items():
         with pytest.raises(ValueError, match=f"^{name} "):
             call()
+
+
+def test_one_of_a_kind_is_said_in_the_singular() -> None:
+    problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
+    result, many = problem.solve([40.0, -100.0]), problem.solve_many([40.0, -100.0], mus=[0.1])
+    model = ss.Model(block(n=2, increments=1), {"time.end": 1.0})
+    assert "; 1 increment, 1 iteration, " in repr(result) and "1 increment, 1 iteration<" in result._repr_html_()
+    assert repr(many) == "<Results of 1 history, all converged>" and ", 1 increment, " in repr(model)
+    assert repr(ss.compare(problem, {"Newton": "bn"}, history={"force": [[40.0, -100.0]]})).startswith("<Comparison of 1 solver, ")
+    assert repr(ss.sweep(block(n=2), {"contact.friction": [0.9]})) == "<Sweep of contact.friction: 1 result, all converged>"
+    assert repr(ss.Scene({"body": [{}, {}], "contact": [{}]})) == "<Scene '': 2 bodies, 1 contact>" and repr(ss.Svg("x")) == "<Svg of 1 character>"
+    with pytest.raises(ValueError, match="^keep_u is .* of 1 increment$"):
+        problem.solve([40.0, -100.0], keep_u=[1])

@@ -89,7 +89,7 @@ def test_dependent_contacts_go_through_the_cascade_here_too() -> None:
 @pytest.mark.parametrize("message, arguments", [
     (r"^mus\[1\] is negative", {"mus": [0.1, -0.1]}), (r"^mus\[0\] has the shape", {"mus": [[0.1] * 3]}),
     (r"^forces\[1\] has the shape", {"forces": [np.ones(4), np.ones(3)]}), (r"^gaps\[0\] is not finite", {"gaps": [np.nan]}),
-    ("^forces, gaps and mus are missing", {}), ("^mus has 1 entries, gaps|^gaps has 2 entries, mus", {"mus": [0.1], "gaps": [0.0, 0.0]}),
+    ("^forces, gaps and mus are missing", {}), ("^mus has 1 entry, gaps|^gaps has 2 entries, mus has 1 entry:", {"mus": [0.1], "gaps": [0.0, 0.0]}),
     ("^threads", {"mus": [0.1], "threads": 0}), ("^force is missing", {"mus": [0.1], "force": None}), ("^method", {"mus": [0.1], "method": "newton"}),
     ("^tolerance", {"mus": [0.1], "tolerance": 2.0}), ("weight", {"mus": [0.1], "setting": "paper"}), ("^gaps: give", {"gaps": [0.0], "gap": 1.0}),
 ])
