@@ -141,11 +141,16 @@ class Result(Fields):
 
     def _warn(self, stacklevel: int) -> None:
         """Tells Python's warnings of what was found."""
+        for category, kind, message in self._found():
+            warnings.warn(f"{kind}: {message}" if kind else message, category, stacklevel=stacklevel)
+
+    def _found(self) -> list[tuple[type[UserWarning], str, str]]:
+        """Category, kind and message of each of Python's warnings; the verdict has no kind."""
+        found: list[tuple[type[UserWarning], str, str]] = []
         if not self.converged:
-            warnings.warn(self._verdict(), NotConvergedWarning, stacklevel=stacklevel)
-        for warning in self.warnings:
-            if warning["kind"] not in _COSTS:
-                warnings.warn(f"{warning['kind']}: {warning['message']}", AccuracyWarning, stacklevel=stacklevel)
+            found.append((NotConvergedWarning, "", self._verdict()))
+        accuracy = (warning for warning in self.warnings if warning["kind"] not in _COSTS)
+        return found + [(AccuracyWarning, warning["kind"], warning["message"]) for warning in accuracy]
 
     @property
     def converged(self) -> bool:

@@ -5,13 +5,15 @@ from __future__ import annotations
 import itertools
 import os
 import threading
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 from typing import Any, Union, overload
 
+from ._errors import NotConverged
 from ._result import Result
 from ._scene import KeepU, Linear, Model, SceneLike
-from ._words import counted
+from ._words import counted, few
 
 #: A key, or several that change together.
 Key = Union[str, tuple[str, ...]]
@@ -66,10 +68,28 @@ class Sweep(Sequence[Result]):
         return all(result.converged for result in self)
 
     def check(self) -> Sweep:
-        """Itself, if all converged; raises `NotConverged` of the first that did not."""
-        for result in self:
-            result.check()
+        """Itself, if all converged; raises `NotConverged` with the values and the result of the first that did not."""
+        for k, result in enumerate(self):
+            if not result.converged:
+                raise NotConverged(f"{self._name(k)}: {result._verdict()}", result)
         return self
+
+    def _name(self, k: int) -> str:
+        """The values of a run, such as "contact.friction=0.5"."""
+        return ", ".join(f"{key}={value}" for key, value in self.values[k].items()) or "no value changed"
+
+    def _warn(self, stacklevel: int) -> None:
+        """Tells Python's warnings of what was found, each kind once."""
+        found: dict[tuple[type[UserWarning], str], dict[int, list[str]]] = {}
+        for k, result in enumerate(self):
+            for category, kind, message in result._found():
+                found.setdefault((category, kind), {}).setdefault(k, []).append(message)
+        for (category, kind), runs in found.items():
+            of = f"{len(runs)} of {counted(len(self), 'run')}"
+            head = f"{kind}: in {of}" if kind else f"{of} did not converge"
+            first, *others = runs.values()
+            link = ": " if all(messages == first for messages in others) else "; the first: "
+            warnings.warn(f"{head} ({few([self._name(k) for k in runs], 3, '; ')}){link}{'; '.join(first)}", category, stacklevel=stacklevel)
 
     def __repr__(self) -> str:
         failed = sum(not result.converged for result in self)
@@ -164,7 +184,7 @@ def sweep(
     Returns
     -------
     Sweep
-        One that did not converge is among the results, with a `NotConvergedWarning`.
+        One that did not converge is among the results.
 
     Raises
     ------
@@ -172,6 +192,13 @@ def sweep(
         A scene that is not sound; it names the key.
     TypeError, ValueError
         Values that are no list; the message names the key.
+
+    Warns
+    -----
+    NotConvergedWarning
+        Once, with the number of runs that did not converge and the values of the first.
+    AccuracyWarning
+        Once for each kind, likewise; ``result.warnings`` has those of each run.
 
     Examples
     --------
@@ -212,6 +239,6 @@ def sweep(
     if raised:
         raise raised[0]
     results = [run.result() for run in runs]
-    for result in results:
-        result._warn(3)
-    return Sweep(values, results)
+    done = Sweep(values, results)
+    done._warn(3)
+    return done
