@@ -6,7 +6,7 @@ import numbers
 import os
 import warnings
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, SupportsIndex, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from . import _core, _dependent, _history
 from ._errors import NotConverged, NotConvergedWarning
 from ._options import core_options, keep
-from ._result import Result
+from ._result import LAWS, Result
 from ._words import counted, few
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ _ROWS = ("t", "p_n", "p_t", "contact", "gap", "mu", "w_t_last", "errors")
 
 
 class Results(list[Result]):
-    """What `ContactProblem.solve_many` gives back: a list of `Result`, in the order of the input.
+    """What `ContactProblem.solve_many` gives back: a list of `Result`, in the order of the input; slices of it are `Results` too.
 
     Examples
     --------
@@ -40,6 +40,22 @@ class Results(list[Result]):
     >>> results[1].p_n
     array([[100.]])
     """
+
+    #: n_u, n_c and d, which no results do not show.
+    _sizes: tuple[int, int, int] = (0, 0, 0)
+
+    @overload
+    def __getitem__(self, k: SupportsIndex, /) -> Result: ...
+
+    @overload
+    def __getitem__(self, k: slice, /) -> Results: ...
+
+    def __getitem__(self, k: SupportsIndex | slice, /) -> Result | Results:
+        if not isinstance(k, slice):
+            return super().__getitem__(k)
+        part = Results(super().__getitem__(k))
+        part._sizes = self._sizes
+        return part
 
     @property
     def converged(self) -> NDArray[np.bool_]:
@@ -75,8 +91,10 @@ class Results(list[Result]):
             raise KeyError(f"name is {name!r}, expected one of {', '.join((*_ROWS, 'u'))}")
         arrays = [getattr(result, name) for result in self]
         rows = max((len(array) for array in arrays), default=0)
-        widths = [array.shape[1:] for array in arrays if len(array)]
-        width, kind = (widths[0] if widths else ()), np.uint8 if name == "contact" else np.float64
+        n_u, n_c, d = self._sizes
+        empty = {"t": (), "errors": (len(LAWS),), "p_t": (n_c, d), "w_t_last": (n_c, d), "u": (n_u,)}.get(name, (n_c,))
+        width = next((array.shape[1:] for array in arrays if len(array)), arrays[0].shape[1:] if arrays else empty)
+        kind = np.uint8 if name == "contact" else np.float64
         stacked = np.full((len(self), rows, *width), 255 if name == "contact" else np.nan, dtype=kind)
         for k, array in enumerate(arrays):
             if len(array):
@@ -163,12 +181,13 @@ def solve(
         if bar is not None:
             bar.close()
     results = Results()
+    results._sizes = (problem.n_u, problem.n_c, problem.tangents)
     with warnings.catch_warnings():
         # One warning for all of them, below.
         warnings.simplefilter("ignore", NotConvergedWarning)
         for (own, tables), raw in zip(histories, raws):
             raw, reason = _dependent.rescued(own, raw, tables, core, kept, None)
-            results.append(Result._of(raw, own.tangents, reason=reason))
+            results.append(Result._of(raw, own, reason=reason))
     failed = np.flatnonzero(~results.converged)
     if len(failed):
         first = int(failed[0])

@@ -205,7 +205,7 @@ class ContactProblem(Matrices):
         called(callback)
         raw = problem._core.run(tables, options, linear, kept, callback)
         raw, reason = _dependent.rescued(problem, raw, tables, options, kept, callback)
-        return Result._of(raw, self.tangents, reason=reason, stacklevel=3)
+        return Result._of(raw, self, reason=reason, stacklevel=3)
 
     def solve_increment(
         self, force: ArrayLike, *, gap: ArrayLike = 0.0, w_t_last: ArrayLike | None = None, **options: Unpack[IncrementOptions]

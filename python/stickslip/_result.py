@@ -19,6 +19,7 @@ from ._fields import Fields
 from ._words import counted
 
 if TYPE_CHECKING:
+    from ._matrices import Matrices
     from ._scene import Model
 
 Array = NDArray[Any]
@@ -113,13 +114,19 @@ class Result(Fields):
 
     @classmethod
     def _of(
-        cls, raw: dict[str, Any], tangents: int, model: Model | None = None, *, reason: str = "", stacklevel: int = 3
+        cls, raw: dict[str, Any], problem: Matrices, model: Model | None = None, *, reason: str = "", stacklevel: int = 3
     ) -> Result:
         records: list[dict[str, Any]] = json.loads(raw["records"]) if isinstance(raw["records"], str) else raw["records"]
         report: dict[str, Any] = json.loads(raw.get("report", "{}"))
 
-        def pair(first: Array, second: Array) -> Array:
-            return np.stack([first, second][:tangents], axis=-1) if tangents else np.zeros((*first.shape, 0))
+        of_nodes, of_body, d = (len(records), problem.n_c), (len(raw["kept"]), problem.n_u), problem.tangents
+
+        def nodes(name: str) -> Array:
+            values: Array = raw[name].reshape(of_nodes)
+            return values
+
+        def pair(first: str, second: str) -> Array:
+            return np.stack([nodes(first), nodes(second)][:d], axis=-1) if d else np.zeros((*of_nodes, 0))
 
         nan = float("nan")
         errors = [[nan if r["kkt"][law] is None else r["kkt"][law] for law in LAWS] for r in records]
@@ -130,9 +137,10 @@ class Result(Fields):
             iterations[name] = column
         result = cls(
             status=raw["status"], reason=in_python(report.get("reason", reason)), t=np.array([r["time"] for r in records]),
-            p_n=raw["p_n"], p_t=pair(raw["p_t"], raw["p_o"]), contact=raw["contact"], gap=raw["gap"], mu=raw["mu"],
-            w_t_last=pair(raw["w_t_last"], raw["w_o_last"]), errors=np.array(errors).reshape(len(records), 6),
-            kept=tuple(k - 1 for k in raw["kept"]), u=raw["u"], u_rest=raw["u_rest"], force=raw["force"],
+            p_n=nodes("p_n"), p_t=pair("p_t", "p_o"), contact=nodes("contact"), gap=nodes("gap"), mu=nodes("mu"),
+            w_t_last=pair("w_t_last", "w_o_last"), errors=np.array(errors).reshape(len(records), 6),
+            kept=tuple(k - 1 for k in raw["kept"]), u=raw["u"].reshape(of_body), u_rest=raw["u_rest"].reshape(of_body),
+            force=raw["force"].reshape(of_body),
             records=records, iterations=iterations, report=report, model=model,
         )
         if stacklevel:

@@ -381,7 +381,7 @@ class Model:
         finally:
             if bar is not None:
                 bar.close()
-        result = Result._of(raw, model.dimension - 1, model, stacklevel=_stacklevel)
+        result = Result._of(raw, model.problem, model, stacklevel=_stacklevel)
         if chosen is not None:
             result.report["chosen_increments"] = chosen
         return result

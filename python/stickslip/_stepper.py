@@ -148,7 +148,7 @@ class Stepper:
         reason = _dependent.reason(self.problem, raw["free_motion"]) if raw["status"] == "singular" else ""
         if reason and raw["free_motion"] is None:
             reason += "; `ContactProblem.solve` and `solve_increment` take such contacts"
-        return Result._of(raw, d, reason=reason, stacklevel=3)
+        return Result._of(raw, self.problem, reason=reason, stacklevel=3)
 
     def save(self) -> StepperState:
         """Where the stepper is, for `restore`: an implicit coupling takes back an increment and solves it again.

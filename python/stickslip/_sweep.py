@@ -41,6 +41,8 @@ class Sweep(Sequence[Result]):
     <Sweep of contact.friction: 2 results, all converged>
     >>> [values["contact.friction"] for values in sweep.values]
     [0.5, 0.7]
+    >>> sweep[1:]
+    <Sweep of contact.friction: 1 result, all converged>
     """
 
     def __init__(self, values: list[dict[str, Any]], results: list[Result]) -> None:
@@ -54,10 +56,10 @@ class Sweep(Sequence[Result]):
     def __getitem__(self, k: int) -> Result: ...
 
     @overload
-    def __getitem__(self, k: slice) -> list[Result]: ...
+    def __getitem__(self, k: slice) -> Sweep: ...
 
-    def __getitem__(self, k: int | slice) -> Result | list[Result]:
-        return self.results[k]
+    def __getitem__(self, k: int | slice) -> Result | Sweep:
+        return Sweep(self.values[k], self.results[k]) if isinstance(k, slice) else self.results[k]
 
     def __iter__(self) -> Iterator[Result]:
         return iter(self.results)

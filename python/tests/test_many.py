@@ -242,3 +242,24 @@ def test_a_forked_process_solves_many_too() -> None:
     expected = _sums(problem)
     with multiprocessing.get_context("fork").Pool(1) as pool:
         assert pool.map_async(_sums, [problem]).get(timeout=60)[0] == pytest.approx(expected, rel=1e-12)
+
+
+def test_a_part_of_results_is_results() -> None:
+    problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
+    results = problem.solve_many([[0.0, -100.0], [40.0, -100.0]], mus=[0.1, 0.2, 0.3], keep_u="all")
+    part = results[1:]
+    assert type(part) is ss.Results and list(part) == [results[1], results[2]] and results[-1] is part[-1]
+    assert (part.stack("p_t") == results.stack("p_t")[1:]).all() and part.converged.tolist() == [True, True]
+    rows = {"t": (), "u": (2,), "p_n": (1,), "p_t": (1, 1), "contact": (1,), "gap": (1,), "mu": (1,), "w_t_last": (1, 1), "errors": (6,)}
+    for name, width in rows.items():
+        assert results.stack(name).shape == (3, 2, *width)
+        for none in (results[:0], problem.solve_many(forces=[]), pickle.loads(pickle.dumps(results[:0]))):
+            assert none.stack(name).shape == (0, 0, *width) and none.stack(name).dtype == results.stack(name).dtype
+
+
+@pytest.mark.filterwarnings("ignore::stickslip.NotConvergedWarning")
+def test_results_without_an_increment_have_their_shape() -> None:
+    loose = ss.ContactProblem(np.zeros((2, 2)), [[0, -1]], [[1, 0]], mu=0.3, free_motions=np.eye(2))
+    result, results = loose.solve([1.0, 1.0]), loose.solve_many(forces=[[1.0, 1.0]])
+    assert len(result.t) == 0 and result.p_n.shape == (0, 1) and result.p_t.shape == (0, 1, 1) and result.u.shape == (0, 2)
+    assert results.stack("p_t").shape[2:] == (1, 1) and results.stack("u").shape[2:] == (2,)
