@@ -15,17 +15,29 @@ Array = NDArray[np.float64]
 Kind = TypeVar("Kind")
 
 
+#: The largest number, that of scenes.
+LARGEST = 1e50
+
+
 def finite(name: str, values: ArrayLike) -> Array:
-    """An array of finite real numbers, of any shape."""
+    """An array of real numbers up to `LARGEST`, of any shape."""
     if np.iscomplexobj(values):
         raise ValueError(f"{name} is complex")
     try:
         array = np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise ValueError(f"{name} is no array of numbers: {error}") from None
-    if not np.isfinite(array).all():
-        raise ValueError(f"{name} is not finite")
+    _not_huge(name, array)
     return array
+
+
+def _not_huge(name: str, array: Array) -> None:
+    size = abs(array).max(initial=0.0)
+    if not np.isfinite(size):
+        raise ValueError(f"{name} is not finite")
+    if size > LARGEST:
+        number = array.flat[int(abs(array).argmax())]
+        raise ValueError(f"{name} has the number {number:g}, but products of numbers beyond {LARGEST:g} overflow")
 
 
 def vector(name: str, values: ArrayLike, length: int) -> Array:
@@ -66,8 +78,7 @@ def matrix(name: str, values: Any, kind: Any, shape: tuple[int, int] | None = No
     if values.ndim != 2 or (shape is not None and values.shape != shape):
         raise ValueError(f"{name} has the shape {values.shape}, expected {shape}")
     values.sum_duplicates()
-    if not np.isfinite(values.data).all():
-        raise ValueError(f"{name} is not finite")
+    _not_huge(name, values.data)
     return values
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._kinds import VTK
+from ._options import path_of
 from ._words import counted
 
 if TYPE_CHECKING:
@@ -44,7 +45,7 @@ class Svg(str):
         path : str or os.PathLike
             The file, replaced if it exists.
         """
-        with open(path, "w", encoding="utf-8") as file:
+        with open(path_of(path), "w", encoding="utf-8") as file:
             file.write(self)
 
 
@@ -284,6 +285,7 @@ class Fields:
         k : int, optional
             The increment from 0; -1 is the last.
         """
+        path = path_of(path)
         text = self._model()._core.vtu(self._step(k))
         with open(path, "w", encoding="utf-8") as file:
             file.write(text)
@@ -300,6 +302,7 @@ class Fields:
         form : {"global", "local"}, optional
             Unknowns: displacements too, or the contact forces alone.
         """
+        path = path_of(path)
         if form not in ("global", "local"):
             raise ValueError(f"form: {form!r} found, expected 'global' or 'local'")
         number = self._number(k)

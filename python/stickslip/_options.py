@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import numbers
+import os
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, Literal, Protocol, TypedDict, Union, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ._arrays import LARGEST
 from ._words import counted
 
 if TYPE_CHECKING:
@@ -108,6 +110,8 @@ def core_options(
     for name, (kind, words) in kinds.items():
         if not isinstance(options[name], kind) or isinstance(options[name], bool):
             raise TypeError(f"{name} is {options[name]!r}, expected {words}")
+    if not 1 / LARGEST <= options["r_factor"] <= LARGEST:
+        raise ValueError(f"r_factor is {r_factor}, but must be between {1 / LARGEST:g} and {LARGEST:g}")
     if not 1 <= options["max_iterations"] < 2**31:
         raise ValueError(f"max_iterations is {max_iterations}, but must be 1 or more, and below 2**31")
     if isinstance(linear, str):
@@ -138,3 +142,11 @@ def called(callback: object) -> None:
     """Refuses a callback that cannot be called."""
     if callback is not None and not callable(callback):
         raise TypeError(f"callback: a function expected, {type(callback).__name__} found")
+
+
+def path_of(path: object) -> str:
+    """The path of a file as a str."""
+    found = os.fspath(path) if isinstance(path, (str, os.PathLike)) else None
+    if not isinstance(found, str):
+        raise TypeError(f"path: a str or os.PathLike expected, {type(path).__name__} found")
+    return found

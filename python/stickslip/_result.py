@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from . import plot as _plot
 from ._errors import AccuracyWarning, NotConverged, NotConvergedWarning, in_python
 from ._fields import Fields
+from ._options import path_of
 from ._words import counted
 
 if TYPE_CHECKING:
@@ -338,6 +339,7 @@ class Result(Fields):
         path : str or os.PathLike
             The file; `numpy` adds ``.npz`` to a name without it.
         """
+        path = path_of(path)
         arrays = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in _NOT_ARRAYS}
         words: dict[str, Any] = {"status": self.status, "reason": self.reason, "records": self.records, "report": self.report}
         words["kept"] = list(self.kept)
@@ -370,6 +372,7 @@ class Result(Fields):
         """
         from ._scene import Model
 
+        path = path_of(path)
         refused = f"path: {path} was not written by Result.save"
         try:
             with np.load(path, allow_pickle=False) as file:

@@ -20,6 +20,7 @@ from typing import Any, Literal
 
 from . import _core
 from ._errors import SceneError
+from ._options import path_of
 from ._words import counted
 
 
@@ -193,9 +194,10 @@ class Scene:
         SceneError
             A text that is no TOML.
         """
+        path = path_of(path)
         with open(path, encoding="utf-8") as file:
             scene = cls.from_toml(file.read())
-        scene._name = os.fspath(path)
+        scene._name = path
         return scene
 
     @staticmethod

@@ -149,8 +149,8 @@ def test_friction_is_there_at_all_times_or_never() -> None:
 
 
 def test_compare_says_of_a_word_why_there_is_no_answer() -> None:
-    model = ss.Model(block(n=4, increments=4))
-    table = ss.compare(model.problem, {"bn": "bn"}, history={"force": 1e300 * model.history["force"]})
+    model = ss.Model(ss.Scene.example("block"), {"mesh.elements": [8, 4], "contact.friction": 0.1})
+    table = ss.compare(model.problem, {"bn": "bn"}, history={"force": model.history["force"]})
     assert not table["bn"].holds and table["bn"].remark
     with pytest.raises(ValueError, match="newton"):
         ss.compare(model, {"mine": "newton"})
