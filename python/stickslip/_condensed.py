@@ -46,6 +46,9 @@ class CondensedProblem(ContactProblem):
     whole: ContactProblem
     _body: _core.CondensedBody
 
+    def __init__(self, *_: object, **__: object) -> None:
+        raise TypeError("a CondensedProblem is made by `ContactProblem(K, C_n, C_t, ...).condense()`")
+
     @classmethod
     def _condensed(cls, whole: ContactProblem) -> CondensedProblem:
         self = cls.__new__(cls)

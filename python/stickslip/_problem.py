@@ -322,7 +322,7 @@ class ContactProblem(Matrices):
         options, linear = core_options(
             method=method, setting=setting, linear=self._linear if linear is None else linear, tolerance=tolerance, max_iterations=max_iterations, r_factor=r_factor
         )
-        return Stepper(self, gap, options, linear)
+        return Stepper._of(self, gap, options, linear)
 
     def condense(self) -> CondensedProblem:
         """The problem in the contact displacements alone, by the library's own static condensation.

@@ -103,3 +103,12 @@ def test_one_of_a_kind_is_said_in_the_singular() -> None:
     assert repr(ss.Scene({"body": [{}, {}], "contact": [{}]})) == "<Scene '': 2 bodies, 1 contact>" and repr(ss.Svg("x")) == "<Svg of 1 character>"
     with pytest.raises(ValueError, match="^keep_u is .* of 1 increment$"):
         problem.solve([40.0, -100.0], keep_u=[1])
+
+
+@pytest.mark.parametrize("kind, way", [
+    (ss.CondensedProblem, r"condense\(\)"), (ss.Stepper, r"problem\.stepper\("), (ss.StepperState, "Stepper.save"),
+])
+def test_what_others_make_says_how(kind: Any, way: str) -> None:
+    for arguments in ((), (np.eye(2), [[0, -1]], [[1, 0]], 0.3), (small(),)):
+        with pytest.raises(TypeError, match=way):
+            kind(*arguments)
