@@ -41,11 +41,11 @@ def _not_huge(name: str, array: Array) -> None:
 
 
 def vector(name: str, values: ArrayLike, length: int) -> Array:
-    """A contiguous, finite vector of that length, of a number or of as many."""
+    """A new contiguous, finite vector of that length, of a number or of as many."""
     array = finite(name, values)
     if array.ndim > 1 or (array.ndim == 1 and array.shape != (length,)):
         raise ValueError(f"{name} has the shape {array.shape}, expected {(length,)}")
-    return np.ascontiguousarray(np.broadcast_to(array, length))
+    return np.array(np.broadcast_to(array, length))
 
 
 def numbers(name: str, values: ArrayLike, shape: tuple[int, ...]) -> Array:
@@ -60,11 +60,11 @@ def numbers(name: str, values: ArrayLike, shape: tuple[int, ...]) -> Array:
 
 
 def tangential(name: str, values: ArrayLike | None, nodes: int, tangents: int) -> Array:
-    """Values along the tangents, (n_c, d), of as many in any shape; zeros for None."""
+    """New values along the tangents, (n_c, d), of as many in any shape; zeros for None."""
     array = np.zeros((nodes, tangents)) if values is None else finite(name, values)
     if array.size != nodes * tangents:
         raise ValueError(f"{name} has the shape {array.shape}, expected {(nodes, tangents)}")
-    return array.reshape(nodes, tangents)
+    return array.reshape(nodes, tangents).copy()
 
 
 def matrix(name: str, values: Any, kind: Any, shape: tuple[int, int] | None = None) -> Any:

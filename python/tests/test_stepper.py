@@ -11,6 +11,7 @@ import pytest
 
 import stickslip as ss
 from scenes import block
+from stickslip.newton import Natural
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 
@@ -158,3 +159,20 @@ def test_the_implicit_coupling_agrees_with_the_history_that_it_found(capsys: pyt
     heat = whole.p_t[:, :, 0] * slid / problem.weight
     balance = code["capacity"] * np.diff(temperature, axis=0) + code["dt"] * code["loss"] * temperature[1:] - heat
     assert abs(balance).max() < 1e-6 * heat.max()
+
+
+def test_arrays_that_change_after_a_step_are_not_followed() -> None:
+    problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
+    stepper, own = problem.stepper(), {"gap": np.array([1e-6]), "drift": np.array([[1e-6]]), "mu": np.array([0.2])}
+    state = stepper.save()
+    expected = [stepper.step([40.0, -100.0], **own), stepper.step([-30.0, -100.0])][1]
+    stepper.restore(state)
+    stepper.step([40.0, -100.0], **own)
+    for array in own.values():
+        array *= 5.0
+    found = stepper.step([-30.0, -100.0])
+    assert (found.gap == expected.gap).all() and (found.mu == expected.mu).all() and (found.p_t == expected.p_t).all()
+    force = np.array([40.0, -100.0])
+    natural = Natural(problem, force)
+    force *= 2.0
+    assert natural.force.tolist() == [40.0, -100.0]
