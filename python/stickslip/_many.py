@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from . import _core, _dependent, _history
 from ._errors import NotConverged, NotConvergedWarning
+from ._linear import Checked
 from ._options import core_options, keep
 from ._result import LAWS, Result
 from ._words import counted, few
@@ -156,8 +157,8 @@ def solve(
     if options.get("linear") is None:
         options["linear"] = problem._linear
     core, linear = core_options(**options)
-    if linear is not None and not isinstance(linear, str):
-        raise TypeError(f"linear: {type(linear).__name__} is one solver, which cannot work for several histories at once; a word expected")
+    if isinstance(linear, Checked):
+        raise TypeError(f"linear: {linear.name} is one solver, which cannot work for several histories at once; a word expected")
     if core["method"] == "events" and (changing := [k for k, (_, tables) in enumerate(histories) if tables["mu"] is not None]):
         raise ValueError(f"mus[{changing[0]}] changes in time, which the method events does not follow; take bn or ip")
     if threads is None:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._arrays import LARGEST
+from ._linear import Checked
 from ._words import counted
 
 if TYPE_CHECKING:
@@ -32,6 +33,9 @@ Callback = Callable[[int, float, str, int, float], object]
 
 class LinearSolver(Protocol):
     """A direct solver of one's own, for `linear=`: any object with these three methods.
+
+    Where a run fails, its last answer x is checked: the verdict has the relative residual |A x - b| / (|A| |x| + |b|) if that
+    is above 1e-8, or says that x is not finite.
 
     Examples
     --------
@@ -95,7 +99,7 @@ def _word(name: str, value: object, words: tuple[str, ...], default: str) -> str
 def core_options(
     *, method: object = None, setting: object = None, linear: object = None, tolerance: object = None,
     max_iterations: object = 200, r_factor: object = 1.0, **others: object,
-) -> tuple[dict[str, Any], Any]:
+) -> tuple[dict[str, Any], str | Checked | None]:
     """The options of a solve and its linear algebra, of the types that the core takes."""
     for name in others:
         raise TypeError(f"{name} is no argument here, expected method, setting, linear, tolerance, max_iterations or r_factor")
@@ -114,11 +118,17 @@ def core_options(
         raise ValueError(f"r_factor is {r_factor}, but must be between {1 / LARGEST:g} and {LARGEST:g}")
     if not 1 <= options["max_iterations"] < 2**31:
         raise ValueError(f"max_iterations is {max_iterations}, but must be 1 or more, and below 2**31")
-    if isinstance(linear, str):
-        linear = _word("linear", linear, get_args(Linear), "auto")
-    elif linear is not None and (missing := [step for step in ("analyze", "factorize", "solve") if not callable(getattr(linear, step, None))]):
+    return options, linear_of(linear)
+
+
+def linear_of(linear: Any) -> str | Checked | None:
+    """The linear algebra: a word, a solver of one's own, or None."""
+    if linear is None or isinstance(linear, str):
+        return linear and _word("linear", linear, get_args(Linear), "auto")
+    missing = [step for step in ("analyze", "factorize", "solve") if not callable(getattr(linear, step, None))]
+    if missing:
         raise TypeError(f"linear: {type(linear).__name__} has no {', '.join(missing)}; a word or a `LinearSolver` expected")
-    return options, linear
+    return Checked(linear)
 
 
 def keep(keep_u: str | bool | Sequence[int], increments: int) -> bool | list[int]:

@@ -198,14 +198,14 @@ class ContactProblem(Matrices):
         problem, tables = _history.tables(self, force, factors, gap, drift, mu, times)
         if method == "events" and tables["mu"] is not None:
             raise ValueError("mu: friction that changes is solved by the methods bn and ip; events follows the path of friction that stays")
-        options, linear = core_options(
+        options, algebra = core_options(
             method=method, setting=setting, linear=self._linear if linear is None else linear, tolerance=tolerance, max_iterations=max_iterations, r_factor=r_factor
         )
         kept = keep(keep_u, len(tables["times"]))
         called(callback)
-        raw = problem._core.run(tables, options, linear, kept, callback)
+        raw = problem._core.run(tables, options, algebra, kept, callback)
         raw, reason = _dependent.rescued(problem, raw, tables, options, kept, callback)
-        return Result._of(raw, self, reason=reason, stacklevel=3)
+        return Result._of(raw, self, reason=reason, linear=algebra, stacklevel=3)
 
     def solve_increment(
         self, force: ArrayLike, *, gap: ArrayLike = 0.0, w_t_last: ArrayLike | None = None, **options: Unpack[IncrementOptions]
@@ -319,10 +319,10 @@ class ContactProblem(Matrices):
         """
         from ._stepper import Stepper
 
-        options, linear = core_options(
+        options, algebra = core_options(
             method=method, setting=setting, linear=self._linear if linear is None else linear, tolerance=tolerance, max_iterations=max_iterations, r_factor=r_factor
         )
-        return Stepper._of(self, gap, options, linear)
+        return Stepper._of(self, gap, options, algebra)
 
     def condense(self) -> CondensedProblem:
         """The problem in the contact displacements alone, by the library's own static condensation.

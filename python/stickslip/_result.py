@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from . import plot as _plot
 from ._errors import AccuracyWarning, NotConverged, NotConvergedWarning, in_python
 from ._fields import Fields
+from ._linear import Checked
 from ._options import path_of
 from ._words import counted
 
@@ -115,7 +116,8 @@ class Result(Fields):
 
     @classmethod
     def _of(
-        cls, raw: dict[str, Any], problem: Matrices, model: Model | None = None, *, reason: str = "", stacklevel: int = 3
+        cls, raw: dict[str, Any], problem: Matrices, model: Model | None = None, *, reason: str = "",
+        linear: object = None, stacklevel: int = 3,
     ) -> Result:
         records: list[dict[str, Any]] = json.loads(raw["records"]) if isinstance(raw["records"], str) else raw["records"]
         report: dict[str, Any] = json.loads(raw.get("report", "{}"))
@@ -136,8 +138,11 @@ class Result(Fields):
         iterations = np.empty(len(table), dtype=kinds).view(np.recarray)
         for (name, _), column in zip(kinds, table.T):
             iterations[name] = column
+        reason = in_python(report.get("reason", reason))
+        if isinstance(linear, Checked) and raw["status"] != "converged":
+            reason = linear.blamed(reason)
         result = cls(
-            status=raw["status"], reason=in_python(report.get("reason", reason)), t=np.array([r["time"] for r in records]),
+            status=raw["status"], reason=reason, t=np.array([r["time"] for r in records]),
             p_n=nodes("p_n"), p_t=pair("p_t", "p_o"), contact=nodes("contact"), gap=nodes("gap"), mu=nodes("mu"),
             w_t_last=pair("w_t_last", "w_o_last"), errors=np.array(errors).reshape(len(records), 6),
             kept=tuple(k - 1 for k in raw["kept"]), u=raw["u"].reshape(of_body), u_rest=raw["u_rest"].reshape(of_body),

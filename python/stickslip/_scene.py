@@ -16,7 +16,7 @@ from . import mesh as _mesh
 from ._arrays import read_only
 from ._kinds import DIMENSION
 from ._errors import SceneError
-from ._options import called
+from ._options import called, linear_of
 from ._problem import Callback, ContactProblem, LinearSolver, keep, vector
 from ._result import Result
 from ._toml import to_toml, toml_value
@@ -353,6 +353,7 @@ class Model:
         if tolerance is not None and not 0 < tolerance < 1:
             raise ValueError(f"tolerance: {tolerance} found, expected a number between 0 and 1")
         called(callback)
+        algebra = linear_of(linear)
         if increments is None and to is not None:
             raise ValueError('to: it is the error for increments="auto"; leave it out')
         model, chosen = (self, None) if increments is None else self._with_increments(increments, to)
@@ -377,11 +378,11 @@ class Model:
         }
         try:
             kept = keep(keep_u, len(model.times))
-            raw = model._core.run(linear, kept, told, options)
+            raw = model._core.run(algebra, kept, told, options)
         finally:
             if bar is not None:
                 bar.close()
-        result = Result._of(raw, model.problem, model, stacklevel=_stacklevel)
+        result = Result._of(raw, model.problem, model, linear=algebra, stacklevel=_stacklevel)
         if chosen is not None:
             result.report["chosen_increments"] = chosen
         return result

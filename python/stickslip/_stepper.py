@@ -74,6 +74,7 @@ class Stepper:
     problem: ContactProblem
     work: dict[str, int]
     _core: _core.Stepper
+    _linear: object
     _force: Array
     _gap: Array
     _drift: Array
@@ -83,10 +84,10 @@ class Stepper:
         raise TypeError("a Stepper is made by `ContactProblem.stepper`, such as problem.stepper(gap=1e-5)")
 
     @classmethod
-    def _of(cls, problem: ContactProblem, gap: ArrayLike, options: dict[str, Any], linear: Any) -> Stepper:
+    def _of(cls, problem: ContactProblem, gap: ArrayLike, options: dict[str, Any], linear: object) -> Stepper:
         self = cls.__new__(cls)
         self.problem, self.work = problem, {"analyses": 0, "factorizations": 0}
-        self._core = _core.Stepper(problem._core, options, linear)
+        self._core, self._linear = _core.Stepper(problem._core, options, linear), linear
         self._force, self._gap = np.zeros(problem.n_u), vector("gap", gap, problem.n_c)
         self._drift, self._mu = np.zeros((problem.n_c, problem.tangents)), problem.mu
         return self
@@ -168,7 +169,7 @@ class Stepper:
         reason = _dependent.reason(self.problem, raw["free_motion"]) if raw["status"] == "singular" else ""
         if reason and raw["free_motion"] is None:
             reason += "; `ContactProblem.solve` and `solve_increment` take such contacts"
-        return Result._of(raw, self.problem, reason=reason, stacklevel=3)
+        return Result._of(raw, self.problem, reason=reason, linear=self._linear, stacklevel=3)
 
     def save(self) -> StepperState:
         """Where the stepper is, for `restore`: an implicit coupling takes back an increment and solves it again.

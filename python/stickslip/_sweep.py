@@ -11,6 +11,8 @@ from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 from typing import Any, Union, overload
 
 from ._errors import NotConverged
+from ._linear import Checked
+from ._options import linear_of
 from ._result import Result
 from ._scene import KeepU, Linear, Model, SceneLike
 from ._words import counted, few
@@ -181,7 +183,7 @@ def sweep(
     jobs : int, optional
         How many run at a time, in threads; the number of processors without it.
     linear, keep_u, companion, uniqueness
-        See `Model.run`; displacements are kept of the last increment alone.
+        See `Model.run`; a `LinearSolver` needs ``jobs=1``. Displacements are kept of the last increment alone.
 
     Returns
     -------
@@ -216,6 +218,8 @@ def sweep(
     """
     if jobs is not None and (isinstance(jobs, bool) or not isinstance(jobs, int) or jobs < 1):
         raise ValueError(f"jobs: {jobs!r} found, expected a whole number of 1 or more")
+    if jobs != 1 and isinstance(algebra := linear_of(linear), Checked):
+        raise TypeError(f"linear: {algebra.name} is one solver, which cannot work for several runs at once; a word or jobs=1 expected")
     values = _combinations(vary)
     models = [Model(scene, {**(overrides or {}), **value}, mesh=mesh) for value in values]
     stop = threading.Event()

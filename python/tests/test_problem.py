@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import pickle
+import re
 import threading
+from typing import Any
 
 import numpy as np
 import pytest
@@ -205,6 +207,46 @@ def test_what_a_foreign_solver_raises_comes_out() -> None:
         one_node().solve([1.0, 1.0], linear=Broken())
     with pytest.raises(ValueError, match=r"linear\.solve: length"):
         one_node().solve([1.0, 1.0], linear=Short())
+
+
+@pytest.mark.filterwarnings("ignore::stickslip.NotConvergedWarning")
+@pytest.mark.parametrize("what, said", [
+    (lambda x: 0.0 * x, r"wrong, its relative residual is 1\.0e\+00$"), (lambda x: -x, r"wrong, its relative residual is \S+$"),
+    (lambda x: np.full(len(x), np.nan), "not finite"), (lambda x: x + np.inf, "not finite"),
+])
+def test_a_wrong_answer_of_a_foreign_solver_is_said(what: Any, said: str) -> None:
+    class Own(Scipy):
+        def solve(self, b):  # type: ignore[no-untyped-def]
+            return what(self.lu.solve(b))
+
+    model = ss.Model(ss.Scene.example("block"), {"mesh.elements": [8, 4]})
+    small = one_node()
+    for result in (
+        small.solve([1.0, 1.0], linear=Own()), small.solve([1.0, 1.0], linear=Own(), method="ip"), model.run(linear=Own()),
+        small.stepper(linear=Own()).step([1.0, 1.0]),
+    ):
+        assert not result.converged and re.search(f"; linear: the last answer of Own is {said}|: linear: the last answer of Own is {said}", result.message)
+
+
+def test_a_right_answer_of_a_foreign_solver_is_not_blamed() -> None:
+    model = ss.Model(ss.Scene.example("block"), {"mesh.elements": [8, 4], "contact.friction": 0.1})
+    with pytest.warns(ss.NotConvergedWarning, match="no-equilibrium"):
+        result = model.run(linear=Scipy())
+    assert "linear" not in result.message
+    with pytest.warns(ss.NotConvergedWarning):
+        result = one_node().with_(weight=1.0).solve([1.0, 1.0], linear=Scipy(), setting="paper", max_iterations=1)
+    assert "linear" not in result.message
+
+
+def test_what_is_no_solver_is_refused_everywhere() -> None:
+    model = ss.Model(ss.Scene.example("block"), {"mesh.elements": [8, 4]})
+    for call in (model.run, lambda linear: one_node().solve([1.0, 1.0], linear=linear), lambda linear: one_node().stepper(linear=linear)):
+        with pytest.raises(TypeError, match="^linear: int has no analyze, factorize, solve"):
+            call(linear=3)
+    scene, vary = ss.Scene.example("block"), {"contact.friction": [0.5, 0.7]}
+    with pytest.raises(TypeError, match="^linear: Scipy is one solver.*jobs=1"):
+        ss.sweep(scene, vary, linear=Scipy())
+    assert ss.sweep(scene, vary, overrides={"mesh.elements": [8, 4]}, linear=Scipy(), jobs=1).converged
 
 
 @pytest.mark.parametrize("n", [2, 3])
