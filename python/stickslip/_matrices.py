@@ -91,7 +91,18 @@ class Matrices:
 
     @property
     def C_t(self) -> tuple[Any, ...]:
-        """Displacements along each tangent, csr_array, (n_c, n_u)."""
+        """Displacements along each tangent, csr_array, (n_c, n_u).
+
+        A tuple of one in the plane and of two in space, since a sparse array has no third axis; `ContactProblem` takes it as it is.
+
+        Examples
+        --------
+        >>> import numpy as np, stickslip as ss
+        >>> problem = ss.ContactProblem(np.eye(2), [[0, -1]], [[1, 0]], mu=0.3)
+        >>> p_t = np.array([[2.0]])
+        >>> sum(C.T @ p_t[:, k] for k, C in enumerate(problem.C_t))
+        array([2., 0.])
+        """
         return tuple(read_only(sp.csr_array(self._core.map(1 + d), shape=(self.n_c, self.n_u))) for d in range(self.tangents))
 
     def __reduce__(self) -> Any:

@@ -334,3 +334,12 @@ def test_arrays_of_a_model_cannot_be_assigned() -> None:
             array[0] = 1
     given = model.problem.to_siconos(model.history["force"][-1])
     given.M.data[0] = given.mu[0] = 0.0
+
+
+@pytest.mark.parametrize("scene, tangents", [(block(n=4), 1), (SCENES / "cube.toml", 2)])
+def test_tangents_are_a_tuple_that_a_problem_takes_back(scene: object, tangents: int) -> None:
+    p = ss.Model(scene, {} if tangents == 1 else {"mesh.elements": [3, 3, 3]}).problem  # type: ignore[arg-type]
+    again = p.with_(C_n=p.C_n, C_t=p.C_t)
+    assert type(p.C_t) is tuple and len(p.C_t) == len(again.C_t) == again.tangents == tangents
+    assert all(abs(a - b).sum() == 0.0 for a, b in zip(p.C_t, again.C_t))
+    assert ss.ContactProblem(np.eye(2), [[0, -1]]).C_t == ()
