@@ -174,7 +174,7 @@ class ContactProblem(Matrices):
         r_factor : float
             Of the numbers r of Newton's method, relative to the stiffness of each node.
         keep_u : "all", "last", "none" or list of int
-            Of which increments displacements are kept.
+            Of which increments displacements are kept. One history has room for all; `solve_many` keeps the last.
         callback : callable, optional
             Called with (increment, time, status, iterations, error) once an increment is judged; what it raises comes out.
 
@@ -256,7 +256,7 @@ class ContactProblem(Matrices):
         force, factors, gap, drift, times
             What is the same for all, as `solve` takes it.
         keep_u : "last", "all", "none" or list of int
-            Of which increments displacements are kept.
+            Of which increments displacements are kept. All of many histories may fill the memory; `solve` keeps all of one.
         threads : int, optional
             So many histories at a time; as many as there are processors without it.
         progress : bool

@@ -306,7 +306,7 @@ class Model:
         linear : {"auto", "faer", "partial", "condensed", "umfpack"} or LinearSolver, optional
             "auto": the cheapest. "umfpack" where it is built in, see `stickslip.UMFPACK`. None: what the scene says.
         keep_u : {"all", "last", "none"} or sequence of int, optional
-            Of which increments displacements are kept.
+            Of which increments displacements are kept. One run has room for all; `stickslip.sweep` keeps the last.
         callback : callable, optional
             Called with (increment, time, status, iterations, error) once an increment is judged. Whatever it raises ends the run and
             comes out.

@@ -182,8 +182,10 @@ def sweep(
         Values by key, as in `overrides`; a tuple of keys has tuples of values, which change together.
     jobs : int, optional
         How many run at a time, in threads; the number of processors without it.
-    linear, keep_u, companion, uniqueness
-        See `Model.run`; a `LinearSolver` needs ``jobs=1``. Displacements are kept of the last increment alone.
+    linear, companion, uniqueness
+        See `Model.run`; a `LinearSolver` needs ``jobs=1``.
+    keep_u : {"last", "all", "none"} or sequence of int, optional
+        Of which increments displacements are kept. All of many runs may fill the memory; `Model.run` keeps all of one.
 
     Returns
     -------

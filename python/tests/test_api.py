@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import pickle
+import re
 from typing import Any, get_args
 
 import numpy as np
@@ -112,3 +113,9 @@ def test_what_others_make_says_how(kind: Any, way: str) -> None:
     for arguments in ((), (np.eye(2), [[0, -1]], [[1, 0]], 0.3), (small(),)):
         with pytest.raises(TypeError, match=way):
             kind(*arguments)
+
+
+@pytest.mark.parametrize("call", [ss.ContactProblem.solve, ss.ContactProblem.solve_many, ss.Model.run, ss.sweep])
+def test_the_first_word_of_keep_u_is_its_default(call: Any) -> None:
+    first = re.search(r"keep_u : \{?\"(\w+)\".*\n.*are kept\. \S", inspect.getdoc(call) or "")
+    assert first and first[1] == inspect.signature(call).parameters["keep_u"].default
