@@ -48,7 +48,7 @@ def dependent_nodes(problem: ContactProblem) -> list[int]:
 
 
 def reason(problem: ContactProblem, free_motion: list[float] | None) -> str:
-    """Why the equations are singular."""
+    """The reason why the equations are singular."""
     if free_motion is not None:
         weights = ", ".join(f"{weight:.3g}" for weight in free_motion)
         return f"neither K nor contact stops the body along the sum of its free_motions with the weights [{weights}]"

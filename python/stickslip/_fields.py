@@ -1,4 +1,4 @@
-"""What follows from the arrays of a result by its model: stresses, slip, reactions, fields of the body, pictures and files."""
+"""Quantities that follow from the arrays of a result by its model: stresses, slip, reactions, fields of the body, pictures and files."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ Array = NDArray[Any]
 
 @dataclass(frozen=True, eq=False)
 class Errors:
-    """How far a state is from the exact law of an increment; relative, without a unit.
+    """The errors of a state by the exact law of an increment; relative, without a unit.
 
     Attributes
     ----------
@@ -183,7 +183,7 @@ Solver = Callable[[Posed], tuple[Any, Any, Any]]
 
 @dataclass(frozen=True, eq=False)
 class Verdict:
-    """What the judge found of a solver over a history.
+    """The judgement on a solver over a history.
 
     Attributes
     ----------

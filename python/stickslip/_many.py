@@ -29,7 +29,7 @@ _ROWS = ("t", "p_n", "p_t", "contact", "gap", "mu", "w_t_last", "errors")
 
 
 class Results(list[Result]):
-    """What `ContactProblem.solve_many` gives back: a list of `Result`, in the order of the input; slices of it are `Results` too.
+    """The results of `ContactProblem.solve_many`: a list in the order of the input, whose slices are `Results` too.
 
     Examples
     --------
@@ -60,7 +60,7 @@ class Results(list[Result]):
 
     @property
     def converged(self) -> NDArray[np.bool_]:
-        """Which histories converged, (N,)."""
+        """True for each history that converged, (N,)."""
         return np.array([result.converged for result in self], dtype=bool)
 
     def check(self) -> Results:

@@ -14,7 +14,7 @@ from ._words import counted
 
 
 class Matrices:
-    """What a `ContactProblem` is made of, without what is done with it.
+    """The parts of a `ContactProblem`, without the solvers.
 
     Matrices and arrays are read-only, and copies of them are not: ``problem.K.copy()``.
 

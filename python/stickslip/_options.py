@@ -79,7 +79,7 @@ class SolveOptions(TypedDict, total=False):
 
 
 class IncrementOptions(SolveOptions, total=False):
-    """What `solve_increment` takes beside them."""
+    """The keywords of `ContactProblem.solve_increment` that are not the increment."""
 
     mu: ArrayLike | None
     keep_u: str | bool | Sequence[int]
@@ -132,7 +132,7 @@ def linear_of(linear: Any) -> str | Checked | None:
 
 
 def keep(keep_u: str | bool | Sequence[int], increments: int) -> bool | list[int]:
-    """What the core is told of `keep_u`: numbers from 1, 0 for the last."""
+    """`keep_u` as the core takes it: numbers from 1, 0 for the last."""
     if isinstance(keep_u, (bool, np.bool_)):
         return bool(keep_u)
     if isinstance(keep_u, str):

@@ -1,4 +1,4 @@
-"""What a run gives back."""
+"""The result of a run."""
 
 from __future__ import annotations
 
@@ -168,7 +168,7 @@ class Result(Fields):
 
     @property
     def converged(self) -> bool:
-        """Whether every law holds within the tolerance in every increment, by the independent error measure; all of the history is there."""
+        """True if every law holds within the tolerance in every increment, by the independent error measure, and the history is complete."""
         return self.status == "converged"
 
     @property
@@ -188,7 +188,7 @@ class Result(Fields):
 
     @property
     def warnings(self) -> list[dict[str, str]]:
-        """What may make the answer wrong although every law holds.
+        """Doubts about the answer although every law holds.
 
         Returns
         -------
@@ -357,7 +357,7 @@ class Result(Fields):
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Result:
-        """What `save` has written; the model is made again of the scene, its mesh and its files as they were then.
+        """Reads a file of `save`; the model is made again of the scene, its mesh and its files as they were then.
 
         Parameters
         ----------

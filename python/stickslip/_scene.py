@@ -195,7 +195,7 @@ class Model:
 
     @property
     def history(self) -> dict[str, Array]:
-        """What drives the model, for other people's solvers.
+        """Loads, gaps, drift and friction over time, for other people's solvers.
 
         Returns
         -------

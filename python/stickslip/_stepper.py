@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class StepperState:
-    """Where a `Stepper` was when `Stepper.save` was called; live, as the stepper itself: it does not pickle."""
+    """The state of a `Stepper` at a call of `Stepper.save`; live, as the stepper itself: it does not pickle."""
 
     _stepper: Stepper
     _core: Any
@@ -172,7 +172,7 @@ class Stepper:
         return Result._of(raw, self.problem, reason=reason, linear=self._linear, stacklevel=3)
 
     def save(self) -> StepperState:
-        """Where the stepper is, for `restore`: an implicit coupling takes back an increment and solves it again.
+        """The state of the stepper, for `restore`: an implicit coupling takes back an increment and solves it again.
 
         Returns
         -------

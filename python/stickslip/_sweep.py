@@ -68,7 +68,7 @@ class Sweep(Sequence[Result]):
 
     @property
     def converged(self) -> bool:
-        """Whether all converged."""
+        """True if all converged."""
         return all(result.converged for result in self)
 
     def check(self) -> Sweep:

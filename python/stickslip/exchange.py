@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 
 
 class ProblemFile(NamedTuple):
-    """What a file of the global form has.
+    """The contents of a file of the global form.
 
     Attributes
     ----------
@@ -42,7 +42,7 @@ class ProblemFile(NamedTuple):
 
 
 class Answer(NamedTuple):
-    """What `solve` found, in the notation of the file.
+    """The answer of `solve`, in the notation of the file.
 
     Attributes
     ----------

@@ -371,7 +371,7 @@ def _vtk_name(kind: int) -> str:
 
 
 def given(mesh: Any) -> Given:
-    """Whatever `Model` and `run` take as `mesh`.
+    """A mesh of arrays from any object that `Model` and `run` take as `mesh`.
 
     Parameters
     ----------

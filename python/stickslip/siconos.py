@@ -28,7 +28,7 @@ from ._words import counted
 
 
 class GlobalFriction(NamedTuple):
-    """What `siconos.numerics.GlobalFrictionContactProblem` is made of, in this order; see `stickslip.siconos.to_siconos`."""
+    """The arguments of `siconos.numerics.GlobalFrictionContactProblem`, in this order; see `stickslip.siconos.to_siconos`."""
 
     dimension: int
     M: Any
