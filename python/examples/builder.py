@@ -17,4 +17,4 @@ scene = (
 result = ss.run(scene, {"contact[0].friction": 0.3}).check()
 normal: float = float(result.p_n[-1].sum())
 print(result)
-print(f"{normal:.6e} N/m on the floor, {np.count_nonzero(result.contact[-1] == ss.SLIP)} nodes slip")
+print(f"{normal:.6e} N/m on the floor, nodes that slip: {np.count_nonzero(result.contact[-1] == ss.SLIP)}")

@@ -2,34 +2,50 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
 
+from ._words import counted
+
 Array = NDArray[np.float64]
+
+Kind = TypeVar("Kind")
+
+
+#: The largest number, that of scenes.
+LARGEST = 1e50
 
 
 def finite(name: str, values: ArrayLike) -> Array:
-    """An array of finite real numbers, of any shape."""
+    """An array of real numbers up to `LARGEST`, of any shape."""
     if np.iscomplexobj(values):
         raise ValueError(f"{name} is complex")
     try:
         array = np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise ValueError(f"{name} is no array of numbers: {error}") from None
-    if not np.isfinite(array).all():
-        raise ValueError(f"{name} is not finite")
+    _not_huge(name, array)
     return array
 
 
+def _not_huge(name: str, array: Array) -> None:
+    size = abs(array).max(initial=0.0)
+    if not np.isfinite(size):
+        raise ValueError(f"{name} is not finite")
+    if size > LARGEST:
+        number = array.flat[int(abs(array).argmax())]
+        raise ValueError(f"{name} has the number {number:g}, but products of numbers beyond {LARGEST:g} overflow")
+
+
 def vector(name: str, values: ArrayLike, length: int) -> Array:
-    """A contiguous, finite vector of that length, of a number or of as many."""
+    """A new contiguous, finite vector of that length, of a number or of as many."""
     array = finite(name, values)
     if array.ndim > 1 or (array.ndim == 1 and array.shape != (length,)):
         raise ValueError(f"{name} has the shape {array.shape}, expected {(length,)}")
-    return np.ascontiguousarray(np.broadcast_to(array, length))
+    return np.array(np.broadcast_to(array, length))
 
 
 def numbers(name: str, values: ArrayLike, shape: tuple[int, ...]) -> Array:
@@ -44,11 +60,11 @@ def numbers(name: str, values: ArrayLike, shape: tuple[int, ...]) -> Array:
 
 
 def tangential(name: str, values: ArrayLike | None, nodes: int, tangents: int) -> Array:
-    """Values along the tangents, (n_c, d), of as many in any shape; zeros for None."""
+    """New values along the tangents, (n_c, d), of as many in any shape; zeros for None."""
     array = np.zeros((nodes, tangents)) if values is None else finite(name, values)
     if array.size != nodes * tangents:
         raise ValueError(f"{name} has the shape {array.shape}, expected {(nodes, tangents)}")
-    return array.reshape(nodes, tangents)
+    return array.reshape(nodes, tangents).copy()
 
 
 def matrix(name: str, values: Any, kind: Any, shape: tuple[int, int] | None = None) -> Any:
@@ -62,8 +78,18 @@ def matrix(name: str, values: Any, kind: Any, shape: tuple[int, int] | None = No
     if values.ndim != 2 or (shape is not None and values.shape != shape):
         raise ValueError(f"{name} has the shape {values.shape}, expected {shape}")
     values.sum_duplicates()
-    if not np.isfinite(values.data).all():
-        raise ValueError(f"{name} is not finite")
+    _not_huge(name, values.data)
+    return values
+
+
+def read_only(values: Kind) -> Kind:
+    """The array or the sparse matrix itself; assignments to it, which would be lost, raise from now on."""
+    matrix: Any = values
+    if sp.issparse(matrix):
+        # Sorted now, since scipy sorts in place.
+        matrix.sum_duplicates()
+    for array in (matrix.data, matrix.indices, matrix.indptr) if sp.issparse(matrix) else (matrix,):
+        array.flags.writeable = False
     return values
 
 
@@ -100,7 +126,7 @@ def contact_maps(C_n: Any, C_t: Any, n_u: int) -> tuple[list[Any], int]:
     several = isinstance(C_t, (list, tuple)) and all(sp.issparse(C) or np.ndim(C) == 2 for C in C_t)
     tangents = () if C_t is None else tuple(C_t) if several else (C_t,)
     if len(tangents) > 2:
-        raise ValueError(f"C_t has {len(tangents)} matrices, expected one or two")
+        raise ValueError(f"C_t has {counted(len(tangents), 'matrix', 'matrices')}, expected one or two")
     names = ("C_t",) if len(tangents) == 1 else ("C_t[0]", "C_t[1]")
     maps = [matrix("C_n", C_n, sp.csr_array, (n_c, n_u))]
     maps += [matrix(name, C, sp.csr_array, (n_c, n_u)) for name, C in zip(names, tangents)]

@@ -1,4 +1,4 @@
-"""What to cite."""
+"""Citations."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ _PAPER = (
 
 
 def cite(result: Result | None = None) -> str:
-    """What a text should cite: the software, and the paper behind equations and methods.
+    """Citations of a text that uses results: the software, and the paper behind equations and methods.
 
     Parameters
     ----------
     result : Result, optional
-        What the text uses; its method is named.
+        The result that the text uses; its method is named.
 
     Returns
     -------

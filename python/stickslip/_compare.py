@@ -3,26 +3,17 @@
 from __future__ import annotations
 
 import html
-import time
-import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from . import plot as _plot
-from ._errors import NotConvergedWarning
-from ._judge import Solver, Verdict, errors, history_of, judge, verdict_of
+from ._judge import Solver, Verdict, history_of, known, verdict_on
 from ._problem import ContactProblem
-from ._result import LAWS, Result
 from ._scene import Model
-
-if TYPE_CHECKING:
-    from ._options import Method
-
-Array = NDArray[Any]
+from ._words import counted
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +49,7 @@ class Comparison:
 
     def __repr__(self) -> str:
         held = sum(verdict.holds for verdict in self.verdicts)
-        return f"<Comparison of {len(self.verdicts)} solvers, {held} within {self.tolerance:g}>"
+        return f"<Comparison of {counted(len(self.verdicts), 'solver')}, {held} within {self.tolerance:g}>"
 
     def _rows(self) -> list[tuple[str, str, str, str]]:
         def last(verdict: Verdict) -> str:
@@ -101,41 +92,6 @@ class Comparison:
         return _plot.comparison(self, ax)
 
 
-#: The words that `compare` takes.
-_OWN = ("bn", "ip", "events", "stickslip")
-
-
-def _own(of: Model | ContactProblem, word: str, history: Mapping[str, ArrayLike] | None, data: Mapping[str, Array]) -> Result:
-    """A history by this module."""
-    if isinstance(of, Model):
-        if history is None and word == "stickslip":
-            return of.run(_stacklevel=5)
-        of = of.problem
-    return of.solve(
-        data["force"], gap=data["gap"], drift=data["drift"] if of.tangents else None, mu=data["mu"],
-        method=cast("Method", "bn" if word == "stickslip" else word),
-    )
-
-
-def _judged(problem: ContactProblem, result: Result, data: Mapping[str, Array]) -> tuple[list[list[float]], str]:
-    """Errors by law of a result of this module, by the history that was posed, and why there are no more."""
-    rows: list[list[float]] = []
-    scales = (0.0, 0.0)
-    increments = list(zip(data["force"], data["gap"][1:], data["mu"]))
-    for k, (force, gap, mu) in enumerate(increments[: len(result.t)]):
-        judged = errors(
-            problem, force, (result.u[k], result.u_rest[k]), result.p_n[k], result.p_t[k], gap=gap,
-            w_t_last=result.w_t_last[k], mu=mu, scales=scales,
-        )
-        scales = judged.scales
-        rows.append([getattr(judged, law) for law in LAWS])
-    if result.converged and len(rows) == len(increments):
-        return rows, ""
-    if len(rows) < len(increments):
-        rows.append([np.inf] * 6)
-    return rows, result._verdict()
-
-
 def compare(
     of: Model | ContactProblem, solvers: Mapping[str, Solver | str], *,
     history: Mapping[str, ArrayLike] | None = None, tolerance: float = 1e-8,
@@ -147,8 +103,7 @@ def compare(
     of, history, tolerance
         As those of `judge`.
     solvers : mapping of str to callable or str
-        By name; a callable as `judge` takes it, or a word: "bn", "ip" and "events" are stickslip's on the matrices, "stickslip" the
-        run of the model as its scene says. All answers are judged by the same history.
+        By name, each as `judge` takes it. All answers are judged by the same history.
 
     Returns
     -------
@@ -156,8 +111,8 @@ def compare(
 
     Raises
     ------
-    ValueError
-        No solvers, an unknown word, or a history that does not fit.
+    ValueError, TypeError
+        No solvers, one that is none, or a history that does not fit.
 
     Examples
     --------
@@ -170,27 +125,11 @@ def compare(
         raise TypeError(f"solvers is {type(solvers).__name__}, expected a dictionary of names and solvers")
     if not solvers:
         raise ValueError("solvers is empty: there is nothing to compare")
+    for name, solver in solvers.items():
+        known(f"solvers[{name!r}]", solver)
     data = history_of(of, history)
-    problem = of.problem if isinstance(of, Model) else of
     verdicts = []
     for name, solver in solvers.items():
-        if not isinstance(solver, str):
-            verdicts.append(judge(of, solver, history=history, name=name, tolerance=tolerance))
-            continue
-        if solver not in _OWN:
-            raise ValueError(f"solvers[{name!r}] is {solver!r}, expected one of {', '.join(_OWN)} or a function of an increment")
-        start = time.process_time()
-        p_n, p_t = np.zeros((0, problem.n_c)), np.zeros((0, problem.n_c, problem.tangents))
-        try:
-            with warnings.catch_warnings():
-                # The verdict says it.
-                warnings.simplefilter("ignore", NotConvergedWarning)
-                result = _own(of, solver, history, data)
-            seconds = time.process_time() - start
-            rows, remark = _judged(problem, result, data)
-            p_n, p_t = result.p_n, result.p_t
-        except (ArithmeticError, RuntimeError, ValueError) as raised:
-            seconds = time.process_time() - start
-            rows, remark = [[np.inf] * 6], f"{type(raised).__name__}: {raised}"
-        verdicts.append(verdict_of(name, rows, seconds, p_n, p_t, remark, tolerance))
+        # In no comprehension, whose frame Python 3.11 counts in the place of warnings.
+        verdicts.append(verdict_on(of, solver, history, data, name, tolerance))
     return Comparison(verdicts, tolerance)

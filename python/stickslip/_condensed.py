@@ -11,6 +11,7 @@ from . import _core
 from ._arrays import Array, finite
 from ._options import Linear
 from ._problem import ContactProblem
+from ._words import counted
 
 
 class CondensedProblem(ContactProblem):
@@ -44,6 +45,9 @@ class CondensedProblem(ContactProblem):
 
     whole: ContactProblem
     _body: _core.CondensedBody
+
+    def __init__(self, *_: object, **__: object) -> None:
+        raise TypeError("a CondensedProblem is made by `ContactProblem(K, C_n, C_t, ...).condense()`")
 
     @classmethod
     def _condensed(cls, whole: ContactProblem) -> CondensedProblem:
@@ -86,7 +90,7 @@ class CondensedProblem(ContactProblem):
         rows, shape = self._rows("u", u, self.n_u)
         forces, of_force = self._rows("force", force, self.whole.n_u)
         if shape != of_force:
-            raise ValueError(f"force has {len(forces)} rows, but u has {len(rows)}; solve_many keeps the last u only without keep_u=\"all\"")
+            raise ValueError(f"force has {counted(len(forces), 'row')}, but u has {len(rows)}; solve_many keeps the last u only without keep_u=\"all\"")
         return self._body.lift(rows, forces).reshape(*shape, self.whole.n_u)
 
     @staticmethod

@@ -78,7 +78,7 @@ class Convergence:
 
     @property
     def known(self) -> bool:
-        """Whether the quantity is known to the asked share."""
+        """True if the quantity is known to the asked share."""
         return self.verdict == "known"
 
     def svg(self) -> Svg:

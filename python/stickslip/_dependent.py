@@ -12,6 +12,8 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.linalg import qr
 
+from ._words import few
+
 if TYPE_CHECKING:
     from ._options import Callback
     from ._problem import ContactProblem
@@ -45,19 +47,15 @@ def dependent_nodes(problem: ContactProblem) -> list[int]:
     return sorted({int(row) for row in used[rows] % problem.n_c})
 
 
-def _few(nodes: list[int]) -> str:
-    return ", ".join(map(str, nodes[:8])) + (f" and {len(nodes) - 8} more" if len(nodes) > 8 else "")
-
-
 def reason(problem: ContactProblem, free_motion: list[float] | None) -> str:
-    """Why the equations are singular."""
+    """The reason why the equations are singular."""
     if free_motion is not None:
         weights = ", ".join(f"{weight:.3g}" for weight in free_motion)
         return f"neither K nor contact stops the body along the sum of its free_motions with the weights [{weights}]"
     nodes = dependent_nodes(problem)
     if not nodes:
         return ""
-    return f"the rows of C_n and C_t of the contact nodes {_few(nodes)} depend on each other, so that their forces are not unique"
+    return f"the rows of C_n and C_t of the contact node{'s' * (len(nodes) > 1)} {few(nodes, 8)} depend on each other, so that their forces are not unique"
 
 
 def rescued(

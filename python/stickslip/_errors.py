@@ -134,4 +134,4 @@ class NotConvergedWarning(UserWarning):
 
 
 class AccuracyWarning(UserWarning):
-    """What may make the answer of a scene wrong although every law holds; `Result.warnings` has all of them."""
+    """A doubt about the answer of a scene although every law holds; `Result.warnings` has all of them."""

@@ -1,4 +1,4 @@
-"""What follows from the arrays of a result by its model: stresses, slip, reactions, fields of the body, pictures and files."""
+"""Quantities that follow from the arrays of a result by its model: stresses, slip, reactions, fields of the body, pictures and files."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._kinds import VTK
+from ._options import path_of
+from ._words import counted
 
 if TYPE_CHECKING:
     from ._scene import Model
@@ -33,7 +35,7 @@ class Svg(str):
         return str(self)
 
     def __repr__(self) -> str:
-        return f"<Svg of {len(self)} characters>"
+        return f"<Svg of {counted(len(self), 'character')}>"
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes the picture to a file.
@@ -43,7 +45,7 @@ class Svg(str):
         path : str or os.PathLike
             The file, replaced if it exists.
         """
-        with open(path, "w", encoding="utf-8") as file:
+        with open(path_of(path), "w", encoding="utf-8") as file:
             file.write(self)
 
 
@@ -283,6 +285,7 @@ class Fields:
         k : int, optional
             The increment from 0; -1 is the last.
         """
+        path = path_of(path)
         text = self._model()._core.vtu(self._step(k))
         with open(path, "w", encoding="utf-8") as file:
             file.write(text)
@@ -299,6 +302,7 @@ class Fields:
         form : {"global", "local"}, optional
             Unknowns: displacements too, or the contact forces alone.
         """
+        path = path_of(path)
         if form not in ("global", "local"):
             raise ValueError(f"form: {form!r} found, expected 'global' or 'local'")
         number = self._number(k)
@@ -326,9 +330,9 @@ class Fields:
         model = self._model()
         points, of_cells = self._for_others(k)
         ends = np.cumsum([len(nodes) for _, nodes in model.cells])[:-1]
-        cells: list[Any] = list(model.cells)
+        cells: list[Any] = [(kind, nodes.copy()) for kind, nodes in model.cells]
         try:
-            return meshio.Mesh(model.points, cells, point_data=points, cell_data={name: np.split(v, ends) for name, v in of_cells.items()})
+            return meshio.Mesh(model.points.copy(), cells, point_data=points, cell_data={name: np.split(v, ends) for name, v in of_cells.items()})
         except KeyError as error:
             raise ValueError(f"cells: this meshio cannot hold the kind {error}; write_vtu and to_pyvista can") from None
 
@@ -361,7 +365,7 @@ class Fields:
         codes = {name: code for code, name in VTK.items()}
         cells = np.concatenate([np.insert(nodes, 0, nodes.shape[1], axis=1).ravel() for _, nodes in model.cells])
         kinds = np.concatenate([np.full(len(nodes), codes[kind], dtype=np.uint8) for kind, nodes in model.cells])
-        grid = pyvista.UnstructuredGrid(cells, kinds, model.points)
+        grid = pyvista.UnstructuredGrid(cells, kinds, model.points.copy())
         for data, values in ((grid.point_data, points), (grid.cell_data, of_cells)):
             for name, of in values.items():
                 data[name] = of

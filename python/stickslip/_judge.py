@@ -3,24 +3,29 @@
 from __future__ import annotations
 
 import time
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._arrays import numbers, tangential, vector
+from ._errors import NotConvergedWarning
 from ._problem import ContactProblem
-from ._result import LAWS
+from ._result import LAWS, Result
 from ._scene import Model
+
+if TYPE_CHECKING:
+    from ._options import Method
 
 Array = NDArray[Any]
 
 
 @dataclass(frozen=True, eq=False)
 class Errors:
-    """How far a state is from the exact law of an increment; relative, without a unit.
+    """The errors of a state by the exact law of an increment; relative, without a unit.
 
     Attributes
     ----------
@@ -178,7 +183,7 @@ Solver = Callable[[Posed], tuple[Any, Any, Any]]
 
 @dataclass(frozen=True, eq=False)
 class Verdict:
-    """What the judge found of a solver over a history.
+    """The judgement on a solver over a history.
 
     Attributes
     ----------
@@ -254,8 +259,52 @@ def history_of(of: Model | ContactProblem, history: Mapping[str, ArrayLike] | No
     }
 
 
+#: The words that `judge` and `compare` take.
+_OWN = ("bn", "ip", "events", "stickslip")
+
+
+def _own(of: Model | ContactProblem, word: str, history: Mapping[str, ArrayLike] | None, data: Mapping[str, Array]) -> Result:
+    """A history by this module."""
+    if isinstance(of, Model):
+        if history is None and word == "stickslip":
+            return of.run(_stacklevel=6)
+        of = of.problem
+    return of.solve(
+        data["force"], gap=data["gap"], drift=data["drift"] if of.tangents else None, mu=data["mu"],
+        method=cast("Method", "bn" if word == "stickslip" else word),
+    )
+
+
+def _judged(problem: ContactProblem, result: Result, data: Mapping[str, Array]) -> tuple[list[list[float]], str]:
+    """Errors by law of a result of this module, by the history that was posed, and why there are no more."""
+    rows: list[list[float]] = []
+    scales = (0.0, 0.0)
+    increments = list(zip(data["force"], data["gap"][1:], data["mu"]))
+    for k, (force, gap, mu) in enumerate(increments[: len(result.t)]):
+        judged = errors(
+            problem, force, (result.u[k], result.u_rest[k]), result.p_n[k], result.p_t[k], gap=gap,
+            w_t_last=result.w_t_last[k], mu=mu, scales=scales,
+        )
+        scales = judged.scales
+        rows.append([getattr(judged, law) for law in LAWS])
+    if result.converged and len(rows) == len(increments):
+        return rows, ""
+    if len(rows) < len(increments):
+        rows.append([np.inf] * 6)
+    return rows, result._verdict()
+
+
+def known(name: str, solver: object) -> None:
+    """Refuses what is neither a solver nor a word."""
+    expected = f"one of {', '.join(_OWN)} or a function of an increment"
+    if isinstance(solver, str) and solver not in _OWN:
+        raise ValueError(f"{name} is {solver!r}, expected {expected}")
+    if not isinstance(solver, str) and not callable(solver):
+        raise TypeError(f"{name}: {expected} expected, {type(solver).__name__} found")
+
+
 def judge(
-    of: Model | ContactProblem, solver: Solver, *, history: Mapping[str, ArrayLike] | None = None, name: str = "solver",
+    of: Model | ContactProblem, solver: Solver | str, *, history: Mapping[str, ArrayLike] | None = None, name: str | None = None,
     tolerance: float = 1e-8,
 ) -> Verdict:
     """Runs anybody's solver over a history, each increment from its own last answer, and judges every increment.
@@ -264,12 +313,13 @@ def judge(
     ----------
     of : Model or ContactProblem
         A model, or a problem of matrices with a `history`.
-    solver : callable
-        Called with a `Posed` increment; hands back (u, p_n, p_t).
+    solver : callable or str
+        Called with a `Posed` increment; hands back (u, p_n, p_t). Or a word: "bn", "ip" and "events" are stickslip's on the
+        matrices, "stickslip" the run of the model as its scene says.
     history : mapping, optional
         force (m, n_u), N, and, if need be, gap (m + 1, n_c), m, drift (m, n_c, d), m, mu (m, n_c).
-    name : str
-        Of the solver.
+    name : str, optional
+        Of the solver; the word, or "solver", without it.
     tolerance : float
         The largest error of any law that still holds.
 
@@ -290,20 +340,44 @@ def judge(
     >>> def mine(posed):
     ...     result = posed.problem.solve_increment(posed.force, gap=posed.gap, w_t_last=posed.w_t_last, method="ip")
     ...     return result.u[0], result.p_n[0], result.p_t[0]
-    >>> ss.judge(problem, mine, history={"force": [[0.0, -100.0], [40.0, -100.0]]}).holds
-    True
+    >>> history = {"force": [[0.0, -100.0], [40.0, -100.0]]}
+    >>> ss.judge(problem, mine, history=history).holds, ss.judge(problem, "ip", history=history).holds
+    (True, True)
     """
-    if not callable(solver):
-        raise TypeError(f"solver: a function of an increment expected, {type(solver).__name__} found; `compare` takes words")
+    known("solver", solver)
+    if name is None:
+        name = solver if isinstance(solver, str) else "solver"
+    return verdict_on(of, solver, history, history_of(of, history), name, tolerance)
+
+
+def verdict_on(
+    of: Model | ContactProblem, solver: Solver | str, history: Mapping[str, ArrayLike] | None, data: dict[str, Array], name: str,
+    tolerance: float,
+) -> Verdict:
+    """`judge` with the tables of the history."""
     problem = of.problem if isinstance(of, Model) else of
-    data = history_of(of, history)
     if not len(data["force"]):
         raise ValueError("history['force'] has no increments")
+    if isinstance(solver, str):
+        start, remark = time.process_time(), ""
+        p_n, p_t = np.zeros((0, problem.n_c)), np.zeros((0, problem.n_c, problem.tangents))
+        try:
+            with warnings.catch_warnings():
+                # The verdict says it.
+                warnings.simplefilter("ignore", NotConvergedWarning)
+                result = _own(of, solver, history, data)
+            seconds = time.process_time() - start
+            rows, remark = _judged(problem, result, data)
+            p_n, p_t = result.p_n, result.p_t
+        except (ArithmeticError, RuntimeError, ValueError) as raised:
+            seconds = time.process_time() - start
+            rows, remark = [[np.inf] * 6], f"{type(raised).__name__}: {raised}"
+        return _verdict(name, rows, seconds, p_n, p_t, remark, tolerance)
     n_c, d = problem.n_c, problem.tangents
     answer = (np.zeros(problem.n_u), np.zeros(n_c), np.zeros((n_c, d)))
     slip, drift = np.zeros((n_c, d)), np.zeros((n_c, d))
     scales, cache, seconds, remark = (0.0, 0.0), dict[str, Any](), 0.0, ""
-    rows: list[list[float]] = []
+    rows = list[list[float]]()
     forces: list[tuple[Array, Array]] = []
     for k, (force, gap, moved, mu) in enumerate(zip(data["force"], data["gap"][1:], data["drift"], data["mu"])):
         w = slip + moved - drift
@@ -326,7 +400,7 @@ def judge(
         forces.append((answer[1], answer[2]))
     p_n = np.array([p_n for p_n, _ in forces]).reshape(-1, n_c)
     p_t = np.array([p_t for _, p_t in forces]).reshape(-1, n_c, d)
-    return verdict_of(name, rows, seconds, p_n, p_t, remark, tolerance)
+    return _verdict(name, rows, seconds, p_n, p_t, remark, tolerance)
 
 
 def _real(name: str, values: Any) -> Array:
@@ -335,7 +409,7 @@ def _real(name: str, values: Any) -> Array:
     return np.array(values, dtype=np.float64)
 
 
-def verdict_of(
+def _verdict(
     name: str, rows: list[list[float]], seconds: float, p_n: Array, p_t: Array, remark: str, tolerance: float
 ) -> Verdict:
     table = np.array(rows)

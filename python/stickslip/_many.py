@@ -5,16 +5,18 @@ from __future__ import annotations
 import numbers
 import os
 import warnings
-from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, SupportsIndex, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _core, _dependent, _history
 from ._errors import NotConverged, NotConvergedWarning
+from ._linear import Checked
 from ._options import core_options, keep
-from ._result import Result
+from ._result import LAWS, Result
+from ._words import counted, few
 
 if TYPE_CHECKING:
     from ._options import Several
@@ -27,7 +29,7 @@ _ROWS = ("t", "p_n", "p_t", "contact", "gap", "mu", "w_t_last", "errors")
 
 
 class Results(list[Result]):
-    """What `ContactProblem.solve_many` gives back: a list of `Result`, in the order of the input.
+    """The results of `ContactProblem.solve_many`: a list in the order of the input, whose slices are `Results` too.
 
     Examples
     --------
@@ -40,9 +42,25 @@ class Results(list[Result]):
     array([[100.]])
     """
 
+    #: n_u, n_c and d, which no results do not show.
+    _sizes: tuple[int, int, int] = (0, 0, 0)
+
+    @overload
+    def __getitem__(self, k: SupportsIndex, /) -> Result: ...
+
+    @overload
+    def __getitem__(self, k: slice, /) -> Results: ...
+
+    def __getitem__(self, k: SupportsIndex | slice, /) -> Result | Results:
+        if not isinstance(k, slice):
+            return super().__getitem__(k)
+        part = Results(super().__getitem__(k))
+        part._sizes = self._sizes
+        return part
+
     @property
     def converged(self) -> NDArray[np.bool_]:
-        """Which histories converged, (N,)."""
+        """True for each history that converged, (N,)."""
         return np.array([result.converged for result in self], dtype=bool)
 
     def check(self) -> Results:
@@ -74,8 +92,10 @@ class Results(list[Result]):
             raise KeyError(f"name is {name!r}, expected one of {', '.join((*_ROWS, 'u'))}")
         arrays = [getattr(result, name) for result in self]
         rows = max((len(array) for array in arrays), default=0)
-        widths = [array.shape[1:] for array in arrays if len(array)]
-        width, kind = (widths[0] if widths else ()), np.uint8 if name == "contact" else np.float64
+        n_u, n_c, d = self._sizes
+        empty = {"t": (), "errors": (len(LAWS),), "p_t": (n_c, d), "w_t_last": (n_c, d), "u": (n_u,)}.get(name, (n_c,))
+        width = next((array.shape[1:] for array in arrays if len(array)), arrays[0].shape[1:] if arrays else empty)
+        kind = np.uint8 if name == "contact" else np.float64
         stacked = np.full((len(self), rows, *width), 255 if name == "contact" else np.nan, dtype=kind)
         for k, array in enumerate(arrays):
             if len(array):
@@ -85,13 +105,11 @@ class Results(list[Result]):
     def __repr__(self) -> str:
         failed = np.flatnonzero(~self.converged)
         if not len(failed):
-            return f"<Results of {len(self)} histories, all converged>"
-        return f"<Results of {len(self)} histories, {len(failed)} not converged: {_few(failed)}>"
+            return f"<Results of {counted(len(self), *_HISTORY)}, all converged>"
+        return f"<Results of {counted(len(self), *_HISTORY)}, {len(failed)} not converged: {few(failed.tolist())}>"
 
 
-def _few(numbers: Iterable[int]) -> str:
-    numbers = [int(k) for k in numbers]
-    return ", ".join(map(str, numbers[:5])) + (", ..." if len(numbers) > 5 else "")
+_HISTORY = ("history", "histories")
 
 
 def _samples(several: dict[str, Several | None]) -> int:
@@ -102,7 +120,7 @@ def _samples(several: dict[str, Several | None]) -> int:
     if not lengths:
         raise ValueError("forces, gaps and mus are missing: give at least one of them, with an entry for each history")
     if len(set(lengths.values())) > 1:
-        raise ValueError(", ".join(f"{name} has {length} entries" for name, length in lengths.items()) + ": as many expected")
+        raise ValueError(", ".join(f"{name} has {counted(length, 'entry', 'entries')}" for name, length in lengths.items()) + ": as many expected")
     return next(iter(lengths.values()))
 
 
@@ -139,8 +157,8 @@ def solve(
     if options.get("linear") is None:
         options["linear"] = problem._linear
     core, linear = core_options(**options)
-    if linear is not None and not isinstance(linear, str):
-        raise TypeError(f"linear: {type(linear).__name__} is one solver, which cannot work for several histories at once; a word expected")
+    if isinstance(linear, Checked):
+        raise TypeError(f"linear: {linear.name} is one solver, which cannot work for several histories at once; a word expected")
     if core["method"] == "events" and (changing := [k for k, (_, tables) in enumerate(histories) if tables["mu"] is not None]):
         raise ValueError(f"mus[{changing[0]}] changes in time, which the method events does not follow; take bn or ip")
     if threads is None:
@@ -164,15 +182,16 @@ def solve(
         if bar is not None:
             bar.close()
     results = Results()
+    results._sizes = (problem.n_u, problem.n_c, problem.tangents)
     with warnings.catch_warnings():
         # One warning for all of them, below.
         warnings.simplefilter("ignore", NotConvergedWarning)
         for (own, tables), raw in zip(histories, raws):
             raw, reason = _dependent.rescued(own, raw, tables, core, kept, None)
-            results.append(Result._of(raw, own.tangents, reason=reason))
+            results.append(Result._of(raw, own, reason=reason))
     failed = np.flatnonzero(~results.converged)
     if len(failed):
         first = int(failed[0])
-        message = f"{len(failed)} of {len(results)} histories did not converge ({_few(failed)}); {first}: {results[first]._verdict()}"
+        message = f"{len(failed)} of {counted(len(results), *_HISTORY)} did not converge ({few(failed.tolist())}); {first}: {results[first]._verdict()}"
         warnings.warn(message, NotConvergedWarning, stacklevel=3)
     return results

@@ -9,16 +9,14 @@ import scipy.sparse as sp
 from numpy.typing import ArrayLike
 
 from . import _core
-from ._arrays import Array, compressed, contact_maps, finite, matrix, symmetric, vector
-
-def _read_only(array: Array) -> Array:
-    array.flags.writeable = False
-    return array
-
+from ._arrays import Array, compressed, contact_maps, finite, matrix, read_only, symmetric, vector
+from ._words import counted
 
 
 class Matrices:
-    """What a `ContactProblem` is made of, without what is done with it.
+    """The parts of a `ContactProblem`, without the solvers.
+
+    Matrices and arrays are read-only, and copies of them are not: ``problem.K.copy()``.
 
     Attributes
     ----------
@@ -66,42 +64,53 @@ class Matrices:
 
     @property
     def mu(self) -> Array:
-        """Friction coefficients, (n_c,); read-only: `with_` gives the body others."""
-        return _read_only(self._core.mu)
+        """Friction coefficients, (n_c,); `with_` gives the body others."""
+        return read_only(self._core.mu)
 
     @property
     def weight(self) -> Array | None:
-        """Lengths or areas of the contact nodes, m or m², (n_c,), if they are known; read-only."""
+        """Lengths or areas of the contact nodes, m or m², (n_c,), if they are known."""
         weight = self._core.weight
-        return None if weight is None else _read_only(weight)
+        return None if weight is None else read_only(weight)
 
     @property
     def free_motions(self) -> Array:
         """A basis of the null space of K, (k, n_u)."""
-        return np.array(self._core.free_motions()).reshape(-1, self.n_u)
+        return read_only(np.array(self._core.free_motions()).reshape(-1, self.n_u))
 
     @property
     def K(self) -> Any:
         """The stiffness, csc_array, (n_u, n_u), N/m."""
         lower = sp.csc_array(self._core.lower(), shape=(self.n_u, self.n_u))
-        return (lower + sp.tril(lower, -1, format="csc").T).tocsc()
+        return read_only((lower + sp.tril(lower, -1, format="csc").T).tocsc())
 
     @property
     def C_n(self) -> Any:
         """Displacements towards the obstacle, csr_array, (n_c, n_u)."""
-        return sp.csr_array(self._core.map(0), shape=(self.n_c, self.n_u))
+        return read_only(sp.csr_array(self._core.map(0), shape=(self.n_c, self.n_u)))
 
     @property
     def C_t(self) -> tuple[Any, ...]:
-        """Displacements along each tangent, csr_array, (n_c, n_u)."""
-        return tuple(sp.csr_array(self._core.map(1 + d), shape=(self.n_c, self.n_u)) for d in range(self.tangents))
+        """Displacements along each tangent, csr_array, (n_c, n_u).
+
+        A tuple of one in the plane and of two in space, since a sparse array has no third axis; `ContactProblem` takes it as it is.
+
+        Examples
+        --------
+        >>> import numpy as np, stickslip as ss
+        >>> problem = ss.ContactProblem(np.eye(2), [[0, -1]], [[1, 0]], mu=0.3)
+        >>> p_t = np.array([[2.0]])
+        >>> sum(C.T @ p_t[:, k] for k, C in enumerate(problem.C_t))
+        array([2., 0.])
+        """
+        return tuple(read_only(sp.csr_array(self._core.map(1 + d), shape=(self.n_c, self.n_u))) for d in range(self.tangents))
 
     def __reduce__(self) -> Any:
         return _restored, (type(self), self.K, self.C_n, self.C_t, self.mu, self.weight, self.free_motions)
 
     def __repr__(self) -> str:
         counts = ((self.n_u, "displacement"), (self.n_c, "contact node"), (self.tangents, "tangent"))
-        return f"<{type(self).__name__} " + ", ".join(f"{n} {what}" + "s" * (n != 1) for n, what in counts) + ">"
+        return f"<{type(self).__name__} " + ", ".join(counted(n, what) for n, what in counts) + ">"
 
     def slip(self, u: ArrayLike) -> Array:
         """Tangential displacements C_t u.

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import numbers
+import os
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, Literal, Protocol, TypedDict, Union, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from ._arrays import LARGEST
+from ._linear import Checked
+from ._words import counted
 
 if TYPE_CHECKING:
     from ._arrays import Array
@@ -28,6 +33,9 @@ Callback = Callable[[int, float, str, int, float], object]
 
 class LinearSolver(Protocol):
     """A direct solver of one's own, for `linear=`: any object with these three methods.
+
+    Where a run fails, its last answer x is checked: the verdict has the relative residual |A x - b| / (|A| |x| + |b|) if that
+    is above 1e-8, or says that x is not finite.
 
     Examples
     --------
@@ -71,7 +79,7 @@ class SolveOptions(TypedDict, total=False):
 
 
 class IncrementOptions(SolveOptions, total=False):
-    """What `solve_increment` takes beside them."""
+    """The keywords of `ContactProblem.solve_increment` that are not the increment."""
 
     mu: ArrayLike | None
     keep_u: str | bool | Sequence[int]
@@ -91,7 +99,7 @@ def _word(name: str, value: object, words: tuple[str, ...], default: str) -> str
 def core_options(
     *, method: object = None, setting: object = None, linear: object = None, tolerance: object = None,
     max_iterations: object = 200, r_factor: object = 1.0, **others: object,
-) -> tuple[dict[str, Any], Any]:
+) -> tuple[dict[str, Any], str | Checked | None]:
     """The options of a solve and its linear algebra, of the types that the core takes."""
     for name in others:
         raise TypeError(f"{name} is no argument here, expected method, setting, linear, tolerance, max_iterations or r_factor")
@@ -106,17 +114,25 @@ def core_options(
     for name, (kind, words) in kinds.items():
         if not isinstance(options[name], kind) or isinstance(options[name], bool):
             raise TypeError(f"{name} is {options[name]!r}, expected {words}")
+    if not 1 / LARGEST <= options["r_factor"] <= LARGEST:
+        raise ValueError(f"r_factor is {r_factor}, but must be between {1 / LARGEST:g} and {LARGEST:g}")
     if not 1 <= options["max_iterations"] < 2**31:
         raise ValueError(f"max_iterations is {max_iterations}, but must be 1 or more, and below 2**31")
-    if isinstance(linear, str):
-        linear = _word("linear", linear, get_args(Linear), "auto")
-    elif linear is not None and (missing := [step for step in ("analyze", "factorize", "solve") if not callable(getattr(linear, step, None))]):
+    return options, linear_of(linear)
+
+
+def linear_of(linear: Any) -> str | Checked | None:
+    """The linear algebra: a word, a solver of one's own, or None."""
+    if linear is None or isinstance(linear, str):
+        return linear and _word("linear", linear, get_args(Linear), "auto")
+    missing = [step for step in ("analyze", "factorize", "solve") if not callable(getattr(linear, step, None))]
+    if missing:
         raise TypeError(f"linear: {type(linear).__name__} has no {', '.join(missing)}; a word or a `LinearSolver` expected")
-    return options, linear
+    return Checked(linear)
 
 
 def keep(keep_u: str | bool | Sequence[int], increments: int) -> bool | list[int]:
-    """What the core is told of `keep_u`: numbers from 1, 0 for the last."""
+    """`keep_u` as the core takes it: numbers from 1, 0 for the last."""
     if isinstance(keep_u, (bool, np.bool_)):
         return bool(keep_u)
     if isinstance(keep_u, str):
@@ -127,7 +143,7 @@ def keep(keep_u: str | bool | Sequence[int], increments: int) -> bool | list[int
     try:
         return [range(increments)[k] + 1 for k in keep_u]
     except IndexError:
-        raise ValueError(f"keep_u is {keep_u!r}, but there are {increments} increments, numbered from 0") from None
+        raise ValueError(f"keep_u is {keep_u!r}, expected numbers from 0 to {increments - 1}, of {counted(increments, 'increment')}") from None
     except TypeError as error:
         raise ValueError(f"keep_u: {error}") from None
 
@@ -136,3 +152,11 @@ def called(callback: object) -> None:
     """Refuses a callback that cannot be called."""
     if callback is not None and not callable(callback):
         raise TypeError(f"callback: a function expected, {type(callback).__name__} found")
+
+
+def path_of(path: object) -> str:
+    """The path of a file as a str."""
+    found = os.fspath(path) if isinstance(path, (str, os.PathLike)) else None
+    if not isinstance(found, str):
+        raise TypeError(f"path: a str or os.PathLike expected, {type(path).__name__} found")
+    return found

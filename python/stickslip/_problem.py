@@ -16,6 +16,7 @@ from ._options import Linear, Method, Setting, called, core_options
 from ._options import LinearSolver as LinearSolver
 from ._options import keep as keep
 from ._result import Result
+from ._words import counted
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -130,7 +131,7 @@ class ContactProblem(Matrices):
         n_c = maps[0].shape[0]
         for name, value, mine in (("mu", mu, self.mu), ("weight", weight, self.weight)):
             if value is None and mine is not None and len(mine) != n_c:
-                raise ValueError(f"{name} is of {len(mine)} contact nodes, but C_n has {n_c} rows: give it too")
+                raise ValueError(f"{name} is of {counted(len(mine), 'contact node')}, but C_n has {counted(n_c, 'row')}: give it too")
         coefficients = self.mu if mu is None else vector("mu", mu, n_c)
         if not tangents and coefficients.any():
             raise ValueError("mu is above 0, but there is no C_t")
@@ -173,7 +174,7 @@ class ContactProblem(Matrices):
         r_factor : float
             Of the numbers r of Newton's method, relative to the stiffness of each node.
         keep_u : "all", "last", "none" or list of int
-            Of which increments displacements are kept.
+            Of which increments displacements are kept. One history has room for all; `solve_many` keeps the last.
         callback : callable, optional
             Called with (increment, time, status, iterations, error) once an increment is judged; what it raises comes out.
 
@@ -197,14 +198,14 @@ class ContactProblem(Matrices):
         problem, tables = _history.tables(self, force, factors, gap, drift, mu, times)
         if method == "events" and tables["mu"] is not None:
             raise ValueError("mu: friction that changes is solved by the methods bn and ip; events follows the path of friction that stays")
-        options, linear = core_options(
+        options, algebra = core_options(
             method=method, setting=setting, linear=self._linear if linear is None else linear, tolerance=tolerance, max_iterations=max_iterations, r_factor=r_factor
         )
         kept = keep(keep_u, len(tables["times"]))
         called(callback)
-        raw = problem._core.run(tables, options, linear, kept, callback)
+        raw = problem._core.run(tables, options, algebra, kept, callback)
         raw, reason = _dependent.rescued(problem, raw, tables, options, kept, callback)
-        return Result._of(raw, self.tangents, reason=reason, stacklevel=3)
+        return Result._of(raw, self, reason=reason, linear=algebra, stacklevel=3)
 
     def solve_increment(
         self, force: ArrayLike, *, gap: ArrayLike = 0.0, w_t_last: ArrayLike | None = None, **options: Unpack[IncrementOptions]
@@ -255,7 +256,7 @@ class ContactProblem(Matrices):
         force, factors, gap, drift, times
             What is the same for all, as `solve` takes it.
         keep_u : "last", "all", "none" or list of int
-            Of which increments displacements are kept.
+            Of which increments displacements are kept. All of many histories may fill the memory; `solve` keeps all of one.
         threads : int, optional
             So many histories at a time; as many as there are processors without it.
         progress : bool
@@ -318,10 +319,10 @@ class ContactProblem(Matrices):
         """
         from ._stepper import Stepper
 
-        options, linear = core_options(
+        options, algebra = core_options(
             method=method, setting=setting, linear=self._linear if linear is None else linear, tolerance=tolerance, max_iterations=max_iterations, r_factor=r_factor
         )
-        return Stepper(self, gap, options, linear)
+        return Stepper._of(self, gap, options, algebra)
 
     def condense(self) -> CondensedProblem:
         """The problem in the contact displacements alone, by the library's own static condensation.

@@ -1,4 +1,4 @@
-"""What a run gives back."""
+"""The result of a run."""
 
 from __future__ import annotations
 
@@ -16,8 +16,12 @@ from numpy.typing import NDArray
 from . import plot as _plot
 from ._errors import AccuracyWarning, NotConverged, NotConvergedWarning, in_python
 from ._fields import Fields
+from ._linear import Checked
+from ._options import path_of
+from ._words import counted
 
 if TYPE_CHECKING:
+    from ._matrices import Matrices
     from ._scene import Model
 
 Array = NDArray[Any]
@@ -112,13 +116,20 @@ class Result(Fields):
 
     @classmethod
     def _of(
-        cls, raw: dict[str, Any], tangents: int, model: Model | None = None, *, reason: str = "", stacklevel: int = 3
+        cls, raw: dict[str, Any], problem: Matrices, model: Model | None = None, *, reason: str = "",
+        linear: object = None, stacklevel: int = 3,
     ) -> Result:
         records: list[dict[str, Any]] = json.loads(raw["records"]) if isinstance(raw["records"], str) else raw["records"]
         report: dict[str, Any] = json.loads(raw.get("report", "{}"))
 
-        def pair(first: Array, second: Array) -> Array:
-            return np.stack([first, second][:tangents], axis=-1) if tangents else np.zeros((*first.shape, 0))
+        of_nodes, of_body, d = (len(records), problem.n_c), (len(raw["kept"]), problem.n_u), problem.tangents
+
+        def nodes(name: str) -> Array:
+            values: Array = raw[name].reshape(of_nodes)
+            return values
+
+        def pair(first: str, second: str) -> Array:
+            return np.stack([nodes(first), nodes(second)][:d], axis=-1) if d else np.zeros((*of_nodes, 0))
 
         nan = float("nan")
         errors = [[nan if r["kkt"][law] is None else r["kkt"][law] for law in LAWS] for r in records]
@@ -127,11 +138,15 @@ class Result(Fields):
         iterations = np.empty(len(table), dtype=kinds).view(np.recarray)
         for (name, _), column in zip(kinds, table.T):
             iterations[name] = column
+        reason = in_python(report.get("reason", reason))
+        if isinstance(linear, Checked) and raw["status"] != "converged":
+            reason = linear.blamed(reason)
         result = cls(
-            status=raw["status"], reason=in_python(report.get("reason", reason)), t=np.array([r["time"] for r in records]),
-            p_n=raw["p_n"], p_t=pair(raw["p_t"], raw["p_o"]), contact=raw["contact"], gap=raw["gap"], mu=raw["mu"],
-            w_t_last=pair(raw["w_t_last"], raw["w_o_last"]), errors=np.array(errors).reshape(len(records), 6),
-            kept=tuple(k - 1 for k in raw["kept"]), u=raw["u"], u_rest=raw["u_rest"], force=raw["force"],
+            status=raw["status"], reason=reason, t=np.array([r["time"] for r in records]),
+            p_n=nodes("p_n"), p_t=pair("p_t", "p_o"), contact=nodes("contact"), gap=nodes("gap"), mu=nodes("mu"),
+            w_t_last=pair("w_t_last", "w_o_last"), errors=np.array(errors).reshape(len(records), 6),
+            kept=tuple(k - 1 for k in raw["kept"]), u=raw["u"].reshape(of_body), u_rest=raw["u_rest"].reshape(of_body),
+            force=raw["force"].reshape(of_body),
             records=records, iterations=iterations, report=report, model=model,
         )
         if stacklevel:
@@ -140,15 +155,20 @@ class Result(Fields):
 
     def _warn(self, stacklevel: int) -> None:
         """Tells Python's warnings of what was found."""
+        for category, kind, message in self._found():
+            warnings.warn(f"{kind}: {message}" if kind else message, category, stacklevel=stacklevel)
+
+    def _found(self) -> list[tuple[type[UserWarning], str, str]]:
+        """Category, kind and message of each of Python's warnings; the verdict has no kind."""
+        found: list[tuple[type[UserWarning], str, str]] = []
         if not self.converged:
-            warnings.warn(self._verdict(), NotConvergedWarning, stacklevel=stacklevel)
-        for warning in self.warnings:
-            if warning["kind"] not in _COSTS:
-                warnings.warn(f"{warning['kind']}: {warning['message']}", AccuracyWarning, stacklevel=stacklevel)
+            found.append((NotConvergedWarning, "", self._verdict()))
+        accuracy = (warning for warning in self.warnings if warning["kind"] not in _COSTS)
+        return found + [(AccuracyWarning, warning["kind"], warning["message"]) for warning in accuracy]
 
     @property
     def converged(self) -> bool:
-        """Whether every law holds within the tolerance in every increment, by the independent error measure; all of the history is there."""
+        """True if every law holds within the tolerance in every increment, by the independent error measure, and the history is complete."""
         return self.status == "converged"
 
     @property
@@ -168,7 +188,7 @@ class Result(Fields):
 
     @property
     def warnings(self) -> list[dict[str, str]]:
-        """What may make the answer wrong although every law holds.
+        """Doubts about the answer although every law holds.
 
         Returns
         -------
@@ -209,6 +229,9 @@ class Result(Fields):
         at = f"in increment {len(self.t)} (t = {self.t[-1]:g} s): {law} is violated by {last.max():.1e}"
         return f"{self.status} {at}" + (f"; {self.reason}" if self.reason else "")
 
+    def _amount(self) -> str:
+        return f"{counted(len(self.t), 'increment')}, {counted(self.nit, 'iteration')}"
+
     def __getstate__(self) -> dict[str, Any]:
         """Without what is computed again when it is asked for."""
         return {name: value for name, value in self.__dict__.items() if name != "_of_nodes"}
@@ -217,8 +240,7 @@ class Result(Fields):
         self.__dict__.update(state)
 
     def __repr__(self) -> str:
-        total = sum(r["iterations"] for r in self.records)
-        head = f"<Result {self._verdict()}; {len(self.t)} increments, {total} iterations, error {self.error:.1e}"
+        head = f"<Result {self._verdict()}; {self._amount()}, error {self.error:.1e}"
         if len(self.t):
             counts = {name: int((self.contact[-1] == code).sum()) for name, code in _CODES.items()}
             head += "; at the end " + ", ".join(f"{n} {name}" for name, n in counts.items())
@@ -237,8 +259,7 @@ class Result(Fields):
             f"<li><b>{html.escape(warning['kind'])}</b>: {html.escape(warning['message'])}</li>" for warning in self.warnings
         )
         return (
-            f"<div><b>{title}</b>: <b style='color:{colour}'>{verdict}</b>, {len(self.t)} increments, "
-            f"{sum(r['iterations'] for r in self.records)} iterations"
+            f"<div><b>{title}</b>: <b style='color:{colour}'>{verdict}</b>, {self._amount()}"
             f"<table><tr><th>law</th><th>largest error</th></tr>{rows}</table>"
             + (f"<p>Warnings:</p><ul>{found}</ul>" if found else "") + "</div>"
         )
@@ -323,6 +344,7 @@ class Result(Fields):
         path : str or os.PathLike
             The file; `numpy` adds ``.npz`` to a name without it.
         """
+        path = path_of(path)
         arrays = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in _NOT_ARRAYS}
         words: dict[str, Any] = {"status": self.status, "reason": self.reason, "records": self.records, "report": self.report}
         words["kept"] = list(self.kept)
@@ -335,7 +357,7 @@ class Result(Fields):
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Result:
-        """What `save` has written; the model is made again of the scene, its mesh and its files as they were then.
+        """Reads a file of `save`; the model is made again of the scene, its mesh and its files as they were then.
 
         Parameters
         ----------
@@ -355,6 +377,7 @@ class Result(Fields):
         """
         from ._scene import Model
 
+        path = path_of(path)
         refused = f"path: {path} was not written by Result.save"
         try:
             with np.load(path, allow_pickle=False) as file:

@@ -15,12 +15,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _core
 from . import mesh as _mesh
+from ._arrays import read_only
 from ._kinds import DIMENSION
 from ._errors import SceneError
-from ._options import called
+from ._options import called, linear_of
 from ._problem import Callback, ContactProblem, LinearSolver, keep, vector
 from ._result import Result
 from ._toml import to_toml, toml_value
+from ._words import counted
 from .builder import Scene
 
 Array = NDArray[Any]
@@ -76,7 +78,7 @@ def _with_any_mesh(text: str, given: _mesh.Given) -> str:
 
 
 class Model:
-    """A scene, discretised; nothing is solved yet.
+    """A scene, discretised; nothing is solved yet. Its arrays are read-only, and copies of them are not.
 
     Parameters
     ----------
@@ -149,14 +151,14 @@ class Model:
             raise error._in_python(self._has_text) from None
         self.title: str = core.title
         self.dimension: int = core.dimension
-        self.times: Array = np.array(core.times)
+        self.times: Array = read_only(np.array(core.times))
         self.problem: ContactProblem = ContactProblem._of(core.problem(), self.dimension - 1)
-        self.points: Array = core.points()
+        self.points: Array = read_only(core.points())
         contacts = core.contacts()
-        self.contact_nodes: Array = np.array([node for node, _ in contacts], dtype=np.int64)
-        self.contact_points: Array = np.array([x for _, x in contacts]).reshape(-1, 3)
-        self.frames: Array = np.array(core.frames()).reshape(-1, 3, 3)[:, : self.dimension]
-        self.boundaries: dict[str, Array] = {name: np.array(nodes, dtype=np.int64) for name, nodes in core.boundaries()}
+        self.contact_nodes: Array = read_only(np.array([node for node, _ in contacts], dtype=np.int64))
+        self.contact_points: Array = read_only(np.array([x for _, x in contacts]).reshape(-1, 3))
+        self.frames: Array = read_only(np.array(core.frames()).reshape(-1, 3, 3)[:, : self.dimension])
+        self.boundaries: dict[str, Array] = {name: read_only(np.array(nodes, dtype=np.int64)) for name, nodes in core.boundaries()}
         self.cells: list[tuple[str, Array]] = _blocks(core.cells())
 
     def _files(self) -> dict[str, bytes]:
@@ -191,18 +193,18 @@ class Model:
         return _restore(words["name"], words["text"], {}, given, files)
 
     def __repr__(self) -> str:
-        return f"<Model {self.title!r}: {len(self.points)} nodes, {len(self.times)} increments, {self.problem!r}>"
+        return f"<Model {self.title!r}: {counted(len(self.points), 'node')}, {counted(len(self.times), 'increment')}, {self.problem!r}>"
 
     @property
     def history(self) -> dict[str, Array]:
-        """What drives the model, for other people's solvers.
+        """Loads, gaps, drift and friction over time, for other people's solvers.
 
         Returns
         -------
         dict of str to ndarray
             ``force``, N, (m, n_u). ``gap``, m, (m + 1, n_c), the first row before the first increment. ``drift``, how far the
             obstacle has moved past each node, m, (m, n_c, d). ``mu``, (m, n_c). ``cases`` (loads, n_u), N, and ``factors``
-            (m, loads): the loads that ``force`` is the sum of.
+            (m, loads): the loads that ``force`` is the sum of. Arrays are read-only; copies of them are not.
 
         Examples
         --------
@@ -214,7 +216,8 @@ class Model:
         raw = self._core.history()
         drift = np.stack([raw["drift"], raw["drift_o"]][: self.dimension - 1], axis=-1)
         force = raw["factors"].reshape(len(self.times), -1) @ raw["cases"]
-        return {"force": force, "gap": raw["gap"], "drift": drift, "mu": raw["mu"], "cases": raw["cases"], "factors": raw["factors"]}
+        history = {"force": force, "gap": raw["gap"], "drift": drift, "mu": raw["mu"], "cases": raw["cases"], "factors": raw["factors"]}
+        return {name: read_only(table) for name, table in history.items()}
 
     def displacement(self, u: ArrayLike, t: float | None = None) -> Array:
         """Displacements of all nodes, those of supports included.
@@ -306,7 +309,7 @@ class Model:
         linear : {"auto", "faer", "partial", "condensed", "umfpack"} or LinearSolver, optional
             "auto": the cheapest. "umfpack" where it is built in, see `stickslip.UMFPACK`. None: what the scene says.
         keep_u : {"all", "last", "none"} or sequence of int, optional
-            Of which increments displacements are kept.
+            Of which increments displacements are kept. One run has room for all; `stickslip.sweep` keeps the last.
         callback : callable, optional
             Called with (increment, time, status, iterations, error) once an increment is judged. Whatever it raises ends the run and
             comes out.
@@ -364,6 +367,7 @@ class Model:
             raise ValueError(f"checkpoint_every: {checkpoint_every!r} found, expected seconds, 0 or more")
         if checkpoint is None and checkpoint_every is not None:
             raise ValueError("checkpoint_every: it is the time between checkpoints; name their file by checkpoint")
+        algebra = linear_of(linear)
         if increments is None and to is not None:
             raise ValueError('to: it is the error for increments="auto"; leave it out')
         model, chosen = (self, None) if increments is None else self._with_increments(increments, to)
@@ -390,11 +394,11 @@ class Model:
         }
         try:
             kept = keep(keep_u, len(model.times))
-            raw = model._core.run(linear, kept, told, options)
+            raw = model._core.run(algebra, kept, told, options)
         finally:
             if bar is not None:
                 bar.close()
-        result = Result._of(raw, model.dimension - 1, model, stacklevel=_stacklevel)
+        result = Result._of(raw, model.problem, model, linear=algebra, stacklevel=_stacklevel)
         if chosen is not None:
             result.report["chosen_increments"] = chosen
         if checkpoint is not None and result.converged:
@@ -410,7 +414,7 @@ def _blocks(cells: list[tuple[str, list[int], int]]) -> list[tuple[str, Array]]:
         if not blocks or blocks[-1][0] != kind:
             blocks.append((kind, []))
         blocks[-1][1].append(nodes)
-    return [(kind, np.array(nodes, dtype=np.int64)) for kind, nodes in blocks]
+    return [(kind, read_only(np.array(nodes, dtype=np.int64))) for kind, nodes in blocks]
 
 
 def _restore(name: str, text: str, overrides: dict[str, str], given: _mesh.Given | None, files: dict[str, bytes]) -> Model:

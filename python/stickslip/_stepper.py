@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,11 +18,21 @@ if TYPE_CHECKING:
 
 
 class StepperState:
-    """Where a `Stepper` was when `Stepper.save` was called; live, as the stepper itself: it does not pickle."""
+    """The state of a `Stepper` at a call of `Stepper.save`; live, as the stepper itself: it does not pickle."""
 
-    def __init__(self, stepper: Stepper, core: Any, ends: tuple[Array, ...]) -> None:
-        self._stepper, self._core, self._ends = stepper, core, ends
-        self._time = stepper.time
+    _stepper: Stepper
+    _core: Any
+    _ends: tuple[Array, ...]
+    _time: float
+
+    def __init__(self, *_: object, **__: object) -> None:
+        raise TypeError("a StepperState is made by `Stepper.save`")
+
+    @classmethod
+    def _of(cls, stepper: Stepper, core: Any, ends: tuple[Array, ...]) -> StepperState:
+        self = cls.__new__(cls)
+        self._stepper, self._core, self._ends, self._time = stepper, core, ends, stepper.time
+        return self
 
     def __repr__(self) -> str:
         return f"<StepperState at t = {self._time:g} s>"
@@ -62,14 +71,26 @@ class Stepper:
     np.float64(30.0)
     """
 
-    def __init__(self, problem: ContactProblem, gap: ArrayLike, options: Mapping[str, Any], linear: Any) -> None:
-        self.problem: ContactProblem = problem
-        self._core = _core.Stepper(problem._core, dict(options), linear)
-        self._force: Array = np.zeros(problem.n_u)
-        self._gap: Array = vector("gap", gap, problem.n_c)
-        self._drift: Array = np.zeros((problem.n_c, problem.tangents))
-        self._mu: Array = problem.mu
-        self.work: dict[str, int] = {"analyses": 0, "factorizations": 0}
+    problem: ContactProblem
+    work: dict[str, int]
+    _core: _core.Stepper
+    _linear: object
+    _force: Array
+    _gap: Array
+    _drift: Array
+    _mu: Array
+
+    def __init__(self, *_: object, **__: object) -> None:
+        raise TypeError("a Stepper is made by `ContactProblem.stepper`, such as problem.stepper(gap=1e-5)")
+
+    @classmethod
+    def _of(cls, problem: ContactProblem, gap: ArrayLike, options: dict[str, Any], linear: object) -> Stepper:
+        self = cls.__new__(cls)
+        self.problem, self.work = problem, {"analyses": 0, "factorizations": 0}
+        self._core, self._linear = _core.Stepper(problem._core, options, linear), linear
+        self._force, self._gap = np.zeros(problem.n_u), vector("gap", gap, problem.n_c)
+        self._drift, self._mu = np.zeros((problem.n_c, problem.tangents)), problem.mu
+        return self
 
     @property
     def time(self) -> float:
@@ -148,10 +169,10 @@ class Stepper:
         reason = _dependent.reason(self.problem, raw["free_motion"]) if raw["status"] == "singular" else ""
         if reason and raw["free_motion"] is None:
             reason += "; `ContactProblem.solve` and `solve_increment` take such contacts"
-        return Result._of(raw, d, reason=reason, stacklevel=3)
+        return Result._of(raw, self.problem, reason=reason, linear=self._linear, stacklevel=3)
 
     def save(self) -> StepperState:
-        """Where the stepper is, for `restore`: an implicit coupling takes back an increment and solves it again.
+        """The state of the stepper, for `restore`: an implicit coupling takes back an increment and solves it again.
 
         Returns
         -------
@@ -176,7 +197,7 @@ class Stepper:
         >>> stepper.time, bool(np.isclose(x, (200.0 - 30.0) / 4e6))
         (1.0, True)
         """
-        return StepperState(self, self._core.save(), (self._force, self._gap, self._drift, self._mu))
+        return StepperState._of(self, self._core.save(), (self._force, self._gap, self._drift, self._mu))
 
     def restore(self, state: StepperState) -> None:
         """Goes back to where `save` was called. The next increment is what it would have been there.

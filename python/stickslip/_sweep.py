@@ -5,12 +5,17 @@ from __future__ import annotations
 import itertools
 import os
 import threading
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 from typing import Any, Union, overload
 
+from ._errors import NotConverged
+from ._linear import Checked
+from ._options import linear_of
 from ._result import Result
 from ._scene import KeepU, Linear, Model, SceneLike
+from ._words import counted, few
 
 #: A key, or several that change together.
 Key = Union[str, tuple[str, ...]]
@@ -38,6 +43,8 @@ class Sweep(Sequence[Result]):
     <Sweep of contact.friction: 2 results, all converged>
     >>> [values["contact.friction"] for values in sweep.values]
     [0.5, 0.7]
+    >>> sweep[1:]
+    <Sweep of contact.friction: 1 result, all converged>
     """
 
     def __init__(self, values: list[dict[str, Any]], results: list[Result]) -> None:
@@ -51,29 +58,47 @@ class Sweep(Sequence[Result]):
     def __getitem__(self, k: int) -> Result: ...
 
     @overload
-    def __getitem__(self, k: slice) -> list[Result]: ...
+    def __getitem__(self, k: slice) -> Sweep: ...
 
-    def __getitem__(self, k: int | slice) -> Result | list[Result]:
-        return self.results[k]
+    def __getitem__(self, k: int | slice) -> Result | Sweep:
+        return Sweep(self.values[k], self.results[k]) if isinstance(k, slice) else self.results[k]
 
     def __iter__(self) -> Iterator[Result]:
         return iter(self.results)
 
     @property
     def converged(self) -> bool:
-        """Whether all converged."""
+        """True if all converged."""
         return all(result.converged for result in self)
 
     def check(self) -> Sweep:
-        """Itself, if all converged; raises `NotConverged` of the first that did not."""
-        for result in self:
-            result.check()
+        """Itself, if all converged; raises `NotConverged` with the values and the result of the first that did not."""
+        for k, result in enumerate(self):
+            if not result.converged:
+                raise NotConverged(f"{self._name(k)}: {result._verdict()}", result)
         return self
+
+    def _name(self, k: int) -> str:
+        """The values of a run, such as "contact.friction=0.5"."""
+        return ", ".join(f"{key}={value}" for key, value in self.values[k].items()) or "no value changed"
+
+    def _warn(self, stacklevel: int) -> None:
+        """Tells Python's warnings of what was found, each kind once."""
+        found: dict[tuple[type[UserWarning], str], dict[int, list[str]]] = {}
+        for k, result in enumerate(self):
+            for category, kind, message in result._found():
+                found.setdefault((category, kind), {}).setdefault(k, []).append(message)
+        for (category, kind), runs in found.items():
+            of = f"{len(runs)} of {counted(len(self), 'run')}"
+            head = f"{kind}: in {of}" if kind else f"{of} did not converge"
+            first, *others = runs.values()
+            link = ": " if all(messages == first for messages in others) else "; the first: "
+            warnings.warn(f"{head} ({few([self._name(k) for k in runs], 3, '; ')}){link}{'; '.join(first)}", category, stacklevel=stacklevel)
 
     def __repr__(self) -> str:
         failed = sum(not result.converged for result in self)
         keys = ", ".join(self.values[0]) if self.values else ""
-        return f"<Sweep of {keys}: {len(self)} results, {f'{failed} not converged' if failed else 'all converged'}>"
+        return f"<Sweep of {keys}: {counted(len(self), 'result')}, {f'{failed} not converged' if failed else 'all converged'}>"
 
     def table(self, quantities: Mapping[str, Callable[[Result], Any]] | None = None) -> dict[str, list[Any]]:
         """Columns with an entry for each result.
@@ -129,7 +154,7 @@ def _combinations(vary: Mapping[Key, Iterable[Any]]) -> list[dict[str, Any]]:
         for value in values:
             together = value if isinstance(key, tuple) else (value,)
             if not isinstance(together, (tuple, list)) or len(together) != len(keys):
-                raise ValueError(f"vary[{key!r}]: {value!r} found, expected a value for each of the {len(keys)} keys")
+                raise ValueError(f"vary[{key!r}]: {value!r} found, expected {counted(len(keys), 'value')}, one for each key")
             column.append(dict(zip(keys, together)))
         if not column:
             raise ValueError(f"vary[{key!r}]: there is no value")
@@ -157,13 +182,15 @@ def sweep(
         Values by key, as in `overrides`; a tuple of keys has tuples of values, which change together.
     jobs : int, optional
         How many run at a time, in threads; the number of processors without it.
-    linear, keep_u, companion, uniqueness
-        See `Model.run`; displacements are kept of the last increment alone.
+    linear, companion, uniqueness
+        See `Model.run`; a `LinearSolver` needs ``jobs=1``.
+    keep_u : {"last", "all", "none"} or sequence of int, optional
+        Of which increments displacements are kept. All of many runs may fill the memory; `Model.run` keeps all of one.
 
     Returns
     -------
     Sweep
-        One that did not converge is among the results, with a `NotConvergedWarning`.
+        One that did not converge is among the results.
 
     Raises
     ------
@@ -171,6 +198,13 @@ def sweep(
         A scene that is not sound; it names the key.
     TypeError, ValueError
         Values that are no list; the message names the key.
+
+    Warns
+    -----
+    NotConvergedWarning
+        Once, with the number of runs that did not converge and the values of the first.
+    AccuracyWarning
+        Once for each kind, likewise; ``result.warnings`` has those of each run.
 
     Examples
     --------
@@ -186,6 +220,8 @@ def sweep(
     """
     if jobs is not None and (isinstance(jobs, bool) or not isinstance(jobs, int) or jobs < 1):
         raise ValueError(f"jobs: {jobs!r} found, expected a whole number of 1 or more")
+    if jobs != 1 and isinstance(algebra := linear_of(linear), Checked):
+        raise TypeError(f"linear: {algebra.name} is one solver, which cannot work for several runs at once; a word or jobs=1 expected")
     values = _combinations(vary)
     models = [Model(scene, {**(overrides or {}), **value}, mesh=mesh) for value in values]
     stop = threading.Event()
@@ -211,6 +247,6 @@ def sweep(
     if raised:
         raise raised[0]
     results = [run.result() for run in runs]
-    for result in results:
-        result._warn(3)
-    return Sweep(values, results)
+    done = Sweep(values, results)
+    done._warn(3)
+    return done

@@ -20,6 +20,8 @@ from typing import Any, Literal
 
 from . import _core
 from ._errors import SceneError
+from ._options import path_of
+from ._words import counted
 
 
 def plane(*, gap: float = 0.0, **keys: Any) -> dict[str, Any]:
@@ -94,7 +96,7 @@ class Scene:
         parts = []
         for name, value in self._keys.items():
             if isinstance(value, list):
-                parts.append(f"{len(value)} {name}{'' if len(value) == 1 else 's'}")
+                parts.append(counted(len(value), name, {"body": "bodies"}.get(name, "")))
             elif name != "title":
                 parts.append(name)
         return f"<Scene {title!r}: {', '.join(parts)}>"
@@ -192,9 +194,10 @@ class Scene:
         SceneError
             A text that is no TOML.
         """
+        path = path_of(path)
         with open(path, encoding="utf-8") as file:
             scene = cls.from_toml(file.read())
-        scene._name = os.fspath(path)
+        scene._name = path
         return scene
 
     @staticmethod

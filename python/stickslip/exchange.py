@@ -16,12 +16,14 @@ from numpy.typing import NDArray
 
 from . import _core, siconos
 from ._judge import Posed
+from ._options import path_of
+from ._words import counted
 
 Array = NDArray[np.float64]
 
 
 class ProblemFile(NamedTuple):
-    """What a file of the global form has.
+    """The contents of a file of the global form.
 
     Attributes
     ----------
@@ -40,7 +42,7 @@ class ProblemFile(NamedTuple):
 
 
 class Answer(NamedTuple):
-    """What `solve` found, in the notation of the file.
+    """The answer of `solve`, in the notation of the file.
 
     Attributes
     ----------
@@ -94,11 +96,12 @@ def read(path: str | os.PathLike[str]) -> ProblemFile:
     >>> bool((file.solution[1] == result.p_n[-1]).all())
     True
     """
-    raw = _core.read_problem(os.fspath(path))
+    path = path_of(path)
+    raw = _core.read_problem(path)
     if raw["form"] != "global":
-        raise ValueError(f"path: {os.fspath(path)} has the local form, contact forces alone; stickslip.exchange.solve takes it")
+        raise ValueError(f"path: {path} has the local form, contact forces alone; stickslip.exchange.solve takes it")
     if raw["constraints"]:
-        raise ValueError(f"path: {os.fspath(path)} has {raw['constraints']} equality constraints, which no stiffness has; stickslip.exchange.solve takes it")
+        raise ValueError(f"path: {path} has {counted(raw['constraints'], 'equality constraint')}, which no stiffness has; stickslip.exchange.solve takes it")
     n, columns = len(raw["f"]), len(raw["w"])
     M: Any = sp.csc_array(raw["M"], shape=(n, n))
     H: Any = sp.csc_array(raw["H"], shape=(n, columns))
@@ -142,5 +145,5 @@ def solve(path: str | os.PathLike[str]) -> Answer:
     >>> answer.solved, answer.r.tolist()
     (True, [2.0, -1.0])
     """
-    raw = _core.solve_problem(os.fspath(path))
+    raw = _core.solve_problem(path_of(path))
     return Answer(raw["solved"], raw["v"], raw["r"], raw["u"], json.loads(raw["errors"]), raw["iterations"])

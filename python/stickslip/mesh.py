@@ -17,6 +17,7 @@ from ._kinds import (
     DIMENSION, FACETS, GMSH, GMSH_ORDER, NODES, VTK, VTK_LINES, coordinate_plane, outer_facets as outer_facets, right_way_round,
     SIDES as SIDES,
 )
+from ._words import counted
 
 Array = NDArray[Any]
 
@@ -72,7 +73,7 @@ def _members(name: str, chosen: ArrayLike, count: int) -> Array:
         return np.flatnonzero(mask)
     numbers = _integers(name, chosen).ravel()
     if numbers.size and (numbers.min() < 0 or numbers.max() >= count):
-        raise ValueError(f"{name}: cell {numbers.min() if numbers.min() < 0 else numbers.max()} is not among the {count} of its block")
+        raise ValueError(f"{name}: cell {numbers.min() if numbers.min() < 0 else numbers.max()} is not among those of its block, 0 to {count - 1}")
     return numbers
 
 
@@ -85,14 +86,14 @@ def _tagged(blocks: list[tuple[str, Array]], groups: Mapping[str, Sequence[Array
     for number, name in enumerate(names):
         by_block = list(groups[name])
         if len(by_block) != len(blocks):
-            raise ValueError(f"groups[{name!r}] has the cells of {len(by_block)} blocks, expected {len(blocks)}: one entry for each block of cells")
+            raise ValueError(f"groups[{name!r}] has the cells of {counted(len(by_block), 'block')}, expected {len(blocks)}: one entry for each block of cells")
         for k, ((_, nodes, of_cell), chosen) in enumerate(zip(tagged, by_block)):
             members = _members(f"groups[{name!r}][{k}]", chosen, len(nodes))
             twice = members[of_cell[members] >= 0]
             if len(twice):
                 other = names[of_cell[twice[0]]]
                 raise ValueError(
-                    f"groups: {len(twice)} cells are in both {other!r} and {name!r}; keep one group, the material, for each cell, "
+                    f"groups: {other!r} and {name!r} have {counted(len(twice), 'cell')} in common; keep one group, the material, for each cell, "
                     "and remove the other from the mesh"
                 )
             of_cell[members] = number
@@ -163,7 +164,7 @@ def from_arrays(
         if nodes.size and (nodes.ndim != 2 or nodes.shape[1] != NODES[kind]):
             raise ValueError(f"cells: {kind} has nodes of the shape {nodes.shape}, expected (k, {NODES[kind]})")
         if nodes.size and (nodes.min() < 0 or nodes.max() >= len(xyz)):
-            raise ValueError(f"cells: {kind} has nodes that are not among the {len(xyz)} points")
+            raise ValueError(f"cells: {kind} has nodes that are not among the points, 0 to {len(xyz) - 1}")
     blocks = [(kind, nodes.reshape(-1, NODES[kind])) for kind, nodes in blocks]
     if not blocks or not any(len(nodes) for _, nodes in blocks):
         raise ValueError("cells: there is none")
@@ -333,8 +334,8 @@ def _refuse_loose(blocks: list[tuple[Array, bool]]) -> None:
         near = [nodes for nodes in others if np.isin(nodes, grouped).any()]
         if not near:
             raise ValueError(
-                f"groups: {sum(map(len, others))} cells of no physical group are apart from those of a group. Put them into a physical "
-                "group if they are of the body, or remove their entities if they are left over"
+                f"groups: a part of {counted(sum(map(len, others)), 'cell')} without a physical group is apart from those with one. Put it into a "
+                "physical group if it is of the body, or remove its entities if it is left over"
             )
         grouped = np.unique(np.concatenate([grouped, *[nodes.ravel() for nodes in near]]))
         others = [nodes for nodes in others if not np.isin(nodes, grouped).any()]
@@ -370,7 +371,7 @@ def _vtk_name(kind: int) -> str:
 
 
 def given(mesh: Any) -> Given:
-    """Whatever `Model` and `run` take as `mesh`.
+    """A mesh of arrays from any object that `Model` and `run` take as `mesh`.
 
     Parameters
     ----------

@@ -40,6 +40,11 @@ class Natural:
     mu : float or (n_c,), optional
         Friction coefficients of this increment where they change.
 
+    Attributes
+    ----------
+    K, C_n, C_t
+        Those of `problem`; `C_t` is a tuple with a matrix for each tangent.
+
     Raises
     ------
     ValueError

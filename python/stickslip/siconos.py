@@ -24,10 +24,11 @@ from numpy.typing import ArrayLike
 from ._arrays import Array, tangential, vector
 from ._judge import Posed, Solver
 from ._problem import ContactProblem
+from ._words import counted
 
 
 class GlobalFriction(NamedTuple):
-    """What `siconos.numerics.GlobalFrictionContactProblem` is made of, in this order; see `stickslip.siconos.to_siconos`."""
+    """The arguments of `siconos.numerics.GlobalFrictionContactProblem`, in this order; see `stickslip.siconos.to_siconos`."""
 
     dimension: int
     M: Any
@@ -76,8 +77,8 @@ def to_siconos(
     order = np.arange((1 + d) * n_c).reshape(1 + d, n_c).T.ravel()
     H = sp.csr_array(sp.vstack([-problem.C_n, *problem.C_t], format="csr"))[order].T.tocsc()
     b = np.column_stack([vector("gap", gap, n_c), -w]).ravel()
-    coefficients = problem.mu if mu is None else vector("mu", mu, n_c)
-    return GlobalFriction(1 + d, problem.K, H, vector("force", force, problem.n_u), b, coefficients)
+    coefficients = problem.mu.copy() if mu is None else vector("mu", mu, n_c)
+    return GlobalFriction(1 + d, problem.K.copy(), H, vector("force", force, problem.n_u), b, coefficients)
 
 
 def from_siconos(M: Any, H: Any, q: ArrayLike, b: ArrayLike, mu: ArrayLike) -> Posed:
@@ -114,14 +115,14 @@ def from_siconos(M: Any, H: Any, q: ArrayLike, b: ArrayLike, mu: ArrayLike) -> P
     H = sp.csc_array(H)
     dimension, left = divmod(H.shape[1], contacts)
     if left or dimension not in (2, 3):
-        raise ValueError(f"H has {H.shape[1]} columns, expected 2 or 3 for each of {contacts} contacts in mu")
+        raise ValueError(f"H has {counted(H.shape[1], 'column')}, expected 2 or 3 for each of {counted(contacts, 'contact')} in mu")
     rows = H.T.tocsr()
     normal, *tangents = (rows[k::dimension] for k in range(dimension))
     problem = ContactProblem(M, -normal, tangents, mu)
     by_node = vector("b", b, dimension * contacts).reshape(contacts, dimension)
     nothing = (np.zeros(problem.n_u), np.zeros(contacts), np.zeros((contacts, dimension - 1)))
     force = vector("q", q, problem.n_u)
-    return Posed(problem, force, by_node[:, 0].copy(), -by_node[:, 1:], problem.mu, nothing)
+    return Posed(problem, force, by_node[:, 0].copy(), -by_node[:, 1:], problem.mu.copy(), nothing)
 
 
 def answer(problem: ContactProblem, v: ArrayLike, r: ArrayLike) -> tuple[Array, Array, Array]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import pickle
+import re
 from typing import Any, get_args
 
 import numpy as np
@@ -90,3 +91,31 @@ def test_arguments_of_another_shape_are_named() -> None:
     }.items():
         with pytest.raises(ValueError, match=f"^{name} "):
             call()
+
+
+def test_one_of_a_kind_is_said_in_the_singular() -> None:
+    problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
+    result, many = problem.solve([40.0, -100.0]), problem.solve_many([40.0, -100.0], mus=[0.1])
+    model = ss.Model(block(n=2, increments=1), {"time.end": 1.0})
+    assert "; 1 increment, 1 iteration, " in repr(result) and "1 increment, 1 iteration<" in result._repr_html_()
+    assert repr(many) == "<Results of 1 history, all converged>" and ", 1 increment, " in repr(model)
+    assert repr(ss.compare(problem, {"Newton": "bn"}, history={"force": [[40.0, -100.0]]})).startswith("<Comparison of 1 solver, ")
+    assert repr(ss.sweep(block(n=2), {"contact.friction": [0.9]})) == "<Sweep of contact.friction: 1 result, all converged>"
+    assert repr(ss.Scene({"body": [{}, {}], "contact": [{}]})) == "<Scene '': 2 bodies, 1 contact>" and repr(ss.Svg("x")) == "<Svg of 1 character>"
+    with pytest.raises(ValueError, match="^keep_u is .* of 1 increment$"):
+        problem.solve([40.0, -100.0], keep_u=[1])
+
+
+@pytest.mark.parametrize("kind, way", [
+    (ss.CondensedProblem, r"condense\(\)"), (ss.Stepper, r"problem\.stepper\("), (ss.StepperState, "Stepper.save"),
+])
+def test_what_others_make_says_how(kind: Any, way: str) -> None:
+    for arguments in ((), (np.eye(2), [[0, -1]], [[1, 0]], 0.3), (small(),)):
+        with pytest.raises(TypeError, match=way):
+            kind(*arguments)
+
+
+@pytest.mark.parametrize("call", [ss.ContactProblem.solve, ss.ContactProblem.solve_many, ss.Model.run, ss.sweep])
+def test_the_first_word_of_keep_u_is_its_default(call: Any) -> None:
+    first = re.search(r"keep_u : \{?\"(\w+)\".*\n.*are kept\. \S", inspect.getdoc(call) or "")
+    assert first and first[1] == inspect.signature(call).parameters["keep_u"].default

@@ -57,3 +57,11 @@ def test_public_names_say_what_their_parameters_are(name: str) -> None:
         listed = re.findall(r"^(\*{0,2}\w+(?:, \w+)*)(?: :.*)?$", text.partition("Parameters\n----------\n")[2].partition("\n\n")[0], re.M)
         found = {one.strip("* ") for line in listed for one in line.split(",")}
         assert set(parameters) - {"keys"} <= found or not parameters, f"{where}: {set(parameters) - found} without a description"
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_docstrings_begin_with_a_noun_or_a_verb(name: str) -> None:
+    module = importlib.import_module(f"stickslip.{name}")
+    texts = {name: module.__doc__ or ""} | {test.name: test.docstring for test in doctest.DocTestFinder(exclude_empty=False).find(module)}
+    first = {where: text.split(maxsplit=1)[0] for where, text in texts.items() if text.strip()}
+    assert not {where for where, word in first.items() if word in ("What", "Whatever", "Whether", "Which", "Where", "Why", "How")}

@@ -149,8 +149,8 @@ def test_friction_is_there_at_all_times_or_never() -> None:
 
 
 def test_compare_says_of_a_word_why_there_is_no_answer() -> None:
-    model = ss.Model(block(n=4, increments=4))
-    table = ss.compare(model.problem, {"bn": "bn"}, history={"force": 1e300 * model.history["force"]})
+    model = ss.Model(ss.Scene.example("block"), {"mesh.elements": [8, 4], "contact.friction": 0.1})
+    table = ss.compare(model.problem, {"bn": "bn"}, history={"force": model.history["force"]})
     assert not table["bn"].holds and table["bn"].remark
     with pytest.raises(ValueError, match="newton"):
         ss.compare(model, {"mine": "newton"})
@@ -224,9 +224,28 @@ def test_a_history_that_does_not_fit_is_refused_and_not_cut_short() -> None:
     ]:
         with pytest.raises(ValueError, match=named):
             ss.judge(p, zero, history=history)
-    with pytest.raises(TypeError, match="solver"):
-        ss.judge(p, "bn", history={"force": force})  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match=r"^solver: .* expected, int found"):
+        ss.judge(p, 3, history={"force": force})  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match=r"^solvers\['mine'\]: .* expected, NoneType found"):
+        ss.compare(p, {"mine": None}, history={"force": force})  # type: ignore[dict-item]
     with pytest.raises(ValueError, match="solvers"):
         ss.compare(p, {}, history={"force": force})
     with pytest.raises(ValueError, match="K is complex"):
         ss.ContactProblem(np.eye(2) * 1j, [[1.0, 0.0]], [[0.0, 1.0]], 0.5)
+
+
+def test_judge_takes_the_words_of_compare() -> None:
+    model = ss.Model(block(n=4, increments=4))
+    for word in ("bn", "ip", "events", "stickslip"):
+        verdict, row = ss.judge(model, word), ss.compare(model, {word: word})[word]
+        assert verdict.holds and verdict.name == word and (verdict.errors == row.errors).all() and (verdict.p_n == row.p_n).all()
+    assert ss.judge(model, "ip", name="interior point").name == "interior point"
+    with pytest.raises(ValueError, match="^solver is 'newton', expected one of bn, ip, events, stickslip or a function"):
+        ss.judge(model, "newton")
+    for wrong in ("bn", lambda posed: None):
+        with pytest.raises(ValueError, match="no increments"):
+            ss.judge(model.problem, wrong, history={"force": np.ones((0, model.problem.n_u))})
+    with pytest.warns(ss.AccuracyWarning) as warned:
+        ss.judge(ss.Model(SCENES / "confined.toml"), "stickslip")
+        ss.compare(ss.Model(SCENES / "confined.toml"), {"own": "stickslip"})
+    assert {w.filename for w in warned} == {__file__}

@@ -63,14 +63,14 @@ def test_forces_gaps_and_friction_that_changes_differ_too() -> None:
 
 
 def test_a_failure_does_not_lose_the_others() -> None:
-    model = ss.Model(block(6))
+    model = ss.Model(ss.Scene.example("block"), {"mesh.elements": [8, 4]})
     p, h = model.problem, model.history
-    forces = [h["force"], np.full((10, p.n_u), 1e300), h["force"][:3]]
+    forces = [h["force"], h["force"] + np.tile([1e3, 0.0], p.n_u // 2), h["force"][:3]]
     with pytest.warns(ss.NotConvergedWarning, match=r"1 of 3 histories did not converge \(1\)"):
-        many = p.solve_many(forces=forces, gap=1e-5)
+        many = p.solve_many(forces=forces)
     assert many.converged.tolist() == [True, False, True] and not many[1].success and many[1].message
     assert repr(many) == "<Results of 3 histories, 1 not converged: 1>"
-    same(many[0], p.solve(h["force"], gap=1e-5))
+    same(many[0], p.solve(h["force"]))
     stacked = many.stack("p_n")
     assert np.isfinite(stacked[0]).all() and np.isnan(stacked[2, 3:]).all() and np.isfinite(stacked[2, :3]).all()
     with pytest.raises(ss.NotConverged, match="history 1"):
@@ -89,7 +89,7 @@ def test_dependent_contacts_go_through_the_cascade_here_too() -> None:
 @pytest.mark.parametrize("message, arguments", [
     (r"^mus\[1\] is negative", {"mus": [0.1, -0.1]}), (r"^mus\[0\] has the shape", {"mus": [[0.1] * 3]}),
     (r"^forces\[1\] has the shape", {"forces": [np.ones(4), np.ones(3)]}), (r"^gaps\[0\] is not finite", {"gaps": [np.nan]}),
-    ("^forces, gaps and mus are missing", {}), ("^mus has 1 entries, gaps|^gaps has 2 entries, mus", {"mus": [0.1], "gaps": [0.0, 0.0]}),
+    ("^forces, gaps and mus are missing", {}), ("^mus has 1 entry, gaps|^gaps has 2 entries, mus has 1 entry:", {"mus": [0.1], "gaps": [0.0, 0.0]}),
     ("^threads", {"mus": [0.1], "threads": 0}), ("^force is missing", {"mus": [0.1], "force": None}), ("^method", {"mus": [0.1], "method": "newton"}),
     ("^tolerance", {"mus": [0.1], "tolerance": 2.0}), ("weight", {"mus": [0.1], "setting": "paper"}), ("^gaps: give", {"gaps": [0.0], "gap": 1.0}),
 ])
@@ -242,3 +242,24 @@ def test_a_forked_process_solves_many_too() -> None:
     expected = _sums(problem)
     with multiprocessing.get_context("fork").Pool(1) as pool:
         assert pool.map_async(_sums, [problem]).get(timeout=60)[0] == pytest.approx(expected, rel=1e-12)
+
+
+def test_a_part_of_results_is_results() -> None:
+    problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
+    results = problem.solve_many([[0.0, -100.0], [40.0, -100.0]], mus=[0.1, 0.2, 0.3], keep_u="all")
+    part = results[1:]
+    assert type(part) is ss.Results and list(part) == [results[1], results[2]] and results[-1] is part[-1]
+    assert (part.stack("p_t") == results.stack("p_t")[1:]).all() and part.converged.tolist() == [True, True]
+    rows = {"t": (), "u": (2,), "p_n": (1,), "p_t": (1, 1), "contact": (1,), "gap": (1,), "mu": (1,), "w_t_last": (1, 1), "errors": (6,)}
+    for name, width in rows.items():
+        assert results.stack(name).shape == (3, 2, *width)
+        for none in (results[:0], problem.solve_many(forces=[]), pickle.loads(pickle.dumps(results[:0]))):
+            assert none.stack(name).shape == (0, 0, *width) and none.stack(name).dtype == results.stack(name).dtype
+
+
+@pytest.mark.filterwarnings("ignore::stickslip.NotConvergedWarning")
+def test_results_without_an_increment_have_their_shape() -> None:
+    loose = ss.ContactProblem(np.zeros((2, 2)), [[0, -1]], [[1, 0]], mu=0.3, free_motions=np.eye(2))
+    result, results = loose.solve([1.0, 1.0]), loose.solve_many(forces=[[1.0, 1.0]])
+    assert len(result.t) == 0 and result.p_n.shape == (0, 1) and result.p_t.shape == (0, 1, 1) and result.u.shape == (0, 2)
+    assert results.stack("p_t").shape[2:] == (1, 1) and results.stack("u").shape[2:] == (2,)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import pickle
+import re
 import threading
+from typing import Any
 
 import numpy as np
 import pytest
@@ -207,6 +209,46 @@ def test_what_a_foreign_solver_raises_comes_out() -> None:
         one_node().solve([1.0, 1.0], linear=Short())
 
 
+@pytest.mark.filterwarnings("ignore::stickslip.NotConvergedWarning")
+@pytest.mark.parametrize("what, said", [
+    (lambda x: 0.0 * x, r"wrong, its relative residual is 1\.0e\+00$"), (lambda x: -x, r"wrong, its relative residual is \S+$"),
+    (lambda x: np.full(len(x), np.nan), "not finite"), (lambda x: x + np.inf, "not finite"),
+])
+def test_a_wrong_answer_of_a_foreign_solver_is_said(what: Any, said: str) -> None:
+    class Own(Scipy):
+        def solve(self, b):  # type: ignore[no-untyped-def]
+            return what(self.lu.solve(b))
+
+    model = ss.Model(ss.Scene.example("block"), {"mesh.elements": [8, 4]})
+    small = one_node()
+    for result in (
+        small.solve([1.0, 1.0], linear=Own()), small.solve([1.0, 1.0], linear=Own(), method="ip"), model.run(linear=Own()),
+        small.stepper(linear=Own()).step([1.0, 1.0]),
+    ):
+        assert not result.converged and re.search(f"; linear: the last answer of Own is {said}|: linear: the last answer of Own is {said}", result.message)
+
+
+def test_a_right_answer_of_a_foreign_solver_is_not_blamed() -> None:
+    model = ss.Model(ss.Scene.example("block"), {"mesh.elements": [8, 4], "contact.friction": 0.1})
+    with pytest.warns(ss.NotConvergedWarning, match="no-equilibrium"):
+        result = model.run(linear=Scipy())
+    assert "linear" not in result.message
+    with pytest.warns(ss.NotConvergedWarning):
+        result = one_node().with_(weight=1.0).solve([1.0, 1.0], linear=Scipy(), setting="paper", max_iterations=1)
+    assert "linear" not in result.message
+
+
+def test_what_is_no_solver_is_refused_everywhere() -> None:
+    model = ss.Model(ss.Scene.example("block"), {"mesh.elements": [8, 4]})
+    for call in (model.run, lambda linear: one_node().solve([1.0, 1.0], linear=linear), lambda linear: one_node().stepper(linear=linear)):
+        with pytest.raises(TypeError, match="^linear: int has no analyze, factorize, solve"):
+            call(linear=3)
+    scene, vary = ss.Scene.example("block"), {"contact.friction": [0.5, 0.7]}
+    with pytest.raises(TypeError, match="^linear: Scipy is one solver.*jobs=1"):
+        ss.sweep(scene, vary, linear=Scipy())
+    assert ss.sweep(scene, vary, overrides={"mesh.elements": [8, 4]}, linear=Scipy(), jobs=1).converged
+
+
 @pytest.mark.parametrize("n", [2, 3])
 def test_the_residual_vanishes_at_a_solution_and_newton_finds_it(n: int) -> None:
     scene, overrides = (block(), {}) if n == 2 else (SCENES / "cube.toml", {"mesh.elements": [3, 3, 3]})
@@ -271,6 +313,33 @@ def test_a_body_that_only_friction_holds_has_its_free_motions_found() -> None:
 
 def test_data_of_a_problem_cannot_be_assigned() -> None:
     problem = ss.ContactProblem(np.eye(2), np.eye(2)[:1], np.eye(2)[1:], 0.3, weight=1.0)
-    for array in (problem.mu, problem.weight):
+    held = ss.ContactProblem(np.diag([0.0, 1.0]), np.eye(2)[:1], np.eye(2)[1:], 0.3)
+    arrays = [problem.mu, problem.weight, held.free_motions]
+    for matrix in (problem.K, problem.C_n, *problem.C_t, problem.condense().K):
+        arrays += [matrix.data, matrix.indices, matrix.indptr]
+    for array in arrays:
         with pytest.raises(ValueError, match="read-only"):
-            array[0] = 0.9
+            array[0] = 1
+    own = problem.K.copy()
+    own[0, 0] = own.data[1] = 2.0
+    assert own.sum() == 4.0 and problem.K.sum() == 2.0
+
+
+def test_arrays_of_a_model_cannot_be_assigned() -> None:
+    model = ss.Model(ss.Scene.example("block"), {"mesh.elements": [8, 4]})
+    arrays = [model.times, model.points, model.contact_nodes, model.contact_points, model.frames]
+    arrays += [*model.boundaries.values(), *(nodes for _, nodes in model.cells), *model.history.values()]
+    for array in arrays:
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1
+    given = model.problem.to_siconos(model.history["force"][-1])
+    given.M.data[0] = given.mu[0] = 0.0
+
+
+@pytest.mark.parametrize("scene, tangents", [(block(n=4), 1), (SCENES / "cube.toml", 2)])
+def test_tangents_are_a_tuple_that_a_problem_takes_back(scene: object, tangents: int) -> None:
+    p = ss.Model(scene, {} if tangents == 1 else {"mesh.elements": [3, 3, 3]}).problem  # type: ignore[arg-type]
+    again = p.with_(C_n=p.C_n, C_t=p.C_t)
+    assert type(p.C_t) is tuple and len(p.C_t) == len(again.C_t) == again.tangents == tangents
+    assert all(abs(a - b).sum() == 0.0 for a, b in zip(p.C_t, again.C_t))
+    assert ss.ContactProblem(np.eye(2), [[0, -1]]).C_t == ()

@@ -11,6 +11,7 @@ import pytest
 
 import stickslip as ss
 from scenes import block
+from stickslip.newton import Natural
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 
@@ -72,15 +73,17 @@ def test_a_solver_in_python_is_kept_over_the_increments() -> None:
 
 
 def test_a_step_that_failed_is_tried_again() -> None:
-    model = ss.Model(block(n=6, increments=4))
+    model = ss.Model(ss.Scene.example("block"), {"mesh.elements": [8, 4]})
     force = model.history["force"]
-    stepper = model.problem.stepper(gap=1e-5)
+    stepper = model.problem.stepper()
     stepper.step(force[0])
+    sideways = force[0].copy()
+    sideways[::2] += 1e3
     with pytest.warns(ss.NotConvergedWarning):
-        assert not stepper.step(1e300 * np.ones(model.problem.n_u)).converged
+        assert not stepper.step(sideways).converged
     assert stepper.time == 1.0
     again = stepper.step(force[1])
-    np.testing.assert_allclose(again.p_n[0], ss.run(block(n=6, increments=4)).p_n[1], rtol=1e-8, atol=1.0)
+    np.testing.assert_allclose(again.p_n[0], model.run().p_n[1], rtol=1e-8, atol=1e-6)
 
 
 def test_what_cannot_be_is_refused() -> None:
@@ -156,3 +159,20 @@ def test_the_implicit_coupling_agrees_with_the_history_that_it_found(capsys: pyt
     heat = whole.p_t[:, :, 0] * slid / problem.weight
     balance = code["capacity"] * np.diff(temperature, axis=0) + code["dt"] * code["loss"] * temperature[1:] - heat
     assert abs(balance).max() < 1e-6 * heat.max()
+
+
+def test_arrays_that_change_after_a_step_are_not_followed() -> None:
+    problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
+    stepper, own = problem.stepper(), {"gap": np.array([1e-6]), "drift": np.array([[1e-6]]), "mu": np.array([0.2])}
+    state = stepper.save()
+    expected = [stepper.step([40.0, -100.0], **own), stepper.step([-30.0, -100.0])][1]
+    stepper.restore(state)
+    stepper.step([40.0, -100.0], **own)
+    for array in own.values():
+        array *= 5.0
+    found = stepper.step([-30.0, -100.0])
+    assert (found.gap == expected.gap).all() and (found.mu == expected.mu).all() and (found.p_t == expected.p_t).all()
+    force = np.array([40.0, -100.0])
+    natural = Natural(problem, force)
+    force *= 2.0
+    assert natural.force.tolist() == [40.0, -100.0]

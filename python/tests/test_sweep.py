@@ -50,7 +50,9 @@ def test_a_sweep_has_all_combinations() -> None:
     table = sweep.table({"sum": lambda result: result.p_n[-1].sum()})
     assert list(table) == ["contact.friction", "time.end", "time.increments", "status", "error", "increments", "sum"]
     assert needs("pandas") and sweep.to_pandas()["increments"].tolist() == [5, 10, 5, 10]
-    assert len(pickle.loads(pickle.dumps(sweep)).results) == 4 and sweep[1:3] == sweep.results[1:3]
+    assert len(pickle.loads(pickle.dumps(sweep)).results) == 4 
+    part = sweep[1:3]
+    assert type(part) is ss.Sweep and part.results == sweep.results[1:3] and part.values == sweep.values[1:3]
     failed = ss.sweep(block(n=6, setting="paper"), {"solver.max_iterations": [1, 50]})
     assert not failed.converged and "1 not converged" in repr(failed)
     with pytest.raises(ss.NotConverged):
@@ -61,6 +63,25 @@ def test_a_sweep_warns_where_it_was_called() -> None:
     with pytest.warns(ss.AccuracyWarning) as warned:
         ss.sweep(SCENES / "confined.toml", {"contact.friction": [0.3, 0.4]})
     assert {w.filename for w in warned} == {__file__}
+
+
+def test_a_sweep_warns_once_of_each_kind_and_names_the_runs() -> None:
+    vary = {"contact.friction": [0.3, 0.4, 0.5, 0.6, 0.7], ("load[0].traction[1]", "time.increments"): [(-50e3, 20)]}
+    with pytest.warns(UserWarning) as warned:
+        sweep = ss.sweep(ss.Scene.example("block"), vary, overrides={"mesh.elements": [8, 4]})
+    said = [(w.category, str(w.message)) for w in warned]
+    kinds = {warning["kind"] for result in sweep for warning in result.warnings}
+    assert len(said) == 1 + len(kinds) and len({message for _, message in said}) == len(said)
+    failed = [k for k, result in enumerate(sweep) if not result.converged]
+    name = "contact.friction={}, load[0].traction[1]=-50000.0, time.increments=20".format
+    assert failed == [0] and said[0] == (ss.NotConvergedWarning, f"1 of 5 runs did not converge ({name(0.3)}): {sweep[0].message}")
+    edges = [k for k, result in enumerate(sweep) if any(warning["kind"] == "singular-edge" for warning in result.warnings)]
+    assert edges == [0, 1, 2, 3, 4]
+    message = next(warning["message"] for warning in sweep[0].warnings if warning["kind"] == "singular-edge")
+    runs = f"{name(0.3)}; {name(0.4)}; {name(0.5)}; and 2 more"
+    assert (ss.AccuracyWarning, f"singular-edge: in 5 of 5 runs ({runs}); the first: {message}") in said
+    with pytest.raises(ss.NotConverged, match=r"^contact.friction=0.3, load\[0\].*: no-equilibrium in increment"):
+        sweep.check()
 
 
 def test_a_wrong_value_is_found_before_anything_is_solved() -> None:

@@ -20,6 +20,7 @@ EYE, ROW = np.eye(3), np.array([[0.0, 0.0, 1.0]])
     ("K", (EYE * np.nan, ROW, ROW, 0.1)),
     ("K", ("a word", ROW, ROW, 0.1)),
     ("^K is not positive semidefinite", (-EYE, ROW, ROW, 0.1)),
+    ("^K has the number 1e\\+300", (1e300 * EYE, ROW, ROW, 0.1)), ("^C_n has the number", (EYE, 1e300 * ROW, ROW, 0.1)),
     ("C_n", (EYE, ROW[:, :2], ROW, 0.1)),
     ("C_t", (EYE, ROW, sp.csr_array((2, 3)), 0.1)),
     ("C_t", (EYE, ROW, (ROW, ROW, ROW), 0.1)),
@@ -53,6 +54,9 @@ def test_what_goes_with_matrices(name: str, arguments: dict[str, object]) -> Non
     ("max_iterations", [1.0, 0.0, 0.0], {"max_iterations": 0}), ("r_factor", [1.0, 0.0, 0.0], {"r_factor": 0.0}),
     ("keep_u", [1.0, 0.0, 0.0], {"keep_u": "some"}), ("keep_u", [1.0, 0.0, 0.0], {"keep_u": [5]}),
     ("weight", [1.0, 0.0, 0.0], {"setting": "paper"}),
+    ("gap has the number -1e\\+300, but", [1.0, 0.0, 0.0], {"gap": -1e300}), ("force has the number", [1e300, 0.0, 0.0], {}),
+    ("drift has the number", [1.0, 0.0, 0.0], {"drift": [[1e300]]}), ("r_factor", [1.0, 0.0, 0.0], {"r_factor": 1e300}),
+    ("r_factor", [1.0, 0.0, 0.0], {"r_factor": np.nan}),
 ])
 def test_histories(name: str, force: object, options: dict[str, object]) -> None:
     with pytest.raises(ValueError, match=f"^{name}" if name != "weight" else name):
@@ -119,3 +123,13 @@ def test_random_input_is_an_answer_or_a_value_error(data: st.DataObject) -> None
 
 #: Every argument, and what `ContactProblem` calls K.
 NAMES = ("K", "stiffness", "C_n", "C_t", "mu", "weight", "force", "gap", "times", "factors", "method", "free motions", "drift")
+
+
+@pytest.mark.parametrize("path", [None, 3, 1.5, b"bytes"])
+def test_paths(path: object) -> None:
+    result = ss.run(block(n=2, increments=1))
+    for call in (
+        result.save, ss.Result.load, result.write_vtu, result.write_fclib, ss.Svg("x").save, ss.Scene.from_file, ss.exchange.read, ss.exchange.solve,
+    ):
+        with pytest.raises(TypeError, match=f"^path: a str or os.PathLike expected, {type(path).__name__} found"):
+            call(path)  # type: ignore[arg-type]
