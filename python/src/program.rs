@@ -2,12 +2,7 @@
 
 use pyo3::prelude::*;
 use std::ffi::OsString;
-use stickslip::algebra::linear::process::OrderlyEnd;
 use stickslip_cli::commands::{Invocation, main};
-
-/// Makes the program end with a message and its own exit status if memory is refused.
-#[global_allocator]
-static ALLOCATOR: OrderlyEnd = OrderlyEnd;
 
 /// Runs the program with these arguments, as `program` starts it again, and returns its exit status.
 #[pyfunction]

@@ -24,7 +24,7 @@ _WORDS = (
 
 
 def in_python(text: str) -> str:
-    """Advice of the program without its commands, which a user of this module may not have.
+    """Advice of the program in the words of this module.
 
     Parameters
     ----------
