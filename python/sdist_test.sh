@@ -29,4 +29,5 @@ warnings.simplefilter("ignore", ss.AccuracyWarning)
 assert {"LICENSE-MIT", "LICENSE-APACHE", "THIRD-PARTY"} <= set(texts), texts
 print(ss.__version__, ss.run(sys.argv[1], {"mesh.elements": [20, 20]}).check())
 ' "$scene"
+environment/bin/stickslip --version
 echo "$(stat -c %s "$sdist") bytes, $(wc -l <"$scratch/names") files"

@@ -1,5 +1,5 @@
 #!/bin/bash
-# A wheel in fresh environments: installed by one command, a scene run and drawn; and what must be in the file, or must not.
+# A wheel in fresh environments: installed by one command, a scene run and drawn, and the program run; and what must be in the file, or must not.
 #   python/wheel_test.sh WHEEL PYTHON...
 set -euo pipefail
 wheel=$1
@@ -39,6 +39,10 @@ print(sys.version.split()[0], "numpy", numpy.__version__, "scipy", scipy.__versi
 ' "$scene")
 	[ -s "$scratch/block.png" ]
 	rm "$scratch/block.png"
+	# The command: a folder with its page.
+	"$own/stickslip" run "$scene" --solver auto --set 'mesh.elements=[20,20]' --out "$scratch/block" --quiet
+	[ -s "$scratch/block/report.html" ]
+	rm -r "$scratch/block"
 }
 oldest=
 for python in "$@"; do

@@ -23,6 +23,7 @@ pub use blas::{Blas, KERNEL_VARIABLE, take_better_kernel};
 
 pub use allocator::{Last, OrderlyEnd, memory_was_refused, say_last};
 
+#[cfg(any(feature = "blas", all(target_os = "linux", target_env = "gnu")))]
 use std::ffi::c_int;
 
 #[cfg(feature = "blas")]
