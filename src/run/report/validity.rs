@@ -6,6 +6,7 @@ use super::largest::is_as_large;
 use super::warnings::{Warning, WarningKind};
 use crate::algebra::vector::norm;
 use crate::base::units::Quantity;
+use crate::body::FirstGap;
 use crate::body::contact::{Passed, RangeLeft, TOLERATED_SHARE};
 use crate::body::fem::RigidMotion;
 use crate::body::mesh::Boundary;
@@ -412,18 +413,40 @@ fn faceted_gaps(model: &Model, faceted: &Faceted) -> String {
     let pair = &model.pairs[faceted.pair];
     let (units, share) = (model.units(), faceted.bulge / faceted.closed);
     let length = |x: f64| units.rounded(Quantity::Length, x, 3);
+    if pair.gap == FirstGap::Curved {
+        return format!(
+            "facets of `{}` or `{}` turn by more than 44° where they meet, and are apart for contact[{}].gap = \
+             \"curved\": if they are of one curved surface, gaps are off by {} (median), {:.1} % of the {} that contact closes; \
+             use twice as many elements along the curve, or give the gap if it is known; if they are edges, set gap = \"measured\"",
+            pair.slave,
+            pair.master.name,
+            pair.contact,
+            length(faceted.bulge),
+            100.0 * share,
+            length(faceted.closed)
+        );
+    }
+    let elements = (STIFFER * share / FACETED).sqrt().ceil();
+    let mut facets = pair.mortar.sides().into_iter().flatten();
+    let (are, better) = if facets.any(|facet| model.mesh.is_quadratic(facet)) {
+        (
+            "leave the curved surfaces between their nodes",
+            "put nodes between corners on the surface in the middle of their edges",
+        )
+    } else {
+        ("are chords of curved surfaces", "use elements of second order")
+    };
     format!(
-        "the facets of `{}` and `{}` are chords of curved surfaces, which changes gaps by {} (median), {:.1} % of \
+        "the facets of `{}` and `{}` {are}, which changes gaps by {} (median), {:.1} % of \
          the {} that contact closes: pressures may be off by about {:.0} %, forces by less; set contact[{}].gap \
-         = \"curved\", or to the gap if it is known, or use elements of second order, or at least {:.0} times as many along the curve",
+         = \"curved\", or to the gap if it is known, or {better}, or use at least {elements:.0} times as many elements along the curve",
         pair.slave,
         pair.master.name,
         length(faceted.bulge),
         100.0 * share,
         length(faceted.closed),
         100.0 * (STIFFER * share).min(1.0),
-        pair.contact,
-        (STIFFER * share / FACETED).sqrt().ceil()
+        pair.contact
     )
 }
 
