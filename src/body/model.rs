@@ -4,6 +4,7 @@ mod balance;
 mod bodies;
 mod carried;
 mod carrying;
+mod chords;
 mod contact;
 mod coupling;
 mod discrete;
@@ -31,6 +32,7 @@ mod surface;
 mod unseen;
 
 pub use balance::{Balance, Wrench};
+pub use chords::ObstacleChords;
 pub use large_motion::LargeMotion;
 pub use on_the_way::OnTheWay;
 pub use pair::Pair;

@@ -21,14 +21,14 @@ pub fn relative(row: &MortarRow, glued: bool) -> Relative {
 
 /// Creates the contact nodes of the pair `pair` from its `rows`.
 ///
-/// `gap` (m) is the gap of each row; `relative` marks the nodes with relative displacements in this pair. Normals are
+/// `gap` (m) is the gap of each row, and how much less it may be, see [`super::Coupled::bulge`]; `relative` marks the nodes with relative displacements in this pair. Normals are
 /// those of the rows; the first tangent is that of an obstacle with their mean normal, turned with the normal.
 pub fn coupled_nodes(
     mesh: &Mesh,
     dofs: &Dofs,
     pair: usize,
     rows: &[MortarRow],
-    gap: impl Fn(&MortarRow) -> f64,
+    gap: impl Fn(&MortarRow) -> [f64; 2],
     relative: impl Fn(usize) -> bool,
 ) -> Vec<ContactNode> {
     let mean = rows.iter().fold([0.0; 3], |sum, row| plus(sum, row.weight, row.normal));
@@ -41,7 +41,7 @@ pub fn coupled_nodes(
         };
         let first = if norm(first) > LEANS { unit(first) } else { first_tangent(normal) };
         let frame = [first, cross(normal, first)];
-        let gap = gap(row);
+        let [gap, bulge] = gap(row);
         let facing = Facing { gap, normal, tangents: frame, inward: normal };
         let nodes = |side: &[(usize, f64)], sign: f64| {
             side.iter().map(|&(node, c)| (node, mesh.nodes[node], sign * c)).collect::<Vec<_>>()
@@ -52,7 +52,7 @@ pub fn coupled_nodes(
             relative: relative(row.node),
             tangent_left_out: false,
             beyond_the_end: row.is_beyond_the_end(),
-            bulge: if gap == row.gap { row.bulge } else { 0.0 },
+            bulge,
             still: row.still.clone(),
             slave,
             master,

@@ -83,7 +83,8 @@ pub struct Coupled {
     /// `true` if the node is beyond the end of the other side, see [`super::MortarRow::is_beyond_the_end`].
     pub beyond_the_end: bool,
     /// The reduction of the gap between the curved surfaces that the facets approximate, m; see
-    /// [`super::MortarRow::bulge`]. 0 if the gap is not that of the facets.
+    /// [`super::MortarRow::bulge`]; if the gap is already that of the curved surfaces, [`super::MortarRow::edges`]. 0 if
+    /// the gap is given.
     pub bulge: f64,
     /// Orthonormal directions in which supports fix both sides.
     pub still: Vec<[f64; 3]>,

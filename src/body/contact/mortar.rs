@@ -90,8 +90,10 @@ pub struct MortarRow {
     /// The covered share of the node's part in a facet, the largest of all its facets.
     pub covered: f64,
     /// The reduction of the gap, in the same mean, between the curved surfaces that the facets of both sides
-    /// approximate, m; 0 on flat boundaries and boundaries of second order.
+    /// approximate, m; 0 on flat boundaries.
     pub bulge: f64,
+    /// The further reduction if the surfaces had no edges where facets turn by 44° to 84°, m.
+    pub edges: f64,
     /// Orthonormal directions in which supports fix both sides.
     pub still: Vec<[f64; 3]>,
     /// `D_ji`, by ascending node: 1 at the node itself; 2 and twice -½ at a node between corners.
@@ -204,7 +206,7 @@ impl Mortar {
     }
 
     /// Returns the facets of the slave and of the master.
-    pub(super) fn sides(&self) -> [&[Facet]; 2] {
+    pub(crate) fn sides(&self) -> [&[Facet]; 2] {
         [&self.facets[0], &self.facets[1]]
     }
 
@@ -285,10 +287,10 @@ fn nodal(terms: Vec<(usize, f64)>, edges: &Edges) -> BTreeMap<usize, f64> {
 #[derive(Default)]
 struct Sum {
     weight: f64,
-    /// The sum of the bulges along the normals of facets of first order, m² or m³.
-    bulge: f64,
-    /// The sum of the bulges of facets of second order, as vectors.
-    turned_bulge: [f64; 3],
+    /// The sums of the bulges along the normals of facets of first order, m² or m³.
+    bulge: [f64; 2],
+    /// The sums of the bulges of facets of second order, as vectors.
+    turned_bulge: [[f64; 3]; 2],
     slave: BTreeMap<usize, f64>,
     master: BTreeMap<usize, f64>,
     /// The weighted sum of the normals of the master in front of the node.
@@ -310,10 +312,12 @@ impl Sum {
         };
         self.gaps.push((weight, minus(mean(&master), mean(&slave)), (!turns).then_some(facing)));
         self.weight += weight;
-        if turns {
-            self.turned_bulge = plus(self.turned_bulge, bulge, facing);
-        } else {
-            self.bulge += bulge;
+        for (k, bulge) in bulge.into_iter().enumerate() {
+            if turns {
+                self.turned_bulge[k] = plus(self.turned_bulge[k], bulge, facing);
+            } else {
+                self.bulge[k] += bulge;
+            }
         }
         for (sums, terms) in [(&mut self.slave, slave), (&mut self.master, master)] {
             for (node, value) in terms {
@@ -325,7 +329,7 @@ impl Sum {
     /// Creates the row; coverage and supports are added later.
     fn row(self, node: usize, normal: [f64; 3]) -> MortarRow {
         let Sum { weight, slave, master, gaps, .. } = self;
-        let bulge = self.bulge + dot(self.turned_bulge, normal);
+        let [bulge, without_edges] = [0, 1].map(|k| (self.bulge[k] + dot(self.turned_bulge[k], normal)) / weight);
         let gap = |(_, apart, along): &(f64, [f64; 3], Option<[f64; 3]>)| dot(*apart, along.unwrap_or(normal));
         // Only differences are averaged, so that the mean of equal gaps is exactly their value.
         let first = gaps.first().map_or(0.0, gap);
@@ -333,8 +337,8 @@ impl Sum {
         let shares =
             |sums: BTreeMap<usize, f64>| sums.into_iter().map(|(node, value)| (node, value / weight)).collect();
         let gap = first + rest / weight;
-        let (slave, master, bulge) = (shares(slave), shares(master), bulge / weight);
-        MortarRow { node, weight, gap, normal, covered: 1.0, bulge, still: Vec::new(), slave, master }
+        let (slave, master, edges) = (shares(slave), shares(master), without_edges - bulge);
+        MortarRow { node, weight, gap, normal, covered: 1.0, bulge, edges, still: Vec::new(), slave, master }
     }
 }
 

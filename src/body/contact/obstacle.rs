@@ -8,7 +8,7 @@ use super::gap_table::GapTable;
 use super::obstacle_error::ObstacleError;
 use super::revolution::{centred, is_about_axis, moves_along_axis};
 use super::surface::Surface;
-use super::triangles::Triangles;
+use super::triangles::{Chords, Triangles};
 use crate::algebra::vector::{Vector, across, axis_across, cross, dot, minus, norm, plus, unit};
 use crate::body::mesh::{Boundary, Geometry, Mesh};
 
@@ -307,6 +307,14 @@ impl PlacedObstacle {
             Surface::Triangles(triangles) => Some(triangles),
             _ => None,
         }
+    }
+
+    /// Returns how far the curved surface that triangles approximate is beyond them where lines from `places` along unit vectors
+    /// meet them, m; nothing for other surfaces.
+    pub(crate) fn beyond_triangles(&self, places: impl Iterator<Item = ([f64; 3], [f64; 3])>) -> Vec<f64> {
+        let Some(surface) = self.surface_of_triangles() else { return Vec::new() };
+        let mut chords = Chords::new(surface);
+        places.filter_map(|(x, n)| surface.entry(x, n)).map(|entry| chords.beyond(entry.triangle)).collect()
     }
 
     /// Returns the number of triangles of the surface, if it consists of triangles.

@@ -3,12 +3,14 @@
 //! Triangles are counterclockwise as seen from outside the obstacle, as in an STL file. The surface may be closed or
 //! have a rim; beyond the rim it has no distance.
 
+mod chords;
 mod read;
 mod rim;
 
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
+pub(super) use chords::Chords;
 pub use read::SurfaceError;
 pub use rim::Hole;
 

@@ -37,6 +37,8 @@ pub struct Pair {
     pub choice: Option<SlaveChoice>,
     /// `true` if the two are glued.
     pub glued: bool,
+    /// The origin of its gaps at the beginning.
+    pub gap: FirstGap,
     /// `true` if the master is moved by a period to be in front of the slave.
     pub shifted: bool,
     /// `true` if a jump is between the two: pretension, or periodic boundaries.
@@ -204,7 +206,15 @@ impl Pair {
     pub(super) fn nodes(&self, mesh: &Mesh, dofs: &Dofs, number: usize) -> Vec<ContactNode> {
         let gaps: BTreeMap<usize, f64> =
             self.mortar.rows.iter().map(|row| row.node).zip(self.gaps.iter().copied()).collect();
-        let gap = |row: &MortarRow| gaps[&row.node];
+        let gap = |row: &MortarRow| {
+            let gap = gaps[&row.node];
+            let bulge = match self.gap {
+                FirstGap::Curved => row.edges,
+                _ if gap == row.gap => row.bulge,
+                _ => 0.0,
+            };
+            [gap, bulge]
+        };
         coupled_nodes(mesh, dofs, number, &self.mortar.rows, gap, |node| self.relative.contains(&node))
     }
 }
@@ -333,6 +343,7 @@ fn pair(
         master,
         choice,
         glued: opposite.glued,
+        gap: opposite.gap.clone(),
         shifted: moved.is_some(),
         jumps,
         mortar,

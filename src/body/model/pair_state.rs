@@ -23,14 +23,15 @@ pub struct Slid {
     pub share: f64,
 }
 
-/// The error of measured gaps of a pair because facets approximate curved boundaries.
+/// The error of measured gaps of a pair because facets approximate curved boundaries, or of the gaps of curved surfaces because facets turn
+/// so much that they count as apart.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Faceted {
     /// The number of the pair.
     pub pair: usize,
     /// The sum of the normal forces, N.
     pub force: f64,
-    /// The difference of the gaps between the curved surfaces and between the facets, m: the median over the nodes that
+    /// The error of the gaps, m: the median over the nodes that
     /// are pressed or at which the curved surfaces overlap at the beginning.
     pub bulge: f64,
     /// The mean gap that contact has closed, weighted by the normal forces, m; without a force the mean overlap of the curved

@@ -6,10 +6,11 @@ use super::largest::is_as_large;
 use super::warnings::{Warning, WarningKind};
 use crate::algebra::vector::norm;
 use crate::base::units::Quantity;
+use crate::body::FirstGap;
 use crate::body::contact::{Passed, RangeLeft, TOLERATED_SHARE};
 use crate::body::fem::RigidMotion;
 use crate::body::mesh::Boundary;
-use crate::body::model::{BetweenNodes, Faceted, LargeMotion, Model, OnTheWay, Overlap, Pair, Slid};
+use crate::body::model::{BetweenNodes, Faceted, LargeMotion, Model, ObstacleChords, OnTheWay, Overlap, Pair, Slid};
 use crate::solver::history::{IncrementView, Status};
 use crate::solver::laws::ContactStatus;
 use crate::solver::problem::State;
@@ -26,6 +27,9 @@ const BEYOND_THE_END: f64 = 0.05;
 /// to node, and bodies are stiffer against that than against the gaps themselves: by 7 to 8 for the peaks of rings of
 /// 32 to 44 facets per quadrant pressed into each other, and of pins in holes with 20 to 40.
 const STIFFER: f64 = 7.0;
+
+/// That ratio for rigid obstacles of triangles: 2.3 to 2.8 for the peaks of cylinders of which 2 to 6 strips press.
+const STIFFER_OBSTACLE: f64 = 2.6;
 
 /// The error of pressures by facets above which it is reported.
 const FACETED: f64 = 0.1;
@@ -69,6 +73,8 @@ pub struct Validity {
     pub overlap: Option<(Overlap, f64)>,
     /// The largest deviation of an obstacle between nodes when contact forces were largest, if any, and the time, s.
     pub between: Option<(BetweenNodes, f64)>,
+    /// The obstacle of triangles that is furthest from its curved surface when contact forces were largest, if any.
+    pub chords: Option<ObstacleChords>,
     /// The deepest passage of an obstacle within an increment.
     pub on_the_way: Option<OnTheWay>,
     /// The end of the last increment, if the paths of obstacles are checked: its time, s, and its state.
@@ -111,6 +117,7 @@ impl Validity {
             large_motion: None,
             overlap: None,
             between: None,
+            chords: None,
             on_the_way: None,
             last: model.has_passing_obstacles().then(|| (0.0, State::zero(&model.problem))),
             pressed: 0.0,
@@ -133,6 +140,7 @@ impl Validity {
             && self.beyond.is_none_or(|(pair, ..)| pair < model.pairs.len())
             && self.passed.is_none_or(|(passed, _)| passed.node < model.mesh.nodes.len())
             && self.faceted.iter().all(|faceted| faceted.pair < model.pairs.len())
+            && self.chords.is_none_or(|chords| chords.obstacle < model.obstacles.len())
             && self.on_the_way.is_none_or(|found| found.contact < contacts)
             && self.last.as_ref().is_none_or(|(_, state)| state.check(&model.problem).is_ok())
             && self.friction_left_out.is_none_or(|(boundary, ..)| boundary < model.contact_boundaries.len())
@@ -202,6 +210,7 @@ impl Validity {
         let pressed = model.pressed(record.time, state);
         if is_as_large(pressed, self.pressed) {
             self.pressed = pressed.max(self.pressed);
+            self.chords = model.obstacle_chords(record.time, state);
             self.between = model.between_nodes(record.time, state, statuses).map(|between| (between, record.time));
         }
         if let Some((k, share)) = model.beyond_the_end(state)
@@ -250,7 +259,16 @@ impl Validity {
     /// Returns `true` if facets change the gaps in front of `boundary` so much that warnings of its pressures would
     /// name the wrong cause.
     pub(super) fn has_faceted_gaps(&self, model: &Model, boundary: &str) -> bool {
+        let of_obstacle = |k: usize| {
+            model.contact_boundaries.iter().any(|other| other.name == boundary && other.obstacles.contains(&k))
+        };
         self.faceted_gaps().any(|faceted| model.pairs[faceted.pair].slave == boundary)
+            || self.faceted_obstacle().is_some_and(|chords| of_obstacle(chords.obstacle))
+    }
+
+    /// Returns the obstacle whose triangles change distances so much that pressures mean little.
+    fn faceted_obstacle(&self) -> Option<ObstacleChords> {
+        self.chords.filter(|chords| STIFFER_OBSTACLE * chords.beyond > FACETED * self.pressed)
     }
 
     /// Returns the resulting warnings.
@@ -318,6 +336,9 @@ impl Validity {
         }
         for faceted in self.faceted_gaps() {
             warn(WarningKind::FacetedGaps, faceted_gaps(model, faceted));
+        }
+        if let Some(chords) = self.faceted_obstacle() {
+            warn(WarningKind::FacetedGaps, faceted_obstacle(model, chords, self.pressed));
         }
         if let Some((k, share, time)) = self.friction_left_out.filter(|(_, share, _)| *share > LEFT_OUT) {
             let message = friction_left_out(&model.contact_boundaries[k].name, share, time);
@@ -412,18 +433,54 @@ fn faceted_gaps(model: &Model, faceted: &Faceted) -> String {
     let pair = &model.pairs[faceted.pair];
     let (units, share) = (model.units(), faceted.bulge / faceted.closed);
     let length = |x: f64| units.rounded(Quantity::Length, x, 3);
+    if pair.gap == FirstGap::Curved {
+        return format!(
+            "facets of `{}` or `{}` turn by more than 44° where they meet, and are apart for contact[{}].gap = \
+             \"curved\": if they are of one curved surface, gaps are off by {} (median), {:.1} % of the {} that contact closes; \
+             use twice as many elements along the curve, or give the gap if it is known; if they are edges, set gap = \"measured\"",
+            pair.slave,
+            pair.master.name,
+            pair.contact,
+            length(faceted.bulge),
+            100.0 * share,
+            length(faceted.closed)
+        );
+    }
+    let elements = (STIFFER * share / FACETED).sqrt().ceil();
+    let mut facets = pair.mortar.sides().into_iter().flatten();
+    let (are, better) = if facets.any(|facet| model.mesh.is_quadratic(facet)) {
+        (
+            "leave the curved surfaces between their nodes",
+            "put nodes between corners on the surface in the middle of their edges",
+        )
+    } else {
+        ("are chords of curved surfaces", "use elements of second order")
+    };
     format!(
-        "the facets of `{}` and `{}` are chords of curved surfaces, which changes gaps by {} (median), {:.1} % of \
+        "the facets of `{}` and `{}` {are}, which changes gaps by {} (median), {:.1} % of \
          the {} that contact closes: pressures may be off by about {:.0} %, forces by less; set contact[{}].gap \
-         = \"curved\", or to the gap if it is known, or use elements of second order, or at least {:.0} times as many along the curve",
+         = \"curved\", or to the gap if it is known, or {better}, or use at least {elements:.0} times as many elements along the curve",
         pair.slave,
         pair.master.name,
         length(faceted.bulge),
         100.0 * share,
         length(faceted.closed),
         100.0 * (STIFFER * share).min(1.0),
-        pair.contact,
-        (STIFFER * share / FACETED).sqrt().ceil()
+        pair.contact
+    )
+}
+
+/// Describes that an obstacle of triangles is not the curved surface that it stands for.
+fn faceted_obstacle(model: &Model, chords: ObstacleChords, pressed: f64) -> String {
+    let (units, share) = (model.units(), chords.beyond / pressed);
+    format!(
+        "the triangles of {} are chords of a curved surface, which is {} beyond their middle (median), {}: pressures may be off by \
+         about {:.0} %; write the file with edges at most {:.2} times as long, or use an obstacle of that shape",
+        model.obstacle_key(chords.obstacle),
+        units.rounded(Quantity::Length, chords.beyond, 3),
+        beside(chords.beyond, pressed),
+        100.0 * (STIFFER_OBSTACLE * share).min(1.0),
+        (FACETED / (STIFFER_OBSTACLE * share)).sqrt()
     )
 }
 

@@ -23,7 +23,7 @@ pub(super) struct FacetShare {
     /// `∫ ψ_j Ñ_k dA` for nodes of the master, in ascending order; the values add up to the weight.
     pub master: Vec<(usize, f64)>,
     /// `∫ ψ_j b dA` with the bulges `b` of both sides, see [`Cover::bulge`], m² or m³.
-    pub bulge: f64,
+    pub bulge: [f64; 2],
 }
 
 /// Computes the contributions of a `facet` to its nodes that are not `lost`. The functions ψ_j are
@@ -45,8 +45,9 @@ pub(super) fn parts(mesh: &Mesh, facet: &[usize], cover: &Cover, lost: &BTreeSet
             || std::iter::once((i, 1.0)).chain(taken.clone().map(|(k, takers)| (*k, 1.0 / takers.len() as f64)));
         let weight = terms().map(|(k, share)| share * cover.functions[k]).sum();
         let slave = terms().map(|(k, share)| (facet[k], share * cover.functions[k]));
-        let bulge =
-            terms().map(|(k, share)| share * dual[k].iter().zip(&cover.bulge).map(|(a, c)| a * c).sum::<f64>()).sum();
+        let bulge = cover.bulge.map(|bulge| {
+            terms().map(|(k, share)| share * dual[k].iter().zip(&bulge).map(|(a, c)| a * c).sum::<f64>()).sum()
+        });
         let psi: Values = std::array::from_fn(|j| terms().map(|(k, share)| share * dual[k][j]).sum());
         FacetShare { node: facet[i], weight, slave: slave.collect(), master: on_master(cover, &psi, weight), bulge }
     };

@@ -3,7 +3,7 @@
 use super::GapAt;
 use super::bulge::Bulges;
 use super::error::{MortarFault, place};
-use super::facet::{MOST, Plane, Values};
+use super::facet::{MOST, Plane, Values, position};
 use super::search::{Masters, least_distance};
 use super::segment::{Point, Rules, Segment, Side, segment, size};
 use crate::algebra::vector::dot;
@@ -29,8 +29,8 @@ pub(super) struct Cover {
     /// `∫ Ñ_i Ñ_k dA` for each node k of the master, in ascending order.
     pub cross: Vec<(usize, Values)>,
     /// `∫ Ñ_i b dA`, where b is the sum of the bulges of both surfaces towards each other along the
-    /// normal of the facet, m; see [`Bulges`].
-    pub bulge: Values,
+    /// normal of the facet, m; see [`Bulges`]. First with edges of the body, then as if there were none.
+    pub bulge: [Values; 2],
 }
 
 /// The covered parts of all slave facets.
@@ -49,6 +49,7 @@ impl Covers {
     pub(super) fn new(mesh: &Mesh, slave: &Boundary, master: &Boundary, search: f64) -> Result<Self, MortarFault> {
         let (masters, rules) = (Masters::new(mesh, master), Rules::new());
         let bulges = [slave, master].map(|side| Bulges::new(mesh, side));
+        let have_edges = bulges.iter().any(Bulges::have_edges);
         let nowhere = |gap| GapAt { gap, at: [0.0; 3] };
         let mut covers = Covers {
             facets: Vec::with_capacity(slave.facets.len()),
@@ -67,7 +68,7 @@ impl Covers {
                 functions: [0.0; MOST],
                 mass: [[0.0; MOST]; MOST],
                 cross: Vec::new(),
-                bulge: [0.0; MOST],
+                bulge: [[0.0; MOST]; 2],
             };
             for f in masters.facing(&mesh.points(facet), plane.normal, search) {
                 let opposite = plane.project(mesh, &master.facets[f]);
@@ -86,9 +87,14 @@ impl Covers {
                 }
                 covered += points.iter().map(|point| point.weight).sum::<f64>();
                 let sides = [&slave.facets[e], &master.facets[f]];
+                let excess = |edges: bool, point: &Point| {
+                    let own = bulges[0].at(mesh, edges, (e, sides[0]), &point.slave);
+                    let beyond = own.distance + bulges[1].at(mesh, edges, (f, sides[1]), &point.master).distance;
+                    point.gap - (own.across(point.gap) - beyond) / own.cosine
+                };
                 let bulge = |point: &Point| {
-                    let own = bulges[0].at(mesh, e, sides[0], &point.slave);
-                    (own.distance + bulges[1].at(mesh, f, sides[1], &point.master).distance) / own.cosine
+                    let with = excess(true, point);
+                    [with, if have_edges { excess(false, point) } else { with }]
                 };
                 cover.add(mesh, sides, &bulge, &points, &mut covers.on_master[f]);
                 covers.segments.push([e, f]);
@@ -132,7 +138,7 @@ impl Cover {
         &mut self,
         mesh: &Mesh,
         [facet, master]: [&Facet; 2],
-        bulge: &dyn Fn(&Point) -> f64,
+        bulge: &dyn Fn(&Point) -> [f64; 2],
         points: &[Point],
         on_master: &mut Values,
     ) {
@@ -144,7 +150,7 @@ impl Cover {
             for (i, n) in slave.iter().enumerate() {
                 let share = weight * n;
                 self.functions[i] += share;
-                self.bulge[i] += share * bulge;
+                self.bulge.iter_mut().zip(bulge).for_each(|(sums, bulge)| sums[i] += share * bulge);
                 self.mass[i].iter_mut().zip(&slave).for_each(|(sum, n)| *sum += share * n);
                 cross.iter_mut().zip(&master).for_each(|(sums, n)| sums[i] += share * n);
             }
@@ -179,11 +185,6 @@ fn raised(mesh: &Mesh, facet: &[usize], mut shape: Values) -> Values {
 fn centre(mesh: &Mesh, facet: &[usize]) -> [f64; 3] {
     let x = mesh.points(facet);
     [0, 1, 2].map(|c| x.iter().map(|x| x[c]).sum::<f64>() / x.len() as f64)
-}
-
-/// Returns the point of a facet with the shape functions `shape`, m.
-pub(super) fn position(mesh: &Mesh, facet: &[usize], shape: &Values) -> [f64; 3] {
-    [0, 1, 2].map(|c| facet.iter().zip(shape).map(|(&node, n)| n * mesh.nodes[node][c]).sum())
 }
 
 /// Returns the least gap of the segments and its position after the nodes have moved by `u` (m):

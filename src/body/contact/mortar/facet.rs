@@ -132,7 +132,7 @@ fn filled<const N: usize>(given: [f64; N]) -> Values {
 pub(super) struct Plane {
     origin: [f64; 3],
     /// Unit vectors at right angles to each other and to the normal; in two dimensions the second is 0.
-    axes: [[f64; 3]; 2],
+    pub axes: [[f64; 3]; 2],
     /// The outward unit normal.
     pub normal: [f64; 3],
 }
@@ -156,13 +156,22 @@ impl Plane {
         let kind = Kind::of(mesh, facet);
         let mut projected = Projected { kind, at: [[0.0; 2]; MOST], height: [0.0; MOST], straight: true };
         for (k, &node) in facet.iter().enumerate() {
-            let from = minus(mesh.nodes[node], self.origin);
-            projected.at[k] = self.axes.map(|axis| dot(axis, from));
-            projected.height[k] = dot(self.normal, from);
+            (projected.at[k], projected.height[k]) = self.place(mesh.nodes[node]);
         }
         projected.straight = projected.is_straight();
         projected
     }
+
+    /// Returns the place of `x` in the plane, and its distance from it, m.
+    pub(super) fn place(&self, x: [f64; 3]) -> (Flat, f64) {
+        let from = minus(x, self.origin);
+        (self.axes.map(|axis| dot(axis, from)), dot(self.normal, from))
+    }
+}
+
+/// Returns the point of a facet with the shape functions `shape`, m.
+pub(super) fn position(mesh: &Mesh, facet: &[usize], shape: &Values) -> [f64; 3] {
+    [0, 1, 2].map(|c| facet.iter().zip(shape).map(|(&node, n)| n * mesh.nodes[node][c]).sum())
 }
 
 /// A facet, projected to a plane.

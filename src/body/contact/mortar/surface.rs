@@ -6,21 +6,18 @@ use crate::algebra::elimination::solve;
 use crate::algebra::vector::{across, cross, dot, minus, norm, plus, unit};
 use crate::body::mesh::{Boundary, Mesh};
 
-/// The least cosine of the angle, 44°, between facets of one smooth surface; beyond it is an edge of the body.
-const SMOOTH: f64 = 0.7193;
-
 /// A node between two others belongs to a straight edge if it is off by less than this share of it.
 const STRAIGHT: f64 = 1e-6;
 
 /// A surface that turns by less than this along an edge is flat: coordinates are rounded.
-const FLAT: f64 = 1e-9;
+pub(super) const FLAT: f64 = 1e-9;
 
 /// The weight of the curvatures in the first and in later fits in space, beside that of the points, so that curvatures
 /// are 0 where points do not tell them: along the axis of a tube of one facet in length.
 const IN_SPACE: [f64; 2] = [1e-3, 1e-5];
 
 /// That weight in two dimensions, where it is needed for one facet alone.
-const IN_PLANE: [f64; 2] = [1e-7; 2];
+const IN_PLANE: f64 = 1e-7;
 
 /// The largest number of fits after the first. Each makes the error at least ten times smaller between facets that turn by 20°.
 const MOST_FITS: usize = 10;
@@ -46,14 +43,16 @@ pub(super) struct Surface<'a> {
     normals: Vec<[f64; 3]>,
     /// The facets of each node.
     around: BTreeMap<usize, Vec<usize>>,
+    /// The least cosine of the angle between facets of one smooth surface.
+    smooth: f64,
 }
 
 impl<'a> Surface<'a> {
-    pub(super) fn new(mesh: &'a Mesh, boundary: &Boundary) -> Self {
+    pub(super) fn new(mesh: &'a Mesh, boundary: &Boundary, smooth: f64) -> Self {
         let straight = |[a, m, b]: [usize; 3]| {
             let [a, m, b] = [a, m, b].map(|node| mesh.nodes[node]);
-            let middle = [0, 1, 2].map(|c| 0.5 * (a[c] + b[c]));
-            norm(minus(m, middle)) < STRAIGHT * norm(minus(b, a))
+            let edge = minus(b, a);
+            norm(across(minus(m, a), unit(edge))) < STRAIGHT * norm(edge)
         };
         let corners = |facet: &Vec<usize>| match mesh.is_quadratic(facet) {
             true if mesh.bent_edges(facet).into_iter().all(straight) => facet.iter().step_by(2).copied().collect(),
@@ -68,7 +67,20 @@ impl<'a> Surface<'a> {
             }
         }
         let normals = boundary.facets.iter().map(|facet| unit(mesh.area_vector(facet))).collect();
-        Surface { mesh, corners, normals, around }
+        Surface { mesh, corners, normals, around, smooth }
+    }
+
+    /// Returns `true` if no facet follows the surface.
+    pub(super) fn is_straight(&self) -> bool {
+        self.corners.iter().all(|corners| !corners.is_empty())
+    }
+
+    /// Returns `true` if facets beside each other are apart whose normals have an angle with a cosine above `least`.
+    pub(super) fn has_edges(&self, least: f64) -> bool {
+        let apart = |f: usize, g: usize| (least..=self.smooth).contains(&dot(self.normals[f], self.normals[g]));
+        let any =
+            |facets: &Vec<usize>| facets.iter().any(|&f| facets.iter().any(|&g| apart(f, g) && self.are_beside(f, g)));
+        self.around.values().any(any)
     }
 
     /// Returns the corners of facet `f`; none if it follows the surface.
@@ -86,8 +98,11 @@ impl<'a> Surface<'a> {
         }
         let mean = unit(fan.iter().fold([0.0; 3], |sum, &f| plus(sum, 1.0, self.normals[f])));
         let apart: Vec<[f64; 3]> = points.iter().map(|&k| minus(self.mesh.nodes[k], self.mesh.nodes[node])).collect();
-        let unknown = if self.mesh.dimension == 2 { IN_PLANE } else { IN_SPACE };
-        fitted(mean, &apart, unknown).unwrap_or(mean)
+        let found = match self.mesh.dimension {
+            2 => fit(mean, &apart, None, IN_PLANE).map(|fit| fit.normal),
+            _ => fitted(mean, &apart),
+        };
+        found.unwrap_or(mean)
     }
 
     /// Returns the parts `-n_i · (x_j - x_i)` and `n_j · (x_j - x_i)` of the turn of the normals `n` along an edge, m.
@@ -113,8 +128,12 @@ impl<'a> Surface<'a> {
 
     /// Returns `true` if two facets share an edge, in two dimensions a node, across which the surface is smooth.
     fn continues(&self, f: usize, g: usize) -> bool {
+        self.are_beside(f, g) && dot(self.normals[f], self.normals[g]) > self.smooth
+    }
+
+    fn are_beside(&self, f: usize, g: usize) -> bool {
         let shared = self.corners[f].iter().filter(|node| self.corners[g].contains(node)).count();
-        shared + 1 >= self.mesh.dimension && dot(self.normals[f], self.normals[g]) > SMOOTH
+        shared + 1 >= self.mesh.dimension
     }
 
     /// Returns `true` if facets are all around `node`: none of their edges there belongs to one of them only.
@@ -139,12 +158,12 @@ impl<'a> Surface<'a> {
 }
 
 /// Fits the quadric to the points at the distances `apart` (m) from a node; returns its normal there. `about` is a unit
-/// vector near the normal, `unknown` the weights of the curvatures in the first and in later fits.
-fn fitted(about: [f64; 3], apart: &[[f64; 3]], unknown: [f64; 2]) -> Option<[f64; 3]> {
-    let mut found = fit(about, apart, None, unknown[0])?;
+/// vector near the normal.
+fn fitted(about: [f64; 3], apart: &[[f64; 3]]) -> Option<[f64; 3]> {
+    let mut found = fit(about, apart, None, IN_SPACE[0])?;
     let mut last = f64::INFINITY;
     for _ in 0..MOST_FITS {
-        let next = fit(found.normal, apart, Some(found.across), unknown[1])?;
+        let next = fit(found.normal, apart, Some(found.across), IN_SPACE[1])?;
         let step = norm(minus(next.normal, found.normal));
         if step >= last {
             break;
@@ -189,9 +208,12 @@ fn fit(about: [f64; 3], apart: &[[f64; 3]], across_surface: Option<f64>, unknown
     }
     solve(&mut rows)?;
     let [a, b, first, twist, second] = rows.map(|row| row[5]);
-    let normal = unit(plus(plus(about, -a, axes[0]), -b, axes[1]));
+    // The curvatures are those of this normal, which is not of length 1.
+    let normal = plus(plus(about, -a, axes[0]), -b, axes[1]);
+    let length = norm(normal);
+    let normal = normal.map(|c| c / length);
     let (mean, spread) = (0.5 * (first + second), (0.5 * (first - second)).hypot(twist));
     // More than the curvature of a circle of six facets comes from scattered nodes.
-    let across = (mean + spread.copysign(mean)).clamp(-1.0, 1.0);
+    let across = ((mean + spread.copysign(mean)) / length).clamp(-1.0, 1.0);
     normal.iter().all(|c| c.is_finite()).then_some(Fit { normal, across })
 }
