@@ -66,7 +66,7 @@ fn of_history(error: HistoryError) -> PyErr {
         HistoryError::Linear(LinearError::OutOfMemory { .. }) => PyMemoryError::new_err(error.to_string()),
         HistoryError::Checkpoint(error) => {
             // The error names what is asked for as the program does.
-            let error = error.to_string().replace("--", "");
+            let error = error.to_string().replace("--", "").replace("the method", "the method or the linear solver");
             PyValueError::new_err(format!("checkpoint: {error}; remove it, or name another file"))
         }
         HistoryError::Linear(LinearError::NotBuiltIn { .. })

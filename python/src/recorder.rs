@@ -87,11 +87,21 @@ pub(crate) struct Recorder {
     pub kept: Kept,
     /// Where the run is saved, if it is.
     saver: Option<Saver>,
+    /// `true` while a run that is to end goes on to the end of its increment, where it is saved.
+    ends_saved: bool,
 }
 
 impl Recorder {
     pub fn new(keep: Keep, callback: Option<Py<PyAny>>, raised: Raised) -> Self {
-        Recorder { looked: Instant::now(), keep, callback, raised, kept: Kept::default(), saver: None }
+        Recorder {
+            looked: Instant::now(),
+            keep,
+            callback,
+            raised,
+            kept: Kept::default(),
+            saver: None,
+            ends_saved: false,
+        }
     }
 
     /// Saves the run as `saver` says, from which it goes on if `saver` has found an earlier part of it.
@@ -105,9 +115,11 @@ impl Recorder {
         })
     }
 
-    /// Calls Python, if the time has come; whether to go on.
+    /// Calls Python, if the time has come; whether to go on. A run that is saved goes on to the end of its increment after the
+    /// first exception, and ends at once after another.
     fn look(&mut self, call: impl FnOnce(Python<'_>) -> PyResult<()>, now: bool) -> ControlFlow<()> {
-        if self.raised.is_set() {
+        let was_raised = self.raised.is_set();
+        if was_raised && !self.ends_saved {
             return ControlFlow::Break(());
         }
         if !now && self.looked.elapsed() < PATIENCE {
@@ -118,7 +130,8 @@ impl Recorder {
             Ok(()) => ControlFlow::Continue(()),
             Err(error) => {
                 self.raised.set(error);
-                ControlFlow::Break(())
+                self.ends_saved = self.saver.is_some() && !was_raised;
+                if self.ends_saved { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
             }
         }
     }
@@ -190,10 +203,12 @@ impl Observer for Recorder {
 
     fn rest(&mut self, here: &dyn Fn() -> Checkpoint) {
         if let Some(saver) = &mut self.saver
+            && (self.ends_saved || saver.is_due())
             && let Err(error) = saver.save(here, &self.keep, &self.kept)
         {
             self.raised.set(error);
         }
+        self.ends_saved = false;
     }
 }
 

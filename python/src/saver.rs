@@ -44,7 +44,8 @@ impl Saver {
     pub fn left(&mut self, keep: &Keep) -> PyResult<Option<(Checkpoint, Kept)>> {
         let bytes = match fs::read(&self.file) {
             Ok(bytes) => bytes,
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+            // A folder that is missing is found before the work, not after it.
+            Err(error) if error.kind() == io::ErrorKind::NotFound && self.folder().is_dir() => return Ok(None),
             Err(error) => return Err(self.failed(&error)),
         };
         let name = self.file.display();
@@ -65,19 +66,25 @@ impl Saver {
         Ok(Some((checkpoint, saved.kept)))
     }
 
-    /// Writes the file if it is time. A reader never sees half of it.
+    /// Returns `true` if it is time to write the file.
+    pub fn is_due(&self) -> bool {
+        self.pace.is_due()
+    }
+
+    /// Writes the file. A reader never sees half of it.
     pub fn save(&mut self, here: &dyn Fn() -> Checkpoint, keep: &Keep, kept: &Kept) -> PyResult<()> {
-        if !self.pace.is_due() {
-            return Ok(());
-        }
+        let folder = self.folder().to_path_buf();
         let Saver { file, origin, pace } = self;
-        let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let name = file.file_name().map(OsString::from).unwrap_or_default();
         let write = || {
             let bytes = here().with(&Saved { origin: &*origin, keep, kept }).to_bytes().map_err(io::Error::other)?;
-            write_file(folder, &name.to_string_lossy(), bytes)
+            write_file(&folder, &name.to_string_lossy(), bytes)
         };
         pace.keep(write).map_err(|error| self.failed(&error))
+    }
+
+    fn folder(&self) -> &Path {
+        self.file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
     }
 
     fn failed(&self, error: &io::Error) -> PyErr {

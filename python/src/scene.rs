@@ -314,6 +314,8 @@ impl SceneModel {
         })?;
         let result = PyDict::new(py);
         let json = |error: serde_json::Error| PyValueError::new_err(error.to_string());
+        report.scene = Some(scene.file().to_string());
+        report.scene_text = Some(scene.text().to_string());
         // Those of an earlier part of the run among them.
         report.increments = mem::take(&mut recorder.kept.records);
         report.forces = mem::take(&mut recorder.kept.forces);

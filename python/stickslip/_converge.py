@@ -12,6 +12,7 @@ from typing import Any, Literal, get_args
 from . import _core
 from ._errors import SceneError, in_python
 from ._fields import Svg
+from ._options import Linear
 from ._scene import SceneLike, _read, _words
 
 #: The quantities of `converge`.
@@ -105,7 +106,8 @@ class Convergence:
 
 def converge(
     scene: SceneLike, quantity: Quantity, *, to: float = 0.02, overrides: Mapping[str, Any] | None = None,
-    meshes: Iterable[int | str] | None = None, ratio: float = 2.0, max_runs: int = 12, within: float = 600.0, progress: bool = False,
+    meshes: Iterable[int | str] | None = None, ratio: float = 2.0, max_runs: int = 12, within: float = 600.0,
+    linear: Linear | None = "auto", progress: bool = False,
 ) -> Convergence:
     """Refines mesh and increments of a scene until a quantity is known to an asked share.
 
@@ -128,6 +130,8 @@ def converge(
         The largest number of runs, 3 or more.
     within : float, optional
         The largest time of the study, s: a run that is predicted to exceed it is not started.
+    linear : {"auto", "faer", "partial", "condensed", "umfpack"}, optional
+        "auto": the cheapest for each mesh. None: what the scene says. ``solver.linear`` of the overrides goes before it.
     progress : bool, optional
         A bar by tqdm.
 
@@ -165,8 +169,11 @@ def converge(
             raise ValueError(f"{name}: {number!r} found, expected {expected}")
     if isinstance(meshes, (str, bytes)):
         raise TypeError(f'meshes: a list such as [20, 40, 80] or ["coarse.msh", "fine.msh"] expected, {meshes!r} found')
+    if linear is not None and linear not in get_args(Linear):
+        raise ValueError(f"linear: {linear!r} found, expected None or one of {', '.join(get_args(Linear))}")
     name, text, files = _read(scene)
-    words = [f"{key}={value}" for key, value in _words(overrides, has_mesh=False).items()]
+    chosen = {} if linear is None else {"solver.linear": linear}
+    words = [f"{key}={value}" for key, value in {**_words(chosen, has_mesh=False), **_words(overrides, has_mesh=False)}.items()]
     wanted = {
         "quantity": quantity, "to": float(to), "meshes": [str(mesh) for mesh in meshes or ()], "ratio": float(ratio),
         "max_runs": int(max_runs), "within": float(within),

@@ -326,7 +326,8 @@ class Model:
             In place of the scene's.
         checkpoint : str or os.PathLike, optional
             A file in which the run is saved as it goes. A run with the file of an earlier one, which Ctrl-C, an exception or a power
-            cut has ended, goes on from there; its result has all increments. The file is removed when the history has converged.
+            cut has ended, goes on from there; its result has all increments. Ctrl-C, or an exception of the callback, ends the run
+            and saves it at the end of its increment; a second one ends it at once. The file is removed when the history has converged.
         checkpoint_every : float, optional
             The seconds between; without it checkpoints take 2 % of the time.
 
@@ -395,6 +396,10 @@ class Model:
         try:
             kept = keep(keep_u, len(model.times))
             raw = model._core.run(algebra, kept, told, options)
+        except KeyboardInterrupt as error:
+            if checkpoint is not None and os.path.exists(checkpoint) and hasattr(error, "add_note"):
+                error.add_note(f"The run is saved in {os.fspath(checkpoint)}: run it again with this checkpoint, and it goes on.")
+            raise
         finally:
             if bar is not None:
                 bar.close()

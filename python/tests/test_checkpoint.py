@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import signal
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -49,7 +52,7 @@ def test_a_run_that_goes_on_is_the_whole_run(method: str, options: dict[str, Any
     file = left(model, tmp_path / "run.ckpt", **options)
     seen = []
     rest = model.run(checkpoint=file, callback=lambda index, *_: seen.append(index), **options)
-    assert seen[0] in (7, 8) and seen[-1] == len(model.times)
+    assert seen[0] == 8 and seen[-1] == len(model.times)
     for name in ARRAYS:
         assert np.array_equal(getattr(whole, name), getattr(rest, name)), name
     assert rest.kept == whole.kept and (rest.iterations["increment"] == whole.iterations["increment"]).all()
@@ -76,6 +79,34 @@ def test_a_linear_solver_of_ones_own_goes_on(tmp_path: Path) -> None:
     file = left(model, tmp_path / "run.ckpt", linear=SuperLU())
     rest = model.run(checkpoint=file, linear=SuperLU())
     assert rest.converged and len(rest.report["increments"]) == len(rest.t)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals of Unix")
+def test_ctrl_c_saves_the_increment_in_which_it_came(tmp_path: Path) -> None:
+    file = tmp_path / "run.ckpt"
+    model = ss.Model(ss.Scene.example("block"), SMALL)
+
+    def callback(index: int, *_: object) -> None:
+        if index == 7:
+            signal.raise_signal(signal.SIGINT)
+
+    with pytest.raises(KeyboardInterrupt) as raised:
+        model.run(checkpoint=file, callback=callback)
+    if sys.version_info >= (3, 11):
+        assert "run.ckpt" in raised.value.__notes__[0]
+    seen: list[int] = []
+    assert model.run(checkpoint=file, callback=lambda index, *_: seen.append(index)).converged
+    assert seen[0] in (8, 9)
+
+
+def test_an_exception_saves_the_increment_before_it(tmp_path: Path) -> None:
+    file = tmp_path / "run.ckpt"
+    model = ss.Model(ss.Scene.example("block"), SMALL)
+    with pytest.raises(PowerCut):
+        model.run(checkpoint=file, callback=cut_in(7))
+    seen: list[int] = []
+    assert model.run(checkpoint=file, callback=lambda index, *_: seen.append(index)).converged
+    assert seen[0] == 8
 
 
 def test_what_does_not_converge_keeps_its_file(tmp_path: Path) -> None:
@@ -111,6 +142,7 @@ def test_a_checkpoint_of_another_run_is_refused(tmp_path: Path) -> None:
         ({"checkpoint": "run.ckpt", "checkpoint_every": -1.0}, ValueError, "checkpoint_every: -1"),
         ({"checkpoint": "run.ckpt", "checkpoint_every": "often"}, ValueError, "checkpoint_every: 'often'"),
         ({"checkpoint": "nowhere/run.ckpt", "checkpoint_every": 0.0}, FileNotFoundError, "nowhere"),
+        ({"checkpoint": "nowhere/run.ckpt"}, FileNotFoundError, "nowhere"),
         ({"checkpoint": "."}, IsADirectoryError, r"\."),
     ],
 )

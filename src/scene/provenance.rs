@@ -53,11 +53,18 @@ impl Provenance {
         if self.program != earlier.program {
             changes.push(format!("stickslip was {}, and is {}", earlier.program, self.program));
         }
-        if self.text != earlier.text {
-            let [before, after] = [&earlier.text, &self.text].map(|text| text.lines().collect::<Vec<_>>());
-            let k = before.iter().zip(&after).take_while(|(before, after)| before == after).count();
-            let told = |lines: &[&str]| lines.get(k).map_or("nothing".to_string(), |line| format!("`{}`", line.trim()));
-            changes.push(format!("line {} of the scene was {}, and is {}", k + 1, told(&before), told(&after)));
+        // Empty lines come and go with tables that overrides add.
+        let [before, after] = [earlier, self].map(|of| {
+            let lines = of.text.lines().map(str::trim).enumerate();
+            lines.filter(|(_, line)| !line.is_empty()).collect::<Vec<_>>()
+        });
+        let k = before.iter().zip(&after).take_while(|(before, after)| before.1 == after.1).count();
+        let lines = [before.get(k), after.get(k)];
+        if let Some((number, _)) = lines[1].or(lines[0]) {
+            let told =
+                |line: Option<&(usize, &str)>| line.map_or("nothing".to_string(), |(_, line)| format!("`{line}`"));
+            let [before, after] = lines.map(told);
+            changes.push(format!("line {} of the scene was {before}, and is {after}", number + 1));
         }
         for (file, hash) in &self.files {
             if !earlier.files.iter().any(|(_, before)| before == hash) {
