@@ -10,7 +10,7 @@ SI units throughout; in two dimensions forces are per m of depth.
     table = stickslip.compare(model, {"mine": my_solver})
 """
 
-from . import builder, exchange, mesh, siconos
+from . import builder, exchange, mesh, newton, siconos
 from ._cite import cite
 from ._core import UMFPACK, VERSION as __version__, keep_freed_memory
 from ._errors import AccuracyWarning, NotConverged, NotConvergedWarning, SceneError, StickslipError
@@ -33,6 +33,6 @@ __all__ = [
     "AccuracyWarning", "Comparison", "Convergence", "CondensedProblem", "ContactProblem", "Errors", "LinearSolver", "Model", "NotConverged",
     "NotConvergedWarning", "Posed", "Result", "Results", "Scene", "SceneError", "Stepper", "StepperState", "StickslipError",
     "Svg", "Sweep", "Verdict",
-    "__version__", "builder", "cite", "compare", "converge", "errors", "exchange", "judge", "keep_freed_memory", "mesh", "run",
-    "siconos", "sweep",
+    "__version__", "builder", "cite", "compare", "converge", "errors", "exchange", "judge", "keep_freed_memory", "mesh",
+    "newton", "run", "siconos", "sweep",
 ]

@@ -40,6 +40,11 @@ def _not_huge(name: str, array: Array) -> None:
         raise ValueError(f"{name} has the number {number:g}, but products of numbers beyond {LARGEST:g} overflow")
 
 
+def rows_or_row(shape: tuple[int, ...]) -> str:
+    """The shape of a row for all increments, or of a row for each."""
+    return f"{shape[1:]} or {shape}" if len(shape) > 1 else str(shape)
+
+
 def vector(name: str, values: ArrayLike, length: int) -> Array:
     """A new contiguous, finite vector of that length, of a number or of as many."""
     array = finite(name, values)
@@ -56,7 +61,7 @@ def numbers(name: str, values: ArrayLike, shape: tuple[int, ...]) -> Array:
     try:
         return np.broadcast_to(array, shape)
     except ValueError:
-        raise ValueError(f"{name} has the shape {array.shape}, expected {shape}") from None
+        raise ValueError(f"{name} has the shape {array.shape}, expected {rows_or_row(shape)}") from None
 
 
 def tangential(name: str, values: ArrayLike | None, nodes: int, tangents: int) -> Array:

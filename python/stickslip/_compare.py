@@ -10,7 +10,7 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from . import plot as _plot
-from ._judge import Solver, Verdict, history_of, known, verdict_on
+from ._judge import Solver, Verdict, history_of, known, tolerated, verdict_on
 from ._problem import ContactProblem
 from ._scene import Model
 from ._words import counted
@@ -127,6 +127,7 @@ def compare(
         raise ValueError("solvers is empty: there is nothing to compare")
     for name, solver in solvers.items():
         known(f"solvers[{name!r}]", solver)
+    tolerated(tolerance)
     data = history_of(of, history)
     verdicts = []
     for name, solver in solvers.items():

@@ -27,6 +27,9 @@ class CondensedProblem(ContactProblem):
 
     Notes
     -----
+    ``strain_energy`` of its records is u_c' S u_c / 2, that of the condensed body. Forces off the contact nodes add
+    f_r' K_rr^-1 f_r / 2 in the whole body: the whole is ``u @ small.whole.K @ u / 2`` of the u that `lift` gives.
+
     It pickles as the whole problem, and is condensed anew where it arrives.
 
     Examples

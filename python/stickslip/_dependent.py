@@ -104,7 +104,12 @@ def solve(
         holds = judged.worst[1] <= tolerance
         status = "converged" if holds else "singular"
         kkt = {law: getattr(judged, law) for law in LAWS}
-        records.append({"index": k + 1, "time": float(time), "status": status, "iterations": found[4], "parts": 1, "kkt": kkt})
+        slid = float((p_t[:, :d] * (problem.slip(u) - w[:, :d])).sum())
+        energy = 0.5 * float(u @ (problem.K @ u))
+        records.append({
+            "index": k + 1, "time": float(time), "status": status, "iterations": found[4], "parts": 1, "kkt": kkt,
+            "friction_work": slid, "strain_energy": energy,
+        })
         rows.append((u, force[k], p_n, p_t, judged.contact, gaps[k], mus[k], w))
         if callback is not None:
             callback(k + 1, float(time), status, found[4], judged.worst[1])

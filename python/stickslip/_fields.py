@@ -49,6 +49,15 @@ class Svg(str):
             file.write(self)
 
 
+#: What takes the place of quantities that need a model, by their names.
+_SUBSTITUTES = {
+    "pressure": "take result.p_n / problem.weight",
+    "traction": "take result.p_t / problem.weight[:, None]",
+    "slip": "take problem.slip(result.u[k]), less the drift of the increment if there is one",
+    "opening": "take result.gap[k] - problem.C_n @ result.u[k]",
+}
+
+
 class Fields:
     """The part of `Result` that needs its model."""
 
@@ -68,9 +77,11 @@ class Fields:
         report: dict[str, Any]
         model: Model | None
 
-    def _model(self) -> Model:
+    def _model(self, wanted: str = "") -> Model:
+        """The model, for what is `wanted`."""
         if self.model is None:
-            raise ValueError("model: this result is of a problem of matrices, which has no mesh")
+            cure = f"; {_SUBSTITUTES[wanted]}" if wanted else ""
+            raise ValueError(f"{wanted or 'model'}: this result is of a problem of matrices, which has no mesh{cure}")
         return self.model
 
     def _number(self, k: int) -> int:
@@ -116,6 +127,10 @@ class Fields:
             found[name] = np.stack([values[f"{name}_t"], values[f"{name}_o"]][:d], axis=-1)
         return found
 
+    def _at_nodes(self, name: str) -> Array:
+        self._model(name)
+        return self._of_nodes[name]
+
     @cached_property
     def _of_nodes(self) -> dict[str, Array]:
         shape = self.p_n.shape
@@ -141,17 +156,17 @@ class Fields:
         >>> print(f"{result.pressure[9].mean() / 1e3:.0f} kPa")
         53 kPa
         """
-        return self._of_nodes["pressure"]
+        return self._at_nodes("pressure")
 
     @property
     def traction(self) -> Array:
         """Tangential contact stresses of the body on the obstacle, Pa, (m, n_c, d), along the columns of the program's tables."""
-        return self._of_nodes["traction"]
+        return self._at_nodes("traction")
 
     @property
     def slip(self) -> Array:
         """Motion of each contact node along its obstacle since the beginning, m, (m, n_c, d); NaN where displacements were not kept."""
-        return self._of_nodes["slip"]
+        return self._at_nodes("slip")
 
     @property
     def opening(self) -> Array:
@@ -159,7 +174,7 @@ class Fields:
 
         ``gap`` is the prescribed distance, of the undeformed body.
         """
-        return self._of_nodes["opening"]
+        return self._at_nodes("opening")
 
     @property
     def reactions(self) -> dict[str, Array]:

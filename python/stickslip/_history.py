@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._arrays import Array, finite, numbers, vector
+from ._arrays import Array, finite, numbers, rows_or_row, vector
 
 if TYPE_CHECKING:
     from ._problem import ContactProblem
@@ -45,10 +45,10 @@ def posed(
     if ends[0] <= 0 or (np.diff(ends) <= 0).any():
         raise ValueError("times must increase from above 0")
     gaps = finite(names[0], gap)
+    if gaps.shape not in ((), (n_c,), (m + 1, n_c)):
+        raise ValueError(f"{names[0]} has the shape {gaps.shape}, expected {rows_or_row((m + 1, n_c))}")
     if gaps.ndim < 2:
         gaps = vector(names[0], gaps, n_c)[None]
-    elif gaps.shape != (m + 1, n_c):
-        raise ValueError(f"{names[0]} has the shape {gaps.shape}, expected {(m + 1, n_c)}")
     drifts: list[Array | None] = [None, None]
     if drift is not None:
         array = finite("drift", drift)

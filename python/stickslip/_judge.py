@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+import os
 import time
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from numbers import Real
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._arrays import numbers, tangential, vector
+from ._arrays import finite, numbers, tangential, vector
 from ._errors import NotConvergedWarning
 from ._problem import ContactProblem
 from ._result import LAWS, Result
 from ._scene import Model
+from ._words import violation
+from .builder import Scene
 
 if TYPE_CHECKING:
     from ._options import Method
@@ -42,6 +46,8 @@ class Errors:
     >>> problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
     >>> ss.errors(problem, [0.0, -100.0], u=[0.0, -1e-4], p_n=[0.0])
     <Errors: penetration violated by 1.0e+00>
+    >>> ss.errors(problem, [0.0, 0.0], u=[0.0, 0.0], p_n=[0.0])
+    <Errors: largest error 0.0e+00 (equilibrium)>
     """
 
     equilibrium: float
@@ -60,12 +66,10 @@ class Errors:
         return max(laws, key=lambda item: np.inf if np.isnan(item[1]) else item[1])
 
     def __repr__(self) -> str:
-        law, error = self.worst
-        return f"<Errors: {law} violated by {error:.1e}>"
+        return f"<Errors: {violation(*self.worst)}>"
 
     def _repr_html_(self) -> str:
-        law, error = self.worst
-        return f"<b>{law}</b>: {error:.1e}"
+        return violation(*self.worst)
 
 
 def _tangential(name: str, problem: ContactProblem, values: ArrayLike | None) -> list[Array]:
@@ -100,7 +104,7 @@ def errors(
     mu : float or (n_c,), optional
         Friction of this increment where that changes.
     scales : tuple of float
-        Those of the increments before, so that errors are relative to the largest of a history.
+        `Errors.scales` of the increment before, so that errors are relative to the largest of a history.
 
     Returns
     -------
@@ -128,7 +132,10 @@ def errors(
         "u_rest": np.zeros(0) if rest is None else vector("u[1]", rest, problem.n_u),
         "p_n": vector("p_n", p_n, problem.n_c), "p_t": p_t[0], "p_o": p_t[1],
     }
-    laws, contact, found = problem._core.errors(answer, scales)
+    known_scales = finite("scales", scales)
+    if known_scales.shape != (2,) or (known_scales < 0).any():
+        raise ValueError(f"scales is {scales!r}, expected a force, N, and a length, m, of 0 or more, as `Errors.scales`")
+    laws, contact, found = problem._core.errors(answer, (float(known_scales[0]), float(known_scales[1])))
     return Errors(**dict(zip(LAWS, laws)), contact=np.array(list(contact), dtype=np.uint8), scales=found)
 
 
@@ -230,21 +237,27 @@ class Verdict:
     def __repr__(self) -> str:
         at = f"in increment {self.increment}"
         if self.holds:
-            words = f"holds, largest error {self.error:.1e} ({self.law}) {at}"
+            words = f"holds, {violation(self.law, self.error, within=self.error)} {at}"
         elif np.isfinite(self.error) or not self.remark:
-            words = f"WRONG, {self.law} violated by {self.error:.1e} {at}"
+            words = f"WRONG, {violation(self.law, self.error, within=0.0)} {at}"
         else:
             words = "WRONG"
         return f"<Verdict on {self.name}: {words}{'; ' if self.remark else ''}{self.remark}>"
 
 
 def history_of(of: Model | ContactProblem, history: Mapping[str, ArrayLike] | None) -> dict[str, Array]:
+    """The tables of a history, which `judge` and `compare` take; refuses what is neither a model nor a problem."""
+    if not isinstance(of, (Model, ContactProblem)):
+        cure = "; ss.Model(scene) makes one" if isinstance(of, (str, os.PathLike, Mapping, Scene)) else ""
+        raise TypeError(f"of: Model or ContactProblem expected, {type(of).__name__} found{cure}")
+    if history is not None and not isinstance(history, Mapping):
+        raise TypeError(f"history: a dictionary expected, such as that of Model.history, {type(history).__name__} found")
     if history is None:
         if not isinstance(of, Model):
             raise ValueError("history: a problem of matrices needs one, with the keys force and, if need be, gap, drift, mu")
         return of.history
     problem = of.problem if isinstance(of, Model) else of
-    unknown = set(history) - {"force", "gap", "drift", "mu"}
+    unknown = set(history) - {"force", "gap", "drift", "mu", "cases", "factors"}
     if unknown or "force" not in history:
         raise ValueError(f"history has the keys {sorted(history)}, expected force and, if need be, gap, drift, mu")
     m, n_c, d = len(np.atleast_2d(np.asarray(history["force"]))), problem.n_c, problem.tangents
@@ -294,6 +307,14 @@ def _judged(problem: ContactProblem, result: Result, data: Mapping[str, Array]) 
     return rows, result._verdict()
 
 
+def tolerated(tolerance: object) -> None:
+    """Refuses a tolerance that is no number of 0 or more."""
+    if isinstance(tolerance, bool) or not isinstance(tolerance, Real):
+        raise TypeError(f"tolerance: a number expected, {type(tolerance).__name__} found")
+    if not 0 <= float(tolerance) < np.inf:
+        raise ValueError(f"tolerance is {tolerance}, but must be 0 or more, and finite")
+
+
 def known(name: str, solver: object) -> None:
     """Refuses what is neither a solver nor a word."""
     expected = f"one of {', '.join(_OWN)} or a function of an increment"
@@ -317,7 +338,8 @@ def judge(
         Called with a `Posed` increment; hands back (u, p_n, p_t). Or a word: "bn", "ip" and "events" are stickslip's on the
         matrices, "stickslip" the run of the model as its scene says.
     history : mapping, optional
-        force (m, n_u), N, and, if need be, gap (m + 1, n_c), m, drift (m, n_c, d), m, mu (m, n_c).
+        force (m, n_u), N, and, if need be, gap (m + 1, n_c), m, drift (m, n_c, d), m, mu (m, n_c). The `Model.history` of a
+        model is one; of its ``cases`` and ``factors``, ``force`` is the sum that counts.
     name : str, optional
         Of the solver; the word, or "solver", without it.
     tolerance : float
@@ -331,7 +353,7 @@ def judge(
     Raises
     ------
     ValueError, TypeError
-        An argument that is no solver or history.
+        An argument that is no model or problem, no solver, history or tolerance.
 
     Examples
     --------
@@ -345,6 +367,7 @@ def judge(
     (True, True)
     """
     known("solver", solver)
+    tolerated(tolerance)
     if name is None:
         name = solver if isinstance(solver, str) else "solver"
     return verdict_on(of, solver, history, history_of(of, history), name, tolerance)

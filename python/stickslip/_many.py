@@ -76,11 +76,12 @@ class Results(list[Result]):
         Parameters
         ----------
         name : str
-            "p_n", "p_t", "contact", "gap", "mu", "w_t_last", "errors" or "t", with a row for each increment; or "u".
+            "p_n", "p_t", "contact", "gap", "mu", "w_t_last", "errors" or "t", with a row for each increment; "u"; or
+            "friction_work", a number for each result.
 
         Returns
         -------
-        (N, m, ...) array
+        (N, m, ...) or (N,) array
             NaN, or 255 in "contact", for increments that were not reached. Of "u" the increments that are kept.
 
         Raises
@@ -88,8 +89,11 @@ class Results(list[Result]):
         KeyError
             `name` is no such array.
         """
-        if name not in (*_ROWS, "u"):
-            raise KeyError(f"name is {name!r}, expected one of {', '.join((*_ROWS, 'u'))}")
+        names = (*_ROWS, "u", "friction_work")
+        if name not in names:
+            raise KeyError(f"name is {name!r}, expected one of {', '.join(names)}")
+        if name == "friction_work":
+            return np.array([result.friction_work for result in self], dtype=np.float64)
         arrays = [getattr(result, name) for result in self]
         rows = max((len(array) for array in arrays), default=0)
         n_u, n_c, d = self._sizes

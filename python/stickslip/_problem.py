@@ -247,7 +247,9 @@ class ContactProblem(Matrices):
     ) -> _many.Results:
         """Solves many histories of this body side by side: parameter studies, random fields, fits.
 
-        The body is condensed once, and each history is computed in one thread, without the lock of the interpreter.
+        The body is condensed once, and each history is computed in one thread, without the lock of the interpreter. For many
+        samples the cheapest is `condense` and `solve_many` of the condensed problem, which leaves the interior out: `lift` gives
+        the displacements of the samples that need them.
 
         Parameters
         ----------

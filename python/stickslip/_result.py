@@ -18,7 +18,7 @@ from ._errors import AccuracyWarning, NotConverged, NotConvergedWarning, in_pyth
 from ._fields import Fields
 from ._linear import Checked
 from ._options import path_of
-from ._words import counted
+from ._words import REASONS, counted, violation
 
 if TYPE_CHECKING:
     from ._matrices import Matrices
@@ -51,7 +51,7 @@ class Result(Fields):
     status : str
         The verdict, "converged" or the reason of the first increment that did not.
     reason : str
-        Why the run ended early, in words; empty if it converged.
+        Why the run ended early, in words, and what may help; empty if it converged.
     t : ndarray, shape (m,)
         Ends of the increments, s.
     p_n : ndarray, shape (m, n_c)
@@ -77,7 +77,8 @@ class Result(Fields):
     force : ndarray, shape (len(kept), n_u)
         External nodal forces, N.
     records : list of dict
-        For each increment: iterations, parts, energies, seconds, ...
+        For each increment: iterations, parts, energies, seconds, ... ``friction_work`` is that of the increment alone, and
+        ``strain_energy`` that at its end; of a `CondensedProblem` the one of the condensed body.
     iterations : recarray
         A row for each iteration: increment, iteration, theta, step, error.
     report : dict
@@ -139,6 +140,7 @@ class Result(Fields):
         for (name, _), column in zip(kinds, table.T):
             iterations[name] = column
         reason = in_python(report.get("reason", reason))
+        reason = reason or REASONS.get(raw["status"], "")
         if isinstance(linear, Checked) and raw["status"] != "converged":
             reason = linear.blamed(reason)
         result = cls(
@@ -187,6 +189,19 @@ class Result(Fields):
         return sum(record["iterations"] for record in self.records)
 
     @property
+    def friction_work(self) -> float:
+        """The friction work of all increments that converged, J; in the plane J per m of depth. A record has that of its increment.
+
+        Examples
+        --------
+        >>> import numpy as np, stickslip as ss
+        >>> problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
+        >>> print(f"{problem.solve([[0.0, -100.0], [40.0, -100.0]]).friction_work:.2e} J")
+        1.50e-04 J
+        """
+        return float(sum(record["friction_work"] for record in self.records if record["status"] == "converged"))
+
+    @property
     def warnings(self) -> list[dict[str, str]]:
         """Doubts about the answer although every law holds.
 
@@ -226,7 +241,7 @@ class Result(Fields):
             return f"{self.status} before the first increment" + (f": {self.reason}" if self.reason else "")
         last = self.errors[-1]
         law = LAWS[int(np.argmax(np.where(np.isnan(last), np.inf, last)))]
-        at = f"in increment {len(self.t)} (t = {self.t[-1]:g} s): {law} is violated by {last.max():.1e}"
+        at = f"in increment {len(self.t)} (t = {self.t[-1]:g} s): {violation(law, last.max())}"
         return f"{self.status} {at}" + (f"; {self.reason}" if self.reason else "")
 
     def _amount(self) -> str:

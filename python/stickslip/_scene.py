@@ -204,7 +204,8 @@ class Model:
         dict of str to ndarray
             ``force``, N, (m, n_u). ``gap``, m, (m + 1, n_c), the first row before the first increment. ``drift``, how far the
             obstacle has moved past each node, m, (m, n_c, d). ``mu``, (m, n_c). ``cases`` (loads, n_u), N, and ``factors``
-            (m, loads): the loads that ``force`` is the sum of. Arrays are read-only; copies of them are not.
+            (m, loads): the loads that ``force`` is the sum of, in the order of ``[[load]]``; then those of supports and bolts,
+            if there are any. Arrays are read-only; copies of them are not.
 
         Examples
         --------
@@ -238,6 +239,9 @@ class Model:
 
     def stress(self, u: ArrayLike, t: float | None = None) -> Array:
         """Stresses in the middle of each cell.
+
+        The strain that the scene's own loads ``temperature`` have at t is subtracted, and supports are where the scene has them
+        at t. A coupled run with factors of its own has another thermal strain: take a scene with these temperatures.
 
         Parameters
         ----------

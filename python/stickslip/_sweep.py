@@ -111,16 +111,27 @@ class Sweep(Sequence[Result]):
         Returns
         -------
         dict of str to list
-            The keys of the sweep, ``status``, ``error``, ``increments``, the quantities.
+            The keys of the sweep, ``status``, ``error``, ``increments``, ``friction_work``, the quantities.
+
+        Raises
+        ------
+        ValueError
+            A quantity has raised for a result; its name and the values of the run are in the message, and its exception is the cause.
         """
         columns: dict[str, list[Any]] = {key: [values[key] for values in self.values] for key in (self.values[0] if self.values else {})}
         columns["status"] = [result.status for result in self]
         columns["error"] = [result.error for result in self]
         columns["increments"] = [len(result.t) for result in self]
+        columns["friction_work"] = [result.friction_work for result in self]
         for name, quantity in (quantities or {}).items():
             if not callable(quantity):
                 raise TypeError(f"quantities[{name!r}]: a function of a result expected, {type(quantity).__name__} found")
-            columns[name] = [quantity(result) for result in self]
+            columns[name] = []
+            for k, result in enumerate(self):
+                try:
+                    columns[name].append(quantity(result))
+                except Exception as error:
+                    raise ValueError(f"quantities[{name!r}] of {self._name(k)}: {type(error).__name__}: {error}") from error
         return columns
 
     def to_pandas(self, quantities: Mapping[str, Callable[[Result], Any]] | None = None) -> Any:

@@ -19,17 +19,24 @@ def toml_value(value: Any, at: str = "") -> str:
     value = value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value
     if isinstance(value, bool):
         return "true" if value else "false"
-    if isinstance(value, (int, str)):
-        return json.dumps(value)
+    if isinstance(value, int):
+        return str(value)
+    if isinstance(value, str):
+        return _text(value)
     if isinstance(value, float):
         return repr(value) if math.isfinite(value) else ("nan" if math.isnan(value) else "inf" if value > 0 else "-inf")
     if isinstance(value, os.PathLike):
-        return json.dumps(os.fspath(value))
+        return toml_value(os.fspath(value), at)
     if isinstance(value, Mapping):
         return "{ " + ", ".join(f"{_key(k, at)} = {toml_value(v, below(at, k))}" for k, v in value.items() if v is not None) + " }"
     if isinstance(value, (list, tuple)):
         return "[" + ", ".join(toml_value(v, f"{at}[{k}]") for k, v in enumerate(value)) + "]"
     raise TypeError(f"{at}: a scene has no values of the type {type(value).__name__}" if at else f"a scene has no values of the type {type(value).__name__}")
+
+
+def _text(value: str) -> str:
+    """In quotes; escapes in pairs, which JSON has for signs such as emoji, are none of TOML."""
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def below(at: str, name: Any) -> str:
@@ -40,7 +47,7 @@ def below(at: str, name: Any) -> str:
 def _key(name: Any, at: str) -> str:
     if not isinstance(name, str):
         raise TypeError(f"{below(at, name)}: keys are words, {type(name).__name__} found")
-    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else json.dumps(name)
+    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else _text(name)
 
 
 def to_toml(scene: Mapping[str, Any]) -> str:

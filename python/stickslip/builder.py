@@ -9,13 +9,16 @@
         .time(end=1.0, increments=10)
     )
     result = stickslip.run(scene)
+    scene.save("block.toml")  # for the command: stickslip run block.toml
 """
 
 from __future__ import annotations
 
 import copy
+import filecmp
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from pathlib import Path
 from typing import Any, Literal
 
 from . import _core
@@ -45,6 +48,19 @@ def plane(*, gap: float = 0.0, **keys: Any) -> dict[str, Any]:
     {'kind': 'plane', 'gap': 1e-05}
     """
     return {"kind": "plane", "gap": gap, **keys}
+
+
+def _named(keys: Any) -> Iterator[str]:
+    """The files that a scene names."""
+    for name, value in keys.items() if isinstance(keys, dict) else enumerate(keys) if isinstance(keys, (list, tuple)) else ():
+        if name == "file" and isinstance(value, (str, os.PathLike)):
+            yield os.fspath(value)
+        else:
+            yield from _named(value)
+
+
+def _same(one: str, other: str) -> bool:
+    return os.path.isfile(one) and os.path.isfile(other) and filecmp.cmp(one, other, shallow=False)
 
 
 class Scene:
@@ -90,6 +106,68 @@ class Scene:
             A copy, which is free to change.
         """
         return copy.deepcopy(self._keys)
+
+    def to_toml(self) -> str:
+        """The text of a scene file: what the command reads, and `from_toml`.
+
+        Returns
+        -------
+        str
+
+        Examples
+        --------
+        >>> import stickslip as ss
+        >>> print(ss.Scene.block([1.0, 1.0], [10, 10], title="A block").time(end=1.0, increments=4).to_toml(), end="")
+        title = "A block"
+        <BLANKLINE>
+        [mesh]
+        kind = "block"
+        size = [1.0, 1.0]
+        elements = [10, 10]
+        <BLANKLINE>
+        [time]
+        end = 1.0
+        increments = 4
+        """
+        from ._toml import to_toml
+
+        return to_toml(self._keys).lstrip("\n")
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the scene to a file for the command, such as ``stickslip run block.toml``.
+
+        Files in memory, such as the mesh of `example`, are written beside it. A mesh that only `Model` or `run` is given is in
+        no scene.
+
+        Parameters
+        ----------
+        path : str or os.PathLike
+            The file, replaced if it exists.
+
+        Raises
+        ------
+        ValueError
+            A file that the scene names would not be beside it, or would replace another; nothing is written then.
+        """
+        path = path_of(path)
+        text, folder = self.to_toml(), os.path.dirname(path)
+        for name, content in self._files.items():
+            if os.path.isabs(name) or ".." in Path(name).parts:
+                raise ValueError(f"path: the scene's file {name} would not be written beside it")
+            beside = os.path.join(folder, name)
+            if os.path.exists(beside) and not (os.path.isfile(beside) and Path(beside).read_bytes() == content):
+                raise ValueError(f"path: {beside} exists and is another file than the scene's {name}; save the scene in another folder")
+        for name in _named(self._keys):
+            there, here = os.path.join(os.path.dirname(self._name), name), os.path.join(folder, name)
+            if name not in self._files and os.path.abspath(there) != os.path.abspath(here) and not _same(there, here):
+                raise ValueError(f"path: the scene names {name}, which is no copy of {there} there; copy it, or name it by its whole path")
+        for name, content in self._files.items():
+            beside = os.path.join(folder, name)
+            os.makedirs(os.path.dirname(beside) or ".", exist_ok=True)
+            with open(beside, "wb") as file:
+                file.write(content)
+        with open(path, "w", encoding="utf-8") as written:
+            written.write(text)
 
     def __repr__(self) -> str:
         title = self._keys.get("title", "")
@@ -248,7 +326,7 @@ class Scene:
         scene._name, scene._files = f"{name}.toml", dict(files)
         return scene
 
-    def material(self, *, young: float, poisson: float, plane: Literal["strain", "stress"] | None = None, **keys: Any) -> Scene:
+    def material(self, *, young: float, poisson: float, plane: Literal["strain", "stress", "axisymmetric"] | None = None, **keys: Any) -> Scene:
         """The elastic constants.
 
         Parameters
@@ -257,10 +335,10 @@ class Scene:
             Young's modulus, Pa.
         poisson : float
             Poisson's ratio.
-        plane : {"strain", "stress"}, optional
-            In two dimensions: a long body, or a thin plate.
+        plane : {"strain", "stress", "axisymmetric"}, optional
+            In two dimensions: a long body, a thin plate, or half the section of a body of revolution.
         **keys
-            Further keys as scenes have them.
+            Further keys as scenes have them: ``thickness``, ``density``, ``expansion``, ``layers``.
 
         Returns
         -------
@@ -268,17 +346,19 @@ class Scene:
         """
         return self._with(material={"young": young, "poisson": poisson, **({"plane": plane} if plane else {}), **keys})
 
-    def support(self, boundary: str, *fix: Literal["x", "y", "z"], **keys: Any) -> Scene:
-        """Holds a boundary along axes.
+    def support(
+        self, boundary: str | None = None, *fix: Literal["x", "y", "z", "normal", "rotation_x", "rotation_y", "rotation_z"], **keys: Any
+    ) -> Scene:
+        """Holds a boundary, a point or a coupling.
 
         Parameters
         ----------
-        boundary : str
-            Its name.
-        *fix : {"x", "y", "z"}
-            The axes.
+        boundary : str or None
+            Its name; None with the key ``point`` or ``coupling``.
+        *fix : {"x", "y", "z", "normal", "rotation_x", "rotation_y", "rotation_z"}
+            Directions that are held; rotations are those of a coupling.
         **keys
-            Further keys as scenes have them: ``motion``, ...
+            Further keys as scenes have them: ``displacement``, ``history``, ``direction``, ``point``, ``coupling``.
 
         Returns
         -------
@@ -286,19 +366,22 @@ class Scene:
         """
         return self._and("support", boundary=boundary, fix=list(fix) or None, **keys)
 
-    def contact(self, boundary: str, obstacle: dict[str, Any] | None = None, *, friction: float, **keys: Any) -> Scene:
+    def contact(
+        self, boundary: str, obstacle: dict[str, Any] | Sequence[dict[str, Any]] | None = None, *,
+        friction: float | str | None = None, **keys: Any,
+    ) -> Scene:
         """Puts an obstacle in front of a boundary.
 
         Parameters
         ----------
         boundary : str
             Its name.
-        obstacle : dict, optional
+        obstacle : dict or sequence of dict, optional
             `plane`, or the keys of another kind; without it another boundary by the key ``against``.
-        friction : float
-            Coulomb's coefficient.
+        friction : float or str
+            Coulomb's coefficient, or a formula such as ``"0.1 + 0.2 * x"``; only contact with ``glue`` has none.
         **keys
-            Further keys as scenes have them.
+            Further keys as scenes have them: ``against``, ``friction_history``, ``glue``, ``gap``, ...
 
         Returns
         -------
@@ -307,7 +390,7 @@ class Scene:
         return self._and("contact", boundary=boundary, friction=friction, obstacle=obstacle, **keys)
 
     def load(
-        self, boundary: str | None = None, *, traction: Sequence[float] | None = None,
+        self, boundary: str | None = None, *, traction: Sequence[float | str] | None = None,
         history: Sequence[Sequence[float]] | None = None, **keys: Any,
     ) -> Scene:
         """A load whose factor goes through the points of its history.
@@ -316,12 +399,12 @@ class Scene:
         ----------
         boundary : str, optional
             Where a traction acts.
-        traction : sequence of float, optional
-            N/m² along the axes.
+        traction : sequence of float or str, optional
+            N/m² along the axes: numbers or formulas.
         history : sequence of pairs, optional
             [time, factor], s and a number.
         **keys
-            Further keys as scenes have them: ``pressure``, ``force``, ``gravity``, ...
+            Further keys as scenes have them: ``pressure``, ``force``, ``acceleration``, ``temperature``, ...
 
         Returns
         -------
@@ -358,7 +441,8 @@ class Scene:
         setting : {"default", "paper"}, optional
             Its constants.
         **keys
-            Further keys as scenes have them: ``tolerance``, ``max_iterations``, ``linear``.
+            Further keys as scenes have them: ``tolerance``, ``max_iterations``, ``linear``, which the command takes and `run` only with
+            ``linear=None``.
 
         Returns
         -------

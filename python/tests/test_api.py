@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 import pickle
 import re
+from pathlib import Path
 from typing import Any, get_args
 
 import numpy as np
@@ -119,3 +120,9 @@ def test_what_others_make_says_how(kind: Any, way: str) -> None:
 def test_the_first_word_of_keep_u_is_its_default(call: Any) -> None:
     first = re.search(r"keep_u : \{?\"(\w+)\".*\n.*are kept\. \S", inspect.getdoc(call) or "")
     assert first and first[1] == inspect.signature(call).parameters["keep_u"].default
+
+
+def test_the_natural_map_is_public() -> None:
+    assert "newton" in ss.__all__ and ss.newton.Natural is Natural
+    page = Path(__file__).parents[2] / "doc/python/api/matrices.md"
+    assert "::: stickslip.newton\n" in page.read_text(encoding="utf-8")

@@ -163,6 +163,18 @@ def test_what_was_computed_again_is_not_pickled(result: ss.Result) -> None:
 
 def test_a_result_of_matrices_has_no_fields() -> None:
     result = ss.ContactProblem(np.eye(2), [[0.0, -1.0]], [[1.0, 0.0]], 0.3).solve([0.1, 1.0], gap=0.0)
-    for what in ("pressure", "slip", "reactions"):
-        with pytest.raises(ValueError, match="model: "):
+    substitutes = {"pressure": "p_n / problem.weight", "traction": "p_t / problem.weight", "slip": r"problem.slip\(", "opening": "problem.C_n @"}
+    for what in (*substitutes, "reactions"):
+        with pytest.raises(ValueError, match=f"({what}|model): this result is of a problem of matrices.*{substitutes.get(what, '')}"):
             getattr(result, what)
+
+
+def test_the_substitutes_of_a_result_of_matrices_are_what_a_model_gives() -> None:
+    model = ss.Model(block(4, 4))
+    result, problem, history = model.run(), model.problem, model.history
+    same = problem.solve(history["force"], gap=history["gap"])
+    size = abs(result.pressure).max()
+    np.testing.assert_allclose(same.p_n / problem.weight, result.pressure, atol=1e-10 * size)
+    np.testing.assert_allclose(same.p_t / problem.weight[:, None], result.traction, atol=1e-10 * size)
+    np.testing.assert_allclose(problem.slip(same.u[-1]), result.slip[-1], atol=1e-16)
+    np.testing.assert_allclose(same.gap[-1] - problem.C_n @ same.u[-1], result.opening[-1], atol=1e-16)

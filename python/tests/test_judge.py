@@ -249,3 +249,46 @@ def test_judge_takes_the_words_of_compare() -> None:
         ss.judge(ss.Model(SCENES / "confined.toml"), "stickslip")
         ss.compare(ss.Model(SCENES / "confined.toml"), {"own": "stickslip"})
     assert {w.filename for w in warned} == {__file__}
+
+
+def test_a_history_of_a_model_is_taken() -> None:
+    model = ss.Model(block(4, 4))
+    assert ss.judge(model.problem, "bn", history=model.history).holds
+    assert ss.compare(model.problem, {"mine": "ip"}, history=model.history)["mine"].holds
+    with pytest.raises(TypeError, match="history: a dictionary expected, such as that of Model.history, list found"):
+        ss.judge(model.problem, "bn", history=[1.0])  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("of", [block(4, 4), "block.toml", block(4, 4).to_dict()])
+def test_a_scene_is_no_model(of: Any) -> None:
+    said = f"of: Model or ContactProblem expected, {type(of).__name__} found; ss.Model\\(scene\\) makes one"
+    with pytest.raises(TypeError, match=said):
+        ss.judge(of, "bn")
+    with pytest.raises(TypeError, match=said):
+        ss.compare(of, {"mine": "bn"})
+
+
+@pytest.mark.parametrize("tolerance, kind", [(-1.0, ValueError), (float("nan"), ValueError), (float("inf"), ValueError), ("1", TypeError), (True, TypeError)])
+def test_a_tolerance_is_a_number_of_0_or_more(tolerance: Any, kind: type[Exception]) -> None:
+    problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
+    history = {"force": [[40.0, -100.0]]}
+    for ask in (lambda: ss.judge(problem, "bn", history=history, tolerance=tolerance), lambda: ss.compare(problem, {"a": "bn"}, history=history, tolerance=tolerance)):
+        with pytest.raises(kind, match="tolerance"):
+            ask()
+    assert ss.judge(problem, "bn", history=history, tolerance=np.float32(1e-8)).holds  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("scales", [(float("nan"), 1.0), (-1.0, 0.0), (1.0,), 3.0])
+def test_scales_are_those_of_errors(scales: Any) -> None:
+    problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
+    with pytest.raises(ValueError, match="scales is "):
+        ss.errors(problem, [40.0, -100.0], [0.0, 0.0], [1.0], scales=scales)
+
+
+def test_rounding_is_no_violation() -> None:
+    problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
+    result = problem.solve_increment([40.0, -100.0])
+    judged = ss.errors(problem, [40.0, -100.0], result.u[0] * (1 + 1e-14), result.p_n[0], result.p_t[0])
+    assert repr(judged).startswith("<Errors: largest error ") and "violated" not in repr(judged) + judged._repr_html_()
+    wrong = ss.errors(problem, [40.0, -100.0], result.u[0] * 1.1, result.p_n[0], result.p_t[0])
+    assert "violated by" in repr(wrong)

@@ -263,3 +263,13 @@ def test_results_without_an_increment_have_their_shape() -> None:
     result, results = loose.solve([1.0, 1.0]), loose.solve_many(forces=[[1.0, 1.0]])
     assert len(result.t) == 0 and result.p_n.shape == (0, 1) and result.p_t.shape == (0, 1, 1) and result.u.shape == (0, 2)
     assert results.stack("p_t").shape[2:] == (1, 1) and results.stack("u").shape[2:] == (2,)
+
+
+def test_shapes_of_fields_are_a_row_or_rows() -> None:
+    problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
+    for name in ("mus", "gaps"):
+        rows = {"mus": 2, "gaps": 3}[name]
+        with pytest.raises(ValueError, match=rf"{name}\[0\] has the shape \(7,\), expected \(1,\) or \({rows}, 1\)"):
+            problem.solve_many([[0.0, -1.0], [0.1, -1.0]], **{name: np.full((3, 7), 0.3)})  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match=r"history\['mu'\] has the shape \(7,\), expected \(1,\) or \(1, 1\)"):
+        ss.judge(problem, "bn", history={"force": [[0.0, -1.0]], "mu": [0.3] * 7})

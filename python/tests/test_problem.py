@@ -14,6 +14,7 @@ import scipy.sparse.linalg as spla
 
 import stickslip as ss
 from scenes import SCENES, block
+from stickslip._words import REASONS
 from stickslip.newton import Natural
 
 
@@ -343,3 +344,61 @@ def test_tangents_are_a_tuple_that_a_problem_takes_back(scene: object, tangents:
     assert type(p.C_t) is tuple and len(p.C_t) == len(again.C_t) == again.tangents == tangents
     assert all(abs(a - b).sum() == 0.0 for a, b in zip(p.C_t, again.C_t))
     assert ss.ContactProblem(np.eye(2), [[0, -1]]).C_t == ()
+
+
+def test_a_run_that_failed_has_its_reason() -> None:
+    model = ss.Model(ss.Scene.example("block"), {"mesh.elements": [8, 4]})
+    problem, history = model.problem, model.history
+    with pytest.warns(ss.NotConvergedWarning, match="no contact forces within the friction limit balance the loads"):
+        pushed = problem.solve(history["force"], mu=0.05)
+    assert pushed.status == "no-equilibrium"
+    unheld = ss.ContactProblem(sp.diags([0.0, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
+    with pytest.warns(ss.NotConvergedWarning):
+        stepped = unheld.stepper().step([40.0, -100.0])
+        many = problem.solve_many(history["force"], mus=[0.05])
+        hurried = problem.solve(3.0 * history["force"], max_iterations=1, tolerance=1e-15)
+    for result in (pushed, stepped, many[0], hurried):
+        assert not result.converged and result.reason and result.reason in result.message
+
+
+def test_each_status_has_a_reason() -> None:
+    text = (SCENES.parents[1] / "src/solver/history/record.rs").read_text(encoding="utf-8")
+    statuses = set(re.findall(r'Status::\w+ => "([\w-]+)"', text))
+    assert len(statuses) > 10 and statuses - {"converged"} == set(REASONS)
+
+
+def test_friction_work_is_that_of_all_increments() -> None:
+    model = ss.Model(block(6, 6))
+    result = model.run()
+    assert result.friction_work == pytest.approx(result.report["friction"]["friction_work"]) and result.friction_work > 0
+    small = model.problem.condense()
+    loads = small.reduce(model.history["force"])
+    condensed = small.solve(loads, gap=1e-5)
+    assert condensed.friction_work == pytest.approx(result.friction_work)
+    many = small.solve_many(loads, gap=1e-5, mus=[0.3, 0.4])
+    np.testing.assert_allclose(many.stack("friction_work"), [one.friction_work for one in many])
+    assert many.stack("friction_work")[1] == pytest.approx(result.friction_work)
+    in_mm = ss.Scene(block(6, 6).to_dict()).units(length="m", stress="kPa").to_dict()
+    in_mm["material"]["young"], in_mm["load"][0]["traction"], in_mm["load"][1]["traction"] = 210e6, [0.0, -10e3], [-10e3, 0.0]
+    assert ss.run(in_mm).friction_work == pytest.approx(result.friction_work)
+
+
+def test_dependent_rows_have_their_friction_work() -> None:
+    one = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
+    two = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]] * 2, [[1, 0]] * 2, mu=0.3)
+    history = [[0.0, -100.0], [40.0, -100.0], [-80.0, -100.0]]
+    single, double = one.solve(history), two.solve(history).check()
+    assert double.friction_work == pytest.approx(single.friction_work)
+    assert double.records[-1]["strain_energy"] == pytest.approx(single.records[-1]["strain_energy"])
+
+
+def test_the_strain_energy_of_a_condensed_problem_is_that_of_the_condensed_body() -> None:
+    model = ss.Model(block(4, 1))
+    whole, force = model.problem, model.history["force"]
+    small = whole.condense()
+    result = small.solve(small.reduce(force), gap=1e-5)
+    u_c, u = result.u[-1], small.lift(result.u, force)[-1]
+    assert result.records[-1]["strain_energy"] == pytest.approx(0.5 * u_c @ small.K @ u_c)
+    assert whole.solve(force, gap=1e-5).records[-1]["strain_energy"] == pytest.approx(0.5 * u @ whole.K @ u)
+    assert result.records[-1]["strain_energy"] < 0.9 * (0.5 * u @ whole.K @ u)
+    assert "small.whole.K @ u / 2" in (ss.CondensedProblem.__doc__ or "")

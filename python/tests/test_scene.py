@@ -20,6 +20,7 @@ import pytest
 
 import stickslip as ss
 from scenes import SCENES, block, needs
+from stickslip.builder import plane
 
 #: Reduced, so that each takes a second at most.
 REDUCED: dict[str, dict[str, object]] = {
@@ -362,3 +363,78 @@ def test_results_on_meshes_in_memory_are_saved(tmp_path: Path) -> None:
     result.save(tmp_path / "run.npz")
     for again in (ss.Result.load(tmp_path / "run.npz"), pickle.loads(pickle.dumps(result))):
         assert (again.stress() == result.stress()).all() and again.model.boundaries.keys() == result.model.boundaries.keys()
+
+
+def test_a_scene_is_written_for_the_command(tmp_path: Path) -> None:
+    scene = block(4, 2)
+    assert ss.Scene.from_toml(scene.to_toml()).to_dict() == scene.to_dict()
+    assert scene.to_toml().startswith("title = ")
+    scene.save(tmp_path / "block.toml")
+    told = subprocess.run(
+        [sys.executable, "-m", "stickslip", "run", "block.toml", "--json"], cwd=tmp_path, capture_output=True, text=True, check=True,
+    )
+    report = json.loads(told.stdout)
+    assert report["friction"]["friction_work"] == pytest.approx(ss.run(scene).report["friction"]["friction_work"])
+    with pytest.raises(TypeError, match="path: a str or os.PathLike expected, NoneType found"):
+        scene.save(None)  # type: ignore[arg-type]
+
+
+def test_files_in_memory_are_written_beside_a_scene(tmp_path: Path) -> None:
+    scene = ss.Scene.example("gmsh")
+    for _ in range(2):
+        scene.save(tmp_path / "mine.toml")
+    assert ss.run(tmp_path / "mine.toml").p_n == pytest.approx(ss.run(scene).p_n)
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other" / "roller.msh").write_text("mine")
+    with pytest.raises(ValueError, match=r"path: .*roller\.msh exists and is another file than the scene's roller\.msh"):
+        scene.save(tmp_path / "other" / "mine.toml")
+    assert not (tmp_path / "other" / "mine.toml").exists()
+    outside = ss.Scene.example("gmsh")
+    outside._files = {"../roller.msh": b""}
+    with pytest.raises(ValueError, match="would not be written beside it"):
+        outside.save(tmp_path / "mine.toml")
+
+
+def test_a_scene_is_not_saved_away_from_the_files_that_it_names(tmp_path: Path) -> None:
+    ss.Scene.example("gmsh").save(tmp_path / "mine.toml")
+    scene = ss.Scene.from_file(tmp_path / "mine.toml")
+    scene.save(tmp_path / "again.toml")
+    (tmp_path / "other").mkdir()
+    with pytest.raises(ValueError, match=r"path: the scene names roller\.msh, which is no copy of .*; copy it, or"):
+        scene.save(tmp_path / "other" / "mine.toml")
+    shutil.copy(tmp_path / "roller.msh", tmp_path / "other")
+    scene.save(tmp_path / "other" / "mine.toml")
+
+
+def test_texts_of_scenes_have_every_sign() -> None:
+    scene = block(2, 1)
+    scene._keys["title"] = '"ä" \U0001f600 \x7f \\ \n'
+    assert ss.Scene.from_toml(scene.to_toml()).to_dict() == scene.to_dict()
+    assert ss.Model(scene).title == scene._keys["title"]
+
+
+def test_the_builder_names_keys_that_scenes_have() -> None:
+    space = ss.Scene.example("cube").to_dict()["mesh"]
+    scene = (
+        ss.Scene({"mesh": space}).material(young=1e9, poisson=0.3, density=1e3, expansion=1e-5)
+        .support("top", "x", "y", displacement=[0, 0], history=[[0, 0], [1, 1]]).support(None, "z", point=[0, 0, 0])
+        .contact("bottom", [plane()], friction="0.1 + 0.2 * x", friction_history=[[0, 1], [1, 2]])
+        .load(acceleration=[0, 0, -9.81]).load(temperature=20.0).load("front", traction=[0, 0, "-1e3 * z"])
+        .time(end=1.0, increments=1)
+    )
+    model = ss.Model(scene)
+    assert np.ptp(model.problem.mu) > 0
+    for method in (ss.Scene.support, ss.Scene.load):
+        assert "motion" not in (method.__doc__ or "") and "gravity" not in (method.__doc__ or "")
+
+
+def test_stress_takes_off_the_thermal_strain_of_the_scene() -> None:
+    scene = block(2, 1).load(temperature=20.0, history=[[0, 0], [2, 1]])
+    scene = scene.material(young=1e9, poisson=0.3, expansion=1e-5)
+    model = ss.Model(scene)
+    free = model.stress(np.zeros(model.problem.n_u), 2.0)
+    assert free[:, 0] == pytest.approx(-1e9 * 1e-5 * 20.0 / (1.0 - 2.0 * 0.3))
+    assert model.stress(np.zeros(model.problem.n_u), 0.0) == pytest.approx(np.zeros_like(free))
+    assert "is subtracted" in (ss.Model.stress.__doc__ or "")
+    cases = model.history["cases"]
+    assert len(cases) == 3 and cases[1][::2].sum() == pytest.approx(-10e6)

@@ -48,7 +48,7 @@ def test_a_sweep_has_all_combinations() -> None:
     for values, result in zip(sweep.values, sweep):
         assert (ss.run(block(n=6), values).p_t == result.p_t).all() and result.kept == (len(result.t) - 1,)
     table = sweep.table({"sum": lambda result: result.p_n[-1].sum()})
-    assert list(table) == ["contact.friction", "time.end", "time.increments", "status", "error", "increments", "sum"]
+    assert list(table) == ["contact.friction", "time.end", "time.increments", "status", "error", "increments", "friction_work", "sum"]
     assert needs("pandas") and sweep.to_pandas()["increments"].tolist() == [5, 10, 5, 10]
     assert len(pickle.loads(pickle.dumps(sweep)).results) == 4 
     part = sweep[1:3]
@@ -136,3 +136,18 @@ def test_a_cycle_is_reported_as_by_the_program() -> None:
     scene = block(n=6, increments=8).to_dict()
     scene["output"] = {"cycle": [1.0, 2.0]}
     assert "cycle" in ss.run(scene).report
+
+
+def test_a_quantity_that_raises_is_named_with_the_values_of_its_run() -> None:
+    sweep = ss.sweep(block(n=4), {"contact.friction": [0.4, 0.5]}, jobs=1)
+
+    def work(result: ss.Result) -> float:
+        if result.mu[0, 0] > 0.45:
+            raise KeyError("energy")
+        return result.friction_work
+
+    with pytest.raises(ValueError, match=r"quantities\['W'\] of contact.friction=0.5: KeyError: 'energy'") as raised:
+        sweep.table({"W": work})
+    assert isinstance(raised.value.__cause__, KeyError)
+    table = sweep.table()
+    assert table["friction_work"] == [result.friction_work for result in sweep] and min(table["friction_work"]) > 0
