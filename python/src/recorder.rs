@@ -89,6 +89,8 @@ pub(crate) struct Recorder {
     saver: Option<Saver>,
     /// `true` while a run that is to end goes on to the end of its increment, where it is saved.
     ends_saved: bool,
+    /// Why the run is no longer saved.
+    pub unsaved: Option<String>,
 }
 
 impl Recorder {
@@ -101,13 +103,14 @@ impl Recorder {
             kept: Kept::default(),
             saver: None,
             ends_saved: false,
+            unsaved: None,
         }
     }
 
     /// Saves the run as `saver` says, from which it goes on if `saver` has found an earlier part of it.
     pub fn saved_by(mut self, saver: Option<Saver>) -> PyResult<(Self, Option<Checkpoint>)> {
-        let Some(mut saver) = saver else { return Ok((self, None)) };
-        let left = saver.left(&self.keep)?;
+        let Some(saver) = saver else { return Ok((self, None)) };
+        let left = saver.left()?;
         self.saver = Some(saver);
         Ok(match left {
             Some((checkpoint, kept)) => (Recorder { kept, ..self }, Some(checkpoint)),
@@ -204,9 +207,11 @@ impl Observer for Recorder {
     fn rest(&mut self, here: &dyn Fn() -> Checkpoint) {
         if let Some(saver) = &mut self.saver
             && (self.ends_saved || saver.is_due())
-            && let Err(error) = saver.save(here, &self.keep, &self.kept)
+            && let Err(message) = saver.save(here, &self.kept)
         {
-            self.raised.set(error);
+            // The run is worth more than its copy.
+            self.unsaved = Some(message);
+            self.saver = None;
         }
         self.ends_saved = false;
     }

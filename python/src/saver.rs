@@ -5,29 +5,72 @@ use crate::recorder::{Keep, Kept};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use serde::{Deserialize, Serialize};
-use std::ffi::OsString;
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use std::{fs, io};
+use stickslip::body::mesh::Mesh;
 use stickslip::scene::Provenance;
 use stickslip::solver::Checkpoint;
-use stickslip_output::{Pace, write_file};
+use stickslip_output::{FileLock, Pace, write_file};
 
 /// The part of a checkpoint that this module adds, after those of the history and of the run.
 const PART: usize = 2;
 
+/// What a run is: another one does not go on from its file.
+#[derive(Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Identity {
+    pub origin: Provenance,
+    /// A hash of the mesh, which need not be in a file.
+    pub mesh: u64,
+    pub tolerance: f64,
+    pub keep: Keep,
+}
+
+impl Identity {
+    /// Describes the changes since `earlier`; empty without changes.
+    fn changes_since(&self, earlier: &Identity) -> String {
+        let mut changes = self.origin.changes_since(&earlier.origin);
+        let told = [
+            (self.mesh != earlier.mesh, "the mesh is another"),
+            (self.tolerance != earlier.tolerance, "tolerance is another"),
+            (self.keep != earlier.keep, "keep_u is another"),
+        ];
+        changes.extend(told.into_iter().filter(|(differs, _)| *differs).map(|(_, what)| what.to_string()));
+        changes.join("; ")
+    }
+}
+
+/// Returns a hash of all that a mesh says.
+pub(crate) fn hash_of(mesh: &Mesh) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    for x in mesh.nodes.as_flattened() {
+        x.to_bits().hash(&mut hasher);
+    }
+    for cell in &mesh.cells {
+        (cell.kind, &cell.nodes, cell.group).hash(&mut hasher);
+    }
+    mesh.groups.hash(&mut hasher);
+    for boundary in &mesh.boundaries {
+        (&boundary.name, &boundary.facets).hash(&mut hasher);
+    }
+    hasher.finish()
+}
+
 /// What a file has beside the state of the run.
 #[derive(Serialize, Deserialize)]
-struct Saved<O, K, R> {
-    origin: O,
-    keep: K,
-    kept: R,
+struct Saved<I, K> {
+    of: I,
+    kept: K,
 }
 
 pub(crate) struct Saver {
-    file: PathBuf,
-    origin: Provenance,
+    folder: PathBuf,
+    name: String,
+    of: Identity,
     pace: Pace,
+    /// Two runs that write one file would lose one of them.
+    _lock: FileLock,
 }
 
 fn refused(message: String) -> PyErr {
@@ -35,33 +78,44 @@ fn refused(message: String) -> PyErr {
 }
 
 impl Saver {
-    /// Saves runs of this `origin` in `file`, `every` so often; with `None` two hundredths of the time go there.
-    pub fn new(file: PathBuf, every: Option<Duration>, origin: Provenance) -> Self {
-        Saver { file, origin, pace: Pace::new(every) }
+    /// Saves the run `of` this identity in `file`, `every` so often; with `None` two hundredths of the time go there.
+    pub fn new(file: &Path, every: Option<Duration>, of: Identity) -> PyResult<Self> {
+        let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let Some(name) = file.file_name().and_then(|name| name.to_str()) else {
+            return Err(refused(format!("{} names no file", file.display())));
+        };
+        let failed = |error: io::Error| match error.kind() {
+            io::ErrorKind::ResourceBusy => {
+                refused(format!("{} is in use: another run saves itself there", file.display()))
+            }
+            _ => of_file(&error, file.display().to_string()),
+        };
+        let lock = FileLock::new(folder, name).map_err(failed)?;
+        Ok(Saver { folder: folder.to_path_buf(), name: name.to_string(), of, pace: Pace::new(every), _lock: lock })
+    }
+
+    fn file(&self) -> PathBuf {
+        self.folder.join(&self.name)
     }
 
     /// Returns the state that an earlier run has left in the file, and what it kept; `None` if there is no file.
-    pub fn left(&mut self, keep: &Keep) -> PyResult<Option<(Checkpoint, Kept)>> {
-        let bytes = match fs::read(&self.file) {
-            Ok(bytes) => bytes,
-            // A folder that is missing is found before the work, not after it.
-            Err(error) if error.kind() == io::ErrorKind::NotFound && self.folder().is_dir() => return Ok(None),
-            Err(error) => return Err(self.failed(&error)),
-        };
-        let name = self.file.display();
+    pub fn left(&self) -> PyResult<Option<(Checkpoint, Kept)>> {
+        let file = self.file();
+        let name = file.display();
+        match fs::metadata(&file) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+            // A device or a pipe may be read without end.
+            Ok(found) if !found.is_file() => return Err(refused(format!("{name} is no regular file; name another"))),
+            _ => {}
+        }
+        let bytes = fs::read(&file).map_err(|error| of_file(&error, name.to_string()))?;
         let unreadable =
             |_| refused(format!("{name} is no checkpoint, is damaged, or is of another version; remove it"));
         let checkpoint = Checkpoint::from_bytes(&bytes).map_err(unreadable)?;
-        let saved: Saved<Provenance, Keep, Kept> = checkpoint.part(PART).map_err(unreadable)?;
-        let changes = self.origin.changes_since(&saved.origin);
+        let saved: Saved<Identity, Kept> = checkpoint.part(PART).map_err(unreadable)?;
+        let changes = self.of.changes_since(&saved.of);
         if !changes.is_empty() {
-            return Err(refused(format!(
-                "{name} is of another run: {}; remove it, or name another file",
-                changes.join("; ")
-            )));
-        }
-        if saved.keep != *keep {
-            return Err(refused(format!("{name} is of a run with another keep_u; give the same, or remove the file")));
+            return Err(refused(format!("{name} is of another run: {changes}; remove it, or name another file")));
         }
         Ok(Some((checkpoint, saved.kept)))
     }
@@ -72,22 +126,12 @@ impl Saver {
     }
 
     /// Writes the file. A reader never sees half of it.
-    pub fn save(&mut self, here: &dyn Fn() -> Checkpoint, keep: &Keep, kept: &Kept) -> PyResult<()> {
-        let folder = self.folder().to_path_buf();
-        let Saver { file, origin, pace } = self;
-        let name = file.file_name().map(OsString::from).unwrap_or_default();
+    pub fn save(&mut self, here: &dyn Fn() -> Checkpoint, kept: &Kept) -> Result<(), String> {
+        let Saver { folder, name, of, pace, .. } = self;
         let write = || {
-            let bytes = here().with(&Saved { origin: &*origin, keep, kept }).to_bytes().map_err(io::Error::other)?;
-            write_file(&folder, &name.to_string_lossy(), bytes)
+            let bytes = here().with(&Saved { of: &*of, kept }).to_bytes().map_err(io::Error::other)?;
+            write_file(folder, name, bytes)
         };
-        pace.keep(write).map_err(|error| self.failed(&error))
-    }
-
-    fn folder(&self) -> &Path {
-        self.file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
-    }
-
-    fn failed(&self, error: &io::Error) -> PyErr {
-        of_file(error, self.file.display().to_string())
+        pace.keep(write).map_err(|error| format!("{}: {error}", self.file().display()))
     }
 }

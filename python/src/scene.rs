@@ -5,7 +5,7 @@ use crate::error::{of_problem, of_run, of_scene};
 use crate::foreign::Raised;
 use crate::problem::Problem;
 use crate::recorder::{Keep, Recorder};
-use crate::saver::Saver;
+use crate::saver::{Identity, Saver, hash_of};
 use crate::solve::{Algebra, detached, watched};
 use crate::step::{GivenStep, contact_values, fclib, field_arrays, pictures, vtu};
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
@@ -13,7 +13,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use std::mem;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 use stickslip::body::Model;
 use stickslip::body::mesh::{Boundary, Cell, CellKind, Mesh};
@@ -291,7 +291,8 @@ impl SceneModel {
             tolerance: tolerance.unwrap_or(scene.solver.tolerance),
             ..scene.solver
         };
-        let saver = checkpoint.map(|(file, every)| self.saver(file, every)).transpose()?;
+        let saver =
+            checkpoint.map(|(file, every)| self.saver(&file, every, solver.tolerance, keep.clone())).transpose()?;
         let (recorder, left) = Recorder::new(keep, callback, raised).saved_by(saver)?;
         let (mut report, mut recorder) = watched(py, recorder, |recorder| {
             let mut run = Run::of(model, model.times().to_vec(), solver)?;
@@ -323,6 +324,7 @@ impl SceneModel {
         result.set_item("status", report.status.to_string())?;
         result.set_item("records", serde_json::to_string(&report.increments).map_err(json)?)?;
         result.set_item("report", report.to_json().map_err(json)?)?;
+        result.set_item("unsaved", recorder.unsaved.take())?;
         result.set_item("factorizations", report.totals.factorizations)?;
         recorder.write(&result)?;
         Ok(result)
@@ -330,12 +332,13 @@ impl SceneModel {
 }
 
 impl SceneModel {
-    fn saver(&self, file: PathBuf, every: Option<f64>) -> PyResult<Saver> {
+    fn saver(&self, file: &Path, every: Option<f64>, tolerance: f64, keep: Keep) -> PyResult<Saver> {
         let every = every.map(Duration::try_from_secs_f64).transpose();
         let every = every.map_err(|error| PyValueError::new_err(format!("checkpoint_every: {error}")))?;
         let origin = with_contents(self.files.clone(), || Provenance::new(&self.scene, env!("CARGO_PKG_VERSION")));
         let unread =
             |(file, error): (PathBuf, std::io::Error)| PyValueError::new_err(format!("{}: {error}", file.display()));
-        Ok(Saver::new(file, every, origin.map_err(unread)?))
+        let of = Identity { origin: origin.map_err(unread)?, mesh: hash_of(&self.model.mesh), tolerance, keep };
+        Saver::new(file, every, of)
     }
 }

@@ -6,6 +6,7 @@ import contextlib
 import json
 import os
 import re
+import warnings
 from collections.abc import Mapping, Sequence
 from numbers import Real
 from typing import Any, Literal, Union
@@ -331,7 +332,7 @@ class Model:
         checkpoint : str or os.PathLike, optional
             A file in which the run is saved as it goes. A run with the file of an earlier one, which Ctrl-C, an exception or a power
             cut has ended, goes on from there; its result has all increments. Ctrl-C, or an exception of the callback, ends the run
-            and saves it at the end of its increment; a second one ends it at once. The file is removed when the history has converged.
+            and saves it at the end of its increment; a second one ends it at once; the callback is not called for that increment again. The file is removed when the history has converged.
         checkpoint_every : float, optional
             The seconds between; without it checkpoints take 2 % of the time.
 
@@ -368,8 +369,10 @@ class Model:
         called(callback)
         if checkpoint is not None and (not isinstance(checkpoint, (str, os.PathLike)) or not os.path.basename(checkpoint)):
             raise TypeError(f"checkpoint: the path of a file expected, {checkpoint!r} found")
-        if checkpoint_every is not None and not (isinstance(checkpoint_every, Real) and 0 <= checkpoint_every < np.inf):
+        if checkpoint_every is not None and not (isinstance(checkpoint_every, Real) and 0 <= checkpoint_every < 1e9):
             raise ValueError(f"checkpoint_every: {checkpoint_every!r} found, expected seconds, 0 or more")
+        # A callback may change the folder.
+        checkpoint = None if checkpoint is None else os.path.abspath(checkpoint)
         if checkpoint is None and checkpoint_every is not None:
             raise ValueError("checkpoint_every: it is the time between checkpoints; name their file by checkpoint")
         algebra = linear_of(linear)
@@ -408,6 +411,8 @@ class Model:
             if bar is not None:
                 bar.close()
         result = Result._of(raw, model.problem, model, linear=algebra, stacklevel=_stacklevel)
+        if raw["unsaved"]:
+            warnings.warn(f"checkpoint: {raw['unsaved']}; the run went on without", RuntimeWarning, stacklevel=_stacklevel - 1)
         if chosen is not None:
             result.report["chosen_increments"] = chosen
         if checkpoint is not None and result.converged:

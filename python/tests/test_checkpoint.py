@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import signal
 import sys
 from collections.abc import Callable
@@ -133,6 +134,62 @@ def test_a_checkpoint_of_another_run_is_refused(tmp_path: Path) -> None:
             model.run(checkpoint=file)
 
 
+def test_a_checkpoint_of_another_mesh_or_tolerance_is_refused(tmp_path: Path) -> None:
+    def model(length: float) -> ss.Model:
+        x, y = np.meshgrid(np.linspace(0, length, 13), np.linspace(0, 0.1, 13), indexing="ij")
+        points = np.column_stack([x.ravel(), y.ravel()])
+        corner = np.arange(12)[:, None] * 13 + np.arange(12)
+        cells = np.stack([corner, corner + 13, corner + 14, corner + 1], axis=-1).reshape(-1, 4)
+        keys = ss.Scene.example("block").to_dict()
+        del keys["mesh"]
+        sides = {"bottom": lambda x: x[:, 1] == 0, "top": lambda x: x[:, 1] == x[:, 1].max(), "right": lambda x: x[:, 0] == x[:, 0].max()}
+        return ss.Model(keys, mesh=ss.mesh.from_arrays(points, [("quad", cells)], sides))
+
+    file = left(model(0.2), tmp_path / "run.ckpt")
+    with pytest.raises(ValueError, match="checkpoint: .*the mesh is another"):
+        model(0.2001).run(checkpoint=file)
+    with pytest.raises(ValueError, match="checkpoint: .*tolerance is another"):
+        model(0.2).run(checkpoint=file, tolerance=1e-2)
+    assert model(0.2).run(checkpoint=file).converged
+
+
+def test_two_runs_do_not_share_a_checkpoint(tmp_path: Path) -> None:
+    model = ss.Model(ss.Scene.example("block"), SMALL)
+    file = tmp_path / "run.ckpt"
+
+    def callback(index: int, *_: object) -> None:
+        if index == 3:
+            with pytest.raises(ValueError, match="checkpoint: .*in use"):
+                model.run(checkpoint=file)
+
+    assert model.run(checkpoint=file, checkpoint_every=0, callback=callback).converged
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_file_stays_where_it_was_when_the_folder_changes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    model = ss.Model(ss.Scene.example("block"), SMALL)
+    other = tmp_path / "other"
+    other.mkdir()
+    (other / "run.ckpt").write_text("precious")
+    monkeypatch.chdir(tmp_path)
+    assert model.run(checkpoint="run.ckpt", checkpoint_every=0, callback=lambda *_: os.chdir(other)).converged
+    assert (other / "run.ckpt").read_text() == "precious" and not (tmp_path / "run.ckpt").exists()
+
+
+def test_a_run_outlives_its_checkpoint(tmp_path: Path) -> None:
+    folder = tmp_path / "gone"
+    folder.mkdir()
+    model = ss.Model(ss.Scene.example("block"), SMALL)
+
+    def callback(index: int, *_: object) -> None:
+        if index == 5:
+            shutil.rmtree(folder)
+
+    with pytest.warns(RuntimeWarning, match="checkpoint: .*went on"):
+        result = model.run(checkpoint=folder / "run.ckpt", checkpoint_every=0, callback=callback)
+    assert result.converged and len(result.t) == 20
+
+
 @pytest.mark.parametrize(
     "options, error, said",
     [
@@ -143,7 +200,9 @@ def test_a_checkpoint_of_another_run_is_refused(tmp_path: Path) -> None:
         ({"checkpoint": "run.ckpt", "checkpoint_every": "often"}, ValueError, "checkpoint_every: 'often'"),
         ({"checkpoint": "nowhere/run.ckpt", "checkpoint_every": 0.0}, FileNotFoundError, "nowhere"),
         ({"checkpoint": "nowhere/run.ckpt"}, FileNotFoundError, "nowhere"),
-        ({"checkpoint": "."}, IsADirectoryError, r"\."),
+        ({"checkpoint": "."}, ValueError, "checkpoint: .*regular file"),
+        ({"checkpoint": "/dev/full"}, ValueError, "checkpoint: .*regular file"),
+        ({"checkpoint": "run.ckpt", "checkpoint_every": 1e300}, ValueError, "checkpoint_every: 1e"),
     ],
 )
 def test_wrong_checkpoints(

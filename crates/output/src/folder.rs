@@ -17,6 +17,6 @@ mod series;
 mod table;
 
 pub use claim::LockedOutputDir;
-pub use directory::{FolderLock, write_file};
+pub use directory::{FileLock, FolderLock, write_file};
 pub use kept::KeptSolver;
 pub use results::{ResultFolder, write_page};

@@ -34,7 +34,7 @@ pub use contact_surface::{ContactSurface, SurfaceNode};
 pub use deformed::DeformedBody;
 pub use disk::bytes_on_disk;
 pub use fields::fields;
-pub use folder::{FolderLock, KeptSolver, LockedOutputDir, ResultFolder, write_file, write_page};
+pub use folder::{FileLock, FolderLock, KeptSolver, LockedOutputDir, ResultFolder, write_file, write_page};
 pub use history_chart::history_charts;
 pub use pace::Pace;
 pub use page::MOST_STATES;

@@ -416,3 +416,38 @@ pub fn write_file(folder: &Path, name: &str, content: impl AsRef<[u8]>) -> io::R
         ignore_unsupported(file.sync_data())
     })
 }
+
+/// A lock of one file against other writers, as long as this value exists: a hidden file beside it.
+#[derive(Debug)]
+pub struct FileLock {
+    directory: Directory,
+    name: String,
+    _file: File,
+}
+
+impl FileLock {
+    /// Locks the file `name` of `folder`, whether it exists or not.
+    ///
+    /// # Errors
+    /// When the folder does not exist or cannot be written, and when another owner has the lock
+    /// ([`io::ErrorKind::ResourceBusy`]).
+    pub fn new(folder: &Path, name: &str) -> io::Result<Self> {
+        let directory = Directory::open(folder)?;
+        let name = format!(".{name}.lock");
+        let file = directory.edit(&name, true)?;
+        match flock(&file, FlockOperation::NonBlockingLockExclusive) {
+            Err(Errno::WOULDBLOCK) => {
+                return Err(io::Error::new(io::ErrorKind::ResourceBusy, "another run writes this file"));
+            }
+            locked => ignore_unsupported(locked.map_err(io::Error::from))?,
+        }
+        Ok(FileLock { directory, name, _file: file })
+    }
+}
+
+impl Drop for FileLock {
+    fn drop(&mut self) {
+        // A lock file that remains hinders nobody.
+        let _ = self.directory.remove(&self.name);
+    }
+}
