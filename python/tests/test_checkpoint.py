@@ -84,6 +84,8 @@ def test_a_linear_solver_of_ones_own_goes_on(tmp_path: Path) -> None:
 
 @pytest.mark.skipif(os.name != "posix", reason="signals of Unix")
 def test_ctrl_c_saves_the_increment_in_which_it_came(tmp_path: Path) -> None:
+    # A shell in the background has its children ignore Ctrl-C.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     file = tmp_path / "run.ckpt"
     model = ss.Model(ss.Scene.example("block"), SMALL)
 
