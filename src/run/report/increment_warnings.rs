@@ -50,12 +50,11 @@ pub(super) fn warnings(known: &Known<'_>, units: &UnitSystem) -> Vec<Warning> {
 fn work(found: &IncrementError, units: &UnitSystem) -> Warning {
     let energy = |x: f64| units.rounded(Quantity::Energy, x, 4);
     let share = found.work_error.abs();
-    let is = if found.work_error > 0.0 { "too large" } else { "too small" };
     let message = format!(
-        "the friction work, {}, is {is} by about {:.0} % because of the increments: {} is the better value; four \
-         times as many increments would leave about {:.0} %",
+        "the friction work, {}, has an error of about {:+.0} % of this value because of the increments: {} is the better \
+         value; four times as many increments would leave about {:.0} %",
         energy(found.friction_work),
-        100.0 * share,
+        100.0 * found.work_error,
         energy(found.friction_work_corrected),
         25.0 * share
     );
