@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from numpy.typing import ArrayLike
 
 from . import _core, _dependent, _history, _many
-from ._arrays import Array, compressed, contact_maps, tangential
+from ._arrays import Array, compressed, contact_maps, forces_of, tangential
 from ._arrays import vector as vector
 from ._matrices import Matrices
 from ._options import Callback as Callback
@@ -236,7 +236,7 @@ class ContactProblem(Matrices):
         array([[[-10.]]])
         """
         w = tangential("w_t_last", w_t_last, self.n_c, self.tangents)
-        return self.solve(vector("force", force, self.n_u), [1.0], gap=vector("gap", gap, self.n_c),
+        return self.solve(forces_of("force", force, self.n_u), [1.0], gap=vector("gap", gap, self.n_c),
                           drift=w[None] if w.any() else None, **options)
 
     def solve_many(
