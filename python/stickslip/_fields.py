@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import operator
 import os
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
@@ -87,7 +88,9 @@ class Fields:
     def _number(self, k: int) -> int:
         """The row of increment k."""
         try:
-            return range(len(self.t))[k]
+            if isinstance(k, (bool, np.bool_)):
+                raise TypeError
+            return range(len(self.t))[operator.index(k)]
         except IndexError:
             raise IndexError(f"k: increment {k} of {len(self.t)}, counted from 0; -1 is the last") from None
         except TypeError:

@@ -106,6 +106,7 @@ def contact(result: Result, k: int = -1, ax: Any = None) -> Any:
     -------
     matplotlib.axes.Axes
     """
+    k = result._number(k)
     ax = _axes(ax)
     model, d = result.model, result.p_t.shape[2]
     if model is None:

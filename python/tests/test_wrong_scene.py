@@ -197,3 +197,24 @@ def test_a_file_that_is_no_result(tmp_path: Path) -> None:
     for name in "abc":
         with pytest.raises(ValueError, match="path: .* was not written by Result.save"):
             ss.Result.load(tmp_path / f"{name}.npz")
+
+
+@pytest.mark.parametrize("name, options", [
+    ("max_iterations", {"max_iterations": 10**30}), ("max_iterations", {"max_iterations": "a"}), ("max_iterations", {"max_iterations": np.nan}),
+    ("increments", {"increments": 10**30}), ("increments", {"increments": np.nan}), ("increments", {"increments": np.inf}),
+    ("increments", {"increments": [5]}), ("increments", {"increments": np.array([5, 6])}), ("tolerance", {"tolerance": "a"}),
+    ("to", {"increments": "auto", "to": "0.1"}), ("to", {"increments": "auto", "to": True}),
+])
+def test_numbers_of_a_run_are_named(name: str, options: dict[str, object]) -> None:
+    with pytest.raises(ValueError, match=rf"^{name}: .* found, (expected|but must be below 2\*\*31)"):
+        ss.run(block(n=2, increments=1), **options)  # type: ignore[arg-type]
+
+
+def test_increments_of_a_result_are_whole_numbers(tmp_path: Path) -> None:
+    result = ss.run(block(n=2, increments=1))
+    for call in (result.displacement, result.stress, result.plot, lambda k: result.write_fclib(tmp_path / "x", k), result.svg):
+        for k in (True, slice(0, 2), 0.0):
+            with pytest.raises((TypeError, ValueError), match="^k(ind)?: "):
+                call(k)
+    with pytest.raises(TypeError, match="^result: a Result expected, int found"):
+        ss.cite(5)  # type: ignore[arg-type]
