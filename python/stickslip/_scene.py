@@ -18,6 +18,7 @@ from . import mesh as _mesh
 from ._arrays import read_only
 from ._kinds import DIMENSION
 from ._errors import SceneError
+from ._files import scene_text
 from ._options import called, linear_of, share, whole
 from ._problem import Callback, ContactProblem, LinearSolver, keep, vector
 from ._result import Result
@@ -48,8 +49,7 @@ def _read(scene: SceneLike) -> tuple[str, str, dict[str, bytes]]:
     if not isinstance(scene, (str, os.PathLike)):
         raise TypeError(f"scene: a path, a text, a dictionary or a Scene expected, {type(scene).__name__} found")
     path = os.fspath(scene)
-    with open(path, encoding="utf-8") as file:
-        return path, file.read(), {}
+    return path, scene_text("scene", path), {}
 
 
 def _words(overrides: Mapping[str, Any] | None, has_mesh: bool) -> dict[str, str]:
