@@ -21,7 +21,7 @@ LARGEST = 1e50
 
 def finite(name: str, values: ArrayLike) -> Array:
     """An array of real numbers up to `LARGEST`, of any shape."""
-    _not_masked(name, values)
+    not_masked(name, values)
     try:
         found = np.asarray(values)
         array = found if found.dtype.kind in "bcSU" else found.astype(np.float64, copy=False)
@@ -35,7 +35,7 @@ def finite(name: str, values: ArrayLike) -> Array:
     return array
 
 
-def _not_masked(name: str, values: Any) -> None:
+def not_masked(name: str, values: Any) -> None:
     parts = values if isinstance(values, (list, tuple)) else (values,)
     if any(isinstance(part, np.ma.MaskedArray) and np.ma.is_masked(part) for part in parts):
         raise ValueError(f"{name} has masked entries, whose values are unknown: fill them, such as by filled(0.0)")
@@ -91,7 +91,7 @@ def tangential(name: str, values: ArrayLike | None, nodes: int, tangents: int) -
 
 def matrix(name: str, values: Any, kind: Any, shape: tuple[int, int] | None = None) -> Any:
     """A finite sparse matrix of this kind, without repeated entries."""
-    _not_masked(name, values)
+    not_masked(name, values)
     if np.iscomplexobj(values):
         raise ValueError(f"{name} is complex")
     try:

@@ -31,8 +31,8 @@ def replaced(path: str) -> Iterator[IO[bytes]]:
     """A file that takes the place of `path` once it is complete; after an error what was there stays."""
     target = os.path.realpath(path)
     folder, there = os.path.dirname(target), os.path.exists(target)
-    if not os.path.basename(path) or there and not (os.path.isfile(target) and os.access(folder, os.W_OK)):
-        # A pipe or a device, or a file in a folder that takes no others; a folder has its own message.
+    if not os.path.basename(path) or there and not (os.path.isfile(target) and all(os.access(place, os.W_OK) for place in (target, folder))):
+        # A pipe or a device, or a file in a folder that takes no others; a folder and a protected file have their own messages.
         with open(path, "wb") as file:
             yield file
         return

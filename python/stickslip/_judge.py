@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._arrays import finite, forces_of, numbers, tangential, vector
+from ._arrays import finite, forces_of, not_masked, numbers, tangential, vector
 from ._errors import NotConvergedWarning
 from ._history import changing
 from ._problem import ContactProblem
@@ -461,6 +461,7 @@ def verdict_on(
 
 
 def _real(name: str, values: Any) -> Array:
+    not_masked(name, values)
     if np.iscomplexobj(values):
         raise TypeError(f"{name} is complex")
     return np.array(values, dtype=np.float64)

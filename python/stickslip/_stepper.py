@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from numbers import Real
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -142,6 +143,8 @@ class Stepper:
         """
         n_c, d = self.problem.n_c, self.problem.tangents
         begun = self.time
+        if time is not None and not isinstance(time, Real):
+            raise TypeError(f"time is {time!r}, expected a number")
         end = begun + 1.0 if time is None else float(time)
         if not (np.isfinite(end) and end > begun):
             raise ValueError(f"time is {end:g}, but the last increment ended at {begun:g}")

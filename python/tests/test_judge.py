@@ -44,6 +44,8 @@ def test_arrays_that_a_solver_overwrites_are_its_own() -> None:
 
     judged = ss.judge(problem, complex_answer, history=history)
     assert not judged.holds and "u is complex" in judged.remark
+    judged = ss.judge(problem, lambda posed: (np.ma.array([0.0, 0.0], mask=[True, False]), [0.0], [0.0]), history=history)
+    assert not judged.holds and "u has masked entries" in judged.remark
 
 
 def test_each_law_is_seen_by_itself() -> None:

@@ -171,3 +171,9 @@ def test_arrays_that_are_none(message: str, call: Callable[[], object]) -> None:
 def test_a_step_keeps_u_or_not(keep_u: object) -> None:
     with pytest.raises(TypeError, match="^keep_u is .*, expected True or False"):
         TWO.stepper().step([40.0, -100.0], keep_u=keep_u)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("time", ["a", [1.0]])
+def test_the_end_of_a_step_is_a_number(time: object) -> None:
+    with pytest.raises(TypeError, match="^time is .*, expected a number"):
+        TWO.stepper().step([40.0, -100.0], time=time)  # type: ignore[arg-type]

@@ -274,13 +274,14 @@ def test_a_full_disk_leaves_the_file_that_was_there(tmp_path: Path, monkeypatch:
     for call in calls:
         path.write_text("before")
         path.chmod(0o640)
+        mode = path.stat().st_mode
         with monkeypatch.context() as patch:
             patch.setattr(os, "replace", lambda *_: (_ for _ in ()).throw(OSError(28, "No space left on device")))
             with pytest.raises(OSError, match="No space left"):
                 call(path)
         assert path.read_text() == "before" and list(tmp_path.iterdir()) == [path]
         call(path)
-        assert path.read_bytes() != b"before" and path.stat().st_mode & 0o777 == 0o640
+        assert path.read_bytes() != b"before" and path.stat().st_mode == mode
         with pytest.raises(FileNotFoundError, match="file.npz"):
             call(tmp_path / "none" / "file.npz")
         folder = tmp_path / "folder.npz"
@@ -290,6 +291,7 @@ def test_a_full_disk_leaves_the_file_that_was_there(tmp_path: Path, monkeypatch:
         folder.rmdir()
 
 
+@pytest.mark.skipif(os.name == "nt", reason="links need rights there")
 def test_a_link_is_followed_to_what_is_replaced(tmp_path: Path) -> None:
     (tmp_path / "link").symlink_to(tmp_path / "there")
     ss.Svg("<svg/>").save(tmp_path / "link")
