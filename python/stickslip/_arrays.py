@@ -21,14 +21,24 @@ LARGEST = 1e50
 
 def finite(name: str, values: ArrayLike) -> Array:
     """An array of real numbers up to `LARGEST`, of any shape."""
-    if np.iscomplexobj(values):
-        raise ValueError(f"{name} is complex")
+    not_masked(name, values)
     try:
-        array = np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
+        found = np.asarray(values)
+        array = found if found.dtype.kind in "bcSU" else found.astype(np.float64, copy=False)
+    except (OverflowError, TypeError, ValueError) as error:
         raise ValueError(f"{name} is no array of numbers: {error}") from None
+    if array.dtype.kind == "c":
+        raise ValueError(f"{name} is complex")
+    if array.dtype.kind in "bSU":
+        raise ValueError(f"{name} is no array of numbers: {'a truth value' if array.dtype.kind == 'b' else 'a word'} found")
     _not_huge(name, array)
     return array
+
+
+def not_masked(name: str, values: Any) -> None:
+    parts = values if isinstance(values, (list, tuple)) else (values,)
+    if any(isinstance(part, np.ma.MaskedArray) and np.ma.is_masked(part) for part in parts):
+        raise ValueError(f"{name} has masked entries, whose values are unknown: fill them, such as by filled(0.0)")
 
 
 def _not_huge(name: str, array: Array) -> None:
@@ -53,6 +63,13 @@ def vector(name: str, values: ArrayLike, length: int) -> Array:
     return np.array(np.broadcast_to(array, length))
 
 
+def forces_of(name: str, values: ArrayLike, length: int) -> Array:
+    """A vector of nodal forces, which a number is none of: it would act on all displacements at once."""
+    if np.ndim(array := finite(name, values)) == 0 and length != 1:
+        raise ValueError(f"{name} is a number, expected the shape {(length,)}")
+    return vector(name, array, length)
+
+
 def numbers(name: str, values: ArrayLike, shape: tuple[int, ...]) -> Array:
     """An array of this shape, or what numpy makes one of by repeating it."""
     array = finite(name, values)
@@ -74,14 +91,15 @@ def tangential(name: str, values: ArrayLike | None, nodes: int, tangents: int) -
 
 def matrix(name: str, values: Any, kind: Any, shape: tuple[int, int] | None = None) -> Any:
     """A finite sparse matrix of this kind, without repeated entries."""
+    not_masked(name, values)
     if np.iscomplexobj(values):
         raise ValueError(f"{name} is complex")
     try:
         values = kind(values, dtype=np.float64, copy=True)
-    except (TypeError, ValueError) as error:
+    except (OverflowError, TypeError, ValueError) as error:
         raise ValueError(f"{name} is no matrix: {error}") from None
     if values.ndim != 2 or (shape is not None and values.shape != shape):
-        raise ValueError(f"{name} has the shape {values.shape}, expected {shape}")
+        raise ValueError(f"{name} has the shape {values.shape}, expected {shape or 'rows and columns'}")
     values.sum_duplicates()
     _not_huge(name, values.data)
     return values

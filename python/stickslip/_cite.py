@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from ._result import Result
+from ._core import VERSION
+from ._result import Result
 
 _PAPER = (
     "P. W. Christensen, A. Klarbring, J. S. Pang, N. Strömberg: Formulation and comparison of algorithms for "
@@ -33,8 +31,8 @@ def cite(result: Result | None = None) -> str:
     >>> print(ss.cite(result).splitlines()[1][:40])
     Algorithm BN: P. W. Christensen, A. Klar
     """
-    from ._core import VERSION
-
+    if result is not None and not isinstance(result, Result):
+        raise TypeError(f"result: a Result expected, {type(result).__name__} found")
     software = f"stickslip {VERSION}: quasi-static elastic contact with Coulomb friction."
     method = result.report.get("method") if result is not None else None
     what = {"bn": "Algorithm BN", "ip": "Algorithm IP"}.get(str(method), "equations and error measure")

@@ -54,6 +54,8 @@ class Comparison:
     def _rows(self) -> list[tuple[str, str, str, str]]:
         def last(verdict: Verdict) -> str:
             total = f"sum p_n = {verdict.p_n[-1].sum():.9e} N" if len(verdict.p_n) else ""
+            if not len(verdict.errors):
+                return verdict.remark
             return total if verdict.holds else f"{total}  WRONG: {verdict.remark or verdict.law}"
 
         return [(v.name, f"{v.error:.1e}", f"{v.seconds:.3f} s", last(v)) for v in self.verdicts]
@@ -64,7 +66,7 @@ class Comparison:
 
     def _repr_html_(self) -> str:
         def row(verdict: Verdict, cells: tuple[str, ...]) -> str:
-            colour = "inherit" if verdict.holds else "#cf222e"
+            colour = "inherit" if verdict.holds or not len(verdict.errors) else "#cf222e"
             return f"<tr style='color:{colour}'>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in cells) + "</tr>"
 
         head = "<tr><th>solver</th><th>largest error</th><th>CPU time</th><th>at the end</th></tr>"
@@ -103,7 +105,8 @@ def compare(
     of, history, tolerance
         As those of `judge`.
     solvers : mapping of str to callable or str
-        By name, each as `judge` takes it. All answers are judged by the same history.
+        By name, each as `judge` takes it. All answers are judged by the same history. A word whose method does not solve such a
+        problem is remarked as not applicable.
 
     Returns
     -------
@@ -126,6 +129,8 @@ def compare(
     if not solvers:
         raise ValueError("solvers is empty: there is nothing to compare")
     for name, solver in solvers.items():
+        if not isinstance(name, str):
+            raise TypeError(f"solvers: names are words, {name!r} found")
         known(f"solvers[{name!r}]", solver)
     tolerated(tolerance)
     data = history_of(of, history)

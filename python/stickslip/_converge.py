@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import html
 import json
+import os
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from numbers import Real
 from typing import Any, Literal, get_args
 
+import numpy as np
+
 from . import _core
 from ._errors import SceneError, in_python
 from ._fields import Svg
-from ._options import Linear
+from ._options import Linear, whole
 from ._scene import SceneLike, _read, _words
 
 #: The quantities of `converge`.
@@ -104,6 +107,16 @@ class Convergence:
         return f"<div><p>{html.escape(self.message)}</p>{self._svg}</div>"
 
 
+def _named(meshes: Iterable[int | str] | None) -> list[str]:
+    """Meshes as the core takes them."""
+    if meshes is None:
+        return []
+    if isinstance(meshes, (str, bytes)) or not np.iterable(meshes):
+        raise TypeError(f'meshes: a list such as [20, 40, 80] or ["coarse.msh", "fine.msh"] expected, {meshes!r} found')
+    expected = "a whole number of elements of 1 or more, or a mesh file"
+    return [os.fspath(mesh) if isinstance(mesh, (str, os.PathLike)) else str(whole("meshes", mesh, expected)) for mesh in meshes]
+
+
 def converge(
     scene: SceneLike, quantity: Quantity, *, to: float = 0.02, overrides: Mapping[str, Any] | None = None,
     meshes: Iterable[int | str] | None = None, ratio: float = 2.0, max_runs: int = 12, within: float = 600.0,
@@ -161,22 +174,20 @@ def converge(
     numbers: tuple[tuple[str, Any, str, Callable[[Any], bool]], ...] = (
         ("to", to, "a share between 0 and 1", lambda to: 0 < to < 1),
         ("ratio", ratio, "a factor from 1.2 to 4", lambda ratio: 1.2 <= ratio <= 4),
-        ("max_runs", max_runs, "a whole number of 3 or more", lambda runs: runs >= 3 and runs == int(runs)),
         ("within", within, "a time in s above 0", lambda within: within > 0),
     )
     for name, number, expected, fits in numbers:
         if not isinstance(number, Real) or isinstance(number, bool) or not fits(number):
             raise ValueError(f"{name}: {number!r} found, expected {expected}")
-    if isinstance(meshes, (str, bytes)):
-        raise TypeError(f'meshes: a list such as [20, 40, 80] or ["coarse.msh", "fine.msh"] expected, {meshes!r} found')
+    most = whole("max_runs", max_runs, "a whole number of 3 or more", least=3)
     if linear is not None and linear not in get_args(Linear):
         raise ValueError(f"linear: {linear!r} found, expected None or one of {', '.join(get_args(Linear))}")
     name, text, files = _read(scene)
     chosen = {} if linear is None else {"solver.linear": linear}
     words = [f"{key}={value}" for key, value in {**_words(chosen, has_mesh=False), **_words(overrides, has_mesh=False)}.items()]
     wanted = {
-        "quantity": quantity, "to": float(to), "meshes": [str(mesh) for mesh in meshes or ()], "ratio": float(ratio),
-        "max_runs": int(max_runs), "within": float(within),
+        "quantity": quantity, "to": float(to), "meshes": _named(meshes), "ratio": float(ratio),
+        "max_runs": most, "within": float(within),
     }
     bar: Any = None
     if progress:

@@ -17,6 +17,7 @@ _WORDS = (
     (r"\(--for (\w+)\)", r'("\1")'),
     (r"\(--meshes coarse.msh,fine.msh\)", '(meshes=["coarse.msh", "fine.msh"])'),
     (r"\(--meshes 20,40\)", "(meshes=[20, 40])"),
+    (r"or remove --meshes", "or leave out meshes"),
     (r"\(--(meshes|within)\)", r"(\1)"),
     (r"\(--max-runs\)", "(max_runs)"),
     (r"; see stickslip run with this mesh", "; run() with this mesh says more"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import operator
 import os
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
@@ -10,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from ._files import replaced
 from ._kinds import VTK
 from ._options import path_of
 from ._words import counted
@@ -45,8 +47,8 @@ class Svg(str):
         path : str or os.PathLike
             The file, replaced if it exists.
         """
-        with open(path_of(path), "w", encoding="utf-8") as file:
-            file.write(self)
+        with replaced(path_of(path)) as file:
+            file.write(self.encode())
 
 
 #: What takes the place of quantities that need a model, by their names.
@@ -87,7 +89,9 @@ class Fields:
     def _number(self, k: int) -> int:
         """The row of increment k."""
         try:
-            return range(len(self.t))[k]
+            if isinstance(k, (bool, np.bool_)):
+                raise TypeError
+            return range(len(self.t))[operator.index(k)]
         except IndexError:
             raise IndexError(f"k: increment {k} of {len(self.t)}, counted from 0; -1 is the last") from None
         except TypeError:
@@ -302,8 +306,8 @@ class Fields:
         """
         path = path_of(path)
         text = self._model()._core.vtu(self._step(k))
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(text)
+        with replaced(path) as file:
+            file.write(text.encode())
 
     def write_fclib(self, path: str | os.PathLike[str], k: int = -1, *, form: Literal["global", "local"] = "global") -> None:
         """Writes increment k as a problem with its solution to an FCLIB file, for other solvers; the state before it is a guess.
@@ -324,7 +328,7 @@ class Fields:
         before = self._step(number - 1) if number else None
         solved = self.records[number]["status"] == "converged"
         content = self._model()._core.fclib(self._step(number), before, form == "local", solved)
-        with open(path, "wb") as file:
+        with replaced(path) as file:
             file.write(content)
 
     def to_meshio(self, k: int = -1) -> Any:

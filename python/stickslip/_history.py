@@ -59,19 +59,23 @@ def posed(
             drifts[k] = np.ascontiguousarray(array[:, :, k])
     rows = None
     if mu is not None:
-        coefficients = numbers(names[1], mu, (m, n_c))
-        if (coefficients < 0).any():
-            raise ValueError(f"{names[1]} is negative")
-        if not d and coefficients.any():
-            raise ValueError(f"{names[1]} is above 0, but the problem has no C_t")
-        largest = coefficients.max(axis=0)
-        if (largest != problem.mu).any():
-            problem = problem.with_(mu=largest)
-        rows = friction(problem, coefficients, names[1])
+        problem, rows = changing(problem, numbers(names[1], mu, (m, n_c)), names[1])
     return problem, {
         "times": ends.tolist(), "forces": loads[0], "factors": loads[1],
         "gap": np.ascontiguousarray(gaps), "drift": drifts, "mu": rows,
     }
+
+
+def changing(problem: ContactProblem, coefficients: Array, name: str) -> tuple[ContactProblem, Array | None]:
+    """The problem with the largest friction of a history, (m, n_c), and `friction`."""
+    if (coefficients < 0).any():
+        raise ValueError(f"{name} is negative")
+    if not problem.tangents and coefficients.any():
+        raise ValueError(f"{name} is above 0, but the problem has no C_t")
+    largest = coefficients.max(axis=0)
+    if (largest != problem.mu).any():
+        problem = problem.with_(mu=largest)
+    return problem, friction(problem, coefficients, name)
 
 
 def friction(problem: ContactProblem, rows: Array, name: str = "mu") -> Array | None:

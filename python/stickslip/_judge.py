@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._arrays import finite, numbers, tangential, vector
+from ._arrays import finite, forces_of, not_masked, numbers, tangential, vector
 from ._errors import NotConvergedWarning
+from ._history import changing
 from ._problem import ContactProblem
 from ._result import LAWS, Result
 from ._scene import Model
@@ -123,10 +124,15 @@ def errors(
     >>> judged.worst[1] < 1e-12, judged.contact[0] == ss.SLIP
     (True, np.True_)
     """
-    whole, rest = u if isinstance(u, tuple) else (u, None)
+    if not isinstance(problem, ContactProblem):
+        cure = "; take its problem" if isinstance(problem, Model) else ""
+        raise TypeError(f"problem: a ContactProblem expected, {type(problem).__name__} found{cure}")
+    # A tuple of two numbers is one vector.
+    pair = u if isinstance(u, tuple) and len(u) == 2 and np.ndim(u[0]) > 0 else (u, None)
+    whole, rest = cast("tuple[ArrayLike, ArrayLike | None]", pair)
     p_t = _tangential("p_t", problem, p_t)
     answer = {
-        "force": vector("force", force, problem.n_u), "gap": vector("gap", gap, problem.n_c),
+        "force": forces_of("force", force, problem.n_u), "gap": vector("gap", gap, problem.n_c),
         "mu": problem.mu if mu is None else vector("mu", mu, problem.n_c),
         "w_last": _tangential("w_t_last", problem, w_t_last), "u": vector("u", whole, problem.n_u),
         "u_rest": np.zeros(0) if rest is None else vector("u[1]", rest, problem.n_u),
@@ -211,7 +217,8 @@ class Verdict:
     p_n, p_t : (m, n_c) and (m, n_c, d) arrays
         Contact forces, N.
     remark : str
-        What the solver raised, or that its answer was not finite.
+        What the solver raised, or that its answer was not finite. "not applicable: ...", with an error that is NaN and no rows of
+        errors, where a method of this module does not solve such a problem.
 
     Examples
     --------
@@ -236,7 +243,9 @@ class Verdict:
 
     def __repr__(self) -> str:
         at = f"in increment {self.increment}"
-        if self.holds:
+        if not len(self.errors):
+            words = "no answer"
+        elif self.holds:
             words = f"holds, {violation(self.law, self.error, within=self.error)} {at}"
         elif np.isfinite(self.error) or not self.remark:
             words = f"WRONG, {violation(self.law, self.error, within=0.0)} {at}"
@@ -260,32 +269,55 @@ def history_of(of: Model | ContactProblem, history: Mapping[str, ArrayLike] | No
     unknown = set(history) - {"force", "gap", "drift", "mu", "cases", "factors"}
     if unknown or "force" not in history:
         raise ValueError(f"history has the keys {sorted(history)}, expected force and, if need be, gap, drift, mu")
-    m, n_c, d = len(np.atleast_2d(np.asarray(history["force"]))), problem.n_c, problem.tangents
-    drift = np.asarray(history.get("drift", 0.0))
+    force = np.atleast_2d(finite("history['force']", history["force"]))
+    if force.ndim != 2 or force.shape[1] != problem.n_u:
+        raise ValueError(f"history['force'] has the shape {np.shape(history['force'])}, expected {(len(force), problem.n_u)}")
+    if not len(force):
+        raise ValueError("history['force'] has no increments")
+    m, n_c, d = len(force), problem.n_c, problem.tangents
+    drift = finite("history['drift']", history.get("drift", 0.0))
     if drift.shape == (m, n_c):
         drift = drift.reshape(m, n_c, 1)
-    return {
-        "force": numbers("history['force']", history["force"], (m, problem.n_u)),
+    tables = {
+        "force": force,
         "gap": numbers("history['gap'], which begins before the first increment,", history.get("gap", 0.0), (m + 1, n_c)),
         "drift": numbers("history['drift']", drift, (m, n_c, d)),
         "mu": numbers("history['mu']", history.get("mu", problem.mu), (m, n_c)),
     }
+    changing(problem, tables["mu"], "history['mu']")
+    # Copies: a solver may write into the arrays that the history was made of.
+    return {name: table.copy() for name, table in tables.items()}
 
 
 #: The words that `judge` and `compare` take.
 _OWN = ("bn", "ip", "events", "stickslip")
 
 
+class _NotApplicable(ValueError):
+    """A method of this module that does not solve such a problem, which is no wrong answer."""
+
+
 def _own(of: Model | ContactProblem, word: str, history: Mapping[str, ArrayLike] | None, data: Mapping[str, Array]) -> Result:
     """A history by this module."""
+    times: Array | None = None
     if isinstance(of, Model):
         if history is None and word == "stickslip":
-            return of.run(_stacklevel=6)
+            return _applicable(of.run(_stacklevel=6))
+        times = of.times if len(of.times) == len(data["force"]) else None
         of = of.problem
-    return of.solve(
-        data["force"], gap=data["gap"], drift=data["drift"] if of.tangents else None, mu=data["mu"],
+    if word == "events" and (data["mu"] != data["mu"][0]).any():
+        raise _NotApplicable("mu: friction that changes is solved by the methods bn and ip")
+    result = of.solve(
+        data["force"], gap=data["gap"], drift=data["drift"] if of.tangents else None, mu=data["mu"], times=times,
         method=cast("Method", "bn" if word == "stickslip" else word),
     )
+    return _applicable(result)
+
+
+def _applicable(result: Result) -> Result:
+    if result.status == "unsupported":
+        raise _NotApplicable(result.reason)
+    return result
 
 
 def _judged(problem: ContactProblem, result: Result, data: Mapping[str, Array]) -> tuple[list[list[float]], str]:
@@ -353,7 +385,7 @@ def judge(
     Raises
     ------
     ValueError, TypeError
-        An argument that is no model or problem, no solver, history or tolerance.
+        An argument that is no model or problem, no solver, history or tolerance; or a word whose method does not solve such a problem.
 
     Examples
     --------
@@ -370,17 +402,15 @@ def judge(
     tolerated(tolerance)
     if name is None:
         name = solver if isinstance(solver, str) else "solver"
-    return verdict_on(of, solver, history, history_of(of, history), name, tolerance)
+    return verdict_on(of, solver, history, history_of(of, history), name, tolerance, refuse=True)
 
 
 def verdict_on(
     of: Model | ContactProblem, solver: Solver | str, history: Mapping[str, ArrayLike] | None, data: dict[str, Array], name: str,
-    tolerance: float,
+    tolerance: float, refuse: bool = False,
 ) -> Verdict:
-    """`judge` with the tables of the history."""
+    """`judge` with the tables of the history; `refuse` a method that is not applicable, or remark it."""
     problem = of.problem if isinstance(of, Model) else of
-    if not len(data["force"]):
-        raise ValueError("history['force'] has no increments")
     if isinstance(solver, str):
         start, remark = time.process_time(), ""
         p_n, p_t = np.zeros((0, problem.n_c)), np.zeros((0, problem.n_c, problem.tangents))
@@ -392,6 +422,10 @@ def verdict_on(
             seconds = time.process_time() - start
             rows, remark = _judged(problem, result, data)
             p_n, p_t = result.p_n, result.p_t
+        except _NotApplicable as raised:
+            if refuse:
+                raise ValueError(f"solver {solver!r} is not applicable: {raised}") from None
+            return Verdict(name, np.nan, "no answer", 1, 0.0, False, np.zeros((0, 6)), p_n, p_t, f"not applicable: {raised}")
         except (ArithmeticError, RuntimeError, ValueError) as raised:
             seconds = time.process_time() - start
             rows, remark = [[np.inf] * 6], f"{type(raised).__name__}: {raised}"
@@ -427,6 +461,7 @@ def verdict_on(
 
 
 def _real(name: str, values: Any) -> Array:
+    not_masked(name, values)
     if np.iscomplexobj(values):
         raise TypeError(f"{name} is complex")
     return np.array(values, dtype=np.float64)

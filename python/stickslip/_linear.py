@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -33,7 +35,16 @@ class Checked:
     def analyze(self, n: int, indptr: NDArray[np.int64], indices: NDArray[np.int64], /) -> object:
         # Copies: what a solver writes into its arrays is its own affair.
         self._pattern, self._last = (n, indptr.copy(), indices.copy()), None
-        return self._solver.analyze(n, indptr, indices)
+        with self._no_verdict("analyze"):
+            return self._solver.analyze(n, indptr, indices)
+
+    @contextlib.contextmanager
+    def _no_verdict(self, step: str) -> Iterator[None]:
+        """Arithmetic errors of a step that cannot say that the matrix is singular, as those of `factorize` do."""
+        try:
+            yield
+        except ArithmeticError as error:
+            raise RuntimeError(f"linear.{step}: {self.name} raised {type(error).__name__}: {error}") from error
 
     def factorize(self, data: Array, /) -> object:
         self._data = data.copy()
@@ -41,7 +52,8 @@ class Checked:
 
     def solve(self, b: Array, /) -> Any:
         right = b.copy()
-        x = self._solver.solve(b)
+        with self._no_verdict("solve"):
+            x = self._solver.solve(b)
         self._last = (self._data, right, x)
         return x
 

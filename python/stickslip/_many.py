@@ -109,7 +109,7 @@ class Results(list[Result]):
     def __repr__(self) -> str:
         failed = np.flatnonzero(~self.converged)
         if not len(failed):
-            return f"<Results of {counted(len(self), *_HISTORY)}, all converged>"
+            return f"<Results of {counted(len(self), *_HISTORY)}{', all converged' if len(self) else ''}>"
         return f"<Results of {counted(len(self), *_HISTORY)}, {len(failed)} not converged: {few(failed.tolist())}>"
 
 

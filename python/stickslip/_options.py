@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numbers
+import operator
 import os
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, Literal, Protocol, TypedDict, Union, get_args
@@ -74,8 +75,8 @@ class SolveOptions(TypedDict, total=False):
     setting: Setting | None
     linear: Linear | LinearSolver | None
     tolerance: float | None
-    max_iterations: int
-    r_factor: float
+    max_iterations: int | None
+    r_factor: float | None
 
 
 class IncrementOptions(SolveOptions, total=False):
@@ -111,6 +112,11 @@ def core_options(
         "r_factor": (numbers.Real, "a number"), "tolerance": ((numbers.Real, type(None)), "a number or None"),
         "max_iterations": (numbers.Integral, "a whole number"),
     }
+    for name, default in (("r_factor", 1.0), ("max_iterations", 200)):
+        options[name] = default if options[name] is None else options[name]
+    if isinstance(r_factor, np.floating):
+        # The bounds are beyond the range of shorter numbers.
+        options["r_factor"] = float(r_factor)
     for name, (kind, words) in kinds.items():
         if not isinstance(options[name], kind) or isinstance(options[name], bool):
             raise TypeError(f"{name} is {options[name]!r}, expected {words}")
@@ -131,6 +137,26 @@ def linear_of(linear: Any) -> str | Checked | None:
     return Checked(linear)
 
 
+def _real(value: object) -> bool:
+    return isinstance(value, numbers.Real) and not isinstance(value, (bool, np.bool_))
+
+
+def whole(name: str, value: Any, expected: str = "a whole number of 1 or more", least: int = 1) -> int:
+    """A whole number, up to those of 32 bits."""
+    if not _real(value) or not value >= least or value != value // 1:
+        raise ValueError(f"{name}: {value!r} found, expected {expected}")
+    if not value < 2**31:
+        raise ValueError(f"{name}: {value!r} found, but must be below 2**31")
+    return int(value)
+
+
+def share(name: str, value: Any, expected: str) -> float:
+    """A number between 0 and 1."""
+    if not _real(value) or not 0 < value < 1:
+        raise ValueError(f"{name}: {value!r} found, expected {expected}")
+    return float(value)
+
+
 def keep(keep_u: str | bool | Sequence[int], increments: int) -> bool | list[int]:
     """`keep_u` as the core takes it: numbers from 1, 0 for the last."""
     if isinstance(keep_u, (bool, np.bool_)):
@@ -140,12 +166,14 @@ def keep(keep_u: str | bool | Sequence[int], increments: int) -> bool | list[int
         if keep_u not in words:
             raise ValueError(f"keep_u is {keep_u!r}, expected 'all', 'last', 'none' or a list of increments")
         return words[keep_u]
+    if not np.iterable(keep_u):
+        raise ValueError(f"keep_u is {keep_u!r}, expected 'all', 'last', 'none' or a list of increments")
     try:
-        return [range(increments)[k] + 1 for k in keep_u]
+        return [range(increments)[operator.index(k)] + 1 for k in keep_u]
     except IndexError:
         raise ValueError(f"keep_u is {keep_u!r}, expected numbers from 0 to {increments - 1}, of {counted(increments, 'increment')}") from None
-    except TypeError as error:
-        raise ValueError(f"keep_u: {error}") from None
+    except TypeError:
+        raise ValueError(f"keep_u is {keep_u!r}, expected whole numbers, of increments from 0") from None
 
 
 def called(callback: object) -> None:

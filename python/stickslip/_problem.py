@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from numpy.typing import ArrayLike
 
 from . import _core, _dependent, _history, _many
-from ._arrays import Array, compressed, contact_maps, tangential
+from ._arrays import Array, compressed, contact_maps, forces_of, tangential
 from ._arrays import vector as vector
 from ._matrices import Matrices
 from ._options import Callback as Callback
@@ -141,8 +141,8 @@ class ContactProblem(Matrices):
     def solve(
         self, force: ArrayLike, factors: ArrayLike | None = None, *, gap: ArrayLike = 0.0, drift: ArrayLike | None = None,
         mu: ArrayLike | None = None, times: ArrayLike | None = None, method: Method | None = None, setting: Setting | None = None,
-        linear: Linear | LinearSolver | None = None, tolerance: float | None = None, max_iterations: int = 200,
-        r_factor: float = 1.0, keep_u: str | bool | Sequence[int] = "all", callback: Callback | None = None,
+        linear: Linear | LinearSolver | None = None, tolerance: float | None = None, max_iterations: int | None = 200,
+        r_factor: float | None = 1.0, keep_u: str | bool | Sequence[int] = "all", callback: Callback | None = None,
     ) -> Result:
         """Solves a history that begins unloaded.
 
@@ -169,10 +169,10 @@ class ContactProblem(Matrices):
             Linear algebra; "auto", the cheapest, without it. "umfpack" where it is built in.
         tolerance : float, optional
             The largest error of any law, relative; 1e-10 without it.
-        max_iterations : int
-            Of an increment.
-        r_factor : float
-            Of the numbers r of Newton's method, relative to the stiffness of each node.
+        max_iterations : int, optional
+            Of an increment; 200 for None.
+        r_factor : float, optional
+            Of the numbers r of Newton's method, relative to the stiffness of each node; 1 for None.
         keep_u : "all", "last", "none" or list of int
             Of which increments displacements are kept. One history has room for all; `solve_many` keeps the last.
         callback : callable, optional
@@ -236,7 +236,7 @@ class ContactProblem(Matrices):
         array([[[-10.]]])
         """
         w = tangential("w_t_last", w_t_last, self.n_c, self.tangents)
-        return self.solve(vector("force", force, self.n_u), [1.0], gap=vector("gap", gap, self.n_c),
+        return self.solve(forces_of("force", force, self.n_u), [1.0], gap=vector("gap", gap, self.n_c),
                           drift=w[None] if w.any() else None, **options)
 
     def solve_many(
@@ -293,8 +293,8 @@ class ContactProblem(Matrices):
 
     def stepper(
         self, *, gap: ArrayLike = 0.0, method: Method | None = None, setting: Setting | None = None,
-        linear: Linear | LinearSolver | None = None, tolerance: float | None = None, max_iterations: int = 200,
-        r_factor: float = 1.0,
+        linear: Linear | LinearSolver | None = None, tolerance: float | None = None, max_iterations: int | None = 200,
+        r_factor: float | None = 1.0,
     ) -> Stepper:
         """A history whose rest nobody knows yet: for time loops of one's own, and couplings.
 

@@ -6,7 +6,6 @@ import html
 import json
 import os
 import warnings
-import zipfile
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 from . import plot as _plot
 from ._errors import AccuracyWarning, NotConverged, NotConvergedWarning, in_python
 from ._fields import Fields
+from ._files import replaced
 from ._linear import Checked
 from ._options import path_of
 from ._words import REASONS, counted, violation
@@ -360,6 +360,8 @@ class Result(Fields):
             The file; `numpy` adds ``.npz`` to a name without it.
         """
         path = path_of(path)
+        if os.path.basename(path) in ("", ".", ".."):
+            raise ValueError(f"path: {path!r} found, expected the name of a file")
         arrays = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in _NOT_ARRAYS}
         words: dict[str, Any] = {"status": self.status, "reason": self.reason, "records": self.records, "report": self.report}
         words["kept"] = list(self.kept)
@@ -368,7 +370,8 @@ class Result(Fields):
             words["model"], of_model = self.model._saved()
             arrays |= of_model
         arrays["iterations"] = np.asarray(self.iterations)
-        np.savez_compressed(path, words=np.array(json.dumps(words)), **arrays)
+        with replaced(path if path.endswith(".npz") else f"{path}.npz") as file:
+            np.savez_compressed(file, words=np.array(json.dumps(words)), **arrays)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Result:
@@ -394,12 +397,16 @@ class Result(Fields):
 
         path = path_of(path)
         refused = f"path: {path} was not written by Result.save"
-        try:
-            with np.load(path, allow_pickle=False) as file:
-                words = json.loads(str(file["words"]))
-                arrays = {name: file[name] for name in file.files if name != "words"}
-        except (ValueError, KeyError, EOFError, AttributeError, TypeError, zipfile.BadZipFile) as error:
-            raise ValueError(f"{refused}: {error}") from None
+        with open(path, "rb") as opened:
+            try:
+                with np.load(opened, allow_pickle=False) as file:
+                    words = json.loads(str(file["words"]))
+                    arrays = {name: file[name] for name in file.files if name != "words"}
+            except MemoryError:
+                raise
+            except Exception as error:
+                # A damaged file is found by numpy, zipfile or a decompressor, each with exceptions of its own.
+                raise ValueError(f"{refused}, or is damaged: {error}") from None
         if not isinstance(words, dict) or "model" not in words or "iterations" not in arrays:
             raise ValueError(refused)
         arrays["iterations"] = arrays["iterations"].view(np.recarray)

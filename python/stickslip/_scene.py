@@ -19,7 +19,8 @@ from . import mesh as _mesh
 from ._arrays import read_only
 from ._kinds import DIMENSION
 from ._errors import SceneError
-from ._options import called, linear_of
+from ._files import scene_text
+from ._options import called, linear_of, share, whole
 from ._problem import Callback, ContactProblem, LinearSolver, keep, vector
 from ._result import Result
 from ._toml import to_toml, toml_value
@@ -49,8 +50,7 @@ def _read(scene: SceneLike) -> tuple[str, str, dict[str, bytes]]:
     if not isinstance(scene, (str, os.PathLike)):
         raise TypeError(f"scene: a path, a text, a dictionary or a Scene expected, {type(scene).__name__} found")
     path = os.fspath(scene)
-    with open(path, encoding="utf-8") as file:
-        return path, file.read(), {}
+    return path, scene_text("scene", path), {}
 
 
 def _words(overrides: Mapping[str, Any] | None, has_mesh: bool) -> dict[str, str]:
@@ -285,20 +285,17 @@ class Model:
     def _with_increments(self, increments: int | Literal["auto"], to: float | None) -> tuple[Model, dict[str, Any] | None]:
         """The model, and how its increments were chosen if they were."""
         chosen = None
-        if increments == "auto":
-            asked = 0.05 if to is None else to
-            if not 0 < asked < 1:
-                raise ValueError(f"to: {asked} found, expected a share between 0 and 1")
+        if isinstance(increments, str) and increments == "auto":
+            asked = 0.05 if to is None else share("to", to, "a share between 0 and 1")
             chosen = json.loads(self._core.increments_for(asked))
             increments = chosen["increments"]
         elif to is not None:
             raise ValueError('to: it is the error for increments="auto"; leave it out')
-        if isinstance(increments, (str, bool)) or int(increments) != increments or increments < 1:
-            raise ValueError(f'increments: {increments!r} found, expected "auto" or a whole number of 1 or more')
+        increments = whole("increments", increments, '"auto" or a whole number of 1 or more')
         name, text, overrides, given = self._arguments
         model = Model.__new__(Model)
         model._has_text = self._has_text
-        model._make(name, text, {**overrides, "time.increments": str(int(increments))}, given, self._files())
+        model._make(name, text, {**overrides, "time.increments": str(increments)}, given, self._files())
         return model, chosen
 
     def run(
@@ -362,10 +359,8 @@ class Model:
         >>> result.converged, result.kept
         (True, (19,))
         """
-        if max_iterations is not None and (isinstance(max_iterations, bool) or int(max_iterations) != max_iterations or max_iterations < 1):
-            raise ValueError(f"max_iterations: {max_iterations!r} found, expected a whole number of 1 or more")
-        if tolerance is not None and not 0 < tolerance < 1:
-            raise ValueError(f"tolerance: {tolerance} found, expected a number between 0 and 1")
+        most = None if max_iterations is None else whole("max_iterations", max_iterations)
+        tolerance = None if tolerance is None else share("tolerance", tolerance, "a number between 0 and 1")
         called(callback)
         if checkpoint is not None and (not isinstance(checkpoint, (str, os.PathLike)) or not os.path.basename(checkpoint)):
             raise TypeError(f"checkpoint: the path of a file expected, {checkpoint!r} found")
@@ -397,7 +392,7 @@ class Model:
 
         options = {
             "uniqueness": bool(uniqueness), "companion": bool(companion),
-            "max_iterations": None if max_iterations is None else int(max_iterations), "tolerance": tolerance,
+            "max_iterations": most, "tolerance": tolerance,
             "checkpoint": None if checkpoint is None else (checkpoint, checkpoint_every),
         }
         try:

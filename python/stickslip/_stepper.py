@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from numbers import Real
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _core, _dependent, _history
-from ._arrays import Array, tangential, vector
+from ._arrays import Array, forces_of, tangential, vector
 from ._options import called
 from ._result import Result
 
@@ -142,10 +143,12 @@ class Stepper:
         """
         n_c, d = self.problem.n_c, self.problem.tangents
         begun = self.time
+        if time is not None and not isinstance(time, Real):
+            raise TypeError(f"time is {time!r}, expected a number")
         end = begun + 1.0 if time is None else float(time)
         if not (np.isfinite(end) and end > begun):
             raise ValueError(f"time is {end:g}, but the last increment ended at {begun:g}")
-        new_force = vector("force", force, self.problem.n_u)
+        new_force = forces_of("force", force, self.problem.n_u)
         new_gap = self._gap if gap is None else vector("gap", gap, n_c)
         new_drift = self._drift if drift is None else tangential("drift", drift, n_c, d)
         rows = self._mu if mu is None else vector("mu", mu, n_c)
@@ -162,7 +165,9 @@ class Stepper:
             "mu": _history.friction(self.problem, np.stack([self._mu, rows][1 - first :])),
         }
         called(callback)
-        raw = self._core.step(tables, keep_u, callback)
+        if not isinstance(keep_u, (bool, np.bool_)):
+            raise TypeError(f"keep_u is {keep_u!r}, expected True or False")
+        raw = self._core.step(tables, bool(keep_u), callback)
         self.work = {name: raw[name] for name in self.work}
         if self._core.time > begun:
             self._force, self._gap, self._drift, self._mu = new_force, new_gap, new_drift, rows

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import os
+import re
 import threading
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -50,6 +51,7 @@ class Sweep(Sequence[Result]):
     def __init__(self, values: list[dict[str, Any]], results: list[Result]) -> None:
         self.values: list[dict[str, Any]] = values
         self.results: list[Result] = results
+        self._keys: tuple[str, ...] = tuple(values[0]) if values else ()
 
     def __len__(self) -> int:
         return len(self.results)
@@ -61,7 +63,11 @@ class Sweep(Sequence[Result]):
     def __getitem__(self, k: slice) -> Sweep: ...
 
     def __getitem__(self, k: int | slice) -> Result | Sweep:
-        return Sweep(self.values[k], self.results[k]) if isinstance(k, slice) else self.results[k]
+        if not isinstance(k, slice):
+            return self.results[k]
+        part = Sweep(self.values[k], self.results[k])
+        part._keys = self._keys
+        return part
 
     def __iter__(self) -> Iterator[Result]:
         return iter(self.results)
@@ -97,8 +103,8 @@ class Sweep(Sequence[Result]):
 
     def __repr__(self) -> str:
         failed = sum(not result.converged for result in self)
-        keys = ", ".join(self.values[0]) if self.values else ""
-        return f"<Sweep of {keys}: {counted(len(self), 'result')}, {f'{failed} not converged' if failed else 'all converged'}>"
+        verdict = f", {failed} not converged" if failed else ", all converged" if len(self) else ""
+        return f"<Sweep of {', '.join(self._keys)}: {counted(len(self), 'result')}{verdict}>"
 
     def table(self, quantities: Mapping[str, Callable[[Result], Any]] | None = None) -> dict[str, list[Any]]:
         """Columns with an entry for each result.
@@ -116,9 +122,9 @@ class Sweep(Sequence[Result]):
         Raises
         ------
         ValueError
-            A quantity has raised for a result; its name and the values of the run are in the message, and its exception is the cause.
+            A quantity has the name of another column; or has raised for a result; its name and the values of the run are in the message, and its exception is the cause.
         """
-        columns: dict[str, list[Any]] = {key: [values[key] for values in self.values] for key in (self.values[0] if self.values else {})}
+        columns: dict[str, list[Any]] = {key: [values[key] for values in self.values] for key in self._keys}
         columns["status"] = [result.status for result in self]
         columns["error"] = [result.error for result in self]
         columns["increments"] = [len(result.t) for result in self]
@@ -126,6 +132,8 @@ class Sweep(Sequence[Result]):
         for name, quantity in (quantities or {}).items():
             if not callable(quantity):
                 raise TypeError(f"quantities[{name!r}]: a function of a result expected, {type(quantity).__name__} found")
+            if name in columns:
+                raise ValueError(f"quantities[{name!r}]: the table has a column of this name; take another")
             columns[name] = []
             for k, result in enumerate(self):
                 try:
@@ -154,7 +162,7 @@ class Sweep(Sequence[Result]):
 def _combinations(vary: Mapping[Key, Iterable[Any]]) -> list[dict[str, Any]]:
     if not isinstance(vary, Mapping):
         raise TypeError(f"vary: a dictionary expected, such as {{'contact.friction': [0.3, 0.5]}}, {type(vary).__name__} found")
-    columns: list[list[dict[str, Any]]] = []
+    columns: list[list[list[tuple[str, Any]]]] = []
     for key, values in vary.items():
         keys = key if isinstance(key, tuple) else (key,)
         if not keys or not all(isinstance(name, str) for name in keys):
@@ -166,15 +174,18 @@ def _combinations(vary: Mapping[Key, Iterable[Any]]) -> list[dict[str, Any]]:
             together = value if isinstance(key, tuple) else (value,)
             if not isinstance(together, (tuple, list)) or len(together) != len(keys):
                 raise ValueError(f"vary[{key!r}]: {value!r} found, expected {counted(len(keys), 'value')}, one for each key")
-            column.append(dict(zip(keys, together)))
+            column.append(list(zip(keys, together)))
         if not column:
             raise ValueError(f"vary[{key!r}]: there is no value")
         columns.append(column)
-    names = [name for column in columns for name in column[0]]
+    names = [name for column in columns for name, _ in column[0]]
+    seen: dict[str, str] = {}
     for name in names:
-        if names.count(name) > 1:
-            raise ValueError(f"vary: {name!r} is there twice")
-    return [{name: value for part in parts for name, value in part.items()} for parts in itertools.product(*columns)]
+        # A table of a list without its number is the first.
+        first = seen.setdefault(re.sub(r"\[0+\](?=\.)", "", name), name)
+        if first != name or names.count(name) > 1:
+            raise ValueError(f"vary: {name!r} is there twice" + ("" if first == name else f", once as {first!r}"))
+    return [{name: value for part in parts for name, value in part} for parts in itertools.product(*columns)]
 
 
 def sweep(

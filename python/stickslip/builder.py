@@ -23,6 +23,7 @@ from typing import Any, Literal
 
 from . import _core
 from ._errors import SceneError
+from ._files import replaced, scene_text
 from ._options import path_of
 from ._words import counted
 
@@ -166,8 +167,8 @@ class Scene:
             os.makedirs(os.path.dirname(beside) or ".", exist_ok=True)
             with open(beside, "wb") as file:
                 file.write(content)
-        with open(path, "w", encoding="utf-8") as written:
-            written.write(text)
+        with replaced(path) as written:
+            written.write(text.encode())
 
     def __repr__(self) -> str:
         title = self._keys.get("title", "")
@@ -270,11 +271,10 @@ class Scene:
         FileNotFoundError
             If there is no such file.
         SceneError
-            A text that is no TOML.
+            A text that is no TOML, no text at all, or what is neither a file nor a pipe.
         """
         path = path_of(path)
-        with open(path, encoding="utf-8") as file:
-            scene = cls.from_toml(file.read())
+        scene = cls.from_toml(scene_text("path", path))
         scene._name = path
         return scene
 

@@ -17,7 +17,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike
 
-from ._arrays import Array, tangential, vector
+from ._arrays import Array, forces_of, tangential, vector
 
 if TYPE_CHECKING:
     from ._problem import ContactProblem
@@ -71,7 +71,7 @@ class Natural:
     ) -> None:
         n_c, d = problem.n_c, problem.tangents
         self.problem: ContactProblem = problem
-        self.force: Array = vector("force", force, problem.n_u)
+        self.force: Array = forces_of("force", force, problem.n_u)
         self.gap: Array = vector("gap", gap, n_c)
         self.w_t_last: Array = tangential("w_t_last", w_t_last, n_c, d)
         self.r: Array = problem._core.contact_stiffness if r is None else vector("r", r, n_c)

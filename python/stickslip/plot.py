@@ -106,6 +106,7 @@ def contact(result: Result, k: int = -1, ax: Any = None) -> Any:
     -------
     matplotlib.axes.Axes
     """
+    k = result._number(k)
     ax = _axes(ax)
     model, d = result.model, result.p_t.shape[2]
     if model is None:
@@ -235,7 +236,7 @@ def comparison(table: Comparison, ax: Any = None) -> Any:
     matplotlib.axes.Axes
     """
     ax = _axes(ax)
-    for k, verdict in enumerate(table.verdicts):
+    for k, verdict in enumerate(verdict for verdict in table.verdicts if len(verdict.errors)):
         colour, at = _GOOD if verdict.holds else _BAD, (max(verdict.seconds, 1e-6), max(verdict.error, 1e-17))
         ax.loglog(*at, "o", color=colour)
         # Above and below in turn, for those that are near each other.

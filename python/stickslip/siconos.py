@@ -21,7 +21,7 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 from numpy.typing import ArrayLike
 
-from ._arrays import Array, tangential, vector
+from ._arrays import Array, forces_of, tangential, vector
 from ._judge import Posed, Solver
 from ._problem import ContactProblem
 from ._words import counted
@@ -78,7 +78,7 @@ def to_siconos(
     H = sp.csr_array(sp.vstack([-problem.C_n, *problem.C_t], format="csr"))[order].T.tocsc()
     b = np.column_stack([vector("gap", gap, n_c), -w]).ravel()
     coefficients = problem.mu.copy() if mu is None else vector("mu", mu, n_c)
-    return GlobalFriction(1 + d, problem.K.copy(), H, vector("force", force, problem.n_u), b, coefficients)
+    return GlobalFriction(1 + d, problem.K.copy(), H, forces_of("force", force, problem.n_u), b, coefficients)
 
 
 def from_siconos(M: Any, H: Any, q: ArrayLike, b: ArrayLike, mu: ArrayLike) -> Posed:
@@ -121,7 +121,7 @@ def from_siconos(M: Any, H: Any, q: ArrayLike, b: ArrayLike, mu: ArrayLike) -> P
     problem = ContactProblem(M, -normal, tangents, mu)
     by_node = vector("b", b, dimension * contacts).reshape(contacts, dimension)
     nothing = (np.zeros(problem.n_u), np.zeros(contacts), np.zeros((contacts, dimension - 1)))
-    force = vector("q", q, problem.n_u)
+    force = forces_of("q", q, problem.n_u)
     return Posed(problem, force, by_node[:, 0].copy(), -by_node[:, 1:], problem.mu.copy(), nothing)
 
 

@@ -7,10 +7,11 @@ import pickle
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import stickslip as ss
-from scenes import SCENES
+from scenes import SCENES, block
 from test_program import program
 
 SMALL = {"mesh.elements": [20, 20], "time.increments": 8}
@@ -45,7 +46,7 @@ def test_numbers_are_si() -> None:
         ({"quantity": None}, "quantity: None"),
         ({"to": 2}, "to: 2"), ({"to": "a"}, "to: 'a'"), ({"to": True}, "to: True"), ({"ratio": 1.1}, "ratio: 1.1"),
         ({"max_runs": 2}, "max_runs: 2"), ({"within": 0}, "within: 0"), ({"within": float("nan")}, "within: nan"),
-        ({"meshes": [20, 10]}, "no more than the one before"), ({"meshes": [0]}, "meshes: a mesh has at least one"),
+        ({"meshes": [20, 10]}, "no more than the one before"), ({"meshes": [0]}, "meshes: 0 found, expected a whole number of elements of 1 or more"),
         ({"meshes": ["fine.msh"]}, r"meshes=\[20, 40\]"),
     ],
 )
@@ -65,3 +66,24 @@ def test_wrong_scenes() -> None:
         ss.converge("nowhere.toml", "force")
     slides = ss.converge(ss.Scene.example("block"), "force", overrides={**SMALL, "contact.friction": 0.1})
     assert slides.verdict == "not-converged" and not slides.known and slides.uncertainty is None and "--" not in slides.message
+
+
+@pytest.mark.parametrize("name, options", [
+    ("max_runs", {"max_runs": 10**30}), ("max_runs", {"max_runs": np.inf}), ("max_runs", {"max_runs": np.nan}), ("meshes", {"meshes": 5}),
+    ("meshes", {"meshes": [-1, 2, 3]}), ("meshes", {"meshes": [1.5, 2, 3]}), ("meshes", {"meshes": [np.nan]}), ("meshes", {"meshes": [True, 2]}),
+    ("meshes", {"meshes": np.array(5)}),
+])
+def test_numbers_of_a_study_are_named(name: str, options: dict[str, object]) -> None:
+    with pytest.raises((TypeError, ValueError), match=f"^{name}: "):
+        ss.converge(block(n=4), "peak", **options)  # type: ignore[arg-type]
+
+
+def test_meshes_may_be_an_array() -> None:
+    study = ss.converge(block(n=4, increments=2), "force", meshes=np.array([2, 4, 8]), max_runs=3)
+    assert [run["elements"] for run in study.runs][0] == 4
+
+
+def test_a_mesh_file_takes_no_numbers_of_elements() -> None:
+    with pytest.raises(ValueError, match="leave out meshes") as raised:
+        ss.converge(ss.Scene.example("gmsh"), "peak", meshes=[10, 20])
+    assert "--" not in str(raised.value)

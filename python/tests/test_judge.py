@@ -44,6 +44,8 @@ def test_arrays_that_a_solver_overwrites_are_its_own() -> None:
 
     judged = ss.judge(problem, complex_answer, history=history)
     assert not judged.holds and "u is complex" in judged.remark
+    judged = ss.judge(problem, lambda posed: (np.ma.array([0.0, 0.0], mask=[True, False]), [0.0], [0.0]), history=history)
+    assert not judged.holds and "u has masked entries" in judged.remark
 
 
 def test_each_law_is_seen_by_itself() -> None:
@@ -292,3 +294,69 @@ def test_rounding_is_no_violation() -> None:
     assert repr(judged).startswith("<Errors: largest error ") and "violated" not in repr(judged) + judged._repr_html_()
     wrong = ss.errors(problem, [40.0, -100.0], result.u[0] * 1.1, result.p_n[0], result.p_t[0])
     assert "violated by" in repr(wrong)
+
+
+PROBLEM = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
+FORCE = [40.0, -100.0]
+
+
+def test_a_tuple_of_two_numbers_is_one_vector() -> None:
+    for u in ((5e-6, 0.0), [5e-6, 0.0], ([5e-6, 0.0], [0.0, 0.0]), ([5e-6, 0.0], None)):
+        assert ss.errors(PROBLEM, FORCE, u, [100.0], [30.0]).worst[1] < 1e-12  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("solver", ["bn", lambda posed: (np.zeros(2), [0.0], [[0.0]])])
+@pytest.mark.parametrize("history, message", [
+    ({"force": [FORCE], "mu": [[-1.0]]}, r"history\['mu'\] is negative"), ({"force": [FORCE], "mu": [[np.nan]]}, r"history\['mu'\] is not finite"),
+    ({"force": [FORCE] * 2, "mu": [[0.3], [0.0]]}, r"history\['mu'\]: contact node 0 has friction in some"),
+    ({"force": -5}, r"history\['force'\] has the shape \(\), expected \(1, 2\)"), ({"force": [[-5]]}, r"history\['force'\] has the shape \(1, 1\)"),
+    ({"force": np.zeros((0, 2))}, r"history\['force'\] has no increments"), ({"force": [FORCE], "drift": [[1.0, 2.0, 3.0]]}, r"history\['drift'\]"),
+    ({"force": [FORCE], "gap": [np.inf]}, r"history\['gap'\].* is not finite"),
+])
+def test_a_history_that_does_not_fit_is_the_fault_of_no_solver(solver: Any, history: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=f"^{message}"):
+        ss.judge(PROBLEM, solver, history=history)
+    with pytest.raises(ValueError, match=f"^{message}"):
+        ss.compare(PROBLEM, {"one": solver}, history=history)
+
+
+def test_a_solver_cannot_change_the_history_that_judges_it() -> None:
+    history = {"force": np.array([FORCE] * 2)}
+
+    def nothing(posed: ss.Posed) -> tuple[Any, Any, Any]:
+        history["force"][...] = 0.0
+        return np.zeros(2), np.zeros(1), np.zeros(1)
+
+    assert not ss.judge(PROBLEM, nothing, history=history).holds
+
+
+def test_a_word_solves_a_model_at_the_times_of_its_scene() -> None:
+    seen = ss.judge(ss.Model(block(n=4)), "bn", tolerance=0.0)
+    model = ss.Model(block(n=4), {"solver.max_iterations": 1})
+    assert seen.error < 1e-8
+    with pytest.MonkeyPatch.context() as patch:
+        told: list[Any] = []
+        solve = ss.ContactProblem.solve
+        patch.setattr(ss.ContactProblem, "solve", lambda *all, **named: told.append(named["times"]) or solve(*all, **named))
+        ss.judge(model, "bn")
+        ss.judge(model, "bn", history={"force": model.history["force"][:3], "gap": model.history["gap"][:4]})
+    assert (told[0] == model.times).all() and told[1] is None
+
+
+def test_a_method_that_is_not_made_for_a_problem_is_not_wrong() -> None:
+    cube = ss.Model(ss.Scene.example("cube"), {"mesh.elements": [3, 3, 3]})
+    with pytest.raises(ValueError, match="^solver 'events' is not applicable: "):
+        ss.judge(cube, "events")
+    table = ss.compare(cube, {"path": "events", "Newton": "bn"})
+    assert table["path"].remark.startswith("not applicable: ") and not table["path"].holds and table["Newton"].holds
+    for words in (str(table), repr(table["path"]), table._repr_html_()):
+        assert "WRONG" not in words and "not applicable" in words and "#cf222e" not in words
+    needs("matplotlib")
+    assert len(table.plot().texts) == 1
+
+
+def test_names_and_problems_of_the_judge() -> None:
+    with pytest.raises(TypeError, match="^solvers: names are words, 5 found"):
+        ss.compare(PROBLEM, {5: "bn"}, history={"force": [FORCE]})  # type: ignore[dict-item]
+    with pytest.raises(TypeError, match="^problem: a ContactProblem expected, NoneType found"):
+        ss.errors(None, FORCE, [0.0, 0.0], [0.0])  # type: ignore[arg-type]

@@ -402,3 +402,31 @@ def test_the_strain_energy_of_a_condensed_problem_is_that_of_the_condensed_body(
     assert whole.solve(force, gap=1e-5).records[-1]["strain_energy"] == pytest.approx(0.5 * u @ whole.K @ u)
     assert result.records[-1]["strain_energy"] < 0.9 * (0.5 * u @ whole.K @ u)
     assert "small.whole.K @ u / 2" in (ss.CondensedProblem.__doc__ or "")
+
+
+@pytest.mark.parametrize("step", ["analyze", "factorize", "solve"])
+def test_factorize_alone_says_that_a_matrix_is_singular(step: str) -> None:
+    def breaks(*_: object) -> None:
+        raise ZeroDivisionError("by zero")
+
+    own = Scipy()
+    setattr(own, step, breaks)
+    if step == "factorize":
+        with pytest.warns(ss.NotConvergedWarning, match="singular"):
+            assert one_node().solve([1.0, 1.0], linear=own).status == "singular"
+    else:
+        with pytest.raises(RuntimeError, match=rf"^linear\.{step}: Scipy raised ZeroDivisionError: by zero"):
+            one_node().solve([1.0, 1.0], linear=own)
+
+
+def test_options_that_may_be_left_out_may_be_none() -> None:
+    result = one_node().solve([1.0, 1.0])
+    for options in ({"r_factor": None}, {"max_iterations": None}, {"r_factor": np.float32(1)}):
+        again = one_node().solve([1.0, 1.0], **options)  # type: ignore[arg-type]
+        assert (again.u == result.u).all() and one_node().stepper(**options).step([1.0, 1.0]).converged  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("keep_u", [None, [0.0], ["all"], 3])
+def test_which_displacements_are_kept_is_said_in_words(keep_u: object) -> None:
+    with pytest.raises(ValueError, match="^keep_u is .*, expected"):
+        one_node().solve([1.0, 1.0], keep_u=keep_u)  # type: ignore[arg-type]

@@ -151,3 +151,23 @@ def test_a_quantity_that_raises_is_named_with_the_values_of_its_run() -> None:
     assert isinstance(raised.value.__cause__, KeyError)
     table = sweep.table()
     assert table["friction_work"] == [result.friction_work for result in sweep] and min(table["friction_work"]) > 0
+
+
+@pytest.mark.parametrize("vary, twice", [
+    ({"contact.friction": [0.2], "contact[0].friction": [0.3]}, r"'contact\[0\].friction' is there twice, once as 'contact.friction'"),
+    ({("contact.friction", "contact.friction"): [(0.2, 0.3)]}, "'contact.friction' is there twice$"),
+    ({("contact.friction", "contact[00].friction"): [(0.2, 0.3)]}, "is there twice, once as"),
+])
+def test_a_key_of_a_sweep_is_there_once(vary: dict[object, list[object]], twice: str) -> None:
+    with pytest.raises(ValueError, match=f"^vary: .*{twice}"):
+        ss.sweep(block(n=4, increments=2), vary)  # type: ignore[arg-type]
+
+
+def test_columns_of_a_sweep_are_its_own_and_stay() -> None:
+    sweep = ss.sweep(block(n=4, increments=2), {"load[0].traction[1]": [-1e6, -2e6], "load[1].traction[0]": [-1e6]})
+    for name in ("status", "load[0].traction[1]"):
+        with pytest.raises(ValueError, match="^quantities.*: the table has a column of this name"):
+            sweep.table({name: len})  # type: ignore[dict-item]
+    nothing = pickle.loads(pickle.dumps(sweep[0:0]))
+    assert list(nothing.table()) == list(sweep.table()) and nothing.table()["status"] == [] and len(nothing[:].table()) == 6
+    assert repr(nothing) == "<Sweep of load[0].traction[1], load[1].traction[0]: 0 results>"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 import scipy.sparse as sp
@@ -133,3 +135,45 @@ def test_paths(path: object) -> None:
     ):
         with pytest.raises(TypeError, match=f"^path: a str or os.PathLike expected, {type(path).__name__} found"):
             call(path)  # type: ignore[arg-type]
+
+
+TWO = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
+
+
+@pytest.mark.parametrize("call", [
+    lambda: TWO.stepper().step(-5), lambda: TWO.solve_increment(-5), lambda: ss.errors(TWO, 5, [0.0, 0.0], [0.0]), lambda: TWO.to_siconos(-5),
+    lambda: TWO.residual([0.0, 0.0], [0.0], force=-5),
+])
+def test_a_number_is_no_force_of_several_displacements(call: Callable[[], object]) -> None:
+    with pytest.raises(ValueError, match=r"^force is a number, expected the shape \(2,\)"):
+        call()
+    assert ss.ContactProblem([[1e6]], [[-1]]).solve_increment(-5.0).p_n[0, 0] == 5.0
+
+
+@pytest.mark.parametrize("message, call", [
+    ("^force has masked entries", lambda: TWO.solve(np.ma.array([40.0, -100.0], mask=[False, True]))),
+    ("^force has masked entries", lambda: TWO.solve([np.ma.array([40.0, -100.0], mask=[False, True])])),
+    ("^K has masked entries", lambda: ss.ContactProblem(np.ma.array(np.eye(2), mask=[[0, 0], [0, 1]]), [[0, -1]])),
+    ("^gap is no array of numbers: a truth value", lambda: TWO.solve([40.0, -100.0], gap=True)),
+    ("^gap is no array of numbers: a word", lambda: TWO.solve([40.0, -100.0], gap="1")),
+    ("^force is no array of numbers: .*inhomogeneous", lambda: TWO.solve([[1.0, 2.0], [3.0]])),  # type: ignore[list-item]
+    ("^force is no array of numbers: int too large", lambda: TWO.solve([10**400, 0])),
+    ("^force is complex", lambda: TWO.solve([1j, 0.0])),
+    (r"^C_n has the shape \(2,\), expected rows and columns", lambda: ss.ContactProblem(np.eye(2), [0, -1], [1, 0], 0.3)),
+])
+def test_arrays_that_are_none(message: str, call: Callable[[], object]) -> None:
+    with pytest.raises(ValueError, match=message):
+        call()
+    assert TWO.solve(np.ma.array([40.0, -100.0])).converged
+
+
+@pytest.mark.parametrize("keep_u", ["all", None, 5])
+def test_a_step_keeps_u_or_not(keep_u: object) -> None:
+    with pytest.raises(TypeError, match="^keep_u is .*, expected True or False"):
+        TWO.stepper().step([40.0, -100.0], keep_u=keep_u)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("time", ["a", [1.0]])
+def test_the_end_of_a_step_is_a_number(time: object) -> None:
+    with pytest.raises(TypeError, match="^time is .*, expected a number"):
+        TWO.stepper().step([40.0, -100.0], time=time)  # type: ignore[arg-type]

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
+import os
+import threading
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -197,3 +200,99 @@ def test_a_file_that_is_no_result(tmp_path: Path) -> None:
     for name in "abc":
         with pytest.raises(ValueError, match="path: .* was not written by Result.save"):
             ss.Result.load(tmp_path / f"{name}.npz")
+
+
+@pytest.mark.parametrize("name, options", [
+    ("max_iterations", {"max_iterations": 10**30}), ("max_iterations", {"max_iterations": "a"}), ("max_iterations", {"max_iterations": np.nan}),
+    ("increments", {"increments": 10**30}), ("increments", {"increments": np.nan}), ("increments", {"increments": np.inf}),
+    ("increments", {"increments": [5]}), ("increments", {"increments": np.array([5, 6])}), ("tolerance", {"tolerance": "a"}),
+    ("to", {"increments": "auto", "to": "0.1"}), ("to", {"increments": "auto", "to": True}),
+])
+def test_numbers_of_a_run_are_named(name: str, options: dict[str, object]) -> None:
+    with pytest.raises(ValueError, match=rf"^{name}: .* found, (expected|but must be below 2\*\*31)"):
+        ss.run(block(n=2, increments=1), **options)  # type: ignore[arg-type]
+
+
+def test_increments_of_a_result_are_whole_numbers(tmp_path: Path) -> None:
+    result = ss.run(block(n=2, increments=1))
+    for call in (result.displacement, result.stress, result.plot, lambda k: result.write_fclib(tmp_path / "x", k), result.svg):
+        for k in (True, slice(0, 2), 0.0):
+            with pytest.raises((TypeError, ValueError), match="^k(ind)?: "):
+                call(k)
+    with pytest.raises(TypeError, match="^result: a Result expected, int found"):
+        ss.cite(5)  # type: ignore[arg-type]
+
+
+def test_a_damaged_result_is_a_value_error(tmp_path: Path) -> None:
+    path, random = tmp_path / "result.npz", np.random.default_rng(0)
+    ss.run(block(n=2, increments=1)).save(path)
+    whole = np.frombuffer(path.read_bytes(), np.uint8)
+    for _ in range(300):
+        damaged = whole.copy()
+        damaged[random.integers(len(whole))] ^= 1 << random.integers(8)
+        path.write_bytes(damaged.tobytes())
+        with contextlib.suppress(ValueError):
+            ss.Result.load(path)
+    with pytest.raises(FileNotFoundError):
+        ss.Result.load(tmp_path / "none.npz")
+
+
+@pytest.mark.parametrize("path", ["", ".", "folder/", ".."])
+def test_a_result_is_saved_under_a_name(path: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(ValueError, match="^path: .* found, expected the name of a file"):
+        ss.run(block(n=2, increments=1)).save(path)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("name, read", [("path", ss.Scene.from_file), ("scene", ss.run), ("scene", lambda path: ss.converge(path, "peak"))])
+def test_a_scene_is_a_text_in_a_file(name: str, read: Callable[[Path], object], tmp_path: Path) -> None:
+    (tmp_path / "binary").write_bytes(b"title = \xff\xfe")
+    with pytest.raises(ss.SceneError, match=f"^{name}: .*binary is no text in UTF-8: .* at byte 8"):
+        read(tmp_path / "binary")
+    with pytest.raises(FileNotFoundError):
+        read(tmp_path / "none")
+    with pytest.raises(OSError):
+        read(tmp_path)
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/zero"), reason="devices are files of unix")
+def test_a_scene_is_read_from_a_pipe_and_no_device(tmp_path: Path) -> None:
+    for name, read in (("path", ss.Scene.from_file), ("scene", ss.run)):
+        with pytest.raises(ss.SceneError, match=f"^{name}: /dev/zero is neither a file nor a pipe"):
+            read("/dev/zero")  # type: ignore[operator]
+    os.mkfifo(tmp_path / "pipe")
+    writer = threading.Thread(target=(tmp_path / "pipe").write_text, args=('title = "Piped"\n',))
+    writer.start()
+    assert ss.Scene.from_file(tmp_path / "pipe").to_dict() == {"title": "Piped"}
+    writer.join()
+
+
+def test_a_full_disk_leaves_the_file_that_was_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    result, path = ss.run(block(n=2, increments=1)), tmp_path / "file.npz"
+    calls = (result.save, result.write_vtu, result.write_fclib, result.svg().save, block().save)
+    for call in calls:
+        path.write_text("before")
+        path.chmod(0o640)
+        mode = path.stat().st_mode
+        with monkeypatch.context() as patch:
+            patch.setattr(os, "replace", lambda *_: (_ for _ in ()).throw(OSError(28, "No space left on device")))
+            with pytest.raises(OSError, match="No space left"):
+                call(path)
+        assert path.read_text() == "before" and list(tmp_path.iterdir()) == [path]
+        call(path)
+        assert path.read_bytes() != b"before" and path.stat().st_mode == mode
+        with pytest.raises(FileNotFoundError, match="file.npz"):
+            call(tmp_path / "none" / "file.npz")
+        folder = tmp_path / "folder.npz"
+        folder.mkdir()
+        with pytest.raises(OSError):
+            call(folder)
+        folder.rmdir()
+
+
+@pytest.mark.skipif(os.name == "nt", reason="links need rights there")
+def test_a_link_is_followed_to_what_is_replaced(tmp_path: Path) -> None:
+    (tmp_path / "link").symlink_to(tmp_path / "there")
+    ss.Svg("<svg/>").save(tmp_path / "link")
+    assert (tmp_path / "link").is_symlink() and (tmp_path / "there").read_text() == "<svg/>"
