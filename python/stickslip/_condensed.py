@@ -17,8 +17,8 @@ from ._words import counted
 class CondensedProblem(ContactProblem):
     """The problem in the contact displacements u_c of a body; made by `ContactProblem.condense`.
 
-    S u_c + C_n' p_n + C_t' p_t = f_c, where S = K_cc - K_cr K_rr^-1 K_rc and f_c = f_c - K_cr K_rr^-1 f_r. It is solved as any
-    problem, with forces that `reduce` has reduced; `lift` gives all displacements back.
+    S u_c + C_n' p_n + C_t' p_t = f_s, where S = K_cc - K_cr K_rr^-1 K_rc and f_s = f_c - K_cr K_rr^-1 f_r;
+    c are the contact displacements, r the others. It is solved as any problem, with forces f_s that `reduce` computes; `lift` gives all displacements back.
 
     Attributes
     ----------

@@ -45,7 +45,7 @@ class Convergence:
     uncertainty_mesh, uncertainty_increments : float or None
         The part of the mesh, and that of the increments.
     extrapolated : float or None
-        The value on meshes and increments without end.
+        The value extrapolated to infinitely fine mesh and increments.
     order_mesh, order_increments : float or None
         The observed orders.
     own_mesh_error : float or None
@@ -122,7 +122,7 @@ def converge(
     meshes: Iterable[int | str] | None = None, ratio: float = 2.0, max_runs: int = 12, within: float = 600.0,
     linear: Linear | None = "auto", progress: bool = False,
 ) -> Convergence:
-    """Refines mesh and increments of a scene until a quantity is known to an asked share.
+    """Refines mesh and increments of a scene until the relative uncertainty of a quantity is at most `to`.
 
     Each run refines what has the larger error, the mesh or the increments.
 
@@ -133,7 +133,7 @@ def converge(
     quantity : {"peak", "force", "friction_work", "stick_ratio"}
         The largest contact pressure, the largest resultant of a boundary, the friction work, or the width of the stick zone as a share.
     to : float, optional
-        The share to which it is to be known.
+        The largest relative uncertainty of a known quantity.
     meshes : iterable of int or str, optional
         Meshes from coarse to fine: each its first number of elements, or a mesh file beside the scene. Without them a quarter, half and
         all of the elements of the scene along each axis, and so on.

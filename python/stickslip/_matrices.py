@@ -113,7 +113,7 @@ class Matrices:
         return f"<{type(self).__name__} " + ", ".join(counted(n, what) for n, what in counts) + ">"
 
     def slip(self, u: ArrayLike) -> Array:
-        """Tangential displacements C_t u.
+        """Tangential displacements C_t u, without the motion of the obstacle; `Result.slip` is less this motion.
 
         Parameters
         ----------

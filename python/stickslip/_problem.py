@@ -31,7 +31,10 @@ if TYPE_CHECKING:
 class ContactProblem(Matrices):
     """One body against rigid obstacles, as matrices.
 
-    K u + C_n' p_n + C_t' p_t = f;  C_n u <= g, p_n >= 0;  |p_t| <= mu p_n, against the slip C_t u - w_t_last.
+    K u + C_n' p_n + C_t' p_t = f;  C_n u <= g, p_n >= 0;  |p_t| <= mu p_n, along the slip C_t u - w_t_last.
+
+    g are the gaps, w_t_last the values of C_t u before the increment, ' is the transpose. p_n and p_t act on the obstacle, so that p_t has
+    the direction of the slip where a node slips.
 
     Parameters
     ----------
@@ -116,8 +119,8 @@ class ContactProblem(Matrices):
         >>> import numpy as np, stickslip as ss
         >>> problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
         >>> slippery = problem.with_(mu=0.1)
-        >>> [p.solve([40.0, -100.0]).p_t[0, 0, 0] for p in (problem, slippery)]
-        [np.float64(30.0), np.float64(10.0)]
+        >>> [float(p.solve([40.0, -100.0]).p_t[0, 0, 0]) for p in (problem, slippery)]
+        [30.0, 10.0]
         """
         if C_n is None and C_t is None:
             coefficients = None if mu is None else vector("mu", mu, self.n_c)
@@ -159,12 +162,12 @@ class ContactProblem(Matrices):
         mu : float, (n_c,) or (m, n_c), optional
             Friction coefficients in place of the problem's; of each increment where they change.
         times : (m,), optional
-            Ends of the increments, s, increasing from above 0; equal parts of 1 s without them.
+            Ends of the increments, s, increasing from above 0; equal parts of 1 s without them (a `Stepper` takes 1 s for each).
         method : "bn", "ip" or "events"
-            Newton's method, the interior point method, or the exact path in the plane; "bn" without it. Where contact rows depend
-            on each other, so that forces are not unique, each increment goes through the cascade for local problems instead.
+            Newton's method, the interior point method, or the exact path in the plane; "bn" without it. If rows of
+            C_n and C_t are linearly dependent, forces are not unique, and a sequence of other methods takes its place.
         setting : "default" or "paper"
-            The method as here, which is the default, or as in the paper.
+            The constants of this library, which is the default, or those of Christensen et al. (1998).
         linear : "auto", "faer", "partial", "condensed", "umfpack" or `LinearSolver`
             Linear algebra; "auto", the cheapest, without it. "umfpack" where it is built in.
         tolerance : float, optional
@@ -172,7 +175,7 @@ class ContactProblem(Matrices):
         max_iterations : int, optional
             Of an increment; 200 for None.
         r_factor : float, optional
-            Of the numbers r of Newton's method, relative to the stiffness of each node; 1 for None.
+            A factor of the parameters r of Newton's method, which are proportional to the stiffness of each node; 1 for None.
         keep_u : "all", "last", "none" or list of int
             Of which increments displacements are kept. One history has room for all; `solve_many` keeps the last.
         callback : callable, optional
@@ -316,8 +319,8 @@ class ContactProblem(Matrices):
         >>> import numpy as np, stickslip as ss
         >>> problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
         >>> stepper = problem.stepper()
-        >>> [stepper.step([x, -100.0]).p_t[0, 0, 0] for x in (0.0, 40.0, 0.0)]
-        [np.float64(0.0), np.float64(30.0), np.float64(-10.0)]
+        >>> [float(stepper.step([x, -100.0]).p_t[0, 0, 0]) for x in (0.0, 40.0, 0.0)]
+        [0.0, 30.0, -10.0]
         """
         from ._stepper import Stepper
 

@@ -328,8 +328,9 @@ class Model:
             In place of the scene's.
         checkpoint : str or os.PathLike, optional
             A file in which the run is saved as it goes. A run with the file of an earlier one, which Ctrl-C, an exception or a power
-            cut has ended, goes on from there; its result has all increments. Ctrl-C, or an exception of the callback, ends the run
-            and saves it at the end of its increment; a second one ends it at once; the callback is not called for that increment again. The file is removed when the history has converged.
+            cut has ended, goes on from there; its result has all increments. The first Ctrl-C, or an exception of
+            the callback, ends the run after its increment and saves it; a second one ends it at once. The callback is not called again
+            for increments that are done. The file is removed when the history has converged.
         checkpoint_every : float, optional
             The seconds between; without it checkpoints take 2 % of the time.
 

@@ -45,7 +45,7 @@ class StepperState:
 class Stepper:
     """A history in single increments, each from the end of the last one that converged; made by `ContactProblem.stepper`.
 
-    What a run of the whole history would keep is kept: the symbolic analysis, or the condensed body. An increment that did not
+    It analyses the matrix once, or condenses the body once; `work` counts the factorisations of the equations. An increment that did not
     converge may be tried again, to an earlier time or under another load; one that did is taken back by `restore`.
 
     Attributes
@@ -68,8 +68,8 @@ class Stepper:
     ...     result = stepper.step([push, -100.0]).check()
     >>> stepper
     <Stepper at t = 2 s of <ContactProblem 2 displacements, 1 contact node, 1 tangent>>
-    >>> result.p_t[0, 0, 0]
-    np.float64(30.0)
+    >>> float(result.p_t[0, 0, 0])
+    30.0
     """
 
     problem: ContactProblem
@@ -109,7 +109,7 @@ class Stepper:
         force : (n_u,)
             Nodal forces at its end, N.
         time : float, optional
-            Its end, s, above `time`; a second later without it.
+            Its end, s, above `time`; 1 s later without it (`ContactProblem.solve` divides 1 s).
         gap : float or (n_c,), optional
             Gaps at its end, m; as they were without it.
         drift : (n_c,) or (n_c, d), optional
