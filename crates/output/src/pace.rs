@@ -9,7 +9,7 @@ const SHARE: u32 = 50;
 /// The expected duration of the first checkpoint.
 const FIRST: Duration = Duration::from_millis(20);
 
-/// The interval between checkpoints: a fixed one, or one for which checkpoints take 1/[`SHARE`] of the run time.
+/// The interval between checkpoints: a fixed one, or one for which checkpoints take 2 % of the run time.
 pub struct Pace {
     every: Option<Duration>,
     last: Instant,
