@@ -26,7 +26,7 @@ fn of_study(error: ConvergeError) -> PyErr {
     }
 }
 
-/// What a study is to find, by which meshes, and when it ends.
+/// The quantity of a study, its meshes, and its limits.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct Wanted {

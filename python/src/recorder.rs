@@ -62,7 +62,7 @@ impl Growing {
 /// The columns of size n_c.
 const OF_NODES: [&str; 7] = ["p_n", "p_t", "p_o", "gap", "mu", "w_t_last", "w_o_last"];
 
-/// What is kept of the increments up to now.
+/// The arrays and records of the increments up to now.
 #[derive(Default, Serialize, Deserialize)]
 pub(crate) struct Kept {
     /// The numbers of the increments whose `u` is kept.

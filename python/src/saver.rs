@@ -17,7 +17,7 @@ use stickslip_output::{FileLock, Pace, write_file};
 /// The part of a checkpoint that this module adds, after those of the history and of the run.
 const PART: usize = 2;
 
-/// What a run is: another one does not go on from its file.
+/// The run of a checkpoint: a run of another identity is refused.
 #[derive(Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Identity {
     pub origin: Provenance,
@@ -41,7 +41,7 @@ impl Identity {
     }
 }
 
-/// Returns a hash of all that a mesh says.
+/// Returns a hash of a mesh: nodes, cells, groups and boundaries.
 pub(crate) fn hash_of(mesh: &Mesh) -> u64 {
     let mut hasher = DefaultHasher::new();
     for x in mesh.nodes.as_flattened() {
@@ -57,7 +57,7 @@ pub(crate) fn hash_of(mesh: &Mesh) -> u64 {
     hasher.finish()
 }
 
-/// What a file has beside the state of the run.
+/// The part of a file beside the state of the run.
 #[derive(Serialize, Deserialize)]
 struct Saved<I, K> {
     of: I,

@@ -317,7 +317,7 @@ impl SceneModel {
         let json = |error: serde_json::Error| PyValueError::new_err(error.to_string());
         report.scene = Some(scene.file().to_string());
         report.scene_text = Some(scene.text().to_string());
-        // Those of an earlier part of the run among them.
+        // The lists of an earlier part of the run are among them.
         report.increments = mem::take(&mut recorder.kept.records);
         report.forces = mem::take(&mut recorder.kept.forces);
         report.reactions = mem::take(&mut recorder.kept.reactions);

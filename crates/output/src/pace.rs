@@ -30,7 +30,7 @@ impl Pace {
     /// Writes a checkpoint and measures its duration.
     ///
     /// # Errors
-    /// What `keep` returns.
+    /// The error of `keep`.
     pub fn keep(&mut self, keep: impl FnOnce() -> io::Result<()>) -> io::Result<()> {
         let start = Instant::now();
         let kept = keep();

@@ -44,7 +44,7 @@ const UNKNOWN: f64 = 1e-8;
 pub(super) struct Bulges {
     /// `None` for those without one.
     facets: Vec<Option<Bulge>>,
-    /// Those as if the surface had no edges, if it has any.
+    /// The bulges as if the surface had no edges, if it has any.
     without_edges: Option<Vec<Option<Bulge>>>,
 }
 

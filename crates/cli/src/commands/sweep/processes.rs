@@ -23,7 +23,7 @@ const BLAS_THREADS: [&str; 4] = ["OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL
 
 /// Runs the variants of a scene.
 pub(super) struct Processes<'a> {
-    /// How the program is started again.
+    /// The command that starts the program again.
     pub invocation: &'a Invocation,
     /// The scene file.
     pub scene: &'a Path,
