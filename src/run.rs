@@ -366,14 +366,14 @@ impl<'a> Run<'a> {
         if self.cycle.is_some() && cycle.is_none() {
             missing.push(Warning::of_missing("the load cycle", &NoCycle));
         }
-        let leap = self.leap(&leaps, &settings, outcome.scales, audience.observer());
+        let leap = self.leap(&leaps, &settings, &outcome.scales, audience.observer());
         let leap = or_missing(&mut missing, "the check for jumps of contact forces", leap);
         let by_start = match outcome.status {
             Status::Converged => self.friction_by_start(audience.observer()),
             _ => Ok(None),
         };
         let start_error = or_missing(&mut missing, "what the first increment does to friction", by_start);
-        let critical = last.map(|last| self.critical_friction(&last, &outcome)).transpose().map(Option::flatten);
+        let critical = last.map(|last| self.critical_friction(&last)).transpose().map(Option::flatten);
         let critical_friction = or_missing(&mut missing, "the critical friction", critical);
         let measured = Measured {
             cpu_seconds: cpu_seconds(),
@@ -473,7 +473,7 @@ impl<'a> Run<'a> {
         &self,
         leaps: &JumpDetector,
         settings: &HistorySettings,
-        scales: KktScales,
+        scales: &KktScales,
         observer: &mut dyn Observer,
     ) -> Result<Option<ForceJump>, RunError> {
         if !leaps.are_suspected() {
@@ -501,19 +501,14 @@ impl<'a> Run<'a> {
         Ok(self.solver.solve(problem, loading, times, settings, system, observer)?)
     }
 
-    fn critical_friction(
-        &self,
-        last: &RecordedIncrement,
-        outcome: &HistoryOutcome,
-    ) -> Result<Option<CriticalFriction>, history::Error> {
+    fn critical_friction(&self, last: &RecordedIncrement) -> Result<Option<CriticalFriction>, history::Error> {
         let (problem, scaling) = (&self.model.problem, self.model.scaling());
         let (data, state) = (last.data(), &last.state);
-        let scales = outcome.scales.with_load(problem, &data).with_state(state);
         let critical = match last.record.status {
             Status::NoContinuation => uniqueness::critical_friction_where_lost,
             _ => uniqueness::critical_friction,
         };
-        critical(problem, &data, state, &scales, scaling, &mut RefinedSolver::default())
+        critical(problem, &data, state, scaling, &mut RefinedSolver::default())
     }
 
     /// Returns a linear solver that would have been much faster than the one named by the scene. Returns `None` also if

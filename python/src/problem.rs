@@ -78,8 +78,8 @@ impl Answer<'_> {
 /// Displacements, normal and tangential forces, iterations.
 type Found = (Vec<f64>, Vec<f64>, Vec<f64>, Vec<f64>, usize);
 
-/// Errors by law, statuses of the nodes, scales of force and length.
-type Judged = (Vec<f64>, Vec<u8>, (f64, f64));
+/// Errors by law, statuses of the nodes, scales of the parts of the body.
+type Judged = (Vec<f64>, Vec<u8>, Vec<f64>);
 
 /// The words of `ContactProblem.solve`.
 #[derive(FromPyObject)]
@@ -277,17 +277,17 @@ impl Problem {
     }
 
     /// The error measure of an answer to one increment: by law, the statuses, the scales.
-    fn errors<'py>(&self, py: Python<'py>, answer: Answer<'py>, scales: (f64, f64)) -> PyResult<Judged> {
+    fn errors<'py>(&self, py: Python<'py>, answer: Answer<'py>, scales: Vec<f64>) -> PyResult<Judged> {
         let (state, increment) = (answer.state()?, answer.increment()?);
-        let earlier = KktScales { force: scales.0, length: scales.1 };
         let judged = detached(py, || {
-            let scales = KktScales::after(&earlier, &self.0, &increment, &state);
-            let errors = KktErrors::measure(&self.0, &increment, &state, &scales)?;
-            let statuses = statuses(&self.0, &increment, &state, &scales)?;
-            Ok((errors.components().map(|(_, error)| error).to_vec(), codes(&statuses).collect(), scales))
+            let earlier = KktScales::new(&scales)?;
+            let errors = KktErrors::measure(&self.0, &increment, &state, &earlier)?;
+            let statuses = statuses(&self.0, &increment, &state)?;
+            let scales = KktScales::after(&earlier, &self.0, &increment, &state)?;
+            let errors = errors.components().map(|(_, error)| error).to_vec();
+            Ok((errors, codes(&statuses).collect(), scales.values()))
         });
-        let (errors, statuses, scales) = judged.map_err(of_problem)?;
-        Ok((errors, statuses, (scales.force, scales.length)))
+        judged.map_err(of_problem)
     }
 
     /// One increment in space of `dimension`, from the forces of `answer`, by the cascade for local problems, which takes dependent

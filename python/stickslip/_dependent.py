@@ -86,7 +86,8 @@ def solve(
     mus = np.broadcast_to(problem.mu if tables["mu"] is None else tables["mu"], (len(times), n_c))
     drifts = np.stack([np.zeros((len(times), n_c)) if drift is None else drift for drift in tables["drift"]], axis=-1)
     u, p_n, p_t = np.zeros(n_u), np.zeros(n_c), np.zeros((n_c, 2))
-    slip, moved, scales = np.zeros((n_c, 2)), np.zeros((n_c, 2)), (0.0, 0.0)
+    scales: tuple[float, ...] = ()
+    slip, moved = np.zeros((n_c, 2)), np.zeros((n_c, 2))
     status, records, rows = "converged", list[dict[str, Any]](), list[tuple[Array, ...]]()
     for k, time in enumerate(times):
         w = slip + drifts[k] - moved

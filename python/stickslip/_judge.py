@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import time
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from numbers import Real
 from typing import TYPE_CHECKING, Any, cast
@@ -39,7 +39,8 @@ class Errors:
     contact : (n_c,) uint8 array
         What each node does, `OPEN`, `STICK` or `SLIP`.
     scales : tuple of float
-        Force, N, and length, m, that errors are relative to; hand them to the next increment.
+        The largest terms of forces and gaps so far, the square root of J, two for each part of the body that nothing
+        connects with the others; hand them to the next increment, where forces below their rounding are none.
 
     Examples
     --------
@@ -58,7 +59,7 @@ class Errors:
     cone: float
     dissipation: float
     contact: Array
-    scales: tuple[float, float]
+    scales: tuple[float, ...]
 
     @property
     def worst(self) -> tuple[str, float]:
@@ -82,7 +83,7 @@ def _tangential(name: str, problem: ContactProblem, values: ArrayLike | None) ->
 def errors(
     problem: ContactProblem, force: ArrayLike, u: ArrayLike | tuple[ArrayLike, ArrayLike], p_n: ArrayLike,
     p_t: ArrayLike | None = None, *, gap: ArrayLike = 0.0, w_t_last: ArrayLike | None = None,
-    mu: ArrayLike | None = None, scales: tuple[float, float] = (0.0, 0.0),
+    mu: ArrayLike | None = None, scales: Sequence[float] = (),
 ) -> Errors:
     """Judges an answer to one increment.
 
@@ -104,8 +105,8 @@ def errors(
         Tangential displacements before the increment, m.
     mu : float or (n_c,), optional
         Friction of this increment where that changes.
-    scales : tuple of float
-        `Errors.scales` of the increment before, so that errors are relative to the largest of a history.
+    scales : sequence of float
+        `Errors.scales` of the increment before.
 
     Returns
     -------
@@ -139,10 +140,10 @@ def errors(
         "p_n": vector("p_n", p_n, problem.n_c), "p_t": p_t[0], "p_o": p_t[1],
     }
     known_scales = finite("scales", scales)
-    if known_scales.shape != (2,) or (known_scales < 0).any():
-        raise ValueError(f"scales is {scales!r}, expected a force, N, and a length, m, of 0 or more, as `Errors.scales`")
-    laws, contact, found = problem._core.errors(answer, (float(known_scales[0]), float(known_scales[1])))
-    return Errors(**dict(zip(LAWS, laws)), contact=np.array(list(contact), dtype=np.uint8), scales=found)
+    if known_scales.ndim != 1 or (known_scales < 0).any():
+        raise ValueError(f"scales is {scales!r}, expected numbers of 0 or more, as `Errors.scales`")
+    laws, contact, found = problem._core.errors(answer, known_scales.tolist())
+    return Errors(**dict(zip(LAWS, laws)), contact=np.array(list(contact), dtype=np.uint8), scales=tuple(found))
 
 
 @dataclass(frozen=True, eq=False)
@@ -323,7 +324,7 @@ def _applicable(result: Result) -> Result:
 def _judged(problem: ContactProblem, result: Result, data: Mapping[str, Array]) -> tuple[list[list[float]], str]:
     """Errors by law of a result of this module, by the history that was posed, and why there are no more."""
     rows: list[list[float]] = []
-    scales = (0.0, 0.0)
+    scales: tuple[float, ...] = ()
     increments = list(zip(data["force"], data["gap"][1:], data["mu"]))
     for k, (force, gap, mu) in enumerate(increments[: len(result.t)]):
         judged = errors(
@@ -433,7 +434,8 @@ def verdict_on(
     n_c, d = problem.n_c, problem.tangents
     answer = (np.zeros(problem.n_u), np.zeros(n_c), np.zeros((n_c, d)))
     slip, drift = np.zeros((n_c, d)), np.zeros((n_c, d))
-    scales, cache, seconds, remark = (0.0, 0.0), dict[str, Any](), 0.0, ""
+    scales: tuple[float, ...] = ()
+    cache, seconds, remark = dict[str, Any](), 0.0, ""
     rows = list[list[float]]()
     forces: list[tuple[Array, Array]] = []
     for k, (force, gap, moved, mu) in enumerate(zip(data["force"], data["gap"][1:], data["drift"], data["mu"])):

@@ -16,7 +16,7 @@ from stickslip import siconos
 def test_the_judge_agrees_with_the_run_and_sees_wrong_answers() -> None:
     model = ss.Model(block())
     result, p = model.run(), model.problem
-    scales = (0.0, 0.0)
+    scales: tuple[float, ...] = ()
     for k in range(len(result.t)):
         judged = ss.errors(p, result.force[k], (result.u[k], result.u_rest[k]), result.p_n[k], result.p_t[k],
                            gap=result.gap[k], w_t_last=result.w_t_last[k], scales=scales)
@@ -280,10 +280,10 @@ def test_a_tolerance_is_a_number_of_0_or_more(tolerance: Any, kind: type[Excepti
     assert ss.judge(problem, "bn", history=history, tolerance=np.float32(1e-8)).holds  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("scales", [(float("nan"), 1.0), (-1.0, 0.0), (1.0,), 3.0])
+@pytest.mark.parametrize("scales", [(float("nan"),), (-1.0,), (1.0, 1.0), 3.0])
 def test_scales_are_those_of_errors(scales: Any) -> None:
     problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
-    with pytest.raises(ValueError, match="scales is "):
+    with pytest.raises(ValueError, match="scales"):
         ss.errors(problem, [40.0, -100.0], [0.0, 0.0], [1.0], scales=scales)
 
 

@@ -131,7 +131,7 @@ impl JumpDetector {
         &self,
         model: &Model,
         settings: &HistorySettings,
-        scales: KktScales,
+        scales: &KktScales,
         means: &mut JumpSolver<'_>,
         observer: &mut dyn Observer,
     ) -> Result<Option<ForceJump>, Error> {
@@ -151,7 +151,7 @@ impl Suspect {
         &self,
         model: &Model,
         settings: &HistorySettings,
-        scales: KktScales,
+        scales: &KktScales,
         means: &mut JumpSolver<'_>,
         observer: &mut dyn Observer,
     ) -> Result<Option<(f64, f64, f64)>, Error> {
@@ -164,7 +164,8 @@ impl Suspect {
             if middle <= from.time || middle >= to.time {
                 break;
             }
-            let edge = RestartPoint { problem, loading, settings, time: from.time, state: from.state.clone(), scales };
+            let (state, scales) = (from.state.clone(), scales.clone());
+            let edge = RestartPoint { problem, loading, settings, time: from.time, state, scales };
             let mut halves = Halves { observer, problem, stays, ends: vec![from], found: None };
             let status = edge.go_on(&[middle, to.time], &mut halves, means)?;
             let Halves { mut ends, found, .. } = halves;

@@ -180,6 +180,7 @@ impl Condensed {
         let whole = problem.stiffness().assembled()?;
         let CondensedStiffness { factor, condensed: stiffness, .. } =
             by.into().stiffness(&whole, &border, basis.as_ref())?;
+        let natural = problem.natural().condensed(&border, &stiffness.diagonal());
         let mut condensed = Condensed {
             problem: ContactProblem::of(Parts {
                 stiffness: stiffness.into(),
@@ -199,7 +200,8 @@ impl Condensed {
                         })
                         .collect(),
                 ),
-            }),
+            })
+            .with_natural_units(natural),
             loading: Loading::default(),
             factor,
             border,

@@ -2,13 +2,17 @@
 
 mod check;
 mod contact_stiffness;
+mod dependent;
 pub(crate) mod error;
+mod natural;
 mod own_basis;
 mod strained;
 
 use std::collections::BTreeSet;
+use std::sync::{Arc, OnceLock};
 
 pub use error::ProblemError;
+pub(crate) use natural::NaturalUnits;
 pub(crate) use own_basis::OwnBasis;
 use serde::{Deserialize, Serialize};
 pub(crate) use strained::strained;
@@ -50,6 +54,8 @@ pub struct ContactProblem {
     tangents_alone: Option<[Csr; 2]>,
     /// The largest entry of `K`, N/m, which is on the diagonal of a semidefinite matrix.
     stiffest: f64,
+    /// The natural units, once they are needed.
+    natural: OnceLock<Arc<NaturalUnits>>,
 }
 
 /// The parts of a [`ContactProblem`], in SI units.
@@ -144,7 +150,17 @@ impl ContactProblem {
     pub(crate) fn of(mut parts: Parts) -> Self {
         let rigid_modes = parts.rigid_modes.take().unwrap_or_default();
         let stiffest = parts.stiffness.diagonal().iter().fold(0.0_f64, |m, k| m.max(*k));
-        ContactProblem { parts, rigid_modes, tangents_alone: None, stiffest }
+        ContactProblem { parts, rigid_modes, tangents_alone: None, stiffest, natural: OnceLock::new() }
+    }
+
+    /// Sets the natural units of a problem derived from another one.
+    pub(crate) fn with_natural_units(self, natural: NaturalUnits) -> Self {
+        ContactProblem { natural: OnceLock::from(Arc::new(natural)), ..self }
+    }
+
+    /// Returns the natural units.
+    pub(crate) fn natural(&self) -> &NaturalUnits {
+        self.natural.get_or_init(|| Arc::new(NaturalUnits::of(self)))
     }
 
     /// Adds the tangents (n_c × n_u, as `c_t` and `c_o`) that each contact node would have if its obstacle were the
@@ -186,6 +202,7 @@ impl ContactProblem {
             weight: weight.as_ref().map(values),
             rigid_modes: Some(self.rigid_modes.clone()),
         })
+        .with_natural_units(self.natural().of_nodes(nodes))
     }
 
     /// Returns the parts, for building another problem. The tangents of [`ContactProblem::with_tangents_alone`] are

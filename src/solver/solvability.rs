@@ -4,13 +4,9 @@ mod cone;
 mod free;
 mod landing;
 
-use std::collections::{BTreeMap, BTreeSet};
-
-use crate::algebra::null_space::{NEGLIGIBLE, Row as Column, null_space};
 use crate::algebra::sparse::Csr;
-use crate::algebra::union_find::UnionFind;
 use crate::solver::problem::error::{expect_finite, expect_length};
-use crate::solver::problem::{ContactProblem, OwnBasis, ProblemError};
+use crate::solver::problem::{ContactProblem, ProblemError};
 use cone::{FiniteCone, norm};
 use free::Free;
 pub(crate) use free::Load;
@@ -41,7 +37,7 @@ impl Conditions {
     /// Checks `problem`. The rows of `C_t` and `C_o` count if there is a `p_t` or `p_o`, that is, if they are not
     /// empty and `μ > 0`.
     pub fn of(problem: &ContactProblem) -> Self {
-        Conditions { leaving: leaving(problem), dependent: dependent(problem) }
+        Conditions { leaving: leaving(problem), dependent: problem.dependent_nodes() }
     }
 
     /// Returns `true` if both conditions hold.
@@ -206,56 +202,6 @@ fn leaving(problem: &ContactProblem) -> Option<Vec<f64>> {
     y.map(|y| free.weights(&y))
 }
 
-/// A contact node and one of its rows.
-type Row = (usize, Vec<(usize, f64)>);
-
-/// Returns the violations of (b): each group of rows that share displacements has its own linear relations, the null
-/// space of its transpose.
-fn dependent(problem: &ContactProblem) -> Vec<usize> {
-    // A change of basis preserves the relations, and keeps the groups small.
-    let basis = OwnBasis::of(problem);
-    let row = |map: &Csr, i: usize| basis.as_ref().map_or_else(|| map.row(i).to_vec(), |basis| basis.row(map, i));
-    let rows: Vec<Row> = (0..problem.contacts())
-        .flat_map(|i| {
-            let tangential = problem.tangential_maps().map(|map| row(map, i));
-            let sliding = tangential.into_iter().filter(move |row| problem.mu()[i] > 0.0 && !row.is_empty());
-            [row(problem.c_n(), i)].into_iter().chain(sliding).map(move |row| (i, row)).collect::<Vec<_>>()
-        })
-        .collect();
-    let mut found = BTreeSet::new();
-    for group in groups(&rows) {
-        let mut columns = BTreeMap::new();
-        for (place, (_, row)) in group.iter().enumerate() {
-            let length = row.iter().map(|(_, c)| c * c).sum::<f64>().sqrt();
-            for &(column, c) in row {
-                columns.entry(column).or_insert_with(|| vec![0.0; group.len()])[place] += c / length;
-            }
-        }
-        // The rows have been brought to length one.
-        for relation in null_space(group.len(), columns.into_values().map(Column::of_unit_size)) {
-            let part = group.iter().zip(relation).filter(|(_, weight)| weight.abs() > NEGLIGIBLE);
-            found.extend(part.map(|((node, _), _)| *node));
-        }
-    }
-    found.into_iter().collect()
-}
-
-/// Splits the rows into groups without common displacements. An empty row is a group of its own.
-fn groups(rows: &[Row]) -> Vec<Vec<&Row>> {
-    let mut sets = UnionFind::new(rows.len());
-    let mut first = BTreeMap::new();
-    for (k, (_, row)) in rows.iter().enumerate() {
-        for (column, _) in row {
-            sets.join(*first.entry(column).or_insert(k), k);
-        }
-    }
-    let mut groups = BTreeMap::<usize, Vec<&Row>>::new();
-    for (k, row) in rows.iter().enumerate() {
-        groups.entry(sets.least(k)).or_default().push(row);
-    }
-    groups.into_values().collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -295,7 +241,7 @@ mod tests {
     #[test]
     fn rows_that_share_displacements_are_ranked_together() {
         let (n, t): (Entries, Entries) = (&[(0, 0.6), (1, 0.8)], &[(0, 0.8), (1, -0.6)]);
-        let dependent = |contacts: &[(Entries, Entries, f64)]| dependent(&problem(&[], 8, contacts));
+        let dependent = |contacts: &[(Entries, Entries, f64)]| problem(&[], 8, contacts).dependent_nodes();
         assert_eq!(dependent(&[(n, t, 0.3), (&[(2, -1.0)], &[(3, 1.0)], 0.3)]), [0; 0]);
         // A slanted normal where a roller leaves only x free: the tangent repeats it, if there is friction.
         let roller: (Entries, Entries) = (&[(4, 0.6)], &[(4, 0.8)]);

@@ -14,7 +14,7 @@ use crate::base::units::Scaling;
 use crate::solver::formulation::{Bdiff, FormulationScaling, Layout};
 use crate::solver::history::Error;
 use crate::solver::laws::coulomb::{NormalCase, TangentialCase};
-use crate::solver::laws::{ContactStatus, KktScales, statuses};
+use crate::solver::laws::{ContactStatus, statuses};
 use crate::solver::problem::{ContactProblem, Increment, State};
 
 /// The multiple of the friction that makes the rate problem singular, along given contact statuses.
@@ -52,9 +52,8 @@ struct Slider {
     drive: f64,
 }
 
-/// Computes the critical friction along the statuses of the nodes in `state`, a solution of `increment`; `scales` are
-/// those of the error measure. It takes one analysis, one factorisation and one solve for each slipping node, and
-/// leaves `linear` with the factors of `J_0`.
+/// Computes the critical friction along the statuses of the nodes in `state`, a solution of `increment`. It takes one analysis, one
+/// factorisation and one solve for each slipping node, and leaves `linear` with the factors of `J_0`.
 ///
 /// Returns `None` if a node can slide in two directions: there the turning of friction with the slip depends on the
 /// rate, and `J(κ)` is a different matrix.
@@ -80,11 +79,10 @@ pub fn critical_friction(
     problem: &ContactProblem,
     increment: &Increment<'_>,
     state: &State,
-    scales: &KktScales,
     scaling: Scaling,
     linear: &mut RefinedSolver,
 ) -> Result<Option<CriticalFriction>, Error> {
-    let statuses = statuses(problem, increment, state, scales)?;
+    let statuses = statuses(problem, increment, state)?;
     Ok(along(problem, increment, state, &statuses, scaling, linear)?)
 }
 
@@ -94,14 +92,14 @@ pub(crate) fn critical_friction_where_lost(
     problem: &ContactProblem,
     increment: &Increment<'_>,
     state: &State,
-    scales: &KktScales,
     scaling: Scaling,
     linear: &mut RefinedSolver,
 ) -> Result<Option<CriticalFriction>, Error> {
-    let mut statuses = statuses(problem, increment, state, scales)?;
+    let mut statuses = statuses(problem, increment, state)?;
+    let largest = state.p_n.iter().fold(0.0_f64, |m, p| m.max(*p));
     for (i, status) in statuses.iter_mut().enumerate() {
         let friction = state.p_t[i].hypot(state.p_o[i]);
-        if *status == ContactStatus::Stick && increment.mu[i] * state.p_n[i] - friction <= BORDER * scales.force {
+        if *status == ContactStatus::Stick && increment.mu[i] * state.p_n[i] - friction <= BORDER * largest {
             *status = ContactStatus::Slip;
         }
     }

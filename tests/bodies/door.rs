@@ -35,8 +35,7 @@ fn a_recording_keeps_what_is_wanted() {
     let problem = &run.model().problem;
     for (kept, record) in recording.increments.iter().zip(&report.increments) {
         assert_eq!((kept.record.index, kept.record.time), (record.index, record.time));
-        let scales = KktScales::new(problem, &kept.data(), &kept.state);
-        let errors = KktErrors::measure(problem, &kept.data(), &kept.state, &scales).unwrap();
+        let errors = KktErrors::measure(problem, &kept.data(), &kept.state, &KktScales::default()).unwrap();
         assert!(errors.worst().1 < 1e-9, "{errors:?}");
         let open = kept.statuses.iter().filter(|status| **status == ContactStatus::Open).count();
         assert_eq!((open, kept.statuses.len()), (record.contact.open, problem.contacts()));

@@ -67,10 +67,10 @@ fn every_error_names_its_array() {
         let increment = Increment { force, gap, mu: problem.mu(), w_t_last, w_o_last: &[0.0] };
         let scales = KktScales::default();
         let measured = KktErrors::measure(&problem, &increment, state, &scales).map(|_| ()).map_err(|e| e.to_string());
-        let found = statuses(&problem, &increment, state, &scales).map(|_| ()).map_err(|e| e.to_string());
+        let found = statuses(&problem, &increment, state).map(|_| ()).map_err(|e| e.to_string());
         assert_eq!(measured, found);
         let critical =
-            critical_friction(&problem, &increment, state, &scales, Scaling::SI, &mut RefinedSolver::default());
+            critical_friction(&problem, &increment, state, Scaling::SI, &mut RefinedSolver::default());
         assert_eq!(critical.map(|_| ()).map_err(|error| error.to_string()), measured);
         measured
     };
@@ -289,18 +289,20 @@ fn an_interior_point_method_that_fails_at_its_first_step() {
 fn nothing_is_judged_against_no_size() {
     let (problem, state) = (problem(), State::zero(&problem()));
     let increment = Increment { force: &[1.0; 2], gap: &[0.0], mu: problem.mu(), w_t_last: &[0.0], w_o_last: &[0.0] };
-    for (force, length, array) in
-        [(f64::INFINITY, 1.0, "scales.force"), (1.0, -1.0, "scales.length"), (f64::NAN, 1.0, "scales.force")]
+    for (terms, array) in
+        [([f64::INFINITY, 1.0], "scales[0]"), ([1.0, -1.0], "scales[1]"), ([f64::NAN, 1.0], "scales[0]")]
     {
-        let scales = KktScales { force, length };
-        let measured = KktErrors::measure(&problem, &increment, &state, &scales).unwrap_err().to_string();
-        assert!(measured.contains(array), "{measured}");
-        assert_eq!(statuses(&problem, &increment, &state, &scales).unwrap_err().to_string(), measured);
+        let refused = KktScales::new(&terms).unwrap_err().to_string();
+        assert!(refused.contains(array), "{refused}");
     }
-    let scales = KktScales { force: 1.0, length: 1.0 };
+    assert!(KktScales::new(&[1.0; 3]).unwrap_err().to_string().contains("scales has 3 entries, but must have 2"));
+    let other = KktScales::new(&[1.0; 4]).unwrap();
+    let refused = KktErrors::measure(&problem, &increment, &state, &other).unwrap_err().to_string();
+    assert!(refused.contains("scales has 4 entries, but must have 2"), "{refused}");
+    let scales = KktScales::new(&[1.0; 2]).unwrap();
     let lost = State { u: vec![f64::NAN; 2], ..state };
     assert!(KktErrors::measure(&problem, &increment, &lost, &scales).unwrap().worst().1.is_nan());
-    assert!(statuses(&problem, &increment, &lost, &scales).unwrap_err().to_string().contains("u[0] is NaN"));
+    assert!(statuses(&problem, &increment, &lost).unwrap_err().to_string().contains("u[0] is NaN"));
 }
 
 /// The constants of the paper ask for weights, however they got into the settings.

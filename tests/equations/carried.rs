@@ -63,7 +63,7 @@ fn a_body_that_was_carried_is_in_equilibrium() {
     struct Measured<'a>(&'a Model, Vec<(KktErrors, f64)>);
     impl Observer for Measured<'_> {
         fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
-            let scales = stickslip::solver::KktScales::new(&self.0.problem, step.increment, step.state);
+            let scales = stickslip::solver::KktScales::default();
             let errors = KktErrors::measure(&self.0.problem, step.increment, step.state, &scales).unwrap();
             let least = step.increment.gap.iter().fold(f64::INFINITY, |least, gap| least.min(*gap));
             self.1.push((errors, least));

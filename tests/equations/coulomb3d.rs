@@ -284,9 +284,8 @@ fn the_measure_sees_directions() {
     let measure = |p_t, p_o| {
         let state =
             State { u: vec![0.3, 0.4, 0.0], u_rest: Vec::new(), p_t: vec![p_t], p_o: vec![p_o], p_n: vec![2.0] };
-        let scales = KktScales::new(&problem, &increment, &state);
-        let status = statuses(&problem, &increment, &state, &scales).unwrap()[0];
-        (KktErrors::measure(&problem, &increment, &state, &scales).unwrap(), status)
+        let status = statuses(&problem, &increment, &state).unwrap()[0];
+        (KktErrors::measure(&problem, &increment, &state, &KktScales::default()).unwrap(), status)
     };
     let (errors, status) = measure(0.6, 0.8);
     assert!(errors.worst().1 < 1e-15 && status == ContactStatus::Slip, "{errors:?}");

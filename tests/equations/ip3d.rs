@@ -265,7 +265,7 @@ fn thickened(problem: &ContactProblem, loading: &Loading) -> (ContactProblem, Lo
     let (n, contacts) = (problem.displacements(), problem.contacts());
     let whole = problem.stiffness().assembled().unwrap();
     let own = whole.lower();
-    let idle = problem.contact_stiffness().into_iter().enumerate().map(|(i, k)| (n + i, n + i, k));
+    let idle = problem.contact_stiffness().iter().enumerate().map(|(i, k)| (n + i, n + i, *k));
     let stiffness = Symmetric::from_triplets(n + contacts, &own.entries().chain(idle).collect::<Vec<_>>()).unwrap();
     let wide = |map: &Csr| random::rows(n + contacts, (0..contacts).map(|i| map.row(i).to_vec()));
     let padded = |values: &[f64]| [values, &vec![0.0; contacts]].concat();

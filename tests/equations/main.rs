@@ -17,6 +17,7 @@ mod events;
 mod faer_agrees;
 mod fewer_tangents;
 mod halving;
+mod invariance;
 mod ip3d;
 mod ip_step;
 mod jacobian_fd;

@@ -9,7 +9,6 @@ use stickslip::algebra::linear::{FactorInfo, LinearError, LinearSolver, RefinedS
 use stickslip::algebra::{Csr, Pattern, Symmetric};
 use stickslip::base::Scaling;
 use stickslip::run::discretise;
-use stickslip::solver::KktScales;
 use stickslip::solver::history::{self, Error, ExactPathSettings, HistorySettings, Method, Status, SystemSolver};
 use stickslip::solver::{ContactProblem, CriticalFriction, Increment, Parts, State, critical_friction};
 
@@ -75,9 +74,8 @@ fn ring(held: bool) -> ContactProblem {
 fn critical(problem: &ContactProblem, solver: Box<dyn LinearSolver>) -> Result<CriticalFriction, Error> {
     let increment = Increment { force: &[0.0; 4], gap: &[0.0], mu: problem.mu(), w_t_last: &[-1.0], w_o_last: &[0.0] };
     let state = State { p_t: vec![0.5], p_n: vec![1.0], ..State::zero(problem) };
-    let scales = KktScales { force: 1.0, length: 1.0 };
     let mut linear = RefinedSolver::new(solver);
-    Ok(critical_friction(problem, &increment, &state, &scales, Scaling::SI, &mut linear)?.unwrap())
+    Ok(critical_friction(problem, &increment, &state, Scaling::SI, &mut linear)?.unwrap())
 }
 
 /// Also where the zero of a singular matrix hides in rounding.

@@ -54,14 +54,13 @@ fn state(u: [f64; 2], p_t: f64, p_n: f64) -> State {
 
 fn critical(problem: &ContactProblem, increment: &Increment<'_>, state: &State) -> CriticalFriction {
     let increment = &Increment { mu: problem.mu(), ..*increment };
-    let scales = KktScales::new(problem, increment, state);
     let mut linear = RefinedSolver::default();
-    critical_friction(problem, increment, state, &scales, Scaling::SI, &mut linear).unwrap().unwrap()
+    critical_friction(problem, increment, state, Scaling::SI, &mut linear).unwrap().unwrap()
 }
 
 fn kkt(problem: &ContactProblem, increment: &Increment<'_>, state: &State) -> f64 {
     let increment = &Increment { mu: problem.mu(), ..*increment };
-    KktErrors::measure(problem, increment, state, &KktScales::new(problem, increment, state)).unwrap().worst().1
+    KktErrors::measure(problem, increment, state, &KktScales::default()).unwrap().worst().1
 }
 
 /// Every start of a grid of `(u_t, u_n, p_t, p_n)`.
@@ -260,11 +259,10 @@ pub(crate) fn posed_critical(cells: &str, n: usize, mu: f64, wanted: &[ContactSt
         w_t_last: &w_t_last,
         w_o_last: &vec![0.0; w_t_last.len()],
     };
-    let scales = KktScales { force: 1e6, length: 1e-5 };
-    assert_eq!(statuses(&model.problem, &increment, &state, &scales).unwrap(), wanted);
+    assert_eq!(statuses(&model.problem, &increment, &state).unwrap(), wanted);
     let mut linear = RefinedSolver::default();
     let critical =
-        critical_friction(&model.problem, &increment, &state, &scales, model.scaling(), &mut linear).unwrap().unwrap();
+        critical_friction(&model.problem, &increment, &state, model.scaling(), &mut linear).unwrap().unwrap();
     assert_eq!(critical.slipping, wanted.iter().filter(|status| **status == ContactStatus::Slip).count());
     critical.factor
 }

@@ -3,8 +3,7 @@
 
 use crate::uniqueness::{posed, posed_critical};
 use stickslip::algebra::linear::{RefinedSolver, SparseCholesky};
-use stickslip::solver::{Condensed, ContactProblem, Increment, State, critical_friction};
-use stickslip::solver::{ContactStatus, KktScales};
+use stickslip::solver::{Condensed, ContactProblem, ContactStatus, Increment, State, critical_friction};
 
 /// The sign of the determinant of J(κ), written down row by row and eliminated with pivots: equilibrium, then for each node the rows of
 /// its tangential and its normal force.
@@ -61,9 +60,8 @@ fn condensed_critical(n: usize, mu: f64, wanted: &[ContactStatus], s: &[f64]) ->
     let zeros = vec![0.0; n];
     let increment = Increment { force: &force, gap: &gap, mu: problem.mu(), w_t_last: &w_t_last, w_o_last: &zeros };
     let state = State { u: vec![0.0; problem.displacements()], ..state };
-    let scales = KktScales { force: 1e6, length: 1e-5 };
     let mut linear = RefinedSolver::default();
-    let found = critical_friction(problem, &increment, &state, &scales, model.scaling(), &mut linear);
+    let found = critical_friction(problem, &increment, &state, model.scaling(), &mut linear);
     found.unwrap().unwrap().factor
 }
 

@@ -29,7 +29,8 @@ const OFF: f64 = 1e-6;
 /// Warns that the exact path followed curved gaps along chords.
 pub(super) fn curved_gaps(model: &Model, outcome: &HistoryOutcome) -> Option<Warning> {
     let off = model.loading.off_the_chords();
-    if off <= OFF * outcome.scales.length {
+    let moved = outcome.state.u.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
+    if off <= OFF * moved {
         return None;
     }
     let units = model.units();
@@ -38,7 +39,7 @@ pub(super) fn curved_gaps(model: &Model, outcome: &HistoryOutcome) -> Option<War
          errors up to {} ({:.1e} of the largest displacement); four times as many increments as chords \
          reduce them to a sixteenth",
         units.rounded(Quantity::Length, off, 2),
-        off / outcome.scales.length
+        off / moved
     );
     Some(Warning { kind: WarningKind::CurvedGaps, message })
 }

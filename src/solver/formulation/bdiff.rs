@@ -73,7 +73,7 @@ impl Bdiff {
         let (p_n, w_n) = (z[data.layout.p_n(i)], data.w_n(i, z));
         let tangential = data.layout.has_friction(i).then(|| {
             let (p, slip) = (data.friction(i, z), data.slip(i, data.tangential(i, z)));
-            let pressure = self.rows.pressure(data, i, p_n, w_n);
+            let pressure = self.rows.pressure(i, p_n, w_n - data.gap[i]);
             self.of_tangents(i, tangential_case(p, pressure, slip, data.mu[i], r_t))
         });
         (normal_case(p_n, w_n, data.gap[i], r_n), tangential)
@@ -103,15 +103,19 @@ impl Bdiff {
         if self.layout().slides_in_a_plane(i) { case } else { case.straight() }
     }
 
-    /// Computes the contact rows of (19). The low-order part `rest` of `z` is used because a slip direction may be
-    /// lost in the rounding of `z`.
+    /// Computes the contact rows of (19). The low-order part `rest` of `z` is used because a small gap and the
+    /// direction of a small slip may be lost in the rounding of `z`.
     fn contact_rows(&self, z: &[f64], rest: Option<&[f64]>, h: &mut [f64]) {
         let Bdiff { data, rows, .. } = self;
         for i in 0..data.layout.contacts() {
             let n = data.layout.p_n(i);
-            h[n] = rows.normal(data, i, z[n], data.w_n(i, z));
+            let approach = match rest {
+                None => data.w_n(i, z) - data.gap[i],
+                Some(rest) => data.approach_beyond(i, z, rest),
+            };
+            h[n] = rows.normal(i, z[n], approach);
             if data.layout.has_friction(i) {
-                let pressure = rows.pressure(data, i, z[n], data.w_n(i, z));
+                let pressure = rows.pressure(i, z[n], approach);
                 let slip = match rest {
                     None => data.slip(i, data.tangential(i, z)),
                     Some(rest) => data.slip_beyond(i, z, rest),
@@ -167,6 +171,23 @@ impl Bdiff {
             self.matrix.set_tangential(i, d, &row);
         }
         true
+    }
+
+    /// Returns `true` if contact rows depend on each other.
+    pub fn has_dependent_nodes(&self) -> bool {
+        self.data.has_dependent_nodes()
+    }
+
+    /// Returns `true` if the forces of dependent nodes have been referred to a solution, or there are none.
+    pub fn is_referred(&self) -> bool {
+        self.data.is_referred()
+    }
+
+    /// Refers the forces of dependent nodes to those in `z`. Returns `true` if there are such nodes, so that the
+    /// residual changes.
+    pub fn refer_to(&mut self, z: &[f64]) -> bool {
+        self.data.refer_to(z);
+        self.data.has_dependent_nodes()
     }
 
     /// Returns the length of `z`.

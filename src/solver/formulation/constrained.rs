@@ -168,6 +168,10 @@ impl InteriorPoint for Constrained {
         self.data.begin(increment);
     }
 
+    fn refer_to(&mut self, z: &[f64]) {
+        self.data.refer_to(z);
+    }
+
     fn residual(&self, z: &[f64], h: &mut [f64]) -> Result<(), LinearError> {
         let Constrained { data, layout, .. } = self;
         // The equilibrium rows of the matrix are constant: K u + C_nᵀ p_n + C_tᵀ p_t - f.

@@ -51,7 +51,7 @@ impl FormulationScaling {
 
     /// Returns choices derived from the problem, by its [`ContactProblem::contact_stiffness`].
     pub fn natural(problem: &ContactProblem) -> Self {
-        FormulationScaling::of_stiffness(&Layout::new(problem), &problem.contact_stiffness())
+        FormulationScaling::of_stiffness(&Layout::new(problem), problem.contact_stiffness())
     }
 
     /// Returns choices with `r` from the stiffness of the contact nodes (n_c, N/m), friction limited by the trial
@@ -95,9 +95,9 @@ impl NaturalRows {
         }
     }
 
-    /// Returns `-min(p_n, r_n (g - w_n))` of node `i`.
-    pub(super) fn normal(&self, data: &ScaledData, i: usize, p_n: f64, w_n: f64) -> f64 {
-        normal_residual(p_n, w_n, data.gap[i], self.r_n[i])
+    /// Returns `-min(p_n, r_n (g - w_n))` of node `i` with this `w_n - g`.
+    pub(super) fn normal(&self, i: usize, p_n: f64, approach: f64) -> f64 {
+        normal_residual(p_n, approach, 0.0, self.r_n[i])
     }
 
     /// Returns `-p_T + Π(p_T + r_t (w_T - w̄_T))` of node `i` with the `pressure` that limits friction.
@@ -112,11 +112,11 @@ impl NaturalRows {
         tangential_residual(p, pressure, slip, data.mu[i], self.r_t[i])
     }
 
-    /// Returns the pressure that limits friction at node `i`.
-    pub(super) fn pressure(&self, data: &ScaledData, i: usize, p_n: f64, w_n: f64) -> f64 {
+    /// Returns the pressure that limits friction at node `i` with this `w_n - g`.
+    pub(super) fn pressure(&self, i: usize, p_n: f64, approach: f64) -> f64 {
         match self.kind {
             Pressure::Unknown => p_n,
-            Pressure::Trial => p_n + self.r_n[i] * (w_n - data.gap[i]),
+            Pressure::Trial => p_n + self.r_n[i] * approach,
         }
     }
 
@@ -128,13 +128,13 @@ impl NaturalRows {
         for i in 0..layout.contacts() {
             let n = layout.p_n(i);
             let p_n = z[n] + t * dz[n];
-            let w_n = data.w_n(i, z) + t * data.w_n(i, dz);
-            let mut square = self.normal(data, i, p_n, w_n).powi(2);
+            let approach = data.w_n(i, z) + t * data.w_n(i, dz) - data.gap[i];
+            let mut square = self.normal(i, p_n, approach).powi(2);
             if layout.has_friction(i) {
                 let ahead = |[v_t, v_o]: [f64; 2], [d_t, d_o]: [f64; 2]| [v_t + t * d_t, v_o + t * d_o];
                 let p = ahead(data.friction(i, z), data.friction(i, dz));
                 let w = ahead(data.tangential(i, z), data.tangential(i, dz));
-                let pressure = self.pressure(data, i, p_n, w_n);
+                let pressure = self.pressure(i, p_n, approach);
                 let rows = self.tangential(data, i, p, pressure, data.slip(i, w));
                 square += rows.into_iter().map(|row| row.powi(2)).sum::<f64>();
             }

@@ -23,6 +23,10 @@ pub(super) struct ScaledData {
     pub w_t_last: Vec<f64>,
     pub w_o_last: Vec<f64>,
     pub rigid_modes: Arc<[Vec<f64>]>,
+    /// The compliance of dependent contact nodes, 0 of the others.
+    pub compliance: Arc<[f64]>,
+    /// The forces `(p_n, p_t, p_o)` of dependent nodes without a gap due to their compliance, if they are known yet.
+    reference: Option<Vec<[f64; 3]>>,
 }
 
 impl ScaledData {
@@ -40,6 +44,8 @@ impl ScaledData {
             c_o: Arc::new(problem.c_o().clone()),
             mu: problem.mu().into(),
             rigid_modes: problem.rigid_modes().into(),
+            compliance: problem.natural().compliance.iter().map(|e| e * scaling.stiffness()).collect(),
+            reference: None,
         }
     }
 
@@ -54,24 +60,54 @@ impl ScaledData {
         convert(&mut self.gap, increment.gap, length);
         convert(&mut self.w_t_last, increment.w_t_last, length);
         convert(&mut self.w_o_last, increment.w_o_last, length);
+        self.reference = None;
         if *self.mu != *increment.mu {
             self.mu = increment.mu.into();
         }
     }
 
-    /// Returns `w_n` of node `i`; `z` begins with `u`.
+    /// Returns `true` if contact rows depend on each other.
+    pub(super) fn has_dependent_nodes(&self) -> bool {
+        self.compliance.iter().any(|e| *e > 0.0)
+    }
+
+    /// Returns `true` if the forces of dependent nodes have their reference, or there are none.
+    pub(super) fn is_referred(&self) -> bool {
+        self.reference.is_some() || !self.has_dependent_nodes()
+    }
+
+    /// Takes the forces in `z` as those without a gap due to the compliance.
+    pub(super) fn refer_to(&mut self, z: &[f64]) {
+        if !self.has_dependent_nodes() {
+            return;
+        }
+        let mut reference = self.reference.take().unwrap_or_else(|| vec![[0.0; 3]; self.layout.contacts()]);
+        for (i, last) in reference.iter_mut().enumerate() {
+            let [p_t, p_o] = self.friction(i, z);
+            let now = [z[self.layout.p_n(i)], p_t, p_o];
+            let by = [0, 1, 2].map(|k| self.compliance[i] * (now[k] - last[k]));
+            self.gap[i] -= by[0];
+            self.w_t_last[i] -= by[1];
+            self.w_o_last[i] -= by[2];
+            *last = now;
+        }
+        self.reference = Some(reference);
+    }
+
+    /// Returns `w_n` of node `i`, less the approach due to its compliance; `z` begins with `(u, p_t, p_o, p_n)`.
     pub(super) fn w_n(&self, i: usize, z: &[f64]) -> f64 {
-        self.c_n.dot(i, z)
+        self.c_n.dot(i, z) - self.compliance[i] * z[self.layout.p_n(i)]
     }
 
-    /// Returns `w_t` of node `i`.
+    /// Returns `w_t` of node `i`, less the slip due to its compliance.
     pub(super) fn w_t(&self, i: usize, z: &[f64]) -> f64 {
-        self.c_t.dot(i, z)
+        self.tangential(i, z)[0]
     }
 
-    /// Returns `w_T = (w_t, w_o)` of node `i`.
+    /// Returns `w_T = (w_t, w_o)` of node `i`, less the slip due to its compliance.
     pub(super) fn tangential(&self, i: usize, z: &[f64]) -> [f64; 2] {
-        [self.c_t.dot(i, z), self.c_o.dot(i, z)]
+        let (w, p) = ([self.c_t.dot(i, z), self.c_o.dot(i, z)], self.friction(i, z));
+        [0, 1].map(|k| w[k] - self.compliance[i] * p[k])
     }
 
     /// Returns the slip increment `w_T - w̄_T` of node `i` for a given `w_T`.
@@ -79,9 +115,17 @@ impl ScaledData {
         [w_t - self.w_t_last[i], w_o - self.w_o_last[i]]
     }
 
+    /// Returns `w_n - g` of node `i` at `z + rest`, where `rest` is below the rounding of `z`.
+    pub(super) fn approach_beyond(&self, i: usize, z: &[f64], rest: &[f64]) -> f64 {
+        self.c_n.difference(i, z, rest, self.gap[i]) - self.compliance[i] * z[self.layout.p_n(i)]
+    }
+
     /// Returns the slip increment of node `i` at `z + rest`, where `rest` is below the rounding of `z`.
     pub(super) fn slip_beyond(&self, i: usize, z: &[f64], rest: &[f64]) -> [f64; 2] {
-        [self.c_t.difference(i, z, rest, self.w_t_last[i]), self.c_o.difference(i, z, rest, self.w_o_last[i])]
+        let slip =
+            [self.c_t.difference(i, z, rest, self.w_t_last[i]), self.c_o.difference(i, z, rest, self.w_o_last[i])];
+        let p = self.friction(i, z);
+        [0, 1].map(|k| slip[k] - self.compliance[i] * p[k])
     }
 
     /// Returns the part of the slip increment of node `i` at `z` beyond `reach`, the deformation due to the load: the

@@ -14,7 +14,7 @@ use super::{Error, HistoryOutcome};
 use crate::algebra::linear::{Dense, LinearError, RefinedSolver, Statistics};
 use crate::solver::checkpoint::{Checkpoint, CheckpointError};
 use crate::solver::condensation::{Condensation, Condensed};
-use crate::solver::laws::{Violation, rounding_level, statuses_of};
+use crate::solver::laws::{Judgement, statuses_of};
 use crate::solver::loading::Loading;
 use crate::solver::newton::Termination;
 use crate::solver::problem::ContactProblem;
@@ -225,7 +225,7 @@ impl<'a> HistoryDriver<'a> {
                 }
                 Err(error) => return outcome.end_by(error).map(|()| None),
             };
-            let statuses = statuses_of(problem, &path.data(), &increment.state, &increment.scales);
+            let statuses = statuses_of(problem, &path.data(), &increment.state);
             let seconds = Seconds::between(
                 &before,
                 linear.statistics(),
@@ -244,12 +244,14 @@ impl<'a> HistoryDriver<'a> {
             outcome.push(record, settings.keeps_records);
             outcome.linear = statistics(*linear.statistics(), body, path.at.worst_backward_error);
             if status != Status::Converged || index == times.len() {
-                outcome.rounding = rounding_level(problem, &state, &scales)?;
+                let data = path.data();
+                let judgement = Judgement::near(problem, &data, &state, &scales, settings.tolerance)?;
+                outcome.rounding = judgement.rounding();
+                outcome.violation = (status != Status::Converged).then(|| judgement.worst());
             }
             outcome.status = status;
             outcome.reached = path.at.reached.unwrap_or(0.0);
             if status != Status::Converged {
-                outcome.violation = Some(Violation::worst(problem, &path.data(), &state, &scales)?);
                 if let Termination::Unconstrained(motion)
                 | Termination::NoEquilibrium(motion)
                 | Termination::EdgeFriction(motion) = solved.stop

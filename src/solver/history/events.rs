@@ -14,7 +14,7 @@ use crate::algebra::linear::{LinearError, RefinedSolver, Statistics};
 use crate::solver::checkpoint::CheckpointError;
 use crate::solver::condensation::{Condensation, Condensed};
 use crate::solver::events::{Equations, Event, ExactPath, Jump, PathEnd, PathError, SegmentEnd};
-use crate::solver::laws::{KktErrors, KktScales, Violation, judge, rounding_level, statuses_of};
+use crate::solver::laws::{Judgement, KktErrors, KktScales, statuses_of};
 use crate::solver::loading::Loading;
 use crate::solver::newton::{IterationRecord, MethodResult};
 use crate::solver::problem::{ContactProblem, Increment, State};
@@ -142,7 +142,7 @@ impl ExactHistory<'_> {
         condensed: Option<(&Condensed, &Condensation)>,
     ) -> Result<(), Error> {
         let body = condensed.map(|(condensed, _)| condensed.info());
-        let mut scales = [KktScales::default(); 2];
+        let mut scales = [KktScales::default(), KktScales::default()];
         if let Some(saved) = saved {
             if !walk.resume(saved.walk)? {
                 return Err(CheckpointError::Damaged.into());
@@ -200,13 +200,12 @@ impl ExactHistory<'_> {
             let reached = lost.map_or(time, |lost| lost.time);
             let data = StepData::new(self.problem, self.loading, reached, &step_start);
             in_progress.ends.push(reached);
-            scales[1] = scales[1].with_load(self.problem, &data.increment());
+            scales[1] = scales[1].with_terms(self.problem, &self.load_sizes(reached));
             let balanced = self.balanced(&data, &scales[1], &mut walk, condensed)?;
-            scales[1] = scales[1].with_state(&balanced.state);
             self.outcome.lost = lost;
             self.outcome.free_motion = lost.and_then(|_| self.driven_motion(time));
             let status = lost.map(|_| Status::NoContinuation);
-            let flow = self.end(in_progress, &data, balanced, scales[1], status, &walk)?;
+            let flow = self.end(in_progress, &data, balanced, &mut scales[1], status, &walk)?;
             self.outcome.linear = statistics(walk.statistics(), body, 0.0);
             if self.outcome.status != Status::Converged {
                 return Ok(());
@@ -216,7 +215,7 @@ impl ExactHistory<'_> {
                 return Ok(());
             }
             let (outcome, settings, jump) = (&self.outcome, self.settings, self.jump);
-            self.observer.rest(&|| SavedPath::checkpoint(settings, jump, outcome, &walk, scales));
+            self.observer.rest(&|| SavedPath::checkpoint(settings, jump, outcome, &walk, scales.clone()));
         }
         Ok(())
     }
@@ -234,11 +233,10 @@ impl ExactHistory<'_> {
         let small = condensed.map_or(self.problem, |(condensed, _)| &condensed.problem);
         let (state, now) = (walk.state(), walk.time());
         let data = StepData::by(walk, small, step_start);
-        *scales = scales.with_load(small, &data.increment()).with_state(&state);
-        let imbalance = small.imbalance(&data.force, &state)?;
-        let (known, tolerance) = (self.above_rounding(*scales, small, &data), self.settings.tolerance);
-        let kkt = judge(small, &data.increment(), &state, &imbalance, &known, tolerance)?;
-        in_progress.kkt = in_progress.kkt.max(&kkt);
+        let increment = data.increment();
+        let judgement = Judgement::near(small, &increment, &state, scales, self.settings.tolerance)?;
+        in_progress.kkt = in_progress.kkt.max(&judgement.errors());
+        *scales = judgement.scales();
         // Loads at t = 0 are applied in a substep of their own, which takes no time.
         if stop != SegmentEnd::Until && (now > step_start.time || now == 0.0) {
             in_progress.ends.push(now);
@@ -268,10 +266,10 @@ impl ExactHistory<'_> {
     ) -> Result<bool, Error> {
         let (problem, loading, settings) = (self.problem, self.loading, self.settings);
         let data = StepData::new(problem, loading, lost.time, step_start);
-        *scales = scales.with_load(problem, &data.increment());
+        *scales = scales.with_terms(problem, &self.load_sizes(lost.time));
         let RecoveredState { state, .. } = self.balanced(&data, scales, walk, condensed)?;
-        *scales = scales.with_state(&state);
-        let edge = RestartPoint { problem, loading, settings, time: lost.time, state, scales: *scales };
+        *scales = Judgement::near(problem, &data.increment(), &state, scales, settings.tolerance)?.scales();
+        let edge = RestartPoint { problem, loading, settings, time: lost.time, state, scales: scales.clone() };
         let landed = match (condensed, walk.lend()) {
             (Some((_, condensation)), _) => edge.jump(in_progress.end, &mut JumpSolver::Condensed(condensation))?,
             (None, Some(linear)) => edge.jump(in_progress.end, &mut JumpSolver::Whole(linear))?,
@@ -279,8 +277,7 @@ impl ExactHistory<'_> {
         };
         let Some(AfterJump { time, state, record }) = landed else { return Ok(false) };
         let data = StepData::new(problem, loading, time, &StepStart { places: walk.places(), time: lost.time });
-        *scales = scales.with_load(problem, &data.increment()).with_state(&state);
-        let statuses = statuses_of(problem, &data.increment(), &state, scales);
+        let statuses = statuses_of(problem, &data.increment(), &state);
         let before = walk.statuses().to_vec();
         let of_walk = condensed.map(|(condensed, _)| condensed.condensed_state(&state));
         walk.continue_from(time, of_walk.as_ref().unwrap_or(&state), &statuses);
@@ -320,17 +317,12 @@ impl ExactHistory<'_> {
         };
         let whole = InteriorRecovery { problem, condensed, settings };
         let balanced = whole.state(data.time, &state, &data.force)?;
-        Ok(whole.refined(balanced, &data.force, scales, walk)?)
+        Ok(whole.refined(balanced, &data.increment(), scales, walk)?)
     }
 
-    /// Raises the scales so that rounding does not count as an error: in gaps that closed from a large initial value,
-    /// in loads that balance each other, and in a body that has moved as a whole.
-    fn above_rounding(&self, scales: KktScales, problem: &ContactProblem, data: &StepData) -> KktScales {
-        let largest = |values: &[f64]| values.iter().fold(0.0_f64, |m, value| m.max(value.abs()));
-        let loads = largest(&self.loading.force_sizes(data.time, self.problem.displacements()));
-        let elastic = f64::EPSILON * problem.stiffest() * scales.length;
-        let way = largest(&self.loading.gaps_at(0.0)).max(largest(&data.gap));
-        scales.above_rounding(self.settings.tolerance, loads.max(elastic), way)
+    /// Returns the sums of the absolute values of the loads at `time`, N.
+    fn load_sizes(&self, time: f64) -> Vec<f64> {
+        self.loading.force_sizes(time, self.problem.displacements())
     }
 
     /// Judges the end of an increment on the whole body, and reports it.
@@ -339,18 +331,21 @@ impl ExactHistory<'_> {
         in_progress: IncrementSoFar,
         data: &StepData,
         balanced: RecoveredState,
-        scales: KktScales,
+        scales: &mut KktScales,
         status: Option<Status>,
         walk: &ExactPath<'_>,
     ) -> Result<ControlFlow<()>, LinearError> {
         let (problem, tolerance) = (self.problem, self.settings.tolerance);
-        let RecoveredState { state, imbalance, backward_error } = balanced;
+        let RecoveredState { state, backward_error, .. } = balanced;
         let increment = data.increment();
-        let known = self.above_rounding(scales, problem, data);
-        let kkt = in_progress.kkt.max(&judge(problem, &increment, &state, &imbalance, &known, tolerance)?);
+        let judgement = Judgement::near(problem, &increment, &state, scales, tolerance)?;
+        let kkt = in_progress.kkt.max(&judgement.errors());
+        self.outcome.rounding = judgement.rounding();
+        let violation = judgement.worst();
+        *scales = judgement.scales();
         let judged = if is_solution(&kkt, tolerance) { Status::Converged } else { Status::Inaccurate };
         let status = status.unwrap_or(judged);
-        let statuses = statuses_of(problem, &increment, &state, &scales);
+        let statuses = statuses_of(problem, &increment, &state);
         let after = walk.statistics();
         let solved = MethodResult {
             iterations: walk.effort().solves - in_progress.rates,
@@ -360,7 +355,7 @@ impl ExactHistory<'_> {
         };
         let seconds = Seconds::between(&in_progress.before, &after, 0.0, in_progress.clock.elapsed().as_secs_f64());
         let IncrementSoFar { index, ends, friction_work, jumps, .. } = in_progress;
-        let walked = IncrementResult { solved, state, scales, kkt, status, ends, friction_work };
+        let walked = IncrementResult { solved, state, scales: scales.clone(), kkt, status, ends, friction_work };
         let counts = ContactCounts::of(&statuses);
         let record = record(problem, &data.force, index, data.time, &walked, counts, seconds);
         let (record, state) = (IncrementRecord { jumps, ..record }, walked.state);
@@ -372,11 +367,10 @@ impl ExactHistory<'_> {
         });
         self.outcome.status = status;
         self.outcome.reached = data.time;
-        self.outcome.rounding = rounding_level(problem, &state, &scales)?;
         if status == Status::Converged {
-            (self.outcome.state, self.outcome.scales) = (state, scales);
+            (self.outcome.state, self.outcome.scales) = (state, scales.clone());
         } else {
-            self.outcome.violation = Some(Violation::worst(problem, &increment, &state, &scales)?);
+            self.outcome.violation = Some(violation);
         }
         self.outcome.push(record, self.settings.keeps_records);
         Ok(flow)

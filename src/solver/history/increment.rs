@@ -16,7 +16,7 @@ use super::working_set::{self, MissingNodes};
 use super::{Status, record};
 use crate::algebra::linear::{LinearError, RefinedSolver};
 use crate::solver::condensation::Condensed;
-use crate::solver::laws::{KktScales, is_more_than_rounding, judge};
+use crate::solver::laws::{Judgement, KktScales};
 use crate::solver::loading::Loading;
 use crate::solver::newton::{MethodResult, Termination};
 use crate::solver::problem::{ContactProblem, Increment, State};
@@ -137,7 +137,7 @@ impl<'a> IncrementDriver<'a> {
                     progress.part(end, &self.data(), &walked, increment, state);
                 });
                 (solved, ends) = (Some(walked.solved), walked.ends);
-            } else if let Some(MissingNodes { nodes, solved }) = self.lack(&substep) {
+            } else if let Some(MissingNodes { nodes, solved }) = self.lack(&substep)? {
                 self.at.estimate = solved.then_some(substep.state);
                 self.at.errors = rollback.errors.zip(self.condensed.and_then(Condensed::nodes).map(<[usize]>::to_vec));
                 let solved = Some(so_far);
@@ -173,12 +173,12 @@ impl<'a> IncrementDriver<'a> {
             None => self.balanced(self.stage.method.state())?,
             Some(whole) => whole.state(time, &self.stage.method.state(), &self.stage.force)?,
         };
-        self.conclude(input.scales, outcome, balanced, linear)
+        self.conclude(&input.scales, outcome, balanced, linear)
     }
 
     /// Sets the data of the substep that ends at `time`.
     fn pose(&mut self, time: f64) -> SubstepInput {
-        let IncrementDriver { problem, loading, settings, .. } = *self;
+        let IncrementDriver { problem, loading, .. } = *self;
         loading.force(time, &mut self.stage.force);
         loading.gap_at(time, &mut self.stage.gap);
         match loading.friction() {
@@ -201,10 +201,11 @@ impl<'a> IncrementDriver<'a> {
                 *last = w[i] + (drift_now[i] - drift[i]) - (carried_now[i] - offset[i]);
             }
         }
-        let scales = self.at.scales.with_load(problem, &self.data());
-        // Gaps and forces may be differences of larger numbers, whose rounding the scales must exceed.
-        let terms = sizes.iter().fold(0.0_f64, |m, size| m.max(*size));
-        let scales = scales.above_rounding(settings.tolerance, terms, self.at.offset.largest());
+        let mut scales = self.at.scales.with_terms(problem, &sizes);
+        if self.at.offset.is_nonzero() {
+            // Gaps are differences from those that the rigid offset closes.
+            scales = scales.with_gaps(problem, &self.data(), &self.at.offset.u);
+        }
         SubstepInput { begins, sizes, landed, scales }
     }
 
@@ -267,7 +268,7 @@ impl<'a> IncrementDriver<'a> {
     /// substep.
     fn conclude(
         &mut self,
-        scales: KktScales,
+        scales: &KktScales,
         outcome: MethodResult,
         balanced: RecoveredState,
         linear: &mut RefinedSolver,
@@ -276,8 +277,9 @@ impl<'a> IncrementDriver<'a> {
             None => balanced,
             Some(whole) => {
                 let (problem, scaling) = (&whole.condensed.problem, self.settings.scaling);
-                let mut contact = Linearized::new(self.stage.method.as_mut(), linear, problem, scaling);
-                whole.refined(balanced, &self.stage.force, &scales, &mut contact)?
+                let Stage { force, gap, mu, w_t_last, w_o_last, method, .. } = &mut *self.stage;
+                let mut contact = Linearized::new(method.as_mut(), linear, problem, scaling);
+                whole.refined(balanced, &Increment { force, gap, mu, w_t_last, w_o_last }, scales, &mut contact)?
             }
         };
         self.judged(scales, outcome, balanced)
@@ -286,23 +288,26 @@ impl<'a> IncrementDriver<'a> {
     /// Judges a state under the data of the substep tried last.
     fn judged(
         &mut self,
-        scales: KktScales,
+        scales: &KktScales,
         outcome: MethodResult,
         balanced: RecoveredState,
     ) -> Result<SubstepResult, LinearError> {
-        let RecoveredState { state, imbalance, backward_error } = balanced;
+        let RecoveredState { state, backward_error, .. } = balanced;
         let outcome = MethodResult { backward_error: outcome.backward_error.max(backward_error), ..outcome };
         self.at.worst_backward_error = self.at.worst_backward_error.max(backward_error);
-        let (scales, tolerance) = (scales.with_state(&state), self.settings.tolerance);
-        let kkt = judge(self.problem, &self.data(), &state, &imbalance, &scales, tolerance)?;
+        let tolerance = self.settings.tolerance;
+        let data = self.data();
+        let judgement = Judgement::near(self.problem, &data, &state, scales, tolerance)?;
+        let (kkt, scales) = (judgement.errors(), judgement.scales());
         let status = record::verdict(&outcome, &kkt, tolerance);
         Ok(SubstepResult { state, scales, outcome, kkt, status })
     }
 
     /// Returns the contact nodes that the equations lack after a `substep`.
-    fn lack(&self, substep: &SubstepResult) -> Option<MissingNodes> {
-        let held = self.condensed?.nodes()?;
-        working_set::lack(self.problem, &self.data(), substep, held, self.settings.tolerance)
+    fn lack(&self, substep: &SubstepResult) -> Result<Option<MissingNodes>, LinearError> {
+        let held = self.condensed.and_then(Condensed::nodes);
+        let lack = |held| working_set::lack(self.problem, &self.data(), substep, held, self.settings.tolerance);
+        held.map_or(Ok(None), lack)
     }
 
     /// Makes the method start from the estimate of the state at `time`, if there is one.
@@ -317,7 +322,7 @@ impl<'a> IncrementDriver<'a> {
             self.at.state = Some(substep.state.clone());
         }
         let w = self.problem.contact_motion(&substep.state.u);
-        self.move_on(time, w, substep.scales);
+        self.move_on(time, w, substep.scales.clone());
     }
 
     /// Advances to `time`, with the contact displacements `w_n`, `w_t` and `w_o`.
@@ -338,7 +343,12 @@ impl<'a> IncrementDriver<'a> {
             | Status::OutOfMemory
             | Status::Unsupported => Ok(false),
             // If rounding sets the limit, it does so at any load.
-            _ => is_more_than_rounding(&substep.kkt, self.problem, &substep.state, &substep.scales),
+            _ => {
+                let SubstepResult { state, scales, kkt, .. } = substep;
+                let data = self.data();
+                let rounding = Judgement::near(self.problem, &data, state, scales, self.settings.tolerance)?.rounding();
+                Ok(!(kkt.worst().1 <= 10.0 * rounding))
+            }
         }
     }
 }

@@ -11,10 +11,10 @@ use crate::algebra::sparse::{Symmetric, sum};
 use crate::base::units::Scaling;
 use crate::solver::condensation::Condensed;
 use crate::solver::formulation::Layout;
-use crate::solver::laws::KktScales;
+use crate::solver::laws::{Judgement, KktScales};
 use crate::solver::laws::coulomb::length;
 use crate::solver::loading::Loading;
-use crate::solver::problem::{ContactProblem, State};
+use crate::solver::problem::{ContactProblem, Increment, State};
 
 /// The largest componentwise backward error of the whole system without refinement.
 const BACKWARD_ERROR: f64 = 1e-14;
@@ -39,13 +39,6 @@ pub(super) struct RecoveredState {
     pub backward_error: f64,
 }
 
-impl RecoveredState {
-    /// Returns the largest imbalance, N.
-    fn violation(&self) -> f64 {
-        self.imbalance.iter().fold(0.0_f64, |m, r| m.max(r.abs()))
-    }
-}
-
 impl InteriorRecovery<'_> {
     /// Recovers the state at `time` (s) from the state `contact` of the condensed problem and the external force.
     pub(super) fn state(&self, time: f64, contact: &State, force: &[f64]) -> Result<RecoveredState, LinearError> {
@@ -58,34 +51,38 @@ impl InteriorRecovery<'_> {
         Ok(RecoveredState { state, imbalance, backward_error })
     }
 
-    /// Returns `true` if a state needs no refinement. `scales` must include this state.
-    pub(super) fn needs_no_refinement(&self, balanced: &RecoveredState, scales: &KktScales) -> bool {
-        balanced.backward_error <= BACKWARD_ERROR && balanced.violation() <= self.allowed(scales)
+    /// Returns `true` if the imbalance of a state is at most a tenth of the tolerance, since it is rounded itself.
+    fn is_balanced(
+        &self,
+        balanced: &RecoveredState,
+        increment: &Increment<'_>,
+        scales: &KktScales,
+    ) -> Result<bool, LinearError> {
+        let RecoveredState { state, imbalance, .. } = balanced;
+        let judgement = Judgement::new(self.problem, increment, state, imbalance.clone(), scales)?;
+        Ok(judgement.equilibrium() <= 0.1 * self.settings.tolerance)
     }
 
-    /// Returns the largest admissible imbalance: a tenth of the tolerance, since the imbalance itself is rounded.
-    fn allowed(&self, scales: &KktScales) -> f64 {
-        0.1 * self.settings.tolerance * scales.force
-    }
-
-    /// Returns the method's state under `force`, refined if needed by the response of its contact nodes.
+    /// Returns the method's state in `increment`, refined if needed by the response of its contact nodes. `scales` are
+    /// those before the increment.
     pub(super) fn refined(
         &self,
         balanced: RecoveredState,
-        force: &[f64],
+        increment: &Increment<'_>,
         scales: &KktScales,
         contact: &mut dyn Responds,
     ) -> Result<RecoveredState, LinearError> {
         let stiffness = self.problem.stiffness().assembled()?;
-        let mut reached = balanced;
+        let (mut reached, force) = (balanced, increment.force);
         for refinement in 0..REFINEMENTS {
-            let scales = scales.with_state(&reached.state);
-            if self.needs_no_refinement(&reached, &scales) || refinement == 0 && !contact.is_regular()? {
+            let is_balanced = self.is_balanced(&reached, increment, scales)?;
+            let is_accurate = is_balanced && reached.backward_error <= BACKWARD_ERROR;
+            if is_accurate || refinement == 0 && !contact.is_regular()? {
                 break;
             }
             let mut state = reached.state.clone();
             let mut imbalance = reached.imbalance.clone();
-            if reached.violation() > self.allowed(&scales) {
+            if !is_balanced {
                 // The correction is below the rounding of u, so the low-order part is needed.
                 state.u_rest.resize(state.u.len(), 0.0);
                 imbalance = self.problem.imbalance(force, &state)?;

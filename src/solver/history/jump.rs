@@ -87,12 +87,12 @@ impl RestartPoint<'_> {
         observer: &mut dyn Observer,
         means: &mut JumpSolver<'_>,
     ) -> Result<HistoryOutcome, Error> {
-        let &RestartPoint { problem, loading, ref state, scales, .. } = self;
+        let &RestartPoint { problem, loading, ref state, ref scales, .. } = self;
         let [w_n, w_t, w_o] = problem.contact_motion(&state.u);
         let mut position = HistoryState {
             reached: Some(self.time),
             state: Some(state.clone()),
-            scales,
+            scales: scales.clone(),
             w_n,
             w_t,
             w_o,

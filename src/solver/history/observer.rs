@@ -81,7 +81,7 @@ impl IncrementObserver<'_> {
         increment: &Increment<'_>,
         state: &State,
     ) {
-        let statuses = statuses_of(self.problem, data, &walked.state, &walked.scales);
+        let statuses = statuses_of(self.problem, data, &walked.state);
         let counts = ContactCounts::of(&statuses);
         let record = record(self.problem, data.force, self.index, time, walked, counts, Seconds::default());
         self.observer.part(&IncrementView { record: &record, increment, state, statuses: &statuses });

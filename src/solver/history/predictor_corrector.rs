@@ -137,7 +137,7 @@ impl IncrementSolver for PredictorCorrectorMethod {
         let tolerance = self.settings.tolerance;
         self.rest.fill(0.0);
         // The increment is solved if the response with clamped contact nodes already solves it.
-        if error(&self.z)? <= tolerance {
+        if !self.end.has_dependent_nodes() && error(&self.z)? <= tolerance {
             return Ok(MethodResult { stop: Termination::Converged, ..MethodResult::new(0.0) });
         }
         let last = self.z.clone();
@@ -146,7 +146,8 @@ impl IncrementSolver for PredictorCorrectorMethod {
         let mut outcome =
             self.method.solve(&settings, self.formulation.as_mut(), linear, &mut self.z, &mut error, observe)?;
         let left = self.most.saturating_sub(outcome.iterations);
-        if left > 0 && outcome.stop != Termination::Interrupted && error(&self.z)? > tolerance {
+        let unfinished = self.end.has_dependent_nodes() || error(&self.z)? > tolerance;
+        if left > 0 && outcome.stop != Termination::Interrupted && unfinished {
             let mut ended = self.end.solve(task, linear, &self.z, left, observe)?;
             if ended.stop == Termination::Converged {
                 let (z, rest) = self.end.reached();
@@ -219,6 +220,11 @@ impl NewtonEnd {
     /// Sets the data of a new increment.
     pub(super) fn begin(&mut self, increment: &Increment<'_>) {
         self.formulation.begin(increment);
+    }
+
+    /// Returns `true` if contact rows depend on each other: BN finds the smallest forces.
+    pub(super) fn has_dependent_nodes(&self) -> bool {
+        self.formulation.has_dependent_nodes()
     }
 
     /// Solves by BN from a `z` that begins with `(u, p_t, p_n)`, in at most `left` iterations.

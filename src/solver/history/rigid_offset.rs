@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct RigidOffset {
     /// The displacements, n_u, m; empty if the body has not moved.
-    u: Vec<f64>,
+    pub u: Vec<f64>,
     /// The normal displacements of the contact nodes, n_c, m.
     pub w_n: Vec<f64>,
     /// The tangential displacements of the contact nodes along both tangents, n_c, m.
@@ -50,11 +50,6 @@ impl RigidOffset {
     /// Returns `true` if the body has moved.
     pub(super) fn is_nonzero(&self) -> bool {
         !self.u.is_empty()
-    }
-
-    /// Returns the largest displacement, m.
-    pub(super) fn largest(&self) -> f64 {
-        self.u.iter().fold(0.0, |m, u| m.max(u.abs()))
     }
 
     /// Converts a `state` relative to the offset into one relative to the initial configuration.

@@ -110,7 +110,7 @@ impl Done {
         Done {
             tally: *tally,
             state: state.clone(),
-            scales: *scales,
+            scales: scales.clone(),
             reached: *reached,
             working_set: *working_set,
             increment_error: *increment_error,

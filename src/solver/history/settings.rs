@@ -68,7 +68,7 @@ impl HistorySettings {
     /// [`Error::Problem`] if `loading` does not fit `problem`.
     pub fn new(problem: &ContactProblem, loading: &Loading, method: Method) -> Result<Self, Error> {
         loading.check(problem)?;
-        let contact_stiffness = problem.contact_stiffness();
+        let contact_stiffness = problem.contact_stiffness().to_vec();
         let conventions = match method {
             Method::PaperBn | Method::PaperIp { .. } => {
                 FormulationScaling::paper(problem.weight().ok_or(Error::NoWeight { method })?)

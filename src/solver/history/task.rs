@@ -4,7 +4,7 @@ use super::increment_error::IncrementErrors;
 use super::saved::Snapshot;
 use crate::algebra::linear::{LinearError, RefinedSolver, SystemMatrix};
 use crate::solver::formulation::Layout;
-use crate::solver::laws::{KktScales, judge};
+use crate::solver::laws::{Judgement, KktScales};
 use crate::solver::loading::Loading;
 use crate::solver::newton::{Iteration, MethodResult};
 use crate::solver::problem::{ContactProblem, Increment, State};
@@ -23,7 +23,7 @@ pub struct Task<'a> {
     pub response: &'a Response,
     /// The contact nodes on which a body comes to rest that only contact holds, if they are known.
     pub landed: Option<&'a [usize]>,
-    /// The scales of the error measure, from the earlier increments and the load of this one.
+    /// The scales of the error measure, from the earlier increments and the loads whose sum is that of this one.
     pub scales: &'a KktScales,
     /// The tolerance of the error measure.
     pub tolerance: f64,
@@ -35,9 +35,8 @@ impl Task<'_> {
     /// # Errors
     /// If a rank that shares the stiffness has failed.
     pub fn error(&self, state: &State) -> Result<f64, LinearError> {
-        let imbalance = self.problem.imbalance(self.increment.force, state)?;
-        let scales = self.scales.with_state(state);
-        Ok(judge(self.problem, self.increment, state, &imbalance, &scales, self.tolerance)?.worst().1)
+        let judgement = Judgement::near(self.problem, self.increment, state, self.scales, self.tolerance)?;
+        Ok(judgement.errors().worst().1)
     }
 }
 

@@ -6,6 +6,8 @@
 
 use super::record::is_solution;
 use super::state::SubstepResult;
+use crate::algebra::linear::LinearError;
+use crate::solver::laws::Judgement;
 use crate::solver::newton::Termination;
 use crate::solver::problem::{ContactProblem, Increment};
 use serde::{Deserialize, Serialize};
@@ -42,10 +44,10 @@ pub(super) fn lack(
     substep: &SubstepResult,
     held: &[usize],
     tolerance: f64,
-) -> Option<MissingNodes> {
+) -> Result<Option<MissingNodes>, LinearError> {
     let all = problem.contacts();
     if is_solution(&substep.kkt, tolerance) || substep.outcome.stop == Termination::Interrupted {
-        return None;
+        return Ok(None);
     }
     let mut is_held = vec![false; all];
     for &i in held {
@@ -54,16 +56,16 @@ pub(super) fn lack(
     let distance = |i: usize| data.gap[i] - problem.c_n().dot(i, &substep.state.u);
     let mut others: Vec<(usize, f64)> = (0..all).filter(|&i| !is_held[i]).map(|i| (i, distance(i))).collect();
     others.sort_by(|a, b| a.1.total_cmp(&b.1));
-    let allowed = tolerance * substep.scales.length;
-    let penetrating = others.iter().filter(|(_, distance)| -distance > allowed).count();
+    let judgement = Judgement::near(problem, data, &substep.state, &substep.scales, tolerance)?;
+    let penetrating = others.iter().filter(|(i, _)| judgement.penetration(*i) > tolerance).count();
     let solved = substep.outcome.stop == Termination::Converged && penetrating > 0;
     let joining = if solved { held.len().max(2 * penetrating) } else { all };
     // Leaving out less than a quarter of the nodes saves little.
     if 4 * (held.len() + joining) >= 3 * all {
-        return Some(MissingNodes { nodes: (0..all).collect(), solved });
+        return Ok(Some(MissingNodes { nodes: (0..all).collect(), solved }));
     }
     for (i, _) in others.iter().take(joining) {
         is_held[*i] = true;
     }
-    Some(MissingNodes { nodes: (0..all).filter(|&i| is_held[i]).collect(), solved })
+    Ok(Some(MissingNodes { nodes: (0..all).filter(|&i| is_held[i]).collect(), solved }))
 }

@@ -1,92 +1,107 @@
 //! The error measure: the distance of a state from the exact law, judged from `(u, p)` alone.
 //!
-//! It shares nothing with the solvers but the problem itself, in SI units: no `r`, no merit function, no scaling.
-//! Every component is relative and unit-free. Forces are compared with the largest external or contact force of the
-//! history so far, displacements with the largest displacement or interference: after full unloading there is no
-//! other scale for rounding.
+//! It shares nothing with the solvers but the problem itself: no `r`, no merit function, no scaling. Every error is
+//! relative to the size of what the law compares, in the natural units of the problem ([`NaturalUnits`]), and without
+//! a unit. No number elsewhere, however large, makes a violation small: not that of a row that no law compares it with,
+//! not that of a part of the body that neither elasticity nor contact connects, not that of an earlier increment.
 
 use serde::{Deserialize, Serialize};
 
 use super::coulomb::{direction, length, positive, project};
 use crate::algebra::linear::LinearError;
-use crate::solver::problem::error::{expect_finite, expect_value};
-use crate::solver::problem::{ContactProblem, Increment, ProblemError, State};
+use crate::solver::problem::error::{expect_each, expect_finite, expect_length};
+use crate::solver::problem::{ContactProblem, Increment, NaturalUnits, ProblemError, State};
 
-/// The scales for forces and displacements.
+/// The largest terms in each part of the body: those of the earlier increments have left their rounding in the present
+/// one, and after full unloading there is no other scale.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct KktScales(Vec<Terms>);
+
+/// The largest terms in a part of the body, √J.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-pub struct KktScales {
-    /// The largest external nodal force or contact force, N.
-    pub force: f64,
-    /// The largest displacement or interference, or the largest external nodal force divided by the largest diagonal
-    /// entry of the stiffness if that is larger, since smaller motions have no effect. (In a sticking body,
-    /// displacements may be mere rounding.) m.
-    pub length: f64,
+struct Terms {
+    /// `|K| |u| + |C|ᵀ |p| + |f|`, of the balance of forces.
+    balance: f64,
+    /// `k (|C_n| |u| + |g|)`, of the gaps.
+    gaps: f64,
 }
 
-/// The number of roundings, relative to the terms, in a gap after a long motion or in a sum of loads.
-const TERM_ROUNDINGS: f64 = 16.0;
+/// The rounding that is left of the largest terms. Forces below it are no forces.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 impl KktScales {
-    /// Returns the scales of a state after those of `earlier` states.
-    pub fn after(earlier: &KktScales, problem: &ContactProblem, increment: &Increment<'_>, state: &State) -> Self {
-        earlier.with_load(problem, increment).with_state(state)
+    /// Creates the scales from the values of [`KktScales::values`].
+    ///
+    /// # Errors
+    /// If a value is negative or not finite, or their number is odd.
+    pub fn new(values: &[f64]) -> Result<Self, ProblemError> {
+        expect_each("scales", values, "finite, and 0 or more", |scale| scale >= 0.0 && scale.is_finite())?;
+        expect_length("scales", 2 * (values.len() / 2), values.len(), "two for each part of the body")?;
+        Ok(KktScales(values.chunks(2).map(|pair| Terms { balance: pair[0], gaps: pair[1] }).collect()))
     }
 
-    /// Returns the scales of a single state.
-    pub fn new(problem: &ContactProblem, increment: &Increment<'_>, state: &State) -> Self {
-        KktScales::default().with_load(problem, increment).with_state(state)
+    /// Returns two values for each part of the body, the largest terms of the balance of forces and of the gaps (√J);
+    /// none before the first increment.
+    pub fn values(&self) -> Vec<f64> {
+        self.0.iter().flat_map(|terms| [terms.balance, terms.gaps]).collect()
     }
 
-    /// Raises the scales to the external forces and interferences of `increment`.
+    /// Returns the scales of `state` and of the `earlier` states.
+    ///
+    /// # Errors
+    /// As [`KktErrors::measure`].
+    pub fn after(
+        earlier: &KktScales,
+        problem: &ContactProblem,
+        increment: &Increment<'_>,
+        state: &State,
+    ) -> Result<Self, ProblemError> {
+        increment.check(problem)?;
+        state.check(problem)?;
+        earlier.check(problem)?;
+        Ok(earlier.with_terms(problem, &terms(problem, increment, state)?).with_gaps(problem, increment, &state.u))
+    }
+
+    /// Checks that there are values for each part of the body, or none.
+    fn check(&self, problem: &ContactProblem) -> Result<(), ProblemError> {
+        let parts = if self.0.is_empty() { 0 } else { problem.natural().parts };
+        expect_length("scales", 2 * parts, 2 * self.0.len(), "two for each part of the body")
+    }
+
+    /// Raises the scales to terms of the balance of forces, n_u, N.
     #[must_use]
-    pub fn with_load(self, problem: &ContactProblem, increment: &Increment<'_>) -> Self {
-        let interference = increment.gap.iter().fold(0.0_f64, |m, g| m.max(-g));
-        let force = largest(increment.force);
-        let stiffest = problem.stiffest();
-        let least = if stiffest > 0.0 { force / stiffest } else { 0.0 };
-        KktScales { force: self.force.max(force), length: self.length.max(interference).max(least) }
-    }
-
-    /// Raises the scales to the contact forces and displacements of `state`.
-    #[must_use]
-    pub fn with_state(self, state: &State) -> Self {
-        KktScales {
-            force: state
-                .p_t
-                .iter()
-                .zip(&state.p_o)
-                .fold(self.force.max(largest(&state.p_n)), |m, (t, o)| m.max(length([*t, *o]))),
-            length: self.length.max(largest(&state.u)),
+    pub(crate) fn with_terms(&self, problem: &ContactProblem, terms: &[f64]) -> Self {
+        let NaturalUnits { part, displacement, parts, .. } = problem.natural();
+        let mut scales = self.0.clone();
+        scales.resize(*parts, Terms::default());
+        for ((&part, unit), term) in part.iter().zip(displacement).zip(terms) {
+            scales[part].balance = scales[part].balance.max(term / unit);
         }
+        KktScales(scales)
     }
 
-    /// Raises the scales so that rounding in differences of terms of these sizes (N and m) stays below `tolerance`.
+    /// Raises the scales to the terms of the gaps at displacements `u`.
     #[must_use]
-    pub(crate) fn above_rounding(self, tolerance: f64, force: f64, length: f64) -> Self {
-        let known = (TERM_ROUNDINGS * f64::EPSILON / tolerance).min(1.0);
-        KktScales { force: self.force.max(known * force), length: self.length.max(known * length) }
-    }
-
-    /// Checks that the scales are finite and nonnegative.
-    fn check(&self) -> Result<(), ProblemError> {
-        for (array, value) in [("scales.force", self.force), ("scales.length", self.length)] {
-            expect_value(array, value, "finite, and 0 or more", |scale| scale >= 0.0 && scale.is_finite())?;
+    pub(crate) fn with_gaps(mut self, problem: &ContactProblem, increment: &Increment<'_>, u: &[f64]) -> Self {
+        let NaturalUnits { contact_part, contact, .. } = problem.natural();
+        for (i, (&part, unit)) in contact_part.iter().zip(contact).enumerate() {
+            let moved: f64 = problem.c_n().row(i).iter().map(|&(dof, c)| (c * u[dof]).abs()).sum();
+            self.0[part].gaps = self.0[part].gaps.max((moved + increment.gap[i].abs()) * unit);
         }
-        Ok(())
-    }
-
-    /// Returns `|value|` relative to the force scale; infinite if the scale is 0 and the value is not.
-    fn force(&self, value: f64) -> f64 {
-        relative(value, self.force)
-    }
-
-    fn length(&self, value: f64) -> f64 {
-        relative(value, self.length)
+        self
     }
 }
 
-fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |m, v| m.max(v.abs()))
+/// Returns `|K| |u| + |C|ᵀ |p| + |f|`, N, the terms of the balance of forces.
+fn terms(problem: &ContactProblem, increment: &Increment<'_>, state: &State) -> Result<Vec<f64>, LinearError> {
+    let mut terms = problem.stiffness().sizes(&state.u)?;
+    for (map, forces) in [(problem.c_n(), &state.p_n), (problem.c_t(), &state.p_t), (problem.c_o(), &state.p_o)] {
+        for (i, p) in forces.iter().enumerate().filter(|(_, p)| **p != 0.0) {
+            map.row(i).iter().for_each(|&(dof, c)| terms[dof] += (c * p).abs());
+        }
+    }
+    terms.iter_mut().zip(increment.force).for_each(|(term, force)| *term += force.abs());
+    Ok(terms)
 }
 
 fn relative(value: f64, scale: f64) -> f64 {
@@ -97,18 +112,20 @@ fn relative(value: f64, scale: f64) -> f64 {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct KktErrors {
-    /// `|K u + Cᵀ p - f|`, relative to the force scale.
+    /// `|K u + Cᵀ p - f|` of a displacement, relative to its terms, but at least to the largest contact force and at
+    /// most to the largest force of its part.
     pub equilibrium: f64,
-    /// `(w_n - g)₊`, relative to the displacement scale.
+    /// `k (w_n - g)₊`, with the stiffness `k` of the contact node: the force that would push it out. This one and those
+    /// below are relative to the largest contact force of the part.
     pub penetration: f64,
-    /// `(-p_n)₊`, relative to the force scale.
+    /// `(-p_n)₊`.
     pub tension: f64,
-    /// The pressure across a gap: the smaller of pressure and gap, each relative to its scale.
+    /// The pressure across a gap: the smaller of `p_n` and `k (g - w_n)`.
     pub complementarity: f64,
-    /// `(|p_T| - μ p_n)₊`, relative to the force scale.
+    /// `(|p_T| - μ p_n)₊`.
     pub cone: f64,
-    /// A slip increment without full friction against it: the smaller of the slip and the distance of the force from
-    /// `μ p_n` in the direction of the slip, each relative to its scale.
+    /// A slip increment without full friction against it: the smaller of `k |w_T - w̄_T|` and the distance of the force
+    /// from `μ p_n` in the direction of the slip.
     pub dissipation: f64,
 }
 
@@ -159,57 +176,185 @@ impl Law {
     }
 }
 
-impl Violation {
-    /// Returns the largest violation in `state`.
+/// A state, with all that its errors are relative to.
+pub(crate) struct Judgement<'a> {
+    problem: &'a ContactProblem,
+    increment: &'a Increment<'a>,
+    state: &'a State,
+    imbalance: Vec<f64>,
+    terms: Vec<f64>,
+    scales: KktScales,
+    largest: Vec<Largest>,
+}
+
+/// The largest of each kind in a part of the body, √J.
+#[derive(Debug, Clone, Copy, Default)]
+struct Largest {
+    /// The external forces.
+    load: f64,
+    /// The contact forces.
+    contact: f64,
+    /// The forces that would push contact nodes out.
+    penetration: f64,
+}
+
+impl<'a> Judgement<'a> {
+    /// Prepares the errors of a state whose [`ContactProblem::imbalance`] is known, after increments with the scales
+    /// `earlier`.
     ///
     /// # Errors
     /// If a rank that shares the stiffness has failed, here and in all measures of equilibrium.
-    pub(crate) fn worst(
-        problem: &ContactProblem,
-        increment: &Increment<'_>,
-        state: &State,
-        scales: &KktScales,
+    pub(crate) fn new(
+        problem: &'a ContactProblem,
+        increment: &'a Increment<'a>,
+        state: &'a State,
+        imbalance: Vec<f64>,
+        earlier: &KktScales,
     ) -> Result<Self, LinearError> {
-        let mut worst = Violation { law: Law::Equilibrium, place: 0, error: 0.0 };
+        let NaturalUnits { part, contact_part, parts, displacement, contact: unit, .. } = problem.natural();
+        let terms = terms(problem, increment, state)?;
+        let scales = earlier.with_terms(problem, &terms).with_gaps(problem, increment, &state.u);
+        let mut largest = vec![Largest::default(); *parts];
+        for (i, (&part, unit)) in contact_part.iter().zip(unit).enumerate() {
+            let Largest { contact, penetration, .. } = &mut largest[part];
+            *contact = contact.max(state.p_n[i].abs().max(length(friction(state, i))) / unit);
+            *penetration = penetration.max(positive(-distance(problem, increment, state, i)) * unit);
+        }
+        for ((&part, unit), f) in part.iter().zip(displacement).zip(increment.force) {
+            largest[part].load = largest[part].load.max(f.abs() / unit);
+        }
+        Ok(Judgement { problem, increment, state, imbalance, terms, scales, largest })
+    }
+
+    /// Prepares the errors of a state. Near the `tolerance` the rounding of the imbalance itself would matter, so there
+    /// it is computed in twice the precision.
+    pub(crate) fn near(
+        problem: &'a ContactProblem,
+        increment: &'a Increment<'a>,
+        state: &'a State,
+        earlier: &KktScales,
+        tolerance: f64,
+    ) -> Result<Self, LinearError> {
         let imbalance = problem.imbalance(increment.force, state)?;
-        violations(problem, increment, state, &imbalance, scales, |law, place, error| {
+        let judgement = Self::new(problem, increment, state, imbalance, earlier)?;
+        let near = 0.1 * tolerance..10.0 * tolerance;
+        if !state.u_rest.is_empty() || !near.contains(&judgement.errors().equilibrium) {
+            return Ok(judgement);
+        }
+        let exact = State { u_rest: vec![0.0; state.u.len()], ..state.clone() };
+        Ok(Judgement { imbalance: problem.imbalance(increment.force, &exact)?, ..judgement })
+    }
+
+    /// Returns the scales of this state and the earlier ones.
+    pub(crate) fn scales(self) -> KktScales {
+        self.scales
+    }
+
+    /// Returns the largest terms of a part if there are no forces in it but the rounding of these.
+    fn rounded(&self, part: usize) -> Option<f64> {
+        let (Terms { balance, gaps }, largest) = (self.scales.0[part], self.largest[part]);
+        let terms = balance.max(gaps);
+        let none = largest.load.max(largest.contact) <= ROUNDING * balance;
+        (none && largest.penetration <= ROUNDING * terms).then_some(terms)
+    }
+
+    /// Returns what an imbalance of displacement `dof` is relative to, N.
+    fn scale(&self, dof: usize) -> f64 {
+        let NaturalUnits { part, displacement, .. } = self.problem.natural();
+        let (part, unit) = (part[dof], displacement[dof]);
+        let Largest { load, contact, penetration } = self.largest[part];
+        let contact = contact.max(penetration) * unit;
+        let own = || contact.max(load * unit).min(contact.max(self.terms[dof]));
+        self.rounded(part).map_or_else(own, |terms| terms * unit)
+    }
+
+    /// Returns what contact forces of a part are relative to, √J: the largest of them, or the largest terms of the
+    /// balance if all are the rounding of these.
+    fn contact_scale(&self, part: usize) -> f64 {
+        let Largest { contact, penetration, .. } = self.largest[part];
+        let (largest, balance) = (contact.max(penetration), self.scales.0[part].balance);
+        let own = if largest <= ROUNDING * balance { balance } else { largest };
+        self.rounded(part).unwrap_or(own)
+    }
+
+    /// Returns the largest error of equilibrium.
+    pub(crate) fn equilibrium(&self) -> f64 {
+        let error = |(dof, imbalance): (usize, &f64)| relative(*imbalance, self.scale(dof));
+        self.imbalance.iter().enumerate().map(error).fold(0.0, |worst, error| if exceeds(error, worst) { error } else { worst })
+    }
+
+    /// Returns the error of penetration of contact node `i`.
+    pub(crate) fn penetration(&self, i: usize) -> f64 {
+        let apart = distance(self.problem, self.increment, self.state, i);
+        self.motion(i, positive(-apart))
+    }
+
+    /// Returns a contact force of node `i` relative to the largest.
+    fn force(&self, i: usize, value: f64) -> f64 {
+        let NaturalUnits { contact_part, contact, .. } = self.problem.natural();
+        relative(value / contact[i], self.contact_scale(contact_part[i]))
+    }
+
+    /// Returns a motion of node `i` as the force against it, relative to the largest contact force.
+    fn motion(&self, i: usize, value: f64) -> f64 {
+        self.force(i, value * self.problem.natural().contact_stiffness[i])
+    }
+
+    /// Visits the violation of every law at every place.
+    fn visit(&self, mut visit: impl FnMut(Law, usize, f64)) {
+        let Judgement { problem, increment, state, .. } = *self;
+        for (dof, imbalance) in self.imbalance.iter().enumerate() {
+            visit(Law::Equilibrium, dof, relative(*imbalance, self.scale(dof)));
+        }
+        for i in 0..problem.contacts() {
+            let (p_n, p_t, radius) = (state.p_n[i], friction(state, i), increment.mu[i] * positive(state.p_n[i]));
+            let distance = distance(problem, increment, state, i);
+            visit(Law::Penetration, i, self.motion(i, positive(-distance)));
+            visit(Law::Tension, i, self.force(i, positive(-p_n)));
+            let (pressed, apart) = (self.force(i, positive(p_n)), self.motion(i, positive(distance)));
+            visit(Law::Complementarity, i, smaller(pressed, apart));
+            visit(Law::Cone, i, self.force(i, positive(length(p_t) - radius)));
+            if problem.tangential_maps().iter().any(|map| !map.row(i).is_empty()) {
+                let slip = problem.slip(increment, state, i);
+                // Judged from the nearest admissible force, so that the cone counts only once. The distance between
+                // the vectors is used, not that between their dissipations, which has zero slope where they are
+                // parallel.
+                let (full, there) = (direction(slip).map(|n| radius * n), project(p_t, radius));
+                let lacking = length([full[0] - there[0], full[1] - there[1]]);
+                visit(Law::Dissipation, i, smaller(self.force(i, lacking), self.motion(i, length(slip))));
+            }
+        }
+    }
+
+    /// Returns the error measure.
+    pub(crate) fn errors(&self) -> KktErrors {
+        let mut errors = KktErrors::default();
+        self.visit(|law, _, error| raise(errors.of_mut(law), error));
+        errors
+    }
+
+    /// Returns the largest violation.
+    pub(crate) fn worst(&self) -> Violation {
+        let mut worst = Violation { law: Law::Equilibrium, place: 0, error: 0.0 };
+        self.visit(|law, place, error| {
             if exceeds(error, worst.error) {
                 worst = Violation { law, place, error };
             }
         });
-        Ok(worst)
+        worst
+    }
+
+    /// Returns the equilibrium error due to rounding the displacements to double precision, `ε |K| |u|`. In slender
+    /// bodies it is far above ε, and no solver can do better.
+    pub(crate) fn rounding(&self) -> f64 {
+        let level = |(dof, terms): (usize, &f64)| relative(f64::EPSILON * terms, self.scale(dof));
+        self.terms.iter().enumerate().map(level).fold(0.0, f64::max)
     }
 }
 
-/// Visits the violation of every law at every place; `imbalance` is [`ContactProblem::imbalance`] of the state.
-fn violations(
-    problem: &ContactProblem,
-    increment: &Increment<'_>,
-    state: &State,
-    imbalance: &[f64],
-    scales: &KktScales,
-    mut visit: impl FnMut(Law, usize, f64),
-) {
-    for (dof, imbalance) in imbalance.iter().enumerate() {
-        visit(Law::Equilibrium, dof, scales.force(*imbalance));
-    }
-    for i in 0..problem.contacts() {
-        let (p_n, p_t, radius) = (state.p_n[i], friction(state, i), increment.mu[i] * positive(state.p_n[i]));
-        let distance = increment.gap[i] - problem.c_n().dot(i, &state.u);
-        visit(Law::Penetration, i, scales.length(positive(-distance)));
-        visit(Law::Tension, i, scales.force(positive(-p_n)));
-        let (pressed, apart) = (scales.force(positive(p_n)), scales.length(positive(distance)));
-        visit(Law::Complementarity, i, smaller(pressed, apart));
-        visit(Law::Cone, i, scales.force(positive(length(p_t) - radius)));
-        if problem.tangential_maps().iter().any(|map| !map.row(i).is_empty()) {
-            let slip = problem.slip(increment, state, i);
-            // Judged from the nearest admissible force, so that the cone counts only once. The distance between the
-            // vectors is used, not that between their dissipations, which has zero slope where they are parallel.
-            let (full, there) = (direction(slip).map(|n| radius * n), project(p_t, radius));
-            let lacking = length([full[0] - there[0], full[1] - there[1]]);
-            visit(Law::Dissipation, i, smaller(scales.force(lacking), scales.length(length(slip))));
-        }
-    }
+/// Returns `g - w_n` of contact node `i`, m.
+fn distance(problem: &ContactProblem, increment: &Increment<'_>, state: &State, i: usize) -> f64 {
+    -problem.c_n().difference(i, &state.u, &state.u_rest, increment.gap[i])
 }
 
 /// Returns `p_T` of node `i`.
@@ -217,63 +362,24 @@ fn friction(state: &State, i: usize) -> [f64; 2] {
     [state.p_t[i], state.p_o[i]]
 }
 
-/// Returns the error measure of a state whose [`ContactProblem::imbalance`] is known. Near the `tolerance` the
-/// rounding of the imbalance itself would matter, so there it is computed in twice the precision.
-pub(crate) fn judge(
-    problem: &ContactProblem,
-    increment: &Increment<'_>,
-    state: &State,
-    imbalance: &[f64],
-    scales: &KktScales,
-    tolerance: f64,
-) -> Result<KktErrors, LinearError> {
-    let errors = KktErrors::of_balance(problem, increment, state, imbalance, scales);
-    let near = 0.1 * tolerance..10.0 * tolerance;
-    if !state.u_rest.is_empty() || !near.contains(&errors.equilibrium) {
-        return Ok(errors);
-    }
-    let exact = State { u_rest: vec![0.0; state.u.len()], ..state.clone() };
-    KktErrors::of_state(problem, increment, &exact, scales)
-}
-
 impl KktErrors {
-    /// Measures `state`, from whatever source, against the law of one increment, relative to `scales`.
+    /// Measures `state`, from whatever source, against the law of one increment, after increments with the scales
+    /// `earlier`.
     ///
     /// # Errors
-    /// If an array of `increment` or `state` has another length than `problem` needs, if the `scales` are invalid, or
-    /// if a rank that shares the stiffness has failed.
+    /// If an array of `increment`, `state` or `earlier` has another length than `problem` needs, or if a rank that
+    /// shares the stiffness has failed.
     pub fn measure(
         problem: &ContactProblem,
         increment: &Increment<'_>,
         state: &State,
-        scales: &KktScales,
+        earlier: &KktScales,
     ) -> Result<Self, ProblemError> {
         increment.check(problem)?;
         state.check(problem)?;
-        scales.check()?;
-        Ok(Self::of_state(problem, increment, state, scales)?)
-    }
-
-    fn of_state(
-        problem: &ContactProblem,
-        increment: &Increment<'_>,
-        state: &State,
-        scales: &KktScales,
-    ) -> Result<Self, LinearError> {
+        earlier.check(problem)?;
         let imbalance = problem.imbalance(increment.force, state)?;
-        Ok(Self::of_balance(problem, increment, state, &imbalance, scales))
-    }
-
-    fn of_balance(
-        problem: &ContactProblem,
-        increment: &Increment<'_>,
-        state: &State,
-        imbalance: &[f64],
-        scales: &KktScales,
-    ) -> Self {
-        let mut errors = KktErrors::default();
-        violations(problem, increment, state, imbalance, scales, |law, _, error| raise(errors.of_mut(law), error));
-        errors
+        Ok(Judgement::new(problem, increment, state, imbalance, earlier)?.errors())
     }
 
     /// Returns the larger of both in every component.
@@ -329,28 +435,6 @@ fn exceeds(a: f64, b: f64) -> bool {
     !b.is_nan() && (a.is_nan() || a > b)
 }
 
-/// Returns the equilibrium error due to rounding the displacements to double precision, relative to the force scale:
-/// `ε |K| |u| / F`. In slender bodies it is far above ε, and no solver can do better. It is
-/// 0 without any force.
-pub(crate) fn rounding_level(problem: &ContactProblem, state: &State, scales: &KktScales) -> Result<f64, LinearError> {
-    if scales.force == 0.0 {
-        return Ok(0.0);
-    }
-    let sums = problem.stiffness().sizes(&state.u)?;
-    Ok(f64::EPSILON * sums.into_iter().fold(0.0, f64::max) / scales.force)
-}
-
-/// Returns `true` if the `errors` of a state exceed ten times its [`rounding_level`], or one of both is NaN.
-pub(crate) fn is_more_than_rounding(
-    errors: &KktErrors,
-    problem: &ContactProblem,
-    state: &State,
-    scales: &KktScales,
-) -> Result<bool, LinearError> {
-    let (error, rounding) = (errors.worst().1, 10.0 * rounding_level(problem, state, scales)?);
-    Ok(error > rounding || error.is_nan() || rounding.is_nan())
-}
-
 /// The status of a contact node at the end of an increment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -363,42 +447,34 @@ pub enum ContactStatus {
     Slip,
 }
 
-/// Returns the status of every contact node, from the state alone: the relatively larger member of each complementary
-/// pair (pressure and distance; friction reserve and slip) decides.
+/// Returns the status of every contact node, from the state alone: the larger member of each complementary pair (`p_n`
+/// and `k (g - w_n)`; the friction reserve and `k |w_T - w̄_T|`, with the stiffness `k` of the node) decides.
 ///
 /// # Errors
-/// If an array of `increment` or `state` has another length than `problem` needs, if a number of `state` is not
-/// finite, or if the `scales` are invalid.
+/// If an array of `increment` or `state` has another length than `problem` needs, or if a number of `state` is not
+/// finite.
 pub fn statuses(
     problem: &ContactProblem,
     increment: &Increment<'_>,
     state: &State,
-    scales: &KktScales,
 ) -> Result<Vec<ContactStatus>, ProblemError> {
     increment.check(problem)?;
     state.check(problem)?;
     for (array, values) in [("u", &state.u), ("p_t", &state.p_t), ("p_o", &state.p_o), ("p_n", &state.p_n)] {
         expect_finite(array, values)?;
     }
-    scales.check()?;
-    Ok(statuses_of(problem, increment, state, scales))
+    Ok(statuses_of(problem, increment, state))
 }
 
 /// Computes [`statuses`] of arrays of the right lengths.
-pub(crate) fn statuses_of(
-    problem: &ContactProblem,
-    increment: &Increment<'_>,
-    state: &State,
-    scales: &KktScales,
-) -> Vec<ContactStatus> {
-    let status = |i: usize| {
-        let distance = increment.gap[i] - problem.c_n().dot(i, &state.u);
-        if scales.force(positive(state.p_n[i])) <= scales.length(positive(distance)) {
+pub(crate) fn statuses_of(problem: &ContactProblem, increment: &Increment<'_>, state: &State) -> Vec<ContactStatus> {
+    let status = |(i, k): (usize, &f64)| {
+        if positive(state.p_n[i]) <= k * positive(distance(problem, increment, state, i)) {
             return ContactStatus::Open;
         }
         let reserve = positive(increment.mu[i] * state.p_n[i] - length(friction(state, i)));
         let slip = length(problem.slip(increment, state, i));
-        if scales.force(reserve) > scales.length(slip) { ContactStatus::Stick } else { ContactStatus::Slip }
+        if reserve > k * slip { ContactStatus::Stick } else { ContactStatus::Slip }
     };
-    (0..problem.contacts()).map(status).collect()
+    problem.contact_stiffness().iter().enumerate().map(status).collect()
 }

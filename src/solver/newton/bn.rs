@@ -72,7 +72,7 @@ impl Bn {
         if observe(&Iteration::start(theta, error)).is_break() {
             return Ok(MethodResult { stop: Termination::Interrupted, ..outcome });
         }
-        if end.met_at_start(error) {
+        if formulation.is_referred() && end.met_at_start(error) {
             return Ok(MethodResult { stop: Termination::Converged, ..outcome });
         }
         self.forcing = end.is_measured().then(Forcing::default);
@@ -84,6 +84,10 @@ impl Bn {
             let changed = clock.time(|| formulation.linearize(z));
             let factored = changed || self.factored != Some(linear.generation());
             cycle.visit(formulation.cases());
+            // Where rows depend on each other, this is the solution for the forces referred to so far.
+            if full_step && !changed && formulation.refer_to(z) {
+                theta = clock.time(|| self.evaluate(formulation, z))?;
+            }
             let mut backward_error = match self.direction(formulation, linear, factored)? {
                 Ok(error) => error,
                 Err(stop) => {
@@ -114,7 +118,7 @@ impl Bn {
             error = end.measure(z, &self.rest)?;
             let record = IterationRecord { iteration, theta, step, backtracks, backward_error, factored, error };
             let flow = observe(&Iteration { record, system: Some(self.system(formulation)) });
-            let mut met = end.met(theta, error);
+            let mut met = formulation.is_referred() && end.met(theta, error);
             if (repeated || formulation.is_affine() && end.is_measured()) && !met {
                 // Only refinement, or a motion along an unconstrained mode, can still reduce the error.
                 met = self.refine(formulation, linear, z, &mut end)?;

@@ -128,6 +128,7 @@ impl Ip {
         let n_2 = formulation.n_2() as f64;
         let zeta = settings.zeta * n_2;
         let mut sigma = settings.sigma_0;
+        formulation.refer_to(z);
         clock.time(|| formulation.residual(z, &mut self.work.h))?;
         let mut theta = formulation.theta(z, &self.work.h);
         let mut outcome = MethodResult::new(theta);
@@ -170,6 +171,7 @@ impl Ip {
             };
             clock.time(|| -> Result<(), LinearError> {
                 z.iter_mut().zip(&*dz).for_each(|(z, dz)| *z += step * dz);
+                formulation.refer_to(z);
                 formulation.residual(z, h)?;
                 theta = formulation.theta(z, h);
                 Ok(())

@@ -63,6 +63,7 @@ impl PredictorCorrector {
     ) -> Result<MethodResult, LinearError> {
         let mut clock = Clock::default();
         self.work.resize(formulation);
+        formulation.refer_to(z);
         clock.time(|| formulation.residual(z, &mut self.work.h))?;
         let theta = formulation.theta(z, &self.work.h);
         let mut outcome = MethodResult::new(theta);
@@ -100,6 +101,7 @@ impl PredictorCorrector {
                     break;
                 }
             };
+            formulation.refer_to(z);
             clock.time(|| formulation.residual(z, &mut self.work.h))?;
             let theta = formulation.theta(z, &self.work.h);
             let Taken { step, backward_error, error } = taken;

@@ -22,37 +22,14 @@ impl ContactProblem {
     ///
     /// It approximates `1 / C_nn`, the inverse of the compliance `C_n K⁻¹ C_nᵀ`, without far-field effects such as
     /// bending of a slender body, or a stiffness against volume change that does not act on surface nodes. If the
-    /// patch could move as a rigid body, it is a quarter of the node's own `(C_n K C_nᵀ)_ii`, which is about the same
+    /// patch could move as a rigid body, it is a quarter of the node's own `c K cᵀ / (c cᵀ)²`, which is about the same
     /// in a uniform mesh.
-    pub fn contact_stiffness(&self) -> Vec<f64> {
-        // The entries of a distributed stiffness in this process cover the patches.
-        let at_hand = self.stiffness().at_hand();
-        let patches = patches(&at_hand, self.c_n());
-        let mut last: Option<(&Patch, Option<Llt<f64>>)> = None;
-        let mut stiffness = Vec::with_capacity(patches.len());
-        for (i, patch) in patches.iter().enumerate() {
-            // In a dense matrix all patches are the same.
-            let factors = match last.take() {
-                Some((same, factors)) if same == patch => factors,
-                _ => self.factors(&at_hand, patch),
-            };
-            let compliance = factors.as_ref().map(|factors| compliance(factors, patch, self.c_n().row(i)));
-            let own = own_stiffness(&at_hand, self.c_n(), i);
-            let usable = compliance.map(|c| 1.0 / c).filter(|k| k.is_finite() && *k > STIFFNESS_ROUNDING * own);
-            stiffness.push(usable.unwrap_or(0.25 * own));
-            last = Some((patch, factors));
-        }
-        // A node without stiffness of its own gets a typical value of the body; any scale will do.
-        if stiffness.contains(&0.0) {
-            let mut present: Vec<f64> = self.stiffness().diagonal().into_iter().filter(|k| *k > 0.0).collect();
-            let typical = median(&mut present).unwrap_or(1.0);
-            stiffness.iter_mut().filter(|k| **k == 0.0).for_each(|k| *k = typical);
-        }
-        stiffness
+    pub fn contact_stiffness(&self) -> &[f64] {
+        &self.natural().contact_stiffness
     }
 
-    /// Returns `(C_n K C_nᵀ)_ii`, N/m: the stiffness of contact node `i` along its normal with all other
-    /// displacements clamped.
+    /// Returns `c K cᵀ / (c cᵀ)²`, N/m, of row `i` of `C_n`: the stiffness of the contact node along its normal with all
+    /// other displacements clamped.
     pub(crate) fn own_stiffness(&self, i: usize) -> f64 {
         own_stiffness(&self.stiffness().at_hand(), self.c_n(), i)
     }
@@ -75,13 +52,42 @@ impl ContactProblem {
     }
 }
 
-/// Returns `(C_n K C_nᵀ)_ii` from the entries in this process, which contain the lower triangle at contact nodes.
+/// Computes [`ContactProblem::contact_stiffness`].
+pub(super) fn contact_stiffness(problem: &ContactProblem) -> Vec<f64> {
+    // The entries of a distributed stiffness in this process cover the patches.
+    let at_hand = problem.stiffness().at_hand();
+    let patches = patches(&at_hand, problem.c_n());
+    let mut last: Option<(&Patch, Option<Llt<f64>>)> = None;
+    let mut stiffness = Vec::with_capacity(patches.len());
+    for (i, patch) in patches.iter().enumerate() {
+        // In a dense matrix all patches are the same.
+        let factors = match last.take() {
+            Some((same, factors)) if same == patch => factors,
+            _ => problem.factors(&at_hand, patch),
+        };
+        let compliance = factors.as_ref().map(|factors| compliance(factors, patch, problem.c_n().row(i)));
+        let own = own_stiffness(&at_hand, problem.c_n(), i);
+        let usable = compliance.map(|c| 1.0 / c).filter(|k| k.is_finite() && *k > STIFFNESS_ROUNDING * own);
+        stiffness.push(usable.unwrap_or(0.25 * own));
+        last = Some((patch, factors));
+    }
+    // A node without stiffness of its own gets a typical value of the body; any scale will do.
+    if stiffness.contains(&0.0) {
+        let mut present: Vec<f64> = problem.stiffness().diagonal().into_iter().filter(|k| *k > 0.0).collect();
+        let typical = median(&mut present).unwrap_or(1.0);
+        stiffness.iter_mut().filter(|k| **k == 0.0).for_each(|k| *k = typical);
+    }
+    stiffness
+}
+
+/// Returns `c K cᵀ / (c cᵀ)²` of row `i` of `C_n` from the entries in this process, which contain the lower triangle at contact nodes.
 fn own_stiffness(at_hand: &Csc, c_n: &Csr, i: usize) -> f64 {
     let entry =
         |a: usize, b: usize| at_hand.pattern().slot(a.max(b), a.min(b)).map_or(0.0, |slot| at_hand.values()[slot]);
     let row = c_n.row(i);
     let pairs = row.iter().flat_map(|a| row.iter().map(move |b| (a, b)));
-    pairs.map(|(a, b)| a.1 * b.1 * entry(a.0, b.0)).sum()
+    let square: f64 = row.iter().map(|(_, c)| c * c).sum();
+    if square == 0.0 { 0.0 } else { pairs.map(|(a, b)| a.1 * b.1 * entry(a.0, b.0)).sum::<f64>() / square.powi(2) }
 }
 
 /// Returns `c K_PP⁻¹ cᵀ` of a row `c` of `C_n`.

@@ -54,13 +54,14 @@ impl Bn {
     /// enough.
     pub(super) fn refine(
         &mut self,
-        formulation: &Bdiff,
+        formulation: &mut Bdiff,
         linear: &mut RefinedSolver,
         z: &mut [f64],
         end: &mut StopCriterion<'_>,
     ) -> Result<bool, LinearError> {
         let mut best = end.measure(z, &self.rest)?;
         for _ in 0..REFINEMENTS {
+            formulation.refer_to(z);
             formulation.residual_beyond(z, &self.rest, &mut self.h)?;
             if self.direction(formulation, linear, false)?.is_err() {
                 break;
