@@ -69,8 +69,7 @@ fn every_error_names_its_array() {
         let measured = KktErrors::measure(&problem, &increment, state, &scales).map(|_| ()).map_err(|e| e.to_string());
         let found = statuses(&problem, &increment, state).map(|_| ()).map_err(|e| e.to_string());
         assert_eq!(measured, found);
-        let critical =
-            critical_friction(&problem, &increment, state, Scaling::SI, &mut RefinedSolver::default());
+        let critical = critical_friction(&problem, &increment, state, Scaling::SI, &mut RefinedSolver::default());
         assert_eq!(critical.map(|_| ()).map_err(|error| error.to_string()), measured);
         measured
     };

@@ -368,6 +368,9 @@ impl Validity {
         {
             warn(WarningKind::NotUnique, message);
         }
+        if let Some(message) = forces_not_unique(model, &self.touched) {
+            warn(WarningKind::NotUnique, message);
+        }
         warnings
     }
 }
@@ -524,6 +527,17 @@ fn not_unique(model: &Model, neutral: &NeutralMotion, time: f64) -> Option<Strin
         "at t = {time} s contact forces balance the loads, but nothing holds {motion}: displacements are one of \
          many solutions, which may differ {room} before another node touches, with the same stresses; add a \
          support to make them unique"
+    ))
+}
+
+/// Describes the contact nodes that touched and whose rows depend on each other.
+fn forces_not_unique(model: &Model, touched: &[bool]) -> Option<String> {
+    let acts = |i: &usize| touched[*i] && !model.problem.c_n().row(*i).is_empty();
+    let nodes: Vec<usize> = model.problem.dependent_nodes().into_iter().filter(acts).collect();
+    let place = model.units().place(model.mesh.nodes[model.contacts[*nodes.first()?].node]);
+    Some(format!(
+        "the forces of {} contact nodes, the first at {place}, are not unique, because one of them can take over what others          carry: those with the smallest pressures are told; the sums of forces and the rest of the body do not depend on          that",
+        nodes.len()
     ))
 }
 

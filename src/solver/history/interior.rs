@@ -11,8 +11,8 @@ use crate::algebra::sparse::{Symmetric, sum};
 use crate::base::units::Scaling;
 use crate::solver::condensation::Condensed;
 use crate::solver::formulation::Layout;
-use crate::solver::laws::{Judgement, KktScales};
 use crate::solver::laws::coulomb::length;
+use crate::solver::laws::{Judgement, KktScales};
 use crate::solver::loading::Loading;
 use crate::solver::problem::{ContactProblem, Increment, State};
 

@@ -112,8 +112,8 @@ fn relative(value: f64, scale: f64) -> f64 {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct KktErrors {
-    /// `|K u + Cᵀ p - f|` of a displacement, relative to its terms, but at least to the largest contact force and at
-    /// most to the largest force of its part.
+    /// `|K u + Cᵀ p - f|` of a displacement, relative to the largest force of its part, or to its terms if they are
+    /// smaller.
     pub equilibrium: f64,
     /// `k (w_n - g)₊`, with the stiffness `k` of the contact node: the force that would push it out. This one and those
     /// below are relative to the largest contact force of the part.
@@ -184,18 +184,22 @@ pub(crate) struct Judgement<'a> {
     imbalance: Vec<f64>,
     terms: Vec<f64>,
     scales: KktScales,
+    /// The parts without forces but the rounding of the earlier terms, or of the terms of the loads.
+    is_unloaded: Vec<bool>,
     largest: Vec<Largest>,
 }
 
-/// The largest of each kind in a part of the body, √J.
+/// The largest of each kind in a part of the body.
 #[derive(Debug, Clone, Copy, Default)]
 struct Largest {
-    /// The external forces.
+    /// The external forces, √J.
     load: f64,
-    /// The contact forces.
+    /// The contact forces, √J.
     contact: f64,
-    /// The forces that would push contact nodes out.
+    /// The forces that would push contact nodes out, √J.
     penetration: f64,
+    /// The external and contact forces on displacements, N.
+    force: f64,
 }
 
 impl<'a> Judgement<'a> {
@@ -216,14 +220,28 @@ impl<'a> Judgement<'a> {
         let scales = earlier.with_terms(problem, &terms).with_gaps(problem, increment, &state.u);
         let mut largest = vec![Largest::default(); *parts];
         for (i, (&part, unit)) in contact_part.iter().zip(unit).enumerate() {
-            let Largest { contact, penetration, .. } = &mut largest[part];
-            *contact = contact.max(state.p_n[i].abs().max(length(friction(state, i))) / unit);
-            *penetration = penetration.max(positive(-distance(problem, increment, state, i)) * unit);
+            let Largest { contact, penetration, force, .. } = &mut largest[part];
+            let (pressed, inside) =
+                (state.p_n[i].abs().max(length(friction(state, i))), distance(problem, increment, state, i));
+            *contact = contact.max(pressed / unit);
+            *penetration = penetration.max(positive(-inside) * unit);
+            let row = problem.c_n().row(i).iter().map(|(_, c)| c * c).sum::<f64>().sqrt();
+            *force = force.max(row * pressed.max(positive(-inside) * unit * unit));
         }
         for ((&part, unit), f) in part.iter().zip(displacement).zip(increment.force) {
-            largest[part].load = largest[part].load.max(f.abs() / unit);
+            let Largest { load, force, .. } = &mut largest[part];
+            *load = load.max(f.abs() / unit);
+            *force = force.max(f.abs());
         }
-        Ok(Judgement { problem, increment, state, imbalance, terms, scales, largest })
+        // The terms of the state itself do not count: those of a body that flies away are as large as one likes.
+        let before = |part: usize| earlier.0.get(part).map_or(0.0, |terms| terms.balance);
+        let is_unloaded = (0..*parts).map(|part| {
+            let Largest { load, contact, penetration, .. } = largest[part];
+            let Terms { balance, gaps } = scales.0[part];
+            load.max(contact) <= ROUNDING * before(part) && penetration <= ROUNDING * balance.max(gaps)
+        });
+        let is_unloaded = is_unloaded.collect();
+        Ok(Judgement { problem, increment, state, imbalance, terms, scales, is_unloaded, largest })
     }
 
     /// Prepares the errors of a state. Near the `tolerance` the rounding of the imbalance itself would matter, so there
@@ -250,22 +268,23 @@ impl<'a> Judgement<'a> {
         self.scales
     }
 
-    /// Returns the largest terms of a part if there are no forces in it but the rounding of these.
+    /// Returns the largest terms of a part if it is unloaded.
     fn rounded(&self, part: usize) -> Option<f64> {
-        let (Terms { balance, gaps }, largest) = (self.scales.0[part], self.largest[part]);
-        let terms = balance.max(gaps);
-        let none = largest.load.max(largest.contact) <= ROUNDING * balance;
-        (none && largest.penetration <= ROUNDING * terms).then_some(terms)
+        let Terms { balance, gaps } = self.scales.0[part];
+        self.is_unloaded[part].then(|| balance.max(gaps))
     }
 
-    /// Returns what an imbalance of displacement `dof` is relative to, N.
-    fn scale(&self, dof: usize) -> f64 {
+    /// Returns a force on displacement `dof`, N, relative to the largest force of its part, or to the terms of the row if
+    /// they are smaller, unless it is the rounding of the largest terms.
+    fn balance(&self, dof: usize, value: f64) -> f64 {
         let NaturalUnits { part, displacement, .. } = self.problem.natural();
         let (part, unit) = (part[dof], displacement[dof]);
-        let Largest { load, contact, penetration } = self.largest[part];
-        let contact = contact.max(penetration) * unit;
-        let own = || contact.max(load * unit).min(contact.max(self.terms[dof]));
-        self.rounded(part).map_or_else(own, |terms| terms * unit)
+        let (largest, terms) = (self.largest[part].force, self.scales.0[part].balance);
+        match self.rounded(part) {
+            Some(terms) => relative(value / unit, terms),
+            None if value.abs() <= ROUNDING * terms * unit => relative(value, largest),
+            None => relative(value, largest.min(self.terms[dof])),
+        }
     }
 
     /// Returns what contact forces of a part are relative to, √J: the largest of them, or the largest terms of the
@@ -279,8 +298,12 @@ impl<'a> Judgement<'a> {
 
     /// Returns the largest error of equilibrium.
     pub(crate) fn equilibrium(&self) -> f64 {
-        let error = |(dof, imbalance): (usize, &f64)| relative(*imbalance, self.scale(dof));
-        self.imbalance.iter().enumerate().map(error).fold(0.0, |worst, error| if exceeds(error, worst) { error } else { worst })
+        let error = |(dof, imbalance): (usize, &f64)| self.balance(dof, *imbalance);
+        self.imbalance
+            .iter()
+            .enumerate()
+            .map(error)
+            .fold(0.0, |worst, error| if exceeds(error, worst) { error } else { worst })
     }
 
     /// Returns the error of penetration of contact node `i`.
@@ -304,7 +327,7 @@ impl<'a> Judgement<'a> {
     fn visit(&self, mut visit: impl FnMut(Law, usize, f64)) {
         let Judgement { problem, increment, state, .. } = *self;
         for (dof, imbalance) in self.imbalance.iter().enumerate() {
-            visit(Law::Equilibrium, dof, relative(*imbalance, self.scale(dof)));
+            visit(Law::Equilibrium, dof, self.balance(dof, *imbalance));
         }
         for i in 0..problem.contacts() {
             let (p_n, p_t, radius) = (state.p_n[i], friction(state, i), increment.mu[i] * positive(state.p_n[i]));
@@ -347,7 +370,7 @@ impl<'a> Judgement<'a> {
     /// Returns the equilibrium error due to rounding the displacements to double precision, `ε |K| |u|`. In slender
     /// bodies it is far above ε, and no solver can do better.
     pub(crate) fn rounding(&self) -> f64 {
-        let level = |(dof, terms): (usize, &f64)| relative(f64::EPSILON * terms, self.scale(dof));
+        let level = |(dof, terms): (usize, &f64)| self.balance(dof, f64::EPSILON * terms);
         self.terms.iter().enumerate().map(level).fold(0.0, f64::max)
     }
 }

@@ -22,6 +22,10 @@ const ROUNDS: usize = 100;
 /// A contact node touches its obstacle if its distance, relative to its gap, is smaller.
 pub(crate) const NEARBY: f64 = 1e-10;
 
+/// The longest motion out of obstacles, relative to the deepest penetration, times [`NEGLIGIBLE`]: in a ring that a shaft
+/// fills, rounding of the normals would turn the ring without end.
+const LONGEST: f64 = 1e4;
+
 /// The largest `K r` of a rigid mode `r` along which a body may move, relative to its terms: ten times the rounding
 /// in rotations of bodies with a thousand elements per side.
 const UNSTRAINED: f64 = 1e-12;
@@ -91,7 +95,7 @@ fn pushed_out(cones: &[FrictionCone], distance: &[f64]) -> Option<Vec<f64>> {
         row.collect::<Vec<f64>>()
     };
     let one = [vec![0.0; dimension], vec![1.0]].concat();
-    let rest = FiniteCone::new(dimension + 1, cones.iter().zip(distance).map(generator)).outside(&one, 1.0)?;
+    let rest = FiniteCone::new(dimension + 1, cones.iter().zip(distance).map(generator)).outside(&one, LONGEST)?;
     Some(rest[..dimension].iter().map(|x| -x * largest / rest[dimension]).collect())
 }
 

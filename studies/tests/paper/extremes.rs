@@ -146,8 +146,7 @@ impl Observer for Judge<'_> {
         let scales = Scales::of(step.increment, step.state);
         let map = natural_map(problem, step.increment, step.state, &scales);
         assert!(map <= 2e-10, "{name}, increment {}: natural map {map}", step.record.index);
-        let (told, truth) =
-            (step.record.kkt.equilibrium, imbalance(problem, step.increment, step.state, &scales));
+        let (told, truth) = (step.record.kkt.equilibrium, imbalance(problem, step.increment, step.state, &scales));
         assert!(truth <= 1e-10, "{name}, increment {}: imbalance {truth}", step.record.index);
         // Within a factor of ten, but for what is rounding anyway; the parts of a halved increment before
         // the last are not seen here.
