@@ -10,6 +10,7 @@ mod coupling;
 mod discrete;
 mod element;
 mod energy;
+mod glued_contact;
 mod holding;
 mod joint;
 mod large_motion;

@@ -2,13 +2,15 @@
 //!
 //! For a local problem this is [`LocalProblem::errors`](crate::local::LocalProblem::errors). For a global one, the
 //! equilibrium of the bodies is added. The measure needs no factorisation and uses nothing of the solvers. All errors
-//! are without units, and do not depend on the units of single unknowns, lengths or angles. With `D`, the diagonal of
-//! `M`,
+//! are without units, and do not depend on the units of single unknowns, contacts, lengths or angles, nor on bodies that
+//! nothing connects. With `D`, the diagonal of `M`, and `s = √(Hᵀ D⁻¹ H)_NN` of a contact, the largest of each part being
+//! meant,
 //!
 //! ```text
 //! equilibrium   max |M v - f - H r| / √D   over   max (|f| + |H| |r|) / √D
-//! velocities    |u - Hᵀ v - w| / V
-//! laws          with r / F and u / V; F = max |r|, V the largest of |u|, |w|, |H|ᵀ |v| and |H|ᵀ D⁻¹ (|f| + |H| |r|)
+//! velocities    |u - Hᵀ v - w| / (s V)
+//! laws          with s r / F and u / (s V); F = max s |r|, V the largest of |u|, |w|, |H|ᵀ |v| and
+//!               |H|ᵀ D⁻¹ (|f| + |H| |r|), each over s
 //! ```
 //!
 //! Rounding `v` to double precision changes `M v` by `ε |M| |v|`, which does not count as an error.
@@ -19,7 +21,7 @@ use super::{GlobalProblem, Problem, Solution};
 use crate::local::{LocalErrors, SOLVED};
 use laws::{Scales, laws, raise, relative};
 use serde::{Deserialize, Serialize};
-use stickslip::algebra::DoubleDouble;
+use stickslip::algebra::{DoubleDouble, UnionFind};
 use stickslip::base::InputError;
 
 /// The tolerance: a problem counts as solved if no error exceeds it.
@@ -141,37 +143,68 @@ fn global(problem: &GlobalProblem, Solution { v, r, u }: &Solution) -> Errors {
         sizes[column] += (h * v[row]).abs();
     }
     let mut errors = Errors::default();
+    let Parts { of_unknown, of_contact, unit } = parts(problem, &diagonal);
     // Rows with a diagonal, and rows of constraints without one.
     for constrained in [false, true] {
         let scaled = |row: usize, value: f64| if constrained { value } else { value / diagonal[row].sqrt() };
-        let (mut error, mut scale) = (0.0, 0.0);
+        let (mut error, mut scale) = (vec![0.0; n], vec![0.0; n]);
         for row in (0..n).filter(|row| (diagonal[*row] == 0.0) == constrained) {
             let mut sum = balance[row];
             sum.add(-problem.f()[row]);
             let left = sum.value().abs();
-            raise(&mut error, scaled(row, if left > rounding[row] { left - rounding[row] } else { 0.0 * left }));
+            let left = if left > rounding[row] { left - rounding[row] } else { 0.0 * left };
+            raise(&mut error[of_unknown[row]], scaled(row, left));
             // A constraint is compared only with the sizes of its terms.
             let own = if constrained { forces[row] + rounding[row] / f64::EPSILON } else { forces[row] };
-            raise(&mut scale, scaled(row, own));
+            raise(&mut scale[of_unknown[row]], scaled(row, own));
         }
-        raise(&mut errors.equilibrium, relative(error, scale));
+        error.iter().zip(&scale).for_each(|(error, scale)| raise(&mut errors.equilibrium, relative(*error, *scale)));
     }
     let mut free = vec![0.0; u.len()];
     for (row, column, h) in problem.h().entries().filter(|(row, ..)| diagonal[*row] > 0.0) {
         free[column] += (h * forces[row] / diagonal[row]).abs();
     }
-    let largest = |values: &[f64]| {
-        values.iter().fold(0.0, |mut worst, value| {
-            raise(&mut worst, value.abs());
-            worst
-        })
-    };
-    let scales = Scales { force: largest(r), velocity: largest(&[largest(u), largest(&sizes), largest(&free)]) };
+    let d = problem.dimension();
+    let mut largest = vec![Scales::default(); n.max(of_contact.len())];
+    for (k, velocity) in [u, &sizes, &free].into_iter().flat_map(|values| values.iter().enumerate()) {
+        let (own, unit) = (&mut largest[of_contact[k / d]], unit[k / d]);
+        raise(&mut own.velocity, velocity.abs() / unit);
+        raise(&mut own.force, r[k].abs() * unit);
+    }
+    let scales = of_contact.iter().zip(&unit).map(|(&part, unit)| {
+        let Scales { force, velocity } = largest[part];
+        Scales { force: force / unit, velocity: velocity * unit }
+    });
+    let scales: Vec<Scales> = scales.collect();
     for (k, mut exact) in exact.into_iter().enumerate() {
         exact.add(problem.w()[k]);
         exact.add(-u[k]);
-        raise(&mut errors.velocities, relative(exact.value(), scales.velocity));
+        raise(&mut errors.velocities, relative(exact.value(), scales[k / d].velocity));
     }
-    laws(problem.dimension(), problem.mu(), &scales, r, u, &mut errors);
+    laws(d, problem.mu(), &scales, r, u, &mut errors);
     errors
+}
+
+/// The parts of the bodies that `M` and contacts connect.
+struct Parts {
+    of_unknown: Vec<usize>,
+    of_contact: Vec<usize>,
+    /// `s` of each contact, or 1 where nothing moves.
+    unit: Vec<f64>,
+}
+
+fn parts(problem: &GlobalProblem, diagonal: &[f64]) -> Parts {
+    let (n, d, contacts) = (problem.unknowns(), problem.dimension(), problem.mu().len());
+    let (mut sets, mut compliance) = (UnionFind::new(n + contacts), vec![0.0; contacts]);
+    problem.m().entries().filter(|(.., m)| *m != 0.0).for_each(|(row, column, _)| sets.join(row, column));
+    for (row, column, h) in problem.h().entries().filter(|(.., h)| *h != 0.0) {
+        sets.join(row, n + column / d);
+        if column % d == 0 && diagonal[row] > 0.0 {
+            compliance[column / d] += h * h / diagonal[row];
+        }
+    }
+    // A contact alone counts with the first unknown.
+    let of_contact = (0..contacts).map(|i| Some(sets.least(n + i)).filter(|part| *part < n).unwrap_or(0)).collect();
+    let unit = compliance.into_iter().map(|w: f64| if w > 0.0 { w.sqrt() } else { 1.0 }).collect();
+    Parts { of_unknown: (0..n).map(|row| sets.least(row)).collect(), of_contact, unit }
 }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::carrying::Carrying;
 use super::find;
+use super::glued_contact::carry_glued;
 use super::pair::Pairs;
 use super::rigid_contact::{determined, not_between_carried};
 use super::support::Moved;
@@ -46,7 +47,7 @@ pub(super) struct Contacts {
     /// The obstacles in front of all boundaries, and their motions.
     pub obstacles: Vec<(PlacedObstacle, ObstacleMotion)>,
     /// The friction coefficients at the nodes of each boundary, before averaging at nodes of several boundaries.
-    own_mu: Vec<Vec<f64>>,
+    pub own_mu: Vec<Vec<f64>>,
     /// The contact nodes at each node of the mesh.
     at_node: BTreeMap<usize, Vec<usize>>,
 }
@@ -73,6 +74,7 @@ impl Contacts {
                 None => contacts.add(&body, k)?,
             }
         }
+        carry_glued(&mut contacts, pairs);
         determined((&contacts.nodes, &contacts.mu), &contacts.boundaries, description, dofs)?;
         Ok(contacts)
     }

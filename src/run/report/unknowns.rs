@@ -65,7 +65,7 @@ impl EliminatedUnknown {
         let beyond: usize = contact_boundaries.iter().map(|boundary| boundary.beyond).sum();
         let held = contact_boundaries.iter().filter_map(|boundary| {
             let all = mesh.boundary(&boundary.name)?.nodes().len();
-            Some(all - boundary.beyond - boundary.nodes.len())
+            Some(all.saturating_sub(boundary.beyond + boundary.nodes.len()))
         });
         let smooth = contacts.iter().zip(problem.mu()).filter(|(_, mu)| **mu == 0.0);
         let rough = contacts.iter().zip(problem.mu()).filter(|(_, mu)| **mu > 0.0);

@@ -3,7 +3,8 @@
 use super::Errors;
 use stickslip::solver::{direction, length, positive, project};
 
-/// The reference values of forces and velocities.
+/// The reference values of the forces and velocities of a contact.
+#[derive(Clone, Copy, Default)]
 pub(super) struct Scales {
     pub(super) force: f64,
     pub(super) velocity: f64,
@@ -22,7 +23,7 @@ pub(super) fn relative(value: f64, scale: f64) -> f64 {
 }
 
 /// Raises `errors` to those of all contacts.
-pub(super) fn laws(dimension: usize, mu: &[f64], scales: &Scales, r: &[f64], u: &[f64], errors: &mut Errors) {
+pub(super) fn laws(dimension: usize, mu: &[f64], scales: &[Scales], r: &[f64], u: &[f64], errors: &mut Errors) {
     for (i, mu) in mu.iter().enumerate() {
         let at = |from: &[f64], scale: f64| {
             let mut whole = [0.0; 3];
@@ -30,7 +31,7 @@ pub(super) fn laws(dimension: usize, mu: &[f64], scales: &Scales, r: &[f64], u: 
             whole.iter_mut().zip(own).for_each(|(to, x)| *to = if *x == 0.0 { 0.0 } else { x / scale });
             whole
         };
-        let ([r_n, r_t @ ..], [u_n, u_t @ ..]) = (at(r, scales.force), at(u, scales.velocity));
+        let ([r_n, r_t @ ..], [u_n, u_t @ ..]) = (at(r, scales[i].force), at(u, scales[i].velocity));
         let normal = if r_n < u_n { r_n } else { u_n };
         let radius = mu * positive(r_n);
         raise(&mut errors.normal, normal.abs());

@@ -1,0 +1,121 @@
+//! Contact at glued nodes.
+//!
+//! A glued slave node follows its masters, so that it has no contact force of its own: its contact stress is that which
+//! its masters interpolate. With the share `c` of a master in it, the weights and rows of the two add up,
+//! `l = l_m + c l_s`, `l C = l_m C_m + c l_s C_s`. Otherwise the two rows at a seam would determine more than the
+//! displacements there, and pressures of neighbours would be far apart. A slave without a master in the same contact, as at
+//! the end of a weld, keeps its row.
+
+use std::collections::BTreeMap;
+
+use super::contact::Contacts;
+use super::pair::Pairs;
+use crate::algebra::vector::dot;
+use crate::body::contact::{ContactNode, Counterpart, Row};
+use crate::body::fem::merged;
+
+/// Normals within one degree count as parallel.
+const PARALLEL: f64 = 0.9998;
+
+/// A glued contact node: its number, and its masters among the contact nodes with their shares.
+type Carried = (usize, Vec<(usize, f64)>);
+
+/// Adds the weights and rows of glued contact nodes to those of their masters, and removes them.
+pub(super) fn carry_glued(contacts: &mut Contacts, pairs: &Pairs) {
+    let carried: BTreeMap<usize, Vec<(usize, f64)>> = of_masters(contacts, pairs).into_iter().collect();
+    if carried.is_empty() {
+        return;
+    }
+    let own: Vec<ContactNode> = contacts.nodes.clone();
+    for (&slave, masters) in &carried {
+        for &(master, share) in masters {
+            let mu = contacts.mu[slave];
+            let to = &mut contacts.nodes[master];
+            let weight = share * own[slave].weight;
+            let all = to.weight + weight;
+            contacts.mu[master] += (mu - contacts.mu[master]) * (weight / all);
+            to.take_up(&own[slave], weight / all);
+            to.weight = all;
+        }
+    }
+    let mut numbers = vec![0; own.len()];
+    let mut kept = 0;
+    for (i, number) in numbers.iter_mut().enumerate() {
+        *number = kept;
+        kept += usize::from(!carried.contains_key(&i));
+    }
+    let mut place = 0..;
+    contacts.nodes.retain(|_| place.next().is_none_or(|i| !carried.contains_key(&i)));
+    let mut place = 0..;
+    contacts.mu.retain(|_| place.next().is_none_or(|i| !carried.contains_key(&i)));
+    for (boundary, own_mu) in contacts.boundaries.iter_mut().zip(&mut contacts.own_mu) {
+        let (mut nodes, mut weights, mut mus) = (Vec::new(), Vec::<f64>::new(), Vec::<f64>::new());
+        let mut places = BTreeMap::new();
+        for ((&i, &weight), &mu) in boundary.nodes.iter().zip(&boundary.weights).zip(&*own_mu) {
+            let of_masters = carried.get(&i).cloned().unwrap_or_else(|| vec![(i, 1.0)]);
+            for (to, share) in of_masters {
+                let place = *places.entry(to).or_insert(nodes.len());
+                if place == nodes.len() {
+                    nodes.push(numbers[to]);
+                    weights.push(0.0);
+                    mus.push(mu);
+                }
+                weights[place] += share * weight;
+                mus[place] += (mu - mus[place]) * (share * weight / weights[place]);
+            }
+        }
+        (boundary.nodes, boundary.weights, *own_mu) = (nodes, weights, mus);
+    }
+}
+
+/// Returns the glued contact nodes with masters in the same contact.
+fn of_masters(contacts: &Contacts, pairs: &Pairs) -> Vec<Carried> {
+    let mut at_node = BTreeMap::<usize, Vec<usize>>::new();
+    contacts.nodes.iter().enumerate().for_each(|(i, contact)| at_node.entry(contact.node).or_default().push(i));
+    let glued = pairs.all.iter().filter(|pair| pair.glued);
+    let rows: BTreeMap<usize, &[(usize, f64)]> =
+        glued.flat_map(|pair| &pair.mortar.rows).map(|row| (row.node, row.master.as_slice())).collect();
+    let masters = |(i, contact): (usize, &ContactNode)| {
+        let of_node = rows.get(&contact.node)?;
+        let alike = |&(node, share): &(usize, f64)| {
+            let mut there = at_node.get(&node).into_iter().flatten().copied();
+            let other = there.find(|&j| meets_alike(contact, &contacts.nodes[j], pairs))?;
+            (share > 0.0 && !rows.contains_key(&node)).then_some((other, share))
+        };
+        let found: Vec<(usize, f64)> = of_node.iter().filter_map(alike).collect();
+        let sum: f64 = found.iter().map(|(_, share)| share).sum();
+        (sum > 0.0).then(|| (i, found.into_iter().map(|(j, share)| (j, share / sum)).collect()))
+    };
+    contacts.nodes.iter().enumerate().filter_map(masters).collect()
+}
+
+/// Returns `true` if two contact nodes meet the same body, or obstacles, along the same normal.
+fn meets_alike(a: &ContactNode, b: &ContactNode, pairs: &Pairs) -> bool {
+    let same = match (&a.counterpart, &b.counterpart) {
+        (Counterpart::Boundary(a), Counterpart::Boundary(b)) => {
+            pairs.all[a.pair].master.name == pairs.all[b.pair].master.name
+        }
+        (Counterpart::Obstacle(_), Counterpart::Obstacle(_)) => true,
+        _ => false,
+    };
+    same && dot(a.facing.normal, b.facing.normal) > PARALLEL
+}
+
+impl ContactNode {
+    /// Adds `share` of the rows of `other` to the rest of the own ones, along the own tangents.
+    fn take_up(&mut self, other: &ContactNode, share: f64) {
+        let mixed = |own: &Row, parts: &[(f64, &Row)]| {
+            let scaled = |row: &Row, by: f64| row.iter().map(|&(dof, c)| (dof, by * c)).collect::<Row>();
+            let all = parts.iter().map(|(by, row)| scaled(row, share * by));
+            merged(all.fold(scaled(own, 1.0 - share), |sum, row| [sum, row].concat()))
+        };
+        self.normal = mixed(&self.normal, &[(1.0, &other.normal)]);
+        for k in 0..2 {
+            if !self.tangents[k].is_empty() {
+                let along =
+                    [0, 1].map(|j| (dot(self.facing.tangents[k], other.facing.tangents[j]), &other.tangents[j]));
+                self.tangents[k] = mixed(&self.tangents[k], &along);
+            }
+        }
+    }
+}
