@@ -13,6 +13,7 @@ mod passing;
 mod patch;
 mod random;
 mod roller;
+mod seams;
 mod shrink;
 mod spheres;
 mod stack;

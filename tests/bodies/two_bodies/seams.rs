@@ -1,0 +1,219 @@
+//! Contact where the contact rows of nodes depend on each other or nearly do, and rings that contact alone holds.
+
+use crate::common::round::moved;
+use std::f64::consts::TAU;
+use stickslip::body::fem::{Material, Plane};
+use stickslip::body::mesh::{Body, CellKind, Mesh, MeshSource, block};
+use stickslip::body::{Axis, Description, Model, Opposite};
+use stickslip::run::report::WarningKind;
+use stickslip::run::{Run, discretise};
+use stickslip::scene::Scene;
+use stickslip::solver::history::{LinearAlgebra, Method, SolverChoice, Status};
+
+/// Both methods with every linear solver of this build: the largest number of iterations, and `see` of the last state.
+fn by_all(model: &Model, name: &str, most: usize, see: impl Fn(&Model, &stickslip::solver::State)) {
+    for method in [Method::BN, Method::Ip] {
+        for (word, linear) in LinearAlgebra::WORDS.into_iter().filter(|(_, linear)| linear.is_built_in()) {
+            let solver = SolverChoice { linear: Some(linear), ..SolverChoice::new(method) };
+            let outcome = Run::of(model, model.times().to_vec(), solver).unwrap().history(&mut ()).unwrap();
+            assert_eq!(outcome.status, Status::Converged, "{name}, {method}, {word}");
+            let taken = outcome.records.iter().map(|record| record.iterations).max().unwrap();
+            assert!(taken <= most, "{name}, {method}, {word}: {taken}");
+            see(model, &outcome.state);
+        }
+    }
+}
+
+/// Pressures of 10 mPa everywhere and no friction.
+fn is_uniform(model: &Model, state: &stickslip::solver::State) {
+    for boundary in &model.contact_boundaries {
+        for (i, _) in boundary.parts(&model.contacts) {
+            let [p, t] = [state.p_n[i], state.p_t[i].hypot(state.p_o[i])].map(|p| p / model.contacts[i].weight);
+            // A floor that is a million times as stiff gives way by a millionth.
+            assert!((p / 0.01 - 1.0).abs() < 2e-6 && t < 1e-8, "{}: {p} {t}", boundary.name);
+        }
+    }
+}
+
+/// Two glued blocks side by side, pressed on one floor: rigid or a body, in the plane and in space, with meshes that match at the
+/// seam and that do not.
+#[test]
+fn glued_blocks_on_one_floor() {
+    for (space, cells, [a, b], elastic) in [
+        (false, "quadrilateral", [3, 3], true),
+        (false, "quadrilateral", [3, 3], false),
+        (false, "quadrilateral", [4, 3], false),
+        (false, "quadrilateral8", [3, 3], true),
+        (false, "quadrilateral8", [3, 2], false),
+        (false, "triangle6", [3, 3], false),
+        (true, "tetrahedron", [3, 3], false),
+        (true, "tetrahedron", [3, 2], false),
+        (true, "hexahedron", [4, 3], false),
+        (true, "hexahedron20", [2, 2], false),
+        (true, "tetrahedron10", [2, 2], false),
+    ] {
+        let (size, at, fix, press, left) = if space {
+            (
+                "[1, 1, 1]",
+                "[1, 0, 0]",
+                "[\"x\", \"y\", \"z\"]",
+                "[0, 0, -0.01]",
+                [format!("[{a}, {a}, {a}]"), format!("[{b}, {b}, {b}]")],
+            )
+        } else {
+            ("[1, 1]", "[1, 0]", "[\"x\", \"y\"]", "[0, -0.01]", [format!("[{a}, {a}]"), format!("[{b}, {b}]")])
+        };
+        let body = |name: &str, at: &str, elements: &str| {
+            format!(
+                "[[body]]\nname = \"{name}\"\n{at}mesh = {{ kind = \"block\", cells = \"{cells}\", size = {size}, elements = {elements} }}\n\
+                 material = {{ young = 1, poisson = 0 }}\n[[support]]\nboundary = \"{name}:top\"\nfix = {fix}\n\
+                 displacement = {press}\n"
+            )
+        };
+        let floor = "[[body]]\nname = \"floor\"\nat = [-0.5, -1]\nmesh = { kind = \"block\", size = [3, 1], elements = [7, 2] }\n\
+                     material = { young = 1e6, poisson = 0 }\n[[support]]\nboundary = \"floor:bottom\"\nfix = [\"x\", \"y\"]\n";
+        let opposite = if elastic { "against = \"floor:top\"" } else { "obstacle = { kind = \"plane\" }" };
+        let contact = |name: &str| format!("[[contact]]\nboundary = \"{name}:bottom\"\nfriction = 0.3\n{opposite}\n");
+        let text = [
+            body("a", "", &left[0]),
+            body("b", &format!("at = {at}\n"), &left[1]),
+            if elastic { floor.to_string() } else { String::new() },
+            "[[contact]]\nboundary = \"a:right\"\nagainst = \"b:left\"\nglue = true\n".to_string(),
+            contact("a"),
+            contact("b"),
+            "[time]\nend = 1\nincrements = 1\n".to_string(),
+        ]
+        .concat();
+        let name = format!("{cells} {a} {b} {elastic}");
+        let model = discretise(&Scene::parse("seam.toml", &text, &[]).unwrap()).unwrap();
+        by_all(&model, &name, 10, is_uniform);
+    }
+}
+
+/// A periodic block, one element high, and one that is periodic both ways.
+#[test]
+fn a_period_over_an_obstacle() {
+    for (size, elements, shifts) in [
+        ("[1, 1]", "[3, 1]", vec![("right", "left", "[1, 0]")]),
+        ("[1, 1, 1]", "[3, 3, 1]", vec![("right", "left", "[1, 0, 0]")]),
+        ("[1, 1, 1]", "[2, 2, 2]", vec![("right", "left", "[1, 0, 0]"), ("back", "front", "[0, 1, 0]")]),
+        ("[1, 1, 1]", "[2, 2, 2]", vec![("back", "front", "[0, 1, 0]"), ("right", "left", "[1, 0, 0]")]),
+    ] {
+        let space = shifts[0].2.len() > 6;
+        let (fix, press) = if space { ("\"x\", \"y\", \"z\"", "0, 0, -0.01") } else { ("\"x\", \"y\"", "0, -0.01") };
+        let glued = |(boundary, against, shift): &(&str, &str, &str)| {
+            format!("[[contact]]\nboundary = \"{boundary}\"\nagainst = \"{against}\"\nglue = true\nshift = {shift}\n")
+        };
+        for cells in
+            if space { vec!["hexahedron", "hexahedron20", "tetrahedron10"] } else { vec!["quadrilateral", "triangle6"] }
+        {
+            let text = format!(
+                "[mesh]\nkind = \"block\"\ncells = \"{cells}\"\nsize = {size}\nelements = {elements}\n[material]\nyoung = 1\npoisson = 0\n\
+                 [[contact]]\nboundary = \"bottom\"\nfriction = 0.3\nobstacle = {{ kind = \"plane\" }}\n{}\
+                 [[support]]\nboundary = \"top\"\nfix = [{fix}]\ndisplacement = [{press}]\n[time]\nend = 1\nincrements = 1\n",
+                shifts.iter().map(glued).collect::<String>()
+            );
+            let model = discretise(&Scene::parse("period.toml", &text, &[]).unwrap()).unwrap();
+            by_all(&model, &format!("{cells} {shifts:?}"), 10, is_uniform);
+        }
+    }
+}
+
+/// A ring of `n` elements around and two across.
+fn ring(kind: CellKind, [from, to]: [f64; 2], n: usize) -> Mesh {
+    let mut grid = block(&[1.0, 1.0], &[2, n]);
+    if kind.is_simplex() {
+        grid = grid.into_simplices();
+    }
+    if kind.is_quadratic() {
+        grid = grid.into_second_order();
+    }
+    let joins: Vec<usize> = (0..grid.nodes.len())
+        .map(|i| {
+            let [s, t, _] = grid.nodes[i];
+            let first = |x: &[f64; 3]| x[1] == 0.0 && (x[0] - s).abs() < 1e-12;
+            if t == 1.0 { grid.nodes.iter().position(first).unwrap() } else { i }
+        })
+        .collect();
+    let mut mesh = moved(grid, |[s, t, _]| {
+        let r = from + s * (to - from);
+        let (sin, cos) = (TAU * t).sin_cos();
+        [r * cos, r * sin, 0.0]
+    });
+    let kept: Vec<usize> = (0..joins.len()).filter(|&i| joins[i] == i).collect();
+    let number = |i: usize| kept.binary_search(&joins[i]).unwrap();
+    mesh.cells.iter_mut().flat_map(|cell| &mut cell.nodes).for_each(|node| *node = number(*node));
+    mesh.boundaries.retain(|boundary| ["left", "right"].contains(&boundary.name.as_str()));
+    let facets = mesh.boundaries.iter_mut().flat_map(|boundary| &mut boundary.facets);
+    facets.flatten().for_each(|node| *node = number(*node));
+    mesh.nodes = kept.into_iter().map(|i| mesh.nodes[i]).collect();
+    mesh
+}
+
+/// A hub shrunk on a shaft that nothing else holds: it sticks all round, from the first iteration on.
+#[test]
+fn rings_on_contact_and_friction_alone() {
+    for kind in [CellKind::Quadrilateral, CellKind::Triangle6, CellKind::Quadrilateral8] {
+        let mut forces = Vec::new();
+        for n in [4, 8, 12, 16, 20, 24, 32, 48, 64] {
+            if kind == CellKind::Triangle6 && n < 8 {
+                continue;
+            }
+            let shaft = Body::new("shaft", ring(kind, [0.01, 0.02], n));
+            let hub = Body::new("hub", ring(kind, [0.02, 0.04], n));
+            let material = Material::new(210e9, 0.3).in_plane(Plane::Stress);
+            let opposite = Opposite::from("shaft:right").apart(-2e-5);
+            let body = Description::new(MeshSource::Bodies(vec![shaft, hub]), material, vec![1.0])
+                .support("shaft:left", &[Axis::X, Axis::Y])
+                .pair("hub:left", 0.12, opposite);
+            let model = Model::build(&body).unwrap();
+            by_all(&model, &format!("{kind:?}, {n} around"), 10, |model, state| {
+                let largest = state.p_n.iter().fold(0.0_f64, |m, p| m.max(*p));
+                assert!(state.p_n.iter().all(|p| *p > 0.1 * largest), "{kind:?} {n}");
+                assert!(state.p_t.iter().all(|p| p.abs() < 0.12 * 0.5 * largest), "{kind:?} {n}");
+                assert!(!model.rigid_motions.is_empty());
+            });
+            let outcome = Run::of(&model, vec![1.0], SolverChoice::new(Method::BN)).unwrap().history(&mut ()).unwrap();
+            forces.push(outcome.state.p_n.iter().sum::<f64>());
+        }
+        let last = forces[forces.len() - 1];
+        assert!((forces[forces.len() - 2] / last - 1.0).abs() < 0.05, "{forces:?}");
+    }
+}
+
+/// Half of an interface is welded, the rest in contact: the node at the end of the weld has no contact force of its own, and
+/// nobody is told that forces are not unique.
+#[test]
+fn the_end_of_a_weld() {
+    let body = |name: &str, at: &str| {
+        format!(
+            "[[body]]\nname = \"{name}\"\nat = {at}\nmesh = {{ kind = \"block\", size = [1, 1], elements = [4, 4] }}\n\
+             material = {{ young = 1, poisson = 0 }}\n"
+        )
+    };
+    let text = [
+        body("a", "[0, 0]"),
+        body("b", "[1, 0]"),
+        body("c", "[0, 1]"),
+        body("d", "[1, 1]"),
+        "[[contact]]\nboundary = \"a:right\"\nagainst = \"b:left\"\nglue = true\n\
+         [[contact]]\nboundary = \"c:right\"\nagainst = \"d:left\"\nglue = true\n\
+         [[contact]]\nboundary = \"c:bottom\"\nagainst = \"a:top\"\nglue = true\n\
+         [[contact]]\nboundary = \"d:bottom\"\nagainst = \"b:top\"\nfriction = 0.3\n\
+         [[support]]\nboundary = \"a:bottom\"\nfix = [\"x\", \"y\"]\n[[support]]\nboundary = \"b:bottom\"\nfix = [\"x\", \"y\"]\n\
+         [[support]]\nboundary = \"c:top\"\nfix = [\"x\", \"y\"]\ndisplacement = [0, -0.02]\n\
+         [[support]]\nboundary = \"d:top\"\nfix = [\"x\", \"y\"]\ndisplacement = [0, -0.02]\n[time]\nend = 1\nincrements = 1\n"
+            .to_string(),
+    ]
+    .concat();
+    let model = discretise(&Scene::parse("weld.toml", &text, &[]).unwrap()).unwrap();
+    by_all(&model, "weld", 10, |model, state| {
+        for (i, contact) in model.contacts.iter().enumerate() {
+            let pressure = state.p_n[i] / contact.weight;
+            let is_end = contact.position[0] < 1.0 + 1e-9;
+            assert!((pressure / 0.01 - 1.0).abs() < 1e-6 || is_end, "{:?}: {pressure}", contact.position);
+        }
+    });
+    let report = Run::of(&model, vec![1.0], SolverChoice::new(Method::BN)).unwrap().solve(&mut ()).unwrap();
+    assert!(report.warnings.iter().all(|warning| warning.kind != WarningKind::NotUnique), "{:?}", report.warnings);
+}
