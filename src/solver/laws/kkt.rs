@@ -194,8 +194,10 @@ pub(crate) struct Judgement<'a> {
 struct Largest {
     /// The external forces, √J.
     load: f64,
-    /// The contact forces, √J.
+    /// The contact forces of closed nodes, √J.
     contact: f64,
+    /// Those of open nodes, which are the rest of an iteration.
+    open: f64,
     /// The forces that would push contact nodes out, √J.
     penetration: f64,
     /// The external and contact forces on displacements, N.
@@ -220,13 +222,15 @@ impl<'a> Judgement<'a> {
         let scales = earlier.with_terms(problem, &terms).with_gaps(problem, increment, &state.u);
         let mut largest = vec![Largest::default(); *parts];
         for (i, (&part, unit)) in contact_part.iter().zip(unit).enumerate() {
-            let Largest { contact, penetration, force, .. } = &mut largest[part];
-            let (pressed, inside) =
-                (state.p_n[i].abs().max(length(friction(state, i))), distance(problem, increment, state, i));
-            *contact = contact.max(pressed / unit);
-            *penetration = penetration.max(positive(-inside) * unit);
+            let Largest { contact, open, penetration, force, .. } = &mut largest[part];
+            let pressed = state.p_n[i].abs().max(length(friction(state, i)));
+            let apart = distance(problem, increment, state, i) * unit;
+            let is_open = state.p_n[i] / unit <= apart;
+            let kind = if is_open { open } else { contact };
+            *kind = kind.max(pressed / unit);
+            *penetration = penetration.max(positive(-apart));
             let row = problem.c_n().row(i).iter().map(|(_, c)| c * c).sum::<f64>().sqrt();
-            *force = force.max(row * pressed.max(positive(-inside) * unit * unit));
+            *force = force.max(row * pressed.max(positive(-apart) * unit));
         }
         for ((&part, unit), f) in part.iter().zip(displacement).zip(increment.force) {
             let Largest { load, force, .. } = &mut largest[part];
@@ -236,9 +240,9 @@ impl<'a> Judgement<'a> {
         // The terms of the state itself do not count: those of a body that flies away are as large as one likes.
         let before = |part: usize| earlier.0.get(part).map_or(0.0, |terms| terms.balance);
         let is_unloaded = (0..*parts).map(|part| {
-            let Largest { load, contact, penetration, .. } = largest[part];
+            let Largest { load, contact, open, penetration, .. } = largest[part];
             let Terms { balance, gaps } = scales.0[part];
-            load.max(contact) <= ROUNDING * before(part) && penetration <= ROUNDING * balance.max(gaps)
+            load.max(contact).max(open) <= ROUNDING * before(part) && penetration <= ROUNDING * balance.max(gaps)
         });
         let is_unloaded = is_unloaded.collect();
         Ok(Judgement { problem, increment, state, imbalance, terms, scales, is_unloaded, largest })
@@ -287,12 +291,17 @@ impl<'a> Judgement<'a> {
         }
     }
 
-    /// Returns what contact forces of a part are relative to, √J: the largest of them, or the largest terms of the
-    /// balance if all are the rounding of these.
+    /// Returns what contact forces of a part are relative to, √J: the largest of closed nodes, or the largest terms of
+    /// the balance if all are the rounding of these. If no node is closed, it is the largest load.
     fn contact_scale(&self, part: usize) -> f64 {
-        let Largest { contact, penetration, .. } = self.largest[part];
-        let (largest, balance) = (contact.max(penetration), self.scales.0[part].balance);
-        let own = if largest <= ROUNDING * balance { balance } else { largest };
+        let Largest { load, contact, open, penetration, .. } = self.largest[part];
+        let (closed, balance) = (contact.max(penetration), self.scales.0[part].balance);
+        let own = match closed.max(open) {
+            largest if largest <= ROUNDING * balance => balance,
+            _ if closed == 0.0 && load > 0.0 => load.max(open),
+            _ if closed == 0.0 => balance,
+            _ => closed,
+        };
         self.rounded(part).unwrap_or(own)
     }
 

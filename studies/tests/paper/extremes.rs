@@ -69,44 +69,39 @@ fn strained(problem: &ContactProblem, state: &State) -> [Vec<f64>; 2] {
     [u, rest]
 }
 
-/// The largest imbalance of any displacement, relative to its terms, at least to the largest contact force and at most to
-/// the largest force of all.
-fn imbalance(problem: &ContactProblem, increment: &Increment<'_>, state: &State, scales: &Scales) -> f64 {
+/// The largest imbalance of any displacement, relative to `force`.
+fn imbalance(problem: &ContactProblem, increment: &Increment<'_>, state: &State, force: f64) -> f64 {
     let mut sums = vec![Double::ZERO; state.u.len()];
-    let mut terms: Vec<f64> = increment.force.iter().map(|f| f.abs()).collect();
     let [u, rest] = strained(problem, state);
     for (row, column, value) in problem.stiffness().assembled().unwrap().entries() {
         sums[row] = sums[row].plus_product(value, u[column]).plus_product(value, rest[column]);
-        terms[row] += (value * state.u[column]).abs();
     }
     for i in 0..problem.contacts() {
         for (map, p) in [(problem.c_n(), state.p_n[i]), (problem.c_t(), state.p_t[i])] {
             for &(dof, c) in map.row(i) {
                 sums[dof] = sums[dof].plus_product(c, p);
-                terms[dof] += (c * p).abs();
             }
         }
     }
-    let relative = |(dof, sum): (usize, Double)| {
-        let left = sum.plus(-increment.force[dof]).value().abs();
-        if left == 0.0 { 0.0 } else { left / scales.force.min(terms[dof].max(scales.contact)) }
-    };
-    sums.into_iter().enumerate().map(relative).fold(0.0, f64::max)
+    let largest = sums.iter().zip(increment.force).map(|(sum, f)| sum.plus(-f).value().abs()).fold(0.0, f64::max);
+    if largest == 0.0 { 0.0 } else { largest / force }
 }
 
-/// The largest numbers of an increment: contact forces, all forces, N, and displacements or interferences, m.
+/// The largest external or contact force so far, N, and the largest displacement or interference, m. The error measure compares
+/// with no more than these.
+#[derive(Default)]
 struct Scales {
-    contact: f64,
     force: f64,
     length: f64,
 }
 
 impl Scales {
-    fn of(increment: &Increment<'_>, state: &State) -> Self {
+    fn raise(&mut self, increment: &Increment<'_>, state: &State) {
         let largest = |values: &[f64]| values.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-        let contact = largest(&state.p_n).max(largest(&state.p_t));
+        let forces = [increment.force, &state.p_n, &state.p_t].map(largest);
+        self.force = forces.into_iter().fold(self.force, f64::max);
         let interference = increment.gap.iter().fold(0.0_f64, |m, gap| m.max(-gap));
-        Scales { contact, force: contact.max(largest(increment.force)), length: largest(&state.u).max(interference) }
+        self.length = self.length.max(interference).max(largest(&state.u));
     }
 }
 
@@ -114,7 +109,7 @@ impl Scales {
 /// `p_t - Π(p_t + w_t - w̄_t)`, forces in units of `force` and lengths in units of `length`.
 fn natural_map(problem: &ContactProblem, increment: &Increment<'_>, state: &State, scales: &Scales) -> f64 {
     let unit = |x: f64| if x > 0.0 { x } else { 1.0 };
-    let (force, length) = (unit(scales.contact), unit(scales.length));
+    let (force, length) = (unit(scales.force), unit(scales.length));
     let mut largest = 0.0_f64;
     for i in 0..problem.contacts() {
         let (p_n, p_t) = (state.p_n[i] / force, state.p_t[i] / force);
@@ -135,6 +130,7 @@ fn natural_map(problem: &ContactProblem, increment: &Increment<'_>, state: &Stat
 struct Judge<'a> {
     name: &'a str,
     problem: &'a ContactProblem,
+    scales: Scales,
 }
 
 impl Observer for Judge<'_> {
@@ -143,17 +139,14 @@ impl Observer for Judge<'_> {
         if step.record.status != Status::Converged {
             return ControlFlow::Continue(());
         }
-        let scales = Scales::of(step.increment, step.state);
-        let map = natural_map(problem, step.increment, step.state, &scales);
+        self.scales.raise(step.increment, step.state);
+        let map = natural_map(problem, step.increment, step.state, &self.scales);
         assert!(map <= 2e-10, "{name}, increment {}: natural map {map}", step.record.index);
-        let (told, truth) = (step.record.kkt.equilibrium, imbalance(problem, step.increment, step.state, &scales));
+        let (told, truth) =
+            (step.record.kkt.equilibrium, imbalance(problem, step.increment, step.state, self.scales.force));
         assert!(truth <= 1e-10, "{name}, increment {}: imbalance {truth}", step.record.index);
-        // Within a factor of ten, but for what is rounding anyway; the parts of a halved increment before
-        // the last are not seen here.
+        // Rows with small terms are told by these.
         assert!(truth <= 10.0 * told + 1e-15, "{name}, increment {}: {told} for {truth}", step.record.index);
-        if step.record.parts == 1 {
-            assert!(told <= 10.0 * truth + 1e-14, "{name}, increment {}: {told} for {truth}", step.record.index);
-        }
         ControlFlow::Continue(())
     }
 }
@@ -167,7 +160,7 @@ fn verdicts_are_right(method: SuiteMethod, every: usize) {
         let name = format!("{} = {}, {}", case.sweep, case.value, method.title());
         let scene = case.scene().unwrap();
         let model = case.model(&scene).unwrap();
-        let mut judge = Judge { name: &name, problem: &model.problem };
+        let mut judge = Judge { name: &name, problem: &model.problem, scales: Scales::default() };
         let times = scene.time.all();
         let outcome = Run::of(&model, times, case.solver(&scene, method)).unwrap().history(&mut judge).unwrap();
         match case.expect {
