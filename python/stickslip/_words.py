@@ -14,7 +14,8 @@ REASONS = {
     "diverged": "the iterations left the range of numbers; try the other of the methods bn and ip, or smaller increments",
     "stalled": "the iterations no longer advance, away from a solution; try the other of the methods bn and ip, smaller increments, or less friction",
     "singular": "the linear system is singular, most likely because neither K nor contact holds the body; add a support",
-    "no-equilibrium": "no contact forces within the friction limit balance the loads, so that the body slides or lifts off; change the loads or add a support",
+    "slips": "a joint slips as a whole: the loads overcome all friction that holds the body; prescribe a displacement in place of the load to follow the slip",
+    "no-equilibrium": "no contact forces within the friction limit balance the loads, so that the body lifts off or tips; change the loads or add a support",
     "no-continuation": "the quasi-static motion ends here: no rates satisfy the laws beyond this load; less friction or a support may help, "
     "and the method bn goes on with increments",
     "edge-friction": "only friction across an edge between two obstacles could balance the loads, and the equations neglect it; "

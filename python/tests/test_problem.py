@@ -231,7 +231,7 @@ def test_a_wrong_answer_of_a_foreign_solver_is_said(what: Any, said: str) -> Non
 
 def test_a_right_answer_of_a_foreign_solver_is_not_blamed() -> None:
     model = ss.Model(ss.Scene.example("block"), {"mesh.elements": [8, 4], "contact.friction": 0.1})
-    with pytest.warns(ss.NotConvergedWarning, match="no-equilibrium"):
+    with pytest.warns(ss.NotConvergedWarning, match="slips"):
         result = model.run(linear=Scipy())
     assert "linear" not in result.message
     with pytest.warns(ss.NotConvergedWarning):
@@ -349,9 +349,9 @@ def test_tangents_are_a_tuple_that_a_problem_takes_back(scene: object, tangents:
 def test_a_run_that_failed_has_its_reason() -> None:
     model = ss.Model(ss.Scene.example("block"), {"mesh.elements": [8, 4]})
     problem, history = model.problem, model.history
-    with pytest.warns(ss.NotConvergedWarning, match="no contact forces within the friction limit balance the loads"):
+    with pytest.warns(ss.NotConvergedWarning, match="a joint slips as a whole"):
         pushed = problem.solve(history["force"], mu=0.05)
-    assert pushed.status == "no-equilibrium"
+    assert pushed.status == "slips"
     unheld = ss.ContactProblem(sp.diags([0.0, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
     with pytest.warns(ss.NotConvergedWarning):
         stepped = unheld.stepper().step([40.0, -100.0])

@@ -60,6 +60,7 @@ mod record;
 mod rigid_offset;
 mod saved;
 mod settings;
+mod slip;
 mod stage;
 mod state;
 mod stepper;
@@ -126,6 +127,8 @@ pub struct HistoryOutcome {
     /// The weights of the problem's rigid modes in a motion that caused the failure, if there is one: nothing stops
     /// it, or the loads drive it against all contact forces.
     pub free_motion: Option<Vec<f64>>,
+    /// The slip of a joint as a whole, with [`Status::Slips`].
+    pub slip: Option<Slip>,
     /// The layout of the unknowns.
     pub layout: Layout,
     /// The working set, if not all contact nodes were in the equations at first.
@@ -136,6 +139,16 @@ pub struct HistoryOutcome {
     pub linear: Statistics,
     /// The time for patterns and symbolic analysis, before the first increment, s.
     pub setup_seconds: f64,
+}
+
+/// The slip of a joint as a whole, after the time that the history has reached.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Slip {
+    /// A time at which the joint slips, s.
+    pub by: f64,
+    /// The normal contact forces at the time reached, n_c, N.
+    pub p_n: Vec<f64>,
 }
 
 impl HistoryOutcome {
@@ -161,6 +174,7 @@ impl HistoryOutcome {
             lost: None,
             rounding: 0.0,
             free_motion: None,
+            slip: None,
             layout: Layout::new(problem),
             working_set: None,
             increment_error: None,

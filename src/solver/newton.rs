@@ -37,6 +37,8 @@ pub enum Termination {
     Unconstrained(Vec<f64>),
     /// No equilibrium exists: the loads drive the rigid mode with these weights.
     NoEquilibrium(Vec<f64>),
+    /// The loads drive the rigid mode with these weights along the contact, against all friction that there is.
+    Slips(Vec<f64>),
     /// The loads drive the rigid mode with these weights. Only friction across the edge between two obstacles could
     /// resist it, and the equations neglect that.
     EdgeFriction(Vec<f64>),

@@ -381,6 +381,15 @@ impl ContactProblem {
         normal.chain(tangential).map(|&(dof, _)| dof).collect::<BTreeSet<_>>().into_iter().collect()
     }
 
+    /// Returns the displacements (n_u, m) in the sum of the rigid modes with these `weights`.
+    pub(crate) fn rigid_motion(&self, weights: &[f64]) -> Vec<f64> {
+        let mut u = vec![0.0; self.displacements()];
+        for (motion, weight) in self.rigid_modes().iter().zip(weights) {
+            u.iter_mut().zip(motion).for_each(|(u, r)| *u += weight * r);
+        }
+        u
+    }
+
     /// Returns `w_n`, `w_t` and `w_o` (n_c, m) of displacements `u`.
     pub(crate) fn contact_motion(&self, u: &[f64]) -> [Vec<f64>; 3] {
         [self.c_n(), self.c_t(), self.c_o()].map(|map| map.mul(u))

@@ -5,6 +5,7 @@ mod free;
 mod landing;
 
 use crate::algebra::sparse::Csr;
+use crate::algebra::vector::dot;
 use crate::solver::problem::error::{expect_finite, expect_length};
 use crate::solver::problem::{ContactProblem, ProblemError};
 use cone::{FiniteCone, norm};
@@ -111,20 +112,90 @@ fn driven_against(problem: &ContactProblem, mu: &[f64], tangents: [&Csr; 2], loa
     unbalanced(&cones.iter().collect::<Vec<_>>(), &load, size).map(|y| free.weights(&y))
 }
 
+/// Returns `true` if contact forces would balance `load` with any amount of friction where there is some.
+pub(crate) fn is_held_by_friction(problem: &ContactProblem, mu: &[f64], load: &Load<'_>) -> bool {
+    let free = Free::new(problem);
+    let (load, size) = free.work(load);
+    let tangents = problem.tangents_alone().unwrap_or(problem.tangential_maps());
+    let forces = (0..problem.contacts()).flat_map(|i| {
+        let FrictionCone { mu, normal, tangents } = FrictionCone::of(problem, mu[i], tangents, &free, i);
+        let rough = tangents.into_iter().filter(move |_| mu > 0.0);
+        rough.flat_map(|t| [t.iter().map(|t| -t).collect(), t]).chain([normal])
+    });
+    FiniteCone::new(load.len(), forces).outside(&load, size).is_none()
+}
+
+/// Returns a motion of the rigid modes along the contact on which `load` does more work than all friction can take up,
+/// if the normal forces are `p_n` (n_c, N): the nodes in contact do not move along their normals, the others not
+/// towards their obstacles. Returns `None` if there is no such motion.
+pub(crate) fn sliding_motion(problem: &ContactProblem, mu: &[f64], load: &Load<'_>, p_n: &[f64]) -> Option<Vec<f64>> {
+    if problem.rigid_modes().is_empty() {
+        return None;
+    }
+    let free = Free::new(problem);
+    let (mut load, size) = free.work(load);
+    let nodes: Vec<FrictionCone> = (0..problem.contacts())
+        .map(|i| FrictionCone::of(problem, mu[i], problem.tangential_maps(), &free, i))
+        .collect();
+    // Friction of given normal forces is bounded: one more dimension makes a cone of it.
+    let (modes, unit) = (load.len(), norm(&load));
+    load.push(unit);
+    let normals = nodes.iter().zip(p_n).flat_map(|(node, p_n)| {
+        let normal = |sign: f64| node.normal.iter().map(|n| sign * n).chain([0.0]).collect::<Vec<f64>>();
+        [Some(normal(1.0)), (*p_n > 0.0).then(|| normal(-1.0))].into_iter().flatten()
+    });
+    let most = |y: &[f64]| {
+        let mut sum = vec![0.0; modes];
+        for (node, p_n) in nodes.iter().zip(p_n).filter(|(_, p_n)| **p_n > 0.0) {
+            if let Some(steepest) = node.steepest(&y[..modes]) {
+                sum.iter_mut().zip(&steepest).for_each(|(sum, t)| *sum += node.mu * p_n * t);
+            }
+        }
+        sum.push(unit);
+        Some((dot(&sum, y) / norm(&sum), sum))
+    };
+    let y = separated(normals.collect(), &load, size, true, most)?;
+    Some(free.weights(&y[..modes]))
+}
+
+/// Returns the work of `force` (n_u, N) and of the normal forces `p_n` (n_c, N) on a motion of the rigid modes with
+/// these `weights` beyond the work that all friction can take up, J per unit of the weights.
+pub(crate) fn excess(problem: &ContactProblem, mu: &[f64], force: &[f64], p_n: &[f64], weights: &[f64]) -> f64 {
+    let u = problem.rigid_motion(weights);
+    dot(&u, force) - dot(&problem.c_n().mul(&u), p_n) - friction_work(problem, mu, p_n, &u)
+}
+
+/// Returns the largest work (J) of friction against displacements `u`, if the normal forces are `p_n` (n_c, N).
+pub(crate) fn friction_work(problem: &ContactProblem, mu: &[f64], p_n: &[f64], u: &[f64]) -> f64 {
+    let [_, w_t, w_o] = problem.contact_motion(u);
+    (0..p_n.len()).map(|i| mu[i] * p_n[i].max(0.0) * w_t[i].hypot(w_o[i])).sum()
+}
+
 /// Returns the part of `load`, a sum of terms of this `size`, that the `cones` do not balance, or `None` if they
 /// balance it.
 fn unbalanced(cones: &[&FrictionCone], load: &[f64], size: f64) -> Option<Vec<f64>> {
-    let mut generators: Vec<Vec<f64>> = cones.iter().flat_map(|cone| cone.edges()).collect();
+    let generators = cones.iter().flat_map(|cone| cone.edges()).collect();
     let has_rim = cones.iter().any(|cone| cone.tangents.len() > 1);
+    separated(generators, load, size, has_rim, |y| {
+        cones.iter().filter_map(|cone| cone.edge_towards(y)).max_by(|a, b| a.0.total_cmp(&b.0))
+    })
+}
+
+/// Returns the part of `load`, a sum of terms of this `size`, that a cone does not balance, or `None` if it does. The
+/// cone contains the `generators`; if it is round, `furthest` finds its edge nearest to a direction.
+fn separated(
+    mut generators: Vec<Vec<f64>>,
+    load: &[f64],
+    size: f64,
+    is_round: bool,
+    furthest: impl Fn(&[f64]) -> Option<(f64, Vec<f64>)>,
+) -> Option<Vec<f64>> {
+    let least = NEARER * norm(load);
     for _ in 0..ROUNDS {
-        let cone = FiniteCone::new(load.len(), generators.iter().cloned());
-        let y = cone.outside(load, size)?;
-        let least = NEARER * norm(load);
-        let edges = cones.iter().filter_map(|cone| cone.edge_towards(&y)).filter(|(gain, _)| *gain > least);
-        let further = edges.max_by(|a, b| a.0.total_cmp(&b.0));
-        match further {
+        let y = FiniteCone::new(load.len(), generators.iter().cloned()).outside(load, size)?;
+        match furthest(&y).filter(|(gain, _)| *gain > least) {
             Some((_, edge)) => generators.push(edge),
-            None if has_rim && norm(&y) <= TELLABLE * norm(load) => break,
+            None if is_round && norm(&y) <= TELLABLE * norm(load) => break,
             None => return Some(y),
         }
     }
@@ -174,13 +245,16 @@ impl FrictionCone {
     /// Returns the edge on the rim that is nearest to `y`, with the component of `y` along it, or `None` if the cone
     /// has only [`FrictionCone::edges`].
     fn edge_towards(&self, y: &[f64]) -> Option<(f64, Vec<f64>)> {
-        let [t, o] = self.tangents.as_slice() else { return None };
-        let dot = |a: &[f64]| a.iter().zip(y).map(|(a, y)| a * y).sum::<f64>();
-        let (along_t, along_o) = (dot(t), dot(o));
-        let length = along_t.hypot(along_o);
-        let steepest: Vec<f64> = t.iter().zip(o).map(|(t, o)| (along_t * t + along_o * o) / length).collect();
-        let edge = self.edge(self.mu, &steepest);
-        Some((dot(&edge) / norm(&edge), edge))
+        let edge = self.edge(self.mu, &self.steepest(y).filter(|_| self.tangents.len() > 1)?);
+        Some((dot(&edge, y) / norm(&edge), edge))
+    }
+
+    /// Returns the vector of the tangent along which the node moves in the motion `y`, or `None` if it has none.
+    fn steepest(&self, y: &[f64]) -> Option<Vec<f64>> {
+        let along: Vec<f64> = self.tangents.iter().map(|t| dot(t, y)).collect();
+        let length = norm(&along);
+        let sum = |k: usize| self.tangents.iter().zip(&along).map(|(t, along)| along * t[k] / length).sum();
+        (length > 0.0).then(|| (0..y.len()).map(sum).collect())
     }
 }
 

@@ -320,7 +320,7 @@ impl Row {
     pub fn right(&self) -> Option<bool> {
         match self.expect {
             Expect::Solved => Some(self.verdict == Status::Converged),
-            Expect::None => Some(self.verdict == Status::NoEquilibrium),
+            Expect::None => Some(matches!(self.verdict, Status::NoEquilibrium | Status::Slips)),
             Expect::Unknown => None,
         }
     }

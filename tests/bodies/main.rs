@@ -53,6 +53,7 @@ mod scene_pairs;
 mod scene_values;
 mod second_order_contact;
 mod several_bodies;
+mod slip;
 mod steps;
 mod surface_stress;
 mod surfaces;

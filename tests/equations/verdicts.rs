@@ -138,7 +138,7 @@ fn a_balance_across_an_edge_is_not_denied() {
     for linear in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
         assert_eq!(outcome(0.45e5, linear), (Status::EdgeFriction, 1, true));
         // More than all friction there is.
-        assert_eq!(outcome(0.55e5, linear), (Status::NoEquilibrium, 1, true));
+        assert_eq!(outcome(0.55e5, linear), (Status::Slips, 1, true));
     }
     let model = discretise(&scene(0.45e5)).unwrap();
     let force = model.loading.force_at(1.0, &model.problem).unwrap();
@@ -147,12 +147,12 @@ fn a_balance_across_an_edge_is_not_denied() {
 
 /// A free motion that contact cannot stop ends the run and is named.
 #[test]
-fn sliding_away_is_no_equilibrium() {
+fn sliding_away_is_a_slip() {
     let wall = "        { boundary = \"right\", friction = 0.2, obstacle = { kind = \"plane\" } },\n";
     let scene = Scene::parse("slide.toml", &common::edit(CORNER, wall, ""), &[]).unwrap();
     let model = discretise(&scene).unwrap();
     let outcome = common::run(&scene, &model, &mut ());
-    assert_eq!(outcome.status, Status::NoEquilibrium, "{:?}", outcome.records.last());
+    assert_eq!(outcome.status, Status::Slips, "{:?}", outcome.records.last());
     // Every force that the plane can take resists it by nothing or pushes along: (1, mu), of unit length.
     assert_eq!(blamed(&model, &outcome), "a translation along (0.928477, 0.371391)");
 }

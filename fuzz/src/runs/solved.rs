@@ -43,7 +43,7 @@ impl Solved {
     pub fn kind(&self) -> &'static str {
         match self.report.status {
             Status::Converged => "converged",
-            Status::NoEquilibrium => "without equilibrium",
+            Status::NoEquilibrium | Status::Slips => "without equilibrium",
             Status::NoContinuation => "without continuation",
             Status::Singular | Status::EdgeFriction => "singular",
             Status::Unsupported => "unsupported",

@@ -129,6 +129,30 @@ impl RigidMotion {
         }
     }
 
+    /// Describes how the bodies slide: "the body slides along (0, 1)", `` `hub` turns about (0, 0) mm``.
+    pub fn sliding(&self, units: &UnitSystem) -> String {
+        let verbs = [("a translation along", "slides along"), ("a rotation about", "turns about")];
+        let told = self.told(units);
+        let verbal = verbs.iter().fold(told.clone(), |told, (noun, verb)| told.replace(noun, verb));
+        match &self.moving()[..] {
+            _ if self.bodies.len() == 1 => format!("the body {verbal}"),
+            [_] => verbal.replacen("`: ", "` ", 1),
+            _ => format!("the bodies move, {told}"),
+        }
+    }
+
+    /// Returns the length of a translation (m) or the angle of a rotation (rad) of the only body that moves, with the
+    /// quantity that does work on it; `None` for a screw motion or several bodies.
+    pub(crate) fn extent(&self) -> Option<(Quantity, f64)> {
+        let [body] = self.moving()[..] else { return None };
+        let (length, angle) = (norm(body.translation), norm(body.rotation));
+        if angle * body.size <= FAR * length {
+            return Some((Quantity::Force, length));
+        }
+        (dot(body.translation, body.rotation).abs() <= 1e-6 * angle * angle * body.size)
+            .then_some((Quantity::Moment, angle))
+    }
+
     /// Returns the bodies with a non-negligible motion.
     fn moving(&self) -> Vec<&BodyMotion> {
         let furthest = self.bodies.iter().map(BodyMotion::length).fold(0.0, f64::max);

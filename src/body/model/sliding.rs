@@ -27,8 +27,7 @@ impl Model {
         let power = |weights: &[f64]| {
             let mut force = vec![0.0; self.problem.displacements()];
             self.loading.force(t, &mut force);
-            let modes = self.problem.rigid_modes().iter().zip(weights);
-            modes.map(|(mode, weight)| weight * dot(mode, &force)).sum::<f64>()
+            dot(self.problem.rigid_motion(weights), &force)
         };
         let along = self.along_contact(weights, is_closed).filter(|along| power(along) >= DRIVEN * power(weights));
         RigidMotion::combination(&self.rigid_motions, along.as_deref().unwrap_or(weights))

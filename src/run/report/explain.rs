@@ -2,17 +2,16 @@
 
 use serde::Serialize;
 
-use crate::base::units::Quantity;
+use crate::algebra::vector::dot;
+use crate::base::units::{Quantity, UnitSystem};
 use crate::body::fem::RigidMotion;
 use crate::body::model::Model;
 use crate::solver::history::{HistoryMethod, HistoryOutcome, Method, SolverChoice, Status};
 use crate::solver::laws::Law;
+use crate::solver::solvability::friction_work;
 
 /// A smaller motion of contact nodes, relative to that of the body, is rounding.
 const NEGLIGIBLE: f64 = 1e-9;
-
-/// The share of all friction in use above which it is reported.
-const MUCH: f64 = 0.8;
 
 /// The reason why a run ended early.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -24,6 +23,28 @@ pub struct Explanation {
     /// The node of the largest violation in the increment that failed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub worst: Option<WorstNode>,
+    /// The slip of a joint as a whole, if the verdict is `slips`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub slip: Option<JointSlip>,
+}
+
+/// The slip of a joint as a whole.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
+pub struct JointSlip {
+    /// The bodies that slide, and how.
+    pub motion: String,
+    /// The latest time at which equilibrium was found, and a time at which the joint slips, s.
+    pub between: [f64; 2],
+    /// The factors at these times of each load that changes between them, by the number of the load from 0.
+    pub factors: Vec<(usize, [f64; 2])>,
+    /// The share of the friction against this motion that the loads use at the first of these times.
+    pub friction_used: f64,
+    /// The force (N) along the motion that friction can take up there, if one body is translated.
+    pub force: Option<f64>,
+    /// The moment (N m) about the axis of the motion that friction can take up there, if one body turns.
+    pub moment: Option<f64>,
 }
 
 /// A node where a law is violated.
@@ -44,11 +65,63 @@ pub struct WorstNode {
 impl Explanation {
     /// Explains the `outcome` of `model` solved by `solver`; empty if it converged.
     pub fn new(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome) -> Self {
-        Explanation { reason: reason(solver, model, outcome), worst: worst_node(model, outcome) }
+        let slip = JointSlip::of(model, outcome);
+        Explanation { reason: reason(solver, model, outcome, slip.as_ref()), worst: worst_node(model, outcome), slip }
     }
 }
 
-fn reason(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome) -> String {
+impl JointSlip {
+    fn of(model: &Model, outcome: &HistoryOutcome) -> Option<Self> {
+        let (reached, slip) = (outcome.reached, outcome.slip.as_ref()?);
+        let motion = motion(model, outcome)?;
+        let u = motion.displacements(&model.mesh, &model.dofs);
+        let mu = model.loading.friction().map_or(model.problem.mu().to_vec(), |friction| friction.at(reached));
+        let most = friction_work(&model.problem, &mu, &slip.p_n, &u);
+        let mut force = vec![0.0; u.len()];
+        model.loading.force(reached, &mut force);
+        let against = |wanted| motion.extent().filter(|(quantity, _)| *quantity == wanted).map(|(_, size)| most / size);
+        let factors = model.loading.cases().iter().take(model.description().loads.len()).enumerate();
+        Some(JointSlip {
+            motion: motion.sliding(&model.units()),
+            between: [reached, slip.by],
+            factors: factors
+                .map(|(k, load)| (k, [reached, slip.by].map(|t| load.factor(t))))
+                .filter(|(_, [from, to])| from != to)
+                .collect(),
+            friction_used: dot(&u, &force) / most,
+            force: against(Quantity::Force),
+            moment: against(Quantity::Moment),
+        })
+    }
+
+    /// Describes the slip; an exact path ends where the joint gives way.
+    fn in_words(&self, units: &UnitSystem, exact_path: bool) -> String {
+        // Six digits tell times apart that are a part of an increment apart.
+        let [from, by] = self.between.map(|t| format!("{t:.5e}").parse().unwrap_or(t));
+        let at = |k: usize| {
+            let factors = self.factors.iter().map(|(load, factors)| format!("load[{load}] at {:.4}", factors[k]));
+            let all = factors.collect::<Vec<_>>().join(", ");
+            if all.is_empty() { all } else { format!(" ({all})") }
+        };
+        let found = if exact_path {
+            format!("The quasi-static motion ends at t = {from} s{}; there", at(0))
+        } else {
+            format!("Equilibrium was found up to t = {from} s{}, and none at t = {by} s{}; at the former", at(0), at(1))
+        };
+        let most = [(Quantity::Force, self.force), (Quantity::Moment, self.moment)];
+        let most =
+            most.into_iter().filter_map(|(quantity, most)| Some(format!(" of {}", units.rounded(quantity, most?, 4))));
+        format!(
+            "the joint slips as a whole: {}. {found} the loads use {:.1} % of the friction{}. To follow the slip, \
+             prescribe a displacement in place of the load",
+            self.motion,
+            100.0 * self.friction_used,
+            most.collect::<String>()
+        )
+    }
+}
+
+fn reason(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome, slip: Option<&JointSlip>) -> String {
     let exact_path = solver.method.is_exact_path();
     let Some(record) = outcome.records.iter().find(|record| record.status != Status::Converged) else {
         return match outcome.status {
@@ -71,6 +144,10 @@ fn reason(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome) -> Str
             _ => String::new(),
         };
     };
+    let increment = format!("increment {} (t = {} s)", record.index, record.time);
+    if let Some(slip) = slip {
+        return format!("{increment}: {}", slip.in_words(&model.units(), exact_path));
+    }
     let (law, error) = record.kkt.worst();
     let place = worst_node(model, outcome)
         .map_or(String::new(), |worst| format!(" at the node {}", model.units().place(model.mesh.nodes[worst.node])));
@@ -94,41 +171,34 @@ fn reason(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome) -> Str
             )
         }
         Status::Inaccurate => {
-            format!(
-                "the method stopped with Theta = {:.1e}, but {violated}; {}",
-                record.theta,
-                advice(solver, model, outcome)
-            )
+            format!("the method stopped with Theta = {:.1e}, but {violated}; {}", record.theta, advice(solver, model))
         }
         Status::MaxIterations => {
             let limit = solver.max_iterations;
             // From 100 on, the limit is hardly the cause: no increment of the extreme test cases is known to need more.
-            let advice = if limit < 100 {
-                "try a larger solver.max_iterations".to_string()
-            } else {
-                advice(solver, model, outcome)
-            };
+            let advice =
+                if limit < 100 { "try a larger solver.max_iterations".to_string() } else { advice(solver, model) };
             format!("no convergence within max_iterations = {limit}: {violated}; {advice}")
         }
         Status::Cycling => {
-            format!("the iteration cycles: {violated}; {}", advice(solver, model, outcome))
+            format!("the iteration cycles: {violated}; {}", advice(solver, model))
         }
-        Status::Stalled => format!("the iteration stalls: {violated}; {}", advice(solver, model, outcome)),
+        Status::Stalled => format!("the iteration stalls: {violated}; {}", advice(solver, model)),
         Status::Diverged | Status::NotFinite => {
-            format!("the numbers left the range of double precision: {violated}; {}", advice(solver, model, outcome))
+            format!("the numbers left the range of double precision: {violated}; {}", advice(solver, model))
         }
-        Status::Converged | Status::OutOfMemory | Status::Unsupported => violated,
+        Status::Converged | Status::Slips | Status::OutOfMemory | Status::Unsupported => violated,
     };
     let reached = if exact_path || record.parts == 0 {
         String::new()
     } else {
         format!("; substeps of it converged until t = {} s", outcome.reached)
     };
-    format!("increment {} (t = {} s): {why}{reached}", record.index, record.time)
+    format!("{increment}: {why}{reached}")
 }
 
 /// Suggests a cure if the iteration stops too late or too early.
-fn advice(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome) -> String {
+fn advice(solver: &SolverChoice, model: &Model) -> String {
     let words = match solver.method.increments() {
         Method::Bn { r_factor, .. } if r_factor != 1.0 => {
             "r is not scaled to the problem: remove solver.r_factor from the scene"
@@ -155,7 +225,7 @@ fn advice(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome) -> Str
             );
         }
     };
-    format!("{words}{}", held_by_contact(model, outcome))
+    format!("{words}{}", held_by_contact(model))
 }
 
 /// Returns the largest Young's modulus of any cell, Pa; in plane stress a slightly smaller value.
@@ -184,7 +254,7 @@ fn unheld(model: &Model, outcome: &HistoryOutcome) -> String {
         _ => format!(
             "the stiffness is singular for the present contact statuses{}; look at the contact rows that `stickslip check` \
              names as dependent, or take more increments",
-            held_by_contact(model, outcome)
+            held_by_contact(model)
         ),
     }
 }
@@ -192,10 +262,7 @@ fn unheld(model: &Model, outcome: &HistoryOutcome) -> String {
 /// Returns `true` if contact forces do work along the rigid motion with these weights.
 fn meets_contact(model: &Model, weights: &[f64]) -> bool {
     let problem = &model.problem;
-    let mut u = vec![0.0; problem.displacements()];
-    for (weight, motion) in weights.iter().zip(problem.rigid_modes()) {
-        u.iter_mut().zip(motion).for_each(|(u, r)| *u += weight * r);
-    }
+    let u = problem.rigid_motion(weights);
     let largest = |x: &[f64]| x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
     let [w_n, w_t, w_o] = problem.contact_motion(&u);
     let rubs =
@@ -204,32 +271,15 @@ fn meets_contact(model: &Model, weights: &[f64]) -> bool {
 }
 
 /// Explains a failure for a body that only contact holds. An equilibrium may exist, which was checked before.
-fn held_by_contact(model: &Model, outcome: &HistoryOutcome) -> String {
+fn held_by_contact(model: &Model) -> String {
     if model.rigid_motions.is_empty() || model.contacts.is_empty() {
         return String::new();
     }
     let motions: Vec<String> = model.rigid_motions.iter().map(|motion| motion.against(&model.units())).collect();
     format!(
         "; only contact can hold {}: contact forces within the friction limit could balance the loads, but no such \
-         state was found{}; add a support, or loads that press the body on its obstacles from the start",
-        motions.join(" and "),
-        used_up(model, outcome)
-    )
-}
-
-/// Reports if most of the friction is in use at the end of the last converged increment.
-fn used_up(model: &Model, outcome: &HistoryOutcome) -> String {
-    let (state, mu) = (&outcome.state, model.problem.mu());
-    let used: f64 = state.p_t.iter().zip(&state.p_o).map(|(t, o)| t.hypot(*o)).sum();
-    let most: f64 = state.p_n.iter().zip(mu).map(|(p_n, mu)| mu * p_n.max(0.0)).sum();
-    if most <= 0.0 || used < MUCH * most {
-        return String::new();
-    }
-    format!(
-        ". At t = {} s {:.0} % of all friction is in use: if the loads overcome it, prescribe a displacement in \
-         their place",
-        outcome.reached,
-        100.0 * used / most
+         state was found; add a support, or loads that press the body on its obstacles from the start",
+        motions.join(" and ")
     )
 }
 

@@ -111,10 +111,7 @@ impl<'a> ExactPath<'a> {
         let nodes = match rest {
             None => (0..gap.len()).filter(|&i| gap[i] <= 0.0).collect(),
             Some(Landing { weights, nodes }) => {
-                let mut u = vec![0.0; self.problem.displacements()];
-                for (weight, motion) in weights.iter().zip(self.problem.rigid_modes()) {
-                    u.iter_mut().zip(motion).for_each(|(u, r)| *u += weight * r);
-                }
+                let u = self.problem.rigid_motion(&weights);
                 let [w_n, w_t, w_o] = self.problem.contact_motion(&u);
                 let w_t = self.along([&w_t, &w_o], 1.0);
                 self.at = NodalContact { w_n, w_t, u, ..NodalContact::zero(self.statuses.len()) };

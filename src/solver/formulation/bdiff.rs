@@ -3,6 +3,7 @@
 mod changes;
 mod free;
 mod kept;
+mod slide;
 mod tangent;
 
 pub use kept::Linearization;

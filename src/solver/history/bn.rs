@@ -77,6 +77,11 @@ impl BnMethod {
         }
     }
 
+    /// Returns the formulation and the algorithm, for equations of its own.
+    pub(super) fn newton(&mut self) -> (&mut Bdiff, &mut Bn) {
+        (&mut self.formulation, &mut self.bn)
+    }
+
     /// Sets the limit of iterations in an increment.
     pub(super) fn limit(&mut self, max_iterations: usize) {
         self.bn.limit(max_iterations);
@@ -264,7 +269,10 @@ pub(super) fn ahead(
     linear: &mut RefinedSolver,
     z: &[f64],
 ) -> Result<Option<Vec<f64>>, LinearError> {
-    let Some(h) = formulation.residual_of_cases(z)? else { return Ok(None) };
+    if !formulation.has_tangent() {
+        return Ok(None);
+    }
+    let h = formulation.residual_of_cases(z)?;
     let Some(dz) = bn.substitute(formulation, linear, &h)? else { return Ok(None) };
     let mut ahead: Vec<f64> = z.iter().zip(dz).map(|(z, dz)| z + dz).collect();
     formulation.slip_where_closing(&mut ahead);

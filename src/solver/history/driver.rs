@@ -236,7 +236,7 @@ impl<'a> HistoryDriver<'a> {
             let joined = std::mem::take(&mut self.joined);
             let record = record(problem, path.data().force, index, time, &increment, counts, seconds);
             let record = IncrementRecord { joined, ..record };
-            let IncrementResult { solved, state, scales, status, .. } = *increment;
+            let IncrementResult { solved, state, scales, status, slip, .. } = *increment;
             let (flow, shown) = path.show(&state, |increment, state| {
                 let step = IncrementView { record: &record, increment, state, statuses: &statuses };
                 (progress.observer.increment(&step), state.clone())
@@ -251,9 +251,11 @@ impl<'a> HistoryDriver<'a> {
             }
             outcome.status = status;
             outcome.reached = path.at.reached.unwrap_or(0.0);
+            outcome.slip = slip;
             if status != Status::Converged {
                 if let Termination::Unconstrained(motion)
                 | Termination::NoEquilibrium(motion)
+                | Termination::Slips(motion)
                 | Termination::EdgeFriction(motion) = solved.stop
                 {
                     outcome.free_motion = Some(motion);

@@ -9,7 +9,7 @@ use super::saved::SavedPath;
 use super::settings::HistorySettings;
 use super::state::IncrementResult;
 use super::system::{SystemSolver, statistics};
-use super::{Error, HistoryOutcome, check_times};
+use super::{Error, HistoryOutcome, Slip, check_times};
 use crate::algebra::linear::{LinearError, RefinedSolver, Statistics};
 use crate::solver::checkpoint::CheckpointError;
 use crate::solver::condensation::{Condensation, Condensed};
@@ -18,9 +18,13 @@ use crate::solver::laws::{Judgement, KktErrors, KktScales, statuses_of};
 use crate::solver::loading::Loading;
 use crate::solver::newton::{IterationRecord, MethodResult};
 use crate::solver::problem::{ContactProblem, Increment, State};
-use crate::solver::solvability::{Load, driven_motion};
+use crate::solver::solvability::{Load, driven_motion, excess, friction_work, sliding_motion};
 use std::ops::ControlFlow;
 use std::time::Instant;
+
+/// A joint slips as a whole if the work of its loads is that of all friction, within this share: a path ends where the
+/// last node begins to slip, with this many digits.
+const USED_UP: f64 = 1e-6;
 
 /// The settings of an exact path in time.
 #[derive(Debug, Clone, PartialEq)]
@@ -203,7 +207,9 @@ impl ExactHistory<'_> {
             scales[1] = scales[1].with_terms(self.problem, &self.load_sizes(reached));
             let balanced = self.balanced(&data, &scales[1], &mut walk, condensed)?;
             self.outcome.lost = lost;
-            self.outcome.free_motion = lost.and_then(|_| self.driven_motion(time));
+            let slide = lost.and_then(|_| self.sliding_motion(time, &data, &balanced.state));
+            self.outcome.slip = slide.is_some().then(|| Slip { by: time, p_n: balanced.state.p_n.clone() });
+            self.outcome.free_motion = slide.or_else(|| lost.and_then(|_| self.driven_motion(time)));
             let status = lost.map(|_| Status::NoContinuation);
             let flow = self.end(in_progress, &data, balanced, &mut scales[1], status, &walk)?;
             self.outcome.linear = statistics(walk.statistics(), body, 0.0);
@@ -246,11 +252,25 @@ impl ExactHistory<'_> {
 
     /// Returns a rigid motion that the loads at `time` drive against all contact forces, if there is one.
     fn driven_motion(&self, time: f64) -> Option<Vec<f64>> {
-        let (problem, loading) = (self.problem, self.loading);
-        let mut force = vec![0.0; problem.displacements()];
-        loading.force(time, &mut force);
-        let sizes = loading.force_sizes(time, problem.displacements());
-        driven_motion(problem, problem.mu(), &Load { force: &force, sizes: &sizes })
+        self.under_load(time, |load| driven_motion(self.problem, self.problem.mu(), load))
+    }
+
+    /// Returns the rigid motion along the contact in which the loads at `time` overcome friction, if the friction of
+    /// `state` against it is used up at the end of the path.
+    fn sliding_motion(&self, time: f64, end: &StepData, state: &State) -> Option<Vec<f64>> {
+        let (problem, mu, p_n) = (self.problem, self.problem.mu(), &state.p_n);
+        let motion = self.under_load(time, |load| sliding_motion(problem, mu, load, p_n))?;
+        let most = friction_work(problem, mu, p_n, &problem.rigid_motion(&motion));
+        let left = excess(problem, mu, &end.force, p_n, &motion).abs();
+        (left <= USED_UP * most).then_some(motion)
+    }
+
+    /// Evaluates `see` for the loads at `time`.
+    fn under_load<T>(&self, time: f64, see: impl FnOnce(&Load<'_>) -> T) -> T {
+        let n = self.problem.displacements();
+        let (mut force, sizes) = (vec![0.0; n], self.loading.force_sizes(time, n));
+        self.loading.force(time, &mut force);
+        see(&Load { force: &force, sizes: &sizes })
     }
 
     /// Continues by a jump from the end of the quasi-static motion, at most to the end of the increment. Returns
@@ -355,7 +375,8 @@ impl ExactHistory<'_> {
         };
         let seconds = Seconds::between(&in_progress.before, &after, 0.0, in_progress.clock.elapsed().as_secs_f64());
         let IncrementSoFar { index, ends, friction_work, jumps, .. } = in_progress;
-        let walked = IncrementResult { solved, state, scales: scales.clone(), kkt, status, ends, friction_work };
+        let walked =
+            IncrementResult { solved, state, scales: scales.clone(), kkt, status, slip: None, ends, friction_work };
         let counts = ContactCounts::of(&statuses);
         let record = record(problem, &data.force, index, data.time, &walked, counts, seconds);
         let (record, state) = (IncrementRecord { jumps, ..record }, walked.state);

@@ -3,6 +3,9 @@
 //! A substep is an increment of its own; friction depends on the slip in each. A substep that is halved leaves only its
 //! counts and its largest backward error. After a substep converges, the next one ends where the halved interval ended:
 //! T/4, T/4, T/2.
+//!
+//! A joint that slips as a whole at the end of a substep (`slip.rs`) gives way where the work of the loads reaches that of
+//! friction, by linear interpolation. One substep ends a little after that time and one a little before it.
 
 use super::increment_error::{IncrementError, IncrementErrors};
 use super::interior::{InteriorRecovery, Linearized, RecoveredState};
@@ -13,15 +16,21 @@ use super::stage::Stage;
 use super::state::{HistoryState, IncrementInProgress, IncrementResult, SubstepResult};
 use super::task::{Observe, Task};
 use super::working_set::{self, MissingNodes};
-use super::{Status, record};
+use super::{Slip, Status, record};
 use crate::algebra::linear::{LinearError, RefinedSolver};
 use crate::solver::condensation::Condensed;
 use crate::solver::laws::{Judgement, KktScales};
 use crate::solver::loading::Loading;
 use crate::solver::newton::{MethodResult, Termination};
 use crate::solver::problem::{ContactProblem, Increment, State};
-use crate::solver::solvability::{Landing, Load, NEARBY, driven_motion, landing, motion_driven_in_the_equations};
+use crate::solver::solvability::{
+    Landing, Load, NEARBY, driven_motion, excess, is_held_by_friction, landing, motion_driven_in_the_equations,
+};
 use std::borrow::Cow;
+
+/// The margin on either side of the time at which a joint slips, relative to the increment. Nearer to it the nodes of a
+/// body that slides in a plane move far, until friction has turned.
+const NEAR_SLIP: f64 = 1.0 / 16.0;
 
 /// The increments of a stage, from the state that the history has reached.
 pub(super) struct IncrementDriver<'a> {
@@ -114,10 +123,11 @@ impl<'a> IncrementDriver<'a> {
         let in_progress = in_progress.unwrap_or_else(|| IncrementInProgress::new(self.at.reached.unwrap_or(0.0), time));
         let IncrementInProgress { start, mut pending, mut solved, mut kkt, mut ends, mut friction_work } = in_progress;
         let smallest = (time - start) * 0.5_f64.powi(self.settings.halvings as i32);
+        let margin = smallest.max(NEAR_SLIP * (time - start));
         loop {
             let end = pending.last().copied().unwrap_or(time);
             let from = self.at.reached.unwrap_or(0.0);
-            let rollback = self.rollback();
+            let (rollback, pressed) = (self.rollback(), self.stage.method.state().p_n);
             let substep = self.substep(end, linear, &mut |iteration| progress.iteration(iteration))?;
             let outcome = substep.outcome.clone();
             let so_far = solved.map_or(outcome.clone(), |solved| solved.then(outcome));
@@ -129,7 +139,8 @@ impl<'a> IncrementDriver<'a> {
                 pending.pop();
                 let status = Status::Converged;
                 let SubstepResult { state, scales, .. } = substep;
-                let walked = IncrementResult { solved: so_far, state, scales, kkt, status, ends, friction_work };
+                let slip = None;
+                let walked = IncrementResult { solved: so_far, state, scales, kkt, status, slip, ends, friction_work };
                 if pending.is_empty() {
                     return Ok(IncrementEnd::Ended(Box::new(walked)));
                 }
@@ -144,17 +155,25 @@ impl<'a> IncrementDriver<'a> {
                 self.at.in_progress = Some(IncrementInProgress { start, pending, solved, kkt, ends, friction_work });
                 return Ok(IncrementEnd::NeedsNodes(nodes));
             } else {
-                let half = 0.5 * (end - from);
+                let part = match &substep.outcome.stop {
+                    Termination::Slips(motion) => {
+                        let share = self.share_without_slip(from, motion, [&pressed, &substep.state.p_n]);
+                        towards_slip(share * (end - from), end - from, margin)
+                    }
+                    _ => 0.5 * (end - from),
+                };
                 // There is no time between neighbouring numbers.
-                let no_time = from + half <= from || from + half >= end;
-                if half < smallest || no_time || !self.smaller_may_do(&substep)? {
+                let no_time = from + part <= from || from + part >= end;
+                if part < smallest || no_time || !self.smaller_may_do(&substep)? {
                     let (kkt, status) = (substep.kkt, substep.status);
                     let SubstepResult { state, scales, .. } = substep;
-                    let walked = IncrementResult { solved: so_far, state, scales, kkt, status, ends, friction_work };
+                    let slip = (status == Status::Slips).then_some(Slip { by: end, p_n: pressed });
+                    let walked =
+                        IncrementResult { solved: so_far, state, scales, kkt, status, slip, ends, friction_work };
                     return Ok(IncrementEnd::Ended(Box::new(walked)));
                 }
                 self.go_back(rollback);
-                pending.push(from + half);
+                pending.push(from + part);
                 solved = Some(so_far);
             }
         }
@@ -220,8 +239,11 @@ impl<'a> IncrementDriver<'a> {
         let IncrementDriver { problem, loading, condensed, settings, .. } = *self;
         let load = Load { force: &self.stage.force, sizes: &input.sizes };
         if let Some(motion) = motion_driven_in_the_equations(problem, &self.stage.mu, &load) {
-            let stop = driven_motion(problem, &self.stage.mu, &load);
-            let stop = stop.map_or(Termination::EdgeFriction(motion), Termination::NoEquilibrium);
+            let stop = match driven_motion(problem, &self.stage.mu, &load) {
+                None => Termination::EdgeFriction(motion),
+                Some(motion) if is_held_by_friction(problem, &self.stage.mu, &load) => Termination::Slips(motion),
+                Some(motion) => Termination::NoEquilibrium(motion),
+            };
             return Ok(MethodResult { stop, attempts: 0, ..MethodResult::new(f64::NAN) });
         }
         let Some(response) =
@@ -332,6 +354,18 @@ impl<'a> IncrementDriver<'a> {
         (at.w_n, at.w_t, at.w_o) = (w_n, w_t, w_o);
     }
 
+    /// Returns the share of the substep tried last, from the time `from`, after which the loads overcome friction on
+    /// the `motion`: by linear interpolation of the excess of their work. `p_n` are the normal forces at both ends.
+    fn share_without_slip(&self, from: f64, motion: &[f64], p_n: [&[f64]; 2]) -> f64 {
+        let (problem, loading) = (self.problem, self.loading);
+        let mut force = vec![0.0; problem.displacements()];
+        loading.force(from, &mut force);
+        let mu = loading.friction().map_or(problem.mu().to_vec(), |friction| friction.at(from));
+        let left = -excess(problem, &mu, &force, p_n[0], motion);
+        let beyond = excess(problem, &self.stage.mu, &self.stage.force, p_n[1], motion);
+        if left > 0.0 && beyond > 0.0 { left / (left + beyond) } else { 0.5 }
+    }
+
     /// Returns `true` if a smaller substep could converge.
     fn smaller_may_do(&self, substep: &SubstepResult) -> Result<bool, LinearError> {
         match substep.status {
@@ -342,6 +376,7 @@ impl<'a> IncrementDriver<'a> {
             | Status::EdgeFriction
             | Status::OutOfMemory
             | Status::Unsupported => Ok(false),
+            Status::Slips => Ok(true),
             // If rounding sets the limit, it does so at any load.
             _ => {
                 let SubstepResult { state, scales, kkt, .. } = substep;
@@ -350,6 +385,18 @@ impl<'a> IncrementDriver<'a> {
                 Ok(!(kkt.worst().1 <= 10.0 * rounding))
             }
         }
+    }
+}
+
+/// Returns the next substep towards the time `slips` after the present one at which a joint slips, if it is known to
+/// slip after the longer time `by`: first a little beyond it, then a little before it, and 0 if both are known.
+fn towards_slip(slips: f64, by: f64, margin: f64) -> f64 {
+    if by - slips > 1.5 * margin {
+        slips + margin
+    } else if slips > 1.5 * margin {
+        slips - margin
+    } else {
+        0.0
     }
 }
 

@@ -31,7 +31,7 @@ pub(super) struct PredictorCorrectorMethod {
     z: Vec<f64>,
     /// The low-order part of `(u, p_t, p_n)`.
     rest: Vec<f64>,
-    end: NewtonEnd,
+    pub(super) end: NewtonEnd,
 }
 
 impl PredictorCorrectorMethod {
@@ -215,6 +215,11 @@ impl NewtonEnd {
         let formulation = Bdiff::on(assembled, natural);
         let unknowns = formulation.unknowns();
         NewtonEnd { formulation, bn: Bn::new(Armijo::HALVING, ITERATIONS, unknowns), z: vec![0.0; unknowns] }
+    }
+
+    /// Returns the formulation and the algorithm, for equations of its own.
+    pub(super) fn newton(&mut self) -> (&mut Bdiff, &mut Bn) {
+        (&mut self.formulation, &mut self.bn)
     }
 
     /// Sets the data of a new increment.

@@ -25,7 +25,10 @@ pub enum Status {
     Stalled,
     /// The linearised problem is singular, for example because nothing holds the body.
     Singular,
-    /// No equilibrium exists: no admissible contact forces balance the loads on the rigid body.
+    /// A joint slips as a whole: the loads overcome all friction that holds the body.
+    Slips,
+    /// No equilibrium exists: no admissible contact forces balance the loads on the rigid body, which lifts off or
+    /// tips.
     NoEquilibrium,
     /// No rates obey the laws beyond this load: the quasi-static motion ends, and a jump follows.
     NoContinuation,
@@ -52,6 +55,7 @@ impl fmt::Display for Status {
             Status::Diverged => "diverged",
             Status::Stalled => "stalled",
             Status::Singular => "singular",
+            Status::Slips => "slips",
             Status::NoEquilibrium => "no-equilibrium",
             Status::NoContinuation => "no-continuation",
             Status::EdgeFriction => "edge-friction",
@@ -226,6 +230,7 @@ pub(super) fn verdict(solved: &MethodResult, kkt: &KktErrors, tolerance: f64) ->
         Termination::Stalled => Status::Stalled,
         Termination::Singular(LinearError::NotFinite) => Status::NotFinite,
         Termination::Unconstrained(_) | Termination::Singular(_) => Status::Singular,
+        Termination::Slips(_) => Status::Slips,
         Termination::NoEquilibrium(_) => Status::NoEquilibrium,
         Termination::EdgeFriction(_) => Status::EdgeFriction,
     }

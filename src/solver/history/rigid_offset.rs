@@ -32,10 +32,8 @@ impl RigidOffset {
         if weights.iter().all(|weight| *weight == 0.0) {
             return self.clone();
         }
-        let mut u = if self.u.is_empty() { vec![0.0; problem.displacements()] } else { self.u.clone() };
-        for (motion, weight) in problem.rigid_modes().iter().zip(weights) {
-            u.iter_mut().zip(motion).for_each(|(u, r)| *u += weight * r);
-        }
+        let mut u = problem.rigid_motion(weights);
+        u.iter_mut().zip(&self.u).for_each(|(u, offset)| *u += offset);
         let moved = |map: &Csr| map.mul(&u);
         RigidOffset { w_n: moved(problem.c_n()), w_t: problem.tangential_maps().map(moved), u }
     }

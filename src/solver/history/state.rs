@@ -1,8 +1,8 @@
 //! The progress of a history.
 
-use super::Status;
 use super::increment_error::IncrementErrors;
 use super::rigid_offset::RigidOffset;
+use super::{Slip, Status};
 use crate::solver::laws::{KktErrors, KktScales};
 use crate::solver::newton::MethodResult;
 use crate::solver::problem::{ContactProblem, State};
@@ -115,6 +115,8 @@ pub(super) struct IncrementResult {
     /// The largest errors of the substeps that count: all that converged, or the one that failed.
     pub kkt: KktErrors,
     pub status: Status,
+    /// The slip of a joint, if the last substep showed it.
+    pub slip: Option<Slip>,
     /// The ends (s) of the substeps that converged.
     pub ends: Vec<f64>,
     /// The work that friction dissipated in these substeps, J.

@@ -7,7 +7,8 @@
 //! | the interior point method | ten times that distance | 30 iterations |
 //! | the interior point method | a hundred times that distance | the iterations that are left |
 //!
-//! If an attempt of the interior point method comes near a solution, BN finishes it in at most ten iterations. If no
+//! If a state shows that the body slides whatever is tried (`slip.rs`), nothing is. It is looked for before the first attempt
+//! and after it. If an attempt of the interior point method comes near a solution, BN finishes it in at most ten iterations. If no
 //! attempt solves a substep and the working set lacks nodes, the set grows. Otherwise the substep is halved, at most six
 //! times (`increment.rs`). A method of the paper is not in this table: `algorithm.rs` creates it alone, and its increments
 //! are not halved.
@@ -24,6 +25,7 @@ use super::increment_error::IncrementErrors;
 use super::predictor_corrector::PredictorCorrectorMethod;
 use super::saved::Snapshot;
 use super::settings::HistorySettings;
+use super::slip::sliding_state;
 use super::task::{IncrementSolver, Observe, Task};
 use crate::algebra::linear::{LinearError, RefinedSolver, SystemMatrix};
 use crate::solver::newton::{MethodResult, Termination};
@@ -49,6 +51,11 @@ const NEWTON: Attempt = Attempt { by: By::Newton, patience: 40 };
 const NEAR: Attempt = Attempt { by: By::InteriorPoint(1.0), patience: 30 };
 const FAR: Attempt = Attempt { by: By::InteriorPoint(10.0), patience: 30 };
 const FARTHEST: Attempt = Attempt { by: By::InteriorPoint(100.0), patience: usize::MAX };
+
+/// Returns `true` if no other attempt is needed.
+fn ends(result: &MethodResult) -> bool {
+    matches!(result.stop, Termination::Converged | Termination::Interrupted | Termination::Slips(_))
+}
 
 /// The attempts of BN without the interior point method.
 const BN_ALONE: &[Attempt] = &[Attempt { by: By::Newton, patience: usize::MAX }];
@@ -84,42 +91,65 @@ impl Strategy {
     pub(super) fn ip(ip: PredictorCorrectorMethod, settings: &HistorySettings) -> Self {
         Strategy { attempts: IP, settings: settings.clone(), methods: Methods::Ip(ip) }
     }
+}
 
+impl Methods {
     /// Returns the method that has the state of the history.
     fn lead(&self) -> &dyn IncrementSolver {
-        match &self.methods {
+        match self {
             Methods::Bn(bn, _) => &**bn,
             Methods::Ip(ip) => ip,
         }
     }
 
     fn lead_mut(&mut self) -> &mut dyn IncrementSolver {
-        match &mut self.methods {
+        match self {
             Methods::Bn(bn, _) => &mut **bn,
             Methods::Ip(ip) => ip,
         }
+    }
+
+    /// Looks for a sliding state from the normal forces of a state. Returns the solves that it took, and moves to the
+    /// sliding state if there is one.
+    fn slide(
+        &mut self,
+        task: &Task<'_>,
+        linear: &mut RefinedSolver,
+        last: &State,
+        p_n: &[f64],
+        observe: Observe<'_>,
+    ) -> Result<MethodResult, LinearError> {
+        let newton = match self {
+            Methods::Bn(bn, _) => bn.newton(),
+            Methods::Ip(ip) => ip.end.newton(),
+        };
+        let (result, state) = sliding_state(task, newton, linear, last, p_n, observe)?;
+        if let Some(state) = state {
+            self.lead_mut().set_state(&state);
+        }
+        Ok(result)
     }
 }
 
 impl IncrementSolver for Strategy {
     fn matrix(&self) -> &SystemMatrix {
-        self.lead().matrix()
+        self.methods.lead().matrix()
     }
 
     fn linearize(&mut self) {
-        self.lead_mut().linearize();
+        self.methods.lead_mut().linearize();
     }
 
     fn linearization(&self) -> &SystemMatrix {
-        self.lead().linearization()
+        self.methods.lead().linearization()
     }
 
     fn clamp_contacts(&mut self) -> Result<(), Vec<f64>> {
-        self.lead_mut().clamp_contacts()
+        self.methods.lead_mut().clamp_contacts()
     }
 
     fn starts_on_tangent(&self, linear: &RefinedSolver) -> bool {
-        self.lead().starts_on_tangent(linear)
+        self.methods.lead().starts_on_tangent(linear)
     }
 
     /// Makes one attempt after the other, each from the last solution, until one solves the increment.
@@ -129,12 +159,16 @@ impl IncrementSolver for Strategy {
         linear: &mut RefinedSolver,
         observe: Observe<'_>,
     ) -> Result<MethodResult, LinearError> {
-        let start = self.lead_mut().unknowns().clone();
+        let start = self.methods.lead_mut().unknowns().clone();
         let Strategy { attempts, settings, methods } = self;
         let last = match methods {
             Methods::Bn(bn, _) => bn.last_solution(task),
             Methods::Ip(ip) => ip.state(),
         };
+        let mut tested = methods.slide(task, linear, &last, &last.p_n, observe)?;
+        if ends(&tested) {
+            return Ok(tested);
+        }
         let mut result: Option<MethodResult> = None;
         for attempt in *attempts {
             let left = settings.max_iterations.saturating_sub(result.as_ref().map_or(0, |result| result.iterations));
@@ -172,29 +206,36 @@ impl IncrementSolver for Strategy {
                 None => tried,
                 Some(before) => before.then(tried),
             };
-            let ends = matches!(reached.stop, Termination::Converged | Termination::Interrupted);
-            result = Some(reached);
-            if ends {
-                break;
+            if ends(&reached) {
+                return Ok(tested.then(reached));
             }
+            // The first attempt tells the pressures, if nothing was known of them.
+            if result.is_none() {
+                let again = methods.slide(task, linear, &last, &methods.lead().state().p_n, observe)?;
+                if ends(&again) {
+                    return Ok(tested.then(reached).then(again));
+                }
+                tested = tested.then(again);
+            }
+            result = Some(reached);
         }
-        Ok(result.unwrap_or_else(|| MethodResult::new(f64::NAN)))
+        Ok(tested.then(result.unwrap_or_else(|| MethodResult::new(f64::NAN))))
     }
 
     fn state(&self) -> State {
-        self.lead().state()
+        self.methods.lead().state()
     }
 
     fn set_state(&mut self, state: &State) {
-        self.lead_mut().set_state(state);
+        self.methods.lead_mut().set_state(state);
     }
 
     fn unknowns(&mut self) -> &mut Vec<f64> {
-        self.lead_mut().unknowns()
+        self.methods.lead_mut().unknowns()
     }
 
     fn increment_errors(&mut self) -> Option<&mut IncrementErrors> {
-        self.lead_mut().increment_errors()
+        self.methods.lead_mut().increment_errors()
     }
 
     fn snapshot(&self, linear: &RefinedSolver) -> Snapshot {
@@ -202,7 +243,7 @@ impl IncrementSolver for Strategy {
             Methods::Bn(_, Some(ip)) => Some(Box::new(ip.snapshot(linear))),
             _ => None,
         };
-        Snapshot { rescue, ..self.lead().snapshot(linear) }
+        Snapshot { rescue, ..self.methods.lead().snapshot(linear) }
     }
 
     fn restore(&mut self, mut snapshot: Snapshot, linear: &mut RefinedSolver) -> Result<bool, LinearError> {
@@ -212,6 +253,6 @@ impl IncrementSolver for Strategy {
                 return Ok(false);
             }
         }
-        self.lead_mut().restore(snapshot, linear)
+        self.methods.lead_mut().restore(snapshot, linear)
     }
 }

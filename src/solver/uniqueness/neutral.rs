@@ -43,10 +43,7 @@ fn neutral_motion(
     statuses: &[ContactStatus],
     mut weights: Vec<f64>,
 ) -> NeutralMotion {
-    let mut u = vec![0.0; problem.displacements()];
-    for (motion, weight) in problem.rigid_modes().iter().zip(&weights) {
-        u.iter_mut().zip(motion).for_each(|(u, part)| *u += weight * part);
-    }
+    let mut u = problem.rigid_motion(&weights);
     let largest = u.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
     u.iter_mut().chain(&mut weights).for_each(|x| *x /= largest);
     let mut room = [f64::INFINITY; 2];

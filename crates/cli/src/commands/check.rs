@@ -361,6 +361,7 @@ fn theorem(model: &Model) {
 /// Prints the first increment that no contact force can balance. Locked sections hold their parts together.
 fn equilibrium(scene: &Scene, model: Model) -> Result<(), RunError> {
     let (mut scene, mut model) = (Cow::Borrowed(scene), model);
+    let mut rubbing = None;
     for time in scene.time.all() {
         let locked = |pretension: &Pretension| pretension.lock.is_some_and(|lock| lock < time);
         if scene.description.pretensions.iter().any(locked) {
@@ -376,21 +377,50 @@ fn equilibrium(scene: &Scene, model: Model) -> Result<(), RunError> {
                  limit resists; change the loads or add a support",
                 motion.told(&model.units())
             );
-            break;
+            return Ok(());
         }
+        if rubbing.is_none() {
+            rubbing = held_by_friction(&model, time).map_err(history::Error::from)?;
+        }
+    }
+    if let Some(motion) = rubbing {
+        say!(
+            "FRICTION     alone holds {}, against the loads: if it suffices depends on pressures that interference, bolts or \
+             other bodies cause, so that only a run tells",
+            motion.against(&model.units())
+        );
     }
     Ok(())
 }
 
 /// Returns the rigid motion along the contact that the loads drive at `time` (s).
 fn driven(model: &Model, time: f64) -> Result<Option<RigidMotion>, ProblemError> {
+    let mu = model.loading.friction().map(|friction| friction.at(time));
+    driven_against(model, time, mu.as_deref().unwrap_or(model.problem.mu()))
+}
+
+/// Returns the rigid motion along the contact that the loads drive at `time` (s) against friction `mu`.
+fn driven_against(model: &Model, time: f64, mu: &[f64]) -> Result<Option<RigidMotion>, ProblemError> {
     if model.rigid_motions.is_empty() {
         return Ok(None);
     }
     let force = model.loading.force_at(time, &model.problem)?;
-    let mu = model.loading.friction().map(|friction| friction.at(time));
-    let driven = rigid_equilibrium_with(&model.problem, mu.as_deref().unwrap_or(model.problem.mu()), &force)?;
+    let driven = rigid_equilibrium_with(&model.problem, mu, &force)?;
     Ok(driven.and_then(|weights| model.motion_along_contact(time, &weights, |_| true)))
+}
+
+/// Returns the rigid motion that the loads drive at `time` (s) if there were no friction, if friction resists any force
+/// along it: with pressures that no load causes.
+fn held_by_friction(model: &Model, time: f64) -> Result<Option<RigidMotion>, ProblemError> {
+    let motion = driven_against(model, time, &vec![0.0; model.problem.contacts()])?;
+    let resists = |motion: &RigidMotion| {
+        let along = motion.displacements(&model.mesh, &model.dofs);
+        rigid_equilibrium_with(&model.problem, model.problem.mu(), &along).map(|driven| driven.is_none())
+    };
+    Ok(match motion {
+        Some(motion) if resists(&motion)? => Some(motion),
+        _ => None,
+    })
 }
 
 fn named(model: &Model, weights: &[f64]) -> Option<RigidMotion> {

@@ -112,7 +112,7 @@ impl Bdiff {
     }
 
     /// Returns `true` if all nodes have the cases of the last linearisation at `z + step dz`.
-    fn stays(&self, z: &[f64], dz: &[f64], step: f64) -> bool {
+    pub(super) fn stays(&self, z: &[f64], dz: &[f64], step: f64) -> bool {
         let ahead: Vec<f64> = z.iter().zip(dz).map(|(z, dz)| z + step * dz).collect();
         let alike = |i: usize| self.cases[i].is_some_and(|case| is_alike(case, self.case(i, &ahead)));
         (0..self.layout().contacts()).all(alike)

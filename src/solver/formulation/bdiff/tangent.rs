@@ -15,16 +15,12 @@ impl Bdiff {
 
     /// Returns the residual at `z`, with the data of the present increment, of the equations with the matrix of the
     /// last linearisation: `w_n = g` if a node is closed, `p_n = 0` if it is open, `Δw_T = 0` if it sticks, `p_T = 0`
-    /// without pressure, and `p_T = μ p_n n + R r Δw_T` if it slips. Returns `None` if there is no such matrix, or if
-    /// it has pinned modes.
+    /// without pressure, and `p_T = μ p_n n + R r Δw_T` if it slips.
     ///
     /// # Errors
     /// As [`Bdiff::residual`].
-    pub fn residual_of_cases(&self, z: &[f64]) -> Result<Option<Vec<f64>>, LinearError> {
+    pub fn residual_of_cases(&self, z: &[f64]) -> Result<Vec<f64>, LinearError> {
         let Bdiff { data, rows, .. } = self;
-        if !self.has_tangent() {
-            return Ok(None);
-        }
         let mut h = vec![0.0; z.len()];
         self.residual(z, &mut h)?;
         for (i, case) in self.cases.iter().enumerate() {
@@ -51,7 +47,7 @@ impl Bdiff {
                 }
             }
         }
-        Ok(Some(h))
+        Ok(h)
     }
 
     /// Makes nodes slip that were open in the last linearisation and are closed at `z`: puts their `p_T` on the cone,
