@@ -124,7 +124,7 @@ fn loads_that_are_there_at_the_start_and_change_at_once_are_warned_of() {
 fn interference_of_the_size_of_rounding_is_none() {
     let of_gap = |gap: f64| {
         let gap = format!("contact.obstacle.gap={gap:e}");
-        let block = ["mesh.elements=[20,20]", "contact.friction=0.2", "load[0].history=[[0,0],[2,1]]"];
+        let block = ["mesh.elements=[20,20]", "contact.friction=0.2", "support.fix=[\"x\"]"];
         let set: Vec<_> = block.iter().chain([&gap.as_str()]).map(|set| set.parse().unwrap()).collect();
         let scene = Scene::parse("block.toml", BLOCK, &set).unwrap();
         let mut iterations = Iterations::default();
