@@ -368,11 +368,10 @@ impl<'a> Run<'a> {
         }
         let leap = self.leap(&leaps, &settings, &outcome.scales, audience.observer());
         let leap = or_missing(&mut missing, "the check for jumps of contact forces", leap);
-        let by_start = match outcome.status {
-            Status::Converged => self.friction_by_start(audience.observer()),
-            _ => Ok(None),
-        };
-        let start_error = or_missing(&mut missing, "what the first increment does to friction", by_start);
+        if outcome.status == Status::Converged {
+            let by_start = self.friction_by_start(leaps.largest(), audience.observer());
+            all_estimates.start = or_missing(&mut missing, "what the first increment does to friction", by_start);
+        }
         let critical = last.map(|last| self.critical_friction(&last)).transpose().map(Option::flatten);
         let critical_friction = or_missing(&mut missing, "the critical friction", critical);
         let measured = Measured {
@@ -408,7 +407,6 @@ impl<'a> Run<'a> {
             reactions,
             last_reactions,
             leap,
-            start: start_error,
             balance,
             curves,
             critical_friction,

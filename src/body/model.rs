@@ -2,6 +2,7 @@
 
 mod balance;
 mod bodies;
+mod bonds;
 mod carried;
 mod carrying;
 mod chords;

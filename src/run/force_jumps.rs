@@ -80,6 +80,11 @@ impl JumpDetector {
         JumpDetector { may_jump, last: None, suspected: Vec::new(), largest: 0.0 }
     }
 
+    /// Returns the largest contact forces so far, as the root of `Σ |p|² / l`; 0 without friction.
+    pub(super) fn largest(&self) -> f64 {
+        self.largest
+    }
+
     /// Returns `true` if the data, restored from another run, fits `model`.
     pub(super) fn fit(&self, model: &Model) -> bool {
         let fits = |end: &End| {

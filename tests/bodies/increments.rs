@@ -1,6 +1,8 @@
 //! What increments leave, by the run itself, beside the exact path in time. doc/method/estimates.md has the figures, which `--nocapture` prints.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
+use std::ops::ControlFlow;
+
 use stickslip::algebra::{Csr, Symmetric};
 use stickslip::run::Run;
 use stickslip::run::report::{RunReport, WarningKind};
@@ -113,6 +115,38 @@ fn loads_that_are_there_at_the_start_and_change_at_once_are_warned_of() {
     assert!(message.contains("history = [[0, 1], [1, 1], [2, 0]]"), "{message}");
     for (history, increments) in [("[[0,1],[1,1],[2,0.25]]", 2), ("[[0,0],[2,1]]", 1), ("[[0,1],[2,1]]", 1)] {
         assert_eq!(told(history, increments), None, "{history}");
+    }
+}
+
+/// Interference as small as rounding, or as the error of a curved gap, is none: it costs no second solution. Interference that
+/// counts does, and is told.
+#[test]
+fn interference_of_the_size_of_rounding_is_none() {
+    let of_gap = |gap: f64| {
+        let gap = format!("contact.obstacle.gap={gap:e}");
+        let block = ["mesh.elements=[20,20]", "contact.friction=0.2", "support.boundary=top"];
+        let set: Vec<_> = block.iter().chain([&gap.as_str()]).map(|set| set.parse().unwrap()).collect();
+        let scene = Scene::parse("block.toml", BLOCK, &set).unwrap();
+        let mut iterations = Iterations::default();
+        let report = Run::new(&scene).unwrap().solve(&mut iterations).unwrap();
+        assert_eq!(report.status, history::Status::Converged);
+        (report.estimates.start, iterations.0)
+    };
+    let (none, iterations) = of_gap(0.0);
+    assert_eq!((none, of_gap(-1e-18)), (None, (None, iterations)));
+    assert_eq!(of_gap(-1e-12).0, None);
+    let (start, more) = of_gap(-1e-6);
+    assert!(start.is_some() && more > iterations, "{start:?}");
+}
+
+/// Counts the iterations of all solutions.
+#[derive(Default)]
+struct Iterations(usize);
+
+impl history::Observer for Iterations {
+    fn iteration(&mut self, _: usize, _: &stickslip::solver::IterationRecord) -> ControlFlow<()> {
+        self.0 += 1;
+        ControlFlow::Continue(())
     }
 }
 

@@ -554,24 +554,80 @@ const OF_STRIP: &[(&str, &str, &str, &str)] = &[
     ("against = \"left\"", "against = \"bottom\"", "in common", "nodes of their own"),
 ];
 
-/// Contact of two periodic bodies would have two rows for the node at both ends of the period.
-#[test]
-fn periodic_bodies_in_contact_are_refused() {
-    let body = |name: &str, y: f64| {
+/// Two periodic bodies, one on the other: sizes, elements and kinds of cells of each, and the shifts of the periods.
+fn periodic_pair(size: &str, bodies: [(&str, &str); 2], height: &str, shifts: &[(&str, &str, &str)]) -> String {
+    let body = |(name, at, (elements, cells)): (&str, &str, (&str, &str))| {
+        let periods = shifts.iter().map(|(boundary, against, shift)| {
+            format!(
+                "[[contact]]\nboundary = \"{name}:{boundary}\"\nagainst = \"{name}:{against}\"\nglue = true\nshift = {shift}\n"
+            )
+        });
         format!(
-            "[[body]]\nname = \"{name}\"\nat = [0, {y}]\nmesh = {{ kind = \"block\", size = [1, 0.5], elements = [8, 4] }}\n\
-             material = {{ young = 100, poisson = 0.3 }}\n[[contact]]\nboundary = \"{name}:right\"\n\
-             against = \"{name}:left\"\nglue = true\nshift = [1, 0]\n"
+            "[[body]]\nname = \"{name}\"\nat = {at}\nmesh = {{ kind = \"block\", size = {size}, elements = {elements}, cells = \
+             \"{cells}\" }}\nmaterial = {{ young = 10, poisson = 0.3 }}\n{}",
+            periods.collect::<String>()
         )
     };
-    let both = format!(
-        "{}{}[[contact]]\nboundary = \"up:bottom\"\nagainst = \"lo:top\"\nfriction = 0.2\n[[support]]\n\
-         boundary = \"lo:bottom\"\nfix = [\"x\", \"y\"]\n[time]\nend = 1\nincrements = 2\n",
-        body("lo", 0.0),
-        body("up", 0.5),
-    );
-    let error = discretise(&scene(&both)).unwrap_err();
-    assert!(error.to_string().contains("both periodic"), "{error}");
+    let origin = if shifts[0].2.matches(',').count() == 2 { "[0, 0, 0]" } else { "[0, 0]" };
+    let held = if origin.len() > 6 { "[\"x\", \"y\", \"z\"]" } else { "[\"x\", \"y\"]" };
+    format!(
+        "{}{}[[contact]]\nboundary = \"up:bottom\"\nagainst = \"lo:top\"\nfriction = 0.3\n[[support]]\nboundary = \
+         \"lo:bottom\"\nfix = {held}\n[time]\nend = 1\nincrements = 1\n",
+        body(("lo", origin, bodies[0])),
+        body(("up", height, bodies[1])),
+    )
+}
+
+/// Two periodic bodies in contact have one row for the nodes at both ends of a period: a uniform traction goes through, whatever
+/// the meshes.
+#[test]
+fn periodic_bodies_in_contact_pass_a_traction_on() {
+    let plane = [("right", "left", "[1, 0]")];
+    let space = [("right", "left", "[1, 0, 0]"), ("back", "front", "[0, 1, 0]")];
+    let cases = [
+        ("[1, 0.5]", "[8, 4]", "[5, 3]", "quadrilateral", "[0, 0.5]", &plane[..]),
+        ("[1, 0.5]", "[4, 2]", "[4, 2]", "quadrilateral8", "[0, 0.5]", &plane),
+        ("[1, 0.5]", "[4, 2]", "[3, 1]", "triangle6", "[0, 0.5]", &plane),
+        ("[1, 1, 0.5]", "[3, 3, 2]", "[2, 3, 2]", "hexahedron", "[0, 0, 0.5]", &space),
+        ("[1, 1, 0.5]", "[2, 2, 1]", "[2, 2, 1]", "tetrahedron", "[0, 0, 0.5]", &space),
+        ("[1, 1, 0.5]", "[2, 3, 1]", "[3, 2, 1]", "hexahedron20", "[0, 0, 0.5]", &space),
+    ];
+    for (size, lower, upper, cells, at, shifts) in cases {
+        let traction = if shifts.len() == 2 { "[0.15, 0.05, -1]" } else { "[0.15, -1]" };
+        let pair = periodic_pair(size, [(lower, cells), (upper, cells)], at, shifts);
+        let text = format!("{pair}[[load]]\nboundary = \"up:top\"\ntraction = {traction}\n");
+        let report = report(&text, bn());
+        assert_eq!(report.status, Status::Converged, "{cells}");
+        let pressures = report.largest_pressure.as_ref().unwrap();
+        near(pressures.pressure.unwrap(), 1.0, 1e-9);
+        let force = &report.boundaries[0].force;
+        near(
+            force.iter().map(|f| f * f).sum::<f64>(),
+            1.0 + 0.0225 + if shifts.len() == 2 { 0.0025 } else { 0.0 },
+            1e-9,
+        );
+        let balance = report.last_reactions.as_ref().unwrap().balance;
+        assert!(balance < 1e-12, "{cells}: {balance}");
+    }
+}
+
+/// A wavy gap between two periodic bodies has no beginning: neither the forces nor the nodes across the contact tell where the
+/// period begins.
+#[test]
+fn a_contact_across_the_end_of_a_period_is_one() {
+    let of_crest = |at: &str| {
+        let bodies = [("[16, 6]", "quadrilateral"), ("[24, 6]", "quadrilateral")];
+        let text = edit(
+            &periodic_pair("[1, 0.5]", bodies, "[0, 0.5]", &[("right", "left", "[1, 0]")]),
+            "friction = 0.3",
+            &format!("friction = 0.3\ngap = \"0.01 * (1 - cos(2 * PI * (x - {at})))\""),
+        );
+        report(&format!("{text}[[load]]\nboundary = \"up:top\"\ntraction = [0.01, -0.1]\n"), bn())
+    };
+    let [middle, end] = ["0.5", "0"].map(of_crest);
+    let [middle, end] = [&middle, &end].map(|report| report.largest_pressure.as_ref().unwrap());
+    near(end.pressure.unwrap(), middle.pressure.unwrap(), 1e-9);
+    assert!(end.nodes_across.is_some_and(|nodes| nodes > 5) && end.nodes_across == middle.nodes_across, "{end:?}");
 }
 
 /// A lock just after the end of an increment locks there.

@@ -31,7 +31,7 @@ pub use side::{SlaveChoice, SlaveReason};
 pub use supports::Supports;
 
 use crate::algebra::vector::{dot, minus, plus, unit};
-use crate::body::fem::{bernstein, facet_weights};
+use crate::body::fem::{bernstein, facet_weights, merged};
 use crate::body::mesh::{Boundary, Facet, Mesh};
 use cover::{Cover, Covers};
 use error::place;
@@ -108,6 +108,29 @@ impl MortarRow {
     pub fn is_beyond_the_end(&self) -> bool {
         self.covered < BEYOND
     }
+
+    /// Returns the mean of two rows of one node, by weight.
+    fn joined(self, other: Self) -> Self {
+        let weight = self.weight + other.weight;
+        let share = other.weight / weight;
+        let mean = |a: f64, b: f64| a + share * (b - a);
+        let sum = |a: Vec<(usize, f64)>, b: Vec<(usize, f64)>| {
+            let terms = a.into_iter().map(|(node, c)| (node, (1.0 - share) * c));
+            merged(terms.chain(b.into_iter().map(|(node, c)| (node, share * c))).collect())
+        };
+        MortarRow {
+            node: self.node,
+            weight,
+            gap: mean(self.gap, other.gap),
+            normal: unit(plus(self.normal, share, minus(other.normal, self.normal))),
+            covered: self.covered.max(other.covered),
+            bulge: mean(self.bulge, other.bulge),
+            edges: mean(self.edges, other.edges),
+            still: self.still.into_iter().filter(|n| other.still.contains(n)).collect(),
+            slave: sum(self.slave, other.slave),
+            master: sum(self.master, other.master),
+        }
+    }
 }
 
 /// A gap and its position on the slave.
@@ -152,7 +175,8 @@ impl Mortar {
         // Without supports: on a plane of symmetry, the row of the slave node has no component across the plane.
         let opposite = normals::nodal(mesh, master, &BTreeMap::new())?;
         let shares = covered_shares(mesh, slave, covers.facets.iter().map(|cover| &cover.functions));
-        let lost = lost(mesh, slave, master, &covers.facets, &normals, supports);
+        let settled = |node: usize| supports.settled(node, &still_of(node));
+        let lost = lost(mesh, slave, master, &covers.facets, &normals, &settled);
         let mut edges = edges_of(mesh, &slave.facets);
         edges.extend(edges_of(mesh, &master.facets));
         let mut sums = BTreeMap::<usize, Sum>::new();
@@ -181,7 +205,7 @@ impl Mortar {
         };
         let rows = sums.into_iter().map(row).collect::<Result<Vec<MortarRow>, MortarFault>>()?;
         if rows.is_empty() {
-            let is_held = |(node, normal): (&usize, &[f64; 3])| normals::is_held(*normal, &supports.held(*node));
+            let is_held = |(node, normal): (&usize, &[f64; 3])| normals::is_held(*normal, &settled(*node));
             let faced = slave.facets.iter().zip(&covers.facets).filter(|(_, cover)| cover.share > 0.0);
             let meets = faced.flat_map(|(facet, _)| facet).filter_map(|node| normals.get_key_value(node)).any(is_held);
             return Err(if meets {
@@ -203,6 +227,25 @@ impl Mortar {
             segments: covers.segments,
             facets: [slave, master].map(|side| side.facets.clone()),
         })
+    }
+
+    /// Joins the rows of nodes that move alike, as at both ends of a period, if nodes of the master do so, too. `alike` returns
+    /// one node for all that move as it does.
+    pub(crate) fn join(&mut self, alike: impl Fn(usize) -> usize) {
+        if self.facets[1].iter().flatten().all(|&node| alike(node) == node) {
+            return;
+        }
+        let own: BTreeSet<usize> = self.rows.iter().map(|row| row.node).collect();
+        let alike = |node: usize| Some(alike(node)).filter(|first| own.contains(first)).unwrap_or(node);
+        let mut rows = BTreeMap::<usize, MortarRow>::new();
+        for row in std::mem::take(&mut self.rows) {
+            let node = alike(row.node);
+            let slave = merged(row.slave.iter().map(|&(other, c)| (alike(other), c)).collect());
+            let row = MortarRow { node, slave, ..row };
+            let row = rows.remove(&node).map_or(row.clone(), |first| first.joined(row));
+            rows.insert(node, row);
+        }
+        self.rows = rows.into_values().collect();
     }
 
     /// Returns the facets of the slave and of the master.
@@ -350,11 +393,11 @@ fn lost(
     master: &Boundary,
     covers: &[Cover],
     normals: &BTreeMap<usize, [f64; 3]>,
-    supports: &dyn Supports,
+    settled: &dyn Fn(usize) -> Vec<[f64; 3]>,
 ) -> BTreeSet<usize> {
     let others: BTreeSet<usize> = master.facets.iter().flatten().copied().collect();
     let is_lost =
-        |(node, normal): (&usize, &[f64; 3])| others.contains(node) || normals::is_held(*normal, &supports.held(*node));
+        |(node, normal): (&usize, &[f64; 3])| others.contains(node) || normals::is_held(*normal, &settled(*node));
     let mut lost: BTreeSet<usize> = normals.iter().filter(|entry| is_lost(*entry)).map(|(node, _)| *node).collect();
     let (mut whole, mut covered) = (BTreeMap::<usize, f64>::new(), BTreeMap::<usize, f64>::new());
     for (facet, cover) in slave.facets.iter().zip(covers) {

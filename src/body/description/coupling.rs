@@ -51,8 +51,8 @@ pub enum CouplingKind {
     /// The nodes move with the point as a rigid body, `u(x) = U + θ × (x - p)`. Abaqus: kinematic coupling; Nastran:
     /// RBE2.
     Rigid,
-    /// The nodes move freely. A force and a moment at the point are distributed over the boundary in proportion to
-    /// area; the motion of the point is the mean of that of the boundary in the least-squares sense. Abaqus: distributing
+    /// The nodes move freely. A force and a moment at the point are distributed over the boundary as
+    /// tractions that change linearly; the motion of the point is the mean of that of the boundary in the least-squares sense. Abaqus: distributing
     /// coupling; Nastran: RBE3.
     Distributing,
 }

@@ -49,12 +49,16 @@ impl ContactGraph {
                     None => first_of[i] = Some(b),
                 }
             }
+            // A node at the end of a period is the one at its beginning.
+            let alike = |node: usize| model.dofs.moving_alike(node);
+            let by_motion: BTreeMap<usize, usize> = contact.iter().map(|(&node, &i)| (alike(node), i)).collect();
+            let of_node = |node: usize| contact.get(&node).or_else(|| by_motion.get(&alike(node))).copied();
             let facets = model.mesh.boundary(&boundary.name).map_or(&[][..], |boundary| &boundary.facets);
             for facet in facets {
                 let closed = facet.len() > 2 && model.mesh.dimension == 3;
                 let ends = if closed { facet.len() } else { facet.len() - 1 };
                 for k in 0..ends {
-                    let side = [facet[k], facet[(k + 1) % facet.len()]].map(|node| contact.get(&node).copied());
+                    let side = [facet[k], facet[(k + 1) % facet.len()]].map(of_node);
                     let [Some(i), Some(j)] = side else { continue };
                     neighbours[i].insert(j);
                     neighbours[j].insert(i);

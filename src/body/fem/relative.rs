@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::algebra::vector::{dot, plus};
+use crate::algebra::vector::{axis, dot, plus};
 
 /// The coefficient of the displacement of another node.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,8 +22,26 @@ impl Coefficient {
         }
     }
 
+    /// Returns the sum of two coefficients.
+    pub(crate) fn plus(&self, other: &Self) -> Self {
+        let rows = |c: &Self| [0, 1, 2].map(|k| c.transposed_times(axis(k)));
+        match (self, other) {
+            (Coefficient::Factor(a), Coefficient::Factor(b)) => Coefficient::Factor(a + b),
+            _ => Coefficient::Matrix(Box::new([0, 1, 2].map(|k| plus(rows(self)[k], 1.0, rows(other)[k])))),
+        }
+    }
+
+    /// Returns the largest absolute value of its entries.
+    pub(crate) fn size(&self) -> f64 {
+        let largest = |all: &[f64]| all.iter().fold(0.0_f64, |most, c| most.max(c.abs()));
+        match self {
+            Coefficient::Factor(c) => c.abs(),
+            Coefficient::Matrix(rows) => largest(rows.as_flattened()),
+        }
+    }
+
     /// Returns the coefficient divided by `own`.
-    pub(super) fn over(&self, own: f64) -> Self {
+    pub(crate) fn over(&self, own: f64) -> Self {
         match self {
             Coefficient::Factor(c) => Coefficient::Factor(c / own),
             Coefficient::Matrix(rows) => Coefficient::Matrix(Box::new(rows.map(|row| row.map(|c| c / own)))),

@@ -70,11 +70,12 @@ impl Dofs {
     }
 
     /// Returns the node that a tied node moves with, if it is tied to one alone, and other nodes unchanged. A jump between
-    /// the two does not count.
+    /// the two does not count, nor do nodes that supports hold in all directions.
     pub fn moving_alike(&self, mut node: usize) -> usize {
         // Tied nodes have no rings.
         while let Some(Resolved { own, others, tied: true, .. }) = self.relative.get(&node) {
-            let mut in_mesh = others.iter().filter(|(other, _)| *other < self.of_mesh);
+            let is_held = |other: usize| !self.is_relative(other) && self.node(other).iter().all(Option::is_none);
+            let mut in_mesh = others.iter().filter(|(other, _)| *other < self.of_mesh && !is_held(*other));
             match (in_mesh.next(), in_mesh.next()) {
                 (Some((other, Coefficient::Factor(c))), None) if (c - own).abs() <= SAME_DIRECTION => node = *other,
                 _ => break,

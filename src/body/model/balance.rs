@@ -326,11 +326,13 @@ impl Model {
             let free = self.dofs.free_axes(node).into_iter();
             let passed = free.fold([0.0; 3], |sum, n| plus(sum, dot(forces[from], n), n));
             let parts = self.dofs.passed_on(node, passed);
-            if let Some(&(jump, part)) = parts.iter().find(|(other, _)| self.dofs.is_jump(*other)) {
+            let (jumps, in_mesh): (Vec<_>, Vec<_>) = parts.iter().partition(|(other, _)| self.dofs.is_jump(*other));
+            if !jumps.is_empty() {
                 size += norm(passed);
                 glue += Wrench::at(geometry, self.mesh.nodes[node], passed);
-                let in_mesh = parts.iter().filter(|(other, _)| *other != jump);
-                glue += in_mesh.map(|&(other, part)| self.wrench_on(other, part.map(|f| -f))).sum();
+                glue += in_mesh.into_iter().map(|&(other, part)| self.wrench_on(other, part.map(|f| -f))).sum();
+            }
+            for &&(jump, part) in &jumps {
                 if let Some((of, centre)) = self.joints.section(&self.dofs, jump) {
                     let arm = minus(self.mesh.nodes[node], centre);
                     sections[of] += Wrench { force: part, ..Wrench::at(geometry, arm, part) };
@@ -428,7 +430,7 @@ impl Model {
                 Geometry::Cartesian => minus(moment, cross(position, force)),
                 Geometry::Axisymmetric => moment,
             };
-            (Wrench { force, moment }, self.couplings.motion(&self.mesh, &self.dofs, k, &all))
+            (Wrench { force, moment }, self.couplings.motion(&self.dofs, k, &all))
         };
         couplings.iter().enumerate().map(one).collect()
     }

@@ -1,6 +1,6 @@
 //! The contact nodes of all boundaries and their opposite sides, with checks.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::carrying::Carrying;
 use super::find;
@@ -103,7 +103,7 @@ impl Contacts {
             contact: k,
             nodes: (first..first + nodes.len()).collect(),
             weights: nodes.iter().map(|node| node.weight).collect(),
-            beyond: boundary.nodes().len() - nodes.len(),
+            beyond: alike(dofs, boundary).saturating_sub(nodes.len()),
             obstacles: self.obstacles.len()..self.obstacles.len(),
             pair: Some(number),
         });
@@ -243,6 +243,11 @@ impl Contacts {
         self.nodes[same] = ContactNode { others, weight, ..nearest.clone() };
         Ok(same)
     }
+}
+
+/// Returns the number of nodes of a boundary that move differently: those at both ends of a period are one.
+fn alike(dofs: &Dofs, boundary: &Boundary) -> usize {
+    boundary.nodes().into_iter().map(|node| dofs.moving_alike(node)).collect::<BTreeSet<usize>>().len()
 }
 
 /// Returns `true` if two contact nodes have the same rows.

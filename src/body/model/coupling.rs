@@ -8,8 +8,8 @@ use crate::algebra::null_space::{Row, null_space};
 use crate::algebra::vector::{axis, cross, dot, minus, norm, plus};
 use crate::base::input_error::InputError;
 use crate::body::description::{Coupling, CouplingKind, Description, Part};
-use crate::body::fem::{Dofs, NodalForces, ReferencePoint, cell_volume, facet_weights};
-use crate::body::mesh::{Geometry, Mesh};
+use crate::body::fem::{Dofs, NodalForces, ReferencePoint, area, cell_volume, facet_weights, traction};
+use crate::body::mesh::{Boundary, Geometry, Mesh};
 
 /// The largest distance of a reference point from its part, in sizes of the mesh. Moments lose as many digits.
 const FURTHEST: f64 = 1e4;
@@ -41,10 +41,14 @@ enum Link {
     Distributing(Spread),
 }
 
-/// The centroid `c` of nodes with shares `s`, and the inverse of `Σ s (r² 1 - r rᵀ)` with `r = x - c`.
+/// The distribution of forces over a boundary of area `A`: tractions that change linearly.
 #[derive(Debug, Clone)]
 struct Spread {
+    /// The centroid `c`, m.
     centroid: [f64; 3],
+    /// `∫ N_j r dA / A` with `r = x - c` for each node j, m; a node may occur several times.
+    moments: NodalForces,
+    /// The inverse of `∫ (r² 1 - r rᵀ) dA / A`, 1/m².
     inverse: [[f64; 3]; 3],
 }
 
@@ -115,7 +119,8 @@ impl Couplings {
                 Link::Rigid { k, whole: matches!(given.part, Part::Body(_)) }
             }
             CouplingKind::Distributing => {
-                let spread = Spread::new(mesh, &shares).ok_or_else(|| {
+                let boundary = find(mesh, given.part.name(), &key)?;
+                let spread = Spread::new(mesh, boundary, &shares).ok_or_else(|| {
                     let message = format!("`{}` has no area, so that nothing can be distributed", given.part.name());
                     InputError::new(format!("{key}.boundary"), message, "name another boundary")
                 })?;
@@ -194,7 +199,6 @@ impl Couplings {
     /// called `name`, which the table at `key` names.
     pub(super) fn forces(
         &self,
-        mesh: &Mesh,
         dofs: &Dofs,
         name: &str,
         [force, moment]: [[f64; 3]; 2],
@@ -211,18 +215,15 @@ impl Couplings {
                 let arm = minus(coupled.position, spread.centroid);
                 let moment = plus(moment, 1.0, cross(arm, force));
                 let turn = spread.inverse.map(|row| dot(row, moment));
-                let of_node = |&(node, share): &(usize, f64)| {
-                    let of_moment = cross(turn, minus(mesh.nodes[node], spread.centroid));
-                    (node, plus(force, 1.0, of_moment).map(|f| share * f))
-                };
-                coupled.shares.iter().map(of_node).collect()
+                let of_force = coupled.shares.iter().map(|&(node, share)| (node, force.map(|f| share * f)));
+                of_force.chain(spread.moments.iter().map(|&(node, arm)| (node, cross(turn, arm)))).collect()
             }
         })
     }
 
     /// Returns the displacement (m) and the rotation (rad) of the reference point of coupling `k` from the displacements
     /// of all nodes.
-    pub(super) fn motion(&self, mesh: &Mesh, dofs: &Dofs, k: usize, all: &[[f64; 3]]) -> [[f64; 3]; 2] {
+    pub(super) fn motion(&self, dofs: &Dofs, k: usize, all: &[[f64; 3]]) -> [[f64; 3]; 2] {
         let coupled = &self.all[k];
         match &coupled.link {
             Link::Rigid { k, .. } => {
@@ -230,11 +231,11 @@ impl Couplings {
                 [all[translation], dofs.rotation(*k, all[rotation])]
             }
             Link::Distributing(spread) => {
-                let shares = coupled.shares.iter();
-                let mean = shares.clone().fold([0.0; 3], |sum, (node, share)| plus(sum, *share, all[*node]));
-                let turned = shares.fold([0.0; 3], |sum, (node, share)| {
-                    plus(sum, *share, cross(minus(mesh.nodes[*node], spread.centroid), minus(all[*node], mean)))
-                });
+                let mean = coupled.shares.iter().fold([0.0; 3], |sum, (node, share)| plus(sum, *share, all[*node]));
+                let turned = spread
+                    .moments
+                    .iter()
+                    .fold([0.0; 3], |sum, (node, arm)| plus(sum, 1.0, cross(*arm, minus(all[*node], mean))));
                 let rotation = spread.inverse.map(|row| dot(row, turned));
                 let arm = minus(coupled.position, spread.centroid);
                 [plus(mean, 1.0, cross(rotation, arm)), rotation]
@@ -259,14 +260,15 @@ impl Coupled {
 }
 
 impl Spread {
-    fn new(mesh: &Mesh, shares: &[(usize, f64)]) -> Option<Self> {
-        let centroid = centroid(mesh, shares);
+    fn new(mesh: &Mesh, boundary: &Boundary, shares: &[(usize, f64)]) -> Option<Self> {
+        let (centroid, area) = (centroid(mesh, shares), area(mesh, boundary));
+        let moments = traction(mesh, boundary, |x, d_area| minus(x, centroid).map(|r| r * norm(d_area) / area));
         let mut inertia = [[0.0; 3]; 3];
-        for &(node, share) in shares {
-            let r = minus(mesh.nodes[node], centroid);
+        for (node, moment) in &moments {
+            let r = minus(mesh.nodes[*node], centroid);
             for (a, row) in inertia.iter_mut().enumerate() {
                 for (b, entry) in row.iter_mut().enumerate() {
-                    *entry += share * (if a == b { dot(r, r) } else { 0.0 } - r[a] * r[b]);
+                    *entry += if a == b { dot(r, *moment) } else { 0.0 } - r[a] * moment[b];
                 }
             }
         }
@@ -276,7 +278,7 @@ impl Spread {
             (_, 2) => [[0.0; 3], [0.0; 3], axis(2).map(|c| c / inertia[2][2])],
             _ => inverse(inertia),
         };
-        inverse.as_flattened().iter().all(|x| x.is_finite()).then_some(Spread { centroid, inverse })
+        inverse.as_flattened().iter().all(|x| x.is_finite()).then_some(Spread { centroid, moments, inverse })
     }
 }
 

@@ -82,48 +82,31 @@ impl Joints {
         Ok(Joints { all })
     }
 
-    /// Fails if a contact that is not glued reaches periodic boundaries whose contact forces are not determined: those that a
-    /// pretension moves, or those of both bodies. The nodes at the two ends of a period are one and would have two rows.
+    /// Fails if a contact that is not glued ends at periodic boundaries that a pretension moves: the nodes at both ends of the
+    /// period have one row of contact, but would not move alike.
     pub(super) fn meet_no_contact(&self, description: &Description, mesh: &Mesh) -> Result<(), InputError> {
-        let nodes = |name: &str| mesh.boundary(name).map_or_else(Vec::new, Boundary::nodes);
-        let periodic: Vec<(&Joint, BTreeSet<usize>)> = (self.all.iter())
-            .filter_map(|joint| {
-                let opposite = description.contacts[joint.contact].opposite()?;
-                opposite.shift?;
-                let both = std::iter::once(&joint.boundary).chain(&opposite.boundaries);
-                Some((joint, both.flat_map(|name| nodes(name)).collect()))
-            })
-            .collect();
-        if periodic.is_empty() {
-            return Ok(());
-        }
-        for (k, contact) in description.contacts.iter().enumerate() {
-            let opposite = contact.opposite().map_or(&[][..], |opposite| &opposite.boundaries);
-            if contact.opposite().is_some_and(|opposite| opposite.glued) {
+        let nodes = |name: &String| mesh.boundary(name).map_or_else(Vec::new, Boundary::nodes);
+        for joint in self.all.iter().filter(|joint| joint.tightened.is_some()) {
+            let Some(period) = description.contacts[joint.contact].opposite().filter(|own| own.shift.is_some()) else {
                 continue;
-            }
-            let ends = |names: &[String], joint: &(&Joint, BTreeSet<usize>)| {
-                names.iter().any(|name| nodes(name).iter().any(|node| joint.1.contains(node)))
             };
-            let own = std::slice::from_ref(&contact.boundary);
-            let moved = (periodic.iter())
-                .find(|joint| joint.0.tightened.is_some() && (ends(own, joint) || ends(opposite, joint)));
-            let of = |names: &[String]| periodic.iter().find(|joint| ends(names, joint));
-            let message = match (moved, of(own), of(opposite)) {
-                (Some((joint, _)), ..) => {
-                    format!(
+            let ends: BTreeSet<usize> =
+                std::iter::once(&joint.boundary).chain(&period.boundaries).flat_map(nodes).collect();
+            for (k, contact) in description.contacts.iter().enumerate() {
+                let opposite = contact.opposite();
+                let mut sides =
+                    std::iter::once(&contact.boundary).chain(opposite.iter().flat_map(|other| &other.boundaries));
+                let glued = opposite.is_some_and(|other| other.glued);
+                if !glued && sides.any(|name| nodes(name).iter().any(|node| ends.contains(node))) {
+                    let message = format!(
                         "`{}` ends at the periodic boundary `{}`, which a pretension moves",
                         contact.boundary, joint.boundary
-                    )
+                    );
+                    let help = "end one contact boundary an element before the period does; contact forces at both ends of a \
+                                period belong to one node, which has one row of contact";
+                    return Err(InputError::new(format!("contact[{k}].boundary"), message, help));
                 }
-                (None, Some(_), Some(_)) => {
-                    format!("`{}` and the boundary against it are both periodic", contact.boundary)
-                }
-                _ => continue,
-            };
-            let help = "end one contact boundary an element before the period does; contact forces at both ends of a period \
-                        belong to one node, which has one row of contact";
-            return Err(InputError::new(format!("contact[{k}].boundary"), message, help));
+            }
         }
         Ok(())
     }

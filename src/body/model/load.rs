@@ -71,12 +71,12 @@ impl LoadedBody<'_> {
                         let boundary = with_area(mesh, name, &at("boundary"), boundary(name)?, "a force")?;
                         uniform_traction(mesh, boundary, force.map(|f| f / area(mesh, boundary)))
                     }
-                    Where::Coupling(name) => couplings.forces(mesh, dofs, name, [force, [0.0; 3]], &key)?,
+                    Where::Coupling(name) => couplings.forces(dofs, name, [force, [0.0; 3]], &key)?,
                 }
             }
             Action::Moment { coupling, moment } => {
                 let moment = about_axes(mesh, moment, &at("moment"))?;
-                couplings.forces(mesh, dofs, coupling, [[0.0; 3], moment], &key)?
+                couplings.forces(dofs, coupling, [[0.0; 3], moment], &key)?
             }
             Action::Acceleration(acceleration) => {
                 let acceleration = in_space(mesh, acceleration, &at("acceleration"))?;

@@ -2,12 +2,13 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::bonds::{Apart, Bonds};
 use super::carried;
 use super::coupling::Couplings;
 use super::find;
 use super::holding::Holding;
 use super::joint::{self, Joints};
-use crate::algebra::vector::{Vector, axis, dot, minus, norm, plus, unit};
+use crate::algebra::vector::{Vector, across, axis, dot, minus, norm, plus, unit};
 use crate::base::input_error::InputError;
 use crate::base::units::{Quantity, UnitSystem};
 use crate::body::contact::{
@@ -51,8 +52,9 @@ pub struct Pair {
     pub(super) slopes: BTreeMap<usize, f64>,
     /// The shortest edge of the facets in front of each slave node, m.
     pub(super) edges: BTreeMap<usize, f64>,
-    /// The nodes of the rows whose displacements are relative in this pair.
-    relative: BTreeSet<usize>,
+    /// The nodes of the rows that determine a displacement, each with the node that it determines: relative to the others of the
+    /// row. It is the row's own one, except where glue joins what is held or carried.
+    relative: BTreeMap<usize, usize>,
 }
 
 /// The pairs of a description.
@@ -75,34 +77,110 @@ impl Pairs {
         (couplings, joints): (&Couplings, &Joints),
     ) -> Result<Self, InputError> {
         let carried = carried::relations(couplings, description, mesh, dofs, holdings)?;
-        let mut pairs = Pairs { relative: carried, ..Pairs::default() };
-        let mut taken: BTreeSet<usize> = couplings.carried();
-        let mut tied = taken.clone();
-        let rigid = couplings.rigid_bodies();
+        let in_pairs = |glued: bool| {
+            let contacts = description.contacts.iter().enumerate();
+            contacts.filter_map(move |(k, contact)| Some((k, contact.opposite().filter(|other| other.glued == glued)?)))
+        };
         // Boundaries whose contact does not choose the slave automatically are slaves in any case.
         let chosen = |opposite: &Opposite| opposite.slave == Slave::Automatic;
         let named = description.contacts.iter().filter(|contact| !contact.opposite().is_some_and(chosen));
         let mut slaves: BTreeSet<String> = named.map(|contact| contact.boundary.clone()).collect();
         let moving = moving(description, holdings);
-        for glued in [true, false] {
-            for (k, contact) in description.contacts.iter().enumerate() {
-                let Some(opposite) = contact.opposite().filter(|opposite| opposite.glued == glued) else { continue };
-                let supports = OfNodes { dofs, tied: if glued { &tied } else { &rigid }, moving: &moving };
-                let mut pair = pair(description, mesh, k, opposite, materials, &supports, &slaves)?;
-                slaves.insert(pair.slave.clone());
-                joints.may_follow(description, mesh, dofs, k, find(mesh, &pair.slave, "contact")?, &taken)?;
-                for row in &pair.mortar.rows {
-                    if taken.insert(row.node) {
-                        let relation = relative(row, glued);
-                        pairs.relative.push(joints.with_jump(dofs, k, &pair.slave, row, relation));
-                        pair.relative.insert(row.node);
-                        if glued {
-                            tied.insert(row.node);
-                        }
-                    }
+        let carried_nodes = couplings.carried();
+        let glue = |(k, opposite): (usize, &Opposite), slaves: &BTreeSet<String>, idle: &BTreeSet<usize>| {
+            let first = find(mesh, &description.contacts[k].boundary, &format!("contact[{k}]"))?;
+            let is_fixed = |node: &usize| carried_nodes.contains(node) || dofs.held(*node).count() == 3;
+            let sides = [first, &self::opposite(mesh, opposite, k)?];
+            let joins = !sides.iter().any(|side| side.nodes().iter().all(is_fixed));
+            let tied = if joins { idle } else { &idle.union(&carried_nodes).copied().collect() };
+            let supports = OfNodes { dofs, tied, moving: &moving, joins };
+            pair(description, mesh, k, opposite, materials, (&supports, &|node| node), slaves)
+        };
+        let held_alone = |row: &MortarRow| -> Vec<[f64; 3]> {
+            let across_still = |n: &[f64; 3]| norm(row.still.iter().copied().fold(*n, across));
+            dofs.held(row.node).filter(|n| across_still(n) > SAME_DIRECTION).collect()
+        };
+        // Of the nodes that a support, a reference point or another row determines, those need no row of which the opposite
+        // side depends on the same nodes.
+        let (mut bonds, mut pairs) = (Bonds::new(&carried), Pairs::default());
+        let (mut later, mut slaves_before) = (Vec::new(), Vec::new());
+        for contact in in_pairs(true) {
+            let pair = glue(contact, &slaves, &BTreeSet::new())?;
+            slaves_before.push(slaves.clone());
+            slaves.insert(pair.slave.clone());
+            for (r, row) in pair.mortar.rows.iter().enumerate() {
+                if bonds.bind(row.node) || !held_alone(row).is_empty() {
+                    later.push((pairs.all.len(), r));
+                } else {
+                    bonds.add(relative(row, true));
                 }
-                pairs.all.push(pair);
             }
+            pairs.all.push(pair);
+        }
+        let mut idle = vec![BTreeSet::new(); pairs.all.len()];
+        for (p, r) in later {
+            let row = &pairs.all[p].mortar.rows[r];
+            let own = bonds.roots(row.node);
+            if bonds.bind(row.node) && row.master.iter().any(|(other, _)| !bonds.roots(*other).is_disjoint(&own)) {
+                idle[p].insert(row.node);
+            }
+        }
+        for (p, contact) in in_pairs(true).enumerate().filter(|(p, _)| !idle[*p].is_empty()) {
+            pairs.all[p] = glue(contact, &slaves_before[p], &idle[p])?;
+        }
+        let mut bonds = Bonds::new(&carried);
+        pairs.relative = carried;
+        let (mut first, mut later, mut taken) = (Vec::new(), Vec::new(), carried_nodes.clone());
+        for (p, pair) in pairs.all.iter().enumerate() {
+            let slave = find(mesh, &pair.slave, "contact")?;
+            joints.may_follow(description, mesh, dofs, pair.contact, slave, &taken)?;
+            for (r, row) in pair.mortar.rows.iter().enumerate() {
+                let is_free = taken.insert(row.node) && held_alone(row).is_empty();
+                if is_free { first.push((p, r)) } else { later.push((p, r)) }
+            }
+        }
+        for (p, r) in first.into_iter().chain(later) {
+            let pair = &mut pairs.all[p];
+            let row = &pair.mortar.rows[r];
+            let relation = joints.with_jump(dofs, pair.contact, &pair.slave, row, relative(row, true));
+            let solved = bonds.solved(dofs, relation, &held_alone(row)).map_err(|Apart| {
+                let place = description.system(mesh.dimension).place(mesh.nodes[row.node]);
+                let message = format!(
+                    "at {place}, supports or couplings determine both sides of the glued `{}`, each in its own way",
+                    pair.slave
+                );
+                let help = "let the same supports, or the same coupling, hold both sides there";
+                InputError::new(format!("contact[{}].glue", pair.contact), message, help)
+            })?;
+            if let Some(solved) = solved {
+                pair.relative.insert(row.node, solved.node);
+                bonds.add(solved.clone());
+                pairs.relative.push(solved);
+            }
+        }
+        for relation in pairs.relative.iter_mut().skip(carried_nodes.len()) {
+            *relation = bonds.resolved(dofs, relation);
+        }
+        // At both ends of a period, a contact has one row for the nodes that move alike, and none for others that are tied.
+        let has_periods = pairs.all.iter().any(|pair| pair.shifted);
+        let with_ties =
+            if has_periods { pairs.clone().dofs(description, mesh, joints, dofs.clone())? } else { dofs.clone() };
+        let periodic = pairs.all.iter().filter(|pair| pair.shifted).flat_map(|pair| pair.relative.values());
+        let mut tied = couplings.rigid_bodies();
+        tied.extend(periodic.filter(|node| with_ties.moving_alike(**node) == **node));
+        for (k, opposite) in in_pairs(false) {
+            let supports = OfNodes { dofs, tied: &tied, moving: &moving, joins: false };
+            let alike = |node: usize| with_ties.moving_alike(node);
+            let mut pair = pair(description, mesh, k, opposite, materials, (&supports, &alike), &slaves)?;
+            slaves.insert(pair.slave.clone());
+            for row in &pair.mortar.rows {
+                if !bonds.bind(row.node) {
+                    bonds.add(relative(row, false));
+                    pairs.relative.push(relative(row, false));
+                    pair.relative.insert(row.node, row.node);
+                }
+            }
+            pairs.all.push(pair);
         }
         Ok(pairs)
     }
@@ -119,14 +197,14 @@ impl Pairs {
             return Ok(dofs);
         }
         for pair in &self.all {
-            let row = pair.mortar.rows.iter().find(|row| pair.relative.contains(&row.node));
+            let row = pair.mortar.rows.iter().find(|row| pair.relative.contains_key(&row.node));
             if let Some((jump, sum)) = row.and_then(|row| joints.sum(pair.contact, &pair.slave, row)) {
                 dofs.set_jump(jump, sum);
             }
         }
         dofs.relative_to(std::mem::take(&mut self.relative)).map_err(|ring| {
             let place = description.system(mesh.dimension).place(mesh.nodes[ring.0]);
-            let of = self.all.iter().find(|pair| pair.relative.contains(&ring.0));
+            let of = self.all.iter().find(|pair| pair.relative.values().any(|node| *node == ring.0));
             let k = of.map_or(0, |pair| pair.contact);
             let message =
                 format!("the node at {place} is in front of nodes that are, in other contacts, in front of it");
@@ -144,16 +222,15 @@ impl Pairs {
     pub(super) fn ties(&self, dofs: &Dofs, joints: &Joints) -> Vec<Tie> {
         let glued = self.all.iter().filter(|pair| pair.glued);
         let rows = glued.flat_map(|pair| {
-            let own = pair.mortar.rows.iter().filter(|row| pair.relative.contains(&row.node));
-            own.map(move |row| (pair, row))
+            pair.mortar.rows.iter().filter_map(move |row| Some((pair, row, *pair.relative.get(&row.node)?)))
         });
-        let of_row = |(pair, row): (&Pair, &MortarRow)| {
+        let of_row = |(pair, row, determined): (&Pair, &MortarRow, usize)| {
             let along = |n: [f64; 3]| {
                 let own = row.slave.iter().map(|&(node, c)| (node, n.map(|x| c * x)));
                 let form = own.chain(row.master.iter().map(|&(node, c)| (node, n.map(|x| -c * x)))).collect();
                 joints.tied(dofs, pair.contact, &pair.slave, row, n, form)
             };
-            dofs.free_axes(row.node).into_iter().map(along).collect::<Vec<_>>()
+            dofs.free_axes(determined).into_iter().map(along).collect::<Vec<_>>()
         };
         rows.flat_map(of_row).collect()
     }
@@ -162,8 +239,10 @@ impl Pairs {
 /// The supports of a description at each node.
 struct OfNodes<'a> {
     dofs: &'a Dofs,
-    /// The nodes whose displacements are determined by other nodes or by a reference point.
+    /// The nodes that need no row, as their displacements are determined by other nodes or by a reference point.
     tied: &'a BTreeSet<usize>,
+    /// `true` if nodes that only supports hold have rows, which join them to the other side.
+    joins: bool,
     moving: &'a BTreeMap<usize, Vec<Moving>>,
 }
 
@@ -184,7 +263,19 @@ fn moving(description: &Description, holdings: &[Holding]) -> BTreeMap<usize, Ve
 
 impl Supports for OfNodes<'_> {
     fn held(&self, node: usize) -> Vec<[f64; 3]> {
-        if self.tied.contains(&node) { [0, 1, 2].map(axis).to_vec() } else { self.dofs.held(node).collect() }
+        if self.tied.contains(&node) && !self.joins {
+            [0, 1, 2].map(axis).to_vec()
+        } else {
+            self.dofs.held(node).collect()
+        }
+    }
+
+    fn settled(&self, node: usize, still: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        match self.joins {
+            true if self.tied.contains(&node) => [0, 1, 2].map(axis).to_vec(),
+            true => still.to_vec(),
+            false => self.held(node),
+        }
     }
 
     fn move_apart(&self, nodes: [usize; 2], n: [f64; 3]) -> bool {
@@ -215,7 +306,7 @@ impl Pair {
             };
             [gap, bulge]
         };
-        coupled_nodes(mesh, dofs, number, &self.mortar.rows, gap, |node| self.relative.contains(&node))
+        coupled_nodes(mesh, dofs, number, &self.mortar.rows, gap, |node| self.relative.contains_key(&node))
     }
 }
 
@@ -256,7 +347,7 @@ fn pair(
     k: usize,
     opposite: &Opposite,
     materials: &[Elasticity],
-    supports: &dyn Supports,
+    (supports, alike): (&dyn Supports, &dyn Fn(usize) -> usize),
     slaves: &BTreeSet<String>,
 ) -> Result<Pair, InputError> {
     let key = format!("contact[{k}]");
@@ -278,7 +369,7 @@ fn pair(
         return Err(InputError::new(format!("{key}.slave"), message, "remove the key, or name one boundary"));
     }
     let may_change = opposite.boundaries.len() == 1;
-    let (mortar, choice) = if opposite.slave == Slave::Automatic || all_held && may_change {
+    let (mut mortar, choice) = if opposite.slave == Slave::Automatic || all_held && may_change {
         let young = [first, second].map(|boundary| young(mesh, boundary, materials));
         let taken = [first, second].map(|boundary| slaves.contains(&boundary.name));
         let sides = [first, second];
@@ -289,6 +380,7 @@ fn pair(
         (Mortar::new(mesh, first, second, &options, supports).map_err(refused)?, None)
     };
     fits(&mortar, opposite, &units, &key)?;
+    mortar.join(alike);
     let swapped = choice.is_some_and(|choice| choice.slave == 1);
     let (slave, master) = if swapped { (second, first) } else { (first, second) };
     let adjusted = |gap: f64| if gap.abs() <= opposite.adjust { 0.0 } else { gap };
@@ -334,7 +426,7 @@ fn pair(
     let edges = edges(mesh, master, &mortar.rows);
     let slopes = opposite.direction.map_or_else(BTreeMap::new, |_| slopes(mesh, slave, &mortar.rows));
     let (slave, master) = (slave.name.clone(), master.clone());
-    let relative = BTreeSet::new();
+    let relative = BTreeMap::new();
     let tightened = description.pretensions.iter().any(|own| own.boundary == description.contacts[k].boundary);
     let jumps = moved.is_some() || tightened;
     Ok(Pair {

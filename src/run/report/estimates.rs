@@ -62,6 +62,10 @@ pub struct Estimates {
     /// The time-step error of the tangential forces by a companion run, if it was requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub companion: Option<CompanionEstimate>,
+    /// The error of the friction forces by loads or interference at t = 0, as a share of the largest possible friction, if there
+    /// are such actions.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub start: Option<f64>,
 }
 
 /// Collects data of converged increments. The estimates of each contact surface refer to the time of its largest force.
@@ -293,6 +297,7 @@ impl EstimateWatch {
             negligible_work: self.negligible_work(),
             increments: None,
             companion: None,
+            start: None,
         }
     }
 

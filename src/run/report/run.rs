@@ -271,8 +271,6 @@ pub struct ReportInput<'a> {
     pub last_reactions: Option<BalanceRecord>,
     /// The first jump of contact forces, if any.
     pub leap: Option<ForceJump>,
-    /// The error of the friction forces by loads or interference at t = 0, as a share of the largest possible friction.
-    pub start: Option<f64>,
     /// The largest imbalance of forces.
     pub balance: BalanceWatch,
     /// The curves for the charts of the history.
@@ -300,7 +298,7 @@ impl RunReport {
         let known = increment_warnings::Known {
             found: facts.estimates.increments.as_ref(),
             companion: companion.and_then(|companion| Some((companion.error?, companion.increments))),
-            start: facts.start,
+            start: facts.estimates.start,
             negligible_work: facts.estimates.negligible_work,
             increments: outcome.tally.increments,
         };

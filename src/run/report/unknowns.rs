@@ -1,5 +1,7 @@
 //! The unknowns of a run, and the eliminated ones.
 
+use std::collections::BTreeSet;
+
 use serde::Serialize;
 
 use crate::body::mesh::Geometry;
@@ -64,7 +66,9 @@ impl EliminatedUnknown {
         let tangential = if mesh.dimension == 2 { "p_t" } else { "p_t and p_o" };
         let beyond: usize = contact_boundaries.iter().map(|boundary| boundary.beyond).sum();
         let held = contact_boundaries.iter().filter_map(|boundary| {
-            let all = mesh.boundary(&boundary.name)?.nodes().len();
+            let nodes = mesh.boundary(&boundary.name)?.nodes();
+            // The nodes at both ends of a period are one.
+            let all = nodes.into_iter().map(|node| model.dofs.moving_alike(node)).collect::<BTreeSet<usize>>().len();
             Some(all.saturating_sub(boundary.beyond + boundary.nodes.len()))
         });
         let smooth = contacts.iter().zip(problem.mu()).filter(|(_, mu)| **mu == 0.0);

@@ -2,8 +2,11 @@
 
 use super::patch::mesh;
 use crate::common::pairs::bodies;
-use stickslip::body::mesh::{CellKind, MeshSource};
-use stickslip::body::{Axis, Description, Load, Model, Support};
+use std::sync::Arc;
+
+use stickslip::body::fem::Material;
+use stickslip::body::mesh::{Boundary, CellKind, MeshSource, block};
+use stickslip::body::{Axis, Coupling, Description, Load, Model, Support};
 use stickslip::run::Run;
 use stickslip::run::report::WarningKind;
 use stickslip::solver::history::{Method, SolverChoice, Status};
@@ -82,6 +85,68 @@ fn supports_carry_what_glue_passes_on() {
             assert!(balance.closure < 1e-12, "{n} {m} {held} {:e}", balance.closure);
         }
     }
+}
+
+/// A square of two glued halves, whose right sides end in it, and the square of one mesh.
+fn halves(slave: &str, master: &str) -> [Description; 2] {
+    let half = || MeshSource::block([2.0, 1.0], [4, 2]);
+    let glued = bodies((half(), 1e3), (half(), 1e3), Some([0.0, 1.0].into()), vec![1.0]).glued(slave, master);
+    let mut mesh = block(&[2.0, 2.0], &[4, 4]);
+    for (side, of_half) in [("left", "left"), ("right", "right")] {
+        let facets = mesh.boundary(side).unwrap().facets.clone();
+        for (name, is_upper) in [("lower", false), ("upper", true)] {
+            let own = |facet: &&Vec<usize>| (mesh.nodes[facet[0]][1] + mesh.nodes[facet[1]][1] > 2.0) == is_upper;
+            let facets = facets.iter().filter(own).cloned().collect();
+            mesh.boundaries.push(Boundary { name: format!("{name}:{of_half}"), facets });
+        }
+    }
+    for (side, name) in [("bottom", "lower:bottom"), ("top", "upper:top")] {
+        let facets = mesh.boundary(side).unwrap().facets.clone();
+        mesh.boundaries.push(Boundary { name: name.into(), facets });
+    }
+    let one = Description::new(MeshSource::Given(Arc::new(mesh)), Material::new(1e3, 0.3), vec![1.0]);
+    [glued, one].map(|body| {
+        body.support("lower:bottom", &[Axis::Y])
+            .support("lower:left", &[Axis::X])
+            .load(Load::new("upper:top", &[1.0, -2.0]))
+            .load(Load::new("lower:right", &[5.0, 1.0]))
+    })
+}
+
+/// What holds or carries a side of one body where glue begins holds the other body, too, whichever is the slave: matching meshes
+/// move as one mesh.
+#[test]
+fn glue_joins_what_is_held_or_carried() {
+    let oblique = || Support::along("upper:right", [1.0, 1.0], 0.0);
+    let held: [&dyn Fn(Description) -> Description; 5] = [
+        &|body| body.coupling(Coupling::rigid("end", "upper:right")),
+        &|body| body.held(Support::new("upper:right", &[Axis::X, Axis::Y]).moved(&[0.01, -0.02])),
+        &|body| body.support("upper:right", &[Axis::X, Axis::Y]),
+        &|body| body.support("upper:right", &[Axis::Y]),
+        &|body| body.held(oblique()),
+    ];
+    for (k, held) in held.iter().enumerate() {
+        for (slave, master) in [("upper:bottom", "lower:top"), ("lower:top", "upper:bottom")] {
+            let [glued, one] = halves(slave, master).map(|body| {
+                let (model, u) = solved(&held(body));
+                (model.mesh.nodes.clone(), u)
+            });
+            let largest = one.1.iter().fold(0.0_f64, |most, u| most.max(u[0].hypot(u[1])));
+            for (x, u) in glued.0.iter().zip(&glued.1) {
+                let same = one.0.iter().position(|y| (x[0] - y[0]).hypot(x[1] - y[1]) < 1e-9).unwrap();
+                let apart = (u[0] - one.1[same][0]).hypot(u[1] - one.1[same][1]);
+                assert!(apart < 1e-9 * largest, "{k} {slave}: {x:?} moves by {u:?}, not {:?}", one.1[same]);
+            }
+        }
+    }
+}
+
+/// What supports hold along one direction on one side, and along another on the other, cannot be joined, and is refused.
+#[test]
+fn glue_between_supports_of_its_own_kind_is_refused() {
+    let [glued, _] = halves("upper:bottom", "lower:top");
+    let error = Model::build(&glued.support("upper:right", &[Axis::X]).support("lower:right", &[Axis::Y])).unwrap_err();
+    assert!(error.to_string().contains("each in its own way"), "{error}");
 }
 
 /// Glue that carries a shear across a gap leaves its moment, and that is what the warning says; without the gap there is none.

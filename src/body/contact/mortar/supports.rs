@@ -13,6 +13,13 @@ pub trait Supports {
     /// Returns the orthonormal directions along which supports hold a node, like `fem::Dofs::held`.
     fn held(&self, node: usize) -> Vec<[f64; 3]>;
 
+    /// Returns the directions along which a node needs no row. By default these are the held ones; along those that are `still`,
+    /// neither side can move.
+    fn settled(&self, node: usize, still: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        let _ = still;
+        self.held(node)
+    }
+
     /// Returns `true` if supports prescribe different displacements along the unit vector `n` for two nodes that are
     /// both held along it.
     fn move_apart(&self, nodes: [usize; 2], n: [f64; 3]) -> bool {

@@ -260,6 +260,13 @@ fn print_estimates(report: &RunReport) {
     {
         say!("time steps   error of the tangential forces about {:.1} %", 100.0 * error);
     }
+    if let Some(error) = report.estimates.start {
+        say!(
+            "time steps   what acts at t = 0 leaves an error of the friction forces of {:.1} %, by solving the first increments \
+             again",
+            100.0 * error
+        );
+    }
     if let Some(CompanionEstimate { increments, status, error, .. }) = report.estimates.companion {
         match error {
             Some(error) => say!(
