@@ -50,13 +50,19 @@ impl Model {
             let Some(facets) = self.mesh.boundary(&boundary.name) else { continue };
             let outsides = outsides(&self.mesh, facets);
             let pressed = states.map(|state| ROUNDING * state.p_n.iter().fold(0.0, |most: f64, p_n| most.max(*p_n)));
-            let [before, after] = [0, 1].map(|end| self.strained(times[end], &states[end].u));
+            let ends = [0, 1].map(|end| self.strained(times[end], &states[end].u));
+            let rows = [0, 1].map(|end| (self.loading.gaps_at(times[end]), self.problem.c_n().mul(&states[end].u)));
             for share in SHARES {
                 let t = times[0] + share * (times[1] - times[0]);
                 for &i in &boundary.nodes {
                     let (node, x) = (self.contacts[i].node, self.contacts[i].position);
                     let Some(outside) = outsides.get(&node) else { continue };
-                    let [first, last] = [&before, &after].map(|u| self.see(boundary, t, x, u[node], *outside).distance);
+                    // Displacements that are not small change the distance, but not that of the contact row.
+                    let [first, last] = [0, 1].map(|end| {
+                        let see = |t: f64| self.see(boundary, t, x, ends[end][node], *outside).distance;
+                        let (gap, w_n) = &rows[end];
+                        see(t) - see(times[end]) + gap[i] - w_n[i]
+                    });
                     let touches = states.iter().zip(pressed).all(|(state, least)| state.p_n[i] > least);
                     let distance = if first < 0.0 && last < 0.0 {
                         first.max(last)

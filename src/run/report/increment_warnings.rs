@@ -30,6 +30,8 @@ pub(super) struct Known<'a> {
     pub companion: Option<(f64, usize)>,
     /// The error of the friction forces by loads at t = 0, see [`crate::run`].
     pub start: Option<f64>,
+    /// `true` if there are loads or interference at t = 0.
+    pub is_loaded: bool,
     /// Friction work below this counts as none, J.
     pub negligible_work: f64,
     /// The increments of the run.
@@ -41,22 +43,28 @@ pub(super) fn warnings(known: &Known<'_>, units: &UnitSystem) -> Vec<Warning> {
     let is_wrong = |found: &&IncrementError| {
         found.work_error.abs() > WORK && found.friction_work.max(found.friction_work_corrected) > known.negligible_work
     };
-    let work = known.found.filter(is_wrong).map(|found| work(found, units));
+    let work = known.found.filter(is_wrong).map(|found| work(found, known.is_loaded, units));
     let force = known.start.filter(|error| *error > FORCE).map(of_start).or_else(|| known.force());
     let force = force.map(|message| Warning { kind: WarningKind::IncrementsForce, message });
     work.into_iter().chain(force).collect()
 }
 
-fn work(found: &IncrementError, units: &UnitSystem) -> Warning {
+fn work(found: &IncrementError, is_loaded: bool, units: &UnitSystem) -> Warning {
     let energy = |x: f64| units.rounded(Quantity::Energy, x, 4);
-    let share = found.work_error.abs();
+    // The first increment applies what exists at t = 0 at once, however short it is.
+    let stays = if is_loaded { found.first_work_error } else { 0.0 };
+    let cure = if stays.abs() > WORK {
+        format!("of which {:+.0} % stay: let the loads or interference at t = 0 grow from 0", 100.0 * stays)
+    } else {
+        let share = (stays + 0.25 * (found.work_error - stays)).abs();
+        format!("four times as many increments would leave about {:.0} %", 100.0 * share)
+    };
     let message = format!(
         "the friction work, {}, has an error of about {:+.0} % of this value because of the increments: {} is the better \
-         value; four times as many increments would leave about {:.0} %",
+         value; {cure}",
         energy(found.friction_work),
         100.0 * found.work_error,
-        energy(found.friction_work_corrected),
-        25.0 * share
+        energy(found.friction_work_corrected)
     );
     Warning { kind: WarningKind::IncrementsWork, message }
 }

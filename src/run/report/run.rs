@@ -27,6 +27,7 @@ use crate::body::contact::RangeLeft;
 use crate::body::estimate::StickZone;
 use crate::body::model::Model;
 use crate::run::auto::{Choice, Faster};
+use crate::run::start::is_loaded;
 use crate::scene::Scene;
 use crate::solver::history::{HistoryOutcome, IncrementRecord, LinearAlgebra, SolverChoice, Status, WorkingSet};
 use crate::solver::laws::KktErrors;
@@ -299,13 +300,11 @@ impl RunReport {
             found: facts.estimates.increments.as_ref(),
             companion: companion.and_then(|companion| Some((companion.error?, companion.increments))),
             start: facts.estimates.start,
+            is_loaded: is_loaded(model),
             negligible_work: facts.estimates.negligible_work,
             increments: outcome.tally.increments,
         };
-        // These estimates assume gaps that change in proportion within an increment.
-        if validity.passage().is_none() {
-            warnings.extend(increment_warnings::warnings(&known, &model.units()));
-        }
+        warnings.extend(increment_warnings::warnings(&known, &model.units()));
         if solver.method.is_exact_path() {
             warnings.extend(exact_path::curved_gaps(model, outcome));
             warnings.extend(exact_path::jumps(&outcome.jumps));

@@ -47,6 +47,8 @@ pub struct IncrementError {
     pub friction_work_corrected: f64,
     /// The relative time-step error of the work; negative if the computed work is too small.
     pub work_error: f64,
+    /// The part of `work_error` from the first increment, which more increments leave if loads exist at t = 0.
+    pub first_work_error: f64,
     /// The largest error of the tangential forces relative to their largest values; `None` if nodes slide in a plane.
     pub force_error: Option<f64>,
     /// The number of increments or substeps in which nodes began to stick that were open or slipping at the start.
@@ -73,6 +75,8 @@ pub struct IncrementErrors {
     sticking_begins: usize,
     work: f64,
     corrected: f64,
+    /// `work - corrected` after the first increment.
+    first: Option<f64>,
     /// The largest norms of `e_p` and of `p_T`.
     largest: [f64; 2],
 }
@@ -138,6 +142,7 @@ impl IncrementErrors {
             sticking_begins: 0,
             work: 0.0,
             corrected: 0.0,
+            first: None,
             largest: [0.0; 2],
         })
     }
@@ -190,6 +195,7 @@ impl IncrementErrors {
             friction_work: self.work * joule,
             friction_work_corrected: self.corrected * joule,
             work_error: relative(self.work - self.corrected, self.work),
+            first_work_error: relative(self.first.unwrap_or(0.0), self.work),
             force_error: self.is_straight.then(|| relative(error, force)),
             sticking_begins: self.sticking_begins,
             fewest: self.fewest_so_far(),
@@ -297,6 +303,7 @@ impl IncrementErrors {
             let distance = if closed { 0.0 } else { positive(gap - formulation.w_n(i, z)) };
             self.nodes[i] = Node { closed, case, distance, p_n, mu, w, error_w, error_p_n };
         }
+        self.first.get_or_insert(self.work - self.corrected);
         let sizes = [error.as_deref(), Some(z)].map(|z| z.map_or(0.0, |z| friction_of_all(formulation, weight, z)));
         self.largest = [0, 1].map(|k| self.largest[k].max(sizes[k]));
         self.largest[0] = self.largest[0].max(alone);
