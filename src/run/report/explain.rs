@@ -109,8 +109,9 @@ impl JointSlip {
             format!("Equilibrium was found up to t = {from} s{}, and none at t = {by} s{}; at the former", at(0), at(1))
         };
         let most = [(Quantity::Force, self.force), (Quantity::Moment, self.moment)];
-        let most =
-            most.into_iter().filter_map(|(quantity, most)| Some(format!(" of {}", units.rounded(quantity, most?, 4))));
+        let most = most
+            .into_iter()
+            .filter_map(|(quantity, most)| Some(format!(" ({} at most)", units.rounded(quantity, most?, 4))));
         format!(
             "the joint slips as a whole: {}. {found} the loads use {:.1} % of the friction{}. To follow the slip, \
              prescribe a displacement in place of the load",
