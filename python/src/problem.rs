@@ -253,7 +253,7 @@ impl Problem {
     /// `r_i = 1 / (largest eigenvalue of the compliance of node i)`, N/m.
     #[getter]
     fn contact_stiffness<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_vec(py, detached(py, || self.0.contact_stiffness()))
+        PyArray1::from_vec(py, detached(py, || self.0.contact_stiffness().to_vec()))
     }
 
     fn free_motions(&self) -> Vec<Vec<f64>> {

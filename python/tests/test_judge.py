@@ -280,7 +280,7 @@ def test_a_tolerance_is_a_number_of_0_or_more(tolerance: Any, kind: type[Excepti
     assert ss.judge(problem, "bn", history=history, tolerance=np.float32(1e-8)).holds  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("scales", [(float("nan"),), (-1.0,), (1.0, 1.0), 3.0])
+@pytest.mark.parametrize("scales", [(float("nan"), 1.0), (-1.0, 1.0), (1.0,), 3.0])
 def test_scales_are_those_of_errors(scales: Any) -> None:
     problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
     with pytest.raises(ValueError, match="scales"):

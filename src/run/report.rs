@@ -36,7 +36,7 @@ pub use cycle::{CycleNode, CycleOfBoundary, CycleReport, CycleWatch, CycleWork, 
 pub use deformation::deformation;
 pub use estimates::{Accumulated, EstimateWatch, Estimates};
 pub use exact_path::ExactPath;
-pub use explain::{Explanation, JointSlip, WorstNode};
+pub use explain::{ChangingLoad, Explanation, JointSlip, WorstNode};
 pub use force_jump::ForceJump;
 pub use history_curves::{ForceCurves, HistoryCurves};
 pub use key_results::{FrictionResult, HoldingForce, KeyWatch, LargestForce};

@@ -68,12 +68,6 @@ fn begins_loaded(model: &Model, first: f64, largest: f64) -> bool {
     is_loaded && (forces[0] != forces[1] || gaps[0] != gaps[1] || drifts[0] != drifts[1])
 }
 
-/// Returns `true` if there are loads or interference at t = 0.
-pub(super) fn is_loaded(model: &Model) -> bool {
-    let force = model.loading.force_sizes(0.0, model.problem.displacements());
-    force.iter().any(|f| *f != 0.0) || model.loading.gaps_at(0.0).iter().any(|gap| *gap < 0.0)
-}
-
 /// Returns the difference of the friction forces of two states at the time `at` (s), as a share of the largest friction
 /// possible in `b`.
 fn difference(model: &Model, at: f64, a: &State, b: &State) -> Option<f64> {

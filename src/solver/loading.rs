@@ -261,6 +261,12 @@ impl Loading {
         sizes
     }
 
+    /// Returns `true` if there are loads or interference at t = 0.
+    pub(crate) fn is_present_at_start(&self, displacements: usize) -> bool {
+        let loaded = self.force_sizes(0.0, displacements).iter().any(|f| *f != 0.0);
+        loaded || self.gaps_at(0.0).iter().any(|gap| *gap < 0.0)
+    }
+
     /// Returns the largest distance of curved gap histories from their linear interpolation between the times of
     /// their [`GapCorrection`]s, m.
     pub(crate) fn off_the_chords(&self) -> f64 {

@@ -162,7 +162,7 @@ pub(crate) fn sliding_motion(problem: &ContactProblem, mu: &[f64], load: &Load<'
 /// these `weights` beyond the work that all friction can take up, J per unit of the weights.
 pub(crate) fn excess(problem: &ContactProblem, mu: &[f64], force: &[f64], p_n: &[f64], weights: &[f64]) -> f64 {
     let u = problem.rigid_motion(weights);
-    dot(&u, force) - dot(&problem.c_n().mul(&u), p_n) - friction_work(problem, mu, p_n, &u)
+    dot(&u, force) - dot(problem.c_n().mul(&u), p_n) - friction_work(problem, mu, p_n, &u)
 }
 
 /// Returns the largest work (J) of friction against displacements `u`, if the normal forces are `p_n` (n_c, N).

@@ -69,7 +69,7 @@ fn a_block_on_a_floor() {
         assert_eq!(slip.motion, format!("the body slides along {along}"));
         let [from, by] = slip.between;
         assert!(from <= 0.5 && 0.5 < by && by - from < 0.2 / 7.0, "{from} {by}");
-        assert_eq!(slip.factors.iter().map(|(load, _)| *load).collect::<Vec<_>>(), [1]);
+        assert_eq!(slip.factors.iter().map(|changing| changing.load).collect::<Vec<_>>(), [1]);
         assert!((slip.force.unwrap() - 4e6).abs() < 10.0 && slip.moment.is_none(), "{slip:?}");
         assert!((slip.friction_used - from / 0.5).abs() < 1e-6, "{slip:?}");
         let [last, most] = iterations(&report);
@@ -149,7 +149,7 @@ fn a_press_fit_under_torque() {
     let slip = report.explanation.slip.as_ref().unwrap();
     assert_eq!(slip.motion, "`hub` turns about (0, 0) mm");
     let limit = slip.moment.unwrap() / 4e4;
-    let [[from, by]] = slip.factors.iter().map(|(_, factors)| *factors).collect::<Vec<_>>()[..] else {
+    let [[from, by]] = slip.factors.iter().map(|changing| changing.between).collect::<Vec<_>>()[..] else {
         panic!("{slip:?}")
     };
     assert!(from < limit && limit < by && by - from < 0.03, "{from} {limit} {by}");
@@ -165,7 +165,10 @@ fn a_press_fit_under_torque() {
     assert_eq!(exact.status, Status::NoContinuation);
     let end = exact.explanation.slip.as_ref().unwrap();
     assert_eq!(end.motion, slip.motion);
-    assert!((end.factors[0].1[0] / limit - 1.0).abs() < 1e-6 && (end.friction_used - 1.0).abs() < 1e-6, "{end:?}");
+    assert!(
+        (end.factors[0].between[0] / limit - 1.0).abs() < 1e-6 && (end.friction_used - 1.0).abs() < 1e-6,
+        "{end:?}"
+    );
     slips_beyond(&text, limit, 0.01, "load[0]", &SOLVERS);
 }
 
@@ -198,7 +201,7 @@ fn a_bolted_bracket_in_space() {
         assert!(slip.motion.starts_with("`bracket` turns about the axis through "), "{slip:?}");
         let [last, most] = iterations(&report);
         assert!(last <= 3 * most, "{last} {most}");
-        let [from, by] = slip.factors[0].1;
+        let [from, by] = slip.factors[0].between;
         assert!(by - from < 0.03 && (0.9..=1.0).contains(&slip.friction_used), "{slip:?}");
         if method == "bn" {
             slips_beyond(BRACKET, 0.5 * (from + by), 0.03, "load[0]", &["umfpack", "condensed"]);

@@ -45,7 +45,7 @@ fn solved(name: &str, model: &Model, times: &[f64], at_most: usize) -> usize {
         }
         outcome
     });
-    let loads = model.loading.cases().iter().flat_map(|case| case.force());
+    let loads = model.loading.cases().iter().flat_map(stickslip::solver::LoadCase::force);
     let largest = loads.chain(&bn.state.p_n).fold(f64::MIN_POSITIVE, |m, p| m.max(p.abs()));
     for (bn, ip) in bn.state.p_n.iter().chain(&bn.state.p_t).zip(ip.state.p_n.iter().chain(&ip.state.p_t)) {
         assert!((bn - ip).abs() <= 1e-7 * largest, "{name}: {bn} {ip}");

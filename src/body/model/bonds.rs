@@ -120,14 +120,12 @@ impl Bonds {
         let mut terms = BTreeMap::<usize, Coefficient>::new();
         while let Some((node, c)) = left.pop() {
             let carried = |bond: &Relative| bond.others.iter().any(|(other, _)| dofs.is_rotation(*other));
-            match (self.expands(dofs, node).filter(|bond| to_points || !carried(bond)), &c) {
-                (Some(bond), Coefficient::Factor(c)) => {
-                    left.extend(bond.others.iter().map(|(other, of)| (*other, of.over(bond.own / c))));
-                }
-                _ => {
-                    let sum = terms.get(&node).map_or_else(|| c.clone(), |sum| sum.plus(&c));
-                    terms.insert(node, sum);
-                }
+            let bond = self.expands(dofs, node).filter(|bond| to_points || !carried(bond));
+            if let (Some(bond), Coefficient::Factor(c)) = (bond, &c) {
+                left.extend(bond.others.iter().map(|(other, of)| (*other, of.over(bond.own / c))));
+            } else {
+                let sum = terms.get(&node).map_or_else(|| c.clone(), |sum| sum.plus(&c));
+                terms.insert(node, sum);
             }
         }
         terms.retain(|_, c| c.size() > ROUNDING);

@@ -47,7 +47,7 @@ pub(super) struct Contacts {
     /// The obstacles in front of all boundaries, and their motions.
     pub obstacles: Vec<(PlacedObstacle, ObstacleMotion)>,
     /// The friction coefficients at the nodes of each boundary, before averaging at nodes of several boundaries.
-    pub own_mu: Vec<Vec<f64>>,
+    own_mu: Vec<Vec<f64>>,
     /// The contact nodes at each node of the mesh.
     at_node: BTreeMap<usize, Vec<usize>>,
 }
@@ -74,7 +74,7 @@ impl Contacts {
                 None => contacts.add(&body, k)?,
             }
         }
-        carry_glued(&mut contacts, pairs);
+        carry_glued((&mut contacts.nodes, &mut contacts.mu), (&mut contacts.boundaries, &mut contacts.own_mu), pairs);
         determined((&contacts.nodes, &contacts.mu), &contacts.boundaries, description, dofs)?;
         Ok(contacts)
     }

@@ -8,10 +8,9 @@
 
 use std::collections::BTreeMap;
 
-use super::contact::Contacts;
 use super::pair::Pairs;
 use crate::algebra::vector::dot;
-use crate::body::contact::{ContactNode, Counterpart, Row};
+use crate::body::contact::{ContactBoundary, ContactNode, Counterpart, Row};
 use crate::body::fem::merged;
 
 /// Normals within one degree count as parallel.
@@ -20,20 +19,24 @@ const PARALLEL: f64 = 0.9998;
 /// A glued contact node: its number, and its masters among the contact nodes with their shares.
 type Carried = (usize, Vec<(usize, f64)>);
 
-/// Adds the weights and rows of glued contact nodes to those of their masters, and removes them.
-pub(super) fn carry_glued(contacts: &mut Contacts, pairs: &Pairs) {
-    let carried: BTreeMap<usize, Vec<(usize, f64)>> = of_masters(contacts, pairs).into_iter().collect();
+/// Adds the weights and rows of glued contact nodes to those of their masters, and removes them. The friction coefficients
+/// are those of all `nodes`, and those of the nodes of each of the `boundaries`.
+pub(super) fn carry_glued(
+    (nodes, mu): (&mut Vec<ContactNode>, &mut Vec<f64>),
+    (boundaries, own_mu): (&mut [ContactBoundary], &mut [Vec<f64>]),
+    pairs: &Pairs,
+) {
+    let carried: BTreeMap<usize, Vec<(usize, f64)>> = of_masters(nodes, pairs).into_iter().collect();
     if carried.is_empty() {
         return;
     }
-    let own: Vec<ContactNode> = contacts.nodes.clone();
+    let own: Vec<ContactNode> = nodes.clone();
     for (&slave, masters) in &carried {
         for &(master, share) in masters {
-            let mu = contacts.mu[slave];
-            let to = &mut contacts.nodes[master];
+            let to = &mut nodes[master];
             let weight = share * own[slave].weight;
             let all = to.weight + weight;
-            contacts.mu[master] += (mu - contacts.mu[master]) * (weight / all);
+            mu[master] += (mu[slave] - mu[master]) * (weight / all);
             to.take_up(&own[slave], weight / all);
             to.weight = all;
         }
@@ -45,10 +48,10 @@ pub(super) fn carry_glued(contacts: &mut Contacts, pairs: &Pairs) {
         kept += usize::from(!carried.contains_key(&i));
     }
     let mut place = 0..;
-    contacts.nodes.retain(|_| place.next().is_none_or(|i| !carried.contains_key(&i)));
+    nodes.retain(|_| place.next().is_none_or(|i| !carried.contains_key(&i)));
     let mut place = 0..;
-    contacts.mu.retain(|_| place.next().is_none_or(|i| !carried.contains_key(&i)));
-    for (boundary, own_mu) in contacts.boundaries.iter_mut().zip(&mut contacts.own_mu) {
+    mu.retain(|_| place.next().is_none_or(|i| !carried.contains_key(&i)));
+    for (boundary, own_mu) in boundaries.iter_mut().zip(own_mu) {
         let (mut nodes, mut weights, mut mus) = (Vec::new(), Vec::<f64>::new(), Vec::<f64>::new());
         let mut places = BTreeMap::new();
         for ((&i, &weight), &mu) in boundary.nodes.iter().zip(&boundary.weights).zip(&*own_mu) {
@@ -69,9 +72,9 @@ pub(super) fn carry_glued(contacts: &mut Contacts, pairs: &Pairs) {
 }
 
 /// Returns the glued contact nodes with masters in the same contact.
-fn of_masters(contacts: &Contacts, pairs: &Pairs) -> Vec<Carried> {
+fn of_masters(nodes: &[ContactNode], pairs: &Pairs) -> Vec<Carried> {
     let mut at_node = BTreeMap::<usize, Vec<usize>>::new();
-    contacts.nodes.iter().enumerate().for_each(|(i, contact)| at_node.entry(contact.node).or_default().push(i));
+    nodes.iter().enumerate().for_each(|(i, contact)| at_node.entry(contact.node).or_default().push(i));
     let glued = pairs.all.iter().filter(|pair| pair.glued);
     let rows: BTreeMap<usize, &[(usize, f64)]> =
         glued.flat_map(|pair| &pair.mortar.rows).map(|row| (row.node, row.master.as_slice())).collect();
@@ -79,14 +82,14 @@ fn of_masters(contacts: &Contacts, pairs: &Pairs) -> Vec<Carried> {
         let of_node = rows.get(&contact.node)?;
         let alike = |&(node, share): &(usize, f64)| {
             let mut there = at_node.get(&node).into_iter().flatten().copied();
-            let other = there.find(|&j| meets_alike(contact, &contacts.nodes[j], pairs))?;
+            let other = there.find(|&j| meets_alike(contact, &nodes[j], pairs))?;
             (share > 0.0 && !rows.contains_key(&node)).then_some((other, share))
         };
         let found: Vec<(usize, f64)> = of_node.iter().filter_map(alike).collect();
         let sum: f64 = found.iter().map(|(_, share)| share).sum();
         (sum > 0.0).then(|| (i, found.into_iter().map(|(j, share)| (j, share / sum)).collect()))
     };
-    contacts.nodes.iter().enumerate().filter_map(masters).collect()
+    nodes.iter().enumerate().filter_map(masters).collect()
 }
 
 /// Returns `true` if two contact nodes meet the same body, or obstacles, along the same normal.

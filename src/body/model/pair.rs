@@ -96,10 +96,7 @@ impl Pairs {
             let supports = OfNodes { dofs, tied, moving: &moving, joins };
             pair(description, mesh, k, opposite, materials, (&supports, &|node| node), slaves)
         };
-        let held_alone = |row: &MortarRow| -> Vec<[f64; 3]> {
-            let across_still = |n: &[f64; 3]| norm(row.still.iter().copied().fold(*n, across));
-            dofs.held(row.node).filter(|n| across_still(n) > SAME_DIRECTION).collect()
-        };
+        let held_alone = |row: &MortarRow| held_alone(dofs, row);
         // Of the nodes that a support, a reference point or another row determines, those need no row of which the opposite
         // side depends on the same nodes.
         let (mut bonds, mut pairs) = (Bonds::new(&carried), Pairs::default());
@@ -234,6 +231,12 @@ impl Pairs {
         };
         rows.flat_map(of_row).collect()
     }
+}
+
+/// Returns the directions in which supports hold the node of a row, but not the opposite side.
+fn held_alone(dofs: &Dofs, row: &MortarRow) -> Vec<[f64; 3]> {
+    let across_still = |n: &[f64; 3]| norm(row.still.iter().copied().fold(*n, across));
+    dofs.held(row.node).filter(|n| across_still(n) > SAME_DIRECTION).collect()
 }
 
 /// The supports of a description at each node.

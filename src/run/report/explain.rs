@@ -37,14 +37,25 @@ pub struct JointSlip {
     pub motion: String,
     /// The latest time at which equilibrium was found, and a time at which the joint slips, s.
     pub between: [f64; 2],
-    /// The factors at these times of each load that changes between them, by the number of the load from 0.
-    pub factors: Vec<(usize, [f64; 2])>,
+    /// The loads that change between these times.
+    pub factors: Vec<ChangingLoad>,
     /// The share of the friction against this motion that the loads use at the first of these times.
     pub friction_used: f64,
     /// The force (N) along the motion that friction can take up there, if one body is translated.
     pub force: Option<f64>,
     /// The moment (N m) about the axis of the motion that friction can take up there, if one body turns.
     pub moment: Option<f64>,
+}
+
+/// A load that changes where a joint slips.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
+pub struct ChangingLoad {
+    /// The number of the load, from 0.
+    pub load: usize,
+    /// Its factors at the times of [`JointSlip::between`].
+    pub between: [f64; 2],
 }
 
 /// A node where a law is violated.
@@ -85,8 +96,8 @@ impl JointSlip {
             motion: motion.sliding(&model.units()),
             between: [reached, slip.by],
             factors: factors
-                .map(|(k, load)| (k, [reached, slip.by].map(|t| load.factor(t))))
-                .filter(|(_, [from, to])| from != to)
+                .map(|(load, case)| ChangingLoad { load, between: [reached, slip.by].map(|t| case.factor(t)) })
+                .filter(|changing| changing.between[0] != changing.between[1])
                 .collect(),
             friction_used: dot(&u, &force) / most,
             force: against(Quantity::Force),
@@ -99,7 +110,8 @@ impl JointSlip {
         // Six digits tell times apart that are a part of an increment apart.
         let [from, by] = self.between.map(|t| format!("{t:.5e}").parse().unwrap_or(t));
         let at = |k: usize| {
-            let factors = self.factors.iter().map(|(load, factors)| format!("load[{load}] at {:.4}", factors[k]));
+            let told = |changing: &ChangingLoad| format!("load[{}] at {:.4}", changing.load, changing.between[k]);
+            let factors = self.factors.iter().map(told);
             let all = factors.collect::<Vec<_>>().join(", ");
             if all.is_empty() { all } else { format!(" ({all})") }
         };

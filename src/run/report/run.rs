@@ -27,7 +27,6 @@ use crate::body::contact::RangeLeft;
 use crate::body::estimate::StickZone;
 use crate::body::model::Model;
 use crate::run::auto::{Choice, Faster};
-use crate::run::start::is_loaded;
 use crate::scene::Scene;
 use crate::solver::history::{HistoryOutcome, IncrementRecord, LinearAlgebra, SolverChoice, Status, WorkingSet};
 use crate::solver::laws::KktErrors;
@@ -300,7 +299,7 @@ impl RunReport {
             found: facts.estimates.increments.as_ref(),
             companion: companion.and_then(|companion| Some((companion.error?, companion.increments))),
             start: facts.estimates.start,
-            is_loaded: is_loaded(model),
+            is_loaded: model.loading.is_present_at_start(model.problem.displacements()),
             negligible_work: facts.estimates.negligible_work,
             increments: outcome.tally.increments,
         };

@@ -382,7 +382,7 @@ impl<'a> IncrementDriver<'a> {
                 let SubstepResult { state, scales, kkt, .. } = substep;
                 let data = self.data();
                 let rounding = Judgement::near(self.problem, &data, state, scales, self.settings.tolerance)?.rounding();
-                Ok(!(kkt.worst().1 <= 10.0 * rounding))
+                Ok(kkt.worst().1 > 10.0 * rounding || kkt.worst().1.is_nan())
             }
         }
     }

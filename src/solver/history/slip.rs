@@ -17,7 +17,7 @@ use crate::algebra::vector::dot;
 use crate::solver::formulation::Bdiff;
 use crate::solver::newton::{Bn, MethodResult, Termination};
 use crate::solver::problem::State;
-use crate::solver::solvability::{Load, excess, sliding_motion};
+use crate::solver::solvability::{Load, excess, friction_work, sliding_motion};
 
 /// The largest number of linear solves. The nodes that press in the sliding state are those of the last state but for a
 /// few.
@@ -65,7 +65,10 @@ pub(super) fn sliding_state(
             break;
         }
         p_n = formulation.pressing(&z).into_iter().map(|p| p * scaling.force).collect();
-        if formulation.slides_on(&z, &motion) && excess(problem, increment.mu, increment.force, &p_n, &motion) > 0.0 {
+        // At the very limit of friction the excess is rounding, and the joint still holds.
+        let limit = task.tolerance * friction_work(problem, increment.mu, &p_n, &v);
+        let slides = excess(problem, increment.mu, increment.force, &p_n, &motion) > limit;
+        if slides && formulation.slides_on(&z, &motion) {
             result.stop = Termination::Slips(motion);
             return Ok((result, Some(layout.unpacked(&z, &scaling))));
         }

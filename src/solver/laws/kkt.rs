@@ -184,6 +184,8 @@ pub(crate) struct Judgement<'a> {
     imbalance: Vec<f64>,
     terms: Vec<f64>,
     scales: KktScales,
+    /// The largest terms of the balance of each part in the earlier increments, √J.
+    earlier: Vec<f64>,
     /// The parts without forces but the rounding of the earlier terms, or of the terms of the loads.
     is_unloaded: Vec<bool>,
     largest: Vec<Largest>,
@@ -238,14 +240,15 @@ impl<'a> Judgement<'a> {
             *force = force.max(f.abs());
         }
         // The terms of the state itself do not count: those of a body that flies away are as large as one likes.
-        let before = |part: usize| earlier.0.get(part).map_or(0.0, |terms| terms.balance);
+        let mut earlier: Vec<f64> = earlier.0.iter().map(|terms| terms.balance).collect();
+        earlier.resize(*parts, 0.0);
         let is_unloaded = (0..*parts).map(|part| {
             let Largest { load, contact, open, penetration, .. } = largest[part];
             let Terms { balance, gaps } = scales.0[part];
-            load.max(contact).max(open) <= ROUNDING * before(part) && penetration <= ROUNDING * balance.max(gaps)
+            load.max(contact).max(open) <= ROUNDING * earlier[part] && penetration <= ROUNDING * balance.max(gaps)
         });
         let is_unloaded = is_unloaded.collect();
-        Ok(Judgement { problem, increment, state, imbalance, terms, scales, is_unloaded, largest })
+        Ok(Judgement { problem, increment, state, imbalance, terms, scales, earlier, is_unloaded, largest })
     }
 
     /// Prepares the errors of a state. Near the `tolerance` the rounding of the imbalance itself would matter, so there
@@ -292,14 +295,13 @@ impl<'a> Judgement<'a> {
     }
 
     /// Returns what contact forces of a part are relative to, √J: the largest of closed nodes, or the largest terms of
-    /// the balance if all are the rounding of these. If no node is closed, it is the largest load.
+    /// the balance if all are the rounding of these. If no node is closed, it is the largest load, or the earlier terms.
     fn contact_scale(&self, part: usize) -> f64 {
         let Largest { load, contact, open, penetration, .. } = self.largest[part];
         let (closed, balance) = (contact.max(penetration), self.scales.0[part].balance);
         let own = match closed.max(open) {
             largest if largest <= ROUNDING * balance => balance,
-            _ if closed == 0.0 && load > 0.0 => load.max(open),
-            _ if closed == 0.0 => balance,
+            _ if closed == 0.0 => load.max(self.earlier[part]).max(open),
             _ => closed,
         };
         self.rounded(part).unwrap_or(own)

@@ -155,13 +155,13 @@ mod tests {
     /// There are two springs in a row on either side; those to the free end carry nothing.
     #[test]
     fn what_is_beyond_the_neighbours_is_held() {
-        assert_close(&chain(6, true).contact_stiffness(), &[0.5, 0.5, 1.0, 1.0, 1.0, 1.5]);
+        assert_close(chain(6, true).contact_stiffness(), &[0.5, 0.5, 1.0, 1.0, 1.0, 1.5]);
     }
 
     /// The middle point has no points beyond its neighbours.
     #[test]
     fn a_patch_that_moves_as_a_rigid_body() {
-        assert_close(&chain(3, false).contact_stiffness(), &[0.5, 0.25 * 2.0, 0.5]);
+        assert_close(chain(3, false).contact_stiffness(), &[0.5, 0.25 * 2.0, 0.5]);
     }
 
     #[test]
@@ -173,6 +173,6 @@ mod tests {
         let stiffness = Symmetric::from_triplets(n, &entries).unwrap();
         let problem =
             ContactProblem::new(Parts { stiffness: stiffness.into(), ..chain(n, true).into_parts() }).unwrap();
-        assert_close(&problem.contact_stiffness(), &[1.2; 5]);
+        assert_close(problem.contact_stiffness(), &[1.2; 5]);
     }
 }

@@ -61,7 +61,9 @@ impl ContactProblem {
         let weight = |i: usize| self.weight().map_or(1.0, |l| l[i]);
         let mut sizes: Vec<f64> = nodes.iter().map(|&i| weight(i) / contact_stiffness[i]).collect();
         if let Some(typical) = median(&mut sizes) {
-            nodes.iter().for_each(|&i| compliance[i] = COMPLIANCE * typical / weight(i));
+            for i in nodes {
+                compliance[i] = COMPLIANCE * typical / weight(i);
+            }
         }
         compliance
     }

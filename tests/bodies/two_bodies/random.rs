@@ -146,7 +146,8 @@ fn random_pairs_are_right() {
             assert!(judge.worst < 3e-9, "scene {k}, {method:?}: {:e}", judge.worst);
             (outcome.status, outcome.reached)
         });
-        assert_eq!(verdicts[0], verdicts[1], "scene {k}");
+        let [bn, ip] = verdicts;
+        assert!(bn.0 == ip.0 && (bn.1 - ip.1).abs() <= 1e-12 * bn.1, "scene {k}: {verdicts:?}");
         converged += usize::from(verdicts[0].0 == Status::Converged);
     }
     assert!(converged > 15, "{converged}");

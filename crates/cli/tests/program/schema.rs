@@ -239,6 +239,8 @@ fn reports() -> Vec<Value> {
         json_of(&small(), &["--companion"]),
         json_of(&small(), &["--setting", "default", "--increments", "auto", "--to", "0.1"]),
         json_of(&small(), &["--set", "contact.friction=0.0", "--uniqueness"]),
+        // Loads that are there at t = 0 and change at once.
+        json_of(&small(), &["--setting", "default", "--set", "load[0].history=[[0,1],[2,0.25]]", "--increments", "1"]),
         json_of(&small(), &slow),
         json_of(&edit(&small(), "young = 210e9", "young = 210e5"), &["--setting", "default"]),
         json_of(&cube, &["--method", "ip"]),

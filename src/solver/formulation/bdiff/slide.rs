@@ -11,7 +11,7 @@ impl Bdiff {
     /// Linearises for friction against the rigid motion with these weights at the nodes that press in `p_n` (n_c); the
     /// other nodes are open. Pins the modes that nothing but this friction resists.
     pub fn linearize_sliding(&mut self, p_n: &[f64], weights: &[f64]) {
-        let motion = self.data.motion(weights, self.layout().displacements());
+        let motion = self.data.motion(weights, self.unknowns());
         let along: Vec<[f64; 2]> = (0..p_n.len()).map(|i| self.data.tangential(i, &motion)).collect();
         let farthest = along.iter().fold(0.0_f64, |m, w| m.max(length(*w)));
         let cases = along.iter().zip(p_n).map(|(w, p_n)| match p_n {
