@@ -96,7 +96,8 @@ fn rounding_does_not_decide() {
             [LinearAlgebra::default(), LinearAlgebra::condensed()].map(|linear| exact(&model, &times, linear));
         for outcome in [&whole, &condensed] {
             assert_eq!(outcome.status, Status::Converged);
-            assert!(worst(outcome) <= 5e-11, "{:e}", worst(outcome));
+            // Relative to the contact forces, which are smaller than the loads of the strip.
+            assert!(worst(outcome) <= 2e-11, "{:e}", worst(outcome));
         }
         assert!(difference(&whole, &condensed) < 1e-9, "{:e}", difference(&whole, &condensed));
     }

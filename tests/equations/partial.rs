@@ -94,7 +94,7 @@ fn assert_agree(scene: &Scene, name: &str) {
             assert_eq!(counts(&whole), counts(&partial), "{name}, {method}");
         }
         let found = difference(&a, &b);
-        assert!(found <= 2e-11, "{name}, {method}: {found:e}");
+        assert!(found <= 1e-11, "{name}, {method}: {found:e}");
         let (error, most) = (partial.linear.worst_backward_error, if is_regular { 1e-14 } else { 1e-10 });
         assert!(error <= most, "{name}, {method}: backward error {error:e}");
     }

@@ -49,6 +49,7 @@ fn increments_without_a_change_of_status_take_no_iteration() {
 /// Directions of slip turn; from the last state, or going on as before, 36.
 #[test]
 fn slip_that_turns_goes_on_turning() {
+    // One more than with errors relative to the loads.
     agrees_within(&scene("cube.toml", &["mesh.elements=[6,6,6]"]), 33);
 }
 

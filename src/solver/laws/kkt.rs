@@ -198,7 +198,7 @@ struct Largest {
     load: f64,
     /// The contact forces of closed nodes, √J.
     contact: f64,
-    /// Those of open nodes, which are the rest of an iteration.
+    /// The contact forces of open nodes, which are the rest of an iteration.
     open: f64,
     /// The forces that would push contact nodes out, √J.
     penetration: f64,

@@ -79,7 +79,7 @@ pub(super) fn measure_given(problem: &LocalProblem, r: &[f64], u: &[f64]) -> Loc
     LocalErrors { equilibrium: missed, ..of_laws(problem, r, u) }
 }
 
-/// What the force and the velocity of a contact are compared with.
+/// The sizes with which the force and the velocity of a contact are compared.
 #[derive(Clone, Copy, Default)]
 struct Scales {
     force: f64,
