@@ -183,6 +183,7 @@ impl Observer for ReportCollector<'_, '_> {
     }
 
     fn part(&mut self, part: &IncrementView<'_>) {
+        self.leaps.see(self.model, part);
         if let Some(cycle) = &mut self.cycle {
             cycle.part(self.model, part);
         }

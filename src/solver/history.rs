@@ -48,6 +48,7 @@ mod choice;
 mod driver;
 mod error;
 mod events;
+mod first_touch;
 mod increment;
 mod increment_error;
 mod interior;

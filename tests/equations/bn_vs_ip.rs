@@ -39,7 +39,9 @@ fn bn(model: &Model) -> HistorySettings {
 }
 
 fn ip(model: &Model) -> HistorySettings {
-    HistorySettings::new(&model.problem, &model.loading, Method::Ip).unwrap().until(100, 1e-10)
+    let settings = HistorySettings::new(&model.problem, &model.loading, Method::Ip).unwrap().until(100, 1e-10);
+    // The setting of the paper divides no increment.
+    HistorySettings { halvings: 0, ..settings }
 }
 
 #[test]

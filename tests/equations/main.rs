@@ -31,6 +31,7 @@ mod partial;
 mod robust;
 mod stops;
 mod tangent_start;
+mod touches;
 mod uniqueness;
 mod uniqueness_of_rows;
 mod units;

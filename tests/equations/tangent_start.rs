@@ -34,11 +34,11 @@ fn agrees_within(scene: &Scene, most: usize) -> HistoryOutcome {
     condensed
 }
 
-/// From the last state the same history takes 129 iterations; on the tangent 28, in 22 of its 100 increments.
+/// From the last state the same history takes 129 iterations; on the tangent 42, in 22 of its 100 increments: 28, and 14 to find first touches.
 #[test]
 fn increments_without_a_change_of_status_take_no_iteration() {
     let scene = block(&["mesh.elements=[20,20]", "time.increments=100", "solver.setting='default'"]);
-    let outcome = agrees_within(&scene, 32);
+    let outcome = agrees_within(&scene, 46);
     let free = outcome.records.iter().filter(|record| record.iterations == 0).count();
     assert!(free >= 78, "{free}");
     // The factors of an increment serve the start of the next, but for the one in which the first nodes touch: to estimate their friction takes

@@ -1,6 +1,6 @@
-//! One increment, halved if it fails.
+//! One increment, halved if it fails, and divided where nodes first touch (`first_touch.rs`).
 //!
-//! A substep is an increment of its own; friction depends on the slip in each. A substep that is halved leaves only its
+//! A substep is an increment of its own; friction depends on the slip in each. A substep that is divided leaves only its
 //! counts and its largest backward error. After a substep converges, the next one ends where the halved interval ended:
 //! T/4, T/4, T/2.
 //!
@@ -32,6 +32,13 @@ use std::borrow::Cow;
 /// body that slides in a plane move far, until friction has turned.
 const NEAR_SLIP: f64 = 1.0 / 16.0;
 
+/// The number of touches at which an increment is divided. One leaves two nodes that touch one after the other; six halve
+/// no error further, and take five times as many iterations where a slender body lands on many nodes.
+const TOUCHES: usize = 2;
+
+/// The shortest substep that ends at a touch, relative to its increment.
+const NEAREST: f64 = 1e-6;
+
 /// The increments of a stage, from the state that the history has reached.
 pub(super) struct IncrementDriver<'a> {
     pub problem: &'a ContactProblem,
@@ -52,15 +59,15 @@ pub(super) enum IncrementEnd {
     NeedsNodes(Vec<usize>),
 }
 
-/// The data to which a substep that fails returns.
-struct Rollback {
-    unknowns: Vec<f64>,
+/// The data to which a substep that fails or is divided returns.
+pub(super) struct Rollback {
+    pub unknowns: Vec<f64>,
     offset: RigidOffset,
     errors: Option<IncrementErrors>,
 }
 
 /// The input of a substep, in addition to its data.
-struct SubstepInput {
+pub(super) struct SubstepInput {
     /// The time of the state from which the method starts, s.
     begins: Option<f64>,
     /// The sizes of the loads whose sum is `force`, N.
@@ -124,14 +131,33 @@ impl<'a> IncrementDriver<'a> {
         let IncrementInProgress { start, mut pending, mut solved, mut kkt, mut ends, mut friction_work } = in_progress;
         let smallest = (time - start) * 0.5_f64.powi(self.settings.halvings as i32);
         let margin = smallest.max(NEAR_SLIP * (time - start));
+        let mut touches_left = if self.settings.halvings > 0 { TOUCHES } else { 0 };
+        let mut divided = false;
         loop {
             let end = pending.last().copied().unwrap_or(time);
             let from = self.at.reached.unwrap_or(0.0);
             let (rollback, pressed) = (self.rollback(), self.stage.method.state().p_n);
-            let substep = self.substep(end, linear, &mut |iteration| progress.iteration(iteration))?;
-            let outcome = substep.outcome.clone();
+            let (substep, input) = self.substep(end, linear, &mut |iteration| progress.iteration(iteration))?;
+            let mut outcome = substep.outcome.clone();
+            let mut touch = None;
+            if touches_left > 0 && substep.status == Status::Converged {
+                self.at.friction = self.friction_with(&substep);
+                let observe: Observe<'_> = &mut |iteration| progress.iteration(iteration);
+                if let Some((share, found)) =
+                    self.first_touch([from, end], &substep, (&input, &rollback), linear, observe)?
+                {
+                    outcome = found.then(outcome);
+                    touch = share.map(|share| from + share * (end - from));
+                    touch = touch.filter(|touch| touch - from > NEAREST * (time - start) && *touch < end);
+                }
+            }
             let so_far = solved.map_or(outcome.clone(), |solved| solved.then(outcome));
-            if substep.status == Status::Converged {
+            if let Some(touch) = touch {
+                self.go_back(rollback);
+                pending.push(touch);
+                (solved, touches_left, divided) = (Some(so_far), touches_left - 1, true);
+            } else if substep.status == Status::Converged {
+                divided = false;
                 friction_work += self.problem.friction_work(&self.data(), &substep.state);
                 self.accept(end, &substep);
                 kkt = kkt.max(&substep.kkt);
@@ -154,6 +180,10 @@ impl<'a> IncrementDriver<'a> {
                 let solved = Some(so_far);
                 self.at.in_progress = Some(IncrementInProgress { start, pending, solved, kkt, ends, friction_work });
                 return Ok(IncrementEnd::NeedsNodes(nodes));
+            } else if divided {
+                // The whole substep has a solution, but a part of it has none.
+                self.go_back(rollback);
+                (pending, solved, touches_left, divided) = (vec![time], Some(so_far), 0, false);
             } else {
                 let part = match &substep.outcome.stop {
                     Termination::Slips(motion) => {
@@ -179,20 +209,20 @@ impl<'a> IncrementDriver<'a> {
         }
     }
 
-    /// Solves and judges the substep that ends at `time`.
+    /// Solves and judges the substep that ends at `time`, and returns its input.
     fn substep(
         &mut self,
         time: f64,
         linear: &mut RefinedSolver,
         observe: Observe<'_>,
-    ) -> Result<SubstepResult, LinearError> {
+    ) -> Result<(SubstepResult, SubstepInput), LinearError> {
         let input = self.pose(time);
         let outcome = self.solve(time, &input, linear, observe)?;
         let balanced = match self.whole() {
             None => self.balanced(self.stage.method.state())?,
             Some(whole) => whole.state(time, &self.stage.method.state(), &self.stage.force)?,
         };
-        self.conclude(&input.scales, outcome, balanced, linear)
+        Ok((self.conclude(&input.scales, outcome, balanced, linear)?, input))
     }
 
     /// Sets the data of the substep that ends at `time`.
@@ -229,7 +259,7 @@ impl<'a> IncrementDriver<'a> {
     }
 
     /// Solves the substep that ends at `time` with the method.
-    fn solve(
+    pub(super) fn solve(
         &mut self,
         time: f64,
         input: &SubstepInput,

@@ -97,6 +97,49 @@ fn a_lost_path_tells_how_far_friction_is_beyond_its_critical_value_and_may_jump(
     }
 }
 
+/// A block that is pulled to and fro with a friction beyond the critical value.
+const TO_AND_FRO: &str = r#"
+    [mesh]
+    kind = "block"
+    size = [1.0, 1.0]
+    elements = [10, 10]
+    [material]
+    young = 210e9
+    poisson = 0.3
+    [[support]]
+    boundary = "left"
+    fix = ["x", "y"]
+    [[contact]]
+    boundary = "bottom"
+    friction = 5.5
+    obstacle = { kind = "plane", gap = 1e-5 }
+    [[load]]
+    boundary = "top"
+    traction = [0.0, -1e7]
+    history = [[0, 0], [0.5, 6], [2, 1]]
+    [[load]]
+    boundary = "right"
+    traction = [1e7, 0.0]
+    history = [[0, 0], [0.5, 6], [1, -6], [1.5, 6], [2, -3]]
+    [time]
+    end = 2.0
+    increments = 300
+"#;
+
+/// An increment across the end of the motion is halved, and the jump is in one of its substeps. It is told with any number
+/// of increments.
+#[test]
+fn a_jump_in_a_substep_is_told() {
+    let (_folder, scene) = Folder::with_scene(TO_AND_FRO);
+    for increments in [300, 500] {
+        let increments = format!("time.increments={increments}");
+        let report = json(&stickslip(&["run", &scene, "--set", &increments, "--json"]));
+        assert_eq!(report["status"], "converged");
+        let kinds = report["warnings"].as_array().unwrap().iter().map(|warning| warning["kind"].as_str().unwrap());
+        assert_eq!(kinds.filter(|kind| *kind == "jump").count(), 1, "{increments}");
+    }
+}
+
 /// Increments of BN and IP, however short, lead across the end of the quasi-static motion, which is reported. With less
 /// friction there is no such end.
 #[test]

@@ -1,0 +1,123 @@
+//! Substeps that end where nodes first touch.
+//!
+//! Backward Euler measures slip from the start of an increment. A node that is open there and closed at the end has moved
+//! along its obstacle by `m` before it touched, and this motion is no slip. A node that slips on in the direction of `m`
+//! has the right friction all the same. Another one sticks in a wrong place, or slips in a wrong direction, and does so as
+//! long as it stays closed. A substep therefore ends where the first such node touches. Every substep obeys the same laws
+//! as an increment.
+//!
+//! To find the touch, the substep is solved again with all nodes kept open that were open at its start. On the straight
+//! path to that state, a node touches after the share `τ = d / (d + e)` of the substep, where `d` is its distance at the
+//! start and `e` its depth in the obstacle at the end, and `m = τ (w_T - w̄_T)`. With the slip `s` of the node in the whole
+//! substep, its friction is wrong by up to `k (|m| - s·m / |m|)`, where `k` is the stiffness of the node. That matters if
+//! it exceeds a share of the largest `Σ μ p_n` of the history. Springs `k` in place of the body, which give `e = p_n / k` and
+//! `w_T - w̄_T = s + p_T / k`, tell beforehand whether such a node is possible.
+
+use super::increment::{IncrementDriver, Rollback, SubstepInput};
+use super::state::SubstepResult;
+use super::task::Observe;
+use crate::algebra::linear::{LinearError, RefinedSolver};
+use crate::solver::condensation::Condensed;
+use crate::solver::laws::coulomb::length;
+use crate::solver::newton::{MethodResult, Termination};
+
+/// The error of a node's friction that matters, relative to the largest possible friction of all nodes so far. In 105
+/// random plane scenes with 20 and 80 increments, 0.1 divides the mean error of friction by 4.5 and 3.4 for 1.21 and 1.14
+/// times the factorisations.
+const MATTERS: f64 = 0.1;
+
+/// The share of it from which on springs in place of the body say that an error is possible. A body that is soft elsewhere
+/// yields more than they do.
+const POSSIBLE: f64 = 0.1;
+
+/// A smaller distance times stiffness is rounding, relative to the largest possible friction so far.
+const ROUNDING: f64 = 1e-9;
+
+/// A substep ends when this share of the time to the touch is over, so that rounding does not decide whether the node is
+/// closed. A touch after this share of a substep counts as one at its end.
+const BEFORE: f64 = 1.0 - 1e-6;
+
+/// Nodes are kept open by gaps that exceed all displacements by this factor.
+const FAR: f64 = 1e3;
+
+impl IncrementDriver<'_> {
+    /// Looks for the first touch in a converged substep that began at the times and the state given. Returns the share
+    /// of the substep after which a node touches whose motion before matters, and the result of the method, or `None` if
+    /// no such node is possible. Without such a share, the method is left at the end of the substep.
+    pub(super) fn first_touch(
+        &mut self,
+        [from, time]: [f64; 2],
+        substep: &SubstepResult,
+        (input, start): (&SubstepInput, &Rollback),
+        linear: &mut RefinedSolver,
+        observe: Observe<'_>,
+    ) -> Result<Option<(Option<f64>, MethodResult)>, LinearError> {
+        let IncrementDriver { problem, loading, condensed, .. } = *self;
+        let (state, mu) = (&substep.state, self.stage.mu.clone());
+        let (mut force, gaps) = (vec![0.0; problem.displacements()], loading.gaps_at(from));
+        loading.force(from, &mut force);
+        // Loads that are there at once have no path, and a body that moves rigidly may rest on these nodes alone.
+        let is_at_once = match self.at.reached {
+            Some(_) => force == self.stage.force && gaps == loading.gaps_at(time),
+            None => force.iter().any(|f| *f != 0.0),
+        };
+        if is_at_once || self.stage.may_move_rigidly {
+            return Ok(None);
+        }
+        let friction = self.at.friction;
+        let stiffness = problem.contact_stiffness();
+        let distance: Vec<f64> = gaps.iter().zip(&self.at.w_n).map(|(gap, w)| gap - w).collect();
+        let is_open = |i: &usize| stiffness[*i] * distance[*i] > ROUNDING * friction;
+        let has_tangent = |i: usize| problem.tangential_maps().iter().any(|map| !map.row(i).is_empty());
+        let rubs = |i: usize| mu[i] > 0.0 && state.p_n[i] > 0.0 && has_tangent(i);
+        let [_, w_t, w_o] = problem.contact_motion(&state.u);
+        let slips: Vec<[f64; 2]> =
+            (0..mu.len()).map(|i| [w_t[i] - self.stage.w_t_last[i], w_o[i] - self.stage.w_o_last[i]]).collect();
+        let touches = |i: &usize| {
+            let (i, k) = (*i, stiffness[*i]);
+            let share = distance[i] / (distance[i] + state.p_n[i] / k);
+            let moved = [slips[i][0] + state.p_t[i] / k, slips[i][1] + state.p_o[i] / k];
+            let wrong = k * before_slip(moved.map(|w| share * w), slips[i]);
+            is_open(&i) && rubs(i) && wrong > POSSIBLE * MATTERS * friction
+        };
+        let nodes = condensed.and_then(Condensed::nodes);
+        let nodes: Vec<usize> = nodes.map_or((0..problem.contacts()).collect(), <[usize]>::to_vec);
+        if !nodes.iter().any(touches) {
+            return Ok(None);
+        }
+        let open: Vec<(usize, usize)> = nodes.iter().copied().enumerate().filter(|(_, i)| is_open(i)).collect();
+        let (reached, gap) = (self.stage.method.snapshot(linear), self.stage.gap.clone());
+        let [w_n, ..] = problem.contact_motion(&state.u);
+        let far = FAR * open.iter().map(|(_, i)| gap[*i].abs() + w_n[*i].abs()).fold(0.0, f64::max);
+        open.iter().for_each(|(_, i)| self.stage.gap[*i] = far);
+        self.stage.method.unknowns().copy_from_slice(&start.unknowns);
+        let solved = self.solve(time, input, linear, observe)?;
+        self.stage.gap = gap;
+        let u = self.stage.method.state().u;
+        let [w_n, w_t, w_o] = condensed.map_or(problem, |condensed| &condensed.problem).contact_motion(&u);
+        let touch = |(k, i): (usize, usize)| {
+            let share = distance[i] / (distance[i] + w_n[k] - self.stage.gap[i]);
+            let moved = [w_t[k] - self.stage.w_t_last[i], w_o[k] - self.stage.w_o_last[i]].map(|w| share * w);
+            let matters = stiffness[i] * before_slip(moved, slips[i]) > MATTERS * friction;
+            (matters && share > 0.0 && share < BEFORE && rubs(i)).then_some(BEFORE * share)
+        };
+        let is_found = solved.stop == Termination::Converged;
+        let share = open.into_iter().filter_map(touch).min_by(f64::total_cmp).filter(|_| is_found);
+        if share.is_none() {
+            self.stage.method.restore(reached, linear)?;
+        }
+        Ok(Some((share, solved)))
+    }
+
+    /// Returns the largest possible friction `Σ μ p_n` so far, N, up to the end of `substep`.
+    pub(super) fn friction_with(&self, substep: &SubstepResult) -> f64 {
+        let friction = self.stage.mu.iter().zip(&substep.state.p_n).map(|(mu, p_n)| mu * p_n).sum();
+        self.at.friction.max(friction)
+    }
+}
+
+/// Returns the part of a motion before a touch that the slip of the whole substep does not contain.
+fn before_slip(moved: [f64; 2], slip: [f64; 2]) -> f64 {
+    let size = length(moved);
+    if size > 0.0 { (size - (slip[0] * moved[0] + slip[1] * moved[1]) / size).max(0.0) } else { 0.0 }
+}
