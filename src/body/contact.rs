@@ -3,7 +3,6 @@
 mod cone;
 mod coupled;
 mod crossing;
-mod dependent;
 mod description;
 mod friction;
 mod front;
@@ -23,7 +22,6 @@ mod tree;
 mod triangles;
 
 pub use coupled::{coupled_nodes, relative};
-pub use dependent::leave_out_dependent;
 pub use description::{GapDirection, Obstacle, Place, Rotation, Shape};
 pub use friction::Friction;
 pub(crate) use front::outsides;

@@ -51,9 +51,7 @@ use crate::algebra::sparse::Csr;
 use crate::base::input_error::InputError;
 use crate::base::timeline::within;
 use crate::base::units::{Scaling, UnitSystem};
-use crate::body::contact::{
-    ContactBoundary, ContactNode, ObstacleMotion, Passages, PlacedObstacle, Row, leave_out_dependent, share_edges,
-};
+use crate::body::contact::{ContactBoundary, ContactNode, ObstacleMotion, Passages, PlacedObstacle, Row, share_edges};
 use crate::body::description::Description;
 use crate::body::fem::{
     Dofs, Elasticity, Element, HeldRows, InvertedElement, NodalVolumes, Plane, RigidMotion, Spring, assemble,
@@ -243,7 +241,6 @@ impl Model {
         let friction = contacts.friction_history(description)?;
         let Contacts { nodes: mut contacts, mu, boundaries: contact_boundaries, obstacles, .. } = contacts;
         let mu = friction.as_ref().map_or(mu, FrictionHistory::largest);
-        leave_out_dependent(&mut contacts, &mu, &dofs);
         let alone = contacts.clone();
         share_edges(&mut contacts, &mu, &dofs);
         let gap = |contact: &ContactNode| {

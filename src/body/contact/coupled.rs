@@ -50,7 +50,6 @@ pub fn coupled_nodes(
         let coupled = Coupled {
             pair,
             relative: relative(row.node),
-            tangent_left_out: false,
             beyond_the_end: row.is_beyond_the_end(),
             bulge,
             still: row.still.clone(),

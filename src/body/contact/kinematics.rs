@@ -77,9 +77,6 @@ pub struct Coupled {
     pub pair: usize,
     /// `true` if its relative displacement is an unknown, see [`crate::body::fem::Relative`].
     pub relative: bool,
-    /// `true` if a tangent was removed because it depends on tangents of other nodes, see
-    /// `leave_out_dependent`.
-    pub tangent_left_out: bool,
     /// `true` if the node is beyond the end of the other side, see [`super::MortarRow::is_beyond_the_end`].
     pub beyond_the_end: bool,
     /// The reduction of the gap between the curved surfaces that the facets approximate, m; see

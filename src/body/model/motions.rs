@@ -114,9 +114,6 @@ fn passes(
         (_, 0) => contact.frame,
         _ => [cross(facing.normal, facing.tangents[0]), [0.0; 3]],
     };
-    if contact.coupled().is_some_and(|coupled| coupled.tangent_left_out) {
-        return true;
-    }
     let facing = Facing { tangents, ..*facing };
     let drifts = contact.obstacle().is_some_and(|k| {
         let rates = obstacles[k].1.rates(&[contact.position], &[facing]);
