@@ -31,11 +31,6 @@ impl Source {
             Source::Data => "use a coarser mesh, or raise the limit (ulimit -d)",
         }
     }
-
-    /// Returns `true` if the limit counts mapped memory, used or not.
-    pub fn counts_what_is_mapped(self) -> bool {
-        matches!(self, Source::AddressSpace | Source::Data)
-    }
 }
 
 impl fmt::Display for Source {

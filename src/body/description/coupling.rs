@@ -64,11 +64,6 @@ impl Coupling {
         Coupling { name: name.to_string(), part, point: None, kind: CouplingKind::Rigid }
     }
 
-    /// Creates a rigid body: a rigid coupling of all nodes of `body` to the point `name` at its centroid.
-    pub fn rigid_body(name: &str, body: &str) -> Self {
-        Coupling { part: Part::Body(body.to_string()), ..Coupling::rigid(name, "") }
-    }
-
     /// Creates a distributing coupling of `boundary` to the point `name` at its centroid.
     pub fn distributing(name: &str, boundary: &str) -> Self {
         Coupling { kind: CouplingKind::Distributing, ..Coupling::rigid(name, boundary) }

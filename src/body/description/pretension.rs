@@ -53,13 +53,6 @@ impl Pretension {
         Pretension { history: Some(history.to_vec()), ..self }
     }
 
-    /// Sets the time (s) from which the shortening stays as the force made it. The model itself does not lock: a
-    /// run of a scene finds the shortening first.
-    #[must_use]
-    pub fn locked_at(self, lock: f64) -> Self {
-        Pretension { lock: Some(lock), ..self }
-    }
-
     /// Returns the points `[time (s), factor]` of the history; the default history ends at `end` (s).
     pub fn factors(&self, end: f64) -> Vec<[f64; 2]> {
         self.history.clone().unwrap_or_else(|| vec![[0.0, 0.0], [end, 1.0]])
