@@ -20,7 +20,6 @@ use stickslip::solver::{
     self, Condensation, Condensed, ContactProblem, Increment, InitialWorkingSet, Loading, Parts, State,
 };
 use stickslip::solver::{KktErrors, KktScales, statuses};
-use stickslip_exchange::{Info, Way};
 
 /// A body against rigid obstacles: K, `C_n`, `C_t`, `C_o`, mu, l and the free motions.
 #[pyclass(frozen, module = "stickslip._core")]
@@ -74,9 +73,6 @@ impl Answer<'_> {
         })
     }
 }
-
-/// Displacements, normal and tangential forces, iterations.
-type Found = (Vec<f64>, Vec<f64>, Vec<f64>, Vec<f64>, usize);
 
 /// Errors by law, statuses of the nodes, scales of the parts of the body.
 type Judged = (Vec<f64>, Vec<u8>, Vec<f64>);
@@ -288,27 +284,6 @@ impl Problem {
             Ok((errors, codes(&statuses).collect(), scales.values()))
         });
         judged.map_err(of_problem)
-    }
-
-    /// One increment in space of `dimension`, from the forces of `answer`, by the cascade for local problems, which takes dependent
-    /// contacts: displacements, `p_n`, `p_t`, `p_o`, iterations. Whether it is a solution is for the judge to say.
-    fn cascade<'py>(&self, py: Python<'py>, dimension: usize, answer: Answer<'py>) -> PyResult<Found> {
-        let (before, increment) = (answer.state()?, answer.increment()?);
-        let found = detached(py, || {
-            let file = stickslip_exchange::export(&self.0, dimension, &increment, &before, &before, Info::default());
-            let file = file.map_err(|fault| fault.to_string())?;
-            let solved = stickslip_exchange::solve_by(Way::Contacts, &file.problem, file.guesses.first());
-            solved.map_err(|error| error.to_string())
-        });
-        let found = found.map_err(PyValueError::new_err)?;
-        let found = found.ok_or_else(|| PyValueError::new_err("no problem for the cascade"))?;
-        let iterations = found.iterations();
-        let along = |k: usize, sign: f64| -> Vec<f64> {
-            let all = found.solution.r.chunks(dimension);
-            all.map(|r| r.get(k).map_or(0.0, |r| sign * r)).collect()
-        };
-        let (p_n, p_t, p_o) = (along(0, 1.0), along(1, -1.0), along(2, -1.0));
-        Ok((found.solution.v, p_n, p_t, p_o, iterations))
     }
 
     /// Solves a history.

@@ -50,9 +50,6 @@ class Problem:
     def errors(
         self, answer: dict[str, Any], scales: list[float]
     ) -> tuple[list[float], bytes, list[float]]: ...
-    def cascade(
-        self, dimension: int, answer: dict[str, Any]
-    ) -> tuple[list[float], list[float], list[float], list[float], int]: ...
     def run(
         self, tables: dict[str, Any], options: dict[str, Any], linear: object, keep: bool | list[int],
         callback: Callable[..., object] | None,

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any, SupportsIndex, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _core, _dependent, _history
+from . import _core, _history
 from ._errors import NotConverged, NotConvergedWarning
 from ._linear import Checked
 from ._options import core_options, keep
 from ._result import LAWS, Result
-from ._words import counted, few
+from ._words import counted, few, reason_of
 
 if TYPE_CHECKING:
     from ._options import Several
@@ -191,8 +191,7 @@ def solve(
         # One warning for all of them, below.
         warnings.simplefilter("ignore", NotConvergedWarning)
         for (own, tables), raw in zip(histories, raws):
-            raw, reason = _dependent.rescued(own, raw, tables, core, kept, None)
-            results.append(Result._of(raw, own, reason=reason))
+            results.append(Result._of(raw, own, reason=reason_of(raw)))
     failed = np.flatnonzero(~results.converged)
     if len(failed):
         first = int(failed[0])

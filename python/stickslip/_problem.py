@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from numpy.typing import ArrayLike
 
-from . import _core, _dependent, _history, _many
+from . import _core, _history, _many
 from ._arrays import Array, compressed, contact_maps, forces_of, tangential
 from ._arrays import vector as vector
 from ._matrices import Matrices
@@ -16,7 +16,7 @@ from ._options import Linear, Method, Setting, called, core_options
 from ._options import LinearSolver as LinearSolver
 from ._options import keep as keep
 from ._result import Result
-from ._words import counted
+from ._words import counted, reason_of
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -165,7 +165,7 @@ class ContactProblem(Matrices):
             Ends of the increments, s, increasing from above 0; equal parts of 1 s without them (a `Stepper` takes 1 s for each).
         method : "bn", "ip" or "events"
             Newton's method, the interior point method, or the exact path in the plane; "bn" without it. If rows of
-            C_n and C_t are linearly dependent, forces are not unique, and a sequence of other methods takes its place.
+            C_n and C_t are linearly dependent, forces are not unique, and the first two find the smallest.
         setting : "default" or "paper"
             The constants of this library, which is the default, or those of Christensen et al. (1998).
         linear : "auto", "faer", "partial", "condensed", "umfpack" or `LinearSolver`
@@ -207,8 +207,7 @@ class ContactProblem(Matrices):
         kept = keep(keep_u, len(tables["times"]))
         called(callback)
         raw = problem._core.run(tables, options, algebra, kept, callback)
-        raw, reason = _dependent.rescued(problem, raw, tables, options, kept, callback)
-        return Result._of(raw, self, reason=reason, linear=algebra, stacklevel=3)
+        return Result._of(raw, self, reason=reason_of(raw), linear=algebra, stacklevel=3)
 
     def solve_increment(
         self, force: ArrayLike, *, gap: ArrayLike = 0.0, w_t_last: ArrayLike | None = None, **options: Unpack[IncrementOptions]

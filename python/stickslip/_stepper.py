@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from . import _core, _dependent, _history
+from . import _core, _history
 from ._arrays import Array, forces_of, tangential, vector
 from ._options import called
 from ._result import Result
+from ._words import reason_of
 
 if TYPE_CHECKING:
     from ._options import Callback
@@ -171,10 +172,7 @@ class Stepper:
         self.work = {name: raw[name] for name in self.work}
         if self._core.time > begun:
             self._force, self._gap, self._drift, self._mu = new_force, new_gap, new_drift, rows
-        reason = _dependent.reason(self.problem, raw["free_motion"]) if raw["status"] == "singular" else ""
-        if reason and raw["free_motion"] is None:
-            reason += "; `ContactProblem.solve` and `solve_increment` take such contacts"
-        return Result._of(raw, self.problem, reason=reason, linear=self._linear, stacklevel=3)
+        return Result._of(raw, self.problem, reason=reason_of(raw), linear=self._linear, stacklevel=3)
 
     def save(self) -> StepperState:
         """The state of the stepper, for `restore`: an implicit coupling takes back an increment and solves it again.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 
 #: Why a run ended early, by its status, where nothing more is known.
@@ -42,3 +43,11 @@ def few(words: Sequence[object], most: int = 5, separator: str = ", ") -> str:
     """The first of them, and how many are left out."""
     more = [f"and {len(words) - most} more"] if len(words) > most else []
     return separator.join([*map(str, words[:most]), *more])
+
+
+def reason_of(raw: dict[str, Any]) -> str:
+    """The reason why a run of the core ended early: its own, or the motion that nothing stops."""
+    if raw["status"] != "singular" or raw["free_motion"] is None:
+        return raw.get("reason", "")
+    weights = ", ".join(f"{weight:.3g}" for weight in raw["free_motion"])
+    return f"neither K nor contact stops the body along the sum of its free_motions with the weights [{weights}]"

@@ -79,7 +79,7 @@ def test_a_failure_does_not_lose_the_others() -> None:
         many.stack("q")
 
 
-def test_dependent_contacts_go_through_the_cascade_here_too() -> None:
+def test_dependent_contacts_share_their_force_here_too() -> None:
     p = ss.ContactProblem(np.eye(4), np.eye(4)[[0, 0]], np.eye(4)[[1, 1]], 0.3)
     many = p.solve_many(np.ones(4), mus=[0.3, 0.5]).check()
     for mu, result in zip((0.3, 0.5), many):
