@@ -23,9 +23,6 @@ use crate::solver::solvability::{Load, excess, friction_work, sliding_motion};
 /// few.
 const ROUNDS: usize = 4;
 
-/// The share of friction whose use by the loads is the reason to look: normal forces change in an increment.
-const NEARLY: f64 = 0.9;
-
 /// Looks for a sliding state, from the normal forces `pressed` (n_c, N). Returns the solves that it took, with the state
 /// if it has found one.
 pub(super) fn sliding_state(
@@ -44,15 +41,12 @@ pub(super) fn sliding_state(
     // Without pressure nothing is known of the contact.
     let presses = pressed.iter().all(|p| p.is_finite()) && pressed.iter().any(|p| *p > 0.0);
     let rounds = if presses { ROUNDS } else { 0 };
-    let less: Vec<f64> = increment.mu.iter().map(|mu| NEARLY * mu).collect();
     let (mut z, mut p_n) = (layout.packed(from, &scaling), pressed.to_vec());
     for round in 0..rounds {
         if round == ROUNDS / 2 {
             p_n.copy_from_slice(pressed);
         }
-        let motion = sliding_motion(problem, increment.mu, &load, &p_n);
-        let nearly = || sliding_motion(problem, &less, &load, &p_n).filter(|_| round == 0);
-        let Some(motion) = motion.or_else(nearly) else { break };
+        let Some(motion) = sliding_motion(problem, increment.mu, &load, &p_n) else { break };
         // Pins carry what exceeds the friction of these forces. If that is much, it changes the pressure at these nodes:
         // then a drag spreads it over the body.
         let v = problem.rigid_motion(&motion);
