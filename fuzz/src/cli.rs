@@ -51,7 +51,7 @@ fn show(target: Target, reader: Option<&str>, seed: u64) {
             let (reader, bytes) = readers::input_of(reader, seed);
             line(&format!("# {}\n{}", reader.name, String::from_utf8_lossy(&bytes)));
         }
-        Target::Runs => line(&runs::case(seed).text(&runs::Telling::SI)),
+        Target::Runs => line(&runs::text(seed)),
     }
 }
 

@@ -3,6 +3,7 @@
 mod case;
 mod compare;
 mod generate;
+mod joined;
 pub mod laws;
 mod solved;
 mod tell;
@@ -17,6 +18,9 @@ use crate::pool::Verdict;
 use crate::random::Random;
 use solved::Solved;
 
+/// One of so many seeds is a scene whose bodies are joined or beside each other.
+const JOINED: u64 = 5;
+
 /// The case of a seed.
 pub fn case(seed: u64) -> Case {
     Case::random(&mut Random::new("runs", seed))
@@ -27,7 +31,16 @@ pub fn case(seed: u64) -> Case {
 /// # Errors
 /// What contradicts what.
 pub fn check(seed: u64) -> Verdict {
-    check_case(&case(seed))
+    if is_joined(seed) { check_scene(&text(seed)) } else { check_case(&case(seed)) }
+}
+
+/// The text of the scene of a seed.
+pub fn text(seed: u64) -> String {
+    if is_joined(seed) { joined::text(&mut Random::new("joined", seed)) } else { case(seed).text(&Telling::SI) }
+}
+
+fn is_joined(seed: u64) -> bool {
+    seed % JOINED == JOINED - 1
 }
 
 /// The same of any case.

@@ -208,3 +208,21 @@ fn no_answer_hides_behind_a_large_number() {
         }
     }
 }
+
+/// Forces of open nodes are not accepted because earlier increments had larger forces.
+#[test]
+fn tension_of_an_open_node_does_not_hide_behind_earlier_forces() {
+    let stiffness = Symmetric::from_triplets(1, &[(0, 0, 2.0)]).unwrap();
+    let problem = ContactProblem::new(Parts::new(stiffness, Csr::from_rows(1, [[(0, 1.0)]]).unwrap())).unwrap();
+    let zeros = [0.0];
+    let increment = Increment { force: &[-1.0], gap: &[1.0], mu: &zeros, w_t_last: &zeros, w_o_last: &zeros };
+    let none = || vec![0.0];
+    let state = State { u: vec![-0.495], u_rest: Vec::new(), p_n: vec![-0.01], p_t: none(), p_o: none() };
+    let errors = |earlier: &KktScales| KktErrors::measure(&problem, &increment, &state, earlier).unwrap();
+    let first = errors(&KktScales::default());
+    assert!(first.tension > 1e-3, "{first:?}");
+    for factor in FACTORS {
+        let later = errors(&KktScales::new(&[factor, 0.0]).unwrap());
+        assert!((later.tension / first.tension - 1.0).abs() < 1e-9, "{factor:e}: {later:?}");
+    }
+}

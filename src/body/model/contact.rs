@@ -74,7 +74,8 @@ impl Contacts {
                 None => contacts.add(&body, k)?,
             }
         }
-        carry_glued((&mut contacts.nodes, &mut contacts.mu), (&mut contacts.boundaries, &mut contacts.own_mu), pairs);
+        let Contacts { nodes, mu, boundaries, own_mu, obstacles, .. } = &mut contacts;
+        carry_glued((nodes, mu), (boundaries, own_mu), (pairs, obstacles));
         determined((&contacts.nodes, &contacts.mu), &contacts.boundaries, description, dofs)?;
         Ok(contacts)
     }

@@ -2,7 +2,7 @@
 //!
 //! A glued slave node follows its masters, so that it has no contact force of its own: its contact stress is that which
 //! its masters interpolate. With the share `c` of a master in it, the weights and rows of the two add up,
-//! `l = l_m + c l_s`, `l C = l_m C_m + c l_s C_s`. Otherwise the two rows at a seam would determine more than the
+//! `l = l_m + c l_s`, `l C = l_m C_m + c l_s C_s`, and `l g = l_m g_m + c l_s g_s` for the gaps. Otherwise the two rows at a seam would determine more than the
 //! displacements there, and pressures of neighbours would be far apart. A slave without a master in the same contact, as at
 //! the end of a weld, keeps its row.
 
@@ -10,11 +10,14 @@ use std::collections::BTreeMap;
 
 use super::pair::Pairs;
 use crate::algebra::vector::dot;
-use crate::body::contact::{ContactBoundary, ContactNode, Counterpart, Row};
+use crate::body::contact::{ContactBoundary, ContactNode, Counterpart, ObstacleMotion, PlacedObstacle, Row};
 use crate::body::fem::merged;
 
-/// Normals within one degree count as parallel.
+/// Normals within 1.15 degrees count as parallel.
 const PARALLEL: f64 = 0.9998;
+
+/// The obstacles, and their motions.
+type Obstacles = [(PlacedObstacle, ObstacleMotion)];
 
 /// A glued contact node: its number, and its masters among the contact nodes with their shares.
 type Carried = (usize, Vec<(usize, f64)>);
@@ -24,9 +27,9 @@ type Carried = (usize, Vec<(usize, f64)>);
 pub(super) fn carry_glued(
     (nodes, mu): (&mut Vec<ContactNode>, &mut Vec<f64>),
     (boundaries, own_mu): (&mut [ContactBoundary], &mut [Vec<f64>]),
-    pairs: &Pairs,
+    (pairs, obstacles): (&Pairs, &Obstacles),
 ) {
-    let carried: BTreeMap<usize, Vec<(usize, f64)>> = of_masters(nodes, pairs).into_iter().collect();
+    let carried: BTreeMap<usize, Vec<(usize, f64)>> = of_masters(nodes, pairs, obstacles).into_iter().collect();
     if carried.is_empty() {
         return;
     }
@@ -72,7 +75,7 @@ pub(super) fn carry_glued(
 }
 
 /// Returns the glued contact nodes with masters in the same contact.
-fn of_masters(nodes: &[ContactNode], pairs: &Pairs) -> Vec<Carried> {
+fn of_masters(nodes: &[ContactNode], pairs: &Pairs, obstacles: &Obstacles) -> Vec<Carried> {
     let mut at_node = BTreeMap::<usize, Vec<usize>>::new();
     nodes.iter().enumerate().for_each(|(i, contact)| at_node.entry(contact.node).or_default().push(i));
     let glued = pairs.all.iter().filter(|pair| pair.glued);
@@ -82,7 +85,7 @@ fn of_masters(nodes: &[ContactNode], pairs: &Pairs) -> Vec<Carried> {
         let of_node = rows.get(&contact.node)?;
         let alike = |&(node, share): &(usize, f64)| {
             let mut there = at_node.get(&node).into_iter().flatten().copied();
-            let other = there.find(|&j| meets_alike(contact, &nodes[j], pairs))?;
+            let other = there.find(|&j| meets_alike([contact, &nodes[j]], pairs, obstacles))?;
             (share > 0.0 && !rows.contains_key(&node)).then_some((other, share))
         };
         let found: Vec<(usize, f64)> = of_node.iter().filter_map(alike).collect();
@@ -92,26 +95,27 @@ fn of_masters(nodes: &[ContactNode], pairs: &Pairs) -> Vec<Carried> {
     nodes.iter().enumerate().filter_map(masters).collect()
 }
 
-/// Returns `true` if two contact nodes meet the same body, or obstacles, along the same normal.
-fn meets_alike(a: &ContactNode, b: &ContactNode, pairs: &Pairs) -> bool {
+/// Returns `true` if two contact nodes meet the same body, or obstacles that move alike, along the same normal.
+fn meets_alike([a, b]: [&ContactNode; 2], pairs: &Pairs, obstacles: &Obstacles) -> bool {
     let same = match (&a.counterpart, &b.counterpart) {
         (Counterpart::Boundary(a), Counterpart::Boundary(b)) => {
             pairs.all[a.pair].master.name == pairs.all[b.pair].master.name
         }
-        (Counterpart::Obstacle(_), Counterpart::Obstacle(_)) => true,
+        (&Counterpart::Obstacle(a), &Counterpart::Obstacle(b)) => obstacles[a].1 == obstacles[b].1,
         _ => false,
     };
     same && dot(a.facing.normal, b.facing.normal) > PARALLEL
 }
 
 impl ContactNode {
-    /// Adds `share` of the rows of `other` to the rest of the own ones, along the own tangents.
+    /// Adds `share` of the rows and the gap of `other` to the rest of the own ones, along the own tangents.
     fn take_up(&mut self, other: &ContactNode, share: f64) {
         let mixed = |own: &Row, parts: &[(f64, &Row)]| {
             let scaled = |row: &Row, by: f64| row.iter().map(|&(dof, c)| (dof, by * c)).collect::<Row>();
             let all = parts.iter().map(|(by, row)| scaled(row, share * by));
             merged(all.fold(scaled(own, 1.0 - share), |sum, row| [sum, row].concat()))
         };
+        self.facing.gap += share * (other.facing.gap - self.facing.gap);
         self.normal = mixed(&self.normal, &[(1.0, &other.normal)]);
         for k in 0..2 {
             if !self.tangents[k].is_empty() {

@@ -9,8 +9,8 @@
 //! To find the touch, the substep is solved again with all nodes kept open that were open at its start. On the straight
 //! path to that state, a node touches after the share `τ = d / (d + e)` of the substep, where `d` is its distance at the
 //! start and `e` its depth in the obstacle at the end, and `m = τ (w_T - w̄_T)`. With the slip `s` of the node in the whole
-//! substep, its friction is wrong by up to `k (|m| - s·m / |m|)`, where `k` is the stiffness of the node. That matters if
-//! it exceeds a share of the largest `Σ μ p_n` of the history. Springs `k` in place of the body, which give `e = p_n / k` and
+//! substep, its friction would be wrong by about `k (|m| - s·m / |m|)` once it is pressed hard enough, where `k` is the
+//! stiffness of the node. That matters if it exceeds a share of the largest `Σ μ p_n` of the history. Springs `k` in place of the body, which give `e = p_n / k` and
 //! `w_T - w̄_T = s + p_T / k`, tell beforehand whether such a node is possible.
 
 use super::increment::{IncrementDriver, Rollback, SubstepInput};
@@ -37,7 +37,7 @@ const ROUNDING: f64 = 1e-9;
 /// closed. A touch after this share of a substep counts as one at its end.
 const BEFORE: f64 = 1.0 - 1e-6;
 
-/// Nodes are kept open by gaps that exceed all displacements by this factor.
+/// Nodes are kept open by gaps that exceed the gaps and motions of these nodes in the state with contact by this factor.
 const FAR: f64 = 1e3;
 
 impl IncrementDriver<'_> {
@@ -73,7 +73,7 @@ impl IncrementDriver<'_> {
         let [_, w_t, w_o] = problem.contact_motion(&state.u);
         let slips: Vec<[f64; 2]> =
             (0..mu.len()).map(|i| [w_t[i] - self.stage.w_t_last[i], w_o[i] - self.stage.w_o_last[i]]).collect();
-        let touches = |i: &usize| {
+        let may_matter = |i: &usize| {
             let (i, k) = (*i, stiffness[*i]);
             let share = distance[i] / (distance[i] + state.p_n[i] / k);
             let moved = [slips[i][0] + state.p_t[i] / k, slips[i][1] + state.p_o[i] / k];
@@ -82,7 +82,7 @@ impl IncrementDriver<'_> {
         };
         let nodes = condensed.and_then(Condensed::nodes);
         let nodes: Vec<usize> = nodes.map_or((0..problem.contacts()).collect(), <[usize]>::to_vec);
-        if !nodes.iter().any(touches) {
+        if !nodes.iter().any(may_matter) {
             return Ok(None);
         }
         let open: Vec<(usize, usize)> = nodes.iter().copied().enumerate().filter(|(_, i)| is_open(i)).collect();

@@ -32,7 +32,7 @@ use std::borrow::Cow;
 /// body that slides in a plane move far, until friction has turned.
 const NEAR_SLIP: f64 = 1.0 / 16.0;
 
-/// The number of touches at which an increment is divided. One leaves two nodes that touch one after the other; six halve
+/// The largest number of touches at which an increment is divided. One leaves two nodes that touch one after the other; six halve
 /// no error further, and take five times as many iterations where a slender body lands on many nodes.
 const TOUCHES: usize = 2;
 
@@ -140,8 +140,10 @@ impl<'a> IncrementDriver<'a> {
             let (substep, input) = self.substep(end, linear, &mut |iteration| progress.iteration(iteration))?;
             let mut outcome = substep.outcome.clone();
             let mut touch = None;
-            if touches_left > 0 && substep.status == Status::Converged {
+            if substep.status == Status::Converged {
                 self.at.friction = self.friction_with(&substep);
+            }
+            if touches_left > 0 && substep.status == Status::Converged {
                 let observe: Observe<'_> = &mut |iteration| progress.iteration(iteration);
                 if let Some((share, found)) =
                     self.first_touch([from, end], &substep, (&input, &rollback), linear, observe)?

@@ -1,12 +1,12 @@
-//! The slip of a joint as a whole: the proof that no increment, however small, finds an equilibrium at its end.
+//! The slip of a joint as a whole: the criterion by which an increment that does not converge has no equilibrium at its end.
 //!
 //! Let a rigid motion `v` move the body along its contact, and let friction act against `v` at every node that presses.
 //! The equations of this *sliding state*, with a drag along `v`, have neither a history nor a slip: they depend
 //! only on the loads, gaps and friction at the end of the increment. If the loads do more work on `v` than friction
 //! takes up, and all laws of contact hold however far the body moves along `v`, then the body slides without end while
 //! a drag proportional to its velocity carries the excess, for any such drag. If an equilibrium existed, a body with a
-//! vanishing drag would have two states, one at rest and one that slides. That is excluded if the solution of an
-//! increment is unique, as it is for friction that is not very large.
+//! vanishing drag would have two states, one at rest and one that slides. That is excluded where the solution of such an
+//! increment is unique, which is assumed.
 //!
 //! The motion is that of a rigid body with the normal forces of the last state; a linear solve gives the forces of its
 //! sliding state, and these the next motion.

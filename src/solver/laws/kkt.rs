@@ -184,8 +184,6 @@ pub(crate) struct Judgement<'a> {
     imbalance: Vec<f64>,
     terms: Vec<f64>,
     scales: KktScales,
-    /// The largest terms of the balance of each part in the earlier increments, √J.
-    earlier: Vec<f64>,
     /// The parts without forces but the rounding of the earlier terms, or of the terms of the loads.
     is_unloaded: Vec<bool>,
     largest: Vec<Largest>,
@@ -227,8 +225,7 @@ impl<'a> Judgement<'a> {
             let Largest { contact, open, penetration, force, .. } = &mut largest[part];
             let pressed = state.p_n[i].abs().max(length(friction(state, i)));
             let apart = distance(problem, increment, state, i) * unit;
-            let is_open = state.p_n[i] / unit <= apart;
-            let kind = if is_open { open } else { contact };
+            let kind = if is_open(state.p_n[i] / unit, apart) { open } else { contact };
             *kind = kind.max(pressed / unit);
             *penetration = penetration.max(positive(-apart));
             let row = problem.c_n().row(i).iter().map(|(_, c)| c * c).sum::<f64>().sqrt();
@@ -248,7 +245,7 @@ impl<'a> Judgement<'a> {
             load.max(contact).max(open) <= ROUNDING * earlier[part] && penetration <= ROUNDING * balance.max(gaps)
         });
         let is_unloaded = is_unloaded.collect();
-        Ok(Judgement { problem, increment, state, imbalance, terms, scales, earlier, is_unloaded, largest })
+        Ok(Judgement { problem, increment, state, imbalance, terms, scales, is_unloaded, largest })
     }
 
     /// Prepares the errors of a state. Near the `tolerance` the rounding of the imbalance itself would matter, so there
@@ -295,13 +292,13 @@ impl<'a> Judgement<'a> {
     }
 
     /// Returns what contact forces of a part are relative to, √J: the largest of closed nodes, or the largest terms of
-    /// the balance if all are the rounding of these. If no node is closed, it is the largest load, or the earlier terms.
+    /// the balance if all are the rounding of these. If no node is closed, it is the largest load, or force of an open node.
     fn contact_scale(&self, part: usize) -> f64 {
         let Largest { load, contact, open, penetration, .. } = self.largest[part];
         let (closed, balance) = (contact.max(penetration), self.scales.0[part].balance);
         let own = match closed.max(open) {
             largest if largest <= ROUNDING * balance => balance,
-            _ if closed == 0.0 => load.max(self.earlier[part]).max(open),
+            _ if closed == 0.0 => load.max(open),
             _ => closed,
         };
         self.rounded(part).unwrap_or(own)
@@ -500,10 +497,15 @@ pub fn statuses(
     Ok(statuses_of(problem, increment, state))
 }
 
+/// Returns `true` if a node with this normal force, and this force as its distance, is open.
+fn is_open(p_n: f64, apart: f64) -> bool {
+    positive(p_n) <= positive(apart)
+}
+
 /// Computes [`statuses`] of arrays of the right lengths.
 pub(crate) fn statuses_of(problem: &ContactProblem, increment: &Increment<'_>, state: &State) -> Vec<ContactStatus> {
     let status = |(i, k): (usize, &f64)| {
-        if positive(state.p_n[i]) <= k * positive(distance(problem, increment, state, i)) {
+        if is_open(state.p_n[i], k * distance(problem, increment, state, i)) {
             return ContactStatus::Open;
         }
         let reserve = positive(increment.mu[i] * state.p_n[i] - length(friction(state, i)));

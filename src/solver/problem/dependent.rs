@@ -4,7 +4,7 @@
 //! is added to them. The methods then find the forces that are smallest in `Σ |p_i|² / l_i`, the norm of the contact
 //! stresses in L². In this norm a dependent node has the stress that the nodes on which it depends would interpolate
 //! there. They do so by the proximal point method: a dependent node gets a small compliance `e_i`, and its gap becomes
-//! `g_i + e_i (p̂_i - p_i)`, with `p̂` the forces at the last solution of these equations, at first 0. When `p = p̂`, the
+//! `g_i + e_i (p_n - p̂_n)` and the origin of its slip `w̄_T + e_i (p_T - p̂_T)`, with `p̂` the forces at the last solution of these equations, at first 0. When `p = p̂`, the
 //! equations are those of the problem, and their matrix is regular.
 
 use std::collections::{BTreeMap, BTreeSet};

@@ -217,3 +217,37 @@ fn the_end_of_a_weld() {
     let report = Run::of(&model, vec![1.0], SolverChoice::new(Method::BN)).unwrap().solve(&mut ()).unwrap();
     assert!(report.warnings.iter().all(|warning| warning.kind != WarningKind::NotUnique), "{:?}", report.warnings);
 }
+
+/// Two glued blocks in space, whose nodes at the seam do not match, over a slope: the motion that closes all gaps at once
+/// closes those of the nodes that carry others, too. Obstacles that move apart keep their rows.
+#[test]
+fn a_seam_over_a_slope() {
+    let scene = |motion: &str| {
+        let body = |name: &str, at: f64, across: usize| {
+            format!(
+                "[[body]]\nname = \"{name}\"\nat = [{at}, 0, 0]\nmaterial = {{ young = 1, poisson = 0 }}\n\
+                 mesh = {{ kind = \"block\", size = [1, 1, 1], elements = [2, {across}, 2] }}\n\
+                 [[support]]\nboundary = \"{name}:top\"\nfix = [\"x\", \"y\", \"z\"]\n"
+            )
+        };
+        let contact = |name: &str, motion: &str| {
+            format!(
+                "[[contact]]\nboundary = \"{name}:bottom\"\nfriction = 0.1\n\
+                 obstacle = {{ kind = \"formula\", formula = \"0.02 + 0.01 * y\"{motion} }}\n"
+            )
+        };
+        let glue = "[[contact]]\nboundary = \"a:right\"\nagainst = \"b:left\"\nglue = true\n";
+        let time = "[time]\nend = 1\nincrements = 1\n";
+        let text = [body("a", 0.0, 3), body("b", 1.0, 4), glue.into(), contact("a", ""), contact("b", motion)];
+        discretise(&Scene::parse("slope.toml", &(text.concat() + time), &[]).unwrap()).unwrap()
+    };
+    let model = scene("");
+    let nodes = model.mesh.nodes.clone();
+    let u = model.dofs.unknowns(|node| [0.0, 0.0, -0.02 - 0.01 * nodes[node][1]]);
+    for (i, (gap, contact)) in model.loading.gap().iter().zip(&model.contacts).enumerate() {
+        let w: f64 = model.problem.c_n().row(i).iter().map(|(dof, c)| c * u[*dof]).sum();
+        assert!((w - gap).abs() < 1e-12, "{w} {gap} at {:?}", nodes[contact.node]);
+    }
+    let apart = scene(", approach = [[0, 0], [1, 0.01]]");
+    assert_eq!(apart.contacts.len(), model.contacts.len() + 4);
+}

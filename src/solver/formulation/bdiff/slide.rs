@@ -4,7 +4,7 @@ use super::Bdiff;
 use crate::algebra::null_space::NEGLIGIBLE;
 use crate::solver::laws::coulomb::{NormalCase, TangentialCase, direction, length};
 
-/// The length of a motion, relative to the displacements, whose direction is the slip of every node that it moves.
+/// The length of a motion, relative to the displacements and to the motion of obstacles, whose direction is the slip of every node that it moves.
 const FAR: f64 = 1e3;
 
 impl Bdiff {
@@ -29,7 +29,9 @@ impl Bdiff {
     pub fn slides_on(&self, z: &[f64], weights: &[f64]) -> bool {
         let largest = |x: &[f64]| x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         let motion = self.data.motion(weights, z.len());
-        let size = FAR * largest(&z[..self.layout().displacements()]) / largest(&motion);
+        let data = &self.data;
+        let lengths = [&z[..self.layout().displacements()], &data.w_t_last, &data.w_o_last].map(largest);
+        let size = FAR * lengths.into_iter().fold(0.0, f64::max) / largest(&motion);
         self.stays(z, &motion, size)
     }
 
