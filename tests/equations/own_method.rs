@@ -31,7 +31,8 @@ fn a_method_of_ones_own() {
     let scene = common::block(&["mesh.elements=[6,6]", "time.increments=4"]);
     let model = discretise(&scene).unwrap();
     let (problem, loading, times) = (&model.problem, &model.loading, scene.time.all());
-    let settings = HistorySettings::new(problem, loading, Method::BN).unwrap();
+    // Each increment is one task.
+    let settings = HistorySettings { halvings: 0, ..HistorySettings::new(problem, loading, Method::BN).unwrap() };
     let known = history::run(problem, loading, &times, &settings, SystemSolver::default(), &mut ()).unwrap();
     let border = problem.contact_displacements().len();
     for (linear, n) in [(LinearAlgebra::default(), problem.displacements()), (LinearAlgebra::condensed(), border)] {

@@ -96,7 +96,7 @@ impl Algorithm for Failing {
 fn an_error_of_the_linear_solver_keeps_what_is_solved() {
     let (scene, model) = block();
     let (problem, loading, times) = (&model.problem, &model.loading, scene.time.all());
-    let settings = HistorySettings::new(problem, loading, Method::BN).unwrap();
+    let settings = HistorySettings { halvings: 0, ..HistorySettings::new(problem, loading, Method::BN).unwrap() };
     let run = |before: usize, error: &LinearError, system: SystemSolver| {
         let failing =
             Failing { settings: settings.clone(), left: Arc::new(AtomicUsize::new(before)), error: error.clone() };

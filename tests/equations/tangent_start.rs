@@ -34,11 +34,11 @@ fn agrees_within(scene: &Scene, most: usize) -> HistoryOutcome {
     condensed
 }
 
-/// From the last state the same history takes 129 iterations; on the tangent 42, in 22 of its 100 increments: 28, and 14 to find first touches.
+/// From the last state the same history takes 129 iterations; on the tangent 61, in 22 of its 100 increments: 28, and 33 to find first touches and for substeps that end there.
 #[test]
 fn increments_without_a_change_of_status_take_no_iteration() {
     let scene = block(&["mesh.elements=[20,20]", "time.increments=100", "solver.setting='default'"]);
-    let outcome = agrees_within(&scene, 46);
+    let outcome = agrees_within(&scene, 65);
     let free = outcome.records.iter().filter(|record| record.iterations == 0).count();
     assert!(free >= 78, "{free}");
     // The factors of an increment serve the start of the next, but for the one in which the first nodes touch: to estimate their friction takes
@@ -49,8 +49,8 @@ fn increments_without_a_change_of_status_take_no_iteration() {
 /// Directions of slip turn; from the last state, or going on as before, 36.
 #[test]
 fn slip_that_turns_goes_on_turning() {
-    // One more than with errors relative to the loads.
-    agrees_within(&scene("cube.toml", &["mesh.elements=[6,6,6]"]), 33);
+    // 33, and those to find first touches.
+    agrees_within(&scene("cube.toml", &["mesh.elements=[6,6,6]"]), 58);
 }
 
 /// Where friction changes, the last matrix is not that of the new data, and no tangent is taken.

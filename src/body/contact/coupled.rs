@@ -60,6 +60,7 @@ pub fn coupled_nodes(
             node: row.node,
             position: mesh.nodes[row.node],
             ends: None,
+            carried: Vec::new(),
             normal: Row::new(),
             tangents: [Row::new(), Row::new()],
             counterpart: Counterpart::Boundary(coupled),

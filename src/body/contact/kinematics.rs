@@ -40,6 +40,8 @@ pub struct ContactNode {
     pub position: [f64; 3],
     /// The ends of the edge, if the node is between corners of a boundary of second order.
     pub ends: Option<[End; 2]>,
+    /// The nodes in the rows of glued contact nodes that this one carries, with their coefficients.
+    pub carried: Vec<Term>,
     /// The row of `C_n`.
     pub normal: Row,
     /// The rows of `C_t` and `C_o`, along orthonormal tangents. A row is empty if the node cannot slide in its
@@ -184,6 +186,7 @@ pub fn contact_nodes(
                 node,
                 position,
                 ends,
+                carried: Vec::new(),
                 normal: Row::new(),
                 tangents: none,
                 counterpart: Counterpart::Obstacle(obstacle),
@@ -239,8 +242,11 @@ impl ContactNode {
     }
 
     /// Returns the nodes in its rows. In front of an obstacle, these are the node itself and, if it is between corners,
-    /// the ends of its edge.
+    /// the ends of its edge. The nodes of glued contact nodes that it carries come last.
     pub fn terms(&self) -> impl Iterator<Item = Term> + '_ {
+        let carried: f64 = self.carried.iter().filter(|term| !term.opposite).map(|term| term.coefficient).sum();
+        let rest = 1.0 - carried;
+        let scaled = move |term: Term| Term { coefficient: rest * term.coefficient, ..term };
         let own = 1.0 / (1.0 - self.ends.iter().flatten().map(|end| end.share).sum::<f64>());
         let term = |coefficient, node, position, facing| Term { coefficient, node, position, facing, opposite: false };
         let own = term(own, self.node, self.position, self.facing);
@@ -254,7 +260,7 @@ impl ContactNode {
             let slave = coupled.slave.iter().map(of_node(false));
             slave.chain(coupled.master.iter().map(of_node(true))).collect::<Vec<_>>()
         };
-        alone.chain(coupled.into_iter().flat_map(both))
+        alone.chain(coupled.into_iter().flat_map(both)).map(scaled).chain(self.carried.iter().copied())
     }
 
     /// Computes `Σ coefficient · value` over the nodes in its rows.
@@ -265,12 +271,15 @@ impl ContactNode {
     /// Computes the gap of its rows (m) from the distances (m) of its nodes from `obstacle`. If the obstacle is not in
     /// front of all of them, the gap is taken to be linear along the edge, and the result is that of the node itself.
     pub fn gap(&self, obstacle: &PlacedObstacle, distances: &[f64]) -> f64 {
-        match self.ends {
-            Some(_) if obstacle.is_in_front_of_all(distances) => {
-                self.terms().zip(distances).map(|(term, distance)| term.coefficient * distance).sum()
-            }
-            _ => distances[0],
+        if self.is_alone() || !obstacle.is_in_front_of_all(distances) {
+            return distances[0];
         }
+        self.terms().zip(distances).map(|(term, distance)| term.coefficient * distance).sum()
+    }
+
+    /// Returns `true` if no other node of the body is in its rows.
+    pub fn is_alone(&self) -> bool {
+        self.ends.is_none() && self.carried.is_empty()
     }
 
     /// Computes the gap of its rows in front of `obstacle` at rest, m.

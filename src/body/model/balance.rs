@@ -249,7 +249,7 @@ impl Model {
     pub(crate) fn nodal_gap(&self, i: usize, t: f64, of_rows: &[f64]) -> f64 {
         let contact = &self.contacts[i];
         let Some((k, facing)) = self.met(i, t) else { return self.of_node_from_rows(i, |j| of_rows[j]) };
-        if contact.ends.is_none() {
+        if contact.is_alone() {
             return of_rows[i];
         }
         let (obstacle, motion) = &self.obstacles[k];
@@ -264,7 +264,7 @@ impl Model {
     /// Returns the total force (N) on the opposite side of all nodes in the rows of contact node `i`. On boundaries of
     /// second order the nodes have different normals.
     pub(crate) fn force_of_row(&self, state: &State, i: usize) -> [f64; 3] {
-        if self.contacts[i].ends.is_none() {
+        if self.contacts[i].is_alone() {
             return self.contact_force(state, i);
         }
         self.forces_of_rows(state, i).fold([0.0; 3], |sum, (_, force)| plus(sum, 1.0, force))

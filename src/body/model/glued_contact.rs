@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 
 use super::pair::Pairs;
 use crate::algebra::vector::dot;
-use crate::body::contact::{ContactBoundary, ContactNode, Counterpart, ObstacleMotion, PlacedObstacle, Row};
+use crate::body::contact::{ContactBoundary, ContactNode, Counterpart, ObstacleMotion, PlacedObstacle, Row, Term};
 use crate::body::fem::merged;
 
 /// Normals within 1.15 degrees count as parallel.
@@ -115,7 +115,12 @@ impl ContactNode {
             let all = parts.iter().map(|(by, row)| scaled(row, share * by));
             merged(all.fold(scaled(own, 1.0 - share), |sum, row| [sum, row].concat()))
         };
-        self.facing.gap += share * (other.facing.gap - self.facing.gap);
+        if self.coupled().is_some() {
+            self.facing.gap += share * (other.facing.gap - self.facing.gap);
+        }
+        let weighted = |term: Term, by: f64| Term { coefficient: by * term.coefficient, ..term };
+        let own = self.carried.iter().map(|term| weighted(*term, 1.0 - share));
+        self.carried = own.chain(other.terms().map(|term| weighted(term, share))).collect();
         self.normal = mixed(&self.normal, &[(1.0, &other.normal)]);
         for k in 0..2 {
             if !self.tangents[k].is_empty() {

@@ -115,21 +115,28 @@ impl JointSlip {
             let all = factors.collect::<Vec<_>>().join(", ");
             if all.is_empty() { all } else { format!(" ({all})") }
         };
-        let found = if exact_path {
-            format!("The quasi-static motion ends at t = {from} s{}; there", at(0))
+        let (found, there) = if exact_path {
+            (format!("The quasi-static motion ends at t = {from} s{}", at(0)), "there")
         } else {
-            format!("Equilibrium was found up to t = {from} s{}, and none at t = {by} s{}; at the former", at(0), at(1))
+            let found = format!("Equilibrium was found up to t = {from} s{}, and none at t = {by} s{}", at(0), at(1));
+            (found, "at the former")
         };
         let most = [(Quantity::Force, self.force), (Quantity::Moment, self.moment)];
         let most = most
             .into_iter()
             .filter_map(|(quantity, most)| Some(format!(" ({} at most)", units.rounded(quantity, most?, 4))));
+        // Without a pressure before, there was no friction to use.
+        let used = match self.friction_used {
+            used if used.is_finite() => {
+                let most = most.collect::<String>();
+                format!("; {there} the loads use {:.1} % of the friction{most}", 100.0 * used)
+            }
+            _ => String::new(),
+        };
         format!(
-            "the joint slips as a whole: {}. {found} the loads use {:.1} % of the friction{}. To follow the slip, \
-             prescribe a displacement in place of the load",
-            self.motion,
-            100.0 * self.friction_used,
-            most.collect::<String>()
+            "the joint slips as a whole: {}. {found}{used}. To follow the slip, prescribe a displacement in place of \
+             the load",
+            self.motion
         )
     }
 }

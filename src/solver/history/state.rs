@@ -17,8 +17,8 @@ pub(super) struct HistoryState {
     pub state: Option<State>,
     /// The largest backward error of the whole system, if the body is condensed.
     pub worst_backward_error: f64,
-    /// The largest possible friction `Σ μ p_n` so far, N.
-    pub friction: f64,
+    /// The largest friction `Σ |p_T|` of each part of the body so far, N.
+    pub friction: Vec<f64>,
     pub scales: KktScales,
     /// The rigid offset, to which all displacements and gaps of a substep are relative.
     pub offset: RigidOffset,
@@ -63,7 +63,7 @@ impl HistoryState {
             reached: None,
             state: None,
             worst_backward_error: 0.0,
-            friction: 0.0,
+            friction: vec![0.0; problem.natural().parts],
             scales: KktScales::default(),
             offset: RigidOffset::nowhere(problem),
             w_n: zeros(),
