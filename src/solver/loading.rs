@@ -213,6 +213,25 @@ impl Loading {
         &self.bends
     }
 
+    /// Calls `see` with every array of loads and gaps.
+    pub(crate) fn each_array(&self, mut see: impl FnMut(&[f64])) {
+        see(&self.gap);
+        for LoadCase { force, history } in &self.cases {
+            see(force);
+            see(history.as_flattened());
+        }
+        for Motion { nodes, gap, drift, history } in &self.motions {
+            see(&[nodes.start as f64]);
+            [gap, drift.as_flattened(), history.as_flattened()].into_iter().for_each(&mut see);
+        }
+        for GapCorrection { nodes, times, gap, drift } in &self.bends {
+            see(&[nodes.start as f64]);
+            see(times);
+            gap.iter().for_each(|row| see(row));
+            drift.iter().for_each(|row| see(row.as_flattened()));
+        }
+    }
+
     /// Replaces the loads; the contact nodes remain.
     pub(crate) fn with_cases(&self, cases: Vec<LoadCase>) -> Self {
         Loading { cases, ..self.clone() }
