@@ -18,7 +18,7 @@ pub(super) fn system(model: &Model, method: Method) -> SystemSolver {
 /// two contacts, or there are nodes outside the mesh: reference points, and jumps of joints.
 pub fn grid(model: &Model) -> Option<Grid> {
     let (mesh, dofs, problem) = (&model.mesh, &model.dofs, &model.problem);
-    if dofs.nodes() > mesh.nodes.len() {
+    if dofs.has_nodes_outside() {
         return None;
     }
     let mut displacements = vec![(0, 0); problem.displacements()];

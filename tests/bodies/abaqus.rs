@@ -203,6 +203,33 @@ fn skins() {
     assert_eq!(mesh.boundary("SKIN").unwrap().facets.len(), 1);
 }
 
+/// Lines on the sides of plane elements are boundaries, and so are a skin and a node set of the same name.
+#[test]
+fn lines_and_sets_of_one_name() {
+    let lines = |kind: &str, rows: &str, text: &str| {
+        text.replacen("*ELEMENT", &format!("*ELEMENT, TYPE={kind}, ELSET=foot\n{rows}\n*ELEMENT"), 1)
+    };
+    for name in ["T3D2", "T2D2"] {
+        let mesh = read(&lines(name, "7, 1, 2\n8, 2, 4", &TOWER.replace("*Element", "*ELEMENT")));
+        assert_eq!((mesh.dimension, mesh.boundary("FOOT").unwrap().facets.len()), (2, 2));
+    }
+    // The node at the middle may be in any place.
+    for row in ["7, 3, 4, 7", "7, 3, 7, 4"] {
+        let mesh = read(&lines("T3D3", row, BENT[1]));
+        assert_eq!(mesh.boundary("FOOT").unwrap().facets, [[2, 6, 3]]);
+        let mesh = read(&lines("T3D3", row, BENT[1]).replace("NSET=HIGH", "NSET=FOOT"));
+        assert_eq!(mesh.boundary("FOOT").unwrap().facets, [[2, 6, 3]]);
+    }
+    let cube = inp(&block(&[1.0; 3], &[2, 1, 1]));
+    let skin = "*ELEMENT, TYPE=CPS4, ELSET=SKIN\n7, 1, 2, 5, 4\n*NSET, NSET=SKIN\n1, 2, 3, 4, 5, 6\n";
+    let mesh = read(&cube.replacen("*SURFACE", &format!("{skin}*SURFACE"), 1));
+    assert_eq!(mesh.boundary("SKIN").unwrap().facets.len(), 2, "{:?}", mesh.notes);
+    // With a section of their own, lines would carry forces.
+    let trusses = TOWER.replace("*Element", "*ELEMENT").replace("*SOLIDSECTION, ELSET=UPPER", "*SOLIDSECTION, ELSET=FOOT");
+    let (said, _) = refused(&lines("T3D2", "7, 1, 2", &trusses));
+    assert!(said.contains("trusses"), "{said}");
+}
+
 #[test]
 fn what_is_no_mesh_is_refused_with_its_line() {
     for (from, to, message, help) in [

@@ -106,7 +106,7 @@ fn every_error_names_its_array() {
         // Problems (N4, N5).
         (made(&|p| p.c_n = Csr::from_rows(2, [ONE, ONE]).unwrap()), "c_t has 1 rows, but must have 2"),
         (made(&|p| p.c_t = rows(3, ONE).unwrap()), "c_t has 3 columns, but must have 2"),
-        (made(&|p| p.c_o = Csr::empty(2, 2)), "c_o has 2 rows, but must have 1"),
+        (made(&|p| p.c_o = Csr::empty(2, 2).unwrap()), "c_o has 2 rows, but must have 1"),
         (made(&|p| p.mu = vec![0.3; 2]), "mu has 2 entries, but must have 1"),
         (made(&|p| p.mu = vec![-1.0]), "mu[0] is -1, but must be 0 or more"),
         (made(&|p| p.mu = vec![NAN]), "mu[0] is NaN"),
