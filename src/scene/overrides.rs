@@ -213,7 +213,8 @@ pub(super) fn apply(name: &str, text: &str, overrides: &[Override]) -> Result<So
     })?;
     for change in overrides {
         if change.path.len() > DEEPEST {
-            let message = format!("the key has {} parts, but no key of a scene has more than {DEEPEST}", change.path.len());
+            let message =
+                format!("the key has {} parts, but no key of a scene has more than {DEEPEST}", change.path.len());
             return Err(change.error(message, "look the key up in the scene file"));
         }
         change.set(document.as_table_mut(), &change.path)?;

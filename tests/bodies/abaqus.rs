@@ -225,7 +225,8 @@ fn lines_and_sets_of_one_name() {
     let mesh = read(&cube.replacen("*SURFACE", &format!("{skin}*SURFACE"), 1));
     assert_eq!(mesh.boundary("SKIN").unwrap().facets.len(), 2, "{:?}", mesh.notes);
     // With a section of their own, lines would carry forces.
-    let trusses = TOWER.replace("*Element", "*ELEMENT").replace("*SOLIDSECTION, ELSET=UPPER", "*SOLIDSECTION, ELSET=FOOT");
+    let trusses =
+        TOWER.replace("*Element", "*ELEMENT").replace("*SOLIDSECTION, ELSET=UPPER", "*SOLIDSECTION, ELSET=FOOT");
     let (said, _) = refused(&lines("T3D2", "7, 1, 2", &trusses));
     assert!(said.contains("trusses"), "{said}");
 }

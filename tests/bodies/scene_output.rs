@@ -24,7 +24,7 @@ const OUTPUT: &[InputError] = &[
 
 /// Probes, each with words of the message and of the help.
 const PROBES: [(&str, &str, &str); 13] = [
-    ("name = '', point = [0, 0]", "called \"\", which is empty", "a name of its own"),
+    ("name = '', point = [0, 0]", "the name of a probe is \"\"", "\"corner\""),
     ("name = 'a'", "a probe without a point needs from", "add the key"),
     ("name = 'a', from = [0, 0], points = 3", "needs to", "add the key"),
     ("name = 'a', from = [0, 0], to = [1, 1]", "needs points", "add the key"),

@@ -373,7 +373,8 @@ fn check_bodies(bodies: &[Body]) -> Result<(), InputError> {
     let mut plane_or_not: Option<(usize, &str)> = None;
     for (k, Body { name, mesh, at }) in bodies.iter().enumerate() {
         let key = |what: &str| format!("body[{k}].{what}");
-        in_one_line("a body", name, "give a name such as \"ring\"").map_err(|fault| fault.with_key(&format!("body[{k}]")))?;
+        in_one_line("a body", name, "give a name such as \"ring\"")
+            .map_err(|fault| fault.with_key(&format!("body[{k}]")))?;
         if name.contains(':') {
             let message = format!("the name of the body is {name:?}, but must have no colon");
             return Err(InputError::new(key("name"), message, "its boundaries will be called `name:boundary`"));

@@ -1,5 +1,8 @@
 //! The loads and springs of a description as forces on the nodes of its mesh.
 
+use std::sync::atomic::AtomicBool;
+use std::sync::atomic::Ordering::Relaxed;
+
 use super::coupling::{Couplings, about_axes};
 use super::find;
 use super::place::{node, of_dimension, suits};
@@ -91,7 +94,15 @@ impl LoadedBody<'_> {
                 body_force(mesh, |e, _| acceleration.map(|a| density[e] * a))
             }
             Action::Spin { axis: given, through, speed } => {
-                suits(mesh, *through, &at("rotation.through"))?;
+                let through = match through {
+                    Some(through) => *through,
+                    None if mesh.geometry == Geometry::Axisymmetric => [0.0, 0.0].into(),
+                    None => {
+                        let message = "the rotation has no point of its axis";
+                        return Err(InputError::new(at("rotation"), message, "add through, such as through = [0, 0]"));
+                    }
+                };
+                suits(mesh, through, &at("rotation.through"))?;
                 let own = if mesh.geometry == Geometry::Axisymmetric { axis(1) } else { axis(2) };
                 let along = given.map_or(own, |axis| unit(axis.components()));
                 if mesh.dimension == 2 && cross(along, own) != [0.0; 3] {
@@ -120,8 +131,13 @@ impl LoadedBody<'_> {
                 })
             }
             Action::Temperature(temperature) => {
-                let expansion = description.material.expansions(mesh)?;
-                let strain = |e: usize, x: [f64; 3]| expansion[e] * temperature.at(x);
+                let expansion = description.material.expansions(mesh, |_| false)?;
+                let warm: Vec<AtomicBool> = mesh.cells.iter().map(|_| AtomicBool::new(false)).collect();
+                let strain = |e: usize, x: [f64; 3]| {
+                    let temperature = temperature.at(x);
+                    warm[e].fetch_or(temperature != 0.0, Relaxed);
+                    expansion[e] * temperature
+                };
                 let of_cells: Vec<f64> = (0..mesh.cells.len()).map(|e| strain(e, mesh.centre(e))).collect();
                 let of_volumes = volumes.means(mesh, strain);
                 // If dilatations are averaged, thermal strains must be averaged as well; their difference would cause a
@@ -131,6 +147,7 @@ impl LoadedBody<'_> {
                 } else {
                     volumes.forces(&of_volumes.iter().map(|strain| 3.0 * strain).collect::<Vec<_>>())
                 };
+                description.material.expansions(mesh, |e| warm[e].load(Relaxed))?;
                 free_strain = Some(FreeStrain { of_cells, of_volumes });
                 defined(forces, &at("temperature"), "temperature")?
             }

@@ -142,6 +142,26 @@ fn every_call_that_fails_leaves_a_folder_that_the_next_run_takes_up() {
     }
 }
 
+/// Commands that cannot resume do not speak of it after a full disk.
+#[test]
+fn a_full_disk_is_told_with_what_the_command_can_do() {
+    let (folder, scene) = Folder::with_scene(&small());
+    let out = folder.join("out");
+    for arguments in [
+        &["init", "block", "--out", &out][..],
+        &["sweep", &scene, "--vary", "contact.friction=0.1,0.2", "--out", &out],
+        &["converge", &scene, "--for", "force", "--out", &out],
+        &["run", &scene, "--out", &out],
+    ] {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));
+        command.args(arguments).env("LD_PRELOAD", shim()).env("FAULT_AT", "1").env("FAULT", "enospc");
+        let output = command.env("FAULT_LASTS", "1").output().unwrap();
+        assert_exit(&output, 3);
+        assert!(told(&output).contains("free disk space, and type the command again"), "{}", told(&output));
+        assert!(!told(&output).contains("--resume"), "{}", told(&output));
+    }
+}
+
 /// Runs again into the folder of the same run, killed at one call after the other: what it leaves is resumed, and
 /// nothing but results remains.
 #[test]

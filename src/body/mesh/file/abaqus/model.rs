@@ -5,10 +5,10 @@ use std::collections::{HashMap, HashSet};
 use super::elements::{is_variant, kind_of};
 use super::keywords::{Data, Keyword};
 use super::sets::{Sets, Span, present, too_many};
-use crate::body::mesh::file::raw::{RawMesh, real};
-use crate::body::mesh::file::sides::{Element, add_boundary, no_side, outer, within};
 use crate::body::mesh::Facet;
 use crate::body::mesh::boundaries::sorted;
+use crate::body::mesh::file::raw::{RawMesh, real};
+use crate::body::mesh::file::sides::{Element, add_boundary, no_side, outer, within};
 use crate::body::mesh::file::{MeshFormatError, Place};
 
 /// Sides of elements by their number from 0, or all outer sides of the elements.
@@ -146,8 +146,7 @@ impl Model {
                 words.extend(more.words());
             }
             if words.len() != kind.nodes() {
-                let message =
-                    format!("element {number} has {} nodes, but a {kind} has {}", words.len(), kind.nodes());
+                let message = format!("element {number} has {} nodes, but a {kind} has {}", words.len(), kind.nodes());
                 return Err(damaged(message));
             }
             let mut nodes = Vec::with_capacity(kind.nodes());
