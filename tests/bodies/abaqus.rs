@@ -193,6 +193,33 @@ fn sets_and_surfaces_are_groups_and_boundaries() {
     assert_eq!(read(without).groups, ["AGAIN+BOTH+LOWER", "AGAIN+BOTH+UPPER"]);
 }
 
+/// A scene names sets as the file does, in capitals or small letters.
+#[test]
+fn names_of_sets_in_small_letters() {
+    let run = |names: [&str; 4]| {
+        let [foot, roof, lower, upper] = names;
+        let text = format!(
+            "mesh = {{ kind = 'block', size = [1, 1], elements = [1, 1] }}\n\
+             material = {{ young = 1e9, poisson = 0.3, group = [{{ name = '{lower}', young = 1e9, poisson = 0.3 }}, \
+             {{ name = '{upper}', young = 2e9, poisson = 0.3 }}] }}\n\
+             support = [{{ boundary = '{roof}', fix = ['x'], displacement = [0] }}, \
+             {{ boundary = '{foot}', fix = ['x', 'y'] }}]\n\
+             load = [{{ boundary = '{roof}', traction = [0, -1e6] }}]\ntime = {{ end = 1, increments = 1 }}\n"
+        );
+        let mut scene = Scene::parse("scene.toml", &text, &[]).unwrap();
+        scene.description.mesh = read(TOWER).into();
+        let report = Run::new(&scene).unwrap().solve(&mut ()).unwrap();
+        report.increments[0].strain_energy
+    };
+    let capitals = run(["FOOT", "ROOF", "LOWER", "UPPER"]);
+    assert_eq!(run(["foot", "Roof", "Lower", "UPPER"]).to_bits(), capitals.to_bits());
+    // Where two names differ by their capitals alone, they are two.
+    let mut mesh = read(TOWER);
+    mesh.boundaries[0].name = "foot".to_string();
+    assert_eq!(mesh.boundary("foot").unwrap().facets, [[4, 2], [2, 0]]);
+    assert!(mesh.boundary("Foot").unwrap().name == "FOOT" && mesh.boundary("Left").is_none());
+}
+
 /// Plane elements on the faces of solid ones are boundaries.
 #[test]
 fn skins() {

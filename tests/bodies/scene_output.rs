@@ -52,7 +52,7 @@ fn values_out_of_range() {
     }
     let twice = "[[output.probe]]\nname = 'a'\npoint = [0, 0]\n[[output.probe]]\nname = 'a' # again\npoint = [1, 1]\n";
     let text = [BLOCK, twice].concat();
-    verify(&located(&text), &text, line_of(&text, "# again"), &["the name of another"], "a name of its own");
+    verify(&located(&text), &text, line_of(&text, "# again"), &["another probe is called \"a\""], "a name of its own");
 }
 
 /// What only the mesh can tell, with the place in the text.

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::elastic::Elasticity;
 use crate::base::input_error::{InputError, ensure, finite, positive};
 use crate::base::units::Depth;
-use crate::body::mesh::{Cell, Mesh};
+use crate::body::mesh::{Cell, Mesh, is_called};
 
 /// The isotropic linear elastic materials of a body; in two dimensions it is of unit thickness, or axisymmetric.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -309,7 +309,8 @@ impl Material {
         let body = |group: &'_ str| group.split_once(':').map(|(body, _)| body.to_string());
         for (k, MaterialGroup { name, .. }) in self.groups.iter().enumerate() {
             let has = |group: &String| {
-                group == name || mesh.notes.members(group).contains(name) || body(group).as_ref() == Some(name)
+                let members = mesh.notes.members(group).iter().cloned().chain([group.clone()]).chain(body(group));
+                members.into_iter().any(|other| is_called(&other, name))
             };
             if !mesh.groups.iter().any(has) {
                 let message = format!("the mesh has no material group `{name}`");
@@ -318,7 +319,10 @@ impl Material {
                 return Err(InputError::new(format!("material.group[{k}].name"), message, help));
             }
         }
-        let called = |name: &str| self.groups.iter().position(|group| group.name == name);
+        let called = |name: &str| {
+            let exact = self.groups.iter().position(|group| group.name == name);
+            exact.or_else(|| self.groups.iter().position(|group| is_called(name, &group.name)))
+        };
         let one_of = |group: &String| -> Result<Option<usize>, InputError> {
             let members: Vec<usize> = mesh.notes.members(group).iter().filter_map(|member| called(member)).collect();
             match members[..] {

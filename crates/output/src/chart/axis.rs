@@ -94,12 +94,12 @@ fn linear(low: f64, high: f64, margin: f64, most: f64) -> Ticks {
     Ticks { from: first as f64 * minor, to: last as f64 * minor, all: (first..=last).map(tick).collect() }
 }
 
-/// An axis that is longer has no tick at every whole number.
-const MOST_INTEGERS: f64 = 300.0;
+/// Whole numbers have a tick each as long as there are at most so many for a label.
+const TICKS_OF_LABEL: f64 = 8.0;
 
 fn integers(low: f64, high: f64, most: f64) -> Ticks {
     let (low, high) = (low.floor(), high.ceil());
-    if high - low > MOST_INTEGERS {
+    if high - low > TICKS_OF_LABEL * most {
         return linear(low, high, 0.0, most);
     }
     let step = step(high - low, most).0.max(1.0);
