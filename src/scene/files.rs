@@ -18,7 +18,9 @@ fn of_table(table: &dyn TableLike, above: &str, files: &mut Vec<(String, String)
             Item::Value(value) => of_value(&key, value, files),
             Item::Table(table) => of_table(table, &format!("{key}."), files),
             Item::ArrayOfTables(tables) => {
-                tables.iter().enumerate().for_each(|(k, table)| of_table(table, &format!("{key}[{k}]."), files));
+                for (k, table) in tables.iter().enumerate() {
+                    of_table(table, &format!("{key}[{k}]."), files);
+                }
             }
             Item::None => {}
         }
@@ -31,7 +33,9 @@ fn of_value(key: &str, value: &Value, files: &mut Vec<(String, String)>) {
             files.push((key.to_string(), name.value().clone()));
         }
         Value::Array(values) => {
-            values.iter().enumerate().for_each(|(k, value)| of_value(&format!("{key}[{k}]"), value, files))
+            for (k, value) in values.iter().enumerate() {
+                of_value(&format!("{key}[{k}]"), value, files);
+            }
         }
         Value::InlineTable(table) => of_table(table, &format!("{key}."), files),
         _ => {}

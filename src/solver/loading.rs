@@ -227,8 +227,9 @@ impl Loading {
         for GapCorrection { nodes, times, gap, drift } in &self.bends {
             see(&[nodes.start as f64]);
             see(times);
-            gap.iter().for_each(|row| see(row));
-            drift.iter().for_each(|row| see(row.as_flattened()));
+            for row in gap.iter().map(Vec::as_slice).chain(drift.iter().map(|row| row.as_flattened())) {
+                see(row);
+            }
         }
     }
 

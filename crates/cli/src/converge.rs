@@ -193,8 +193,8 @@ impl Study<'_> {
         let run = Run::new(&scene)?;
         let model = run.model();
         let (elements, dimension) = (model.mesh.cells.len(), model.mesh.dimension);
-        let second_order = model.mesh.cells.iter().any(|cell| cell.kind.is_quadratic());
-        let fineness = steps::fineness(elements, second_order, dimension);
+        let quadratic = model.mesh.cells.iter().any(|cell| cell.kind.is_quadratic());
+        let fineness = elements as f64 * if quadratic { 2.0_f64.powi(dimension as i32) } else { 1.0 };
         if self.fineness.is_some_and(|(before, last)| before < mesh && last >= fineness) {
             return Err(ConvergeError::NotFiner { mesh: name, elements });
         }
@@ -220,7 +220,7 @@ impl Study<'_> {
                 true => Own::Mesh,
             },
             elements,
-            second_order,
+            fineness,
             dimension,
             increments: number,
             value: value.filter(|_| failure.is_none()),

@@ -6,7 +6,7 @@ use std::sync::atomic::Ordering::Relaxed;
 use super::coupling::{Couplings, about_axes};
 use super::find;
 use super::place::{node, of_dimension, suits};
-use crate::algebra::vector::{axis, cross, dot, minus, norm, unit};
+use crate::algebra::vector::{Vector, axis, cross, dot, minus, norm, unit};
 use crate::base::input_error::InputError;
 use crate::body::description::{Action, Bed, Description, Field, Where};
 use crate::body::fem::{
@@ -40,6 +40,14 @@ pub(super) struct FreeStrain {
     pub of_cells: Vec<f64>,
     /// The mean strain in each nodal volume.
     pub of_volumes: Vec<f64>,
+}
+
+/// Returns the given point of the axis of a rotation, or that of a body of revolution.
+fn point_of_axis(mesh: &Mesh, through: Option<Vector>, key: &str) -> Result<Vector, InputError> {
+    let own = (mesh.geometry == Geometry::Axisymmetric).then(|| [0.0, 0.0].into());
+    through.or(own).ok_or_else(|| {
+        InputError::new(key, "the rotation has no point of its axis", "add through, such as through = [0, 0]")
+    })
 }
 
 impl LoadedBody<'_> {
@@ -94,14 +102,7 @@ impl LoadedBody<'_> {
                 body_force(mesh, |e, _| acceleration.map(|a| density[e] * a))
             }
             Action::Spin { axis: given, through, speed } => {
-                let through = match through {
-                    Some(through) => *through,
-                    None if mesh.geometry == Geometry::Axisymmetric => [0.0, 0.0].into(),
-                    None => {
-                        let message = "the rotation has no point of its axis";
-                        return Err(InputError::new(at("rotation"), message, "add through, such as through = [0, 0]"));
-                    }
-                };
+                let through = point_of_axis(mesh, *through, &at("rotation"))?;
                 suits(mesh, through, &at("rotation.through"))?;
                 let own = if mesh.geometry == Geometry::Axisymmetric { axis(1) } else { axis(2) };
                 let along = given.map_or(own, |axis| unit(axis.components()));

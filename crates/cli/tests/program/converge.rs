@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
+use std::fmt::Write as _;
 use std::fs;
 
 use crate::program::{Folder, assert_exit, json, number, small, stderr, stdout, stickslip};
@@ -197,14 +198,14 @@ fn square(n: usize, second: bool) -> String {
         (format!("*ELEMENT, TYPE=CPE{}\n", if second { 8 } else { 4 }), vec![], vec![]);
     for (y, x) in (0..=2 * n).flat_map(|y| (0..=2 * n).map(move |x| (y, x))) {
         let place = [x, y].map(|c| c as f64 / (2 * n) as f64);
-        nodes += &format!("{}, {}, {}\n", number(x, y), place[0], place[1]);
+        writeln!(nodes, "{}, {}, {}", number(x, y), place[0], place[1]).unwrap();
         if y == 0 || y == 2 * n {
             if y == 0 { &mut bottom } else { &mut top }.push(number(x, y).to_string());
         }
         if x % 2 == 0 && y % 2 == 0 && x < 2 * n && y < 2 * n {
             let around = [[0, 0], [2, 0], [2, 2], [0, 2], [1, 0], [2, 1], [1, 2], [0, 1]];
             let around = around[..if second { 8 } else { 4 }].iter().map(|[i, j]| number(x + i, y + j).to_string());
-            elements += &format!("{}, {}\n", number(x, y), around.collect::<Vec<_>>().join(", "));
+            writeln!(elements, "{}, {}", number(x, y), around.collect::<Vec<_>>().join(", ")).unwrap();
         }
     }
     let set = |name: &str, of: &[String]| format!("*NSET, NSET={name}\n{}\n", of.join(",\n"));
