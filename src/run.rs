@@ -167,7 +167,8 @@ impl<'a> Run<'a> {
         }
         let budget = Budget::of_process();
         // If the factors of the body do not fit into memory, the extent of contact is not estimated with them.
-        let has_room = || MemoryEstimate::check(&model, LinearAlgebra::condensed(), budget).is_ok();
+        let none = InitialWorkingSet { nodes: Some(Vec::new()), ..InitialWorkingSet::default() };
+        let has_room = || MemoryEstimate::check(&model, &none, LinearAlgebra::condensed(), budget).is_ok();
         let may_condense = solver.linear.is_none_or(LinearAlgebra::condenses)
             && !solver.method.increments().is_of_paper()
             && has_room();
@@ -193,7 +194,7 @@ impl<'a> Run<'a> {
             Choice::cheapest(&model.problem, &reach, solver.method, times.len(), means)?
         };
         let model = as_chosen(scene, model, solver, choice.linear)?;
-        MemoryEstimate::check(&model, choice.linear, budget)?;
+        MemoryEstimate::check(&model, &reach, choice.linear, budget)?;
         let model_seconds = start.elapsed().as_secs_f64();
         let cycle = scene.and_then(|scene| scene.output.cycle);
         let (uniqueness, companion, from) = (false, false, None);

@@ -119,14 +119,20 @@ impl Stepper {
         let (loading, times) = tables.loading(&self.problem)?;
         let end = times.last().copied().unwrap_or(0.0);
         let OnTheWay { own, steps, start } = &mut *self.idle()?;
-        let (outcome, recorder) = watched(py, Recorder::new(keep, callback, self.raised.clone()), |recorder| {
+        let before = steps.as_ref().map(Steps::save);
+        let watched = watched(py, Recorder::new(keep, callback, self.raised.clone()), |recorder| {
             let begun = match steps.take() {
                 Some(begun) => begun,
                 None => self.begin(&loading, own)?,
             };
             start.get_or_insert_with(|| begun.save());
             Ok(steps.insert(begun).step(&loading, end, recorder)?)
-        })?;
+        });
+        // Whoever gets no result has made no step, also where the increment converged before a callback raised.
+        if let (Err(_), Some(steps), Some(before)) = (&watched, steps, before.as_ref().or(start.as_ref())) {
+            steps.restore(before).map_err(|error| of_run(RunError::from(error)))?;
+        }
+        let (outcome, recorder) = watched?;
         exported(py, &outcome, recorder)
     }
 }

@@ -148,12 +148,16 @@ def contact_maps(C_n: Any, C_t: Any, n_u: int) -> tuple[list[Any], int]:
     """C_n, C_t and C_o by rows, empty where there is none, and the number of tangents."""
     C_n = matrix("C_n", C_n, sp.csr_array)
     n_c = C_n.shape[0]
+    if C_n.shape[1] != n_u:
+        turned = "; it seems to be transposed: give C_n.T" if n_c == n_u else ""
+        raise ValueError(f"C_n has the shape {C_n.shape}, expected (n_c, {n_u}): a row for each contact node{turned}")
+    if len(empty := np.flatnonzero(abs(C_n).sum(axis=1) == 0)):
+        raise ValueError(f"C_n: row {empty[0]} is 0, so that no displacement moves this node towards the obstacle; leave the node out")
     # A list of matrices, and no matrix that is written as a list of its rows.
     several = isinstance(C_t, (list, tuple)) and all(sp.issparse(C) or np.ndim(C) == 2 for C in C_t)
     tangents = () if C_t is None else tuple(C_t) if several else (C_t,)
     if len(tangents) > 2:
         raise ValueError(f"C_t has {counted(len(tangents), 'matrix', 'matrices')}, expected one or two")
     names = ("C_t",) if len(tangents) == 1 else ("C_t[0]", "C_t[1]")
-    maps = [matrix("C_n", C_n, sp.csr_array, (n_c, n_u))]
-    maps += [matrix(name, C, sp.csr_array, (n_c, n_u)) for name, C in zip(names, tangents)]
+    maps = [C_n, *(matrix(name, C, sp.csr_array, (n_c, n_u)) for name, C in zip(names, tangents))]
     return maps + [sp.csr_array((n_c, n_u))] * (3 - len(maps)), len(tangents)

@@ -361,7 +361,7 @@ class Fields:
         points, of_cells = self.fields(k)
         points["p_n"] = np.full(len(model.points), np.nan)
         points["p_n"][model.contact_nodes] = self.p_n[k]
-        points.setdefault("status", np.full(len(model.points), -1))
+        points.setdefault("contact", np.full(len(model.points), -1))
         of_cells["stress"] = self.stress(k)
         return points, of_cells
 

@@ -133,14 +133,19 @@ def _histories(
 ) -> list[tuple[ContactProblem, dict[str, Any]]]:
     """The problem and the tables of each; equal loads are one array."""
     force, factors, gap, drift, times = shared
-    forces, gaps, mus = several["forces"], several["gaps"], several["mus"]
+    count = _samples(several)
+    # Rows of what is no sequence, such as a table of pandas, whose own entries are columns.
+    forces, gaps, mus = (
+        values if values is None or isinstance(values, Sequence) else np.asanyarray(values)
+        for values in (several["forces"], several["gaps"], several["mus"])
+    )
     if (force is None) == (forces is None):
         raise ValueError("force is missing: give it, or forces" if force is None else "forces: give them or force, not both")
     if gaps is not None and np.any(np.asarray(gap) != 0):
         raise ValueError("gaps: give them or gap, not both")
     loads = None if force is None else _history.forces(problem, force, factors)
     found = []
-    for k in range(_samples(several)):
+    for k in range(count):
         own = _history.forces(problem, forces[k], factors, f"forces[{k}]") if forces is not None else loads
         assert own is not None
         found.append(

@@ -256,7 +256,7 @@ class ContactProblem(Matrices):
         Parameters
         ----------
         forces, gaps, mus : sequences of N, optional
-            What differs: the `force`, `gap` and `mu` of each history, each as `solve` takes it.
+            What differs: the `force`, `gap` and `mu` of each history, each as `solve` takes it; of a table or an array a row for each.
         force, factors, gap, drift, times
             What is the same for all, as `solve` takes it.
         keep_u : "last", "all", "none" or list of int

@@ -120,7 +120,7 @@ class Stepper:
         keep_u : bool
             Whether the result has u.
         callback : callable, optional
-            As that of `ContactProblem.solve`.
+            As that of `ContactProblem.solve`; if it raises, the stepper has not moved.
 
         Returns
         -------

@@ -46,7 +46,7 @@ def test_numbers_are_si() -> None:
         ({"quantity": None}, "quantity: None"),
         ({"to": 2}, "to: 2"), ({"to": "a"}, "to: 'a'"), ({"to": True}, "to: True"), ({"ratio": 1.1}, "ratio: 1.1"),
         ({"max_runs": 2}, "max_runs: 2"), ({"within": 0}, "within: 0"), ({"within": float("nan")}, "within: nan"),
-        ({"meshes": [20, 10]}, "no more than the one before"), ({"meshes": [0]}, "meshes: 0 found, expected a whole number of elements of 1 or more"),
+        ({"meshes": [20, 10]}, "is no finer than the one before"), ({"meshes": [0]}, "meshes: 0 found, expected a whole number of elements of 1 or more"),
         ({"meshes": ["fine.msh"]}, r"meshes=\[20, 40\]"),
     ],
 )

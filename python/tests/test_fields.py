@@ -91,7 +91,7 @@ def test_fields_are_those_of_the_file(result: ss.Result, tmp_path: Path) -> None
 def test_fields_go_to_meshio_and_pyvista(result: ss.Result) -> None:
     needs("meshio")
     mesh = result.to_meshio(4)
-    assert {"contact_pressure", "slip", "status", "p_n"} <= set(mesh.point_data) and {"stress", "von_mises"} <= set(mesh.cell_data)
+    assert {"contact_pressure", "slip", "contact", "opening", "p_n"} <= set(mesh.point_data) and {"stress", "von_mises"} <= set(mesh.cell_data)
     if needs("pyvista"):
         assert "von_mises" in result.to_pyvista().cell_data
 

@@ -273,3 +273,21 @@ def test_shapes_of_fields_are_a_row_or_rows() -> None:
             problem.solve_many([[0.0, -1.0], [0.1, -1.0]], **{name: np.full((3, 7), 0.3)})  # type: ignore[arg-type]
     with pytest.raises(ValueError, match=r"history\['mu'\] has the shape \(7,\), expected \(1,\) or \(1, 1\)"):
         ss.judge(problem, "bn", history={"force": [[0.0, -1.0]], "mu": [0.3] * 7})
+
+
+def test_a_table_has_a_row_for_each_history() -> None:
+    pd = pytest.importorskip("pandas")
+    problem = ss.ContactProblem(np.diag([2e6, 1e6, 2e6, 1e6]), [[0, -1, 0, 0], [0, 0, 0, -1]], [[1, 0, 0, 0], [0, 0, 1, 0]], mu=0.3)
+    force = [[0, -100, 0, -100], [90, -100, 90, -100]]
+    for rows in (2, 3):
+        mus = np.linspace(0.1, 0.9, 2 * rows).reshape(rows, 2)
+        gaps = 1e-5 * mus
+        forces = np.array([k * np.array(force[1], dtype=float) for k in range(1, rows + 1)])
+        names = [f"s{k}" for k in range(rows)]
+        for many, array in (("mus", mus), ("gaps", gaps), ("forces", forces)):
+            shared = {} if many == "forces" else {"force": force}
+            expected = problem.solve_many(**shared, **{many: array})
+            found = problem.solve_many(**shared, **{many: pd.DataFrame(array, index=names)})
+            assert (found.stack("p_t") == expected.stack("p_t")).all(), (many, rows)
+    found = problem.solve_many(force, mus=pd.Series([0.1, 0.2, 0.3], index=[7, 8, 9]))
+    assert [result.mu[0, 0] for result in found] == [0.1, 0.2, 0.3]

@@ -176,3 +176,22 @@ def test_arrays_that_change_after_a_step_are_not_followed() -> None:
     natural = Natural(problem, force)
     force *= 2.0
     assert natural.force.tolist() == [40.0, -100.0]
+
+
+@pytest.mark.parametrize("first", [True, False])
+def test_a_callback_that_raises_leaves_the_stepper_where_it_was(first: bool) -> None:
+    def refuse(*_: object) -> None:
+        raise RuntimeError("refused")
+
+    problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
+    stepper, other = problem.stepper(), problem.stepper()
+    if not first:
+        stepper.step([0.0, -100.0])
+        other.step([0.0, -100.0])
+    begun = stepper.time
+    with pytest.raises(RuntimeError, match="refused"):
+        stepper.step([40.0, -100.0], callback=refuse)
+    assert stepper.time == begun
+    result, expected = (one.step([40.0, -100.0]).check() for one in (stepper, other))
+    assert stepper.time == other.time == begun + 1.0
+    assert (result.p_t == expected.p_t).all() and (result.w_t_last == expected.w_t_last).all()

@@ -177,3 +177,16 @@ def test_a_step_keeps_u_or_not(keep_u: object) -> None:
 def test_the_end_of_a_step_is_a_number(time: object) -> None:
     with pytest.raises(TypeError, match="^time is .*, expected a number"):
         TWO.stepper().step([40.0, -100.0], time=time)  # type: ignore[arg-type]
+
+
+def test_rows_of_c_n_that_are_none() -> None:
+    K = np.diag([2e6, 1e6, 2e6, 1e6])
+    with pytest.raises(ValueError, match=r"C_n has the shape \(4, 2\), expected \(n_c, 4\): .* transposed: give C_n\.T"):
+        ss.ContactProblem(K, np.array([[0, -1, 0, 0], [0, 0, 0, -1]]).T)
+    with pytest.raises(ValueError, match=r"C_n has the shape \(1, 3\), expected \(n_c, 4\): a row for each contact node$"):
+        ss.ContactProblem(K, [[0, -1, 0]])
+    with pytest.raises(ValueError, match="C_n: row 1 is 0, .* leave the node out"):
+        ss.ContactProblem(K, [[0, -1, 0, 0], [0, 0, 0, 0]], mu=0.0)
+    problem = ss.ContactProblem(K, [[0, -1, 0, 0]])
+    with pytest.raises(ValueError, match="C_n: row 0 is 0"):
+        problem.with_(C_n=[[0, 0, 0, 0]])

@@ -10,6 +10,8 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
+use crate::base::memory::{Budget, in_words};
+
 /// The contents of files by their paths, as named in a scene.
 pub type Contents = HashMap<PathBuf, Vec<u8>>;
 
@@ -53,9 +55,21 @@ pub fn read_bytes(path: &Path) -> io::Result<Vec<u8>> {
     whole(path)
 }
 
+/// The largest content, bytes, that a file may have beyond its told size: a pipe and files of the system tell none.
+const UNTOLD: u64 = 1 << 24;
+
 fn whole(path: &Path) -> io::Result<Vec<u8>> {
+    let file = File::open(path)?;
+    let size = file.metadata()?.len();
+    if let Some(Budget { bytes, source }) = Budget::of_process().filter(|budget| size > budget.bytes) {
+        let [size, left] = [size, bytes].map(in_words);
+        return Err(io::Error::other(format!("it has {size}, but {source} leaves {left}: {}", source.remedy())));
+    }
     let mut bytes = Vec::new();
-    File::open(path)?.read_to_end(&mut bytes)?;
+    bytes.try_reserve_exact(size as usize)?;
+    if file.take(size + UNTOLD).read_to_end(&mut bytes)? as u64 == size + UNTOLD {
+        return Err(io::Error::other(format!("it does not end within {}", in_words(size + UNTOLD))));
+    }
     if bytes.starts_with("\u{feff}".as_bytes()) {
         bytes.drain(..3);
     }
@@ -67,7 +81,8 @@ pub(crate) fn text(path: &Path) -> io::Result<String> {
     of_utf8(read_bytes(path)?)
 }
 
-/// Reads the text of a file or a pipe, for paths named on the command line.
+/// Reads the text of a file, or of a pipe without a name, which a process has opened, for paths named on the command
+/// line.
 pub(crate) fn text_or_pipe(path: &Path) -> io::Result<String> {
     of_utf8(if is_pipe(path)? { whole(path)? } else { read_bytes(path)? })
 }
@@ -79,7 +94,8 @@ fn of_utf8(bytes: Vec<u8>) -> io::Result<String> {
 #[cfg(unix)]
 fn is_pipe(path: &Path) -> io::Result<bool> {
     use std::os::unix::fs::FileTypeExt;
-    Ok(std::fs::metadata(path)?.file_type().is_fifo())
+    // A pipe with a name may have no writer, ever.
+    Ok(std::fs::metadata(path)?.file_type().is_fifo() && path.canonicalize().is_err())
 }
 
 #[cfg(not(unix))]
@@ -92,6 +108,24 @@ mod tests {
     #![allow(clippy::unwrap_used)]
 
     use super::*;
+
+    /// A file that tells no size, or more than the memory that is left, is refused before it is read.
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn files_without_an_end_are_refused() {
+        let said = |path: &Path| text_or_pipe(path).unwrap_err().to_string();
+        assert!(said(Path::new("/proc/self/pagemap")).contains("does not end within"));
+        let file = std::env::temp_dir().join(format!("stickslip-sparse-{}", std::process::id()));
+        File::create(&file).unwrap().set_len(1 << 43).unwrap();
+        let sparse = said(&file);
+        std::fs::remove_file(&file).unwrap();
+        assert!(sparse.starts_with("it has 8796.1 GB, but "), "{sparse}");
+        // A pipe may have no writer.
+        assert!(std::process::Command::new("mkfifo").arg(&file).status().unwrap().success());
+        let pipe = said(&file);
+        std::fs::remove_file(&file).unwrap();
+        assert!(pipe.contains("a pipe"), "{pipe}");
+    }
 
     #[test]
     fn files_in_memory_are_read_in_place_of_those_on_the_disk_while_the_work_lasts() {

@@ -48,6 +48,18 @@ pub(crate) fn ensure(sound: bool, key: &str, value: &impl Debug, must: &str, hel
     Err(InputError::new(key, format!("{key} is {value:?}, but must be {must}"), help))
 }
 
+/// Returns an error of the key `name` unless the `name` of a thing is a text in one line.
+///
+/// # Errors
+/// [`InputError`] of `name`.
+pub(crate) fn in_one_line(thing: &str, name: &str, help: &str) -> Result<(), InputError> {
+    if !name.trim().is_empty() && !name.contains(char::is_control) {
+        return Ok(());
+    }
+    let message = format!("the name of {thing} is {name:?}, but must be a text in one line");
+    Err(InputError::new("name", message, help))
+}
+
 /// The largest admissible number. The square of a product of three such numbers is finite.
 const LARGEST: f64 = 1e50;
 

@@ -85,10 +85,17 @@ pub struct Boundary {
     pub facets: Vec<Facet>,
 }
 
+/// Returns `true` if `own` is the `name`, or the name in capitals, as those of Abaqus are.
+pub(super) fn is_called(own: &str, name: &str) -> bool {
+    let in_capitals = || !own.rsplit(':').next().unwrap_or(own).contains(char::is_lowercase);
+    own == name || own.eq_ignore_ascii_case(name) && in_capitals()
+}
+
 impl Mesh {
     /// Returns the boundary called `name`.
     pub fn boundary(&self, name: &str) -> Option<&Boundary> {
-        self.boundaries.iter().find(|boundary| boundary.name == name)
+        let exact = self.boundaries.iter().find(|boundary| boundary.name == name);
+        exact.or_else(|| self.boundaries.iter().find(|boundary| is_called(&boundary.name, name)))
     }
 
     /// Returns the names of all boundaries.

@@ -18,12 +18,12 @@ pub enum RunError {
     #[diagnostic(transparent)]
     Model(ModelError),
     /// The run needs more memory than is available.
-    #[error("{what} need {} or more, but {} leaves {}", in_words(*needed), budget.source, in_words(budget.bytes))]
+    #[error("{what} need about {}, but {} leaves {}", in_words(*needed), budget.source, in_words(budget.bytes))]
     #[diagnostic(help("{}", budget.source.remedy()))]
     NoRoom {
         /// The part that needs it.
         what: &'static str,
-        /// The least memory that it needs, bytes.
+        /// The memory that it needs, by an estimate, bytes.
         needed: u64,
         /// The available memory and the source of this limit.
         budget: Budget,

@@ -1,17 +1,21 @@
 //! Estimates of the memory that a run needs.
 
+use std::path::Path;
+
 use super::RunError;
 use crate::algebra::linear::built_in::ranks;
 use crate::algebra::linear::cost::{self, Sizes, Work};
-use crate::algebra::linear::{Cholesky, FactorInfo, LinearError, SparseLu};
-use crate::base::memory::Budget;
+use crate::algebra::linear::{Cholesky, FactorInfo, LinearError};
+use crate::base::memory::{Budget, kilobytes};
 use crate::body::model::Model;
 use crate::run::auto::SolverEstimate;
 use crate::solver::history::LinearAlgebra;
+use crate::solver::initial_working_set::InitialWorkingSet;
 
 /// Bytes per entry of the lower triangle of the stiffness, for mesh, assembly and the patterns and values of all
-/// formulations.
+/// formulations; and where the formulations are those of condensed equations.
 const BODY_BYTES: f64 = 160.0;
+const CONDENSED_BODY_BYTES: f64 = 60.0;
 
 /// Bytes per displacement for mesh, rows and vectors, if multigrid has the stiffness in rows of nodes.
 const ROWS_BYTES: f64 = 1500.0;
@@ -37,8 +41,6 @@ pub struct MemoryEstimate {
     pub factors: f64,
     /// Records of the history, if they are kept.
     pub history: f64,
-    /// The least memory of the factors.
-    least: f64,
 }
 
 impl MemoryEstimate {
@@ -54,34 +56,36 @@ impl MemoryEstimate {
                 Cholesky::predict(model.problem.stiffness().assembled()?.as_ref())?
             }
         };
-        Ok(Self::with(model, linear, records, stiffness))
+        Ok(Self::with(model, &InitialWorkingSet::default(), linear, records, stiffness))
     }
 
     /// Estimates the memory for `model` by one of the compared linear solvers, without records.
     pub fn of_path(model: &Model, path: &SolverEstimate) -> Self {
-        MemoryEstimate { body: body(model, path.linear), factors: path.cost.bytes, history: 0.0, least: 0.0 }
+        MemoryEstimate { body: body(model, path.linear), factors: path.cost.bytes, history: 0.0 }
     }
 
-    fn with(model: &Model, linear: LinearAlgebra, records: usize, stiffness: FactorInfo) -> Self {
+    fn with(
+        model: &Model,
+        reach: &InitialWorkingSet,
+        linear: LinearAlgebra,
+        records: usize,
+        stiffness: FactorInfo,
+    ) -> Self {
         let problem = &model.problem;
-        let contact_displacements = problem.contact_displacements().len();
-        let sizes = Sizes { unknowns: problem.displacements(), contact_displacements, stiffness };
+        let held = match &reach.nodes {
+            Some(nodes) => problem.contact_displacements_of(nodes.iter().copied()),
+            None => problem.contact_displacements(),
+        };
+        let sizes = Sizes { unknowns: problem.displacements(), contact_displacements: held.len(), stiffness };
         let work = Work { increments: 0.0, factorizations: 0.0, all_free: false };
-        let entries = stiffness.entries as f64;
-        let (factors, least) = match linear {
-            LinearAlgebra::Whole(lu) => {
-                let bytes = if lu == SparseLu::Partial { 8.0 } else { 16.0 };
-                (cost::sparse(&sizes, &work, lu), bytes * entries)
-            }
-            LinearAlgebra::Multigrid => {
-                let cost = cost::multigrid(problem.displacements(), &work);
-                (cost, 0.5 * cost.bytes)
-            }
-            LinearAlgebra::Condensed(_) => (cost::condensed(&sizes, &work), 8.0 * entries),
+        let factors = match linear {
+            LinearAlgebra::Whole(lu) => cost::sparse(&sizes, &work, lu),
+            LinearAlgebra::Multigrid => cost::multigrid(problem.displacements(), &work),
+            LinearAlgebra::Condensed(_) => cost::condensed(&sizes, &work),
         };
         let ranks = if linear.is_shared() { ranks() } else { 1 };
-        let (factors, least) = (factors.shared_by(ranks).bytes, least / ranks as f64);
-        MemoryEstimate { body: body(model, linear), factors, history: RECORD_BYTES * records as f64, least }
+        let factors = factors.shared_by(ranks).bytes;
+        MemoryEstimate { body: body(model, linear), factors, history: RECORD_BYTES * records as f64 }
     }
 
     /// Returns the total.
@@ -112,26 +116,39 @@ impl MemoryEstimate {
     }
 
     /// Returns an error if `budget`, the memory left after building the model, is too small for the factors of a run of
-    /// `model`.
-    pub(super) fn check(model: &Model, linear: LinearAlgebra, budget: Option<Budget>) -> Result<(), RunError> {
+    /// `model` whose condensed equations contain the contact nodes `reach`. A process that takes more memory than the
+    /// machine or a control group has is killed without a verdict.
+    pub(super) fn check(
+        model: &Model,
+        reach: &InitialWorkingSet,
+        linear: LinearAlgebra,
+        budget: Option<Budget>,
+    ) -> Result<(), RunError> {
         let Some(budget) = budget else { return Ok(()) };
-        let what = if linear == LinearAlgebra::Multigrid {
-            "the hierarchies of this scene"
+        // What is in use is part of the body.
+        let used = kilobytes(Path::new("/proc/self/status"), "VmRSS:").unwrap_or(0) as f64;
+        let of = |stiffness| {
+            let need = Self::with(model, reach, linear, 0, stiffness);
+            need.factors + (need.body - used).max(0.0)
+        };
+        let (what, stiffness) = if linear == LinearAlgebra::Multigrid {
+            ("the hierarchies of this scene", FactorInfo::default())
         } else {
             let entries = MOST_FILL * model.problem.stiffness().lower_entries();
-            let most = Self::with(model, linear, 0, FactorInfo { entries, ..FactorInfo::default() });
-            if most.least <= budget.bytes as f64 {
+            if of(FactorInfo { entries, ..FactorInfo::default() }) <= budget.bytes as f64 {
                 return Ok(());
             }
-            "the factors of this scene"
-        };
-        match Self::of(model, linear, 0) {
-            Ok(MemoryEstimate { least, .. }) if least > budget.bytes as f64 => {
-                Err(RunError::NoRoom { what, needed: least as u64, budget })
+            let known = model.problem.stiffness().assembled().and_then(|k| Cholesky::predict(&k));
+            match known {
+                Err(LinearError::NotBuiltIn { .. }) => return Ok(()),
+                known => ("the factors of this scene", known?),
             }
-            Ok(_) | Err(LinearError::NotBuiltIn { .. }) => Ok(()),
-            Err(error) => Err(error.into()),
+        };
+        let needed = of(stiffness);
+        if needed > budget.bytes as f64 {
+            return Err(RunError::NoRoom { what, needed: needed as u64, budget });
         }
+        Ok(())
     }
 
     /// Returns an error if the records of this number of increments do not fit into `budget`.
@@ -155,7 +172,8 @@ fn body(model: &Model, linear: LinearAlgebra) -> f64 {
             let each = if stiffness.distributed().is_some() || model.has_rows() { ROWS_BYTES } else { PIECE_BYTES };
             each * stiffness.order() as f64
         }
-        LinearAlgebra::Whole(_) | LinearAlgebra::Condensed(_) => BODY_BYTES * stiffness.lower_entries() as f64,
+        LinearAlgebra::Whole(_) => BODY_BYTES * stiffness.lower_entries() as f64,
+        LinearAlgebra::Condensed(_) => CONDENSED_BODY_BYTES * stiffness.lower_entries() as f64,
     };
     PROGRAM_BYTES + bytes
 }
@@ -194,7 +212,7 @@ mod tests {
         let needed = 1_000_000 * 2 * 27 * 16;
         assert!(has_room(Some((1_000_000, 2)), Some(budget(needed))).is_ok());
         let refused = words(has_room(Some((1_000_000, 2)), Some(budget(needed - 1))));
-        let expected = "the matrices of this mesh need 864 MB or more, but the address-space limit leaves 864 MB";
+        let expected = "the matrices of this mesh need about 864 MB, but the address-space limit leaves 864 MB";
         assert_eq!(refused.as_deref(), Some(expected));
         assert!(has_room(None, Some(budget(0))).is_ok() && has_room(Some((1, 3)), None).is_ok());
         assert!(has_room(Some((usize::MAX / 4, 3)), Some(budget(u64::MAX - 1))).is_err());
@@ -202,26 +220,31 @@ mod tests {
         assert!(MemoryEstimate::check_records(1000, None).is_ok());
         let refused = words(MemoryEstimate::check_records(10_000_000, Some(budget(1_500_000_000))));
         let expected =
-            "the records of so many increments need 20.0 GB or more, but the address-space limit leaves 1.5 GB";
+            "the records of so many increments need about 20.0 GB, but the address-space limit leaves 1.5 GB";
         assert_eq!(refused.as_deref(), Some(expected));
     }
 
     #[cfg(any(feature = "umfpack", feature = "faer"))]
     #[test]
-    fn factors_are_known_before_they_are_made() {
+    fn factors_that_do_not_fit_are_refused() {
         let text = include_str!("../../data/scenes/block.toml");
         let scene = Scene::parse("block.toml", text, &["mesh.elements=[20,20]".parse().unwrap()]).unwrap();
         let model = discretise(&scene).unwrap();
         for linear in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
             let need = MemoryEstimate::of(&model, linear, 100).unwrap();
-            assert!(need.least > 1e5 && need.factors > need.least && need.history == 2e5, "{need:?}");
+            assert!(need.factors > 1e5 && need.history == 2e5, "{need:?}");
             assert!(need.body > PROGRAM_BYTES && need.bytes() as f64 > need.body + need.factors);
-            assert!(MemoryEstimate::check(&model, linear, Some(budget(need.least as u64 + 1))).is_ok());
+            let check = |budget| MemoryEstimate::check(&model, &InitialWorkingSet::default(), linear, budget);
+            assert!(check(Some(budget(need.bytes()))).is_ok());
             assert!(matches!(
-                MemoryEstimate::check(&model, linear, Some(budget(need.least as u64 - 1))),
-                Err(RunError::NoRoom { needed, .. }) if needed == need.least as u64
+                check(Some(budget(need.factors as u64 - 1))),
+                Err(RunError::NoRoom { needed, .. }) if (need.factors as u64..need.bytes()).contains(&needed)
             ));
-            assert!(MemoryEstimate::check(&model, linear, None).is_ok());
+            assert!(check(None).is_ok());
+            // Nodes out of reach take no part in the Schur complement.
+            let few = InitialWorkingSet { nodes: Some(vec![0]), ..InitialWorkingSet::default() };
+            let of = |reach| MemoryEstimate::with(&model, reach, linear, 0, FactorInfo::default()).factors;
+            assert_eq!(of(&few) < of(&InitialWorkingSet::default()), linear.condenses());
         }
     }
 }

@@ -383,7 +383,7 @@ pub(super) struct Load {
 #[serde(deny_unknown_fields)]
 pub(super) struct Spin {
     pub axis: Option<Vector>,
-    pub through: Vector,
+    pub through: Option<Vector>,
     pub speed: f64,
 }
 

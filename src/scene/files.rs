@@ -2,31 +2,42 @@
 
 use toml_edit::{Item, TableLike, Value};
 
-/// Returns the values of all keys `file` in `text`, in order; empty if `text` is not TOML.
-pub(super) fn files(text: &str) -> Vec<String> {
+/// Returns the keys `file` in `text` with their values, in order; empty if `text` is not TOML.
+pub(super) fn files(text: &str) -> Vec<(String, String)> {
     let mut files = Vec::new();
     if let Ok(document) = toml_edit::Document::parse(text) {
-        of_table(document.as_table(), &mut files);
+        of_table(document.as_table(), "", &mut files);
     }
     files
 }
 
-fn of_table(table: &dyn TableLike, files: &mut Vec<String>) {
-    for (key, item) in table.iter() {
+fn of_table(table: &dyn TableLike, above: &str, files: &mut Vec<(String, String)>) {
+    for (name, item) in table.iter() {
+        let key = format!("{above}{name}");
         match item {
-            Item::Value(value) => of_value(key, value, files),
-            Item::Table(table) => of_table(table, files),
-            Item::ArrayOfTables(tables) => tables.iter().for_each(|table| of_table(table, files)),
+            Item::Value(value) => of_value(&key, value, files),
+            Item::Table(table) => of_table(table, &format!("{key}."), files),
+            Item::ArrayOfTables(tables) => {
+                for (k, table) in tables.iter().enumerate() {
+                    of_table(table, &format!("{key}[{k}]."), files);
+                }
+            }
             Item::None => {}
         }
     }
 }
 
-fn of_value(key: &str, value: &Value, files: &mut Vec<String>) {
+fn of_value(key: &str, value: &Value, files: &mut Vec<(String, String)>) {
     match value {
-        Value::String(name) if key == "file" => files.push(name.value().clone()),
-        Value::Array(values) => values.iter().for_each(|value| of_value(key, value, files)),
-        Value::InlineTable(table) => of_table(table, files),
+        Value::String(name) if key.rsplit('.').next() == Some("file") => {
+            files.push((key.to_string(), name.value().clone()));
+        }
+        Value::Array(values) => {
+            for (k, value) in values.iter().enumerate() {
+                of_value(&format!("{key}[{k}]"), value, files);
+            }
+        }
+        Value::InlineTable(table) => of_table(table, &format!("{key}."), files),
         _ => {}
     }
 }
@@ -37,7 +48,9 @@ mod tests {
     fn wherever_they_stand() {
         let text = "mesh.file = 'a.msh'\ntitle = 'file'\n[[contact]]\nobstacle = { kind = 'table', file = \"b.csv\" }\n\
                     [[contact]]\n[contact.obstacle]\nfile = 'c.csv'\n";
-        assert_eq!(super::files(text), ["a.msh", "b.csv", "c.csv"]);
+        let found =
+            [("mesh.file", "a.msh"), ("contact[0].obstacle.file", "b.csv"), ("contact[1].obstacle.file", "c.csv")];
+        assert_eq!(super::files(text), found.map(|(key, file)| (key.to_string(), file.to_string())));
         assert!(super::files("file = ").is_empty());
     }
 }

@@ -15,6 +15,12 @@ pub(super) const LISTS: [&str; 7] = ["body", "coupling", "support", "contact", "
 /// The suffix of the name of a scene with overrides, in messages.
 pub(super) const MARK: &str = " (with --set)";
 
+/// Messages repeat so many characters of an override.
+const LONGEST: usize = 200;
+
+/// The largest number of parts of a key.
+const DEEPEST: usize = 8;
+
 /// One override, parsed from `key=value`.
 ///
 /// The key is a path such as `mesh.elements`; in a list of tables it refers to all of them (`contact.friction`) or to
@@ -74,7 +80,8 @@ impl Override {
     }
 
     fn error(&self, message: String, help: &str) -> SceneError {
-        SceneError::Override { text: self.text.clone(), message, help: help.to_string() }
+        let text = self.text.chars().take(LONGEST).collect();
+        SceneError::Override { text, message, help: help.to_string() }
     }
 
     /// Follows the path below `table` and sets the value.
@@ -205,6 +212,11 @@ pub(super) fn apply(name: &str, text: &str, overrides: &[Override]) -> Result<So
         source.at(error.span().unwrap_or(0..0), error.message().trim().replace('\n', ", "), "mend the TOML here")
     })?;
     for change in overrides {
+        if change.path.len() > DEEPEST {
+            let message =
+                format!("the key has {} parts, but no key of a scene has more than {DEEPEST}", change.path.len());
+            return Err(change.error(message, "look the key up in the scene file"));
+        }
         change.set(document.as_table_mut(), &change.path)?;
     }
     Ok(Source::new(format!("{name}{MARK}"), document.to_string()))

@@ -213,6 +213,26 @@ impl Loading {
         &self.bends
     }
 
+    /// Calls `see` with every array of loads and gaps.
+    pub(crate) fn each_array(&self, mut see: impl FnMut(&[f64])) {
+        see(&self.gap);
+        for LoadCase { force, history } in &self.cases {
+            see(force);
+            see(history.as_flattened());
+        }
+        for Motion { nodes, gap, drift, history } in &self.motions {
+            see(&[nodes.start as f64]);
+            [gap, drift.as_flattened(), history.as_flattened()].into_iter().for_each(&mut see);
+        }
+        for GapCorrection { nodes, times, gap, drift } in &self.bends {
+            see(&[nodes.start as f64]);
+            see(times);
+            for row in gap.iter().map(Vec::as_slice).chain(drift.iter().map(|row| row.as_flattened())) {
+                see(row);
+            }
+        }
+    }
+
     /// Replaces the loads; the contact nodes remain.
     pub(crate) fn with_cases(&self, cases: Vec<LoadCase>) -> Self {
         Loading { cases, ..self.clone() }
@@ -221,12 +241,22 @@ impl Loading {
     /// Checks that the loading fits `problem`.
     ///
     /// # Errors
-    /// If the number of forces or gaps differs from that of the displacements or contact nodes of `problem`.
+    /// If the number of forces or gaps differs from that of the displacements or contact nodes of `problem`, or if the
+    /// history of friction has friction at other nodes.
     pub fn check(&self, problem: &ContactProblem) -> Result<(), ProblemError> {
         if let Some(case) = self.cases.first() {
             expect_length("force of a load", problem.displacements(), case.force.len(), "one for each displacement")?;
         }
-        expect_length("gap", problem.contacts(), self.gap.len(), "one for each contact node")
+        expect_length("gap", problem.contacts(), self.gap.len(), "one for each contact node")?;
+        let largest = self.friction.as_ref().map_or_else(Vec::new, FrictionHistory::largest);
+        match largest.iter().zip(problem.mu()).position(|(mu, of_problem)| (*mu > 0.0) != (*of_problem > 0.0)) {
+            None => Ok(()),
+            Some(i) => Err(ProblemError::Value {
+                array: format!("mu[{i}] of the history of friction"),
+                value: largest[i],
+                must: "positive where that of the problem is, and 0 elsewhere",
+            }),
+        }
     }
 
     /// Returns the external forces (n_u, N) on `problem` at time `t`.

@@ -84,7 +84,7 @@ impl Parts {
     /// Creates the parts of a body without friction: no tangents, no weights, rigid modes to be computed from
     /// `stiffness`.
     pub fn new(stiffness: impl Into<Stiffness>, c_n: Csr) -> Self {
-        let none = Csr::empty(c_n.rows(), c_n.columns());
+        let none = c_n.emptied();
         let mu = vec![0.0; c_n.rows()];
         Parts { stiffness: stiffness.into(), c_t: none.clone(), c_o: none, mu, c_n, weight: None, rigid_modes: None }
     }

@@ -298,7 +298,7 @@ mod tests {
             stiffness: Symmetric::from_entries(displacements, |_| ()).unwrap().into(),
             c_n,
             c_t,
-            c_o: Csr::empty(contacts.len(), displacements),
+            c_o: Csr::empty(contacts.len(), displacements).unwrap(),
             mu: contacts.iter().map(|(_, _, mu)| *mu).collect(),
             weight: Some(vec![1.0; contacts.len()]),
             rigid_modes: Some(motions.iter().map(|motion| motion.to_vec()).collect()),

@@ -193,6 +193,33 @@ fn sets_and_surfaces_are_groups_and_boundaries() {
     assert_eq!(read(without).groups, ["AGAIN+BOTH+LOWER", "AGAIN+BOTH+UPPER"]);
 }
 
+/// A scene names sets as the file does, in capitals or small letters.
+#[test]
+fn names_of_sets_in_small_letters() {
+    let run = |names: [&str; 4]| {
+        let [foot, roof, lower, upper] = names;
+        let text = format!(
+            "mesh = {{ kind = 'block', size = [1, 1], elements = [1, 1] }}\n\
+             material = {{ young = 1e9, poisson = 0.3, group = [{{ name = '{lower}', young = 1e9, poisson = 0.3 }}, \
+             {{ name = '{upper}', young = 2e9, poisson = 0.3 }}] }}\n\
+             support = [{{ boundary = '{roof}', fix = ['x'], displacement = [0] }}, \
+             {{ boundary = '{foot}', fix = ['x', 'y'] }}]\n\
+             load = [{{ boundary = '{roof}', traction = [0, -1e6] }}]\ntime = {{ end = 1, increments = 1 }}\n"
+        );
+        let mut scene = Scene::parse("scene.toml", &text, &[]).unwrap();
+        scene.description.mesh = read(TOWER).into();
+        let report = Run::new(&scene).unwrap().solve(&mut ()).unwrap();
+        report.increments[0].strain_energy
+    };
+    let capitals = run(["FOOT", "ROOF", "LOWER", "UPPER"]);
+    assert_eq!(run(["foot", "Roof", "Lower", "UPPER"]).to_bits(), capitals.to_bits());
+    // Where two names differ by their capitals alone, they are two.
+    let mut mesh = read(TOWER);
+    mesh.boundaries[0].name = "foot".to_string();
+    assert_eq!(mesh.boundary("foot").unwrap().facets, [[4, 2], [2, 0]]);
+    assert!(mesh.boundary("Foot").unwrap().name == "FOOT" && mesh.boundary("Left").is_none());
+}
+
 /// Plane elements on the faces of solid ones are boundaries.
 #[test]
 fn skins() {
@@ -201,6 +228,34 @@ fn skins() {
     let mesh = read(&cube.replacen("*SURFACE", &format!("{skin}*SURFACE"), 1));
     assert_eq!((mesh.dimension, mesh.cells.len()), (3, 1));
     assert_eq!(mesh.boundary("SKIN").unwrap().facets.len(), 1);
+}
+
+/// Lines on the sides of plane elements are boundaries, and so are a skin and a node set of the same name.
+#[test]
+fn lines_and_sets_of_one_name() {
+    let lines = |kind: &str, rows: &str, text: &str| {
+        text.replacen("*ELEMENT", &format!("*ELEMENT, TYPE={kind}, ELSET=foot\n{rows}\n*ELEMENT"), 1)
+    };
+    for name in ["T3D2", "T2D2"] {
+        let mesh = read(&lines(name, "7, 1, 2\n8, 2, 4", &TOWER.replace("*Element", "*ELEMENT")));
+        assert_eq!((mesh.dimension, mesh.boundary("FOOT").unwrap().facets.len()), (2, 2));
+    }
+    // The node at the middle may be in any place.
+    for row in ["7, 3, 4, 7", "7, 3, 7, 4"] {
+        let mesh = read(&lines("T3D3", row, BENT[1]));
+        assert_eq!(mesh.boundary("FOOT").unwrap().facets, [[2, 6, 3]]);
+        let mesh = read(&lines("T3D3", row, BENT[1]).replace("NSET=HIGH", "NSET=FOOT"));
+        assert_eq!(mesh.boundary("FOOT").unwrap().facets, [[2, 6, 3]]);
+    }
+    let cube = inp(&block(&[1.0; 3], &[2, 1, 1]));
+    let skin = "*ELEMENT, TYPE=CPS4, ELSET=SKIN\n7, 1, 2, 5, 4\n*NSET, NSET=SKIN\n1, 2, 3, 4, 5, 6\n";
+    let mesh = read(&cube.replacen("*SURFACE", &format!("{skin}*SURFACE"), 1));
+    assert_eq!(mesh.boundary("SKIN").unwrap().facets.len(), 2, "{:?}", mesh.notes);
+    // With a section of their own, lines would carry forces.
+    let trusses =
+        TOWER.replace("*Element", "*ELEMENT").replace("*SOLIDSECTION, ELSET=UPPER", "*SOLIDSECTION, ELSET=FOOT");
+    let (said, _) = refused(&lines("T3D2", "7, 1, 2", &trusses));
+    assert!(said.contains("trusses"), "{said}");
 }
 
 #[test]

@@ -173,7 +173,7 @@ fn spinning_cylinder() {
             &ring(0.0, [b, 0.02], [20, 2], cells, material.clone())
                 .held(Support::new("bottom", &[Axis::Y]))
                 .held(Support::new("top", &[Axis::Y]))
-                .load(Action::Spin { axis: None, through: [0.0, 0.1].into(), speed }.into()),
+                .load(Action::Spin { axis: None, through: None, speed }.into()),
         );
         let unit = density * speed * speed / (8.0 * (1.0 - NU));
         let along_r = |r: f64| unit * (3.0 - 2.0 * NU) * (b * b - r * r);

@@ -167,6 +167,21 @@ fn what_is_no_checkpoint_of_this_run_is_refused() {
     assert_eq!(refused(&["mesh.elements=[7,6]"]), CheckpointError::Other { what: "the mesh or its contact" });
     assert_eq!(refused(&["solver.setting=\"paper\""]), CheckpointError::Other { what: "the method" });
     assert_eq!(refused(&["time.increments=5"]), CheckpointError::Other { what: "the times of the increments" });
+    // Data that change no size.
+    for (set, what) in [
+        ("material.young=1e6", "the stiffness of the body"),
+        ("material.poisson=0.1", "the stiffness of the body"),
+        ("mesh.size=[2,1]", "the stiffness of the body"),
+        ("mesh.size=[2,2]", "the weights of the contact nodes"),
+        ("contact.friction=0.01", "the friction"),
+        ("load[0].traction=[0,-1]", "the loads, gaps or motions"),
+        ("load[0].history=[[0,0],[0.9,1],[1,1]]", "the loads, gaps or motions"),
+        ("contact.obstacle.gap=1e-9", "the loads, gaps or motions"),
+        ("time.end=7", "the times of the increments"),
+        ("solver.tolerance=1e-6", "the method"),
+    ] {
+        assert_eq!(refused(&[set]), CheckpointError::Other { what }, "{set}");
+    }
     // What an exact path leaves is another part.
     assert_eq!(refused(&["solver.method=\"events\""]), CheckpointError::Damaged);
     assert_eq!(

@@ -83,7 +83,7 @@ fn one_node() {
         let stiffness = Symmetric::from_triplets(2, &entries).unwrap();
         let c_t = Csr::from_rows(2, [[(0, 1.0)]]).unwrap();
         let c_n = Csr::from_rows(2, [[(1, 1.0)]]).unwrap();
-        let c_o = Csr::empty(1, 2);
+        let c_o = Csr::empty(1, 2).unwrap();
         let problem = ContactProblem::new(Parts {
             stiffness: stiffness.into(),
             c_n,

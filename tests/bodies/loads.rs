@@ -5,7 +5,7 @@ use crate::common::rings::ring;
 use stickslip::algebra::norm;
 use stickslip::base::Formula;
 use stickslip::body::fem::{Material, Plane};
-use stickslip::body::mesh::{Mesh, MeshSource};
+use stickslip::body::mesh::{Body, Mesh, MeshSource};
 use stickslip::body::{Action, Axis, Bed, Description, Field, Load, Model, Support, Where};
 use stickslip::body::{Obstacle, Shape};
 use stickslip::run::report::RunReport;
@@ -101,7 +101,7 @@ fn rotating_ring() {
     let material = Material { density: Some(density), ..Material::new(YOUNG, NU) };
     converges(
         "rotating ring",
-        &Action::Spin { axis: None, through: [0.0, 0.0].into(), speed }.into(),
+        &Action::Spin { axis: None, through: Some([0.0, 0.0].into()), speed }.into(),
         &material,
         exact,
     );
@@ -327,7 +327,10 @@ fn everything_in_balance() {
         .contact("bottom", 0.3, Obstacle::plane(0.0))
         .load(Action::Acceleration(vec![0.0, 0.0, -9.81]).into())
         .load(Action::Pressure { boundary: "top".to_string(), pressure: formula("1e7 * x * y") }.into())
-        .load(Action::Spin { axis: Some([0.0, 0.0, 1.0].into()), through: [0.5, 0.5, 0.0].into(), speed: 100.0 }.into())
+        .load(
+            Action::Spin { axis: Some([0.0, 0.0, 1.0].into()), through: Some([0.5, 0.5, 0.0].into()), speed: 100.0 }
+                .into(),
+        )
         .load(Action::Temperature(formula("20 * z")).into())
         .load(Action::Force { at: Where::Point([1.0, 1.0, 0.5].into()), force: vec![1e4, 0.0, -1e4] }.into());
     let body = solved(&body);
@@ -381,5 +384,26 @@ fn directions_that_are_off_their_axis_by_rounding() {
     for off in [1e-25, 6.1e-17, 1e-12, 1e-10] {
         let found = pressed([off, -1.0]);
         assert!((found / along - 1.0).abs() < 1e-8, "{off}: {found} {along}");
+    }
+}
+
+/// Only bodies that are warmed somewhere need a coefficient of expansion.
+#[test]
+fn cold_bodies_need_no_expansion() {
+    let block = || MeshSource::block([1.0, 1.0], [2, 2]);
+    let bodies = vec![Body::new("cold", block()), Body::new("warm", block()).at([0.0, 2.0])];
+    let build = |temperature: &str| {
+        let warm = Material { expansion: Some(1e-5), ..Material::new(YOUNG, NU) };
+        let materials = [("cold".to_string(), Material::new(YOUNG, NU)), ("warm".to_string(), warm)];
+        let material = Material::of_bodies(materials).unwrap();
+        let description = Description::new(MeshSource::Bodies(bodies.clone()), material, vec![1.0]);
+        let axes = [Axis::X, Axis::Y];
+        let held = description.support("cold:bottom", &axes).support("warm:bottom", &axes);
+        Model::build(&held.load(Action::Temperature(formula(temperature)).into()))
+    };
+    assert!(build("max(0, y - 1.5)").is_ok());
+    for needed in ["100", "y", "max(0, 0.4 - y)", "max(0, 0.1 - abs(x - 0.6))"] {
+        let error = build(needed).unwrap_err().to_string();
+        assert!(error.contains("a load needs the expansion of the group `cold`"), "{needed}: {error}");
     }
 }

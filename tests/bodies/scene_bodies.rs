@@ -147,7 +147,10 @@ fn numbers_of_bodies_are_in_the_units_of_the_scene() {
 fn what_is_wrong_with_a_body_is_told_at_its_place() {
     type Case = (&'static str, &'static str, &'static str, &'static [&'static str], &'static str);
     let cases: &[Case] = &[
-        ("name = \"lower\"", "name = \"\"", "name = \"\"", &["must have a letter and no colon"], "name:boundary"),
+        ("name = \"lower\"", "name = \"\"", "name = \"\"", &["the name of a body is \"\"", "in one line"], "\"ring\""),
+        ("name = \"lower\"", "name = \"lo\\u001b[31mw\"", "name = \"lo", &["\\u{1b}[31mw", "in one line"], "\"ring\""),
+        ("name = \"lower\"", "name = \"lo\\u0000w\"", "name = \"lo", &["in one line"], "\"ring\""),
+        ("name = \"lower\"", "name = \"lo\\nw\"", "name = \"lo", &["in one line"], "\"ring\""),
         ("name = \"upper\"", "name = \"a:b\"", "name = \"a:b\"", &["\"a:b\""], "name:boundary"),
         (
             "name = \"upper\"",

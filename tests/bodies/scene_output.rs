@@ -24,7 +24,7 @@ const OUTPUT: &[InputError] = &[
 
 /// Probes, each with words of the message and of the help.
 const PROBES: [(&str, &str, &str); 13] = [
-    ("name = '', point = [0, 0]", "called \"\", which is empty", "a name of its own"),
+    ("name = '', point = [0, 0]", "the name of a probe is \"\"", "\"corner\""),
     ("name = 'a'", "a probe without a point needs from", "add the key"),
     ("name = 'a', from = [0, 0], points = 3", "needs to", "add the key"),
     ("name = 'a', from = [0, 0], to = [1, 1]", "needs points", "add the key"),
@@ -52,7 +52,7 @@ fn values_out_of_range() {
     }
     let twice = "[[output.probe]]\nname = 'a'\npoint = [0, 0]\n[[output.probe]]\nname = 'a' # again\npoint = [1, 1]\n";
     let text = [BLOCK, twice].concat();
-    verify(&located(&text), &text, line_of(&text, "# again"), &["the name of another"], "a name of its own");
+    verify(&located(&text), &text, line_of(&text, "# again"), &["another probe is called \"a\""], "a name of its own");
 }
 
 /// What only the mesh can tell, with the place in the text.

@@ -248,6 +248,17 @@ fn comments_and_lines_stay() {
     assert_eq!(std::str::from_utf8(quoted.data()).unwrap(), expected);
 }
 
+/// A key of any length is an error, not a deep recursion, also one made in Rust.
+#[test]
+fn keys_of_many_parts_are_refused() {
+    let key = "a.".repeat(20_000) + "a";
+    let made = stickslip::scene::Override::value(&key, 1);
+    for set in [made, format!("{key}=1").parse().unwrap(), "a.b.c.d.e.f.g.h.i=1".parse().unwrap()] {
+        let error = Scene::parse("block.toml", BLOCK, &[set]).unwrap_err().to_string();
+        assert!(error.contains("parts, but no key of a scene has more than 8") && error.len() < 400, "{error}");
+    }
+}
+
 #[test]
 fn a_syntax_error_is_found_in_the_file_itself() {
     let faulty = BLOCK.replace("young = 210e9", "young = ");

@@ -10,8 +10,8 @@ use stickslip::solver::history::{
     self, HistorySettings, IncrementView, LinearAlgebra, Method, Observer, Start, Status, SystemSolver,
 };
 use stickslip::solver::{
-    ContactProblem, GapCorrection, Increment, LinearSystem, LoadCase, Loading, Motion, Parts, State, critical_friction,
-    rigid_equilibrium,
+    ContactProblem, FrictionHistory, GapCorrection, Increment, LinearSystem, LoadCase, Loading, Motion, Parts, State,
+    critical_friction, rigid_equilibrium,
 };
 use stickslip::solver::{KktErrors, KktScales, statuses};
 
@@ -56,6 +56,10 @@ fn every_error_names_its_array() {
     let good = loading(vec![1.0, 1.0], vec![0.0]);
     let ran =
         |loading: &Loading, times: &[f64]| run(loading, times, |_| ()).map(|_| ()).map_err(|error| error.to_string());
+    let with_friction = |mu: f64| {
+        let history = FrictionHistory::new(1, vec![(vec![mu], vec![[0.0, 0.5], [1.0, 1.0]])]).unwrap();
+        good.clone().with_friction(Some(history)).unwrap()
+    };
     let set = |change: &dyn Fn(&mut HistorySettings)| {
         run(&good, &[1.0], change).map(|_| ()).map_err(|error| error.to_string())
     };
@@ -106,7 +110,7 @@ fn every_error_names_its_array() {
         // Problems (N4, N5).
         (made(&|p| p.c_n = Csr::from_rows(2, [ONE, ONE]).unwrap()), "c_t has 1 rows, but must have 2"),
         (made(&|p| p.c_t = rows(3, ONE).unwrap()), "c_t has 3 columns, but must have 2"),
-        (made(&|p| p.c_o = Csr::empty(2, 2)), "c_o has 2 rows, but must have 1"),
+        (made(&|p| p.c_o = Csr::empty(2, 2).unwrap()), "c_o has 2 rows, but must have 1"),
         (made(&|p| p.mu = vec![0.3; 2]), "mu has 2 entries, but must have 1"),
         (made(&|p| p.mu = vec![-1.0]), "mu[0] is -1, but must be 0 or more"),
         (made(&|p| p.mu = vec![NAN]), "mu[0] is NaN"),
@@ -129,7 +133,7 @@ fn every_error_names_its_array() {
         (made(&|p| p.rigid_modes = Some(vec![vec![0.0, 0.0]])), "rigid_modes[0] is zero or a combination"),
         // Loads, times, settings (N3).
         (case(vec![NAN], still()), "force[0] is NaN"),
-        (case(vec![1.0], vec![[1.0, 1.0], [0.0, 0.0]]), "history[1] goes from time 1 to 0"),
+        (case(vec![1.0], vec![[1.0, 1.0], [0.0, 0.0]]), "history[1] goes from 1 to 0"),
         (case(vec![1.0], vec![[0.0, f64::INFINITY]]), "history[0][1] is inf"),
         (Loading::new(Vec::new(), vec![NAN]).map(|_| ()).map_err(|e| e.to_string()), "gap[0] is NaN"),
         (motion(0..2, vec![1.0], vec![[0.0; 2]; 2], still()), "gap has 1 entries, but must have 2"),
@@ -155,7 +159,9 @@ fn every_error_names_its_array() {
         (ran(&loading(vec![1.0, 1.0], vec![]), &[1.0]), "gap has 0 entries, but must have 1"),
         (ran(&good, &[]), "times is empty"),
         (ran(&good, &[NAN]), "times[0] is NaN"),
-        (ran(&good, &[1.0, 0.5]), "times[1] goes from time 1 to 0.5"),
+        (ran(&good, &[1.0, 0.5]), "times[1] goes from 1 to 0.5, but must increase"),
+        (set(&|s| s.working_set = Some(vec![0, 0])), "working_set[1] goes from 0 to 0, but must increase"),
+        (ran(&with_friction(0.0), &[1.0]), "mu[0] of the history of friction is 0, but must be positive where"),
         (set(&|s| s.tolerance = 0.0), "tolerance is 0, but must be above 0"),
         (set(&|s| s.max_iterations = 0), "max_iterations is 0"),
         (ran(&good, &[-1.0, 1.0]), "times[0] is -1, but must be 0 or more"),

@@ -57,4 +57,7 @@ fn matrices_without_room() {
     }
     assert!(matches!(Csc::from_triplets(usize::MAX, 2, &[]), Err(MatrixError::TooLarge { .. })));
     assert!(matches!(Symmetric::from_triplets(usize::MAX, &[]), Err(MatrixError::TooLarge { .. })));
+    for rows in [1 << 50, usize::MAX] {
+        assert_eq!(Csr::empty(rows, 2).unwrap_err(), MatrixError::TooLarge { rows, columns: 2 });
+    }
 }

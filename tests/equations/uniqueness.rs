@@ -22,7 +22,7 @@ use stickslip::solver::{ContactStatus, KktErrors, KktScales, statuses};
 fn node(k_tt: f64, k_tn: f64, mu: f64) -> ContactProblem {
     let entries = [(0, 0, k_tt), (1, 0, k_tn), (1, 1, 2.0)];
     let stiffness = Symmetric::from_triplets(2, &entries).unwrap();
-    let c_o = Csr::empty(1, 2);
+    let c_o = Csr::empty(1, 2).unwrap();
     let c_t = Csr::from_rows(2, [[(0, 1.0)]]).unwrap();
     let c_n = Csr::from_rows(2, [[(1, 1.0)]]).unwrap();
     let rigid_modes = if k_tt == 0.0 { vec![vec![1.0, 0.0]] } else { vec![] };

@@ -163,7 +163,7 @@ impl SceneArgs {
 fn origin(scene: &Scene) -> Result<Provenance, Failure> {
     Ok(Provenance::new(scene, &version()).map_err(|(file, error)| {
         let message = format!("{}: the file cannot be read: {error}", file.display());
-        scene.error_at("mesh.file", message, "name an existing file, relative to the scene file")
+        scene.error_of_file(&file, message, "name an existing file, relative to the scene file")
     })?)
 }
 

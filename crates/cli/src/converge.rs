@@ -102,8 +102,10 @@ pub enum ConvergeError {
     #[diagnostic(help("name mesh files from coarse to fine (--meshes coarse.msh,fine.msh)"))]
     NoFinerMesh,
     /// The meshes do not become finer.
-    #[error("mesh {mesh} has {elements} elements, no more than the one before")]
-    #[diagnostic(help("name meshes from coarse to fine"))]
+    #[error("mesh {mesh} has {elements} elements and is no finer than the one before")]
+    #[diagnostic(help(
+        "name meshes from coarse to fine; an element of second order counts as four, in space as eight"
+    ))]
     NotFiner {
         /// The mesh.
         mesh: String,
@@ -141,7 +143,7 @@ pub fn compute(
 ) -> Result<Convergence, ConvergeError> {
     let ladder = Ladder::new(scene, &plan.meshes, plan.ratio)?;
     let mut study =
-        Study { scene, sought: plan.sought, ladder: &ladder, last: None, elements: None, progress, observer };
+        Study { scene, sought: plan.sought, ladder: &ladder, last: None, fineness: None, progress, observer };
     let limits = Limits { to: plan.to, most_runs: plan.most_runs, within: plan.within };
     let Ended { verdict, reason, steps, errors, predicted } =
         steps::refine(&ladder, limits, plan.sought == Sought::Peak, &mut |mesh, increments| {
@@ -171,8 +173,8 @@ struct Study<'a> {
     ladder: &'a Ladder,
     /// The report of the last run.
     last: Option<RunReport>,
-    /// The mesh level and the number of elements of the last run.
-    elements: Option<(usize, usize)>,
+    /// The mesh level and the fineness of the last run.
+    fineness: Option<(usize, f64)>,
     progress: &'a mut dyn FnMut(String),
     observer: &'a mut dyn Observer,
 }
@@ -191,13 +193,12 @@ impl Study<'_> {
         let run = Run::new(&scene)?;
         let model = run.model();
         let (elements, dimension) = (model.mesh.cells.len(), model.mesh.dimension);
-        if let Some((before, count)) = self.elements
-            && before < mesh
-            && count >= elements
-        {
+        let quadratic = model.mesh.cells.iter().any(|cell| cell.kind.is_quadratic());
+        let fineness = elements as f64 * if quadratic { 2.0_f64.powi(dimension as i32) } else { 1.0 };
+        if self.fineness.is_some_and(|(before, last)| before < mesh && last >= fineness) {
             return Err(ConvergeError::NotFiner { mesh: name, elements });
         }
-        self.elements = Some((mesh, elements));
+        self.fineness = Some((mesh, fineness));
         let follows_path = model.problem.mu().iter().any(|mu| *mu > 0.0) && !scene.solver.method.is_exact_path();
         let report = run.solve(self.observer)?;
         let failure = (report.status != Status::Converged).then(|| {
@@ -219,6 +220,7 @@ impl Study<'_> {
                 true => Own::Mesh,
             },
             elements,
+            fineness,
             dimension,
             increments: number,
             value: value.filter(|_| failure.is_none()),

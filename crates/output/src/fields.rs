@@ -71,8 +71,8 @@ pub(super) const NAMES: [&str; 16] = [
     "patch_pressure",
     "tangential_traction",
     "slip",
-    "gap",
-    "status",
+    "opening",
+    "contact",
     "nodal_stress",
     "nodal_von_mises",
     "stress",
@@ -125,8 +125,8 @@ fn contact_fields(model: &Model, step: &IncrementView<'_>, points: &[ContactPoin
         real("contact_pressure", 1, pressure),
         real("tangential_traction", 3, traction.into_flattened()),
         real("slip", 3, slip.into_flattened()),
-        real("gap", 1, gap),
-        whole("status", status),
+        real("opening", 1, gap),
+        whole("contact", status),
     ];
     fields.extend(patches.then(|| real("patch_pressure", 1, patch)));
     fields

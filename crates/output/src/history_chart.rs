@@ -15,10 +15,6 @@ const COMPONENTS: [(&str, [u8; 3], Dash); 3] = [
 /// With more increments than this, markers would hide the line and are not drawn.
 const MOST_MARKERS: usize = 60;
 
-/// Up to this count, each number has its own tick.
-const MOST_TICKS: usize = 300;
-const MOST_TICKS_UPWARDS: usize = 60;
-
 /// Returns the charts of a report, each with the stem of a file name: `forces`, if there were contact forces, and
 /// `iterations`, if there was any increment.
 pub fn history_charts(report: &RunReport) -> Vec<(&'static str, Chart)> {
@@ -76,11 +72,6 @@ fn forces(report: &RunReport) -> Chart {
     }
 }
 
-/// Returns the scale for counts up to `highest`.
-fn counts(highest: usize, most_ticks: usize) -> Scale {
-    if highest > most_ticks { Scale::Linear } else { Scale::Integers }
-}
-
 /// Plots the iterations and shortened steps of each increment.
 fn iterations(report: &RunReport) -> Chart {
     let line = |label: &str, dash, colour, marker, of: &Thinned| Curve {
@@ -97,7 +88,7 @@ fn iterations(report: &RunReport) -> Chart {
         marker: Some(marker),
         colour: [200, 50, 32],
     };
-    let HistoryCurves { increments, iterations, backtracks, failed, halved, rescued, .. } = &report.curves;
+    let HistoryCurves { iterations, backtracks, failed, halved, rescued, .. } = &report.curves;
     let mut curves = vec![
         mark("did not converge", Marker::Circle, failed),
         mark("halved", Marker::Square, halved),
@@ -106,16 +97,13 @@ fn iterations(report: &RunReport) -> Chart {
         line("shortened steps", Dash::Dashed, [0, 90, 181], Marker::Circle, backtracks),
     ];
     curves.retain(|curve| curve.points.iter().any(|point| point[1] > 0.0));
-    let highest = curves.iter().flat_map(|curve| &curve.points).map(|point| point[1]).fold(0.0, f64::max);
     let totals = &report.totals;
     Chart {
         title: report.title.clone(),
-        subtitle: format!(
-            "{} {}, {}: {} iterations, {} factorisations",
-            report.method, report.setting, report.solver, totals.iterations, totals.factorizations
-        ),
-        x: Axis { label: "increment".into(), scale: counts(*increments, MOST_TICKS) },
-        y: Axis { label: "linear systems, steps".into(), scale: counts(highest as usize, MOST_TICKS_UPWARDS) },
+        // Factorisations are others after a resumption.
+        subtitle: format!("{} {}, {}: {} iterations", report.method, report.setting, report.solver, totals.iterations),
+        x: Axis { label: "increment".into(), scale: Scale::Integers },
+        y: Axis { label: "linear systems, steps".into(), scale: Scale::Integers },
         columns: 1,
         panels: vec![Panel { curves, ..Panel::default() }],
     }

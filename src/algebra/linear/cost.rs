@@ -60,6 +60,8 @@ mod seconds {
 const S_BYTES: f64 = 44.0;
 /// The largest memory of an entry of a sparse factor during the factorisation, bytes.
 const LU_BYTES: f64 = 16.0;
+/// The memory of an entry of `L` once it is factored, bytes.
+const L_BYTES: f64 = 8.0;
 /// The largest memory of such an entry with MUMPS, bytes.
 const MUMPS_BYTES: f64 = 12.0;
 
@@ -177,7 +179,8 @@ fn factored_once(sizes: &Sizes, work: &Work, substitutions: f64) -> Cost {
     let (m, entries) = (sizes.contact_displacements, sizes.stiffness.entries as f64);
     let once = entries * seconds::L_ENTRY + sizes.stiffness.flops * seconds::OPERATION;
     let interior = substitutions * entries * seconds::L_SOLVE_ENTRY;
-    Cost { seconds: once + interior + border(m, work), bytes: LU_BYTES * entries + S_BYTES * (m * m) as f64 }
+    let bytes = (LU_BYTES * entries).max(L_BYTES * entries + S_BYTES * (m * m) as f64);
+    Cost { seconds: once + interior + border(m, work), bytes }
 }
 
 #[cfg(test)]

@@ -73,8 +73,19 @@ impl Csr {
     }
 
     /// Creates the matrix with this number of rows, all of them empty.
-    pub fn empty(rows: usize, columns: usize) -> Self {
-        Csr { columns, starts: vec![0; rows + 1], entries: Vec::new() }
+    ///
+    /// # Errors
+    /// [`MatrixError::TooLarge`] if there is not enough memory for the rows.
+    pub fn empty(rows: usize, columns: usize) -> Result<Self, MatrixError> {
+        let mut starts = Vec::new();
+        let count = rows.checked_add(1).filter(|count| starts.try_reserve_exact(*count).is_ok());
+        starts.resize(count.ok_or(MatrixError::TooLarge { rows, columns })?, 0);
+        Ok(Csr { columns, starts, entries: Vec::new() })
+    }
+
+    /// Returns the matrix of this size with empty rows.
+    pub(crate) fn emptied(&self) -> Self {
+        Csr { columns: self.columns, starts: vec![0; self.starts.len()], entries: Vec::new() }
     }
 
     /// Returns the number of rows.

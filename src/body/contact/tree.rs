@@ -98,6 +98,13 @@ impl Tree {
         tree
     }
 
+    /// Creates the tree of items of which each has one or more boxes, with the items' numbers.
+    pub(super) fn of_parts(parts: &[(Bounds, usize)]) -> Self {
+        let mut tree = Tree::new(&parts.iter().map(|part| part.0).collect::<Vec<_>>());
+        tree.things.iter_mut().for_each(|k| *k = parts[*k].1);
+        tree
+    }
+
     /// Builds the boxes of the items from `first` to `end`. Each box splits its items into halves of equal number,
     /// which limits the depth of the tree.
     fn build(&mut self, all: &[Bounds], first: usize, end: usize) {

@@ -69,6 +69,26 @@ const POSITION_ROUNDING: f64 = 1e-12;
 /// a line meets a triangle only if the cosine between line and normal exceeds it.
 const SINGLE: f64 = 1e-6;
 
+/// A triangle is slender if the square of its longest side exceeds this multiple of the area of the parallelogram, and
+/// its parts are about this share of the surface long.
+const SLENDER: f64 = 8.0;
+const PART: f64 = 0.25;
+
+/// Calls `add` with boxes that together contain a triangle. The box of a slender oblique triangle is much larger than
+/// the triangle, so that its parts have boxes of their own.
+fn cover(corners: &[[f64; 3]; 3], extent: f64, add: &mut impl FnMut(Bounds)) {
+    let square = |k: usize| norm(minus(corners[(k + 1) % 3], corners[k])).powi(2);
+    let k = (1..3).fold(0, |best, k| if square(k) > square(best) { k } else { best });
+    let [a, b, c] = [0, 1, 2].map(|j| corners[(k + j) % 3]);
+    let area = norm(cross(minus(b, a), minus(c, a)));
+    if square(k) <= SLENDER * area || square(k) <= (PART * extent).powi(2) {
+        return add(Bounds::of(corners));
+    }
+    let middle = plus(a, 0.5, minus(b, a));
+    cover(&[a, middle, c], extent, add);
+    cover(&[middle, b, c], extent, add);
+}
+
 /// Returns the bits of a point, for exact comparison; + 0.0 turns -0 into 0.
 fn place(x: [f64; 3]) -> [u64; 3] {
     x.map(|c| (c + 0.0).to_bits())
@@ -115,11 +135,14 @@ impl Triangles {
                 number
             }));
         }
+        let extent = Bounds::of(corners.as_flattened()).extent();
+        let mut parts = Vec::with_capacity(corners.len());
+        corners.iter().enumerate().for_each(|(t, corners)| cover(corners, extent, &mut |part| parts.push((part, t))));
         let mut surface = Triangles {
             sides: Vec::new(),
             edges: Vec::new(),
-            tree: Tree::new(&corners.iter().map(|corners| Bounds::of(corners)).collect::<Vec<_>>()),
-            extent: Bounds::of(corners.as_flattened()).extent(),
+            tree: Tree::of_parts(&parts),
+            extent,
             corners,
             normals,
             points,
@@ -199,8 +222,9 @@ impl Triangles {
             let distance = dot(minus(corners[0], x), normal) / facing;
             let foot = plus(x, distance, n);
             let within = |k: usize| {
-                let inwards = cross(normal, unit(minus(corners[(k + 1) % 3], corners[k])));
-                dot(minus(foot, corners[k]), inwards) >= -slack
+                let side = minus(corners[(k + 1) % 3], corners[k]);
+                let inwards = dot(minus(foot, corners[k]), cross(normal, side));
+                inwards >= 0.0 || inwards * inwards <= slack * slack * dot(side, side)
             };
             if !(0..3).all(within) {
                 return;
@@ -294,6 +318,27 @@ mod tests {
         let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
         let halves = faces.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]);
         Triangles::new(halves.map(|corners| corners.map(at)).collect()).unwrap()
+    }
+
+    /// A line meets few boxes of a fan of slender triangles, and finds what it finds among all.
+    #[test]
+    fn slender_triangles_have_small_boxes() {
+        let n = 2000;
+        let at = |k: usize| (std::f64::consts::TAU * k as f64 / n as f64).sin_cos();
+        let rim = |k: usize| [at(k).1, at(k).0, 0.1 * at(3 * k).1];
+        let fan = Triangles::new((0..n).map(|k| [[0.0, 0.0, 0.5], rim(k), rim(k + 1)]).collect()).unwrap();
+        for x in [[0.31, 0.44, 0.0], [-0.6, 0.6, 0.0], [0.2, -0.71, 0.3]] {
+            let mut seen = HashSet::new();
+            fan.tree.along(x, [0.0, 0.0, -1.0], 0.0, |t| {
+                seen.insert(t);
+            });
+            assert!(seen.len() < n / 20, "{} of {n}", seen.len());
+            let found = fan.entry(x, [0.0, 0.0, -1.0]).unwrap();
+            assert!(seen.contains(&found.triangle));
+            let nearest = |t: &[[f64; 3]; 3]| norm(minus(nearest_of(t, x).0, x));
+            let least = fan.corners.iter().map(nearest).fold(f64::INFINITY, f64::min);
+            assert!((fan.nearest(x).unwrap().0.abs() - least).abs() < 1e-12);
+        }
     }
 
     /// A repeated triangle, beginning at any of its corners, counts once.

@@ -2,7 +2,7 @@
 
 use super::load::components;
 use crate::algebra::vector::Vector;
-use crate::base::input_error::InputError;
+use crate::base::input_error::{InputError, in_one_line};
 
 /// A boundary or a body coupled to a reference point.
 ///
@@ -81,10 +81,7 @@ impl Coupling {
             let message = format!("two couplings are called `{}`", self.name);
             return Err(InputError::new("name", message, "give each coupling a name of its own"));
         }
-        if self.name.trim().is_empty() || self.name.contains(char::is_control) {
-            let message = format!("the name of a coupling is {:?}, but must be a text in one line", self.name);
-            return Err(InputError::new("name", message, "give a name such as \"handle\""));
-        }
+        in_one_line("a coupling", &self.name, "give a name such as \"handle\"")?;
         if self.kind == CouplingKind::Distributing && matches!(self.part, Part::Body(_)) {
             let help = "name a boundary, or couple the body with kind = \"rigid\"";
             return Err(InputError::new("body", "a distributing coupling needs a boundary", help));

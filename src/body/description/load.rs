@@ -54,8 +54,8 @@ pub enum Action {
     Spin {
         /// Direction of the axis; default: z.
         axis: Option<Vector>,
-        /// A point of the axis, m.
-        through: Vector,
+        /// A point of the axis, m; for a body of revolution it may be left out.
+        through: Option<Vector>,
         /// Angular speed `ω`, rad/s. A history multiplies the force, that is `ω²`.
         speed: f64,
     },
@@ -149,7 +149,7 @@ impl Action {
             Action::Acceleration(acceleration) => components("acceleration", acceleration),
             Action::Spin { axis, through, speed } => {
                 axis.map_or(Ok(()), |axis| direction("rotation.axis", axis))?;
-                components("rotation.through", &through.components())?;
+                through.map_or(Ok(()), |through| components("rotation.through", &through.components()))?;
                 finite("rotation.speed", *speed)
             }
             Action::Temperature(temperature) => temperature.check("temperature"),

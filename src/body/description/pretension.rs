@@ -1,7 +1,7 @@
 //! Sections of bolts that are tightened.
 
 use super::{Contact, Description};
-use crate::base::input_error::{InputError, ensure, finite, not_huge};
+use crate::base::input_error::{InputError, ensure, finite, in_one_line, not_huge};
 use crate::base::timeline::check_points;
 
 /// A glued contact whose sides are pulled towards each other, such as the section of a bolt: the boundary moves beyond the
@@ -60,10 +60,7 @@ impl Pretension {
 
     /// Checks a pretension of `description`, also against the `earlier` ones.
     pub(super) fn check(&self, description: &Description, earlier: &[Pretension]) -> Result<(), InputError> {
-        if self.name.trim().is_empty() || self.name.contains(char::is_control) {
-            let message = format!("the name of a pretension is {:?}, but must be a text in one line", self.name);
-            return Err(InputError::new("name", message, "give a name such as \"bolt\""));
-        }
+        in_one_line("a pretension", &self.name, "give a name such as \"bolt\"")?;
         let couplings = description.couplings.iter().map(|coupling| &coupling.name);
         if couplings.chain(earlier.iter().map(|other| &other.name)).any(|other| *other == self.name) {
             let message = format!("another pretension or coupling is called `{}`", self.name);

@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use crate::algebra::vector::Vector;
-use crate::base::input_error::{InputError, ensure, finite};
+use crate::base::input_error::{InputError, ensure, finite, in_one_line};
 
 /// The largest number of points of a probe; output of more points belongs in a field file.
 const MOST_POINTS: usize = 10_000;
@@ -67,8 +67,10 @@ impl Probe {
         let mut names = HashSet::new();
         for (k, probe) in probes.iter().enumerate() {
             let key = |name: &str| format!("output.probe[{k}].{name}");
-            if probe.name.is_empty() || !names.insert(&probe.name) {
-                let message = format!("the probe is called {:?}, which is empty or the name of another", probe.name);
+            let help = "give a name such as \"corner\"";
+            in_one_line("a probe", &probe.name, help).map_err(|fault| fault.with_key(&format!("output.probe[{k}]")))?;
+            if !names.insert(&probe.name) {
+                let message = format!("another probe is called {:?}", probe.name);
                 return Err(InputError::new(key("name"), message, "give each probe a name of its own"));
             }
             let each = |name: &str, point: Vector| point.components().iter().try_for_each(|x| finite(&key(name), *x));

@@ -327,7 +327,9 @@ impl Si {
             Action::Acceleration(acceleration) => {
                 Action::Acceleration(self.components(Quantity::Acceleration, acceleration))
             }
-            Action::Spin { axis, through, speed } => Action::Spin { axis, through: self.point(through), speed },
+            Action::Spin { axis, through, speed } => {
+                Action::Spin { axis, through: through.map(|through| self.point(through)), speed }
+            }
             Action::Temperature(field) => Action::Temperature(self.field(Quantity::Number, field)),
         }
     }

@@ -13,9 +13,9 @@ impl Dofs {
         Some((self.points.get(beyond / 2)?, beyond % 2 == 1))
     }
 
-    /// Returns `true` if there are reference points.
-    pub fn has_points(&self) -> bool {
-        !self.points.is_empty()
+    /// Returns `true` if there are nodes outside the mesh: those of reference points and jumps.
+    pub fn has_nodes_outside(&self) -> bool {
+        self.nodes() > self.of_mesh
     }
 
     /// Returns `true` for a node whose displacement is the rotation of a reference point.

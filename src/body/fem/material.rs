@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::elastic::Elasticity;
 use crate::base::input_error::{InputError, ensure, finite, positive};
 use crate::base::units::Depth;
-use crate::body::mesh::Mesh;
+use crate::body::mesh::{Cell, Mesh, is_called};
 
 /// The isotropic linear elastic materials of a body; in two dimensions it is of unit thickness, or axisymmetric.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -263,19 +263,20 @@ impl Material {
     /// [`InputError`] with the missing key, or the key of a group that `mesh` does not have.
     pub fn densities(&self, mesh: &Mesh) -> Result<Vec<f64>, InputError> {
         let help = "give the density, e.g. 7850 kg/m³ for steel, 7.85e-9 t/mm³ where [units] has mm and MPa";
-        self.of_cells(mesh, "density", help, self.density, |group| group.density)
+        self.of_cells(mesh, "density", help, self.density, |group| group.density, |_| true)
     }
 
-    /// Returns the coefficient of thermal expansion (1/K) of each cell of `mesh`.
+    /// Returns the coefficient of thermal expansion (1/K) of each cell of `mesh`; 0 where it is missing and not `needed`.
     ///
     /// # Errors
-    /// [`InputError`] with the missing key, or the key of a group that `mesh` does not have.
-    pub fn expansions(&self, mesh: &Mesh) -> Result<Vec<f64>, InputError> {
+    /// [`InputError`] with the key that is missing and needed, or the key of a group that `mesh` does not have.
+    pub fn expansions(&self, mesh: &Mesh, needed: impl Fn(usize) -> bool) -> Result<Vec<f64>, InputError> {
         let help = "give the coefficient of thermal expansion in 1/K, e.g. 12e-6 for steel";
-        self.of_cells(mesh, "expansion", help, self.expansion, |group| group.expansion)
+        self.of_cells(mesh, "expansion", help, self.expansion, |group| group.expansion, needed)
     }
 
-    /// Returns a constant of each cell: that of its group, otherwise that of the main material, `itself`.
+    /// Returns a constant of each cell: that of its group, otherwise that of the main material, `itself`; 0 where both are
+    /// missing and it is not `needed`.
     fn of_cells(
         &self,
         mesh: &Mesh,
@@ -283,6 +284,7 @@ impl Material {
         help: &str,
         itself: Option<f64>,
         of_group: impl Fn(&MaterialGroup) -> Option<f64>,
+        needed: impl Fn(usize) -> bool,
     ) -> Result<Vec<f64>, InputError> {
         let groups = self.groups_of(mesh)?;
         let missing = |group: usize| match groups[group] {
@@ -293,7 +295,12 @@ impl Material {
             None => InputError::new(format!("material.{key}"), format!("a load needs the {key} of the material"), help),
         };
         let value = |group: usize| groups[group].and_then(|k| of_group(&self.groups[k])).or(itself);
-        mesh.cells.iter().map(|cell| value(cell.group).ok_or_else(|| missing(cell.group))).collect()
+        let of_cell = |(e, cell): (usize, &Cell)| match value(cell.group) {
+            Some(value) => Ok(value),
+            None if needed(e) => Err(missing(cell.group)),
+            None => Ok(0.0),
+        };
+        mesh.cells.iter().enumerate().map(of_cell).collect()
     }
 
     /// Returns for each group of `mesh` the index of its material group. A group `upper:rim` that is not named has the
@@ -302,7 +309,8 @@ impl Material {
         let body = |group: &'_ str| group.split_once(':').map(|(body, _)| body.to_string());
         for (k, MaterialGroup { name, .. }) in self.groups.iter().enumerate() {
             let has = |group: &String| {
-                group == name || mesh.notes.members(group).contains(name) || body(group).as_ref() == Some(name)
+                let members = mesh.notes.members(group).iter().cloned().chain([group.clone()]).chain(body(group));
+                members.into_iter().any(|other| is_called(&other, name))
             };
             if !mesh.groups.iter().any(has) {
                 let message = format!("the mesh has no material group `{name}`");
@@ -311,7 +319,10 @@ impl Material {
                 return Err(InputError::new(format!("material.group[{k}].name"), message, help));
             }
         }
-        let called = |name: &str| self.groups.iter().position(|group| group.name == name);
+        let called = |name: &str| {
+            let exact = self.groups.iter().position(|group| group.name == name);
+            exact.or_else(|| self.groups.iter().position(|group| is_called(name, &group.name)))
+        };
         let one_of = |group: &String| -> Result<Option<usize>, InputError> {
             let members: Vec<usize> = mesh.notes.members(group).iter().filter_map(|member| called(member)).collect();
             match members[..] {

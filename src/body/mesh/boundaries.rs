@@ -10,7 +10,8 @@ pub(super) struct Outline {
     dimension: Option<usize>,
 }
 
-fn sorted(nodes: &[usize]) -> Facet {
+/// Returns the nodes of a facet in ascending order.
+pub(super) fn sorted(nodes: &[usize]) -> Facet {
     let mut key = nodes.to_vec();
     key.sort_unstable();
     key

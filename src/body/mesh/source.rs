@@ -9,7 +9,7 @@ use super::half_plane::half_plane;
 use super::joined::{append, named};
 use super::{CellKind, Mesh, MeshFileError, MeshFormat};
 use crate::algebra::vector::{Vector, plus};
-use crate::base::input_error::{InputError, ensure, finite, not_huge, positive};
+use crate::base::input_error::{InputError, ensure, finite, in_one_line, not_huge, positive};
 
 /// The source of a mesh. Lengths are in m.
 #[derive(Debug, Clone, PartialEq)]
@@ -373,8 +373,10 @@ fn check_bodies(bodies: &[Body]) -> Result<(), InputError> {
     let mut plane_or_not: Option<(usize, &str)> = None;
     for (k, Body { name, mesh, at }) in bodies.iter().enumerate() {
         let key = |what: &str| format!("body[{k}].{what}");
-        if name.is_empty() || name.contains(':') {
-            let message = format!("the name of the body is {name:?}, but must have a letter and no colon");
+        in_one_line("a body", name, "give a name such as \"ring\"")
+            .map_err(|fault| fault.with_key(&format!("body[{k}]")))?;
+        if name.contains(':') {
+            let message = format!("the name of the body is {name:?}, but must have no colon");
             return Err(InputError::new(key("name"), message, "its boundaries will be called `name:boundary`"));
         }
         if bodies[..k].iter().any(|other| other.name == *name) {

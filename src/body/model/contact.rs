@@ -154,7 +154,7 @@ impl Contacts {
             obstacles: first..self.obstacles.len(),
             pair: None,
         };
-        let mut own_mu: Vec<f64> = Vec::with_capacity(nodes.len());
+        let (mut own_mu, mut places) = (Vec::with_capacity(nodes.len()), BTreeMap::new());
         let units = description.system(mesh.dimension);
         for node in nodes {
             let (mu, weight) = (friction(contact, &units, &node, k)?, node.weight);
@@ -163,7 +163,8 @@ impl Contacts {
             let node = ContactNode { counterpart: Counterpart::Obstacle(first + met), others, ..node };
             let i = self.add_node(node, mu, dofs, &contact.boundary, (&description.system(3), k))?;
             // Corners of a periodic body count as one node.
-            if let Some(same) = own.nodes.iter().position(|other| *other == i) {
+            let same = *places.entry(i).or_insert(own.nodes.len());
+            if same < own.nodes.len() {
                 own.weights[same] += weight;
                 own_mu[same] += (mu - own_mu[same]) * (weight / own.weights[same]);
             } else {

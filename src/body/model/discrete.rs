@@ -57,5 +57,5 @@ pub(super) fn is_a_sum_over_cells<'a>(
     volumes: &NodalVolumes,
     mut springs: impl Iterator<Item = &'a Spring>,
 ) -> bool {
-    !dofs.has_points() && pairs.is_empty() && volumes.is_empty() && springs.next().is_none()
+    !dofs.has_nodes_outside() && pairs.is_empty() && volumes.is_empty() && springs.next().is_none()
 }

@@ -1,9 +1,12 @@
 //! The loads and springs of a description as forces on the nodes of its mesh.
 
+use std::sync::atomic::AtomicBool;
+use std::sync::atomic::Ordering::Relaxed;
+
 use super::coupling::{Couplings, about_axes};
 use super::find;
 use super::place::{node, of_dimension, suits};
-use crate::algebra::vector::{axis, cross, dot, minus, norm, unit};
+use crate::algebra::vector::{Vector, axis, cross, dot, minus, norm, unit};
 use crate::base::input_error::InputError;
 use crate::body::description::{Action, Bed, Description, Field, Where};
 use crate::body::fem::{
@@ -37,6 +40,14 @@ pub(super) struct FreeStrain {
     pub of_cells: Vec<f64>,
     /// The mean strain in each nodal volume.
     pub of_volumes: Vec<f64>,
+}
+
+/// Returns the given point of the axis of a rotation, or that of a body of revolution.
+fn point_of_axis(mesh: &Mesh, through: Option<Vector>, key: &str) -> Result<Vector, InputError> {
+    let own = (mesh.geometry == Geometry::Axisymmetric).then(|| [0.0, 0.0].into());
+    through.or(own).ok_or_else(|| {
+        InputError::new(key, "the rotation has no point of its axis", "add through, such as through = [0, 0]")
+    })
 }
 
 impl LoadedBody<'_> {
@@ -91,7 +102,8 @@ impl LoadedBody<'_> {
                 body_force(mesh, |e, _| acceleration.map(|a| density[e] * a))
             }
             Action::Spin { axis: given, through, speed } => {
-                suits(mesh, *through, &at("rotation.through"))?;
+                let through = point_of_axis(mesh, *through, &at("rotation"))?;
+                suits(mesh, through, &at("rotation.through"))?;
                 let own = if mesh.geometry == Geometry::Axisymmetric { axis(1) } else { axis(2) };
                 let along = given.map_or(own, |axis| unit(axis.components()));
                 if mesh.dimension == 2 && cross(along, own) != [0.0; 3] {
@@ -120,8 +132,13 @@ impl LoadedBody<'_> {
                 })
             }
             Action::Temperature(temperature) => {
-                let expansion = description.material.expansions(mesh)?;
-                let strain = |e: usize, x: [f64; 3]| expansion[e] * temperature.at(x);
+                let expansion = description.material.expansions(mesh, |_| false)?;
+                let warm: Vec<AtomicBool> = mesh.cells.iter().map(|_| AtomicBool::new(false)).collect();
+                let strain = |e: usize, x: [f64; 3]| {
+                    let temperature = temperature.at(x);
+                    warm[e].fetch_or(temperature != 0.0, Relaxed);
+                    expansion[e] * temperature
+                };
                 let of_cells: Vec<f64> = (0..mesh.cells.len()).map(|e| strain(e, mesh.centre(e))).collect();
                 let of_volumes = volumes.means(mesh, strain);
                 // If dilatations are averaged, thermal strains must be averaged as well; their difference would cause a
@@ -131,6 +148,7 @@ impl LoadedBody<'_> {
                 } else {
                     volumes.forces(&of_volumes.iter().map(|strain| 3.0 * strain).collect::<Vec<_>>())
                 };
+                description.material.expansions(mesh, |e| warm[e].load(Relaxed))?;
                 free_strain = Some(FreeStrain { of_cells, of_volumes });
                 defined(forces, &at("temperature"), "temperature")?
             }

@@ -15,10 +15,12 @@ pub fn line(fields: &[impl AsRef<str>]) -> String {
     fields.join(",") + "\n"
 }
 
-/// Quotes a field if necessary. Names of boundaries may contain commas, quotes and line breaks.
+/// Quotes a field if necessary. Names of boundaries may contain commas, quotes and line breaks; other control
+/// characters, which steer a terminal, are replaced.
 fn quoted(text: &str) -> Cow<'_, str> {
-    if text.contains([',', '"', '\n', '\r']) {
-        format!("\"{}\"", text.replace('"', "\"\"")).into()
+    let steers = |c: char| c.is_control() && c != '\n' && c != '\r';
+    if text.contains([',', '"', '\n', '\r']) || text.contains(steers) {
+        format!("\"{}\"", text.replace('"', "\"\"").replace(steers, "\u{fffd}")).into()
     } else {
         text.into()
     }
@@ -50,6 +52,7 @@ mod tests {
     #[test]
     fn fields_are_quoted_where_they_have_to_be() {
         assert_eq!(line(&["1", "left edge", ""]), "1,left edge,\n");
+        assert_eq!(line(&["to\u{1b}[31m\0p"]), "\"to\u{fffd}[31m\u{fffd}p\"\n");
         assert_eq!(line(&["le,ft", "the \"top\"", "a\nb"]), "\"le,ft\",\"the \"\"top\"\"\",\"a\nb\"\n");
     }
 }

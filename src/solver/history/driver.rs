@@ -78,7 +78,7 @@ impl<'a> HistoryDriver<'a> {
     pub(super) fn resume(&mut self) -> Result<(), Error> {
         let Some(from) = &self.settings.from else { return Ok(()) };
         let Saved { outcome, position, stage, statistics, .. } =
-            Saved::read(from, self.problem, self.times, self.settings)?;
+            Saved::read(from, self.problem, self.loading, self.times, self.settings)?;
         self.outcome = outcome.resume(HistoryOutcome::unsolved(self.problem));
         (*self.position, self.done, self.saved) = (position, statistics, Some(stage));
         Ok(())
@@ -269,24 +269,24 @@ impl<'a> HistoryDriver<'a> {
                 outcome.status = Status::Interrupted;
                 return Ok(None);
             }
-            observer.rest(&|| outcome.checkpoint(settings, &path, condensed, linear));
+            observer.rest(&|| outcome.checkpoint(&path, &times[..index], condensed, linear));
         }
         Ok(None)
     }
 }
 
 impl HistoryOutcome {
-    /// Creates a checkpoint after the increments so far.
+    /// Creates a checkpoint after the increments so far, which end at `times`.
     fn checkpoint(
         &self,
-        settings: &HistorySettings,
         path: &IncrementDriver<'_>,
+        times: &[f64],
         condensed: Option<&Condensed>,
         linear: &RefinedSolver,
     ) -> Checkpoint {
         let nodes = condensed.and_then(Condensed::nodes).map(<[usize]>::to_vec);
         let saved = Saved {
-            run: RunOf::new(&self.layout, settings),
+            run: RunOf::new(path.problem, path.loading, times, path.settings),
             outcome: Done::of(self),
             position: path.at.clone(),
             stage: SavedStage { snapshot: path.stage.method.snapshot(linear), nodes },

@@ -5,7 +5,7 @@ use super::interior::{InteriorRecovery, RecoveredState, Responds};
 use super::jump::{AfterJump, JumpSolver, RestartPoint};
 use super::observer::{IncrementView, Observer, record};
 use super::record::{ContactCounts, IncrementRecord, Seconds, Status, is_solution};
-use super::saved::SavedPath;
+use super::saved::{RunOf, SavedPath};
 use super::settings::HistorySettings;
 use super::state::IncrementResult;
 use super::system::{SystemSolver, statistics};
@@ -97,7 +97,8 @@ impl ExactHistory<'_> {
     fn follow(mut self, system: SystemSolver, start: Instant) -> Result<HistoryOutcome, Error> {
         let (problem, loading, settings) = (self.problem, self.loading, self.settings);
         let saved = settings.from.as_ref();
-        let saved = saved.map(|from| SavedPath::read(from, problem, self.times, settings, self.jump)).transpose()?;
+        let saved =
+            saved.map(|from| SavedPath::read(from, problem, loading, self.times, settings, self.jump)).transpose()?;
         let (mut linear, condensation) = match system {
             SystemSolver::Whole(linear) => (linear, None),
             SystemSolver::Condensed(condensation) => (RefinedSolver::default(), Some(condensation)),
@@ -220,8 +221,9 @@ impl ExactHistory<'_> {
                 self.outcome.status = Status::Interrupted;
                 return Ok(());
             }
-            let (outcome, settings, jump) = (&self.outcome, self.settings, self.jump);
-            self.observer.rest(&|| SavedPath::checkpoint(settings, jump, outcome, &walk, scales.clone()));
+            let (outcome, jump) = (&self.outcome, self.jump);
+            let run = || RunOf::new(self.problem, self.loading, &self.times[..=k], self.settings);
+            self.observer.rest(&|| SavedPath::checkpoint(run(), jump, outcome, &walk, scales.clone()));
         }
         Ok(())
     }

@@ -9,8 +9,9 @@ use crate::algebra::linear::Statistics;
 use crate::base::units::Scaling;
 use crate::solver::checkpoint::{Checkpoint, CheckpointError};
 use crate::solver::events::{ExactPath, Jump, SavedExactPath};
-use crate::solver::formulation::{Layout, Linearization};
+use crate::solver::formulation::Linearization;
 use crate::solver::laws::KktScales;
+use crate::solver::loading::Loading;
 use crate::solver::problem::{ContactProblem, State};
 use serde::{Deserialize, Serialize};
 
@@ -25,18 +26,40 @@ pub(super) struct Saved {
     pub statistics: Statistics,
 }
 
-/// Identifies the run of a checkpoint: a history can resume from a checkpoint only if both have equal keys.
-#[derive(Clone, PartialEq, Serialize, Deserialize)]
+/// Identifies the run of a checkpoint: a history can resume only from a checkpoint of the same problem, loading, method
+/// and times so far.
+#[derive(Clone, Serialize, Deserialize)]
 pub(super) struct RunOf {
     version: u32,
-    method: Method,
-    scaling: Scaling,
     displacements: usize,
     contacts: usize,
+    /// The fingerprints of the arrays of each of [`PARTS`].
+    parts: [Vec<Fingerprint>; PARTS.len()],
+    method: Method,
+    scaling: Scaling,
+    tolerance: f64,
 }
 
 /// The version of the stored data and of their use by the methods.
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
+
+/// The data that determine the increments so far.
+const PARTS: [&str; 6] = [
+    "the stiffness of the body",
+    "the contact rows",
+    "the weights of the contact nodes",
+    "the friction",
+    "the loads, gaps or motions",
+    "the times of the increments",
+];
+
+/// The sum of the absolute values of an array, and the sum of its values with weights that differ from place to place.
+#[derive(Clone, Copy, Serialize, Deserialize)]
+struct Fingerprint(f64, f64);
+
+/// Arrays are equal if their sums agree within this share of the sum of absolute values. Other processors compute the
+/// same data with other rounding.
+const ROUNDING: f64 = 1e-12;
 
 /// The results so far.
 #[derive(Clone, Serialize, Deserialize)]
@@ -71,35 +94,69 @@ pub(super) struct SavedStage {
     pub nodes: Option<Vec<usize>>,
 }
 
+/// Returns numbers in [-1/2, 1/2) of which no two nearby ones are equal: the multiples of the golden ratio.
+fn weights() -> impl Iterator<Item = f64> {
+    (1..).map(|k| (f64::from(k) * 0.618_033_988_749_895).fract() - 0.5)
+}
+
+impl Fingerprint {
+    fn of(array: &[f64]) -> Self {
+        let weighted = array.iter().zip(weights()).map(|(x, weight)| x * weight).sum();
+        Fingerprint(array.iter().map(|x| x.abs()).sum(), weighted)
+    }
+}
+
+impl PartialEq for Fingerprint {
+    fn eq(&self, other: &Self) -> bool {
+        let near = |a: f64, b: f64| (a - b).abs() <= ROUNDING * self.0.max(other.0);
+        near(self.0, other.0) && near(self.1, other.1)
+    }
+}
+
 impl RunOf {
-    pub(super) fn new(layout: &Layout, settings: &HistorySettings) -> Self {
+    /// Identifies a history whose increments so far end at `times`.
+    pub(super) fn new(problem: &ContactProblem, loading: &Loading, times: &[f64], settings: &HistorySettings) -> Self {
+        let (stiffness, columns) = (problem.stiffness(), weights().take(problem.displacements()).collect::<Vec<_>>());
+        let of = |array: &[f64]| vec![Fingerprint::of(array)];
+        let mut friction = of(problem.mu());
+        loading.friction().iter().for_each(|history| history.each_array(|array| friction.push(Fingerprint::of(array))));
+        let mut loads = Vec::new();
+        loading.each_array(|array| loads.push(Fingerprint::of(array)));
+        let parts = [
+            vec![Fingerprint::of(stiffness.at_hand().values()), Fingerprint::of(&stiffness.diagonal())],
+            [problem.c_n(), problem.c_t(), problem.c_o()].map(|rows| Fingerprint::of(&rows.mul(&columns))).to_vec(),
+            of(problem.weight().unwrap_or_default()),
+            friction,
+            loads,
+            of(times),
+        ];
         RunOf {
             version: VERSION,
+            displacements: problem.displacements(),
+            contacts: problem.contacts(),
+            parts,
             method: settings.method,
             scaling: settings.scaling,
-            displacements: layout.displacements(),
-            contacts: layout.contacts(),
+            tolerance: settings.tolerance,
         }
     }
 
     /// # Errors
-    /// [`CheckpointError::Other`] unless the key is that of this problem and method.
-    fn is_that_of(&self, problem: &ContactProblem, settings: &HistorySettings) -> Result<(), CheckpointError> {
-        let now = RunOf::new(&Layout::new(problem), settings);
-        if *self == now {
-            return Ok(());
-        }
-        Err(CheckpointError::Other { what: self.difference(&now) })
-    }
-
-    fn difference(&self, now: &RunOf) -> &'static str {
-        if self.version != now.version {
+    /// [`CheckpointError::Other`] unless the history of the checkpoint is that of `now`.
+    fn is_that_of(&self, now: &RunOf) -> Result<(), CheckpointError> {
+        let other = self.parts.iter().zip(&now.parts).position(|(then, now)| then != now);
+        let what = if self.version != now.version {
             "the version of stickslip"
-        } else if (self.method, self.scaling) == (now.method, now.scaling) {
+        } else if (self.displacements, self.contacts) != (now.displacements, now.contacts) {
             "the mesh or its contact"
-        } else {
+        } else if let Some(part) = other {
+            PARTS[part]
+        } else if (self.method, self.scaling, self.tolerance) != (now.method, now.scaling, now.tolerance) {
             "the method"
-        }
+        } else {
+            return Ok(());
+        };
+        Err(CheckpointError::Other { what })
     }
 }
 
@@ -119,14 +176,16 @@ impl Done {
         }
     }
 
+    /// Returns those of the `times` at which the increments so far end.
+    ///
     /// # Errors
-    /// [`CheckpointError::Other`] unless an increment of these `times` ends at the time of the checkpoint.
-    fn ends_at(&self, checkpoint: &Checkpoint, times: &[f64]) -> Result<(), CheckpointError> {
+    /// [`CheckpointError::Other`] if there are fewer; [`CheckpointError::Damaged`] if the checkpoint is not of their end.
+    fn times<'a>(&self, checkpoint: &Checkpoint, times: &'a [f64]) -> Result<&'a [f64], CheckpointError> {
         let done = self.tally.increments;
-        if done == 0 || done != checkpoint.increments() || times.get(done - 1) != Some(&checkpoint.time()) {
-            return Err(CheckpointError::Other { what: "the times of the increments" });
+        if done == 0 || done != checkpoint.increments() || self.reached != checkpoint.time() {
+            return Err(CheckpointError::Damaged);
         }
-        Ok(())
+        times.get(..done).ok_or(CheckpointError::Other { what: "the times of the increments" })
     }
 
     pub(super) fn resume(self, begun: HistoryOutcome) -> HistoryOutcome {
@@ -141,12 +200,13 @@ impl Saved {
     pub(super) fn read(
         checkpoint: &Checkpoint,
         problem: &ContactProblem,
+        loading: &Loading,
         times: &[f64],
         settings: &HistorySettings,
     ) -> Result<Self, CheckpointError> {
         let saved: Saved = checkpoint.part(0)?;
-        saved.run.is_that_of(problem, settings)?;
-        saved.outcome.ends_at(checkpoint, times)?;
+        let times = saved.outcome.times(checkpoint, times)?;
+        saved.run.is_that_of(&RunOf::new(problem, loading, times, settings))?;
         if !saved.fits(problem) {
             return Err(CheckpointError::Damaged);
         }
@@ -168,13 +228,12 @@ impl Saved {
 impl SavedPath {
     /// Creates a checkpoint of an exact path after the increments so far.
     pub(super) fn checkpoint(
-        settings: &HistorySettings,
+        run: RunOf,
         jump: bool,
         outcome: &HistoryOutcome,
         walk: &ExactPath<'_>,
         scales: [KktScales; 2],
     ) -> Checkpoint {
-        let run = RunOf::new(&outcome.layout, settings);
         let saved = SavedPath { run, outcome: Done::of(outcome), walk: walk.save(), jump, scales };
         Checkpoint::new(outcome.tally.increments, outcome.reached, &saved)
     }
@@ -183,16 +242,17 @@ impl SavedPath {
     pub(super) fn read(
         checkpoint: &Checkpoint,
         problem: &ContactProblem,
+        loading: &Loading,
         times: &[f64],
         settings: &HistorySettings,
         jump: bool,
     ) -> Result<Self, CheckpointError> {
         let saved: SavedPath = checkpoint.part(0)?;
-        saved.run.is_that_of(problem, settings)?;
+        let times = saved.outcome.times(checkpoint, times)?;
+        saved.run.is_that_of(&RunOf::new(problem, loading, times, settings))?;
         if saved.jump != jump {
             return Err(CheckpointError::Other { what: "the method" });
         }
-        saved.outcome.ends_at(checkpoint, times)?;
         if saved.outcome.state.check(problem).is_err() {
             return Err(CheckpointError::Damaged);
         }

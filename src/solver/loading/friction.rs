@@ -37,6 +37,14 @@ impl FrictionHistory {
         self.nodes
     }
 
+    /// Calls `see` with every array.
+    pub(crate) fn each_array(&self, mut see: impl FnMut(&[f64])) {
+        for (mu, history) in &self.cases {
+            see(mu);
+            see(history.as_flattened());
+        }
+    }
+
     /// Returns the coefficients at time `t` (s).
     pub fn at(&self, t: f64) -> Vec<f64> {
         let mut mu = vec![0.0; self.nodes];

@@ -134,7 +134,7 @@ mod tests {
         let springs = (1..n).flat_map(|i| [(i - 1, i - 1, 1.0), (i, i, 1.0), (i, i - 1, -1.0)]);
         let stiffness = Symmetric::from_triplets(n, &springs.chain([held_end]).collect::<Vec<_>>()).unwrap();
         let c_n = Csr::of_rows(n, (0..n).map(|i| [(i, -1.0)]));
-        let none = Csr::empty(n, n);
+        let none = Csr::empty(n, n).unwrap();
         ContactProblem::new(Parts {
             stiffness: stiffness.into(),
             c_n,

@@ -74,7 +74,7 @@ pub enum ProblemError {
         motion: usize,
     },
     /// The points or ends of a history do not increase.
-    #[error("{array} goes from time {before} to {after}, but times must increase")]
+    #[error("{array} goes from {before} to {after}, but must increase")]
     Order {
         /// The name of the array, with the index.
         array: String,

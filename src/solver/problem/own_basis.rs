@@ -264,7 +264,8 @@ mod tests {
     fn rows_of_single_nodes_stay() {
         let parts = line().into_parts();
         let diagonal = |c: f64| Csr::from_rows(5, [[(0, c)], [(2, c)], [(4, c)]]).unwrap();
-        let single = ContactProblem::new(Parts { c_n: diagonal(-1.0), c_t: Csr::empty(3, 5), ..parts }).unwrap();
+        let single =
+            ContactProblem::new(Parts { c_n: diagonal(-1.0), c_t: Csr::empty(3, 5).unwrap(), ..parts }).unwrap();
         assert_eq!(OwnBasis::of(&single), None);
     }
 }

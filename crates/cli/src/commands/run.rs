@@ -231,12 +231,12 @@ fn seconds(text: &str) -> Result<Duration, String> {
 /// Reports that results cannot be written. A full disk is a failure of the machine; any other cause is an error of the
 /// input.
 pub(super) fn write_failure(path: &Path, error: &io::Error) -> Failure {
+    let of = |help: &str| miette::miette!(help = help, "{}: results cannot be written: {error}", path.display());
     match error.kind() {
-        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => disk_failure(path, error),
-        _ => {
-            let help = "choose a writable folder with --out";
-            Failure::Input(miette::miette!(help = help, "{}: results cannot be written: {error}", path.display()))
+        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
+            Failure::Machine(of("free disk space, and type the command again"))
         }
+        _ => Failure::Input(of("choose a writable folder with --out")),
     }
 }
 

@@ -45,6 +45,8 @@ pub(super) struct Solved {
     pub own: Own,
     /// The number of elements.
     pub elements: usize,
+    /// The number of elements, where one of second order counts as those of first order with its nodes.
+    pub fineness: f64,
     /// The dimension of the mesh.
     pub dimension: usize,
     /// The number of increments.
@@ -163,7 +165,7 @@ pub(super) fn series(steps: &[Step], of_mesh: bool, resolved: bool) -> Series {
     let Some(mut value) = usable(&steps[last]) else { return series };
     let size = |step: &Step| {
         if of_mesh {
-            (step.run.elements as f64).powf(-1.0 / step.run.dimension.max(1) as f64)
+            step.run.fineness.powf(-1.0 / step.run.dimension.max(1) as f64)
         } else {
             1.0 / step.run.increments as f64
         }
@@ -325,8 +327,8 @@ fn predict(steps: &[Step], next: Refined, growth: Option<f64>) -> Option<f64> {
         return Some(2.0 * last.seconds);
     }
     let cost = |run: &Solved| run.seconds / run.increments as f64;
-    let before = steps.iter().rev().map(|step| &step.run).find(|run| run.elements < last.elements);
-    let measured = before.map(|run| (cost(last) / cost(run)).ln() / (last.elements as f64 / run.elements as f64).ln());
+    let before = steps.iter().rev().map(|step| &step.run).find(|run| run.fineness < last.fineness);
+    let measured = before.map(|run| (cost(last) / cost(run)).ln() / (last.fineness / run.fineness).ln());
     let [least, usual, most] = GROWTH_OF_TIME;
     let exponent = measured.filter(|exponent| exponent.is_finite()).unwrap_or(usual).clamp(least, most);
     Some(last.seconds * growth?.powi(last.dimension as i32).powf(exponent))
@@ -349,6 +351,7 @@ mod tests {
             let [h, k] = [mesh, level].map(|level| 0.5_f64.powi(level as i32));
             let mut run = Solved {
                 elements: 4 << (2 * mesh),
+                fineness: 4.0 / (h * h),
                 dimension: 2,
                 increments: ladder.increments(level),
                 value: Some(value(h, k)),

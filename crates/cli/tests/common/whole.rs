@@ -96,8 +96,6 @@ pub fn results(folder: &Path) -> BTreeMap<String, String> {
                 assert_eq!(text.lines().next().unwrap().split(',').nth(16), Some("seconds_assembly"));
                 text.lines().map(kept).collect::<Vec<_>>().join("\n")
             }
-            // The subtitle counts factorisations.
-            "iterations.svg" => text.lines().filter(|line| !line.contains("factorisations")).collect(),
             _ => continue,
         }
     }

@@ -360,3 +360,22 @@ fn an_exact_path_that_does_not_exist_is_refused() {
     assert_exit(&output, 2);
     assert!(stderr(&output).contains("slide along lines") && stderr(&output).contains("\"bn\""), "{}", stderr(&output));
 }
+
+/// A missing file is told at the key that names it, in an inline table and in a list too.
+#[test]
+fn missing_files_are_told_at_their_keys() {
+    let plane = "{ kind = \"plane\", gap = 1e-5 }";
+    for (obstacle, key) in [
+        ("{ kind = \"surface\", file = \"absent.stl\" }", "obstacle ="),
+        ("[{ kind = \"plane\" }, { kind = \"table\", file = \"absent.csv\" }]", "obstacle ="),
+    ] {
+        let text = edit(&small(), plane, obstacle);
+        let line = 1 + text.lines().position(|line| line.starts_with(key)).unwrap();
+        let (_folder, scene) = Folder::with_scene(&text);
+        for command in ["check", "run"] {
+            let output = stickslip(&[command, &scene]);
+            assert_exit(&output, 2);
+            assert!(stderr(&output).contains(&format!(".toml:{line}:")), "{line}: {}", stderr(&output));
+        }
+    }
+}

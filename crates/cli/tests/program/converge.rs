@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
+use std::fmt::Write as _;
 use std::fs;
 
 use crate::program::{Folder, assert_exit, json, number, small, stderr, stdout, stickslip};
@@ -187,4 +188,49 @@ fn mesh_files_are_named() {
     let output = stickslip(&converge(&file, "force", &["--meshes", "a.msh"]));
     assert_exit(&output, 1);
     assert!(stdout(&output).contains("no finer mesh is named") && stdout(&output).contains("gmsh -3 -clscale 0.5"));
+}
+
+/// Returns a unit square of `n` by `n` quadrilaterals, of eight nodes if `second`.
+fn square(n: usize, second: bool) -> String {
+    let number = |x: usize, y: usize| 1 + x + (2 * n + 1) * y;
+    let mut nodes = String::from("*NODE\n");
+    let (mut elements, mut bottom, mut top) =
+        (format!("*ELEMENT, TYPE=CPE{}\n", if second { 8 } else { 4 }), vec![], vec![]);
+    for (y, x) in (0..=2 * n).flat_map(|y| (0..=2 * n).map(move |x| (y, x))) {
+        let place = [x, y].map(|c| c as f64 / (2 * n) as f64);
+        writeln!(nodes, "{}, {}, {}", number(x, y), place[0], place[1]).unwrap();
+        if y == 0 || y == 2 * n {
+            if y == 0 { &mut bottom } else { &mut top }.push(number(x, y).to_string());
+        }
+        if x % 2 == 0 && y % 2 == 0 && x < 2 * n && y < 2 * n {
+            let around = [[0, 0], [2, 0], [2, 2], [0, 2], [1, 0], [2, 1], [1, 2], [0, 1]];
+            let around = around[..if second { 8 } else { 4 }].iter().map(|[i, j]| number(x + i, y + j).to_string());
+            writeln!(elements, "{}, {}", number(x, y), around.collect::<Vec<_>>().join(", ")).unwrap();
+        }
+    }
+    let set = |name: &str, of: &[String]| format!("*NSET, NSET={name}\n{}\n", of.join(",\n"));
+    [nodes, elements, set("BOTTOM", &bottom), set("TOP", &top)].concat()
+}
+
+/// A mesh of second order is finer than one of first order with as many elements.
+#[test]
+fn meshes_of_second_order_are_finer() {
+    let (folder, file) = Folder::with_scene(
+        "mesh = { kind = 'abaqus', file = 'a.inp' }
+        material = { young = 1e9, poisson = 0.3 }
+        support = [{ boundary = 'TOP', fix = ['x', 'y'] }]
+        contact = [
+          { boundary = 'BOTTOM', friction = 0.3, obstacle = { kind = 'plane', approach = [[0, 0], [1, 1e-3]] } },
+        ]
+        time = { end = 1, increments = 2 }",
+    );
+    for (name, n, second) in [("a.inp", 4, false), ("b.inp", 4, true), ("c.inp", 8, true)] {
+        fs::write(folder.join(name), square(n, second)).unwrap();
+    }
+    let output = stickslip(&converge(&file, "force", &["--to", "0.02", "--meshes", "a.inp,b.inp,c.inp", "--json"]));
+    let told: serde_json::Value = serde_json::from_str(stdout(&output)).unwrap();
+    assert!(told["runs"].as_array().unwrap().len() > 1, "{told}");
+    let output = stickslip(&converge(&file, "force", &["--to", "1e-9", "--meshes", "b.inp,a.inp"]));
+    assert_exit(&output, 2);
+    assert!(stderr(&output).contains("elements and is no finer"), "{}", stderr(&output));
 }

@@ -142,6 +142,60 @@ fn every_call_that_fails_leaves_a_folder_that_the_next_run_takes_up() {
     }
 }
 
+/// Commands that cannot resume do not speak of it after a full disk.
+#[test]
+fn a_full_disk_is_told_with_what_the_command_can_do() {
+    let (folder, scene) = Folder::with_scene(&small());
+    let out = folder.join("out");
+    for arguments in [
+        &["init", "block", "--out", &out][..],
+        &["sweep", &scene, "--vary", "contact.friction=0.1,0.2", "--out", &out],
+        &["converge", &scene, "--for", "force", "--out", &out],
+        &["run", &scene, "--out", &out],
+    ] {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));
+        command.args(arguments).env("LD_PRELOAD", shim()).env("FAULT_AT", "1").env("FAULT", "enospc");
+        let output = command.env("FAULT_LASTS", "1").output().unwrap();
+        assert_exit(&output, 3);
+        assert!(told(&output).contains("free disk space, and type the command again"), "{}", told(&output));
+        assert!(!told(&output).contains("--resume"), "{}", told(&output));
+    }
+}
+
+/// Runs again into the folder of the same run, killed at one call after the other: what it leaves is resumed, and
+/// nothing but results remains.
+#[test]
+fn a_second_run_that_is_killed_at_any_call_is_resumed() {
+    let scene = small().replace("increments = 4", "increments = 2").replace("[output]", "[output]\nfields = true");
+    let case = Case::new(&scene, &["--setting", "default"]);
+    let calls = case.whole("whole");
+    let copy = |out: &str| {
+        fs::create_dir_all(case.path(out)).unwrap();
+        for entry in fs::read_dir(case.path("whole")).unwrap().map(Result::unwrap) {
+            fs::copy(entry.path(), case.path(out).join(entry.file_name())).unwrap();
+        }
+    };
+    let names = |out: &str| {
+        let entries = fs::read_dir(case.path(out)).unwrap().map(|entry| entry.unwrap().file_name());
+        entries.collect::<std::collections::BTreeSet<_>>()
+    };
+    for at in 1.. {
+        copy("second");
+        let output = case.failing("second", at, "kill", false);
+        let done = output.status.success();
+        assert!(done || output.status.code().is_none(), "{at}: {}", stderr(&output));
+        let output = case.command("second", &["--resume"]).output().unwrap();
+        assert_exit(&output, 0);
+        assert_same(&case.path("whole"), &case.path("second"));
+        assert_eq!(names("second"), names("whole"), "killed at call {at}");
+        fs::remove_dir_all(case.path("second")).unwrap();
+        if done {
+            assert!(at > calls);
+            break;
+        }
+    }
+}
+
 /// Returns the number of increments in the table of a folder.
 fn listed(folder: &Path) -> usize {
     fs::read_to_string(folder.join("increments.csv")).map_or(0, |table| table.lines().count().saturating_sub(1))

@@ -213,7 +213,7 @@ fn the_body_has_the_same_solution() {
             }
         }
         let map = |k: usize| Csr::from_rows(n, (0..nodes).map(|i| [(dimension * i + k, 1.0)])).unwrap();
-        let c_o = if dimension == 3 { map(2) } else { Csr::empty(nodes, n) };
+        let c_o = if dimension == 3 { map(2) } else { Csr::empty(nodes, n).unwrap() };
         let parts = Parts { c_t: map(1), c_o, mu: mu.clone(), ..Parts::new(stiffness, map(0)) };
         let problem = ContactProblem::new(parts).unwrap();
         let increment =

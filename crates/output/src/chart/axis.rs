@@ -52,7 +52,8 @@ impl Scale {
     /// Returns the ticks for `values`, with about `most` labels and at least the share `margin` free at either end
     /// (half a step between whole numbers). A margin does not extend the axis across zero.
     pub(crate) fn ticks(self, values: impl Iterator<Item = f64>, margin: f64, most: f64) -> Ticks {
-        let places = values.filter_map(|value| self.place(value));
+        let places = values.filter_map(|value| self.place(value)).filter(|place| place.is_finite());
+        let places = places.map(|place| if place.abs() < 1.0 / FAR { 0.0 } else { place.clamp(-FAR, FAR) });
         let (low, high) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
         let (low, high) = if low < high {
             (low, high)
@@ -69,6 +70,10 @@ impl Scale {
         }
     }
 }
+
+/// The ends of an axis are at most this far from zero, and its steps at least the reciprocal apart, so that their
+/// quotients are finite.
+const FAR: f64 = 1e280;
 
 /// An end of the axis moves to a labelled tick if the distance is less than this share of the axis.
 const NEAR: f64 = 0.05;
@@ -89,8 +94,14 @@ fn linear(low: f64, high: f64, margin: f64, most: f64) -> Ticks {
     Ticks { from: first as f64 * minor, to: last as f64 * minor, all: (first..=last).map(tick).collect() }
 }
 
+/// Whole numbers have a tick each as long as there are at most so many for a label.
+const TICKS_OF_LABEL: f64 = 8.0;
+
 fn integers(low: f64, high: f64, most: f64) -> Ticks {
     let (low, high) = (low.floor(), high.ceil());
+    if high - low > TICKS_OF_LABEL * most {
+        return linear(low, high, 0.0, most);
+    }
     let step = step(high - low, most).0.max(1.0);
     let (step, first, last) = (step as i64, low as i64, high as i64);
     let tick = |k: i64| Tick { value: k as f64, label: (k % step == 0).then(|| number(k, 1.0)) };
@@ -177,6 +188,18 @@ mod tests {
                 let slack = 1e-6 * (ticks.to - ticks.from);
                 assert!(ticks.from <= low + slack && high <= ticks.to + slack, "{low} {high}: {ticks:?}");
                 assert!(ticks.all.iter().all(|tick| (-1e-9..=1.0 + 1e-9).contains(&ticks.share(tick.value))));
+            }
+        }
+    }
+
+    #[test]
+    fn any_values_have_few_ticks() {
+        let ends = [0.0, 5e-324, 1e-310, 1.0, 1.0 + f64::EPSILON, 9.007_199_254_740_993e15, 1e19, 1e308, f64::MAX];
+        let ends: Vec<f64> = ends.into_iter().chain([f64::INFINITY, f64::NAN]).flat_map(|x| [x, -x]).collect();
+        for (low, high) in ends.iter().flat_map(|low| ends.iter().map(move |high| (*low, *high))) {
+            for scale in [Scale::Linear, Scale::Integers, Scale::Decades] {
+                let ticks = scale.ticks([low, high].into_iter(), 0.03, 7.0);
+                assert!(ticks.all.len() < 800 && ticks.from < ticks.to, "{scale:?} {low} {high}: {}", ticks.all.len());
             }
         }
     }

@@ -47,6 +47,10 @@ impl LockedOutputDir {
             Err(error) if error.kind() == io::ErrorKind::NotFound => (None, false),
             Err(error) => return Err(error),
         };
+        // The run may have been killed before it could remove them.
+        if kept.as_ref().is_some_and(|(kept, _): &(Kept, _)| kept.ended.is_some()) {
+            lists::FILES.iter().try_for_each(|name| place.directory.remove(name))?;
+        }
         Ok(LockedOutputDir { place, kept: kept.map(|(kept, checkpoint)| (checkpoint, kept)), is_damaged })
     }
 

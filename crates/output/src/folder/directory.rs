@@ -16,6 +16,8 @@ use rustix::fs::{
 };
 use rustix::io::Errno;
 
+use super::names::CHECKPOINT;
+
 /// The file that marks a result folder. The writing process holds its lock.
 pub(super) const MARKER: &str = ".stickslip";
 
@@ -241,12 +243,14 @@ impl Locked {
     }
 
     /// Publishes all files under their own names and removes those for which `is_old`. Files for which `is_head` are
-    /// removed first, because by these readers know that a result is complete, or which files belong together.
+    /// removed first, because by these readers know that a result is complete, or which files belong together; of these
+    /// first the checkpoint, which promises the others to the next run.
     pub(super) fn publish(&mut self, is_head: impl Fn(&str) -> bool, is_old: impl Fn(&str) -> bool) -> io::Result<()> {
         if std::mem::replace(&mut self.is_published, true) {
             return Ok(());
         }
         self.sync_files()?;
+        self.directory.remove(CHECKPOINT)?;
         let mut heads = self.directory.names()?.into_iter().filter(|(name, is_folder)| !is_folder && is_head(name));
         heads.try_for_each(|(name, _)| self.directory.remove(&name))?;
         let staged = std::mem::take(&mut self.staged);

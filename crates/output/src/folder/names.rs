@@ -38,7 +38,7 @@ pub(super) fn increment_of_fields(name: &str) -> Option<&str> {
 
 /// Returns `true` for a file by which readers know that a result is complete, or which files belong together.
 pub(super) fn is_head(name: &str) -> bool {
-    ["run.json", CHECKPOINT, SERIES].contains(&name) || names_pieces(name)
+    ["run.json", SERIES].contains(&name) || names_pieces(name)
 }
 
 /// Returns `true` for a file that lists the files of the ranks.
@@ -86,11 +86,11 @@ pub(super) fn is_ours(name: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{CHECKPOINT, fields, increment_of_fields, is_head, is_ours, names_pieces, piece, pieces};
+    use super::{fields, increment_of_fields, is_head, is_ours, names_pieces, piece, pieces};
 
     #[test]
     fn what_says_that_others_are_whole_is_known() {
-        assert!(["run.json", CHECKPOINT, "fields.pvd", "fields_0001.pvtu"].into_iter().all(is_head));
+        assert!(["run.json", "fields.pvd", "fields_0001.pvtu"].into_iter().all(is_head));
         assert!(!["forces.csv", "fields_0001.vtu", "fields_0001_0.vtu", "mine.pvtu"].into_iter().any(is_head));
         assert!(names_pieces(&pieces(7)) && !names_pieces(&piece(7, 0)));
     }

@@ -206,7 +206,7 @@ fn vtu_files_are_in_the_units_of_the_scene() {
     for (Array { name, values: si, .. }, Array { name: other, values: mm, .. }) in si.iter().zip(&mm) {
         assert_eq!((name, si.len()), (other, mm.len()));
         let unit = match name.as_str() {
-            "Points" | "displacement" | "slip" | "gap" => 1e-3,
+            "Points" | "displacement" | "slip" | "opening" => 1e-3,
             "contact_pressure"
             | "tangential_traction"
             | "stress"

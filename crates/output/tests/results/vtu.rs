@@ -50,7 +50,7 @@ fn the_block_reads_back_as_it_was_computed() {
     assert!(read.types.iter().all(|&kind| kind == QUAD));
 
     let (components, displacement) = values(&read.point, "displacement");
-    let (_, gap) = values(&read.point, "gap");
+    let (_, gap) = values(&read.point, "opening");
     let (_, pressure) = values(&read.point, "contact_pressure");
     let (vector, traction) = values(&read.point, "tangential_traction");
     let (_, status) = values(&read.point, "status");

@@ -1,10 +1,16 @@
 //! The elements of Abaqus that are read, by the number of their nodes.
 
 use crate::body::mesh::CellKind;
+use crate::body::mesh::file::raw::ElementKind;
 
-/// Returns the kind of cells of Abaqus's type `name`; `None` if it is not supported. Abaqus and
-/// [`CellKind`] have the same orders of nodes and of sides.
-pub(super) fn kind_of(name: &str) -> Option<CellKind> {
+/// Returns the kind of elements of Abaqus's type `name`; `None` if it is not supported. Abaqus and
+/// [`CellKind`] have the same orders of nodes and of sides. Gmsh writes lines as trusses.
+pub(super) fn kind_of(name: &str) -> Option<ElementKind> {
+    match name {
+        "T2D2" | "T3D2" => return Some(ElementKind::Line),
+        "T2D3" | "T3D3" => return Some(ElementKind::Line3),
+        _ => {}
+    }
     let (solid, rest) = match name.strip_prefix("C3D") {
         Some(rest) => (true, rest),
         None => (false, ["CPE", "CPS", "CAX"].iter().find_map(|family| name.strip_prefix(family))?),
@@ -15,7 +21,7 @@ pub(super) fn kind_of(name: &str) -> Option<CellKind> {
     if !variant.bytes().all(|letter| b"RHIMTS".contains(&letter)) {
         return None;
     }
-    Some(match (solid, nodes) {
+    Some(ElementKind::Cell(match (solid, nodes) {
         (false, "3") => CellKind::Triangle,
         (false, "4") => CellKind::Quadrilateral,
         (false, "6") => CellKind::Triangle6,
@@ -27,7 +33,7 @@ pub(super) fn kind_of(name: &str) -> Option<CellKind> {
         (true, "15") => CellKind::Prism15,
         (true, "20") => CellKind::Hexahedron20,
         _ => return None,
-    })
+    }))
 }
 
 /// Returns `true` for a type whose last letters choose a formulation, such as CPE4R.

@@ -5,7 +5,9 @@ use std::collections::{HashMap, HashSet};
 use super::elements::{is_variant, kind_of};
 use super::keywords::{Data, Keyword};
 use super::sets::{Sets, Span, present, too_many};
-use crate::body::mesh::file::raw::{ElementKind, RawMesh, real};
+use crate::body::mesh::Facet;
+use crate::body::mesh::boundaries::sorted;
+use crate::body::mesh::file::raw::{RawMesh, real};
 use crate::body::mesh::file::sides::{Element, add_boundary, no_side, outer, within};
 use crate::body::mesh::file::{MeshFormatError, Place};
 
@@ -144,8 +146,7 @@ impl Model {
                 words.extend(more.words());
             }
             if words.len() != kind.nodes() {
-                let message =
-                    format!("element {number} has {} nodes, but a {} has {}", words.len(), kind.name(), kind.nodes());
+                let message = format!("element {number} has {} nodes, but a {kind} has {}", words.len(), kind.nodes());
                 return Err(damaged(message));
             }
             let mut nodes = Vec::with_capacity(kind.nodes());
@@ -158,7 +159,7 @@ impl Model {
             if self.element_indices.insert(number, self.elements.len()).is_some() {
                 return Err(damaged(format!("the element {number} is there twice")));
             }
-            self.elements.push(Element { number, kind: ElementKind::Cell(kind), nodes });
+            self.elements.push(Element { number, kind, nodes });
             if let Some(set) = &set {
                 self.element_sets.add(set, [Span::one(number)]);
             }
@@ -231,6 +232,11 @@ impl Model {
     /// Converts all that was taken to a mesh; messages name the file `name`.
     pub(super) fn finish(mut self, name: &str) -> Result<RawMesh, MeshFormatError> {
         for (section, error) in &self.sections {
+            let elements = self.element_sets.indices(section, &self.element_indices);
+            if elements.into_iter().any(|e| self.elements[e].kind.dimension() == 1) {
+                let message = "*SOLID SECTION makes trusses of elements that would be lines of a boundary".to_string();
+                return Err(MeshFormatError { message, help: TYPES.to_string(), ..error.clone() });
+            }
             if !self.element_sets.has(section) {
                 return Err(error.clone());
             }
@@ -326,9 +332,14 @@ impl Model {
                 add(name, found)?;
             }
         }
-        for (_, sides) in &mut boundaries {
-            let mut seen = HashSet::new();
-            sides.retain(|side| seen.insert(*side));
+        for (name, sides) in &mut boundaries {
+            // An element of a lower dimension in the ELSET of this name is the same side.
+            let skin = self.element_sets.indices(name, &self.element_indices).into_iter();
+            let mut seen: HashSet<Facet> = skin.map(|e| sorted(&self.elements[e].nodes)).collect();
+            sides.retain(|&(e, k)| {
+                let Element { kind, nodes, .. } = &self.elements[e];
+                seen.insert(sorted(&kind.sides()[k].iter().map(|&k| nodes[k]).collect::<Vec<_>>()))
+            });
         }
         self.mesh.remarks.extend(points);
         Some(boundaries)
