@@ -206,8 +206,7 @@ fn a_slab_is_plane() {
         plane.contacts.iter().position(|c| (c.position[0] - contact.position[0]).abs() < 1e-9).unwrap()
     };
     // Alone, either of the two nodes across the slab is softer; with the same r, for half of the thickness, the way is the same.
-    let mut settings =
-        HistorySettings::new(&space.problem, &space.loading, Method::BN).unwrap().until(200, slab.solver.tolerance);
+    let mut settings = undivided(&space, &slab, Method::BN);
     let natural = FormulationScaling::natural(&plane.problem);
     let across = |r: &[f64]| space.contacts.iter().map(|contact| 0.5 * thickness * r[in_plane(contact)]).collect();
     (settings.conventions.r_n, settings.conventions.r_t) = (across(&natural.r_n), across(&natural.r_t));

@@ -145,7 +145,7 @@ fn what_makes_no_bodies_is_refused() {
     let half = HalfPlane { size: [1.0, 1.0], contact_width: 2.0, contact_elements: 2, outer_elements: 2, layers: 2 };
     for (source, key, says) in [
         (bodies(Vec::new()), "body", "there is no body"),
-        (bodies(vec![named("")]), "body[0].name", "must have a letter"),
+        (bodies(vec![named("")]), "body[0].name", "must be a text in one line"),
         (bodies(vec![named("a:b")]), "body[0].name", "no colon"),
         (bodies(vec![named("a"), named("b"), named("a")]), "body[2].name", "another body is called `a`"),
         (bodies(vec![named("a"), Body::new("b", two())]), "body[1].mesh", "made of bodies"),

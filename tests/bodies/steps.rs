@@ -91,7 +91,9 @@ fn an_increment_needs_the_loads_of_its_two_ends_only() {
 #[test]
 fn a_step_costs_what_an_increment_of_a_history_costs() {
     let (model, times) = model();
-    let settings = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap();
+    // Each increment as it stands.
+    let settings =
+        HistorySettings { halvings: 0, ..HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap() };
     for linear in built_in() {
         let (problem, loading) = (&model.problem, &model.loading);
         let whole = history::run(problem, loading, &times, &settings, linear.into(), &mut ()).unwrap().linear;

@@ -41,9 +41,9 @@ fn increments_without_a_change_of_status_take_no_iteration() {
     let outcome = agrees_within(&scene, 65);
     let free = outcome.records.iter().filter(|record| record.iterations == 0).count();
     assert!(free >= 65, "{free}");
-    // The factors of an increment serve the start of the next, but for the one in which the first nodes touch: to estimate their friction takes
-    // factors of its own.
-    assert!(outcome.linear.factorizations <= iterations(&outcome) + 3, "{}", outcome.linear.factorizations);
+    // The factors of an increment serve the start of the next, but for those in which nodes first touch: to estimate their friction, and to
+    // find the touch, takes factors of its own.
+    assert!(outcome.linear.factorizations <= iterations(&outcome) + 6, "{}", outcome.linear.factorizations);
 }
 
 /// Directions of slip turn; from the last state, or going on as before, 36.
