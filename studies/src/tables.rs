@@ -4,9 +4,11 @@ use clap::ValueEnum;
 use serde::Serialize;
 use std::time::Instant;
 use stickslip::body::ModelError;
-use stickslip::run::{Run, RunError, discretise};
+use stickslip::run::{RunError, discretise};
 use stickslip::scene::{Override, Scene, SceneError};
-use stickslip::solver::history::{IncrementRecord, LinearAlgebra, Method, SolverChoice, Start, Status};
+use stickslip::solver::history::{
+    HistorySettings, IncrementRecord, LinearAlgebra, Method, SolverChoice, Start, Status,
+};
 
 /// Half a unit of the last digit that the paper prints: a difference up to this is rounding.
 pub const ROUNDING: f64 = 0.05;
@@ -180,7 +182,11 @@ impl PaperTable {
         let scene = self.scene(case.contact_nodes, case.mu, case.increments)?;
         let model = discretise(&scene)?;
         let times = scene.time.all();
-        let outcome = Run::of(&model, times.clone(), self.solver(method, linear))?.history(&mut ())?;
+        let (solver, problem, loading) = (self.solver(method, linear), &model.problem, &model.loading);
+        // The tables count the iterations of whole increments.
+        let settings = HistorySettings { halvings: 0, ..solver.settings(problem, loading).map_err(RunError::from)? };
+        let outcome = solver.solve(problem, loading, &times, &settings, linear.into(), &mut ());
+        let outcome = outcome.map_err(RunError::from)?;
         let mean = |count: fn(&IncrementRecord) -> usize| {
             outcome.records.iter().map(count).sum::<usize>() as f64 / outcome.records.len() as f64
         };

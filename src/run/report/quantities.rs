@@ -34,7 +34,7 @@ const COLUMNS: &Table = &[
     (&["f_x", "f_y", "f_z", "sum_p_n", "sum_p_t", "sum_p_o", "p_n", "p_t", "p_o"], Force),
     (&["m_x", "m_y", "m_z"], Moment),
     (&["rotation_x", "rotation_y", "rotation_z"], Number),
-    (&["x", "y", "z", "w_n", "w_t", "w_o", "gap", "opening", "slip_t", "slip_o", "u_x", "u_y", "u_z"], Length),
+    (&["x", "y", "z", "w_n", "w_t", "w_o", "gap", "slip_t", "slip_o", "u_x", "u_y", "u_z"], Length),
     (&["sigma_n", "sigma_t", "sigma_o", "sigma_patch", "sigma_along", "sigma_across", "sigma_shear"], Stress),
     (&["s_xx", "s_yy", "s_zz", "s_xy", "s_yz", "s_zx", "von_mises"], Stress),
     (&["area"], Area),
@@ -58,7 +58,7 @@ const COLUMNS: &Table = &[
 
 /// The fields of bodies.
 const FIELDS: &Table = &[
-    (&["displacement", "slip", "gap"], Length),
+    (&["displacement", "slip", "opening"], Length),
     (
         &[
             "contact_pressure",
@@ -72,7 +72,7 @@ const FIELDS: &Table = &[
         ],
         Stress,
     ),
-    (&["status", "contact", "material", "body", "discretisation_error", "rank"], Number),
+    (&["contact", "material", "body", "discretisation_error", "rank"], Number),
 ];
 
 /// The keys of a report whose values have a unit; doc/reference/results.md lists them all.

@@ -214,7 +214,7 @@ fn vtu_files_are_in_the_units_of_the_scene() {
             | "von_mises"
             | "nodal_stress"
             | "nodal_von_mises" => 1e6,
-            "status" | "material" | "discretisation_error" => 1.0,
+            "contact" | "material" | "discretisation_error" => 1.0,
             other => panic!("what is the unit of {other}?"),
         };
         let largest = si.iter().filter(|x| x.is_finite()).fold(0.0_f64, |m, x| m.max(x.abs()));

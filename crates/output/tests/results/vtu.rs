@@ -53,7 +53,7 @@ fn the_block_reads_back_as_it_was_computed() {
     let (_, gap) = values(&read.point, "opening");
     let (_, pressure) = values(&read.point, "contact_pressure");
     let (vector, traction) = values(&read.point, "tangential_traction");
-    let (_, status) = values(&read.point, "status");
+    let (_, status) = values(&read.point, "contact");
     assert_eq!((components, vector, displacement.len()), (3, 3, 60));
     for (node, x) in model.mesh.nodes.iter().enumerate() {
         let contact = model.contacts.iter().position(|contact| contact.node == node);
