@@ -69,7 +69,9 @@ impl IncrementDriver<'_> {
         let has_tangent = |i: usize| problem.tangential_maps().iter().any(|map| !map.row(i).is_empty());
         let rubs = |i: usize| mu[i] > 0.0 && state.p_n[i] > 0.0 && has_tangent(i);
         let mut touching = vec![0.0; self.at.friction.len()];
-        (0..mu.len()).filter(|i| is_open(i) && rubs(*i)).for_each(|i| touching[part[i]] += mu[i] * state.p_n[i]);
+        for i in (0..mu.len()).filter(|i| is_open(i) && rubs(*i)) {
+            touching[part[i]] += mu[i] * state.p_n[i];
+        }
         let may_matter = |i: &usize| is_open(i) && rubs(*i) && 2.0 * touching[part[*i]] > MATTERS * friction[*i];
         let [_, w_t, w_o] = problem.contact_motion(&state.u);
         let slips: Vec<[f64; 2]> =
@@ -83,7 +85,9 @@ impl IncrementDriver<'_> {
         let (reached, gap) = (self.stage.method.snapshot(linear), self.stage.gap.clone());
         let [w_n, ..] = problem.contact_motion(&state.u);
         let far = FAR * open.iter().map(|(_, i)| gap[*i].abs() + w_n[*i].abs()).fold(0.0, f64::max);
-        open.iter().for_each(|(_, i)| self.stage.gap[*i] = far);
+        for (_, i) in &open {
+            self.stage.gap[*i] = far;
+        }
         self.stage.method.unknowns().copy_from_slice(&start.unknowns);
         let solved = self.solve(time, input, linear, observe)?;
         self.stage.gap = gap;

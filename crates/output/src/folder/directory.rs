@@ -155,7 +155,11 @@ impl Directory {
     /// Renames a file and replaces an existing one.
     pub(super) fn rename(&self, from: &str, to: &str) -> io::Result<()> {
         plain(to)?;
-        renameat(&self.handle, from, &self.handle, to).map_err(|error| self.explain(error.into()))
+        match renameat(&self.handle, from, &self.handle, to) {
+            // The files go before their folder.
+            Err(Errno::NOENT) => Err(removed()),
+            renamed => renamed.map_err(|error| self.explain(error.into())),
+        }
     }
 
     /// Removes a file if it exists.
@@ -186,10 +190,15 @@ impl Directory {
     /// Extends an error if the folder has been removed.
     fn explain(&self, error: io::Error) -> io::Error {
         if fstat(&self.handle).is_ok_and(|stat| stat.st_nlink == 0) {
-            return io::Error::new(io::ErrorKind::NotFound, "the folder was removed while results were written");
+            return removed();
         }
         error
     }
+}
+
+/// Returns the error for a folder that was removed.
+fn removed() -> io::Error {
+    io::Error::new(io::ErrorKind::NotFound, "the folder was removed while results were written")
 }
 
 impl Locked {
