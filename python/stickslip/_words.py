@@ -48,6 +48,6 @@ def few(words: Sequence[object], most: int = 5, separator: str = ", ") -> str:
 def reason_of(raw: dict[str, Any]) -> str:
     """The reason why a run of the core ended early: its own, or the motion that nothing stops."""
     if raw["status"] != "singular" or raw["free_motion"] is None:
-        return raw.get("reason", "")
+        return str(raw.get("reason", ""))
     weights = ", ".join(f"{weight:.3g}" for weight in raw["free_motion"])
     return f"neither K nor contact stops the body along the sum of its free_motions with the weights [{weights}]"
