@@ -286,8 +286,10 @@ impl Problem {
         judged.map_err(of_problem)
     }
 
-    /// Solves a history.
-    #[pyo3(signature = (tables, options, linear, keep, callback))]
+    /// Solves a history, or a single increment, of whose beginning only the tangential displacements are known: it has no
+    /// path along which it could be divided.
+    #[pyo3(signature = (tables, options, linear, keep, callback, is_single))]
+    #[expect(clippy::too_many_arguments, reason = "keywords of Python")]
     fn run<'py>(
         &self,
         py: Python<'py>,
@@ -296,6 +298,7 @@ impl Problem {
         linear: Option<&Bound<'py, PyAny>>,
         keep: Keep,
         callback: Option<Py<PyAny>>,
+        is_single: bool,
     ) -> PyResult<Bound<'py, PyDict>> {
         let problem = &*self.0;
         let (loading, times) = tables.loading(problem)?;
@@ -303,7 +306,10 @@ impl Problem {
         let (linear, own) = Algebra::new(linear, &raised)?.split(None);
         let solver = options.solver(linear)?;
         let (outcome, recorder) = watched(py, Recorder::new(keep, callback, raised), |recorder| {
-            let (system, settings) = prepared(self, &loading, &times, &solver)?;
+            let (system, mut settings) = prepared(self, &loading, &times, &solver)?;
+            if is_single {
+                settings.halvings = 0;
+            }
             Ok(solver.solve(problem, &loading, &times, &settings, own.unwrap_or(system), recorder)?)
         })?;
         exported(py, &outcome, recorder)

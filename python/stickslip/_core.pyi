@@ -52,7 +52,7 @@ class Problem:
     ) -> tuple[list[float], bytes, list[float]]: ...
     def run(
         self, tables: dict[str, Any], options: dict[str, Any], linear: object, keep: bool | list[int],
-        callback: Callable[..., object] | None,
+        callback: Callable[..., object] | None, is_single: bool,
     ) -> dict[str, Any]: ...
 
 class CondensedBody:

@@ -198,21 +198,31 @@ class ContactProblem(Matrices):
         >>> problem.solve([40.0, -100.0], [0.5, 1.0], mu=[[0.3], [0.2]]).p_t[:, 0, 0]
         array([15., 20.])
         """
-        problem, tables = _history.tables(self, force, factors, gap, drift, mu, times)
+        return self._solve(
+            _history.tables(self, force, factors, gap, drift, mu, times), single=False, keep_u=keep_u, callback=callback,
+            method=method, setting=setting, linear=linear, tolerance=tolerance, max_iterations=max_iterations, r_factor=r_factor
+        )
+
+    def _solve(
+        self, history: tuple[ContactProblem, dict[str, Any]], *, single: bool, keep_u: str | bool | Sequence[int] = "all",
+        callback: Callback | None = None, linear: Linear | LinearSolver | None = None, **options: Any,
+    ) -> Result:
+        problem, tables = history
+        method = options.get("method")
         if method == "events" and tables["mu"] is not None:
             raise ValueError("mu: friction that changes is solved by the methods bn and ip; events follows the path of friction that stays")
-        options, algebra = core_options(
-            method=method, setting=setting, linear=self._linear if linear is None else linear, tolerance=tolerance, max_iterations=max_iterations, r_factor=r_factor
-        )
+        words, algebra = core_options(linear=self._linear if linear is None else linear, **options)
         kept = keep(keep_u, len(tables["times"]))
         called(callback)
-        raw = problem._core.run(tables, options, algebra, kept, callback)
-        return Result._of(raw, self, reason=reason_of(raw), linear=algebra, stacklevel=3)
+        raw = problem._core.run(tables, words, algebra, kept, callback, single)
+        return Result._of(raw, self, reason=reason_of(raw), linear=algebra, stacklevel=4)
 
     def solve_increment(
         self, force: ArrayLike, *, gap: ArrayLike = 0.0, w_t_last: ArrayLike | None = None, **options: Unpack[IncrementOptions]
     ) -> Result:
         """One increment from given tangential displacements, set up anew; for many of them in a row see `stepper`.
+
+        Its path is not known, so that it is neither halved nor divided where a node first touches.
 
         Parameters
         ----------
@@ -238,8 +248,10 @@ class ContactProblem(Matrices):
         array([[[-10.]]])
         """
         w = tangential("w_t_last", w_t_last, self.n_c, self.tangents)
-        return self.solve(forces_of("force", force, self.n_u), [1.0], gap=vector("gap", gap, self.n_c),
-                          drift=w[None] if w.any() else None, **options)
+        mu = options.pop("mu", None)
+        drift = w[None] if w.any() else None
+        history = _history.tables(self, forces_of("force", force, self.n_u), [1.0], vector("gap", gap, self.n_c), drift, mu, None)
+        return self._solve(history, single=True, **options)
 
     def solve_many(
         self, force: ArrayLike | None = None, factors: ArrayLike | None = None, *, forces: Several | None = None,
