@@ -125,7 +125,7 @@ impl MemoryEstimate {
         budget: Option<Budget>,
     ) -> Result<(), RunError> {
         let Some(budget) = budget else { return Ok(()) };
-        // What is in use is part of the body.
+        // The memory in use belongs to the body.
         let used = kilobytes(Path::new("/proc/self/status"), "VmRSS:").unwrap_or(0) as f64;
         let of = |stiffness| {
             let need = Self::with(model, reach, linear, 0, stiffness);

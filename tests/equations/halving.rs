@@ -41,7 +41,7 @@ fn halves_are_increments_of_their_own() {
     let outcome = hasty(&model, needed, &[&loading[..], &[2.0]].concat(), &mut keep);
     let parts = outcome.records.last().unwrap().parts;
     assert!(outcome.status == Status::Converged && parts > 1, "the test has lost its case");
-    // The same parts, each an increment.
+    // The reference has an increment for each part.
     let ends = |r: &IncrementRecord| if r.parts > 1 { r.part_ends.clone() } else { vec![r.time] };
     let ends: Vec<f64> = outcome.records.iter().flat_map(ends).collect();
     let mut whole = Keep::default();

@@ -1,5 +1,5 @@
-//! What the verdict does not depend on: the scaling of single rows and columns, loads elsewhere, parts that nothing
-//! connects, earlier increments, units. A state that breaks a law is not accepted under any of them.
+//! The verdict does not depend on the scaling of single rows and columns, on loads elsewhere, on parts that nothing
+//! connects, on earlier increments, or on units. A state that breaks a law is not accepted under any of them.
 #![allow(clippy::unwrap_used)]
 
 use crate::common;

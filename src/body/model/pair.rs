@@ -97,8 +97,8 @@ impl Pairs {
             pair(description, mesh, k, opposite, materials, (&supports, &|node| node), slaves)
         };
         let held_alone = |row: &MortarRow| held_alone(dofs, row);
-        // Of the nodes that a support, a reference point or another row determines, those need no row of which the opposite
-        // side depends on the same nodes.
+        // A node that a support, a reference point or another row determines needs no row if the opposite side depends on
+        // the same nodes.
         let (mut bonds, mut pairs) = (Bonds::new(&carried), Pairs::default());
         let (mut later, mut slaves_before) = (Vec::new(), Vec::new());
         for contact in in_pairs(true) {

@@ -113,8 +113,8 @@ fn halves(slave: &str, master: &str) -> [Description; 2] {
     })
 }
 
-/// What holds or carries a side of one body where glue begins holds the other body, too, whichever is the slave: matching meshes
-/// move as one mesh.
+/// A support or coupling of one side where glue begins holds the other body, too, whichever is the slave: matching meshes move as
+/// one mesh.
 #[test]
 fn glue_joins_what_is_held_or_carried() {
     let oblique = || Support::along("upper:right", [1.0, 1.0], 0.0);
@@ -141,7 +141,7 @@ fn glue_joins_what_is_held_or_carried() {
     }
 }
 
-/// What supports hold along one direction on one side, and along another on the other, cannot be joined, and is refused.
+/// Two sides that supports hold along different directions cannot be joined, and are refused.
 #[test]
 fn glue_between_supports_of_its_own_kind_is_refused() {
     let [glued, _] = halves("upper:bottom", "lower:top");

@@ -4,7 +4,8 @@ use super::Bdiff;
 use crate::algebra::null_space::NEGLIGIBLE;
 use crate::solver::laws::coulomb::{NormalCase, TangentialCase, direction, length};
 
-/// The length of a motion, relative to the displacements and to the motion of obstacles, whose direction is the slip of every node that it moves.
+/// The length of a motion, relative to the displacements and to the motion of obstacles, whose direction is the slip of
+/// every node that it moves.
 const FAR: f64 = 1e3;
 
 impl Bdiff {
