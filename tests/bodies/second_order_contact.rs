@@ -16,7 +16,8 @@ use stickslip::run::{Run, discretise};
 use stickslip::scene::Scene;
 use stickslip::solver::State;
 use stickslip::solver::history::{
-    HistoryOutcome, IncrementView, LinearAlgebra, Method, Observer, SolverChoice, Status,
+    HistoryOutcome, HistorySettings, IncrementView, LinearAlgebra, Method, Observer, SolverChoice, Status,
+    SystemSolver, run,
 };
 
 /// A block of the given cells on its base under a formula of the gap on its top; `more` are further tables.
@@ -105,27 +106,34 @@ fn all_ways_agree() {
     for (cells, elements) in [("triangle6", "[6, 3]"), ("tetrahedron10", "[3, 2, 1]")] {
         let (_, model, times) = pushed(cells, elements);
         assert!(model.contacts.iter().filter(|contact| contact.ends.is_some()).count() > 5);
-        let states = |method: Method, linear: LinearAlgebra| {
-            let mut keep = Keep::default();
-            let outcome =
-                solve(&model, &times, SolverChoice { linear: Some(linear), ..SolverChoice::new(method) }, &mut keep);
-            assert!(outcome.linear.worst_backward_error < 1e-13, "{:e}", outcome.linear.worst_backward_error);
-            keep.states
-        };
-        let reference = states(Method::BN, LinearAlgebra::Whole(SparseLu::default()));
-        // Friction and normal forces come and go.
-        let slid = reference.iter().any(|state| sums(state)[1] > 1e-3);
-        let opened = reference.iter().flat_map(|state| &state.p_n).any(|p| *p == 0.0);
-        assert!(slid && opened, "{:?}", reference.iter().map(sums).collect::<Vec<_>>());
-        for (method, linear) in [
-            (Method::BN, LinearAlgebra::Whole(SparseLu::Faer)),
-            (Method::BN, LinearAlgebra::Condensed(SparseCholesky::default())),
-            (Method::BN, LinearAlgebra::Condensed(SparseCholesky::Faer)),
-            (Method::Ip, LinearAlgebra::Whole(SparseLu::default())),
-            (Method::Ip, LinearAlgebra::Condensed(SparseCholesky::default())),
-        ] {
-            let off = difference(&reference, &states(method, linear));
-            assert!(off < 1e-9, "{cells} {method:?} {linear:?}: {off:e}");
+        // An increment that ends at a touch is degenerate, and the interior point method's matrix nearly singular.
+        for halvings in [0, 6] {
+            let states = |method: Method, linear: LinearAlgebra| {
+                let mut keep = Keep::default();
+                let settings = SolverChoice::new(method).settings(&model.problem, &model.loading).unwrap();
+                let settings = HistorySettings { halvings, ..settings };
+                let system = SystemSolver::from(linear);
+                let outcome = run(&model.problem, &model.loading, &times, &settings, system, &mut keep).unwrap();
+                assert_eq!(outcome.status, Status::Converged, "{method:?} {linear:?}");
+                let worst = outcome.linear.worst_backward_error;
+                assert!(halvings > 0 || worst < 1e-13, "{method:?} {linear:?}: {worst:e}");
+                keep.states
+            };
+            let reference = states(Method::BN, LinearAlgebra::Whole(SparseLu::default()));
+            // Friction and normal forces come and go.
+            let slid = reference.iter().any(|state| sums(state)[1] > 1e-3);
+            let opened = reference.iter().flat_map(|state| &state.p_n).any(|p| *p == 0.0);
+            assert!(slid && opened, "{:?}", reference.iter().map(sums).collect::<Vec<_>>());
+            for (method, linear) in [
+                (Method::BN, LinearAlgebra::Whole(SparseLu::Faer)),
+                (Method::BN, LinearAlgebra::Condensed(SparseCholesky::default())),
+                (Method::BN, LinearAlgebra::Condensed(SparseCholesky::Faer)),
+                (Method::Ip, LinearAlgebra::Whole(SparseLu::default())),
+                (Method::Ip, LinearAlgebra::Condensed(SparseCholesky::default())),
+            ] {
+                let off = difference(&reference, &states(method, linear));
+                assert!(off < 1e-9, "{cells} {method:?} {linear:?} {halvings}: {off:e}");
+            }
         }
     }
 }
