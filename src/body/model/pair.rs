@@ -386,7 +386,10 @@ fn pair(
     mortar.join(alike);
     let swapped = choice.is_some_and(|choice| choice.slave == 1);
     let (slave, master) = if swapped { (second, first) } else { (first, second) };
-    let adjusted = |gap: f64| if gap.abs() <= opposite.adjust { 0.0 } else { gap };
+    // A measured gap is a difference of coordinates; below their rounding it is 0.
+    let coordinates = [slave, master].map(Boundary::nodes).into_iter().flatten().flat_map(|node| mesh.nodes[node]);
+    let touches = opposite.adjust.max(8.0 * f64::EPSILON * coordinates.fold(0.0, |most: f64, x| most.max(x.abs())));
+    let adjusted = |gap: f64| if gap.abs() <= touches { 0.0 } else { gap };
     let gap = |row: &MortarRow| -> Result<f64, InputError> {
         let place = mesh.nodes[row.node];
         let gap = match &opposite.gap {

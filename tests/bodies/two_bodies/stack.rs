@@ -6,7 +6,9 @@ use stickslip::algebra::linear::{SparseCholesky, SparseLu};
 use stickslip::base::equal_increments;
 use stickslip::body::mesh::MeshSource;
 use stickslip::body::{Description, Model};
-use stickslip::solver::history::{LinearAlgebra, Method};
+use stickslip::run::Run;
+use stickslip::scene::Scene;
+use stickslip::solver::history::{LinearAlgebra, Method, Status};
 
 fn condensed() -> LinearAlgebra {
     LinearAlgebra::Condensed(SparseCholesky::default())
@@ -208,5 +210,30 @@ fn all_ways_agree() {
     ] {
         let apart = difference(&reference, &run(method, linear));
         assert!(apart < 1e-8, "{method:?} {linear:?}: {apart:e}");
+    }
+}
+
+/// Gaps that are only rounding of the coordinates are 0: a block that contact alone holds is found by the exact path, too.
+#[test]
+fn a_block_that_just_touches() {
+    for cells in ["quadrilateral", "triangle6", "quadrilateral8"] {
+        for height in [0.1, 0.3, 0.7] {
+            let text = format!(
+                "solver = {{ method = \"events\" }}\ntime = {{ end = 1.0, increments = 2 }}\n\
+                 [[body]]\nname = \"low\"\nmaterial = {{ young = 1e9, poisson = 0.3 }}\n\
+                 mesh = {{ kind = \"block\", cells = \"{cells}\", size = [1.0, {height}], elements = [7, 2] }}\n\
+                 [[body]]\nname = \"high\"\nmaterial = {{ young = 1e9, poisson = 0.3 }}\n\
+                 mesh = {{ kind = \"block\", cells = \"{cells}\", size = [1.0, 0.3], elements = [7, 2], \
+                 origin = [0.3, {height}] }}\n\
+                 [[support]]\nboundary = \"low:bottom\"\nfix = [\"x\", \"y\"]\n\
+                 [[contact]]\nboundary = \"high:bottom\"\nagainst = \"low:top\"\nfriction = 0.3\n\
+                 [[load]]\nboundary = \"high:top\"\ntraction = [0.0, -1e6]\n"
+            );
+            let scene = Scene::parse("touches.toml", &text, &[]).unwrap();
+            let run = Run::new(&scene).unwrap();
+            assert!(run.model().contacts.iter().all(|contact| contact.facing.gap == 0.0), "{cells} {height}");
+            let report = run.solve(&mut ()).unwrap();
+            assert_eq!(report.status, Status::Converged, "{cells} {height}: {}", report.explanation.reason);
+        }
     }
 }
