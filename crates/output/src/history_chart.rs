@@ -2,7 +2,7 @@
 
 use super::chart::{Axis, Chart, Curve, Panel, Scale};
 use super::svg::{Dash, Line, Marker};
-use stickslip::base::{Depth, Quantity};
+use stickslip::base::Quantity;
 use stickslip::run::report::{ForceCurves, HistoryCurves, RunReport, Thinned};
 
 const BLACK: [u8; 3] = [0, 0, 0];
@@ -51,10 +51,7 @@ fn forces(report: &RunReport) -> Chart {
             ..Panel::default()
         }
     };
-    let unit = match (report.units.depth, report.units.has_si_units()) {
-        (Depth::Unit, true) => "N per m of depth".to_string(),
-        _ => report.units.name(Quantity::Force),
-    };
+    let unit = report.units.name(Quantity::Force);
     Chart {
         title: report.title.clone(),
         subtitle: match &boundaries[..] {

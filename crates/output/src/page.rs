@@ -98,13 +98,16 @@ pub(crate) fn page(names: &[String], read: impl Fn(&str) -> Result<String, PageE
     let mut files = BTreeMap::new();
     let increments = if is_there("increments.csv") { read("increments.csv")? } else { String::new() };
     let rows = shown_increments(&increments);
+    // The state of an increment that did not converge is none of the body.
+    let failed = not_converged(&increments);
+    let names: Vec<String> = names.iter().filter(|name| !failed.contains(&increment_of(name))).cloned().collect();
     if !increments.is_empty() {
         files.insert("increments.csv".to_string(), thinned(&increments, &rows, MOST_HISTORY));
     }
     if is_there("forces.csv") {
         files.insert("forces.csv".to_string(), thinned(&read("forces.csv")?, &rows, MOST_HISTORY));
     }
-    let probes = probes(head.as_ref(), names);
+    let probes = probes(head.as_ref(), &names);
     for name in probes.keys() {
         files.insert(name.clone(), thinned(&read(name)?, &rows, MOST_HISTORY / probes.len()));
     }
@@ -136,7 +139,7 @@ pub(crate) fn page(names: &[String], read: impl Fn(&str) -> Result<String, PageE
             files.insert(state.file.clone(), columns(&read(&state.file)?, &DRAWN));
         }
     }
-    let body = body(head.as_ref(), states, peak);
+    let body = body(head.as_ref(), states, &failed, peak);
     if body.is_empty() {
         pictures.extend(names.iter().filter(|name| name.starts_with("deformed_")).max().cloned());
     }
@@ -238,6 +241,20 @@ fn contact(file: &str, ending: &str, boundaries: &[(String, String)]) -> Option<
     Some(Contact { increment: number.parse().ok()?, boundary: boundary.to_string(), file: file.to_string() })
 }
 
+/// Returns the number of the increment whose state is in a file `contact_NNNN...` or `deformed_NNNN...`.
+fn increment_of(file: &str) -> Option<usize> {
+    let rest = file.strip_prefix("contact_").or_else(|| file.strip_prefix("deformed_"))?;
+    rest.split(['.', '_']).next()?.parse().ok()
+}
+
+/// Returns the numbers of the increments that did not converge, each as [`increment_of`] gives it.
+fn not_converged(increments: &str) -> BTreeSet<Option<usize>> {
+    let Some(place) = header(increments).position(|name| name == "status") else { return BTreeSet::new() };
+    let has_failed = |line: &&str| line.split(',').nth(place).is_some_and(|status| status != "converged");
+    let rows = increments.lines().skip(1).filter(has_failed);
+    rows.filter_map(|line| line.split(',').next()?.parse().ok()).map(Some).collect()
+}
+
 /// Returns the number of the increment that ends at this time.
 fn increment_at(time: f64, increments: &str) -> Option<usize> {
     increments.lines().find_map(|line| {
@@ -248,14 +265,16 @@ fn increment_at(time: f64, increments: &str) -> Option<usize> {
 }
 
 /// Returns the mesh and as many states of the body as the page shows, the last and that of the `peak` among them.
-fn body(head: Option<&view::Head>, states: &str, peak: Option<usize>) -> Vec<Value> {
+fn body(head: Option<&view::Head>, states: &str, failed: &BTreeSet<Option<usize>>, peak: Option<usize>) -> Vec<Value> {
     let Some(mesh) = head.and_then(|head| head.mesh.clone()) else { return Vec::new() };
     // A run that is being killed may leave a part of the last line.
-    let lines: Vec<&str> = states.split_inclusive('\n').filter(|line| line.ends_with('\n')).collect();
+    let of = |line: &str, index: usize| line.starts_with(&format!("{{\"index\":{index},"));
+    let is_good = |line: &&str| line.ends_with('\n') && !failed.iter().flatten().any(|index| of(line, *index));
+    let lines: Vec<&str> = states.split_inclusive('\n').filter(is_good).collect();
     let each = lines.iter().map(|line| line.len()).max().unwrap_or(1);
     let most = (MOST_BODY.saturating_sub(mesh.to_string().len()) / each).clamp(1, MOST_STATES);
     let mut shown = chosen(&(0..lines.len()).collect::<Vec<_>>(), most);
-    let is_peak = |line: &&str| peak.is_some_and(|peak| line.starts_with(&format!("{{\"index\":{peak},")));
+    let is_peak = |line: &&str| peak.is_some_and(|peak| of(line, peak));
     shown.extend(lines.iter().position(is_peak));
     let states: Vec<Value> = shown.into_iter().filter_map(|k| serde_json::from_str(lines[k]).ok()).collect();
     if states.is_empty() { Vec::new() } else { [vec![mesh], states].concat() }
@@ -311,6 +330,24 @@ mod tests {
         assert!(
             !page.contains("http://") || page.matches("http").count() == page.matches("http://www.w3.org/").count()
         );
+    }
+
+    /// A failed iterate may lie anywhere, so the page draws the increments that converged.
+    #[test]
+    fn the_state_of_a_failed_increment_is_not_drawn() {
+        let table = "x,y,status\n0,0,stick\n";
+        let (_, data) = made(&[
+            (
+                ".page.jsonl",
+                "{\"boundaries\":[],\"probes\":[],\"mesh\":{}}\n{\"index\":1,\"u\":\"a\"}\n{\"index\":12,\"u\":\"b\"}\n",
+            ),
+            ("increments.csv", "index,time,status\n1,1,converged\n12,12,singular\n"),
+            ("contact_0001.csv", table),
+            ("contact_0012.csv", table),
+        ]);
+        assert_eq!(data["contacts"].as_array().unwrap().len(), 1);
+        assert_eq!(data["body"].as_array().unwrap().len(), 2);
+        assert_eq!([&data["contacts"][0]["increment"], &data["body"][1]["index"]], [1, 1]);
     }
 
     /// Their files differ by a number that the rule of file names adds.

@@ -18,7 +18,7 @@ use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use stickslip::base::{Quantity, UnitSystem};
+use stickslip::base::{Depth, Quantity, UnitSystem};
 use stickslip::body::Model;
 use stickslip::run::report::{UnitNames, deformation, von_mises};
 use stickslip::solver::history::IncrementView;
@@ -32,7 +32,7 @@ const MOST_CELLS: usize = 20_000;
 /// The first line of the file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Head {
-    /// The units of the tables, if not SI.
+    /// The units of the tables, if not SI or per depth.
     #[serde(default)]
     pub units: Option<Value>,
     /// The boundaries with contact, in their order.
@@ -140,7 +140,7 @@ pub(crate) fn head(model: &Model, view: Option<&View>, probes: &[&str]) -> Strin
         names
     };
     let head = json!({
-        "units": (!units.is_si()).then(names),
+        "units": (!units.is_si() || units.depth == Depth::Unit).then(names),
         "boundaries": model.contact_boundaries.iter().map(|boundary| &boundary.name).collect::<Vec<_>>(),
         "probes": probes,
         "mesh": view.map(|view| view.mesh(model)),

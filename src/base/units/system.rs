@@ -159,24 +159,6 @@ impl UnitSystem {
     pub fn name(&self, quantity: Quantity) -> String {
         let (length, stress) = (self.units.length.name(), self.units.stress.name());
         let per_depth = self.depth == Depth::Unit;
-        if self.has_si_units() {
-            return match quantity {
-                Quantity::Number => "",
-                Quantity::Length => "m",
-                Quantity::Stress => "Pa",
-                Quantity::Force => "N",
-                Quantity::Area => "m2",
-                Quantity::EnergyPerArea => "J/m2",
-                Quantity::StressEnergyPerArea => "Pa J/m2",
-                Quantity::Moment => "N m",
-                Quantity::Energy => "J",
-                Quantity::Density => "kg/m3",
-                Quantity::Acceleration => "m/s2",
-                Quantity::Foundation => "N/m3",
-                Quantity::Spring => "N/m",
-            }
-            .to_string();
-        }
         let [area, volume, mass] = [2, 3, 1].map(|b| self.product(1, b));
         let own = named(area, &FORCES);
         let force = own.map_or_else(|| format!("{stress} {length}2"), String::from);
@@ -267,7 +249,10 @@ mod tests {
             (system(LengthUnit::Foot, StressUnit::Psi, 3), Length, "ft", 0.3048),
             (system(LengthUnit::Foot, StressUnit::Psi, 3), Force, "psi ft2", 144.0 * 4.448_221_615_260_5),
             (system(LengthUnit::Kilometre, StressUnit::Pascal, 3), Force, "MN", 1e6),
-            (UnitSystem::si(2), Force, "N", 1.0),
+            (UnitSystem::si(3), Force, "N", 1.0),
+            (UnitSystem::si(2), Force, "N/m", 1.0),
+            (UnitSystem::si(2), Moment, "N m/m", 1.0),
+            (UnitSystem::si(2), Energy, "J/m", 1.0),
         ];
         for (system, quantity, name, si) in cases {
             assert_eq!(system.name(quantity), name, "{system:?}");

@@ -119,7 +119,7 @@ fn any_quantity_of_a_report_is_shown() {
         assert_eq!(line[line.len() - 1].parse(), Ok(least));
     }
     let svg = fs::read_to_string(folder.0.join("out/sweep.svg")).unwrap();
-    for text in ["min:support:left.f_x, N", "time.increments = 2", "time.increments = 4", "contact.friction"] {
+    for text in ["min:support:left.f_x, N/m", "time.increments = 2", "time.increments = 4", "contact.friction"] {
         assert!(svg.lines().any(|line| line == text), "{text}");
     }
     // The page holds table and chart, and leads to the reports of the variants.

@@ -228,7 +228,7 @@ fn pictures_name_the_units_of_the_scene() {
     let [si, mm] = run(&block());
     for (name, of_si, of_mm) in [
         ("deformed_0004.svg", ["m at most", "von Mises, MPa"], ["mm at most", "von Mises, MPa"]),
-        ("forces.svg", ["force, N per m of depth"; 2], ["force, N/mm"; 2]),
+        ("forces.svg", ["force, N/m"; 2], ["force, N/mm"; 2]),
     ] {
         assert!(of_si.iter().all(|said| svg(&si, name).contains(said)), "{name}");
         assert!(of_mm.iter().all(|said| svg(&mm, name).contains(said)), "{name}");
@@ -307,7 +307,7 @@ fn sweeps_are_told_in_the_units_of_the_scene() {
         let json: Value = serde_json::from_str(&fs::read_to_string(folder.join("out/sweep.json")).unwrap()).unwrap();
         (text, json, csv(&folder.0.join("out/sweep.csv")), fs::read_to_string(folder.join("out/sweep.svg")).unwrap())
     });
-    assert!(si.0.contains("pressure, MPa") && si.0.contains("max:bottom.f_x, N ") && si.1.get("units").is_none());
+    assert!(si.0.contains("pressure, MPa") && si.0.contains("max:bottom.f_x, N/m ") && si.1.get("units").is_none());
     for head in ["pressure, MPa", "max:bottom.f_x, N/mm ", "last:top.u_y, mm ", "friction work, mJ/mm "] {
         assert!(mm.0.contains(head), "{head}: {}", mm.0);
     }
@@ -342,7 +342,9 @@ fn comparisons_are_told_in_the_units_of_the_scene() {
         (stdout(&output).to_string(), csv(&folder.0.join("out/meshes.csv")))
     };
     let [(si_text, (header, si)), (mm_text, (_, mm))] = block().map(|text| meshes(&text));
-    assert!(si_text.contains("sum p_n, N ") && mm_text.contains("sum p_n, N/mm ") && mm_text.contains("energy, mJ/mm"));
+    assert!(
+        si_text.contains("sum p_n, N/m ") && mm_text.contains("sum p_n, N/mm ") && mm_text.contains("energy, mJ/mm")
+    );
     for (k, name) in header.split(',').enumerate().filter(|(_, name)| !name.starts_with("error_")) {
         let unit = match name {
             "energy" | "friction_work" => "J",

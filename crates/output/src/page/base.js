@@ -15,7 +15,8 @@ const LENGTH = unit("length"), STRESS = unit("stress"), FORCE = unit("force"), E
 
 // Numbers with few digits.
 const PREFIXES = [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""], [1e-3, "m"], [1e-6, "µ"], [1e-9, "n"]];
-const LARGEST = { Pa: Infinity, N: Infinity, J: Infinity, "N m": Infinity, "J/m2": Infinity, m: 1 };
+const LARGEST = { m: 1 };
+for (const name of ["Pa", "N", "J", "N m", "N/m", "J/m", "N m/m", "J/m2"]) LARGEST[name] = Infinity;
 function plain(x, digits = 4) {
   if (!Number.isFinite(x)) return "–";
   if (x === 0) return "0";
@@ -24,7 +25,7 @@ function plain(x, digits = 4) {
   return `${Number.isInteger(x) ? x : Number(x.toPrecision(digits))}`;
 }
 function prefix(size, unit) {
-  const isSi = known && !known.length;
+  const isSi = known && (!known.length || (LENGTH === "m" && STRESS === "Pa"));
   const found = isSi && size > 0 && LARGEST[unit] ? PREFIXES.filter(([s]) => s <= LARGEST[unit]) : [[1, ""]];
   return found.find(([s]) => size >= s) || found[found.length - 1];
 }

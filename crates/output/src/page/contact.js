@@ -22,7 +22,7 @@ function showState() {
   slider.max = numbers.length - 1;
   const index = numbers[Math.min(Number(slider.value), numbers.length - 1)], file = all.get(index);
   const when = times.has(index) ? `, t = ${plain(times.get(index), 6)} s` : "";
-  $("#when").textContent = `${index}${when}${failed.has(index) ? ", not converged" : ""}`;
+  $("#when").textContent = `${index}${when}`;
   const picture = pictures[file];
   $("#contact .note").textContent = (picture ? "" : "Blue nodes stick, orange ones slip. ")
     + `States: ${numbers.length}, those of output.times in the scene, at most 40; increments: ${[...times.keys()].pop() || 0}.`;
@@ -55,12 +55,11 @@ $("#contact").hidden = !Object.keys(states).length;
 addEventListener("resize", showState);
 $("#boundary").addEventListener("change", showState);
 $("#state").addEventListener("input", showState);
-// The page opens at the largest pressure, or at the last increment that converged.
+// The page opens at the largest pressure, or at the last state.
 if (Object.keys(states).length) {
   if (peak && states[peak.boundary]) $("#boundary").value = peak.boundary;
   const numbers = [...states[$("#boundary").value].keys()].sort((a, b) => a - b);
-  const good = numbers.filter((index) => !failed.has(index));
-  const start = numbers.find((index) => peak && times.get(index) === peak.time) ?? good[good.length - 1] ?? numbers[0];
+  const start = numbers.find((index) => peak && times.get(index) === peak.time) ?? numbers[numbers.length - 1];
   $("#state").max = numbers.length - 1;
   $("#state").value = numbers.indexOf(start);
   showState();
