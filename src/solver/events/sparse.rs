@@ -31,6 +31,9 @@ pub(super) struct SparseTangent<'a> {
 
 impl<'a> SparseTangent<'a> {
     /// Analyses the pattern.
+    ///
+    /// # Errors
+    /// [`LinearError::Singular`] if the body is unconstrained even with clamped contact nodes.
     pub(super) fn new(
         problem: &'a ContactProblem,
         tangents: Vec<Option<usize>>,
@@ -38,7 +41,11 @@ impl<'a> SparseTangent<'a> {
         linear: &'a mut RefinedSolver,
     ) -> Result<Self, LinearError> {
         let conventions = FormulationScaling::natural(problem);
-        let rows = Bdiff::new(problem, scaling, &conventions);
+        let mut rows = Bdiff::new(problem, scaling, &conventions);
+        rows.clamp_contacts();
+        if rows.unconstrained_mode().is_some() {
+            return Err(LinearError::Singular { pivot_ratio: 0.0 });
+        }
         linear.analyze(rows.jacobian())?;
         let scaled = |r: &[f64]| r.iter().map(|r| r / scaling.stiffness()).collect();
         let (r_n, r_t) = (scaled(&conventions.r_n), scaled(&conventions.r_t));

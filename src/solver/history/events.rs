@@ -123,6 +123,10 @@ impl ExactHistory<'_> {
         };
         let walk = match walk {
             Ok(walk) => walk,
+            Err(PathError::Linear(LinearError::Singular { .. })) => {
+                self.outcome.end_unconstrained(settings, problem, loading);
+                return Ok(self.outcome);
+            }
             Err(PathError::SlidesInAPlane | PathError::FrictionChanges | PathError::DependentRows) => {
                 self.outcome.status = Status::Unsupported;
                 return Ok(self.outcome);
