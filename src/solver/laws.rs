@@ -5,4 +5,4 @@ mod kkt;
 
 pub use coulomb::{NormalCase, TangentialCase, direction, length, normal_case, positive, project, tangential_case};
 pub use kkt::{ContactStatus, KktErrors, KktScales, Law, Violation, statuses};
-pub(crate) use kkt::{Judgement, statuses_of};
+pub(crate) use kkt::{Judgement, ROUNDING, statuses_of};

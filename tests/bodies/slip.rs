@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use crate::common::scratch::Scratch;
 use stickslip::run::Run;
-use stickslip::run::report::RunReport;
+use stickslip::run::report::{RunReport, WarningKind};
 use stickslip::scene::Scene;
 use stickslip::solver::history::Status;
 
@@ -205,6 +205,27 @@ fn a_bolted_bracket_in_space() {
         assert!(by - from < 0.03 && (0.9..=1.0).contains(&slip.friction_used), "{slip:?}");
         if method == "bn" {
             slips_beyond(BRACKET, 0.5 * (from + by), 0.03, "load[0]", &["umfpack", "condensed"]);
+        }
+    }
+}
+
+/// After all loads are gone nothing but rounding presses the block: that its place is not unique is told by all methods and
+/// linear solvers alike.
+#[test]
+fn a_block_without_loads_is_free() {
+    let text = "
+        time = { end = 2.0, increments = 4 }
+        mesh = { kind = \"block\", size = [1.0, 0.5], elements = [8, 4] }
+        material = { young = 1e9, poisson = 0.3 }
+        contact = [{ boundary = \"bottom\", friction = 0.4, obstacle = { kind = \"plane\" } }]
+        load = [{ boundary = \"top\", traction = [1e5, -1e6], history = [[0, 0], [1, 1], [2, 0]] }]
+        ";
+    for method in ["bn", "ip", "events"] {
+        for solver in SOLVERS {
+            let report = run(text, &[&format!("solver.method=\"{method}\""), &format!("solver.linear=\"{solver}\"")]);
+            let told: Vec<_> =
+                report.warnings.iter().filter(|warning| warning.kind == WarningKind::NotUnique).collect();
+            assert!(told.len() == 1 && told[0].message.contains("t = 2 s"), "{method} {solver}: {told:?}");
         }
     }
 }

@@ -81,6 +81,8 @@ pub struct Validity {
     last: Option<(f64, State)>,
     /// The indentation by contact forces, m.
     pressed: f64,
+    /// The largest normal force, N.
+    largest_force: f64,
     /// The unconstrained motion of the first non-unique equilibrium, if any, and its time, s.
     pub neutral: Option<(NeutralMotion, f64)>,
     /// The contact node that touched the obstacle with the largest slope against the node's normal, and the slope.
@@ -121,6 +123,7 @@ impl Validity {
             on_the_way: None,
             last: model.has_passing_obstacles().then(|| (0.0, State::zero(&model.problem))),
             pressed: 0.0,
+            largest_force: 0.0,
             neutral: None,
             steepest: None,
             touched,
@@ -230,8 +233,9 @@ impl Validity {
         {
             self.friction_left_out = Some((k, share, record.time));
         }
+        self.largest_force = state.p_n.iter().fold(self.largest_force, |most, p| most.max(*p));
         if self.neutral.is_none() {
-            let neutral = neutral_motions(&model.problem, increment, state, statuses);
+            let neutral = neutral_motions(&model.problem, increment, state, statuses, self.largest_force);
             self.neutral = neutral.into_iter().next().map(|motion| (motion, record.time));
         }
     }
@@ -536,7 +540,9 @@ fn forces_not_unique(model: &Model, touched: &[bool]) -> Option<String> {
     let nodes: Vec<usize> = model.problem.dependent_nodes().into_iter().filter(acts).collect();
     let place = model.units().place(model.mesh.nodes[model.contacts[*nodes.first()?].node]);
     Some(format!(
-        "the forces of {} contact nodes, the first at {place}, are not unique, because one of them can take over what others          carry: those with the smallest pressures are told; the sums of forces and the rest of the body do not depend on          that",
+        "the forces of {} contact nodes, the first at {place}, are not unique, because one of them can take over what others \
+         carry: those with the smallest pressures are told; the sums of forces and the rest of the body do not depend on \
+         that",
         nodes.len()
     ))
 }

@@ -27,7 +27,7 @@ struct Terms {
 }
 
 /// The rounding that is left of the largest terms. Forces below it are no forces.
-const ROUNDING: f64 = 16.0 * f64::EPSILON;
+pub(crate) const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 impl KktScales {
     /// Creates the scales from the values of [`KktScales::values`].
