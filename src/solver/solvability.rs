@@ -105,8 +105,7 @@ pub(crate) fn motion_driven_in_the_equations(
 
 /// Returns the motion that `load` drives against all contact forces with friction `mu` along `tangents`.
 fn driven_against(problem: &ContactProblem, mu: &[f64], tangents: [&Csr; 2], load: &Load<'_>) -> Option<Vec<f64>> {
-    let free = Free::new(problem);
-    let (load, size) = free.work(load);
+    let (free, load, size) = Free::under(problem, load);
     let cones: Vec<FrictionCone> =
         (0..problem.contacts()).map(|i| FrictionCone::of(problem, mu[i], tangents, &free, i)).collect();
     unbalanced(&cones.iter().collect::<Vec<_>>(), &load, size).map(|y| free.weights(&y))
@@ -114,8 +113,7 @@ fn driven_against(problem: &ContactProblem, mu: &[f64], tangents: [&Csr; 2], loa
 
 /// Returns `true` if contact forces would balance `load` with any amount of friction where there is some.
 pub(crate) fn is_held_by_friction(problem: &ContactProblem, mu: &[f64], load: &Load<'_>) -> bool {
-    let free = Free::new(problem);
-    let (load, size) = free.work(load);
+    let (free, load, size) = Free::under(problem, load);
     let tangents = problem.tangents_alone().unwrap_or(problem.tangential_maps());
     let forces = (0..problem.contacts()).flat_map(|i| {
         let FrictionCone { mu, normal, tangents } = FrictionCone::of(problem, mu[i], tangents, &free, i);
@@ -132,8 +130,7 @@ pub(crate) fn sliding_motion(problem: &ContactProblem, mu: &[f64], load: &Load<'
     if problem.rigid_modes().is_empty() {
         return None;
     }
-    let free = Free::new(problem);
-    let (mut load, size) = free.work(load);
+    let (free, mut load, size) = Free::under(problem, load);
     let nodes: Vec<FrictionCone> = (0..problem.contacts())
         .map(|i| FrictionCone::of(problem, mu[i], problem.tangential_maps(), &free, i))
         .collect();

@@ -229,3 +229,29 @@ fn a_block_without_loads_is_free() {
         }
     }
 }
+
+/// Another joint holds beside the one that slips: its loads and its stiffness are as large or small as one likes.
+#[test]
+fn a_large_joint_beside_a_small_one() {
+    for factor in [1e-12, 1e-6, 1.0, 1e6, 1e12] {
+        let body = |name: &str, x: f64, size: f64, push: f64| {
+            format!(
+                "[[body]]\nname = \"{name}\"\nat = [{x:?}, 0.0]\nmaterial = {{ young = {:?}, poisson = 0.3 }}\n\
+                 mesh = {{ kind = \"block\", size = [1.0, 0.5], elements = [6, 3] }}\n\
+                 [[contact]]\nboundary = \"{name}:bottom\"\nfriction = 0.3\nobstacle = {{ kind = \"plane\" }}\n\
+                 [[load]]\nboundary = \"{name}:top\"\ntraction = [0.0, {:?}]\nhistory = [[0, 0], [1, 1]]\n\
+                 [[load]]\nboundary = \"{name}:top\"\ntraction = [{:?}, 0.0]\nhistory = [[1, 0], [2, 1]]\n",
+                1e9 * size,
+                -1e6 * size,
+                push * 1e6 * size
+            )
+        };
+        let time = "time = { end = 2.0, increments = 10 }\n".to_string();
+        let text = [time, body("one", 0.0, 1.0, 0.35), body("other", 2.0, factor, 0.1)].concat();
+        for method in ["bn", "ip"] {
+            let report = run(&text, &[&format!("solver.method=\"{method}\"")]);
+            let reason = &report.explanation.reason;
+            assert!(report.status == Status::Slips && reason.contains("`one`"), "{factor:e} {method}: {reason}");
+        }
+    }
+}

@@ -47,8 +47,7 @@ pub(crate) fn landing(
     distance: &[f64],
     reach: &[f64],
 ) -> Option<Landing> {
-    let free = Free::new(problem);
-    let (load, size) = free.work(load);
+    let (free, load, size) = Free::under(problem, load);
     let cones: Vec<FrictionCone> = (0..problem.contacts())
         .map(|i| FrictionCone::of(problem, mu[i], problem.tangential_maps(), &free, i))
         .collect();
