@@ -149,10 +149,13 @@ impl UnitSystem {
         format!("{told:.14e}").parse().unwrap_or(told)
     }
 
-    /// Formats a point (m): `(1, 0.5) mm`.
+    /// Formats a point (m): `(1, 0.5) mm`. Rounding beside the largest coordinate is 0.
     pub fn place(&self, x: [f64; 3]) -> String {
-        let numbers = x[..self.dimension].iter().map(|c| self.number(Quantity::Length, *c).to_string());
-        format!("({}) {}", numbers.collect::<Vec<_>>().join(", "), self.name(Quantity::Length))
+        let x = &x[..self.dimension];
+        let largest = x.iter().fold(0.0_f64, |most, c| most.max(c.abs()));
+        let told = |c: &f64| if c.abs() <= 1e-13 * largest { 0.0 } else { self.number(Quantity::Length, *c) };
+        let numbers: Vec<String> = x.iter().map(|c| told(c).to_string()).collect();
+        format!("({}) {}", numbers.join(", "), self.name(Quantity::Length))
     }
 
     /// Returns the name of the unit, such as `N mm`; powers are plain digits, as in `N/mm2`.
@@ -272,5 +275,6 @@ mod tests {
         assert_eq!(system.text(Quantity::Length, 0.1 + 0.2), "300 mm");
         assert_eq!(UnitSystem::si(2).text(Quantity::Length, 0.1 + 0.2), "0.30000000000000004 m");
         assert_eq!(UnitSystem::si(2).place([1.0, 0.5, 0.0]), "(1, 0.5) m");
+        assert_eq!(system.place([-1.225e-18, 20e-3, 0.0]), "(0, 20, 0) mm");
     }
 }

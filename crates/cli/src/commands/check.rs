@@ -261,9 +261,9 @@ fn contacts(scene: &Scene, model: &Model) {
 fn loads(scene: &Scene, model: &Model) {
     let units = model.units();
     for (load, sum) in scene.description.loads.iter().zip(model.forces_of_loads()) {
-        // A temperature load has no resultant.
+        // A temperature and a moment have no resulting force.
         let sum = match load.action {
-            Action::Temperature { .. } => String::new(),
+            Action::Temperature { .. } | Action::Moment { .. } => String::new(),
             _ => format!(", in all {}", vector(&units, Quantity::Force, &sum[..model.mesh.dimension])),
         };
         say!(

@@ -35,7 +35,9 @@ pub(super) fn vector(units: &UnitSystem, quantity: Quantity, x: &[f64]) -> Strin
     format!("({}) {}", numbers(&told), units.name(quantity))
 }
 
-/// Formats numbers in few digits, separated by commas.
+/// Formats numbers in few digits, separated by commas. Rounding beside the largest is 0.
 fn numbers(x: &[f64]) -> String {
-    x.iter().map(|&x| number(x)).collect::<Vec<_>>().join(", ")
+    let largest = x.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let told = |x: &f64| number(if x.abs() <= 1e-13 * largest { 0.0 } else { *x });
+    x.iter().map(told).collect::<Vec<_>>().join(", ")
 }
