@@ -173,3 +173,19 @@ fn what_is_locked_altogether_is_told() {
         confined.support("bottom", &[Axis::X, Axis::Y]).support("left", &[Axis::X]).support("right", &[Axis::X]);
     assert!(locking(confined.load(Load::new("top", &[0.0, -0.01]))) < 1e-6);
 }
+
+/// A beam of linear tetrahedra is stiff in bending; volume has no part in it at nu = 0.3.
+#[test]
+fn stiffness_in_bending_is_not_called_incompressible() {
+    for (poisson, reason) in
+        [(0.3, "too stiff in bending; use tetrahedra of second order"), (0.4999, "lock near nu = 0.5")]
+    {
+        let mesh = block(&[10.0, 0.5, 1.0], &[20, 1, 2]).into_simplices();
+        let beam = Description::new(MeshSource::from(mesh), Material::new(1.0, poisson), vec![1.0]);
+        let beam = beam.support("left", &[Axis::X, Axis::Y, Axis::Z]).load(Load::new("right", &[0.0, 0.0, -1e-6]));
+        let model = Model::build(&beam).unwrap();
+        let report = Run::of(&model, vec![1.0], SolverChoice::default()).unwrap().solve(&mut ()).unwrap();
+        let told = report.warnings.iter().any(|warning| warning.message.contains(reason));
+        assert!(told, "{poisson}: {:?}", report.warnings);
+    }
+}

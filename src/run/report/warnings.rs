@@ -152,6 +152,9 @@ impl WarningKind {
     }
 }
 
+/// Poisson's ratio from which resistance to a change of volume makes elements too stiff, and not bending.
+const NEARLY_INCOMPRESSIBLE: f64 = 0.45;
+
 /// A smaller excess of stiffness by locking causes no warning.
 const LOCKING: f64 = 0.05;
 
@@ -241,20 +244,25 @@ impl Warning {
     pub(super) fn of_locking(model: &Model, share: f64) -> Option<Self> {
         let poisson = largest_poisson(model);
         let simplices = model.mesh.cells.iter().any(|cell| cell.kind.is_simplex());
-        let cells = match (simplices, model.mesh.dimension) {
-            (false, _) => "use mesh.element = \"b-bar\"",
-            (true, 2) => {
-                "use mesh.element = \"nodal-volume\", triangles of second order, or quadrilaterals with mesh.element = \"b-bar\""
-            }
-            (true, _) => {
-                "use mesh.element = \"nodal-volume\", tetrahedra of second order, or hexahedra with mesh.element = \"b-bar\""
-            }
+        let (tri, quad) = match model.mesh.dimension {
+            2 => ("triangles", "quadrilaterals"),
+            _ => ("tetrahedra", "hexahedra"),
+        };
+        let (why, nodal) = if poisson >= NEARLY_INCOMPRESSIBLE {
+            (format!("its elements lock near nu = 0.5, and nu is {poisson:.6}"), "mesh.element = \"nodal-volume\", ")
+        } else {
+            ("its elements are too stiff in bending".to_string(), "")
+        };
+        let cells = if simplices {
+            format!("use {nodal}{tri} of second order, or {quad} with mesh.element = \"b-bar\"")
+        } else {
+            "use mesh.element = \"b-bar\"".to_string()
         };
         let about = if share > AT_LEAST { "at least" } else { "about" };
         let [now, halved] = [share, share / HALVED].map(|share| 100.0 * share);
         let message = format!(
-            "expect the body to be {about} {now:.0} % too stiff: its elements lock near nu = 0.5, and nu is \
-             {poisson:.6}; {cells}, or halve the elements for {about} {halved:.0} %"
+            "expect the body to be {about} {now:.0} % too stiff: {why}; {cells}, or halve the elements for about \
+             {halved:.0} %"
         );
         (share > LOCKING).then_some(Warning { kind: WarningKind::Locking, message })
     }
