@@ -97,8 +97,8 @@ pub struct Increment<'a> {
     pub force: &'a [f64],
     /// `g`, gaps at the end of the increment, n_c, m; negative for interference.
     pub gap: &'a [f64],
-    /// `μ`, friction coefficients at the end of the increment, n_c: positive where those of the problem are, and 0
-    /// elsewhere.
+    /// `μ`, friction coefficients at the end of the increment, n_c: 0 where those of the problem are, and perhaps
+    /// elsewhere, too.
     pub mu: &'a [f64],
     /// `w̄_t`, tangential displacements at the end of the last increment, n_c, m.
     pub w_t_last: &'a [f64],

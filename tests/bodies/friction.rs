@@ -11,6 +11,7 @@ use stickslip::body::mesh::MeshSource;
 use stickslip::body::{Axis, Description, Load, Model};
 use stickslip::run::{Recording, Run, discretise};
 use stickslip::scene::Scene;
+use stickslip::solver::State;
 use stickslip::solver::history::{LinearAlgebra, Method, SolverChoice, Status};
 
 /// On a belt that runs, every node slides with the friction of its own place.
@@ -106,4 +107,43 @@ fn friction_with_a_history() {
     // 0.3 MN of push on 1 MN of pressure.
     assert_eq!(falling(0.5), (Status::Converged, 4));
     assert_eq!(falling(0.25), (Status::Slips, 4));
+}
+
+/// A contact that is greased at first and at the end: without friction there, and as with hardly any. Every method and linear
+/// solver finds the same.
+#[test]
+fn friction_that_begins_and_ends_at_zero() {
+    let sums = |cells: &str, least: f64, method: &str, linear: &str| {
+        let (size, elements, fix, tractions) = match cells {
+            "quadrilateral" => ("[1.0, 0.5]", "[8, 4]", "[\"x\"]", ["[0, -1e6]", "[-1e6, 0]"]),
+            _ => ("[1.0, 0.5, 0.5]", "[4, 2, 2]", "[\"x\", \"y\"]", ["[0, 0, -1e6]", "[-1e6, 2e5, 0]"]),
+        };
+        let [press, push] = tractions;
+        let text = format!(
+            "solver = {{ method = \"{method}\", linear = \"{linear}\" }}\n\
+             time = {{ end = 4.0, increments = 12 }}\noutput = {{ times = \"all\" }}\n\
+             mesh = {{ kind = \"block\", size = {size}, elements = {elements}, cells = \"{cells}\" }}\n\
+             material = {{ young = 1e9, poisson = 0.3 }}\nsupport = [{{ boundary = \"left\", fix = {fix} }}]\n\
+             [[contact]]\nboundary = \"bottom\"\nfriction = 0.4\nobstacle = {{ kind = \"plane\" }}\n\
+             friction_history = [[0, {least:?}], [1, {least:?}], [2, 1], [3, 1], [4, {least:?}]]\n\
+             [[load]]\nboundary = \"top\"\ntraction = {press}\nhistory = [[0, 0], [1, 1]]\n\
+             [[load]]\nboundary = \"right\"\ntraction = {push}\nhistory = [[1.5, 0], [3, 1]]\n"
+        );
+        let scene = Scene::parse("grease.toml", &text, &[]).unwrap();
+        let mut recording = Recording::default();
+        let report = Run::new(&scene).unwrap().solve(&mut recording).unwrap();
+        assert_eq!(report.status, Status::Converged, "{cells} {method} {linear}");
+        let size = |state: &State| state.p_t.iter().zip(&state.p_o).map(|(t, o)| t.hypot(*o)).sum::<f64>();
+        recording.increments.iter().map(|increment| size(&increment.state)).collect::<Vec<_>>()
+    };
+    for cells in ["quadrilateral", "hexahedron"] {
+        let nearly = sums(cells, 1e-12, "bn", "umfpack");
+        let largest = nearly.iter().copied().fold(0.0, f64::max);
+        for (method, linear) in [("bn", "umfpack"), ("bn", "condensed"), ("ip", "partial"), ("ip", "faer")] {
+            let found = sums(cells, 0.0, method, linear);
+            assert!(found[0] <= 1e-9 * largest && found[found.len() - 1] <= 1e-9 * largest, "{found:?}");
+            let off = found.iter().zip(&nearly).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+            assert!(largest > 1e4 && off <= 1e-8 * largest, "{cells} {method} {linear}: {off:e} of {largest:e}");
+        }
+    }
 }

@@ -55,10 +55,10 @@ fn bad_friction_and_obstacles_of_a_block() {
         ),
         (
             "friction = 0.4",
-            "friction = 0.4\nfriction_history = [[0, 1], [1, 0]]",
+            "friction = 0.4\nfriction_history = [[0, 1], [1, -1]]",
             "friction_history",
-            "friction_history is [[0.0, 1.0], [1.0, 0.0]], but must be of factors above 0",
-            "1e-3",
+            "friction_history is [[0.0, 1.0], [1.0, -1.0]], but must be of factors from 0 on",
+            "negative",
         ),
         (
             "friction = 0.4",

@@ -223,7 +223,7 @@ fn touch(random: &mut Random, case: &mut Case) {
         _ => Motion::None,
     };
     let changes = random.percent(8) && friction_stays_above(case);
-    let history = changes.then(|| vec![[0.0, 1.0], [end, random.one(&[0.5, 1.5])]]);
+    let history = changes.then(|| vec![[0.0, 1.0], [end, random.one(&[0.0, 0.5, 1.5])]]);
     let friction = friction(random, case);
     let history = history.filter(|_| friction.constant > 0.0);
     case.contacts.push(Contact { boundary: "bottom", friction, history, shape, nearest: nearest && !formula, motion });

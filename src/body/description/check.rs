@@ -59,9 +59,8 @@ impl Contact {
         self.friction.check()?;
         if let Some(history) = &self.friction_history {
             check_points("friction_history", "factor", history)?;
-            let sound = history.iter().all(|point| point[1] > 0.0);
-            let help = "a node has friction at all times or never: give a small factor, such as 1e-3, in place of 0";
-            ensure(sound, "friction_history", history, "of factors above 0", help)?;
+            let sound = history.iter().all(|point| point[1] >= 0.0);
+            ensure(sound, "friction_history", history, "of factors from 0 on", "friction cannot be negative")?;
         }
         let obstacles = match &self.against {
             Against::Boundary(opposite) => return self.check_opposite(opposite),

@@ -19,7 +19,7 @@ impl FrictionHistory {
     ///
     /// # Errors
     /// If there is not one coefficient for each node, if one is negative or not finite, if times do not increase, or
-    /// if a factor is not positive: a node has friction at all times or never.
+    /// if a factor is negative.
     pub fn new(nodes: usize, cases: Vec<(Vec<f64>, Vec<[f64; 2]>)>) -> Result<Self, ProblemError> {
         for (mu, history) in &cases {
             expect_length("mu", nodes, mu.len(), "one for each contact node")?;
@@ -27,7 +27,7 @@ impl FrictionHistory {
             expect_each("mu", mu, "0 or more", |mu| mu >= 0.0)?;
             expect_history("history of friction", history)?;
             let factors: Vec<f64> = history.iter().map(|point| point[1]).collect();
-            expect_each("factors of friction", &factors, "above 0", |factor| factor > 0.0)?;
+            expect_each("factors of friction", &factors, "0 or more", |factor| factor >= 0.0)?;
         }
         Ok(FrictionHistory { nodes, cases })
     }
@@ -80,7 +80,7 @@ mod tests {
         for (mu, history, says) in [
             (vec![0.4], vec![], "mu has 1"),
             (vec![0.4, 0.4, -0.1], vec![], "mu[2] is -0.1"),
-            (vec![0.4; 3], vec![[0.0, 1.0], [1.0, 0.0]], "factors of friction[1] is 0"),
+            (vec![0.4; 3], vec![[0.0, 1.0], [1.0, -1.0]], "factors of friction[1] is -1"),
             (vec![0.4; 3], vec![[1.0, 1.0], [0.0, 1.0]], "history of friction"),
         ] {
             let error = FrictionHistory::new(3, vec![(mu, history)]).unwrap_err().to_string();
