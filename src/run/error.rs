@@ -18,7 +18,7 @@ pub enum RunError {
     #[diagnostic(transparent)]
     Model(ModelError),
     /// The run needs more memory than is available.
-    #[error("{what} need about {}, but {} leaves {}", in_words(*needed), budget.source, in_words(budget.bytes))]
+    #[error("{what} need about {} of memory, but {} leaves {}", in_words(*needed), budget.source, in_words(budget.bytes))]
     #[diagnostic(help("{}", budget.source.remedy()))]
     NoRoom {
         /// The part that needs it.

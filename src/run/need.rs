@@ -212,7 +212,8 @@ mod tests {
         let needed = 1_000_000 * 2 * 27 * 16;
         assert!(has_room(Some((1_000_000, 2)), Some(budget(needed))).is_ok());
         let refused = words(has_room(Some((1_000_000, 2)), Some(budget(needed - 1))));
-        let expected = "the matrices of this mesh need about 864 MB, but the address-space limit leaves 864 MB";
+        let expected =
+            "the matrices of this mesh need about 864 MB of memory, but the address-space limit leaves 864 MB";
         assert_eq!(refused.as_deref(), Some(expected));
         assert!(has_room(None, Some(budget(0))).is_ok() && has_room(Some((1, 3)), None).is_ok());
         assert!(has_room(Some((usize::MAX / 4, 3)), Some(budget(u64::MAX - 1))).is_err());
@@ -220,7 +221,7 @@ mod tests {
         assert!(MemoryEstimate::check_records(1000, None).is_ok());
         let refused = words(MemoryEstimate::check_records(10_000_000, Some(budget(1_500_000_000))));
         let expected =
-            "the records of so many increments need about 20.0 GB, but the address-space limit leaves 1.5 GB";
+            "the records of so many increments need about 20.0 GB of memory, but the address-space limit leaves 1.5 GB";
         assert_eq!(refused.as_deref(), Some(expected));
     }
 

@@ -104,10 +104,10 @@ fn check_tells_the_need_and_whose_limit_it_is() {
     let large = ended(limited(2000, &["run", &scene, "--set", "mesh.elements=[4000,4000]"]), &folder);
     assert_eq!(large.code, Some(3), "{}", large.words);
     let words = large.words.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(words.contains("the matrices of this mesh need about 13.8 GB, but "), "{words}");
+    assert!(words.contains("the matrices of this mesh need about 13.8 GB of memory, but "), "{words}");
     let many = ended(limited(2000, &["run", &scene, "--json", "--set", "time.increments=2000000"]), &folder);
     assert_eq!(many.code, Some(3), "{}", many.words);
-    assert!(many.words.contains("the records of so many increments need about 4.0 GB"), "{}", many.words);
+    assert!(many.words.contains("the records of so many increments need about 4.0 GB of memory"), "{}", many.words);
 }
 
 /// Many triangles at one position, each a body of its own: coincident nodes are not all compared with each other, in
