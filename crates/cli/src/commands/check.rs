@@ -6,6 +6,7 @@ mod obstacles;
 mod paths;
 mod words;
 
+use super::run::print_warnings;
 use super::{Failure, SceneArgs, origin};
 use clap::Args;
 use histories::points;
@@ -68,9 +69,7 @@ pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
     }
     say!("disk         about {} for the results", in_words(bytes_on_disk(&scene, &model)));
     holding(&model);
-    for warning in Warning::of_model(&model) {
-        say!("warning      {}", warning.message);
-    }
+    print_warnings(&Warning::of_model(&model));
     if !model.contacts.is_empty() {
         theorem(&model);
         equilibrium(&scene, model)?;

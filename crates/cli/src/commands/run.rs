@@ -3,6 +3,8 @@
 mod increments;
 mod resume;
 mod summary;
+
+pub(super) use summary::print_warnings;
 mod watcher;
 
 use super::progress::Progress;

@@ -30,9 +30,7 @@ pub(super) fn print_head(scene: &Scene, run: &Run<'_>, is_verbose: bool) {
     }
     let of_model = Warning::of_model(run.model()).into_iter().filter(|warning| !warning.kind.needs_the_solution());
     let of_blas = Blas::loaded().as_ref().and_then(Warning::of_blas);
-    for warning in of_model.chain(of_blas) {
-        say!("warning      {}", warning.message);
-    }
+    print_warnings(&of_model.chain(of_blas).collect::<Vec<_>>());
     if is_verbose {
         say!("set-up       symbolic analysis");
     }
@@ -67,6 +65,20 @@ fn print_set_up(scene: &Scene, run: &Run<'_>) {
     }
 }
 
+/// Prints each warning in a line, and its cure, the last part of the message, in the next. A cure of several warnings is
+/// printed once.
+pub(in crate::commands) fn print_warnings<'a>(warnings: impl IntoIterator<Item = &'a Warning>) {
+    let mut cures = Vec::new();
+    for Warning { message, .. } in warnings {
+        let (finding, cure) = message.rsplit_once("; ").unwrap_or((message, ""));
+        say!("warning      {finding}");
+        if !cure.is_empty() && !cures.contains(&cure) {
+            say!("             {cure}");
+            cures.push(cure);
+        }
+    }
+}
+
 /// Prints the results at the end, the computation, and last, where the eye is, the peak and the verdict.
 pub(super) fn print_results(scene: &Scene, report: &RunReport, increments: usize, is_verbose: bool) {
     let has_results = report.totals.converged > 0;
@@ -81,9 +93,7 @@ pub(super) fn print_results(scene: &Scene, report: &RunReport, increments: usize
         }
         print_work(report);
     }
-    for warning in report.warnings.iter().filter(|warning| warning.kind.needs_the_solution()) {
-        say!("warning      {}", warning.message);
-    }
+    print_warnings(report.warnings.iter().filter(|warning| warning.kind.needs_the_solution()));
     print_verdict(report, increments, has_results);
 }
 
