@@ -59,6 +59,8 @@ pub(super) struct Solved {
     pub is_resolved: bool,
     /// `true` if the run says that the pressure is singular at an edge.
     pub singular_edge: bool,
+    /// `true` if the run has a warning that is never to be ignored.
+    pub warned: bool,
     /// `true` if the value depends on the increments.
     pub follows_path: bool,
     /// The reason why the run did not converge.
@@ -217,7 +219,13 @@ pub(super) fn refine(
         }
         let found = errors(&steps);
         if is_known(&steps, found.as_ref(), limits.to) {
-            break (Verdict::Known, String::new());
+            let run = steps.last().map(|step| &step.run);
+            let verdict = match run {
+                Some(run) if may_be_singular && run.singular_edge => Verdict::Singular,
+                Some(run) if run.warned => Verdict::Warned,
+                _ => Verdict::Known,
+            };
+            break (verdict, String::new());
         }
         if may_be_singular && grows(&steps) {
             break (Verdict::Singular, String::new());
