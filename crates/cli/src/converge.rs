@@ -232,8 +232,12 @@ impl Study<'_> {
             value: value.filter(|_| failure.is_none()),
             rounding: sought.rounding(&report),
             is_resolved: sought.is_resolved(&report),
-            singular_edge: report.largest_pressure.as_ref().is_some_and(|largest| largest.singular),
-            warned: report.warnings.iter().any(|warning| warning.kind.is_grave()),
+            doubt: if sought == Sought::Peak && report.largest_pressure.as_ref().is_some_and(|largest| largest.singular)
+            {
+                Some(Verdict::Singular)
+            } else {
+                report.warnings.iter().any(|warning| warning.kind.is_grave()).then_some(Verdict::Warned)
+            },
             follows_path,
             failure,
             seconds: start.elapsed().as_secs_f64(),
