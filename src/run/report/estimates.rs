@@ -442,9 +442,9 @@ fn of_ends(contact: &ContactEstimate) -> Vec<Warning> {
     let n = contact.nodes_across.filter(|n| (FINE..FINE_FOR_STICK).contains(n));
     if let (Some(stick), Some(n)) = (&contact.stick, n) {
         let message = format!(
-            "`{}` at t = {} s: the size of the stick zone is known only to one element: its width is {:.2} ± {:.2} of \
+            "`{}` at t = {} s: the size of the stick zone is known only to one element at each end: its width is {:.2} of \
              the contact width ({n} nodes)",
-            stick.boundary, stick.time, stick.ratio, stick.uncertainty
+            stick.boundary, stick.time, stick.ratio
         );
         warnings.push(Warning { kind: WarningKind::StickZoneCoarse, message });
     }

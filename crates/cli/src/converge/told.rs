@@ -270,7 +270,8 @@ impl Convergence {
 
     /// Returns the name and the error of the scene's own mesh, as a share of the extrapolated value.
     fn own_mesh(&self) -> Option<(String, f64)> {
-        let limit = self.errors.as_ref().filter(|_| self.has_limit())?.mesh?;
+        let trusted = self.has_limit() && self.verdict != Verdict::Warned;
+        let limit = self.errors.as_ref().filter(|_| trusted)?.mesh?;
         let series = series(&self.steps, true, false);
         let found = series.steps.iter().zip(&series.values).find(|(k, _)| self.steps[**k].run.own != Own::No)?;
         let error = (found.1 / limit.extrapolated - 1.0).abs();
