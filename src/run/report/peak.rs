@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::body::estimate::{ContactEstimate, ContactGraph, NOTHING, PeakOf, PeakZone};
+use crate::body::estimate::{ContactEstimate, ContactGraph, NOTHING, PeakOf, PeakZone, peak_error};
 use crate::body::model::Model;
 use crate::solver::history::IncrementView;
 use crate::solver::laws::ContactStatus;
@@ -124,6 +124,8 @@ impl Peak {
         let across = PeakZone::across_at(model, graph, &self.state.p_n, self.at[1]);
         let own = match surface.peak_error {
             _ if surface.singular_edge || across.is_some_and(|n| n <= NOTHING) => return None,
+            // The scatter is larger than the envelope, and half of it an error.
+            Some(largest) if across.is_some_and(|n| largest > peak_error(n)) => 0.5 * largest,
             Some(largest) => OF_LARGEST * largest,
             None if graph.is_at_the_rim(self.at[1]) && surface.scatter > STEEP => return None,
             None => discretisation?.powi(2),
