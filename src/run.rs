@@ -52,13 +52,14 @@ pub use increments::increments_for;
 pub use need::MemoryEstimate;
 pub use recording::{RecordedIncrement, Recording};
 
-use crate::algebra::linear::RefinedSolver;
+use crate::algebra::linear::{LinearError, RefinedSolver};
 use crate::base::memory::Budget;
 use crate::body::description::CycleRequest;
+use crate::body::estimate::error_of_force;
 use crate::body::model::Model;
 use crate::run::report::{
-    CompanionEstimate, CycleWatch, Estimates, ForceJump, Measured, RankRecord, ReportInput, RunReport, Warning,
-    cpu_seconds, peak_rss_bytes,
+    CompanionEstimate, CycleWatch, EstimateWatch, Estimates, ForceJump, Measured, Moment, RankRecord, ReportInput,
+    RunReport, Warning, cpu_seconds, peak_rss_bytes,
 };
 use crate::scene::Scene;
 use crate::solver::checkpoint::Checkpoint;
@@ -67,6 +68,7 @@ use crate::solver::history::{
     self, HistoryOutcome, HistorySettings, IncrementRecord, JumpSolver, LinearAlgebra, Observer, SolverChoice, Status,
     SystemSolver,
 };
+use crate::solver::influence::influence;
 use crate::solver::initial_working_set::{self, InitialWorkingSet};
 use crate::solver::laws::{ContactStatus, KktScales};
 use crate::solver::problem::State;
@@ -348,7 +350,7 @@ impl<'a> Run<'a> {
             estimates,
             balance,
             curves,
-            key,
+            mut key,
             cycle,
             increments,
             forces,
@@ -367,6 +369,11 @@ impl<'a> Run<'a> {
         if self.cycle.is_some() && cycle.is_none() {
             missing.push(Warning::of_missing("the load cycle", &NoCycle));
         }
+        let of_mesh = key.moments().map(|moment| {
+            let error = moment.map_or(Ok(None), |moment| self.force_error(moment, &estimates));
+            or_missing(&mut missing, "the error of a contact force by the mesh", error)
+        });
+        all_estimates.tangential = key.learn(of_mesh);
         let leap = self.leap(&leaps, &settings, &outcome.scales, audience.observer());
         let leap = or_missing(&mut missing, "the check for jumps of contact forces", leap);
         if outcome.status == Status::Converged {
@@ -465,6 +472,19 @@ impl<'a> Run<'a> {
         let status = self.history_with(self.system(), &companion.times, &settings, &mut quiet)?.status;
         let both = [states, &quiet.states[..]];
         Ok(CompanionEstimate::new(&self.model, companion.times.len(), status, both, companion.share))
+    }
+
+    /// Returns the error of a force by the mesh at the `moment` of its largest value, N; `None` if it is unknown, as in
+    /// contact zones of a few nodes, whose width depends on the mesh.
+    fn force_error(&self, moment: &Moment, watch: &EstimateWatch) -> Result<Option<f64>, LinearError> {
+        let Model { problem, .. } = &*self.model;
+        if self.choice.linear.is_shared() || problem.stiffness().distributed().is_some() {
+            return Ok(None);
+        }
+        let Some(nodes) = moment.weights(&self.model) else { return Ok(None) };
+        let z = influence(problem, self.model.scaling(), &nodes, self.system())?;
+        let error = z.and_then(|z| error_of_force(&self.model, moment.time, &moment.state.u, &z));
+        Ok(error.filter(|error| *error == 0.0 || !watch.is_narrow(&self.model, &moment.state)))
     }
 
     /// Finds the first increment in which contact forces jump.

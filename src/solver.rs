@@ -6,6 +6,7 @@ pub(crate) mod condensation;
 pub(crate) mod events;
 pub mod formulation;
 pub mod history;
+pub(crate) mod influence;
 pub(crate) mod initial_working_set;
 pub(crate) mod laws;
 pub(crate) mod loading;

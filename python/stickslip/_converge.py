@@ -35,7 +35,7 @@ class Convergence:
     unit : str
         Its SI unit.
     verdict : str
-        "known", or why not: "singular", "not-converged", "run-limit", "time-limit", "no-finer-mesh" or "memory-limit".
+        "known", or why not: "warned", "singular", "not-converged", "run-limit", "time-limit", "no-finer-mesh" or "memory-limit".
     message : str
         The verdict in words, with numbers in the units of the scene and the cure.
     value : float or None
@@ -52,6 +52,8 @@ class Convergence:
         The error of the mesh of the scene, as a share.
     boundary, position : str or None, list of float or None
         Where the peak is, m.
+    warnings : list of dict
+        ``kind`` and ``message`` of each warning of the last run.
     runs : list of dict
         For each run ``mesh``, ``elements``, ``increments``, ``value``, ``change``, ``resolved``, ``seconds``.
 
@@ -77,6 +79,7 @@ class Convergence:
     own_mesh_error: float | None
     boundary: str | None
     position: list[float] | None
+    warnings: list[dict[str, str]]
     runs: list[dict[str, Any]]
     _svg: str
 

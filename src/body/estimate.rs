@@ -23,13 +23,14 @@ use places::Places;
 use strains::Strains;
 
 pub use discretisation::DiscretisationError;
+pub(crate) use discretisation::error_of_force;
 pub use graph::ContactGraph;
 pub use hertz::HertzContact;
 pub(crate) use locking::expected_locking;
 pub(crate) use slip::SlipZones;
 pub(crate) use stresses::StressRecovery;
-pub(crate) use zone::PeakZone;
 pub use zone::{ContactEstimate, PeakOf, StickZone, peak_error};
+pub(crate) use zone::{NOTHING, PeakZone};
 
 /// Estimates of locking and of the mesh error, from the strains of the body.
 #[derive(Debug, Clone, PartialEq)]

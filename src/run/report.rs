@@ -39,6 +39,7 @@ pub use exact_path::ExactPath;
 pub use explain::{ChangingLoad, Explanation, JointSlip, WorstNode};
 pub use force_jump::ForceJump;
 pub use history_curves::{ForceCurves, HistoryCurves};
+pub(super) use key_results::Moment;
 pub use key_results::{FrictionResult, HoldingForce, KeyWatch, LargestForce};
 pub use pairs::PairRecord;
 pub use peak::LargestPressure;

@@ -148,7 +148,7 @@ impl<'a, 'b> ReportCollector<'a, 'b> {
         let forces = if converged { ForceRecord::all(self.model, step) } else { Vec::new() };
         let reactions = converged.then(|| BalanceRecord::new(self.model, step));
         self.curves.add(step.record, &forces);
-        self.key.see(self.model.mesh.geometry, step.record, &forces);
+        self.key.see(self.model.mesh.geometry, step, &forces);
         if let Some(reactions) = &reactions {
             self.balance.see(reactions);
         }

@@ -7,6 +7,7 @@ mod extremes;
 mod figures;
 mod jobs;
 mod tables;
+mod told;
 mod warnings;
 
 use std::fs;
@@ -39,6 +40,8 @@ enum Study {
     Extremes(extremes::ExtremesArgs),
     /// Compare the estimates of a run with what is true
     Estimates(estimates::EstimatesArgs),
+    /// Compare the errors that a run tells with the true ones
+    Told(told::ToldArgs),
     /// Compare the warnings of random scenes with what is true
     Warnings(warnings::WarningsArgs),
 }
@@ -63,6 +66,7 @@ pub(crate) fn main() -> ExitCode {
         Study::Elements(args) => elements::elements(args),
         Study::Extremes(args) => extremes::extremes(args),
         Study::Estimates(args) => estimates::estimates(args),
+        Study::Told(args) => told::told(args),
         Study::Warnings(args) => warnings::warnings(args),
     };
     match answer.and_then(|answer| print(&answer.lines).map(|()| answer.sound)) {

@@ -6,4 +6,5 @@ pub mod estimates;
 pub mod extremes;
 pub mod figures;
 pub mod tables;
+pub mod told;
 pub mod warnings;

@@ -112,7 +112,7 @@ impl Case {
     }
 
     /// The text of the scene with so many times the elements and the increments.
-    fn text(&self, [mesh, time]: [usize; 2]) -> String {
+    pub(crate) fn text(&self, [mesh, time]: [usize; 2]) -> String {
         let Case { cells, friction, poisson, history, push, .. } = self;
         let n = mesh * self.elements;
         let increments = time * self.increments;

@@ -280,11 +280,48 @@ fn the_condensed_body_has_the_same_estimate() {
     }
 }
 
-/// No friction, nothing to say; nor by the interior point method.
+/// No friction, nothing to say.
 #[test]
-fn nothing_is_told_without_friction_or_factors() {
-    let small = ["mesh.elements=[6,6]"];
-    assert!(solved(BLOCK, 4, &[small[0], "contact.friction=0.0"]).estimates.increments.is_none());
-    let ip = ["solver.method=\"ip\"", "solver.setting=\"default\""];
-    assert!(solved(BLOCK, 4, &[small[0], ip[0], ip[1]]).estimates.increments.is_none());
+fn nothing_is_told_without_friction() {
+    assert!(solved(BLOCK, 4, &["mesh.elements=[6,6]", "contact.friction=0.0"]).estimates.increments.is_none());
+}
+
+/// The error of the increments belongs to the history, not to the method that solves it: both methods tell the same, and a
+/// companion run does not take the warning away.
+#[test]
+fn all_methods_tell_the_same_of_increments() {
+    for (scene, n, set) in [
+        (PUNCH, 4, &["contact.friction=0.4"][..]),
+        (BLOCK, 8, &["mesh.elements=[12,12]", "solver.setting=\"default\""]),
+        (LINE, 2, &["contact.friction=0.3", "mesh.contact_elements=16", "mesh.layers=8"]),
+    ] {
+        let bn = solved(scene, n, set);
+        let ip = solved(scene, n, &[set, &["solver.method=\"ip\""]].concat());
+        let (a, b) = (left(&bn), left(&ip));
+        assert!((a.work_error - b.work_error).abs() < 1e-6, "{a:?} {b:?}");
+        assert!((a.force_error.unwrap() - b.force_error.unwrap()).abs() < 1e-6, "{a:?} {b:?}");
+        assert_eq!((warned(&bn), a.fewest), (warned(&ip), b.fewest));
+    }
+}
+
+/// Tangential forces that are rounding have no error, in however few increments nodes touch.
+#[test]
+fn rounding_is_not_warned_of() {
+    let body = |name: &str, y: f64, n: usize| {
+        format!(
+            "[[body]]\nname = \"{name}\"\nat = [0, {y:?}]\nmesh = {{ kind = \"block\", size = [0.3, 0.2], elements = [{n}, 2] \
+             }}\nmaterial = {{ young = 2e9, poisson = 0.3 }}\n[[support]]\nboundary = \"{name}:left\"\nfix = [\"x\"]\n"
+        )
+    };
+    let text = [
+        body("lower", 0.0, 3),
+        body("upper", 0.2, 4),
+        "[[support]]\nboundary = \"lower:bottom\"\nfix = [\"y\"]\n[[contact]]\nboundary = \"upper:bottom\"\nagainst = \
+         \"lower:top\"\nfriction = 0.5\n[[load]]\nboundary = \"upper:top\"\npressure = 1e6\n[time]\nend = 1\n"
+            .to_string(),
+    ]
+    .concat();
+    let report = solved(&text, 2, &[]);
+    assert_eq!(warned(&report), [false; 2], "{:?}", report.warnings);
+    assert_eq!(left(&report).sticking_begins, 0);
 }

@@ -1,12 +1,13 @@
 //! The key results of a run against forces and pressures that are known.
 
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use stickslip::body::fem::{Material, Plane};
 use stickslip::body::mesh::block;
 use stickslip::body::{Axis, Description, Model, Obstacle, Support};
 use stickslip::run::Run;
 use stickslip::run::report::RunReport;
+use stickslip::scene::Scene;
 use stickslip::solver::history::{Method, SolverChoice, Status};
 
 const FRICTION: f64 = 0.3;
@@ -53,4 +54,50 @@ fn a_block_that_is_drawn_holds_by_its_friction() {
     // Before all nodes slip, it is less.
     let sticking = drawn(1e-4, FRICTION).holding_force.unwrap();
     assert!(sticking.magnitude < 0.5 * holding.magnitude, "{sticking:?}");
+}
+
+/// A block of 1 m by 0.5 m that is pressed on a plane, with `finer` meshes and more of the scene.
+fn pressed(finer: usize, more: &str) -> RunReport {
+    let text = format!(
+        "mesh = {{ kind = \"block\", size = [1, 0.5], elements = [{}, {}] }}\nmaterial = {{ young = 1e9, poisson = 0.3 \
+         }}\n[[contact]]\nboundary = \"bottom\"\nfriction = 0.3\nobstacle = {{ kind = \"plane\" }}\n[[load]]\nboundary = \
+         \"top\"\npressure = 1e6\n[time]\nend = 1\nincrements = 4\n{more}",
+        12 * finer,
+        6 * finer
+    );
+    let report = Run::new(&Scene::parse("block", &text, &[]).unwrap()).unwrap().solve(&mut ()).unwrap();
+    assert_eq!(report.status, Status::Converged, "{}", report.explanation.reason);
+    report
+}
+
+/// Springs that take a small part of the load make the force of the contact depend on the mesh by a small part of the error in
+/// the energy norm. The told error is the distance to a mesh four times as fine, within a factor of three.
+#[test]
+fn the_error_of_a_shared_force_is_told() {
+    let springs = "[[spring]]\nboundary = \"right\"\nstiffness = [0, 1e8]\n";
+    let (coarse, fine) = (pressed(1, springs), pressed(4, springs));
+    let [here, there] = [&coarse, &fine].map(|report| report.largest_force.clone().unwrap());
+    let (told, error) = (here.mesh_error.unwrap(), (here.magnitude - there.magnitude).abs() / here.magnitude);
+    let of_energy = coarse.estimates.discretisation.unwrap().powi(2);
+    println!("told {told:.2e}, true {error:.2e}, square of the error in the energy norm {of_energy:.2e}");
+    assert!(!here.given && (1.0 / 3.0..3.0).contains(&(told / error)), "{told} {error}");
+    assert!(of_energy > 4.0 * error, "{of_energy} {error}");
+    // However it is solved, it is the same.
+    for solver in ["linear = \"condensed\"", "method = \"ip\"", "method = \"events\""] {
+        let other = pressed(1, &format!("{springs}[solver]\n{solver}\n")).largest_force.unwrap().mesh_error.unwrap();
+        assert!((other / told - 1.0).abs() < 1e-3, "{solver} {other} {told}");
+    }
+}
+
+/// What loads alone determine has no error of the mesh, whatever the load, the statuses and the solver.
+#[test]
+fn forces_that_loads_determine_have_no_error() {
+    let load = |traction: f64| format!("[[load]]\nboundary = \"right\"\ntraction = [{traction:?}, 0]\n");
+    let solver = |word: &str| load(5.8e5) + "[solver]\n" + word + "\n";
+    for more in [load(3e5), load(5.8e5), solver("linear = \"condensed\""), solver("method = \"ip\"")] {
+        let report = pressed(1, &more);
+        let (force, holding) = (report.largest_force.unwrap(), report.holding_force.unwrap());
+        assert!(force.given && force.mesh_error.is_none(), "{more} {force:?}");
+        assert!(holding.given && holding.mesh_error.is_none(), "{more} {holding:?}");
+    }
 }

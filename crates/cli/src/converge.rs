@@ -19,7 +19,7 @@ use crate::compare::{CompareError, MeshSize};
 use ladder::Numbers;
 use steps::{Ended, Limits, Own, Solved};
 use stickslip::base::UnitSystem;
-use stickslip::run::report::{LargestPressure, RunReport};
+use stickslip::run::report::{LargestPressure, RunReport, Warning};
 use stickslip::run::{Run, RunError};
 use stickslip::scene::{Override, Scene};
 use stickslip::solver::history::{Observer, Status};
@@ -53,6 +53,8 @@ pub struct Plan {
 pub enum Verdict {
     /// The quantity is known to the asked share.
     Known,
+    /// It would be known, but the last run has a warning that is never to be ignored.
+    Warned,
     /// The pressure grows without a limit.
     Singular,
     /// A run did not converge.
@@ -92,6 +94,8 @@ pub struct Convergence {
     pub peak: Option<LargestPressure>,
     /// The predicted time of the next run, s, if it is the reason for the end.
     pub predicted: Option<f64>,
+    /// The warnings of the last run.
+    pub warnings: Vec<Warning>,
 }
 
 /// The reason why a study is impossible.
@@ -150,6 +154,7 @@ pub fn compute(
             study.run(mesh, increments)
         })?;
     let units = study.last.as_ref().map_or(scene.description.system(3), |report| report.units);
+    let warnings = study.last.as_ref().map_or(Vec::new(), |report| report.warnings.clone());
     let peak = study.last.and_then(|report| report.largest_pressure).filter(|_| plan.sought == Sought::Peak);
     Ok(Convergence {
         title: scene.title.clone(),
@@ -163,6 +168,7 @@ pub fn compute(
         errors,
         peak,
         predicted,
+        warnings,
     })
 }
 
@@ -226,7 +232,12 @@ impl Study<'_> {
             value: value.filter(|_| failure.is_none()),
             rounding: sought.rounding(&report),
             is_resolved: sought.is_resolved(&report),
-            singular_edge: report.largest_pressure.as_ref().is_some_and(|largest| largest.singular),
+            doubt: if sought == Sought::Peak && report.largest_pressure.as_ref().is_some_and(|largest| largest.singular)
+            {
+                Some(Verdict::Singular)
+            } else {
+                report.warnings.iter().any(|warning| warning.kind.is_grave()).then_some(Verdict::Warned)
+            },
             follows_path,
             failure,
             seconds: start.elapsed().as_secs_f64(),

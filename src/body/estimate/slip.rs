@@ -46,11 +46,10 @@ impl SlipZones {
         }
     }
 
-    /// Returns the error of the work by the width of slip zones, as a share: one node of each zone, in the root mean square
-    /// weighted by the work, so that a narrow zone counts although it is too coarse to dissipate much. `None` if no node slips
-    /// beside sticking nodes.
+    /// Returns the error of the work by the width of slip zones, as a share: the square of one node of the width of each zone,
+    /// weighted by the work. `None` if no node slips beside sticking nodes.
     pub(crate) fn error(&self) -> Option<f64> {
-        (self.by_square > 0.0).then(|| (self.by_square / self.work).sqrt())
+        (self.by_square > 0.0).then(|| self.by_square / self.work)
     }
 
     /// Returns the work, J, and the number of nodes across the slip zones, the harmonic mean weighted by the work.

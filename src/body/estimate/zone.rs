@@ -72,8 +72,8 @@ pub struct StickZone {
     pub time: f64,
     /// The width of the stick zone as a share of the width of the zone.
     pub ratio: f64,
-    /// The uncertainty of the ratio, one element at each end: `2 / n`, with n the nodes across the zone, or along it if the
-    /// whole surface is in contact.
+    /// The typical error of the ratio, a sixth of an element at each end: `1 / (3 n)`, with n the nodes across the zone, or
+    /// along it if the whole surface is in contact.
     pub uncertainty: f64,
 }
 
@@ -114,10 +114,13 @@ impl PeakOf {
 const SCATTER_FROM: usize = 5;
 
 /// The largest number of nodes across for which pressures are meaningless.
-pub(super) const NOTHING: usize = 3;
+pub(crate) const NOTHING: usize = 3;
 
 /// Tangential forces that differ from the friction limit by a smaller share are at it: far above the tolerance of the laws.
 const AT_THE_LIMIT: f64 = 1e-6;
+
+/// The typical error of the width of a stick zone, in elements: both of its ends are known to one element.
+const OF_ELEMENT: f64 = 1.0 / 3.0;
 
 /// The least number of nodes across for which a peak at the edge indicates a singular pressure.
 const EDGE_FROM: usize = 4;
@@ -294,6 +297,11 @@ impl PeakZone {
         zone_of(model, graph, p_n, i).and_then(|(_, across)| across)
     }
 
+    /// Returns `true` if the zone has up to three nodes across.
+    pub(crate) fn is_narrow(&self) -> bool {
+        self.across.is_some_and(|n| n <= NOTHING)
+    }
+
     /// Returns the largest pressure that the zone may have on a fine mesh, Pa; `None` if it is unknown.
     pub(crate) fn largest_possible(&self) -> Option<f64> {
         self.across.map(|n| self.peak * (1.0 + peak_error(n)))
@@ -314,7 +322,7 @@ fn largest(pressures: &[f64], zone: &[usize]) -> f64 {
 
 impl StickZone {
     /// Returns the stick zone of surface `k` of `graph` in a `state` at `time` (s); `None` if all nodes with friction stick,
-    /// or none does. A closed node at the friction limit belongs to the slip zone, whatever its status: where slip has just
+    /// or none does, and in zones of up to three nodes across. A closed node at the friction limit belongs to the slip zone, whatever its status: where slip has just
     /// ended, rounding decides between stick and slip.
     pub(crate) fn new(model: &Model, graph: &ContactGraph, k: usize, time: f64, state: &State) -> Option<Self> {
         let p_n = &state.p_n;
@@ -337,7 +345,13 @@ impl StickZone {
         let disc = model.mesh.dimension == 3 || zone.iter().any(|&i| model.mesh.is_on_axis(model.contacts[i].node));
         let ratio = if disc { share.sqrt() } else { share };
         let along = if model.mesh.dimension == 3 { zone.len().isqrt() } else { zone.len() };
-        let uncertainty = 2.0 / across.unwrap_or(along) as f64;
-        (stick > 0.0 && slip > 0.0).then(|| StickZone { boundary: surface.name.clone(), time, ratio, uncertainty })
+        let n = across.unwrap_or(along);
+        let uncertainty = OF_ELEMENT / n as f64;
+        (stick > 0.0 && slip > 0.0 && n > NOTHING).then(|| StickZone {
+            boundary: surface.name.clone(),
+            time,
+            ratio,
+            uncertainty,
+        })
     }
 }

@@ -5,13 +5,11 @@ use serde::{Deserialize, Serialize};
 use super::companion::CompanionEstimate;
 use super::largest::is_as_large;
 use super::peak::{LargestPressure, Peak};
-use super::resultant::ComponentSums;
 use super::validity::Validity;
 use super::warnings::{Warning, WarningKind};
 use crate::base::units::{Quantity, UnitSystem};
-use crate::body::contact::ContactBoundary;
 use crate::body::estimate::{
-    ContactEstimate, ContactGraph, ElementEstimate, HertzContact, PeakOf, SlipZones, StickZone, peak_error,
+    ContactEstimate, ContactGraph, ElementEstimate, HertzContact, PeakOf, PeakZone, SlipZones, StickZone, peak_error,
 };
 use crate::body::fem::Element;
 use crate::body::model::Model;
@@ -44,8 +42,8 @@ pub struct Estimates {
     /// The error of the stresses at that time, as a share; none for Poisson's ratios below 0.45, where it is about that
     /// of the mesh.
     pub stresses: Option<f64>,
-    /// The largest error of the tangential forces caused by the error of the mesh, as a share, see doc/method/estimates.md;
-    /// none if no surface has such forces.
+    /// The error of the largest tangential force by the mesh, as a share, see doc/method/estimates.md; none if it is unknown
+    /// or if loads alone determine the force.
     pub tangential: Option<f64>,
     /// The number of nodes across slip zones adjacent to stick zones, weighted by the friction work; none if there are
     /// no such zones, or hardly any friction work.
@@ -86,8 +84,6 @@ pub struct Accumulated {
     peak: Option<Peak>,
     strained: Option<Strained>,
     slip: SlipZones,
-    /// The largest sums of each boundary with contact.
-    sums: Vec<LargestSums>,
 }
 
 /// The largest strain energy so far, J, with the displacements and normal contact forces (N) at that time.
@@ -122,36 +118,11 @@ impl Heaviest {
     }
 }
 
-/// The largest sums of the forces of a boundary so far, N: normal forces, tangential forces, and the largest possible
-/// friction.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-struct LargestSums {
-    normal: f64,
-    tangential: f64,
-    friction: f64,
-}
-
-impl LargestSums {
-    fn see(&mut self, model: &Model, state: &State, boundary: &ContactBoundary) {
-        let sums = ComponentSums::of(model, state, boundary.parts(&model.contacts));
-        let mu = model.problem.mu();
-        let friction: f64 = boundary.parts(&model.contacts).map(|(i, part)| part * mu[i] * state.p_n[i]).sum();
-        self.normal = self.normal.max(sums.sum_p_n.abs());
-        self.tangential = self.tangential.max(sums.sum_p_t.hypot(sums.sum_p_o.unwrap_or(0.0)));
-        self.friction = self.friction.max(friction.abs());
-    }
-}
-
-/// Tangential forces below this share of the largest possible friction count as zero.
-const NO_FORCE: f64 = 0.01;
-
 /// Friction work below this share of the largest strain energy counts as zero.
 const NO_WORK: f64 = 1e-4;
 
-/// The error of the tangential forces by the mesh above which a warning is given. Of 600 random scenes, 41 exceeded it
-/// without a warning of a coarse mesh. The force or the friction work was more than 10 % off in 22 of them, and both
-/// were better than 2 % in 2.
-const TANGENTIAL: f64 = 0.15;
+/// The error of the largest tangential force by the mesh above which a warning is given, if that of the body is small.
+const TANGENTIAL: f64 = 0.05;
 
 /// Slip zones with fewer nodes across cause a warning, because their width is known to half a node or one node. Of 600
 /// random scenes, 69 had them although the contact itself was wide enough. The friction work was more than 10 % off in
@@ -192,12 +163,18 @@ impl EstimateWatch {
     pub fn new(model: &Model) -> Self {
         let graph = ContactGraph::new(model);
         let heaviest = vec![Heaviest::default(); graph.surfaces().len()];
-        let sums = vec![LargestSums::default(); model.contact_boundaries.len()];
         EstimateWatch {
             graph,
             peak_of: PeakOf::of(model),
-            seen: Accumulated { dragged: heaviest.clone(), heaviest, sums, ..Accumulated::default() },
+            seen: Accumulated { dragged: heaviest.clone(), heaviest, ..Accumulated::default() },
         }
+    }
+
+    /// Returns `true` if zones of up to three nodes across bear more of a state than forces can be estimated for.
+    pub(crate) fn is_narrow(&self, model: &Model, state: &State) -> bool {
+        let zones = PeakZone::all(model, &self.graph, state).into_iter().filter(PeakZone::is_narrow);
+        let narrow: f64 = zones.flat_map(|zone| zone.nodes).map(|i| state.p_n[i]).sum();
+        narrow > ISOLATED * state.p_n.iter().sum::<f64>()
     }
 
     /// Returns the data of the increments so far, for a checkpoint.
@@ -211,7 +188,6 @@ impl EstimateWatch {
         let heaviest = |of: &Heaviest| [0, contacts].contains(&of.state.p_n.len());
         let strained = |of: &Strained| of.u.len() == model.problem.displacements() && of.p_n.len() == contacts;
         let fits = seen.heaviest.len() == self.seen.heaviest.len()
-            && seen.sums.len() == self.seen.sums.len()
             && seen.dragged.len() == self.seen.dragged.len()
             && seen.heaviest.iter().chain(&seen.dragged).all(heaviest)
             && seen.peak.as_ref().is_none_or(|peak| peak.fits(model))
@@ -240,9 +216,6 @@ impl EstimateWatch {
             dragged.see(force, &p_n, step);
         }
         self.seen.slip.see(model, &self.graph, step);
-        for (sums, boundary) in self.seen.sums.iter_mut().zip(&model.contact_boundaries) {
-            sums.see(model, step.state, boundary);
-        }
         Peak::see(&mut self.seen.peak, model, &self.graph, self.peak_of, step);
         let (energy, time) = (step.record.strain_energy, step.record.time);
         match &mut self.seen.strained {
@@ -291,7 +264,7 @@ impl EstimateWatch {
             discretisation,
             strain: elements.as_ref().map(|elements| elements.strain),
             stresses: elements.and_then(|elements| elements.discretisation?.stresses),
-            tangential: discretisation.and_then(|error| self.tangential(error)),
+            tangential: None,
             slip_across: self.slip_across(),
             work_by_width: self.seen.slip.error(),
             negligible_work: self.negligible_work(),
@@ -299,15 +272,6 @@ impl EstimateWatch {
             companion: None,
             start: None,
         }
-    }
-
-    /// Returns the error of the tangential forces if `error` is the error of the mesh in the energy norm. Forces may be
-    /// off by the share `error²`, and an error of the normal forces causes an equally large one of the tangential
-    /// forces.
-    fn tangential(&self, error: f64) -> Option<f64> {
-        let counts = |sums: &&LargestSums| sums.friction > 0.0 && sums.tangential >= NO_FORCE * sums.friction;
-        let of = |sums: &LargestSums| error * error * (sums.normal + sums.tangential) / sums.tangential;
-        self.seen.sums.iter().filter(counts).map(of).reduce(f64::max)
     }
 
     fn slip_across(&self) -> Option<f64> {
@@ -332,12 +296,6 @@ impl Estimates {
         sticking.max_by(|a, b| a.force.total_cmp(&b.force)).and_then(|contact| contact.stick.as_ref())
     }
 
-    /// Returns the error of forces by the mesh, as a share: the square of the error in the energy norm, with the allowance
-    /// for singular corners.
-    pub(super) fn force_error_of_mesh(&self) -> Option<f64> {
-        self.discretisation.map(|error| (error / OF_SINGULAR).powi(2))
-    }
-
     /// Returns the time-step error of the tangential forces, as a share. It is the larger of the estimates by the run
     /// and by its companion, because each covers nodes that the other misses.
     pub fn force_error(&self) -> Option<f64> {
@@ -354,7 +312,8 @@ impl Estimates {
         let contact = sound.flat_map(|contact| {
             // For the reported peak, the estimate at its own time counts.
             let peak = self.peak.as_ref().filter(|peak| peak.boundary == contact.boundary).unwrap_or(contact);
-            [of_zone(contact, &units), of_peak(peak, &units, simplices), of_ends(contact)].concat()
+            let zone = Some(of_zone(contact, &units)).filter(|warnings| !warnings.is_empty());
+            [zone.unwrap_or_else(|| of_zone(peak, &units)), of_peak(peak, &units, simplices), of_ends(contact)].concat()
         });
         let mut warnings: Vec<Warning> = contact.collect();
         // For a narrow contact, the warning of its width is enough.
@@ -483,9 +442,9 @@ fn of_ends(contact: &ContactEstimate) -> Vec<Warning> {
     let n = contact.nodes_across.filter(|n| (FINE..FINE_FOR_STICK).contains(n));
     if let (Some(stick), Some(n)) = (&contact.stick, n) {
         let message = format!(
-            "`{}` at t = {} s: the size of the stick zone is known only to one element: its width is {:.2} ± {:.2} of \
+            "`{}` at t = {} s: the size of the stick zone is known only to one element at each end: its width is {:.2} of \
              the contact width ({n} nodes)",
-            stick.boundary, stick.time, stick.ratio, stick.uncertainty
+            stick.boundary, stick.time, stick.ratio
         );
         warnings.push(Warning { kind: WarningKind::StickZoneCoarse, message });
     }
@@ -521,9 +480,8 @@ fn coarse(error: f64) -> Option<Warning> {
 /// Warns if the mesh is too coarse for tangential forces much smaller than the normal ones.
 fn coarse_for_friction(error: f64) -> Option<Warning> {
     let message = format!(
-        "the mesh is coarse for the tangential forces, which are small compared with the normal ones: their error \
-         may be up to {:.0} % of the largest tangential force; refine it where the field `discretisation_error` \
-         is large, or use elements of second order",
+        "the mesh is coarse for the tangential forces: the error of the largest one is about {:.0} %; refine it where the \
+         field `discretisation_error` is large, or use elements of second order",
         100.0 * error
     );
     (error > TANGENTIAL).then_some(Warning { kind: WarningKind::TangentialCoarse, message })

@@ -81,12 +81,14 @@ fn of_start(error: f64) -> String {
 
 impl Known<'_> {
     /// Warns if the time-step error of the tangential forces is large, or there are too few increments to estimate it.
-    /// An estimate by a companion run takes precedence. If no node begins to stick during a load segment, the forces
-    /// are exact.
+    /// The estimate by a companion run covers the ends of load segments only, so the larger of both counts. If no node
+    /// begins to stick during a load segment, the forces are exact.
     fn force(&self) -> Option<String> {
         let increments = self.increments;
         let enough = |error: f64| (increments as f64 * error / GOOD).ceil();
-        if let Some((error, others)) = self.companion {
+        let own = self.found.and_then(|found| found.force_error);
+        if let Some((error, others)) = self.companion.filter(|(error, _)| own.is_none_or(|own| own <= error.max(FORCE)))
+        {
             return (error > FORCE).then(|| {
                 format!(
                     "the tangential forces have a time-step error of about {:.0} % with {increments} increments, by \
@@ -98,7 +100,7 @@ impl Known<'_> {
             });
         }
         let found = self.found.filter(|found| found.sticking_begins > 0)?;
-        if let Some(fewest) = found.fewest.filter(|fewest| *fewest <= FEW) {
+        if let Some(fewest) = found.fewest.filter(|fewest| *fewest <= FEW && self.companion.is_none()) {
             let increments =
                 if fewest == 1 { "a single increment".to_string() } else { format!("{fewest} increments") };
             return Some(format!(

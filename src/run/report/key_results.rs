@@ -6,9 +6,14 @@ use serde::{Deserialize, Serialize};
 
 use super::estimates::Estimates;
 use super::largest::is_as_large;
-use super::resultant::{ForceRecord, Resultant};
+use super::resultant::ForceRecord;
+use crate::algebra::vector::dot;
 use crate::body::mesh::Geometry;
-use crate::solver::history::{IncrementRecord, Status};
+use crate::body::model::Model;
+use crate::solver::history::{IncrementView, Status};
+use crate::solver::influence::Weighted;
+use crate::solver::laws::ContactStatus;
+use crate::solver::problem::State;
 
 /// The largest contact force of a history.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -24,12 +29,12 @@ pub struct LargestForce {
     pub magnitude: f64,
     /// The time, s.
     pub time: f64,
-    /// The error of the mesh, as a share, unless loads alone determine the force: `(e / 0.6)²` for the error e in the energy
-    /// norm, an upper estimate at singular corners. `None` if e is unknown.
+    /// The error of the mesh, as a share, see doc/method/estimates.md. `None` if it is unknown, above 1, or if loads alone
+    /// determine the force.
     pub mesh_error: Option<f64>,
-    /// The error of the tangential forces by the time steps, as a share of the largest tangential force, if it was
-    /// estimated.
-    pub time_error: Option<f64>,
+    /// `true` if loads alone determine the force, which then has no error of the mesh.
+    #[serde(default)]
+    pub given: bool,
 }
 
 /// The largest tangential force of a contact in a history: the force by which it holds, or at which it is drawn out.
@@ -44,9 +49,12 @@ pub struct HoldingForce {
     pub magnitude: f64,
     /// The time, s.
     pub time: f64,
-    /// The error of the mesh, as a share of the largest tangential force. `None` if it is unknown.
+    /// The error of the mesh, as a share, as for [`LargestForce`]; also `None` while some nodes stick and others slip.
     pub mesh_error: Option<f64>,
-    /// The error of the time steps, as a share of the largest tangential force, if it was estimated.
+    /// `true` if loads alone determine the force, which then has no error of the mesh.
+    #[serde(default)]
+    pub given: bool,
+    /// The error of the time steps, as a share, if it was estimated.
     pub time_error: Option<f64>,
 }
 
@@ -57,8 +65,8 @@ pub struct HoldingForce {
 pub struct FrictionResult {
     /// The friction work of all increments, J; in two dimensions J per m of depth.
     pub friction_work: f64,
-    /// An upper estimate of the error of the mesh, as a share: one node of the width of each slip zone, in the root mean square
-    /// weighted by the friction work, or the error of the tangential forces if that is larger. `None` if both are unknown.
+    /// The error of the mesh, as a share, that of the largest tangential force. `None` if it is unknown: if loads alone
+    /// determine that force, or the width of slip zones beside sticking nodes matters more.
     pub mesh_error: Option<f64>,
     /// The error of the time steps, as a share, if it was estimated; it is positive if the work is too large.
     pub time_error: Option<f64>,
@@ -67,68 +75,167 @@ pub struct FrictionResult {
 /// Friction work below this share of the negligible one is rounding.
 const ROUNDING: f64 = 1e-8;
 
+/// Errors of forces below this share of the forces of the nodes are rounding: loads alone determine such a force.
+const GIVEN: f64 = 1e-9;
+
+/// A state in which a force is largest.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Moment {
+    /// The boundary, by its place in the model.
+    boundary: usize,
+    pub(crate) time: f64,
+    pub(crate) state: State,
+    /// Slipping nodes.
+    slip: Vec<bool>,
+    /// `true` for the tangential force.
+    tangential: bool,
+    /// The unit vector along the force, along the tangents for the tangential one.
+    along: [f64; 3],
+}
+
+impl Moment {
+    fn new(boundary: usize, step: &IncrementView<'_>, tangential: bool, along: [f64; 3]) -> Self {
+        let mut state = step.state.clone();
+        // Forces at open nodes are rounding errors.
+        let open = state.p_n.iter_mut().zip(step.statuses).filter(|(_, status)| **status == ContactStatus::Open);
+        open.for_each(|(p_n, _)| *p_n = 0.0);
+        let slip = step.statuses.iter().map(|status| *status == ContactStatus::Slip).collect();
+        Moment { boundary, time: step.record.time, state, slip, tangential, along }
+    }
+
+    /// Returns the weights of all contact nodes in the force along its direction; `None` if the model is another one.
+    pub(crate) fn weights(&self, model: &Model) -> Option<Vec<Weighted>> {
+        let Moment { state: State { p_n, p_t, p_o, .. }, slip, .. } = self;
+        if self.state.check(&model.problem).is_err() || slip.len() != p_n.len() {
+            return None;
+        }
+        let of = |(i, slips): (usize, &bool)| {
+            let slips = slips.then(|| [p_t[i] / p_n[i], p_o[i] / p_n[i]]);
+            Weighted { closed: p_n[i] > 0.0, slips, ..Weighted::default() }
+        };
+        let mut nodes: Vec<Weighted> = slip.iter().enumerate().map(of).collect();
+        // The force of each component alone, on all nodes.
+        let unit = |k: usize| {
+            let of = |own: usize| vec![if own == k { 1.0 } else { 0.0 }; p_n.len()];
+            State { p_n: of(0), p_t: of(1), p_o: of(2), ..State::default() }
+        };
+        let units = [0, 1, 2].map(unit);
+        for (i, part) in model.contact_boundaries.get(self.boundary)?.parts(&model.contacts) {
+            let [n, t, o] = units.each_ref().map(|state| {
+                if self.tangential {
+                    let [t, o] = model.contacts[i].in_frame([state.p_t[i], state.p_o[i]]);
+                    return part * dot([t, o, 0.0], self.along);
+                }
+                let own = model.forces_of_rows(state, i).filter(|(term, _)| !term.opposite);
+                part * own.map(|(_, force)| dot(force, self.along)).sum::<f64>()
+            });
+            let node = nodes.get_mut(i)?;
+            (node.normal, node.tangential) = (n, [t, o]);
+        }
+        Some(nodes)
+    }
+
+    /// Returns `true` if some nodes stick and others slip with friction: where both meet depends on the mesh and on the
+    /// history.
+    fn slips_in_part(&self) -> bool {
+        let State { p_n, p_t, p_o, .. } = &self.state;
+        let is = |i: usize, slips: bool| self.slip.get(i) == Some(&slips);
+        let slides = |i: usize| is(i, true) && (p_t[i] != 0.0 || p_o[i] != 0.0);
+        let closed = || (0..p_n.len()).filter(|&i| p_n[i] > 0.0);
+        closed().any(slides) && closed().any(|i| is(i, false))
+    }
+
+    /// Returns the error of the mesh of a force of this `magnitude` (N) from its `error` (N), and `true` if loads alone
+    /// determine it.
+    fn judge(&self, magnitude: f64, error: Option<f64>) -> (Option<f64>, bool) {
+        let State { p_n, p_t, p_o, .. } = &self.state;
+        let all: f64 = p_n.iter().chain(p_t).chain(p_o).map(|p| p.abs()).sum();
+        let given = error.is_some_and(|error| error <= GIVEN * all);
+        (error.map(|error| error / magnitude).filter(|share| !given && *share <= 1.0), given)
+    }
+}
+
 /// Collects the largest force and the friction work during a history.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct KeyWatch {
-    largest: Option<LargestForce>,
-    holding: Option<HoldingForce>,
+    largest: Option<(LargestForce, Moment)>,
+    holding: Option<(HoldingForce, Moment)>,
     work: f64,
 }
 
 impl KeyWatch {
     /// Examines an increment, with the `forces` at its end. Increments that did not converge are ignored.
-    pub fn see(&mut self, geometry: Geometry, record: &IncrementRecord, forces: &[ForceRecord]) {
-        if record.status != Status::Converged {
+    pub fn see(&mut self, geometry: Geometry, step: &IncrementView<'_>, forces: &[ForceRecord]) {
+        if step.record.status != Status::Converged {
             return;
         }
-        self.work += record.friction_work;
+        self.work += step.record.friction_work;
         let first = usize::from(geometry == Geometry::Axisymmetric);
-        for ForceRecord { time, resultant, .. } in forces {
-            self.see_tangential(resultant, *time);
-            let magnitude = resultant.force[first..].iter().map(|f| f * f).sum::<f64>().sqrt();
-            let so_far = self.largest.as_ref().map_or(0.0, |largest| largest.magnitude);
+        for (k, ForceRecord { time, resultant, .. }) in forces.iter().enumerate() {
+            let (boundary, time) = (resultant.boundary.clone(), *time);
+            let [t, o] = [resultant.sums.sum_p_t, resultant.sums.sum_p_o.unwrap_or(0.0)];
+            let magnitude = t.hypot(o);
+            let so_far = self.holding.as_ref().map_or(0.0, |(holding, _)| holding.magnitude);
             // The first of equally large forces counts.
             if magnitude > 0.0 && !is_as_large(so_far, magnitude) {
-                self.largest = Some(LargestForce {
-                    boundary: resultant.boundary.clone(),
-                    force: resultant.force.clone(),
+                let holding = HoldingForce {
+                    boundary: boundary.clone(),
                     magnitude,
-                    time: *time,
+                    time,
                     mesh_error: None,
+                    given: false,
                     time_error: None,
-                });
+                };
+                let along = [t / magnitude, o / magnitude, 0.0];
+                self.holding = Some((holding, Moment::new(k, step, true, along)));
+            }
+            let magnitude = resultant.force[first..].iter().map(|f| f * f).sum::<f64>().sqrt();
+            let so_far = self.largest.as_ref().map_or(0.0, |(largest, _)| largest.magnitude);
+            if magnitude > 0.0 && !is_as_large(so_far, magnitude) {
+                let force = resultant.force.clone();
+                let mut along = [0.0; 3];
+                along.iter_mut().zip(&force).skip(first).for_each(|(along, f)| *along = f / magnitude);
+                let largest = LargestForce { boundary, force, magnitude, time, mesh_error: None, given: false };
+                self.largest = Some((largest, Moment::new(k, step, false, along)));
             }
         }
     }
 
-    fn see_tangential(&mut self, resultant: &Resultant, time: f64) {
-        let magnitude = resultant.sums.sum_p_t.hypot(resultant.sums.sum_p_o.unwrap_or(0.0));
-        let so_far = self.holding.as_ref().map_or(0.0, |holding| holding.magnitude);
-        if magnitude > 0.0 && !is_as_large(so_far, magnitude) {
-            let boundary = resultant.boundary.clone();
-            self.holding = Some(HoldingForce { boundary, magnitude, time, mesh_error: None, time_error: None });
+    /// Returns the states in which the force and the tangential force are largest.
+    pub(crate) fn moments(&self) -> [Option<&Moment>; 2] {
+        [self.largest.as_ref().map(|(_, moment)| moment), self.holding.as_ref().map(|(_, moment)| moment)]
+    }
+
+    /// Takes the errors (N) of the force and of the tangential force by the mesh. Returns that of the latter, as a share.
+    pub(crate) fn learn(&mut self, [of_force, of_tangential]: [Option<f64>; 2]) -> Option<f64> {
+        if let Some((largest, moment)) = &mut self.largest {
+            (largest.mesh_error, largest.given) = moment.judge(largest.magnitude, of_force);
         }
+        let (holding, moment) = self.holding.as_mut()?;
+        let (share, given) = moment.judge(holding.magnitude, of_tangential);
+        (holding.mesh_error, holding.given) = (share.filter(|_| !moment.slips_in_part()), given);
+        share
     }
 
     /// Returns the largest tangential force with its errors; `None` without any.
     pub(super) fn holding_force(&self, estimates: &Estimates) -> Option<HoldingForce> {
-        let (mesh_error, time_error) = (estimates.tangential, estimates.force_error());
-        self.holding.clone().map(|holding| HoldingForce { mesh_error, time_error, ..holding })
+        let time_error = estimates.increments.and_then(|increments| increments.resultant_error);
+        self.holding.as_ref().map(|(holding, _)| HoldingForce { time_error, ..holding.clone() })
     }
 
     /// Returns the largest force with its errors; `None` without contact.
-    pub(super) fn largest_force(&self, estimates: &Estimates) -> Option<LargestForce> {
-        let (mesh_error, time_error) = (estimates.force_error_of_mesh(), estimates.force_error());
-        self.largest.clone().map(|largest| LargestForce { mesh_error, time_error, ..largest })
+    pub(super) fn largest_force(&self) -> Option<LargestForce> {
+        self.largest.as_ref().map(|(largest, _)| largest.clone())
     }
 
     /// Returns the friction work with its errors; `None` if nothing slipped.
     pub(super) fn friction(&self, estimates: &Estimates) -> Option<FrictionResult> {
-        let by_width = estimates.work_by_width;
+        let of_force = self.holding.as_ref().and_then(|(force, _)| force.mesh_error);
+        let of_width = estimates.work_by_width.unwrap_or(0.0);
         (self.work > ROUNDING * estimates.negligible_work).then_some(FrictionResult {
             friction_work: self.work,
-            mesh_error: by_width.into_iter().chain(estimates.tangential).reduce(f64::max),
-            time_error: estimates.increments.map(|increments| increments.work_error),
+            mesh_error: of_force.filter(|error| of_width <= *error),
+            time_error: estimates.increments.map(|increments| increments.work_error).filter(|error| error.abs() <= 1.0),
         })
     }
 }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::body::estimate::{ContactEstimate, ContactGraph, PeakOf, PeakZone};
+use crate::body::estimate::{ContactEstimate, ContactGraph, NOTHING, PeakOf, PeakZone, peak_error};
 use crate::body::model::Model;
 use crate::solver::history::IncrementView;
 use crate::solver::laws::ContactStatus;
@@ -32,13 +32,19 @@ pub struct LargestPressure {
     pub time: f64,
     /// The number of nodes across the zone of the node; none if the whole surface is in contact.
     pub nodes_across: Option<usize>,
-    /// An upper estimate of the error of the mesh, as a share: how far the pressure of this zone, or of a less resolved one,
-    /// may exceed the value. `None` if it is unknown.
+    /// The error of the mesh, as a share, see doc/method/estimates.md. `None` if it is unknown or above 1: in zones of up to
+    /// three nodes across, at a singular edge, at the rim of a surface that is wholly in contact.
     pub mesh_error: Option<f64>,
     /// `true` if the pressure is singular at a corner, so that it depends on the mesh.
     #[serde(default)]
     pub singular: bool,
 }
+
+/// The typical error of a peak as a share of the largest one, the median of measured peaks.
+const OF_LARGEST: f64 = 0.25;
+
+/// A pressure at the rim of a surface in contact that exceeds the mean with its neighbours by a larger share may be singular.
+const STEEP: f64 = 0.01;
 
 /// The largest pressure so far, with its place, time and state.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -106,8 +112,8 @@ impl Peak {
         ContactEstimate::new(model, graph, surface, self.time, &self.state)
     }
 
-    /// Estimates how far the peak of this mesh may be off, as a share, from the estimate of its `surface` and the error
-    /// `discretisation` in the energy norm. A less resolved zone with a smaller pressure may hold the true peak.
+    /// Estimates the error of the peak, as a share, from the estimate of its `surface` and the error `discretisation` in the
+    /// energy norm. A less resolved zone with a smaller pressure may hold the true peak.
     pub(super) fn error(
         &self,
         model: &Model,
@@ -115,11 +121,20 @@ impl Peak {
         surface: &ContactEstimate,
         discretisation: Option<f64>,
     ) -> Option<f64> {
-        let own = surface.peak_error.or_else(|| Some(discretisation?.max(surface.scatter)))?;
+        let across = PeakZone::across_at(model, graph, &self.state.p_n, self.at[1]);
+        let own = match surface.peak_error {
+            _ if surface.singular_edge || across.is_some_and(|n| n <= NOTHING) => return None,
+            // The scatter is larger than the envelope, and half of it an error.
+            Some(largest) if across.is_some_and(|n| largest > peak_error(n)) => 0.5 * largest,
+            Some(largest) => OF_LARGEST * largest,
+            None if graph.is_at_the_rim(self.at[1]) && surface.scatter > STEEP => return None,
+            None => discretisation?.powi(2),
+        };
         let others =
             PeakZone::all(model, graph, &self.state).into_iter().filter(|zone| !zone.nodes.contains(&self.at[1]));
         let possible = others.filter_map(|zone| zone.largest_possible());
-        Some(possible.fold(own, |error, possible| error.max(possible / self.pressure - 1.0)))
+        let error = possible.fold(own, |error, possible| error.max(possible / self.pressure - 1.0));
+        Some(error).filter(|error| *error <= 1.0)
     }
 
     /// Returns the pressure for the report.

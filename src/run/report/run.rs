@@ -336,7 +336,7 @@ impl RunReport {
             status: outcome.status,
             explanation: Explanation::new(solver, model, outcome),
             largest_pressure: facts.largest_pressure,
-            largest_force: facts.key.largest_force(&facts.estimates),
+            largest_force: facts.key.largest_force(),
             holding_force: facts.key.holding_force(&facts.estimates),
             friction: facts.key.friction(&facts.estimates),
             stick_zone: facts.estimates.stick_zone().cloned(),

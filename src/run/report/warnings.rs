@@ -109,46 +109,31 @@ pub enum WarningKind {
 impl WarningKind {
     /// Returns `true` if the warning is known only after the solution. Locking is also predicted before it.
     pub fn needs_the_solution(self) -> bool {
-        match self {
+        !matches!(
+            self,
             WarningKind::LayersThroughElements
-            | WarningKind::IdleLoad
-            | WarningKind::LargeFriction
-            | WarningKind::SurfaceHole
-            | WarningKind::SlowBlas => false,
-            WarningKind::Locking
-            | WarningKind::NoContact
-            | WarningKind::LargeDisplacements
-            | WarningKind::LargeStrains
-            | WarningKind::LeaningObstacle
-            | WarningKind::GapsOutOfRange
-            | WarningKind::BeyondTheEnd
-            | WarningKind::PassedThrough
-            | WarningKind::FacetedGaps
-            | WarningKind::FrictionLeftOut
-            | WarningKind::SlidAcrossFacets
-            | WarningKind::LargeMotion
-            | WarningKind::ObstacleNotMet
-            | WarningKind::ObstacleBetweenNodes
-            | WarningKind::NotUnique
-            | WarningKind::CoarseMesh
-            | WarningKind::RoughStresses
-            | WarningKind::ContactUnresolved
-            | WarningKind::ContactCoarse
-            | WarningKind::PeakScatter
-            | WarningKind::SingularEdge
-            | WarningKind::UnevenElements
-            | WarningKind::StickZoneCoarse
-            | WarningKind::TangentialCoarse
-            | WarningKind::SlipZoneCoarse
-            | WarningKind::IncrementsWork
-            | WarningKind::IncrementsForce
-            | WarningKind::CurvedGaps
-            | WarningKind::Jump
-            | WarningKind::Unbalanced
-            | WarningKind::NotComputed
-            | WarningKind::MultigridGaveWay
-            | WarningKind::RanksApart => true,
-        }
+                | WarningKind::IdleLoad
+                | WarningKind::LargeFriction
+                | WarningKind::SurfaceHole
+                | WarningKind::SlowBlas
+        )
+    }
+
+    /// Returns `true` if the warning is never to be ignored: results may be those of another problem.
+    pub fn is_grave(self) -> bool {
+        matches!(
+            self,
+            WarningKind::BeyondTheEnd
+                | WarningKind::CurvedGaps
+                | WarningKind::FrictionLeftOut
+                | WarningKind::GapsOutOfRange
+                | WarningKind::Jump
+                | WarningKind::LargeDisplacements
+                | WarningKind::LeaningObstacle
+                | WarningKind::ObstacleBetweenNodes
+                | WarningKind::ObstacleNotMet
+                | WarningKind::PassedThrough
+        )
     }
 }
 

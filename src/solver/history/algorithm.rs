@@ -3,9 +3,8 @@
 use super::bn::BnMethod;
 use super::ip::IpMethod;
 use super::method::Method;
-use super::predictor_corrector::PredictorCorrectorMethod;
 use super::settings::HistorySettings;
-use super::strategy::Strategy;
+use super::strategy::{self, Strategy};
 use super::task::{Algorithm, IncrementSolver};
 use crate::solver::formulation::{FormulationScaling, Layout};
 use crate::solver::loading::Loading;
@@ -14,11 +13,15 @@ use crate::solver::problem::ContactProblem;
 impl Algorithm for HistorySettings {
     fn start(&self, problem: &ContactProblem, loading: &Loading) -> Box<dyn IncrementSolver> {
         match self.method {
-            Method::Bn { rescue, .. } => {
-                Box::new(Strategy::bn(BnMethod::measured(problem, loading, self), self, !rescue))
+            Method::Bn { .. } | Method::Ip => {
+                let attempts = match self.method {
+                    Method::Ip => strategy::IP,
+                    Method::Bn { rescue: true, .. } => strategy::BN,
+                    _ => strategy::BN_ALONE,
+                };
+                Box::new(Strategy::new(BnMethod::measured(problem, loading, self), self, attempts))
             }
             Method::PaperBn => Box::new(BnMethod::paper(problem, loading, self)),
-            Method::Ip => Box::new(Strategy::ip(PredictorCorrectorMethod::new(problem, self), self)),
             Method::PaperIp { start, partition } => Box::new(IpMethod::new(problem, self, start, partition)),
         }
     }

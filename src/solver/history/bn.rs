@@ -97,6 +97,16 @@ impl BnMethod {
         if task.first { State::zero(task.problem) } else { self.state() }
     }
 
+    /// Takes the data of an increment, after the rate of the solution at its start.
+    pub(super) fn begin(&mut self, task: &Task<'_>, linear: &mut RefinedSolver) -> Result<(), LinearError> {
+        self.rate = match &self.errors {
+            Some(errors) => errors.rate(task.increment, &mut self.formulation, &mut self.bn, linear)?,
+            None => None,
+        };
+        self.formulation.begin(task.increment);
+        Ok(())
+    }
+
     /// Updates the estimated time-step error after the increment that ends at the present solution.
     pub(super) fn follow(&mut self, problem: &ContactProblem, linear: &mut RefinedSolver) -> Result<(), LinearError> {
         let BnMethod { formulation, bn, z, errors, rate, .. } = self;
@@ -158,13 +168,9 @@ impl IncrementSolver for BnMethod {
             self.close_landed(task);
         }
         let from = self.z.clone();
-        self.rate = match &self.errors {
-            Some(errors) => errors.rate(task.increment, &mut self.formulation, &mut self.bn, linear)?,
-            None => None,
-        };
+        self.begin(task, linear)?;
         let BnMethod { formulation, bn, measured, start, z, rest, last, .. } = self;
         let (layout, scaling) = (formulation.layout().clone(), *formulation.scaling());
-        formulation.begin(task.increment);
         task.response.add_to(z);
         if task.first && *start == FirstGuess::Held && !solved {
             task.response.add_forces_to(z);

@@ -37,6 +37,9 @@ const NEGLIGIBLE: f64 = 1e-9;
 /// the largest friction of all nodes so far. Smaller errors give no warning.
 const NOTABLE: f64 = 0.05;
 
+/// Tangential forces below this share of the possible friction are rounding, and have no error.
+const NO_FRICTION: f64 = 1e-8;
+
 /// The estimated time-step error of a history's friction work and tangential forces.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -51,6 +54,8 @@ pub struct IncrementError {
     pub first_work_error: f64,
     /// The largest error of the tangential forces relative to their largest values; `None` if nodes slide in a plane.
     pub force_error: Option<f64>,
+    /// The error of the sum of the tangential forces where it is largest, relative to it; `None` if nodes slide in a plane.
+    pub resultant_error: Option<f64>,
     /// The number of increments or substeps in which nodes began to stick that were open or slipping at the start.
     pub sticking_begins: usize,
     /// The smallest number of increments in a load segment (loads change in one direction) in which nodes begin to
@@ -77,8 +82,10 @@ pub struct IncrementErrors {
     corrected: f64,
     /// `work - corrected` after the first increment.
     first: Option<f64>,
-    /// The largest norms of `e_p` and of `p_T`.
-    largest: [f64; 2],
+    /// The largest norms of `e_p`, of `p_T` and of `μ p_n`.
+    largest: [f64; 3],
+    /// The largest sums of `p_T`, each with that of `e_p` at the same time.
+    sums: [f64; 2],
 }
 
 /// A contact node at the end of an increment, in the units of the scaling.
@@ -143,7 +150,8 @@ impl IncrementErrors {
             work: 0.0,
             corrected: 0.0,
             first: None,
-            largest: [0.0; 2],
+            largest: [0.0; 3],
+            sums: [0.0; 2],
         })
     }
 
@@ -189,16 +197,18 @@ impl IncrementErrors {
     /// Returns the estimate so far.
     pub(super) fn found(&self) -> IncrementError {
         let joule = self.scaling.force * self.scaling.length;
-        let [error, force] = self.largest;
+        let [error, force, bears] = self.largest;
+        let is_none = force <= NO_FRICTION * bears;
         let relative = |error: f64, of: f64| if error == 0.0 { 0.0 } else { error / of };
         IncrementError {
             friction_work: self.work * joule,
             friction_work_corrected: self.corrected * joule,
             work_error: relative(self.work - self.corrected, self.work),
             first_work_error: relative(self.first.unwrap_or(0.0), self.work),
-            force_error: self.is_straight.then(|| relative(error, force)),
-            sticking_begins: self.sticking_begins,
-            fewest: self.fewest_so_far(),
+            force_error: self.is_straight.then(|| if is_none { 0.0 } else { relative(error, force) }),
+            resultant_error: self.is_straight.then(|| if is_none { 0.0 } else { relative(self.sums[0], self.sums[1]) }),
+            sticking_begins: if is_none { 0 } else { self.sticking_begins },
+            fewest: self.fewest_so_far().filter(|_| !is_none),
         }
     }
 
@@ -305,7 +315,16 @@ impl IncrementErrors {
         }
         self.first.get_or_insert(self.work - self.corrected);
         let sizes = [error.as_deref(), Some(z)].map(|z| z.map_or(0.0, |z| friction_of_all(formulation, weight, z)));
-        self.largest = [0, 1].map(|k| self.largest[k].max(sizes[k]));
+        let bears = (0..layout.contacts()).map(|i| {
+            let (_, mu, _) = formulation.at_node(i);
+            (mu * z[layout.p_n(i)]).powi(2) / weight.map_or(1.0, |l| l[i])
+        });
+        let sizes = [sizes[0], sizes[1], bears.sum::<f64>().sqrt()];
+        self.largest = [0, 1, 2].map(|k| self.largest[k].max(sizes[k]));
+        let sums = [error.as_deref(), Some(z)].map(|z| z.map_or(0.0, |z| resultant(formulation, z)));
+        if sums[1] > self.sums[1] {
+            self.sums = sums;
+        }
         self.largest[0] = self.largest[0].max(alone);
         self.force.copy_from_slice(formulation.force());
         self.gap = (0..layout.contacts()).map(|i| formulation.at_node(i).0).collect();
@@ -412,6 +431,12 @@ impl IncrementErrors {
 /// Returns the tangential force of node `i` at `z`, divided by the square root of its weight.
 fn friction_at(formulation: &Bdiff, weight: Option<&[f64]>, i: usize, z: &[f64]) -> f64 {
     length(formulation.p_t(i, z)) / weight.map_or(1.0, |l| l[i]).sqrt()
+}
+
+/// Returns the magnitude of the sum of the tangential forces at `z`.
+fn resultant(formulation: &Bdiff, z: &[f64]) -> f64 {
+    let nodes = (0..formulation.layout().contacts()).map(|i| formulation.p_t(i, z));
+    length(nodes.fold([0.0; 2], |sum, p| [sum[0] + p[0], sum[1] + p[1]]))
 }
 
 /// Returns the root of the sum of squares of [`friction_at`] over all nodes.

@@ -11,7 +11,7 @@ use crate::solver::formulation::{
 use crate::solver::newton::{
     Armijo, Bn, MethodResult, PredictorCorrector, PredictorCorrectorSettings, StopCriterion, Termination,
 };
-use crate::solver::problem::{ContactProblem, Increment, State};
+use crate::solver::problem::{Increment, State};
 
 /// The error at which BN takes over, unless the tolerance is larger: near enough for the contact statuses, and
 /// attainable despite rounding in slender bodies.
@@ -31,14 +31,10 @@ pub(super) struct PredictorCorrectorMethod {
     z: Vec<f64>,
     /// The low-order part of `(u, p_t, p_n)`.
     rest: Vec<f64>,
-    pub(super) end: NewtonEnd,
+    end: NewtonEnd,
 }
 
 impl PredictorCorrectorMethod {
-    pub(super) fn new(problem: &ContactProblem, history: &HistorySettings) -> Self {
-        Self::beside(Assembled::new(problem, history.scaling), history)
-    }
-
     /// Creates the method on an assembled problem.
     pub(super) fn beside(assembled: Assembled, history: &HistorySettings) -> Self {
         let (conventions, stiffness) = (&history.conventions, &history.contact_stiffness);
@@ -215,11 +211,6 @@ impl NewtonEnd {
         let formulation = Bdiff::on(assembled, natural);
         let unknowns = formulation.unknowns();
         NewtonEnd { formulation, bn: Bn::new(Armijo::HALVING, ITERATIONS, unknowns), z: vec![0.0; unknowns] }
-    }
-
-    /// Returns the formulation and the algorithm, for equations of its own.
-    pub(super) fn newton(&mut self) -> (&mut Bdiff, &mut Bn) {
-        (&mut self.formulation, &mut self.bn)
     }
 
     /// Sets the data of a new increment.

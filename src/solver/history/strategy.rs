@@ -58,55 +58,28 @@ fn ends(result: &MethodResult) -> bool {
 }
 
 /// The attempts of BN without the interior point method.
-const BN_ALONE: &[Attempt] = &[Attempt { by: By::Newton, patience: usize::MAX }];
+pub(super) const BN_ALONE: &[Attempt] = &[Attempt { by: By::Newton, patience: usize::MAX }];
 
-/// The attempts of `method = "bn"`. BN has to be the first: it prepares the time-step error of the increment.
-const BN: &[Attempt] = &[NEWTON, NEAR, FAR, FARTHEST];
+/// The attempts of `method = "bn"`.
+pub(super) const BN: &[Attempt] = &[NEWTON, NEAR, FAR, FARTHEST];
 
 /// The attempts of `method = "ip"`.
-const IP: &[Attempt] = &[NEAR, FAR, FARTHEST];
+pub(super) const IP: &[Attempt] = &[NEAR, FAR, FARTHEST];
 
 /// The attempts, with the methods that make them.
 pub(super) struct Strategy {
     attempts: &'static [Attempt],
     settings: HistorySettings,
-    methods: Methods,
-}
-
-enum Methods {
-    /// BN, which has the state of the history, and the interior point method, created when it is first needed.
-    Bn(Box<BnMethod>, Option<PredictorCorrectorMethod>),
-    /// The interior point method alone.
-    Ip(PredictorCorrectorMethod),
+    /// BN, which has the state of the history and the estimate of its time-step error.
+    bn: Box<BnMethod>,
+    /// The interior point method, created when it is first needed.
+    ip: Option<PredictorCorrectorMethod>,
 }
 
 impl Strategy {
-    /// Creates all attempts, or the first alone.
-    pub(super) fn bn(bn: BnMethod, settings: &HistorySettings, alone: bool) -> Self {
-        let attempts = if alone { BN_ALONE } else { BN };
-        Strategy { attempts, settings: settings.clone(), methods: Methods::Bn(Box::new(bn), None) }
-    }
-
-    /// Creates the attempts of the interior point method.
-    pub(super) fn ip(ip: PredictorCorrectorMethod, settings: &HistorySettings) -> Self {
-        Strategy { attempts: IP, settings: settings.clone(), methods: Methods::Ip(ip) }
-    }
-}
-
-impl Methods {
-    /// Returns the method that has the state of the history.
-    fn lead(&self) -> &dyn IncrementSolver {
-        match self {
-            Methods::Bn(bn, _) => &**bn,
-            Methods::Ip(ip) => ip,
-        }
-    }
-
-    fn lead_mut(&mut self) -> &mut dyn IncrementSolver {
-        match self {
-            Methods::Bn(bn, _) => &mut **bn,
-            Methods::Ip(ip) => ip,
-        }
+    /// Creates these attempts.
+    pub(super) fn new(bn: BnMethod, settings: &HistorySettings, attempts: &'static [Attempt]) -> Self {
+        Strategy { attempts, settings: settings.clone(), bn: Box::new(bn), ip: None }
     }
 
     /// Looks for a sliding state from the normal forces of a state. Returns the solves that it took, and moves to the
@@ -119,13 +92,9 @@ impl Methods {
         p_n: &[f64],
         observe: Observe<'_>,
     ) -> Result<MethodResult, LinearError> {
-        let newton = match self {
-            Methods::Bn(bn, _) => bn.newton(),
-            Methods::Ip(ip) => ip.end.newton(),
-        };
-        let (result, state) = sliding_state(task, newton, linear, last, p_n, observe)?;
+        let (result, state) = sliding_state(task, self.bn.newton(), linear, last, p_n, observe)?;
         if let Some(state) = state {
-            self.lead_mut().set_state(&state);
+            self.bn.set_state(&state);
         }
         Ok(result)
     }
@@ -133,23 +102,19 @@ impl Methods {
 
 impl IncrementSolver for Strategy {
     fn matrix(&self) -> &SystemMatrix {
-        self.methods.lead().matrix()
+        self.bn.matrix()
     }
 
     fn linearize(&mut self) {
-        self.methods.lead_mut().linearize();
-    }
-
-    fn linearization(&self) -> &SystemMatrix {
-        self.methods.lead().linearization()
+        self.bn.linearize();
     }
 
     fn clamp_contacts(&mut self) -> Result<(), Vec<f64>> {
-        self.methods.lead_mut().clamp_contacts()
+        self.bn.clamp_contacts()
     }
 
     fn starts_on_tangent(&self, linear: &RefinedSolver) -> bool {
-        self.methods.lead().starts_on_tangent(linear)
+        self.bn.starts_on_tangent(linear)
     }
 
     /// Makes one attempt after the other, each from the last solution, until one solves the increment.
@@ -159,48 +124,44 @@ impl IncrementSolver for Strategy {
         linear: &mut RefinedSolver,
         observe: Observe<'_>,
     ) -> Result<MethodResult, LinearError> {
-        let start = self.methods.lead_mut().unknowns().clone();
-        let Strategy { attempts, settings, methods } = self;
-        let last = match methods {
-            Methods::Bn(bn, _) => bn.last_solution(task),
-            Methods::Ip(ip) => ip.state(),
-        };
-        let mut tested = methods.slide(task, linear, &last, &last.p_n, observe)?;
+        let last = self.bn.last_solution(task);
+        let mut tested = self.slide(task, linear, &last, &last.p_n, observe)?;
         if ends(&tested) {
             return Ok(tested);
         }
         let mut result: Option<MethodResult> = None;
-        for attempt in *attempts {
+        for attempt in self.attempts {
+            let Strategy { settings, bn, ip, .. } = self;
             let left = settings.max_iterations.saturating_sub(result.as_ref().map_or(0, |result| result.iterations));
             if left == 0 {
                 break;
             }
-            let tried = match (attempt.by, &mut *methods) {
-                (By::Newton, Methods::Bn(bn, _)) => {
+            let tried = match attempt.by {
+                By::Newton => {
                     bn.limit(left.min(attempt.patience));
                     bn.solve(task, linear, observe)?
                 }
-                (By::InteriorPoint(distance), Methods::Bn(bn, ip)) => {
+                By::InteriorPoint(distance) => {
+                    let leads = matches!(self.attempts[0].by, By::InteriorPoint(_));
+                    if leads && result.is_none() {
+                        bn.begin(task, linear)?;
+                    }
                     let ip = ip.get_or_insert_with(|| PredictorCorrectorMethod::beside(bn.assembled(), settings));
                     ip.set_state(&last);
                     ip.start_at(distance, attempt.patience, left);
                     let mut tried = ip.solve(task, linear, observe)?;
-                    if tried.stop == Termination::Converged {
-                        tried.rescued = true;
+                    tried.rescued = !leads && tried.stop == Termination::Converged;
+                    if leads || tried.rescued {
                         bn.set_state(&ip.state());
+                    }
+                    if tried.stop == Termination::Converged {
                         bn.follow(task.problem, linear)?;
-                    } else if let (Some(result), true) = (&result, tried.stop != Termination::Interrupted) {
+                    } else if let (Some(result), false) = (&result, leads || tried.stop == Termination::Interrupted) {
                         // The termination of BN is more informative.
                         tried.stop.clone_from(&result.stop);
                     }
                     tried
                 }
-                (By::InteriorPoint(distance), Methods::Ip(ip)) => {
-                    ip.unknowns().copy_from_slice(&start);
-                    ip.start_at(distance, attempt.patience, left);
-                    ip.solve(task, linear, observe)?
-                }
-                (By::Newton, Methods::Ip(_)) => continue,
             };
             let reached = match result.take() {
                 None => tried,
@@ -211,7 +172,8 @@ impl IncrementSolver for Strategy {
             }
             // The first attempt tells the pressures, if nothing was known of them.
             if result.is_none() {
-                let again = methods.slide(task, linear, &last, &methods.lead().state().p_n, observe)?;
+                let p_n = self.bn.state().p_n;
+                let again = self.slide(task, linear, &last, &p_n, observe)?;
                 if ends(&again) {
                     return Ok(tested.then(reached).then(again));
                 }
@@ -223,36 +185,33 @@ impl IncrementSolver for Strategy {
     }
 
     fn state(&self) -> State {
-        self.methods.lead().state()
+        self.bn.state()
     }
 
     fn set_state(&mut self, state: &State) {
-        self.methods.lead_mut().set_state(state);
+        self.bn.set_state(state);
     }
 
     fn unknowns(&mut self) -> &mut Vec<f64> {
-        self.methods.lead_mut().unknowns()
+        self.bn.unknowns()
     }
 
     fn increment_errors(&mut self) -> Option<&mut IncrementErrors> {
-        self.methods.lead_mut().increment_errors()
+        self.bn.increment_errors()
     }
 
     fn snapshot(&self, linear: &RefinedSolver) -> Snapshot {
-        let rescue = match &self.methods {
-            Methods::Bn(_, Some(ip)) => Some(Box::new(ip.snapshot(linear))),
-            _ => None,
-        };
-        Snapshot { rescue, ..self.methods.lead().snapshot(linear) }
+        let rescue = self.ip.as_ref().map(|ip| Box::new(ip.snapshot(linear)));
+        Snapshot { rescue, ..self.bn.snapshot(linear) }
     }
 
     fn restore(&mut self, mut snapshot: Snapshot, linear: &mut RefinedSolver) -> Result<bool, LinearError> {
-        if let (Methods::Bn(bn, ip), Some(rescue)) = (&mut self.methods, snapshot.rescue.take()) {
-            let ip = ip.insert(PredictorCorrectorMethod::beside(bn.assembled(), &self.settings));
+        if let Some(rescue) = snapshot.rescue.take() {
+            let ip = self.ip.insert(PredictorCorrectorMethod::beside(self.bn.assembled(), &self.settings));
             if !ip.restore(*rescue, linear)? {
                 return Ok(false);
             }
         }
-        self.methods.lead_mut().restore(snapshot, linear)
+        self.bn.restore(snapshot, linear)
     }
 }

@@ -26,7 +26,7 @@ pub enum Sought {
 const FINE_FOR_PEAK: usize = 5;
 
 /// The stick ratio does not count if the mesh alone makes a larger uncertainty, as in zones of fewer than nine nodes.
-const FINE_FOR_STICK: f64 = 2.0 / 9.0;
+const FINE_FOR_STICK: f64 = 1.0 / (3.0 * 9.0);
 
 impl Sought {
     /// All quantities.
@@ -62,10 +62,11 @@ impl Sought {
         }
     }
 
-    /// Returns the error of the value by rounding to whole elements: half an element at each end of the stick zone.
+    /// Returns the error of the value by rounding to whole elements: half an element at each end of the stick zone, three
+    /// times the typical error.
     pub(super) fn rounding(self, report: &RunReport) -> f64 {
         let stick = report.stick_zone.as_ref().filter(|_| self == Sought::StickRatio);
-        stick.map_or(0.0, |stick| 0.5 * stick.uncertainty)
+        stick.map_or(0.0, |stick| 3.0 * stick.uncertainty)
     }
 
     /// Returns `true` if the contact has enough nodes across for the value to follow an order.

@@ -57,8 +57,8 @@ pub(super) struct Solved {
     pub rounding: f64,
     /// `true` if the contact has enough nodes across.
     pub is_resolved: bool,
-    /// `true` if the run says that the pressure is singular at an edge.
-    pub singular_edge: bool,
+    /// The reason why the value is never known, if the run tells one: a singular peak, or a warning.
+    pub doubt: Option<Verdict>,
     /// `true` if the value depends on the increments.
     pub follows_path: bool,
     /// The reason why the run did not converge.
@@ -217,7 +217,8 @@ pub(super) fn refine(
         }
         let found = errors(&steps);
         if is_known(&steps, found.as_ref(), limits.to) {
-            break (Verdict::Known, String::new());
+            let doubt = steps.last().and_then(|step| step.run.doubt.clone());
+            break (doubt.unwrap_or(Verdict::Known), String::new());
         }
         if may_be_singular && grows(&steps) {
             break (Verdict::Singular, String::new());
@@ -280,7 +281,7 @@ fn grows(steps: &[Step]) -> bool {
     if n >= GROWING && is_singular(&sizes, &values) && is_singular(&sizes[..n - 1], &values[..n - 1]) {
         return true;
     }
-    let flagged = n >= MESHES && at[n - 2..].iter().all(|&k| steps[k].run.singular_edge);
+    let flagged = n >= MESHES && at[n - 2..].iter().all(|&k| steps[k].run.doubt == Some(Verdict::Singular));
     flagged
         && values[n - 1] > values[n - 2]
         && limit(&sizes, &values).is_some_and(|limit| {
@@ -395,7 +396,7 @@ mod tests {
     #[test]
     fn singular_peaks_end_the_study() {
         for (seen, meshes) in [(false, 4), (true, 3)] {
-            let ended = study(0.02, |h, _| h.powf(-0.5), |run, _| run.singular_edge = seen);
+            let ended = study(0.02, |h, _| h.powf(-0.5), |run, _| run.doubt = seen.then_some(Verdict::Singular));
             assert_eq!(ended.verdict, Verdict::Singular, "{ended:?}");
             assert_eq!(ended.steps.last().unwrap().mesh + 1, meshes);
         }

@@ -6,7 +6,7 @@ use super::extrapolation::{Behaviour, ROUNDING};
 use super::steps::{Own, Step, series};
 use super::{Convergence, Errors, Limit, Verdict};
 use stickslip::base::{Quantity, UnitSystem};
-use stickslip::run::report::{SCHEMA_VERSION, csv_number, csv_table};
+use stickslip::run::report::{SCHEMA_VERSION, Warning, csv_number, csv_table};
 use stickslip_output::Table;
 
 /// The digits of values: more than their errors leave.
@@ -55,6 +55,8 @@ pub struct Told {
     pub position: Option<Vec<f64>>,
     /// The predicted time of the next run, s, if it is the reason for the end.
     pub predicted_seconds: Option<f64>,
+    /// The warnings of the last run.
+    pub warnings: Vec<Warning>,
     /// The runs.
     pub runs: Vec<ToldRun>,
 }
@@ -161,6 +163,7 @@ impl Convergence {
             boundary: self.peak.as_ref().map(|peak| peak.boundary.clone()),
             position: self.peak.as_ref().map(|peak| position(peak.position)),
             predicted_seconds: self.predicted,
+            warnings: self.warnings.clone(),
             runs: self.steps.iter().enumerate().map(run).collect(),
         }
     }
@@ -168,7 +171,8 @@ impl Convergence {
     /// Returns `true` if the value has a limit.
     pub(super) fn has_limit(&self) -> bool {
         let measured = self.errors.as_ref().is_some_and(|errors| errors.total().is_some());
-        measured && self.verdict != Verdict::Singular
+        let singular = self.peak.as_ref().is_some_and(|peak| peak.singular) || self.verdict == Verdict::Singular;
+        measured && !singular
     }
 
     /// Returns the value with its uncertainty: `the peak pressure is 71.3 MPa ± 1.4 %`; `None` without a limit.
@@ -210,6 +214,9 @@ impl Convergence {
         let short = if by_few { ", but by too few meshes".to_string() } else { format!(", not {asked}") };
         match self.verdict {
             Verdict::Known => format!("{so_far}: {here} is fine enough for {asked}"),
+            Verdict::Warned => format!(
+                "{so_far} on the meshes as they are, but a warning below is never to be ignored: follow it, then repeat the study"
+            ),
             Verdict::Singular => {
                 let growth = self.change(self.steps.len() - 1).unwrap_or_default();
                 let at = self
@@ -257,12 +264,14 @@ impl Convergence {
             let verdict = if error <= self.to { "fine enough" } else { "too coarse" };
             ("", format!("the scene's own mesh {mesh} is {verdict}: {} off", percent(error)))
         }));
+        lines.extend(self.warnings.iter().map(|warning| ("warning", warning.message.clone())));
         lines
     }
 
     /// Returns the name and the error of the scene's own mesh, as a share of the extrapolated value.
     fn own_mesh(&self) -> Option<(String, f64)> {
-        let limit = self.errors.as_ref().filter(|_| self.has_limit())?.mesh?;
+        let trusted = self.has_limit() && self.verdict != Verdict::Warned;
+        let limit = self.errors.as_ref().filter(|_| trusted)?.mesh?;
         let series = series(&self.steps, true, false);
         let found = series.steps.iter().zip(&series.values).find(|(k, _)| self.steps[**k].run.own != Own::No)?;
         let error = (found.1 / limit.extrapolated - 1.0).abs();

@@ -37,8 +37,9 @@ fn elements_are_compared_with_their_estimates() {
         for (result, errors) in of.iter().zip(&errors) {
             let estimates = result.estimates.as_ref().unwrap();
 
+            // The estimate is a typical error, told within a factor of 3.
             let peak = estimates.peak_error.unwrap();
-            assert!(errors.peak < peak, "{:?}: {errors:?}, {peak}", result.mesh);
+            assert!(errors.peak < 3.0 * peak, "{:?}: {errors:?}, {peak}", result.mesh);
             let ratio = estimates.discretisation.unwrap() / errors.norm();
             assert!((0.4..2.5).contains(&ratio), "{:?}: {ratio}", result.mesh);
         }

@@ -234,3 +234,36 @@ fn meshes_of_second_order_are_finer() {
     assert_exit(&output, 2);
     assert!(stderr(&output).contains("elements and is no finer"), "{}", stderr(&output));
 }
+
+/// A study carries the warnings of its last run, and is not known where one of them is never to be ignored.
+#[test]
+fn what_is_never_to_be_ignored_is_never_known() {
+    let folder = Folder::new();
+    let scene = |obstacle: &str| {
+        format!(
+            "mesh = {{ kind = \"block\", size = [1, 0.5], elements = [20, 20] }}\nmaterial = {{ young = 1e9, poisson = 0.3 \
+             }}\n[[support]]\nboundary = \"top\"\nfix = [\"x\", \"y\"]\n[[contact]]\nboundary = \"bottom\"\nfriction = 0.3\nobstacle = {{ \
+             {obstacle}, approach = [[0, 0], [1, 2e-4]] }}\n[time]\nend = 1\nincrements = 4\n"
+        )
+    };
+    let bumps = scene("kind = \"formula\", formula = \"1e-4 * (1 - cos(2 * PI * x * 20))\"");
+    fs::write(folder.join("bumps.toml"), bumps).unwrap();
+    fs::write(folder.join("plane.toml"), scene("kind = \"plane\"")).unwrap();
+    let of = |file: &str, sought: &str, more: &[&str]| {
+        let file = folder.join(file);
+        stickslip(&converge(&file, sought, &[&["--to", "0.2", "--meshes", "5,10,20"], more].concat()))
+    };
+    let text = of("bumps.toml", "force", &[]);
+    assert_exit(&text, 1);
+    assert!(stdout(&text).contains("never to be ignored") && stdout(&text).contains("\nwarning "), "{}", stdout(&text));
+    let told = json(&of("bumps.toml", "force", &["--json"]));
+    assert_eq!(told["verdict"], "warned");
+    assert!(
+        told["warnings"].as_array().unwrap().iter().any(|warning| warning["kind"] == "obstacle-between-nodes"),
+        "{told}"
+    );
+    // A pressure that each run calls singular has no value; the force of the same runs has one.
+    assert_exit(&of("plane.toml", "force", &[]), 0);
+    let told = json(&of("plane.toml", "peak", &["--json"]));
+    assert!(told["verdict"] != "known" && told["uncertainty"].is_null(), "{told}");
+}

@@ -179,14 +179,18 @@ fn print_largest(report: &RunReport) {
             rounded(largest.time)
         );
     }
-    if let Some(LargestForce { boundary, magnitude, time, mesh_error, .. }) = &report.largest_force {
+    let about = |error: Option<f64>| match error {
+        Some(error) => format!("error of the mesh about {}", percent(error)),
+        None => "error of the mesh unknown".to_string(),
+    };
+    if let Some(LargestForce { boundary, magnitude, time, mesh_error, given, .. }) = &report.largest_force {
         let force = units.rounded(Quantity::Force, *magnitude, DIGITS);
-        let error = mesh_error.map_or(String::new(), |error| format!(", error of the mesh about {}", percent(error)));
+        let error = if *given { String::new() } else { format!(", {}", about(*mesh_error)) };
         say!("force        {force} at most on `{boundary}`, at t = {} s{error}", rounded(*time));
     }
     if let Some(FrictionResult { friction_work, mesh_error, time_error, .. }) = report.friction {
         let energy = |work: f64| units.rounded(Quantity::Energy, work, DIGITS);
-        let of_mesh = mesh_error.map(|error| format!("mesh error up to {}", percent(error)));
+        let of_mesh = Some(about(mesh_error));
         let of_steps = time_error.map(|error| {
             let verb = if error < -5e-4 { "take" } else { "add" };
             let corrected = energy(friction_work * (1.0 - error));
@@ -198,7 +202,8 @@ fn print_largest(report: &RunReport) {
     }
     if let Some(StickZone { boundary, time, ratio, uncertainty, .. }) = &report.stick_zone {
         say!(
-            "stick zone   {ratio:.2} ± {uncertainty:.2} of the contact width on `{boundary}`, at t = {} s",
+            "stick zone   {ratio:.2} ± {} of the contact width on `{boundary}`, at t = {} s",
+            units.rounded(Quantity::Number, *uncertainty, 1),
             rounded(*time)
         );
     }
@@ -214,8 +219,7 @@ fn print_largest(report: &RunReport) {
     let across = nodes_across.map_or(String::new(), |nodes| format!(", {nodes} nodes across"));
     let error = match mesh_error {
         _ if *singular => "singular: it depends on the mesh".to_string(),
-        Some(error) => format!("error of the mesh up to {}", percent(*error)),
-        None => "error of the mesh unknown".to_string(),
+        error => about(*error),
     };
     match (peak_of, pressure.map(|pressure| units.rounded(Quantity::Stress, pressure, DIGITS))) {
         (Some(of), Some(pressure)) => {
