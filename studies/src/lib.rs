@@ -5,5 +5,6 @@ pub mod elements;
 pub mod estimates;
 pub mod extremes;
 pub mod figures;
+pub mod gaps;
 pub mod tables;
 pub mod warnings;
