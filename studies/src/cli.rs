@@ -5,6 +5,7 @@ mod elements;
 mod estimates;
 mod extremes;
 mod figures;
+mod gaps;
 mod jobs;
 mod tables;
 mod told;
@@ -38,6 +39,8 @@ enum Study {
     Elements(elements::ElementsArgs),
     /// Run the suite of extreme scenes
     Extremes(extremes::ExtremesArgs),
+    /// Compare forces and pressures of curved bodies on meshes that do not match with what is true
+    Gaps(gaps::GapsArgs),
     /// Compare the estimates of a run with what is true
     Estimates(estimates::EstimatesArgs),
     /// Compare the errors that a run tells with the true ones
@@ -65,6 +68,7 @@ pub(crate) fn main() -> ExitCode {
         Study::Figures(args) => figures::figures(args),
         Study::Elements(args) => elements::elements(args),
         Study::Extremes(args) => extremes::extremes(args),
+        Study::Gaps(args) => gaps::gaps(args),
         Study::Estimates(args) => estimates::estimates(args),
         Study::Told(args) => told::told(args),
         Study::Warnings(args) => warnings::warnings(args),

@@ -5,6 +5,7 @@ pub mod elements;
 pub mod estimates;
 pub mod extremes;
 pub mod figures;
+pub mod gaps;
 pub mod tables;
 pub mod told;
 pub mod warnings;

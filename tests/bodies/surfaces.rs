@@ -151,3 +151,44 @@ fn a_sheet_smaller_than_the_face() {
     let model = discretise(&Scene::parse("slab.toml", &scene, &[]).unwrap()).unwrap();
     assert!(model.contacts.len() == part && model.contacts.iter().all(|contact| contact.facing.gap == 0.125));
 }
+
+/// Cracks that exporters leave between strips, also where corners of one side are between those of the other, cost no node its contact.
+#[test]
+fn cracks_that_exporters_leave() {
+    let whole = Scratch::new("whole.stl", ascii(&cylinder(60, 0.0, 0.2)).as_bytes());
+    for direction in ["normal", "nearest"] {
+        let of = |file: &Scratch| {
+            solved(&slab(&format!(
+                "kind = \"surface\", file = \"{}\", direction = \"{direction}\", {MOTION}",
+                file.path()
+            )))
+        };
+        let (model, states) = of(&whole);
+        let force = |states: &[State]| states[1].p_n.iter().sum::<f64>();
+        // The surface is 1.13 m long.
+        for width in [2e-6, 5e-6, 1e-5, 2e-5] {
+            let narrower = |[x, y, z]: [f64; 3]| [x + if x < 0.0 { -0.5 * width } else { 0.5 * width }, y, z];
+            for rows in [1, 3] {
+                let strips = |rows: usize| {
+                    let of_row =
+                        |k: usize| cylinder(60, 0.2 * k as f64 / rows as f64, 0.2 * (k + 1) as f64 / rows as f64);
+                    (0..rows).flat_map(of_row).collect::<Vec<_>>()
+                };
+                let is_left = |corners: &Triangle| corners.iter().map(|x| x[0]).sum::<f64>() < 0.0;
+                let left = strips(1)
+                    .into_iter()
+                    .filter(is_left)
+                    .map(|corners| corners.map(|x| narrower([x[0].min(-1e-9), x[1], x[2]])));
+                let right = strips(rows)
+                    .into_iter()
+                    .filter(|corners| !is_left(corners))
+                    .map(|corners| corners.map(|x| narrower([x[0].max(0.0), x[1], x[2]])));
+                let file = Scratch::new("cracked.stl", ascii(&left.chain(right).collect::<Vec<_>>()).as_bytes());
+                let (cracked, found) = of(&file);
+                assert_eq!(cracked.contacts.len(), model.contacts.len(), "{direction} {width} {rows}");
+                let change = force(&found) / force(&states) - 1.0;
+                assert!(change.abs() < 1e-3, "{direction} {width} {rows}: {change}");
+            }
+        }
+    }
+}

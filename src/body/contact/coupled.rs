@@ -21,7 +21,7 @@ pub fn relative(row: &MortarRow, glued: bool) -> Relative {
 
 /// Creates the contact nodes of the pair `pair` from its `rows`.
 ///
-/// `gap` (m) is the gap of each row, and how much less it may be, see [`super::Coupled::bulge`]; `relative` marks the nodes with relative displacements in this pair. Normals are
+/// `gap` (m) is the gap of each row, and how much less it may be, see [`super::Coupled::edges`]; `relative` marks the nodes with relative displacements in this pair. Normals are
 /// those of the rows; the first tangent is that of an obstacle with their mean normal, turned with the normal.
 pub fn coupled_nodes(
     mesh: &Mesh,
@@ -41,7 +41,7 @@ pub fn coupled_nodes(
         };
         let first = if norm(first) > LEANS { unit(first) } else { first_tangent(normal) };
         let frame = [first, cross(normal, first)];
-        let [gap, bulge] = gap(row);
+        let [gap, edges] = gap(row);
         let facing = Facing { gap, normal, tangents: frame, inward: normal };
         let nodes = |side: &[(usize, f64)], sign: f64| {
             side.iter().map(|&(node, c)| (node, mesh.nodes[node], sign * c)).collect::<Vec<_>>()
@@ -51,7 +51,7 @@ pub fn coupled_nodes(
             pair,
             relative: relative(row.node),
             beyond_the_end: row.is_beyond_the_end(),
-            bulge,
+            edges,
             still: row.still.clone(),
             slave,
             master,

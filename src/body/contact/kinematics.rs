@@ -81,10 +81,8 @@ pub struct Coupled {
     pub relative: bool,
     /// `true` if the node is beyond the end of the other side, see [`super::MortarRow::is_beyond_the_end`].
     pub beyond_the_end: bool,
-    /// The reduction of the gap between the curved surfaces that the facets approximate, m; see
-    /// [`super::MortarRow::bulge`]; if the gap is already that of the curved surfaces, [`super::MortarRow::edges`]. 0 if
-    /// the gap is given.
-    pub bulge: f64,
+    /// The reduction of a measured gap if the surfaces had no edges, m; see [`super::MortarRow::edges`].
+    pub edges: f64,
     /// Orthonormal directions in which supports fix both sides.
     pub still: Vec<[f64; 3]>,
     /// The nodes of its own side in its rows, with positions (m) and coefficients; the coefficients add up to 1.

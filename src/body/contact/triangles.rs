@@ -65,9 +65,13 @@ pub(super) enum TriangleFeature {
 /// meets both triangles.
 const POSITION_ROUNDING: f64 = 1e-12;
 
-/// The rounding error in single precision, which most STL files have. A point may lie beyond the rim by this share, and
-/// a line meets a triangle only if the cosine between line and normal exceeds it.
+/// The rounding error in single precision, which most STL files have. A line meets a triangle only if the cosine between
+/// line and normal exceeds it.
 const SINGLE: f64 = 1e-6;
+
+/// A point may lie beyond a rim by this share of the size of the surface, so that what is in front of a crack meets the
+/// triangles beside it.
+const CRACK: f64 = 1e-5;
 
 /// A triangle is slender if the square of its longest side exceeds this multiple of the area of the parallelogram, and
 /// its parts are about this share of the surface long.
@@ -206,7 +210,7 @@ impl Triangles {
     /// Returns the point where the line through `x` along the unit vector `n` enters the obstacle: behind `x` if `x` is
     /// inside, otherwise the first one ahead.
     pub(super) fn entry(&self, x: [f64; 3], n: [f64; 3]) -> Option<Entry> {
-        [POSITION_ROUNDING, SINGLE].into_iter().find_map(|slack| self.entry_within(x, n, slack * self.extent))
+        [POSITION_ROUNDING, CRACK].into_iter().find_map(|slack| self.entry_within(x, n, slack * self.extent))
     }
 
     /// Computes [`Triangles::entry`] with triangles enlarged by `slack` (m) all around.
@@ -264,12 +268,12 @@ impl Triangles {
             TriangleFeature::Corner(k) => &self.vertices[self.points[triangle][k]],
         };
         let distance = norm(to);
-        if feature.off.iter().any(|off| -dot(to, off) > SINGLE * distance.max(self.extent)) {
+        if feature.off.iter().any(|off| -dot(to, off) > CRACK * distance.max(self.extent)) {
             return None;
         }
         let inward = unit(feature.normal.map(|c| -c));
-        // On the surface itself, the direction to the nearest point is undefined.
-        if distance <= SINGLE * self.extent {
+        // Beyond a rim the surface goes on as a plane; on the surface itself, the direction to the nearest point is undefined.
+        if !feature.off.is_empty() || distance <= SINGLE * self.extent {
             return Some((dot(to, inward), inward));
         }
         let sign = if dot(to, inward) < 0.0 { -1.0 } else { 1.0 };
@@ -361,12 +365,12 @@ mod tests {
         let at = |surface: &Triangles, x: [f64; 3], n: [f64; 3]| surface.entry(x, n).map(|entry| entry.distance);
         let ceiling = ceiling();
         assert_eq!(ceiling.count(), 2);
-        for x in [[0.3, 0.3, 0.0], [0.0, 0.0, 0.0], [1.0, 0.5, 0.0], [1.0 + 1e-7, 0.5, 0.0]] {
+        for x in [[0.3, 0.3, 0.0], [0.0, 0.0, 0.0], [1.0, 0.5, 0.0], [1.0 + 9e-6, 0.5, 0.0]] {
             assert_eq!(at(&ceiling, x, up), Some(1.0));
         }
         assert_eq!(at(&ceiling, [0.3, 0.4, 1.1], up).map(|d| (1e12 * d).round()), Some(-1e11));
         assert_eq!(at(&ceiling, [0.3, 0.4, 2.0], [0.0, 0.0, -1.0]), None);
-        assert_eq!(at(&ceiling, [1.0 + 1e-5, 0.5, 0.0], up), None);
+        assert_eq!(at(&ceiling, [1.0 + 1.1e-5, 0.5, 0.0], up), None);
         let cube = cube();
         assert_eq!(at(&cube, [0.5, 0.5, -2.0], up), Some(2.0));
         assert_eq!(at(&cube, [0.5, 0.5, 0.25], up), Some(-0.25));

@@ -31,11 +31,9 @@ pub struct Opposite {
 /// The gap between two boundaries when the history begins.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum FirstGap {
-    /// The gap of the mesh; overlaps are interference.
+    /// The gap of the mesh, between the curved surfaces where facets of both sides approximate some; overlaps are interference.
     #[default]
     Measured,
-    /// The gap between the curved surfaces that straight facets of both sides approximate.
-    Curved,
     /// A uniform gap, m; negative for interference.
     Uniform(f64),
     /// A formula of the position of the slave node, m.
@@ -48,8 +46,8 @@ pub enum Slave {
     /// The boundary that is named first, unless supports hold all of it.
     #[default]
     First,
-    /// The boundary with more free nodes in front of the other; if the numbers are about equal, that of the softer
-    /// body.
+    /// The boundary with more free nodes in front of the other, with fewer if the two are curved; if the numbers are about
+    /// equal, that of the softer body.
     Automatic,
 }
 
@@ -81,12 +79,6 @@ impl Opposite {
     #[must_use]
     pub fn apart(self, gap: f64) -> Self {
         Opposite { gap: FirstGap::Uniform(gap), ..self }
-    }
-
-    /// Uses the gaps between the curved surfaces that straight facets approximate.
-    #[must_use]
-    pub fn curved(self) -> Self {
-        Opposite { gap: FirstGap::Curved, ..self }
     }
 
     /// Sets the largest distance (m) at which the two boundaries are paired.
@@ -139,9 +131,8 @@ impl Opposite {
             let help = "remove the key: gaps between glued bodies count as 0";
             return Err(InputError::new("gap", "gap must be left out where bodies are glued", help));
         }
-        let measured = matches!(self.gap, FirstGap::Measured | FirstGap::Curved);
         ensure(
-            measured || self.adjust == 0.0,
+            self.gap == FirstGap::Measured || self.adjust == 0.0,
             "adjust",
             &self.adjust,
             "left out where gap says what the gap is",

@@ -259,7 +259,6 @@ impl Si {
         let Opposite { boundaries, glued, shift, search, gap, adjust, direction, slave } = opposite;
         let gap = match gap {
             FirstGap::Measured => FirstGap::Measured,
-            FirstGap::Curved => FirstGap::Curved,
             FirstGap::Uniform(gap) => FirstGap::Uniform(self.length(gap)),
             FirstGap::Formula(formula) => FirstGap::Formula(self.formula(Quantity::Length, formula)),
         };

@@ -291,7 +291,7 @@ impl Supports for OfNodes<'_> {
 }
 
 impl Pair {
-    /// Returns `true` if its gaps are those of the mesh.
+    /// Returns `true` if its gaps are those between the facets.
     pub fn is_measured(&self) -> bool {
         self.mortar.rows.iter().zip(&self.gaps).all(|(row, gap)| row.gap == *gap)
     }
@@ -300,15 +300,7 @@ impl Pair {
     pub(super) fn nodes(&self, mesh: &Mesh, dofs: &Dofs, number: usize) -> Vec<ContactNode> {
         let gaps: BTreeMap<usize, f64> =
             self.mortar.rows.iter().map(|row| row.node).zip(self.gaps.iter().copied()).collect();
-        let gap = |row: &MortarRow| {
-            let gap = gaps[&row.node];
-            let bulge = match self.gap {
-                FirstGap::Curved => row.edges,
-                _ if gap == row.gap => row.bulge,
-                _ => 0.0,
-            };
-            [gap, bulge]
-        };
+        let gap = |row: &MortarRow| [gaps[&row.node], if self.gap == FirstGap::Measured { row.edges } else { 0.0 }];
         coupled_nodes(mesh, dofs, number, &self.mortar.rows, gap, |node| self.relative.contains_key(&node))
     }
 }
@@ -393,8 +385,7 @@ fn pair(
     let gap = |row: &MortarRow| -> Result<f64, InputError> {
         let place = mesh.nodes[row.node];
         let gap = match &opposite.gap {
-            FirstGap::Measured => adjusted(row.gap),
-            FirstGap::Curved => adjusted(row.gap - row.bulge),
+            FirstGap::Measured => adjusted(row.gap - row.bulge),
             FirstGap::Uniform(gap) => *gap,
             FirstGap::Formula(formula) => formula.at(place),
         };
@@ -420,7 +411,7 @@ fn pair(
             let message =
                 format!("the bodies start {depth} inside each other at {place}, where one is {thickness} thick");
             let (place, help) = match opposite.gap {
-                FirstGap::Measured | FirstGap::Curved => ("against", "move a body out, or give the gap"),
+                FirstGap::Measured => ("against", "move a body out, or give the gap"),
                 _ => (
                     "gap",
                     "the gap is in the scene's unit of length, and negative where bodies overlap: give a smaller one",

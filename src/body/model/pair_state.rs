@@ -23,19 +23,17 @@ pub struct Slid {
     pub share: f64,
 }
 
-/// The error of measured gaps of a pair because facets approximate curved boundaries, or of the gaps of curved surfaces because facets turn
-/// so much that they count as apart.
+/// The error of measured gaps of a pair if facets that count as apart, because they turn so much, are of one curved surface.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Faceted {
     /// The number of the pair.
     pub pair: usize,
     /// The sum of the normal forces, N.
     pub force: f64,
-    /// The error of the gaps, m: the median over the nodes that
-    /// are pressed or at which the curved surfaces overlap at the beginning.
+    /// The reduction of the gaps by curved surfaces, m: the mean, weighted by the normal forces; without a force over the nodes at
+    /// which curved surfaces overlap at the beginning.
     pub bulge: f64,
-    /// The mean gap that contact has closed, weighted by the normal forces, m; without a force the mean overlap of the curved
-    /// surfaces.
+    /// The overlap at the beginning in the same mean, m; negative where contact has closed gaps.
     pub closed: f64,
 }
 
@@ -43,31 +41,20 @@ impl Model {
     /// Returns the error by facets for each pressed pair with measured gaps.
     pub fn faceted(&self, state: &State) -> Vec<Faceted> {
         let of_pair = |pair: usize| {
-            let (mut force, mut closed, mut overlaps, mut bulges) = (0.0, 0.0, 0.0, Vec::new());
+            let (mut by_force, mut without) = ([0.0; 3], [0.0; 3]);
             for (contact, p_n) in self.contacts.iter().zip(&state.p_n) {
                 let Some(coupled) = contact.coupled().filter(|coupled| coupled.pair == pair) else { continue };
                 let gap = contact.facing.gap;
                 // Facets may hold nodes apart that the curved surfaces press.
-                if *p_n > 0.0 || gap < coupled.bulge {
-                    bulges.push(coupled.bulge.abs());
-                    overlaps += (gap - coupled.bulge).abs();
+                let overlaps = if gap < coupled.edges { 1.0 } else { 0.0 };
+                for (sums, weight) in [(&mut by_force, p_n.max(0.0)), (&mut without, overlaps)] {
+                    let terms = [1.0, coupled.edges, -gap];
+                    sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += weight * term);
                 }
-                force += p_n.max(0.0);
-                closed += p_n.max(0.0) * gap.abs();
             }
-            // The median is used because, if a flat ends in a curve, the largest forces are at the first curved facet
-            // while the rest of the contact is flat.
-            let middle = bulges.len() / 2;
-            if bulges.is_empty() {
-                return None;
-            }
-            let count = bulges.len() as f64;
-            let bulge = *bulges.select_nth_unstable_by(middle, f64::total_cmp).1;
-            if bulge <= FLAT * self.mesh.size() {
-                return None;
-            }
-            let closed = if force > 0.0 { closed / force } else { overlaps / count };
-            Some(Faceted { pair, force, bulge, closed })
+            let [weight, bulge, closed] = if by_force[0] > 0.0 { by_force } else { without };
+            let differs = bulge.abs() > FLAT * self.mesh.size() * weight;
+            differs.then(|| Faceted { pair, force: by_force[0], bulge: bulge / weight, closed: closed / weight })
         };
         (0..self.pairs.len()).filter_map(of_pair).collect()
     }

@@ -6,7 +6,6 @@ use super::largest::is_as_large;
 use super::warnings::{Warning, WarningKind};
 use crate::algebra::vector::norm;
 use crate::base::units::Quantity;
-use crate::body::FirstGap;
 use crate::body::contact::{Passed, RangeLeft, TOLERATED_SHARE};
 use crate::body::fem::RigidMotion;
 use crate::body::mesh::Boundary;
@@ -23,15 +22,10 @@ pub const NOT_SMALL: f64 = 0.1;
 /// The share of a force on nodes beyond the end of the other body above which it is reported.
 const BEYOND_THE_END: f64 = 0.05;
 
-/// The ratio of the error of pressures to the error of gaps by facets, both relative. Facets change the gaps from node
-/// to node, and bodies are stiffer against that than against the gaps themselves: by 7 to 8 for the peaks of rings of
-/// 32 to 44 facets per quadrant pressed into each other, and of pins in holes with 20 to 40.
-const STIFFER: f64 = 7.0;
-
-/// That ratio for rigid obstacles of triangles: 2.3 to 2.8 for the peaks of cylinders of which 2 to 6 strips press.
+/// The ratio of the error of pressures to the error of distances by the triangles of an obstacle, both relative: 2.3 to 2.8 for the peaks of cylinders of which 2 to 6 strips press.
 const STIFFER_OBSTACLE: f64 = 2.6;
 
-/// The error of pressures by facets above which it is reported.
+/// The error of pressures, and of gaps of pairs, by facets above which it is reported.
 const FACETED: f64 = 0.1;
 
 /// The depth of an obstacle's passage within an increment above which it is reported, relative to the indentation. For
@@ -247,7 +241,7 @@ impl Validity {
 
     /// Returns the pairs whose facets change the gaps so much that pressures mean little.
     fn faceted_gaps(&self) -> impl Iterator<Item = &Faceted> {
-        self.faceted.iter().filter(|faceted| STIFFER * faceted.bulge > FACETED * faceted.closed)
+        self.faceted.iter().filter(|faceted| faceted.bulge.abs() > FACETED * faceted.closed.abs())
     }
 
     /// Returns the largest displacement if it is not small.
@@ -435,45 +429,15 @@ fn passed_through(model: &Model, passed: &Passed, time: f64) -> String {
     )
 }
 
-/// Describes that facets change measured gaps.
-fn faceted_gaps(model: &Model, faceted: &Faceted) -> String {
-    let pair = &model.pairs[faceted.pair];
-    let (units, share) = (model.units(), faceted.bulge / faceted.closed);
-    let length = |x: f64| units.rounded(Quantity::Length, x, 3);
-    if pair.gap == FirstGap::Curved {
-        return format!(
-            "facets of `{}` or `{}` turn by more than 44° where they meet, and are apart for contact[{}].gap = \
-             \"curved\": if they are of one curved surface, gaps are off by {} (median), {:.1} % of the {} that contact closes; \
-             use twice as many elements along the curve, or give the gap if it is known; if they are edges, set gap = \"measured\"",
-            pair.slave,
-            pair.master.name,
-            pair.contact,
-            length(faceted.bulge),
-            100.0 * share,
-            length(faceted.closed)
-        );
-    }
-    let elements = (STIFFER * share / FACETED).sqrt().ceil();
-    let mut facets = pair.mortar.sides().into_iter().flatten();
-    let (are, better) = if facets.any(|facet| model.mesh.is_quadratic(facet)) {
-        (
-            "leave the curved surfaces between their nodes",
-            "put nodes between corners on the surface in the middle of their edges",
-        )
-    } else {
-        ("are chords of curved surfaces", "use elements of second order")
-    };
+/// Describes that gaps are others if facets that count as apart are of one curved surface.
+fn faceted_gaps(model: &Model, &Faceted { pair, bulge, closed, .. }: &Faceted) -> String {
+    let pair = &model.pairs[pair];
+    let [now, curved] = [-closed, -closed - bulge].map(|gap| model.units().rounded(Quantity::Length, gap, 3));
     format!(
-        "the facets of `{}` and `{}` {are}, which changes gaps by {} (median), {:.1} % of \
-         the {} that contact closes: pressures may be off by about {:.0} %, forces by less; set contact[{}].gap \
-         = \"curved\", or to the gap if it is known, or {better}, or use at least {elements:.0} times as many elements along the curve",
-        pair.slave,
-        pair.master.name,
-        length(faceted.bulge),
-        100.0 * share,
-        length(faceted.closed),
-        100.0 * (STIFFER * share).min(1.0),
-        pair.contact
+        "facets of `{}` or `{}` turn by more than 44° where they meet, and count as edges: if they are of one curved surface, measured \
+         gaps are {curved} in the mean, not {now}; forces of a fit are off by that ratio, and pressures by more: use twice as many \
+         elements along the curve, or set contact[{}].gap if it is known",
+        pair.slave, pair.master.name, pair.contact
     )
 }
 

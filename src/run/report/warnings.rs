@@ -52,7 +52,7 @@ pub enum WarningKind {
     BeyondTheEnd,
     /// Bodies that penetrate each other where no contact is defined.
     PassedThrough,
-    /// Facets of curved boundaries that falsify the measured gaps.
+    /// Facets that falsify measured gaps if they are of a curved surface.
     FacetedGaps,
     /// Neglected friction of constrained nodes while something slides past them.
     FrictionLeftOut,

@@ -56,11 +56,9 @@ pub(super) fn contact(k: usize, given: document::ContactTable, source: &Source) 
             let gap = match given.gap {
                 None => FirstGap::Measured,
                 Some(Scalar::Number(gap)) => FirstGap::Uniform(gap),
-                Some(Scalar::Text(text)) if text == "measured" => FirstGap::Measured,
-                Some(Scalar::Text(text)) if text == "curved" => FirstGap::Curved,
+                Some(Scalar::Text(text)) if text == "measured" || text == "curved" => FirstGap::Measured,
                 Some(Scalar::Text(text)) => {
-                    let help =
-                        "give \"measured\", \"curved\", a number, or a formula of x, y and z, in m or as [units] says";
+                    let help = "give \"measured\", a number, or a formula of x, y and z, in m or as [units] says";
                     FirstGap::Formula(formula(&text, format!("{key}.gap"), help, source)?)
                 }
             };

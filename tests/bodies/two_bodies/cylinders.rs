@@ -64,11 +64,11 @@ fn sorted(model: &Model, p: &[f64]) -> Vec<(f64, f64, f64)> {
 type Row = ([usize; 2], Side, usize, usize, [f64; 5]);
 
 const REFERENCE: [Row; 5] = [
-    ([8, 8], Side::Upper, 10, 5, [1.000866874, 1.007030698, -2.9353231999e-3, 2.7187199637e7, 4.3307281115e6]),
-    ([8, 12], Side::Upper, 11, 7, [1.004132404, 1.000074476, -2.9355472681e-3, 2.7187195219e7, 2.8965518735e6]),
-    ([8, 12], Side::Lower, 9, 5, [0.994976631, 1.015388817, -2.9340589071e-3, 2.7187213210e7, 4.3052008014e6]),
-    ([16, 24], Side::Upper, 12, 13, [1.002972582, 0.998051525, -2.9355406918e-3, 2.7187197270e7, 1.4465970801e6]),
-    ([16, 24], Side::Lower, 11, 9, [0.999936019, 1.002318435, -2.9350150889e-3, 2.7187201849e7, 2.1633248077e6]),
+    ([8, 8], Side::Upper, 10, 5, [1.0008447915, 1.0070555094, -2.9290590370e-3, 2.7187199654e7, 4.3306325596e6]),
+    ([8, 12], Side::Upper, 11, 7, [0.9942727311, 0.9990896527, -2.9318689229e-3, 2.7187194531e7, 2.8681103509e6]),
+    ([8, 12], Side::Lower, 9, 5, [0.9941107124, 1.0152496134, -2.9301598365e-3, 2.7187213116e7, 4.3014540249e6]),
+    ([16, 24], Side::Upper, 12, 13, [1.0002872963, 0.9978872158, -2.9346021150e-3, 2.7187197158e7, 1.4393902533e6]),
+    ([16, 24], Side::Lower, 11, 9, [0.9994945426, 1.0022948965, -2.9340375624e-3, 2.7187201833e7, 2.1623696902e6]),
 ];
 
 #[test]
@@ -76,9 +76,8 @@ fn of_two_materials() {
     let a = 0.02;
     let (radius, modulus) = together();
     let p0 = a * modulus / (2.0 * radius);
-    for (n, slave, iterations, closed, expected) in REFERENCE {
-        let whole = LinearAlgebra::default();
-        let (model, outcome) = solve(n, a, 1.15, slave, Method::BN, whole);
+    let of_row = |(n, slave, ..): Row| {
+        let (model, outcome) = solve(n, a, 1.15, slave, Method::BN, LinearAlgebra::default());
         let line = sorted(&model, &outcome.state.p_n);
         let total: f64 = line.iter().map(|(_, p, _)| p).sum();
         let moment: f64 = line.iter().map(|(x, p, _)| p * x * x).sum();
@@ -90,12 +89,18 @@ fn of_two_materials() {
         let most = line.iter().map(|(_, p, _)| *p).fold(0.0, f64::max);
         let count = line.iter().filter(|(_, p, _)| *p > 1e-9 * most).count();
         println!("{n:?} {slave:?}: {} iterations, {count} closed, {found:?}", outcome.records[0].iterations);
+        (outcome.records[0].iterations, count, found)
+    };
+    let all = REFERENCE.map(of_row);
+    for ((n, slave, most, closed, expected), (iterations, count, found)) in REFERENCE.into_iter().zip(all) {
+        // The closed form, and the digits of before.
+        assert!((found[0] - 1.0).abs() < 6e-3 && (found[1] - 1.0).abs() < 0.016, "{n:?} {slave:?} {found:?}");
         for (found, expected) in found.iter().zip(expected) {
             assert!((found / expected - 1.0).abs() < 1e-8, "{n:?} {slave:?} {found:.10e} {expected:.10e}");
         }
         assert_eq!(count, closed, "{n:?} {slave:?}");
         // Another start takes fewer.
-        assert!(outcome.records[0].iterations <= iterations + 1, "{n:?} {slave:?} {:?}", outcome.records);
+        assert!(iterations <= most + 1, "{n:?} {slave:?} {iterations}");
     }
 }
 

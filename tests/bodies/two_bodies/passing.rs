@@ -1,12 +1,11 @@
-//! What contact rows do not hold apart, and what facets of curved boundaries do to gaps: told by warnings.
+//! What contact rows do not hold apart, told by warnings.
 
 use super::whole;
 use crate::common::round::moved;
-use std::f64::consts::FRAC_PI_2;
 use stickslip::algebra::linear::SparseLu;
 use stickslip::base::Formula;
-use stickslip::body::fem::{Material, Plane};
-use stickslip::body::mesh::{Body, Mesh, MeshSource, block};
+use stickslip::body::fem::Material;
+use stickslip::body::mesh::{Body, MeshSource, block};
 use stickslip::body::{Axis, Description, FirstGap, Opposite, Support};
 use stickslip::run::report::{RunReport, WarningKind};
 use stickslip::solver::history::{LinearAlgebra, Method};
@@ -96,56 +95,4 @@ fn roundings_that_are_given_as_a_gap() {
     };
     assert_eq!(message(&run(&punch(Some(gap))), WarningKind::PassedThrough), None);
     assert!(message(&run(&punch(None)), WarningKind::PassedThrough).is_some());
-}
-
-/// A quarter of a ring that is drawn larger than the bore of another by `overlap` (m), with `n` facets along the inner and `m` along the outer one.
-fn rings([n, m]: [usize; 2], second: bool, overlap: f64, gap: Option<f64>) -> RunReport {
-    let ring = |radii: [f64; 2], n: usize| -> Mesh {
-        let mut mesh = block(&[1.0, 1.0], &[3, n]);
-        if second {
-            mesh = mesh.into_simplices().into_second_order();
-        }
-        moved(mesh, |[s, t, _]| {
-            let (r, angle) = (radii[0] + s * (radii[1] - radii[0]), FRAC_PI_2 * t);
-            [if t == 1.0 { 0.0 } else { r * angle.cos() }, r * angle.sin(), 0.0]
-        })
-    };
-    let mesh = MeshSource::Bodies(vec![
-        Body::new("inner", ring([0.05, 0.1 + overlap], n)),
-        Body::new("outer", ring([0.1, 0.2], m)),
-    ]);
-    let against = Opposite::from("outer:left").within(0.01);
-    let against = gap.map_or(against.clone(), |gap| against.apart(gap));
-    let body = Description::new(mesh, Material::new(210e9, 0.3).in_plane(Plane::Stress), vec![1.0]);
-    let body = body.pair("inner:right", 0.0, against);
-    run(&["inner", "outer"].iter().fold(body, |body, name| {
-        body.support(&format!("{name}:bottom"), &[Axis::Y]).support(&format!("{name}:top"), &[Axis::X])
-    }))
-}
-
-/// Facets whose chords are as far from the circle as the bodies overlap are told, and the right cure is.
-#[test]
-fn facets_that_change_the_gaps() {
-    let report = rings([8, 6], false, 1e-5, None);
-    let told = message(&report, WarningKind::FacetedGaps).unwrap();
-    assert!(told.contains("contact[0].gap") && told.contains("second order"), "{told}");
-    for kind in [WarningKind::ContactUnresolved, WarningKind::PeakScatter, WarningKind::SingularEdge] {
-        assert_eq!(message(&report, kind), None);
-    }
-    // Facets of second order leave the circle, too, by a tenth of this overlap: some pressures are off by 80 %.
-    assert!(message(&rings([8, 6], true, 1e-5, None), WarningKind::FacetedGaps).is_some());
-    // Chords that are a fortieth of the overlap make pressures of a fifth too much.
-    assert!(message(&rings([32, 34], false, 1e-4, None), WarningKind::FacetedGaps).is_some());
-    let right = [
-        ([8, 6], false, 1e-5, Some(-1e-5)),
-        ([8, 8], false, 1e-5, None),
-        ([16, 12], true, 1e-5, None),
-        ([8, 6], true, 1e-3, None),
-        ([40, 30], false, 1e-3, None),
-    ];
-    for (counts, second, overlap, gap) in right {
-        let report = rings(counts, second, overlap, gap);
-        assert_eq!(message(&report, WarningKind::FacetedGaps), None, "{counts:?} {second} {gap:?}");
-        assert_eq!(message(&report, WarningKind::PassedThrough), None, "{counts:?} {second} {gap:?}");
-    }
 }

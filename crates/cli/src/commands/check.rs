@@ -198,7 +198,7 @@ fn pairs(model: &Model) {
         if !pair.glued && !pair.is_measured() {
             let least = pair.gaps.iter().copied().fold(f64::INFINITY, f64::min);
             let largest = pair.gaps.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            say!("             replaced by gaps of {} to {} when the history begins", length(least), length(largest));
+            say!("             gaps of {} to {} when the history begins", length(least), length(largest));
         }
     }
 }

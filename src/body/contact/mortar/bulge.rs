@@ -24,7 +24,7 @@ use crate::algebra::vector::{dot, minus, unit};
 use crate::body::mesh::{Boundary, Mesh};
 
 /// The ratio of the curvatures at the two ends of an edge above which the smaller one counts: the surface begins to
-/// turn there, as at the end of a flat. The limiter is that of van Leer (1977).
+/// turn at the other, as at the end of a flat, or has an edge there.
 const LIMIT: f64 = 3.0;
 
 /// The least cosine of the angle, 44°, between facets of one smooth surface; beyond it is an edge of the body.
@@ -264,6 +264,6 @@ fn limited([a, b]: [f64; 2]) -> f64 {
     if a * b <= 0.0 {
         return 0.0;
     }
-    let most = (1.0 + LIMIT) * a.abs().min(b.abs());
-    (a + b).clamp(-most, most)
+    let [least, most] = if a.abs() < b.abs() { [a, b] } else { [b, a] };
+    least + if most.abs() > LIMIT * least.abs() { least } else { most }
 }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Mortar, MortarFault, MortarOptions, Supports};
+use super::{Mortar, MortarFault, MortarOptions, MortarRow, Supports};
 use crate::body::mesh::{Boundary, Mesh};
 
 /// Numbers of nodes count as equal if they differ by no more than this share of the larger.
@@ -31,6 +31,8 @@ pub enum SlaveReason {
     OtherOverhangs,
     /// The chosen boundary has more nodes in front of the other.
     MoreNodes,
+    /// The chosen boundary has fewer nodes in front of the other, and both are curved there.
+    FewerNodes,
     /// The chosen boundary is softer, and both have about the same number of nodes.
     Softer,
     /// No criterion distinguishes the two; the first one is chosen.
@@ -44,6 +46,7 @@ impl fmt::Display for SlaveReason {
             SlaveReason::OtherTaken => "the other is that of another contact",
             SlaveReason::OtherOverhangs => "the other has nodes beyond its end",
             SlaveReason::MoreNodes => "it has more nodes in front of the other",
+            SlaveReason::FewerNodes => "it has fewer nodes in front of the other, and the two are curved",
             SlaveReason::Softer => "it is the softer, with about as many nodes",
             SlaveReason::Alike => "the two are alike",
         })
@@ -54,9 +57,10 @@ impl Mortar {
     /// Computes the rows of two boundaries and chooses the slave.
     ///
     /// The criteria in order: the boundary that supports do not hold; the boundary without nodes beyond the end of the
-    /// other; the boundary with more nodes in front of the other, since the law applies at the slave nodes; if the
-    /// numbers are about equal, the softer one by the Young's moduli `young` (Pa). A boundary that is `taken`, as the
-    /// slave of another contact, is avoided.
+    /// other; the boundary with more nodes in front of the other, since the law applies at the slave nodes, but with fewer
+    /// if the two are curved, since facets of the master move as chords, which nodes between their ends feel; if the numbers
+    /// are about equal, the softer one by the Young's moduli `young` (Pa). A boundary that is `taken`, as the slave of
+    /// another contact, is avoided.
     ///
     /// # Errors
     ///
@@ -87,10 +91,18 @@ impl Mortar {
             _ => match first.overhangs() {
                 [true, false] => (1, SlaveReason::OtherOverhangs),
                 [false, true] => (0, SlaveReason::OtherOverhangs),
-                _ => better(rows, young),
+                _ => better(rows, first.is_curved(), young),
             },
         };
         Ok((if slave == 0 { first } else { second }, SlaveChoice { slave, rows, reason }))
+    }
+
+    /// Returns `true` if the two boundaries are curved where they are nearest: at most of the nearest quarter of the nodes.
+    fn is_curved(&self) -> bool {
+        let mut rows: Vec<&MortarRow> = self.rows.iter().collect();
+        rows.sort_by(|a, b| (a.gap - a.bulge).total_cmp(&(b.gap - b.bulge)));
+        rows.truncate(rows.len().div_ceil(4));
+        2 * rows.iter().filter(|row| row.bulge != 0.0).count() > rows.len()
     }
 }
 
@@ -99,9 +111,10 @@ fn held_other(mortar: Mortar, slave: usize) -> (Mortar, SlaveChoice) {
     (mortar, SlaveChoice { slave, rows, reason: SlaveReason::OtherHeld })
 }
 
-fn better([first, second]: [usize; 2], young: [f64; 2]) -> (usize, SlaveReason) {
+fn better([first, second]: [usize; 2], curved: bool, young: [f64; 2]) -> (usize, SlaveReason) {
     let alike = first.abs_diff(second) as f64 <= ALIKE * first.max(second) as f64;
     match () {
+        () if !alike && curved => (usize::from(second < first), SlaveReason::FewerNodes),
         () if !alike => (usize::from(second > first), SlaveReason::MoreNodes),
         () if young[0] != young[1] => (usize::from(young[1] < young[0]), SlaveReason::Softer),
         () => (0, SlaveReason::Alike),

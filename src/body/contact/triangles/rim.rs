@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::{SINGLE, Triangles};
+use super::{CRACK, Triangles};
 use crate::algebra::vector::{cross, dot, minus, norm, plus};
 use crate::body::contact::tree::Bounds;
 
@@ -38,6 +38,9 @@ impl Side {
 /// The least share of a hole's rim. The share measures how far the directions off the surface point into the area that
 /// the rim encloses: 1 for a hole in a plane, -1 for the outer rim of a plane, 0 for the rim of a bowl.
 const INTO: f64 = 0.5;
+
+/// A point so many times as far from a rim as triangles reach meets only what is beyond a crack.
+const PAST: f64 = 1.01;
 
 impl Triangles {
     /// Returns the holes of the surface and the cracks of at most the width `reach` (m). Openings within rounding do
@@ -88,17 +91,17 @@ impl Triangles {
             plus(sum, 0.5, cross(minus(side.ends[0], centre), minus(side.ends[1], centre)))
         });
         let length = rim.iter().map(Side::length).sum::<f64>();
-        // A rim that encloses no area is a seam whose corners differ by rounding; lines do not pass through it.
+        // A rim that encloses no area is a seam whose corners differ by little; lines do not pass through it.
         let width = 2.0 * norm(area) / length;
-        width > SINGLE * self.extent && into > INTO * 2.0 * norm(area)
+        width > 2.0 * CRACK * self.extent && into > INTO * 2.0 * norm(area)
     }
 
     /// Returns `true` if another part of the surface is beyond the side of a rim, at most `reach` (m) away, with a
     /// crack between them.
     fn goes_on_beyond(&self, side: &Side, reach: f64) -> bool {
         let across = |way: f64| self.nearest(plus(side.middle(), way, side.off)).map(|(distance, _)| distance.abs());
-        // A crack within rounding does not let a line through.
-        let is_open = across(10.0 * SINGLE * self.extent).is_none();
+        // The triangles beside a narrower crack meet what is in front of it.
+        let is_open = across(PAST * CRACK * self.extent).is_none();
         is_open && across(reach).is_some_and(|distance| distance < 0.5 * reach)
     }
 }
