@@ -11,4 +11,4 @@ pub use input::{Contents, read_bytes, with_contents};
 pub use input_error::{InputError, finite, positive};
 pub use memory::{Budget, Source, in_words, kilobytes};
 pub use timeline::{equal_increments, kinks, kinks_between, within};
-pub use units::{Depth, LengthUnit, Quantity, Scaling, StressUnit, UnitSystem, Units};
+pub use units::{Depth, LengthUnit, Quantity, Scaling, StressUnit, UnitSystem, Units, six_digits};

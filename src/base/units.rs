@@ -5,6 +5,7 @@ mod rounded;
 mod system;
 mod user;
 
+pub use rounded::six_digits;
 pub use system::{Depth, Quantity, UnitSystem};
 pub use user::{LengthUnit, StressUnit, Units};
 

@@ -8,7 +8,7 @@ use super::svg::{Anchor, Colour, Dash, Line, PlotError, Svg, expect_finite};
 use super::visible::{Visibility, visibility};
 use std::collections::BTreeMap;
 use stickslip::algebra::{cross, dot, minus, norm, unit};
-use stickslip::base::{Quantity, UnitSystem};
+use stickslip::base::{Quantity, UnitSystem, six_digits};
 use stickslip::body::Model;
 use stickslip::run::report::{deformation, von_mises};
 use stickslip::solver::history::IncrementView;
@@ -144,7 +144,7 @@ impl DeformedBody {
         };
         let units = self.units.of_pictures();
         let largest = self.units.rounded(Quantity::Length, self.largest, 4);
-        let subtitle = format!("t = {} s, displacements {shown}, {largest} at most", self.time);
+        let subtitle = format!("t = {} s, displacements {shown}, {largest} at most", six_digits(self.time));
         svg.text([0.5 * WIDTH, 48.0], &subtitle, LABEL_SIZE, Anchor::Middle);
         let told = |(corners, stress): &(Vec<[f64; 2]>, f64)| {
             (corners.iter().map(|x| at(*x)).collect::<Vec<_>>(), units.of_si(Quantity::Stress, *stress))

@@ -9,7 +9,7 @@ use super::mesh_lines::MeshLines;
 use super::svg::{Anchor, Colour, Dash, Line, Marker, PlotError, Svg, expect_finite};
 use crate::{ContactSurface, SurfaceNode};
 use std::collections::BTreeMap;
-use stickslip::base::Quantity;
+use stickslip::base::{Quantity, six_digits};
 use stickslip::solver::ContactStatus;
 use view::View;
 
@@ -42,7 +42,7 @@ impl ContactSurface {
         let mut svg = Svg::new([WIDTH, view.end()]);
         svg.text([0.5 * WIDTH, 24.0], title, TITLE_SIZE, Anchor::Bold);
         let boundary = self.boundary.as_ref().map_or(String::new(), |name| format!("boundary {name}, "));
-        let subtitle = format!("contact stresses, {boundary}t = {} s", self.time);
+        let subtitle = format!("contact stresses, {boundary}t = {} s", six_digits(self.time));
         svg.text([0.5 * WIDTH, 48.0], &subtitle, LABEL_SIZE, Anchor::Middle);
         view.draw_legend(&mut svg);
         view.draw_inside(&mut svg, |svg| {

@@ -3,7 +3,7 @@
 use super::chart::{Axis, Chart, Curve, Note, Panel, Scale};
 use super::largest::first_largest;
 use super::svg::{Dash, Line, Marker, PlotError};
-use stickslip::base::{Quantity, UnitSystem};
+use stickslip::base::{Quantity, UnitSystem, six_digits};
 use stickslip::run::report::{ContactLine, ContactPoint};
 use stickslip::solver::ContactStatus;
 
@@ -21,7 +21,7 @@ const BLACK: [u8; 3] = [0, 0, 0];
 /// When a stress is not finite.
 pub fn contact_stresses(line: &ContactLine, title: &str) -> Result<String, PlotError> {
     let boundary = line.boundary.as_ref().map_or(String::new(), |name| format!("boundary {name}, "));
-    let subtitle = format!("contact stresses, {boundary}t = {} s", line.time);
+    let subtitle = format!("contact stresses, {boundary}t = {} s", six_digits(line.time));
     let mut chart = stress_chart(title.into(), subtitle, 1, &[(String::new(), line)]);
     let (points, along) = (shown(&line.points), Abscissa::of(&[(String::new(), line)]));
     if let Some(stresses) = chart.panels.first_mut() {

@@ -52,6 +52,11 @@ impl UnitSystem {
     }
 }
 
+/// Rounds a time or a place to the six digits that people are told.
+pub fn six_digits(x: f64) -> f64 {
+    round(x, 6)
+}
+
 /// Rounds a number to so many digits.
 fn round(x: f64, digits: usize) -> f64 {
     format!("{x:.*e}", digits.saturating_sub(1)).parse().unwrap_or(x)

@@ -11,7 +11,7 @@ use super::support::Moved;
 use crate::algebra::vector::{dot, plus};
 use crate::base::input_error::InputError;
 use crate::base::timeline::within;
-use crate::base::units::{Quantity, UnitSystem};
+use crate::base::units::{Quantity, UnitSystem, six_digits};
 use crate::body::contact::{
     ContactBoundary, ContactNode, Counterpart, Meeting, ObstacleMotion, PlacedObstacle, Row, Unclear, contact_nodes,
     meetings, unreachable,
@@ -370,7 +370,7 @@ fn met(
     let times = &description.times;
     let met =
         meetings(mesh, boundary, obstacles, times).map_err(|Unclear { node, obstacle, time, why: (what, help) }| {
-            let when = time.map_or(String::new(), |t| format!(" at t = {t} s"));
+            let when = time.map_or(String::new(), |t| format!(" at t = {} s", six_digits(t)));
             at_obstacle(obstacle, format!("{what} the contact node at {}{when}", place(node)), help)
         })?;
     if let [(obstacle, _)] = obstacles

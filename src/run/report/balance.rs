@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::warnings::{Warning, WarningKind};
 use crate::algebra::vector::dot;
-use crate::base::units::Quantity;
+use crate::base::units::{Quantity, six_digits};
 use crate::body::model::{Balance, Model, Pair, Wrench};
 use crate::solver::history::IncrementView;
 
@@ -181,6 +181,7 @@ impl BalanceWatch {
     /// moments do not.
     pub(super) fn unbalanced(&self, model: &Model, tolerance: f64) -> Option<Warning> {
         let [left, of_forces, time] = self.worst?;
+        let time = six_digits(time);
         if left <= BALANCED * tolerance * self.largest {
             return None;
         }

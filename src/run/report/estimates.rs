@@ -7,7 +7,7 @@ use super::largest::is_as_large;
 use super::peak::{LargestPressure, Peak};
 use super::validity::Validity;
 use super::warnings::{Warning, WarningKind};
-use crate::base::units::{Quantity, UnitSystem};
+use crate::base::units::{Quantity, UnitSystem, six_digits};
 use crate::body::estimate::{
     ContactEstimate, ContactGraph, ElementEstimate, HertzContact, PeakOf, PeakZone, SlipZones, StickZone, peak_error,
 };
@@ -357,7 +357,7 @@ impl Estimates {
 
 /// Names the surface and the time of an estimate.
 fn at(contact: &ContactEstimate) -> String {
-    format!("`{}` at t = {} s", contact.boundary, contact.time)
+    format!("`{}` at t = {} s", contact.boundary, six_digits(contact.time))
 }
 
 fn percent(share: f64) -> String {
@@ -444,7 +444,9 @@ fn of_ends(contact: &ContactEstimate) -> Vec<Warning> {
         let message = format!(
             "`{}` at t = {} s: the size of the stick zone is known only to one element at each end: its width is {:.2} of \
              the contact width ({n} nodes)",
-            stick.boundary, stick.time, stick.ratio
+            stick.boundary,
+            six_digits(stick.time),
+            stick.ratio
         );
         warnings.push(Warning { kind: WarningKind::StickZoneCoarse, message });
     }

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::warnings::{Warning, WarningKind};
-use crate::base::units::Quantity;
+use crate::base::units::{Quantity, six_digits};
 use crate::body::model::Model;
 use crate::solver::events::{Jump, PathEnd};
 use crate::solver::history::HistoryOutcome;
@@ -54,7 +54,8 @@ pub(super) fn jumps(jumps: &[Jump]) -> Option<Warning> {
     let message = format!(
         "no quasi-static motion continues from t = {} s: the states from t = {} s on are one of several that the \
          laws allow after a jump{more}; only dynamics can decide which",
-        first.from, first.to
+        six_digits(first.from),
+        six_digits(first.to)
     );
     Some(Warning { kind: WarningKind::Jump, message })
 }

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::algebra::vector::dot;
-use crate::base::units::{Quantity, UnitSystem};
+use crate::base::units::{Quantity, UnitSystem, six_digits};
 use crate::body::fem::RigidMotion;
 use crate::body::model::Model;
 use crate::solver::history::{HistoryMethod, HistoryOutcome, Method, SolverChoice, Status};
@@ -108,7 +108,7 @@ impl JointSlip {
     /// Describes the slip; an exact path ends where the joint gives way.
     fn in_words(&self, units: &UnitSystem, exact_path: bool) -> String {
         // Six digits tell times apart that are a part of an increment apart.
-        let [from, by] = self.between.map(|t| format!("{t:.5e}").parse().unwrap_or(t));
+        let [from, by] = self.between.map(six_digits);
         let at = |k: usize| {
             let told = |changing: &ChangingLoad| format!("load[{}] at {:.4}", changing.load, changing.between[k]);
             let factors = self.factors.iter().map(told);
@@ -164,7 +164,7 @@ fn reason(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome, slip: 
             _ => String::new(),
         };
     };
-    let increment = format!("increment {} (t = {} s)", record.index, record.time);
+    let increment = format!("increment {} (t = {} s)", record.index, six_digits(record.time));
     if let Some(slip) = slip {
         return format!("{increment}: {}", slip.in_words(&model.units(), exact_path));
     }
@@ -212,7 +212,7 @@ fn reason(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome, slip: 
     let reached = if exact_path || record.parts == 0 {
         String::new()
     } else {
-        format!("; substeps of it converged until t = {} s", outcome.reached)
+        format!("; substeps of it converged until t = {} s", six_digits(outcome.reached))
     };
     format!("{increment}: {why}{reached}")
 }

@@ -1,6 +1,7 @@
 //! The warning of a jump of contact forces.
 
 use super::warnings::{Warning, WarningKind};
+use crate::base::units::six_digits;
 
 /// An increment in which contact forces jump, however short it is made.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,6 +19,7 @@ impl ForceJump {
     /// Warns that the quasi-static motion ends there.
     pub(super) fn warning(&self) -> Warning {
         let ForceJump { from, to, share } = *self;
+        let [from, to] = [from, to].map(six_digits);
         let message = format!(
             "contact forces jump by {:.0} % of their largest value between t = {from} s and t = {to} s, even in \
              shorter increments: no quasi-static motion continues from there, and the states after it are one of \

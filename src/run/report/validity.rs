@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::largest::is_as_large;
 use super::warnings::{Warning, WarningKind};
 use crate::algebra::vector::norm;
-use crate::base::units::Quantity;
+use crate::base::units::{Quantity, six_digits};
 use crate::body::contact::{Passed, RangeLeft, TOLERATED_SHARE};
 use crate::body::fem::RigidMotion;
 use crate::body::mesh::Boundary;
@@ -314,10 +314,11 @@ impl Validity {
         let size = model.mesh.size();
         if let Some(LargestDisplacement { length, position, time }) = self.large_displacement(model) {
             let message = format!(
-                "displacements are assumed to be small, but the node {} moves by {} at t = {time} s, \
+                "displacements are assumed to be small, but the node {} moves by {} at t = {} s, \
                  {:.0} % of the body's size; are lengths in {unit}, moduli and tractions in {}?",
                 units.place(position),
                 units.rounded(Quantity::Length, length, 3),
+                six_digits(time),
                 100.0 * length / size,
                 units.name(Quantity::Stress)
             );
@@ -375,6 +376,7 @@ impl Validity {
 
 /// Describes that a `share` of the friction of `boundary` is at nodes constrained by supports.
 fn friction_left_out(boundary: &str, share: f64, time: f64) -> String {
+    let time = six_digits(time);
     format!(
         "at t = {time} s {:.0} % of the possible friction of `{boundary}` is neglected, because supports hold its \
          nodes in the direction of sliding; end the support at some distance from the contact, or make the other \
@@ -385,6 +387,7 @@ fn friction_left_out(boundary: &str, share: f64, time: f64) -> String {
 
 /// Describes that a `share` of the force of a pair is beyond the end of the master.
 fn beyond_the_end(pair: &Pair, share: f64, time: f64) -> String {
+    let time = six_digits(time);
     let (slave, master) = (&pair.slave, &pair.master.name);
     let cure = if pair.mortar.overhangs()[1] {
         format!("give the mesh of `{slave}` nodes where `{master}` ends, or smaller elements there")
@@ -400,6 +403,7 @@ fn beyond_the_end(pair: &Pair, share: f64, time: f64) -> String {
 
 /// Describes that a body has penetrated another one.
 fn passed_through(model: &Model, passed: &Passed, time: f64) -> String {
+    let time = six_digits(time);
     let Passed { node, bodies, depth, apart } = *passed;
     let (units, all) = (model.units(), model.mesh.bodies());
     let of = all.of_nodes();
@@ -456,6 +460,7 @@ fn faceted_obstacle(model: &Model, chords: ObstacleChords, pressed: f64) -> Stri
 }
 
 fn slid(model: &Model, slid: Slid, time: f64) -> String {
+    let time = six_digits(time);
     let units = model.units();
     format!(
         "the contact node at {} has slid by {} at t = {time} s, {:.0} % of the opposing facet, but remains paired with \
@@ -467,6 +472,7 @@ fn slid(model: &Model, slid: Slid, time: f64) -> String {
 }
 
 fn moved_along(model: &Model, motion: LargeMotion, time: f64) -> String {
+    let time = six_digits(time);
     format!(
         "the rigid body `{}` has moved by {} along its contact at t = {time} s, {:.0} % of half the width of the pressed \
          zone: forces act where they were, so that moments about the contact are off by force times motion, and a body \
@@ -478,6 +484,7 @@ fn moved_along(model: &Model, motion: LargeMotion, time: f64) -> String {
 }
 
 fn not_unique(model: &Model, neutral: &NeutralMotion, time: f64) -> Option<String> {
+    let time = six_digits(time);
     let motion = RigidMotion::combination(&model.rigid_motions, &neutral.weights)?;
     // The body may move one way only.
     let room = neutral.room[0].max(neutral.room[1]);
@@ -513,14 +520,15 @@ fn forces_not_unique(model: &Model, touched: &[bool]) -> Option<String> {
 
 /// Describes the size of `length` (m) relative to the indentation `pressed` (m) by contact forces.
 fn beside(length: f64, pressed: f64) -> String {
-    if pressed > 0.0 {
-        format!("{:.0} % of the indentation", 100.0 * length / pressed)
-    } else {
-        "where nothing else presses".to_string()
+    match length / pressed {
+        share if share < 10.0 => format!("{:.0} % of the indentation", 100.0 * share),
+        share if share.is_finite() => "more than ten times the indentation".to_string(),
+        _ => "where nothing else presses".to_string(),
     }
 }
 
 fn not_met(model: &Model, overlap: Overlap, time: f64, pressed: f64) -> String {
+    let time = six_digits(time);
     let Overlap { contact, obstacle, depth } = overlap;
     let units = model.units();
     let place = units.place(model.contacts[contact].position);
@@ -543,6 +551,7 @@ fn not_met(model: &Model, overlap: Overlap, time: f64, pressed: f64) -> String {
 }
 
 fn between_nodes(model: &Model, between: &BetweenNodes, time: f64, pressed: f64) -> String {
+    let time = six_digits(time);
     let BetweenNodes { boundary, position, missed, size } = between;
     let units = model.units();
     let length = |x: f64| units.rounded(Quantity::Length, x, 3);
@@ -560,6 +569,7 @@ fn between_nodes(model: &Model, between: &BetweenNodes, time: f64, pressed: f64)
 /// Describes that an obstacle passes a node within an increment.
 fn on_the_way(model: &Model, found: OnTheWay, pressed: f64) -> String {
     let OnTheWay { contact, time, distance } = found;
+    let time = six_digits(time);
     let (units, does) = (model.units(), if distance < 0.0 { "goes through" } else { "leaves" });
     format!(
         "within the increment that ends at t = {time} s an obstacle {does} the contact node at {}, by {}, {}: \
@@ -572,6 +582,7 @@ fn on_the_way(model: &Model, found: OnTheWay, pressed: f64) -> String {
 
 fn out_of_range(model: &Model, left: &RangeLeft) -> String {
     let RangeLeft { position, time, linearised, exact, share, .. } = *left;
+    let time = six_digits(time);
     let units = model.units();
     let place = units.place(position);
     let remedy = "pressures may be equally wrong; place the obstacle of the scene nearer to where it presses, or let it move \
@@ -579,8 +590,7 @@ fn out_of_range(model: &Model, left: &RangeLeft) -> String {
     if exact.is_nan() {
         return format!("the obstacle is no longer in front of the contact node at {place} at t = {time} s: {remedy}");
     }
-    let off =
-        if share.is_finite() { format!(", off by {:.0} % of the indentation", 100.0 * share) } else { String::new() };
+    let off = if share < 10.0 { format!(", off by {:.0} % of the indentation", 100.0 * share) } else { String::new() };
     let [linearised, exact] = [linearised, exact].map(|distance| units.rounded(Quantity::Length, distance, 3));
     format!(
         "gaps are linearised in the undeformed state, and the contact leaves the range of this approximation: at \

@@ -15,7 +15,7 @@ use obstacles::{frame, motions, shape};
 use paths::paths;
 use std::borrow::Cow;
 use std::collections::BTreeSet;
-use stickslip::base::{Budget, Quantity, UnitSystem, in_words};
+use stickslip::base::{Budget, Quantity, UnitSystem, in_words, six_digits};
 use stickslip::body::Friction;
 use stickslip::body::fem::{Element, Material, Plane, RigidMotion};
 use stickslip::body::mesh::{CellKind, MeshSource};
@@ -50,7 +50,7 @@ pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
     say!(
         "history      {} increments of {} s to t = {} s",
         scene.time.increments,
-        scene.time.end / scene.time.increments as f64,
+        six_digits(scene.time.end / scene.time.increments as f64),
         scene.time.end
     );
     for kinks in histories::between(&scene, &model.units()) {
@@ -372,8 +372,9 @@ fn equilibrium(scene: &Scene, model: Model) -> Result<(), RunError> {
         }
         if let Some(motion) = driven(&model, time).map_err(history::Error::from)? {
             say!(
-                "NO BALANCE   first at t = {time} s: the loads drive {}, and no contact force within the friction \
+                "NO BALANCE   first at t = {} s: the loads drive {}, and no contact force within the friction \
                  limit resists; change the loads or add a support",
+                six_digits(time),
                 motion.told(&model.units())
             );
             return Ok(());

@@ -6,7 +6,7 @@ const REGIMES = { stick: "no node slips", "partial-slip": "partial slip: nodes s
 const SETTLED = 0.01;
 if (cycle) {
   const { start, end, friction_work: work, change, earlier = [], boundaries = [] } = cycle;
-  const trend = change == null ? "" : `, ${percent(Math.abs(change))} ${change > 0 ? "more" : "less"} than in the cycle before: ${Math.abs(change) < SETTLED ? "it has settled" : "it still changes"}`;
+  const trend = change == null ? "" : `, ${Math.abs(change) < 5e-4 ? "as much as" : `${percent(Math.abs(change))} ${change > 0 ? "more" : "less"} than`} in the cycle before: ${Math.abs(change) < SETTLED ? "it has settled" : "it still changes"}`;
   $("#per-cycle .words").textContent = REGIMES[cycle.regime] || cycle.regime || "";
   $("#facts").append(element("p", `From t = ${plain(start)} to ${plain(end)} s. Friction work ${rounded(work, ENERGY)}${trend}.`));
   const all = [...earlier, { end, friction_work: work }], [works, worksUnit] = scaled(all.map((one) => one.friction_work), ENERGY);

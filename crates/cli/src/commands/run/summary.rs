@@ -1,7 +1,7 @@
 //! The text that a run prints before and after its increments.
 
 use stickslip::algebra::linear::process::Blas;
-use stickslip::base::{Quantity, UnitSystem};
+use stickslip::base::{Quantity, UnitSystem, six_digits};
 use stickslip::body::{PeakOf, Pretension, StickZone};
 use stickslip::run::Run;
 use stickslip::run::report::{
@@ -151,7 +151,7 @@ fn print_forces(scene: &Scene, report: &RunReport) {
             let moved = units.rounded_vector(Quantity::Length, &moved, DIGITS);
             let turned: Vec<String> = rotation
                 .iter()
-                .map(|angle| if angle.abs() > NO_FORCE { rounded(*angle).to_string() } else { "0".to_string() })
+                .map(|angle| if angle.abs() > NO_FORCE { six_digits(*angle).to_string() } else { "0".to_string() })
                 .collect();
             say!("coupling     {at}: moved by {moved}, turned by ({}) rad", turned.join(", "));
             let moment = units.rounded_vector(Quantity::Moment, moment, FORCE_DIGITS);
@@ -176,7 +176,7 @@ fn print_largest(report: &RunReport) {
         say!(
             "displacement {} at most, at t = {} s",
             units.rounded(Quantity::Length, largest.length, DIGITS),
-            rounded(largest.time)
+            six_digits(largest.time)
         );
     }
     let about = |error: Option<f64>| match error {
@@ -186,7 +186,7 @@ fn print_largest(report: &RunReport) {
     if let Some(LargestForce { boundary, magnitude, time, mesh_error, given, .. }) = &report.largest_force {
         let force = units.rounded(Quantity::Force, *magnitude, DIGITS);
         let error = if *given { String::new() } else { format!(", {}", about(*mesh_error)) };
-        say!("force        {force} at most on `{boundary}`, at t = {} s{error}", rounded(*time));
+        say!("force        {force} at most on `{boundary}`, at t = {} s{error}", six_digits(*time));
     }
     if let Some(FrictionResult { friction_work, mesh_error, time_error, .. }) = report.friction {
         let energy = |work: f64| units.rounded(Quantity::Energy, work, DIGITS);
@@ -204,7 +204,7 @@ fn print_largest(report: &RunReport) {
         say!(
             "stick zone   {ratio:.2} ± {} of the contact width on `{boundary}`, at t = {} s",
             units.rounded(Quantity::Number, *uncertainty, 1),
-            rounded(*time)
+            six_digits(*time)
         );
     }
     if let Some(cycle) = &report.cycle {
@@ -228,7 +228,7 @@ fn print_largest(report: &RunReport) {
         }
         _ => say!("pressure     too few tetrahedra across the contact for a peak"),
     }
-    say!("             at {} on `{boundary}`, t = {} s", rounded_place(units, *position), rounded(*time));
+    say!("             at {} on `{boundary}`, t = {} s", rounded_place(units, *position), six_digits(*time));
 }
 
 /// Prints the results of a load cycle.
@@ -242,7 +242,7 @@ fn print_cycle(cycle: &CycleReport, units: &UnitSystem) {
         less if less < 0.0 => format!(", {} less than in the cycle before", percent(-less)),
         more => format!(", {} more than in the cycle before", percent(more)),
     });
-    let ends = [cycle.start, cycle.end].map(rounded);
+    let ends = [cycle.start, cycle.end].map(six_digits);
     say!("cycle        t = {} to {} s: {}{work}{change}", ends[0], ends[1], cycle.regime.name());
 }
 
@@ -253,14 +253,9 @@ fn percent(share: f64) -> String {
     if percent < 9.5 { format!("{:.1} %", percent.max(0.1)) } else { format!("{percent:.0} %") }
 }
 
-/// Rounds a number to as many digits as are printed of places and times.
-fn rounded(x: f64) -> f64 {
-    format!("{x:.5e}").parse().unwrap_or(x)
-}
-
 /// Formats a place with few digits.
 fn rounded_place(units: &UnitSystem, place: [f64; 3]) -> String {
-    units.place(place.map(rounded))
+    units.place(place.map(six_digits))
 }
 
 /// Prints the errors that mesh and increments leave.
