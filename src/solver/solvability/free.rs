@@ -28,16 +28,21 @@ impl<'a> Free<'a> {
         Free { motions, largest, loads: vec![1.0; motions.len()] }
     }
 
+    /// Returns the work of `load` on each mode, and the sizes of the terms in these sums.
+    pub(super) fn work(&self, load: &Load<'_>) -> (Vec<f64>, Vec<f64>) {
+        let of = |(motion, largest): (&Vec<f64>, &f64)| {
+            // Rounding in a mode's zero components counts as zero, since it would be multiplied by whole forces.
+            let felt = |u: &f64| if u.abs() <= NEGLIGIBLE * largest { 0.0 } else { *u };
+            let size = motion.iter().zip(load.sizes).map(|(u, size)| (felt(u) * size).abs()).sum::<f64>() / largest;
+            (motion.iter().zip(load.force).map(|(u, f)| felt(u) * f).sum::<f64>() / largest, size)
+        };
+        self.motions.iter().zip(&self.largest).map(of).unzip()
+    }
+
     /// Scales the modes by `load`. Returns them with its work on each mode, and the size of the terms in these sums.
     pub(super) fn under(problem: &'a ContactProblem, load: &Load<'_>) -> (Self, Vec<f64>, f64) {
         let mut free = Free::new(problem);
-        let (mut work, mut sizes) = (Vec::new(), Vec::new());
-        for (motion, largest) in free.motions.iter().zip(&free.largest) {
-            // Rounding in a mode's zero components counts as zero, since it would be multiplied by whole forces.
-            let felt = |u: &f64| if u.abs() <= NEGLIGIBLE * largest { 0.0 } else { *u };
-            sizes.push(motion.iter().zip(load.sizes).map(|(u, size)| (felt(u) * size).abs()).sum::<f64>() / largest);
-            work.push(motion.iter().zip(load.force).map(|(u, f)| felt(u) * f).sum::<f64>() / largest);
-        }
+        let (mut work, mut sizes) = free.work(load);
         let part = |motion: &Vec<f64>| motion.iter().position(|u| *u != 0.0).map(|dof| problem.natural().part[dof]);
         let parts: Vec<Option<usize>> = free.motions.iter().map(part).collect();
         let on =

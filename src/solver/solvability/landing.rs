@@ -23,8 +23,8 @@ const ROUNDS: usize = 100;
 pub(crate) const NEARBY: f64 = 1e-10;
 
 /// The longest motion out of obstacles, relative to the deepest penetration, times [`NEGLIGIBLE`]: in a ring that a shaft
-/// fills, rounding of the normals would turn the ring without end.
-const LONGEST: f64 = 1e4;
+/// fills, normals of facets, which are turned a little, would turn the ring by radians.
+const LONGEST: f64 = 1e8;
 
 /// The largest `K r` of a rigid mode `r` along which a body may move, relative to its terms: ten times the rounding
 /// in rotations of bodies with a thousand elements per side.
@@ -47,7 +47,9 @@ pub(crate) fn landing(
     distance: &[f64],
     reach: &[f64],
 ) -> Option<Landing> {
-    let (free, load, size) = Free::under(problem, load);
+    let free = Free::new(problem);
+    let (load, sizes) = free.work(load);
+    let size = norm(&sizes);
     let cones: Vec<FrictionCone> = (0..problem.contacts())
         .map(|i| FrictionCone::of(problem, mu[i], problem.tangential_maps(), &free, i))
         .collect();

@@ -181,6 +181,34 @@ fn rings_on_contact_and_friction_alone() {
     }
 }
 
+/// A hub whose mesh is turned against that of the shaft, or has other facets: their normals are a little turned, but no body
+/// screws itself out of the interference.
+#[test]
+fn turned_rings_stay() {
+    for (n, m, turn) in [(16, 16, 0.05), (32, 32, 0.02), (32, 32, 0.09), (48, 48, 0.05), (32, 24, 0.05), (16, 32, 0.02)]
+    {
+        let mut outer = ring(CellKind::Quadrilateral, [0.02, 0.04], m);
+        for x in &mut outer.nodes {
+            let (s, c) = f64::sin_cos(turn);
+            *x = [c * x[0] - s * x[1], s * x[0] + c * x[1], 0.0];
+        }
+        let shaft = Body::new("shaft", ring(CellKind::Quadrilateral, [0.01, 0.02], n));
+        let material = Material::new(210e9, 0.3).in_plane(Plane::Stress);
+        let bodies = MeshSource::Bodies(vec![shaft, Body::new("hub", outer)]);
+        let body = Description::new(bodies, material, vec![1.0]).support("shaft:left", &[Axis::X, Axis::Y]).pair(
+            "hub:left",
+            0.12,
+            Opposite::from("shaft:right").apart(-2e-5),
+        );
+        let model = Model::build(&body).unwrap();
+        by_all(&model, &format!("{n} on {m} turned by {turn}"), 10, |_, state| {
+            let largest = state.p_n.iter().fold(0.0_f64, |m, p| m.max(*p));
+            assert!(state.p_n.iter().all(|p| *p > 0.1 * largest), "{n} {m} {turn}: {:?}", state.p_n);
+            assert!(state.u.iter().all(|u| u.abs() < 1e-4), "{n} {m} {turn}");
+        });
+    }
+}
+
 /// Half of an interface is welded, the rest in contact: the node at the end of the weld has no contact force of its own, and
 /// nobody is told that forces are not unique.
 #[test]
