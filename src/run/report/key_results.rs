@@ -155,6 +155,9 @@ impl Moment {
     }
 }
 
+/// A sum of forces is rounding below this share of the normal forces at the nodes, as around a shaft in its hub.
+const NO_RESULTANT: f64 = 1e-12;
+
 /// Collects the largest force and the friction work during a history.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct KeyWatch {
@@ -174,10 +177,11 @@ impl KeyWatch {
         for (k, ForceRecord { time, resultant, .. }) in forces.iter().enumerate() {
             let (boundary, time) = (resultant.boundary.clone(), *time);
             let [t, o] = [resultant.sums.sum_p_t, resultant.sums.sum_p_o.unwrap_or(0.0)];
+            let rounding = NO_RESULTANT * resultant.sums.sum_p_n.abs();
             let magnitude = t.hypot(o);
             let so_far = self.holding.as_ref().map_or(0.0, |(holding, _)| holding.magnitude);
             // The first of equally large forces counts.
-            if magnitude > 0.0 && !is_as_large(so_far, magnitude) {
+            if magnitude > rounding && !is_as_large(so_far, magnitude) {
                 let holding = HoldingForce {
                     boundary: boundary.clone(),
                     magnitude,
@@ -191,7 +195,7 @@ impl KeyWatch {
             }
             let magnitude = resultant.force[first..].iter().map(|f| f * f).sum::<f64>().sqrt();
             let so_far = self.largest.as_ref().map_or(0.0, |(largest, _)| largest.magnitude);
-            if magnitude > 0.0 && !is_as_large(so_far, magnitude) {
+            if magnitude > rounding && !is_as_large(so_far, magnitude) {
                 let force = resultant.force.clone();
                 let mut along = [0.0; 3];
                 along.iter_mut().zip(&force).skip(first).for_each(|(along, f)| *along = f / magnitude);

@@ -113,7 +113,8 @@ fn print_verdict(report: &RunReport, increments: usize, has_results: bool) {
 /// Returns the largest component of any force on the body, N.
 fn largest_force(report: &RunReport) -> f64 {
     let supports = report.last_reactions.iter().flat_map(|all| all.supports.iter().chain(&all.springs));
-    let of_contact = report.boundaries.iter().flat_map(|boundary| &boundary.force);
+    let of_contact =
+        report.boundaries.iter().flat_map(|boundary| boundary.force.iter().chain([&boundary.sums.sum_p_n]));
     let others = supports.flat_map(|support| &support.force);
     of_contact.chain(others).fold(0.0, |m: f64, f| m.max(f.abs()))
 }
