@@ -62,7 +62,7 @@ class Convergence:
     >>> import stickslip as ss
     >>> study = ss.converge(ss.Scene.example("block"), "friction_work", to=0.05, overrides={"mesh.elements": [20, 20]})
     >>> study.known, study.unit, study.uncertainty < 0.05
-    (True, 'J', True)
+    (True, 'J/m', True)
     """
 
     quantity: str
