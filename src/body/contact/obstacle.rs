@@ -368,8 +368,23 @@ fn mean_normal(mesh: &Mesh, boundary: &Boundary) -> Option<[f64; 3]> {
 }
 
 /// Returns the projection, on the plane at right angles to `normal`, of the coordinate axis closest to that plane; x is
-/// preferred to y and y to z.
+/// preferred to y and y to z, whatever the rounding of the normal.
 pub(super) fn first_tangent(normal: [f64; 3]) -> [f64; 3] {
-    let closest = [1, 2].into_iter().fold(0, |best, c| if normal[c].abs() < normal[best].abs() { c } else { best });
+    let closer = |c: usize, best: usize| normal[c].abs() < normal[best].abs() - 1e-9;
+    let closest = [1, 2].into_iter().fold(0, |best, c| if closer(c, best) { c } else { best });
     axis_across(closest, normal)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::first_tangent;
+
+    #[test]
+    fn rounding_of_the_normal_chooses_no_tangent() {
+        for off in [0.0, 1e-15, 1e-12] {
+            assert!((first_tangent([off, 0.0, -1.0])[0] - 1.0).abs() < 1e-9);
+            assert!((first_tangent([0.0, off, -1.0])[0] - 1.0).abs() < 1e-9);
+        }
+        assert!((first_tangent([0.1, 0.0, -1.0])[1] - 1.0).abs() < 1e-9);
+    }
 }
