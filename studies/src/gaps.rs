@@ -77,7 +77,7 @@ pub struct Found {
     pub peak: f64,
 }
 
-/// What a run says.
+/// The statements of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Told {
     /// Its force and its pressure.

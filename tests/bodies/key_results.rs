@@ -89,7 +89,7 @@ fn the_error_of_a_shared_force_is_told() {
     }
 }
 
-/// What loads alone determine has no error of the mesh, whatever the load, the statuses and the solver.
+/// A force that loads alone determine has no error of the mesh, whatever the load, the statuses and the solver.
 #[test]
 fn forces_that_loads_determine_have_no_error() {
     let load = |traction: f64| format!("[[load]]\nboundary = \"right\"\ntraction = [{traction:?}, 0]\n");

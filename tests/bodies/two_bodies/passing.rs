@@ -1,4 +1,4 @@
-//! What contact rows do not hold apart, told by warnings.
+//! Bodies that contact rows do not hold apart, told by warnings.
 
 use super::whole;
 use crate::common::round::moved;
