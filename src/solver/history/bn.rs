@@ -6,6 +6,7 @@ use super::settings::{FirstGuess, HistorySettings};
 use super::task::{IncrementSolver, Observe, Task};
 use crate::algebra::linear::{LinearError, RefinedSolver, SystemMatrix};
 use crate::solver::formulation::{Assembled, Bdiff};
+use crate::solver::laws::coulomb::TangentialCase;
 use crate::solver::loading::Loading;
 use crate::solver::newton::{Armijo, Bn, MethodResult, StopCriterion, Termination};
 use crate::solver::problem::{ContactProblem, State};
@@ -27,6 +28,8 @@ pub(super) struct BnMethod {
     rest: Vec<f64>,
     /// The end of the last increment, if it is measured and has been solved.
     last: Option<Vec<f64>>,
+    /// The state on the tangent from which the last increment started, if it did.
+    ahead: Option<Vec<f64>>,
     /// The estimate of the time-step error, if there is friction.
     errors: Option<IncrementErrors>,
     /// The initial rate of the last increment.
@@ -73,6 +76,7 @@ impl BnMethod {
             rest: vec![0.0; z.len()],
             z,
             last: None,
+            ahead: None,
             rate: None,
         }
     }
@@ -103,6 +107,7 @@ impl BnMethod {
             Some(errors) => errors.rate(task.increment, &mut self.formulation, &mut self.bn, linear)?,
             None => None,
         };
+        self.ahead = None;
         self.formulation.begin(task.increment);
         Ok(())
     }
@@ -178,12 +183,12 @@ impl IncrementSolver for BnMethod {
         let start = z.clone();
         // Nothing has changed the state since the last increment ended there.
         let is_at_end = last.as_ref() == Some(&from);
-        if is_at_end
-            && task.landed.is_none()
-            && !solved
-            && let Some(ahead) = ahead(formulation, bn, linear, &from)?
-        {
-            *z = ahead;
+        if is_at_end && task.landed.is_none() && !solved {
+            self.ahead = ahead(formulation, bn, linear, &from)?;
+            if let Some(ahead) = &self.ahead {
+                z.copy_from_slice(ahead);
+                formulation.slip_where_closing(z);
+            }
         }
         let mut error = |z: &[f64], rest: &[f64]| task.error(&layout.unpacked_with(z, rest, &scaling));
         let end = match measured {
@@ -211,6 +216,36 @@ impl IncrementSolver for BnMethod {
 
     fn state(&self) -> State {
         self.formulation.layout().unpacked_with(&self.z, &self.rest, self.formulation.scaling())
+    }
+
+    fn ahead(
+        &mut self,
+        start: &[f64],
+        cases: &[(bool, TangentialCase)],
+        linear: &mut RefinedSolver,
+    ) -> Result<Option<State>, LinearError> {
+        let BnMethod { formulation, bn, .. } = self;
+        let (layout, scaling) = (formulation.layout().clone(), *formulation.scaling());
+        if self.ahead.is_none() {
+            let (kept, is_factored) = (formulation.linearization(), bn.has_factors(linear));
+            formulation.linearize_for(cases);
+            if bn.factor(formulation, linear)? {
+                self.ahead = ahead(formulation, bn, linear, start)?;
+            }
+            formulation.linearize_as(&kept);
+            if is_factored {
+                bn.factor(formulation, linear)?;
+            }
+        }
+        let turns = |z: &[f64], i: usize| match cases[i].1 {
+            TangentialCase::Slip { direction: [t, o], .. } => {
+                let slip = formulation.slip(i, z);
+                slip[0] * t + slip[1] * o < 0.0
+            }
+            _ => false,
+        };
+        let ahead = self.ahead.as_ref().filter(|z| !(0..cases.len()).any(|i| turns(z, i)));
+        Ok(ahead.map(|z| layout.unpacked(z, &scaling)))
     }
 
     fn set_state(&mut self, state: &State) {
@@ -267,7 +302,7 @@ fn start_forces(problem: &ContactProblem, idle: bool, start: FirstGuess) -> Vec<
     }
 }
 
-/// Returns the start on the tangent at the previous solution `z`, for the new data of `formulation`. Returns `None`
+/// Returns the state on the tangent at the previous solution `z`, for the new data of `formulation`. Returns `None`
 /// if the factors of `linear` are not those of the last linearisation, or if it has no tangent.
 pub(super) fn ahead(
     formulation: &Bdiff,
@@ -280,7 +315,5 @@ pub(super) fn ahead(
     }
     let h = formulation.residual_of_cases(z)?;
     let Some(dz) = bn.substitute(formulation, linear, &h)? else { return Ok(None) };
-    let mut ahead: Vec<f64> = z.iter().zip(dz).map(|(z, dz)| z + dz).collect();
-    formulation.slip_where_closing(&mut ahead);
-    Ok(Some(ahead))
+    Ok(Some(z.iter().zip(dz).map(|(z, dz)| z + dz).collect()))
 }

@@ -62,6 +62,7 @@ pub(super) enum IncrementEnd {
 /// The data to which a substep that fails or is divided returns.
 pub(super) struct Rollback {
     pub unknowns: Vec<f64>,
+    pub state: State,
     offset: RigidOffset,
     errors: Option<IncrementErrors>,
 }
@@ -107,7 +108,8 @@ impl<'a> IncrementDriver<'a> {
     /// Returns the data to which the next substep returns if it fails.
     fn rollback(&mut self) -> Rollback {
         let errors = self.stage.method.increment_errors().cloned();
-        Rollback { unknowns: self.stage.method.unknowns().clone(), offset: self.at.offset.clone(), errors }
+        let (state, unknowns) = (self.stage.method.state(), self.stage.method.unknowns().clone());
+        Rollback { unknowns, state, offset: self.at.offset.clone(), errors }
     }
 
     /// Rolls back to the start of a substep.
@@ -136,14 +138,15 @@ impl<'a> IncrementDriver<'a> {
         loop {
             let end = pending.last().copied().unwrap_or(time);
             let from = self.at.reached.unwrap_or(0.0);
-            let (rollback, pressed) = (self.rollback(), self.stage.method.state().p_n);
+            let rollback = self.rollback();
             let (substep, input) = self.substep(end, linear, &mut |iteration| progress.iteration(iteration))?;
             let mut outcome = substep.outcome.clone();
             let mut touch = None;
             if substep.status == Status::Converged {
                 self.at.friction = self.friction_with(&substep);
             }
-            if touches_left > 0 && substep.status == Status::Converged {
+            // An increment that ends at its first touch has none before.
+            if touches_left > 0 && !divided && substep.status == Status::Converged {
                 let observe: Observe<'_> = &mut |iteration| progress.iteration(iteration);
                 if let Some((share, found)) =
                     self.first_touch([from, end], &substep, (&input, &rollback), linear, observe)?
@@ -189,7 +192,7 @@ impl<'a> IncrementDriver<'a> {
             } else {
                 let part = match &substep.outcome.stop {
                     Termination::Slips(motion) => {
-                        let share = self.share_without_slip(from, motion, [&pressed, &substep.state.p_n]);
+                        let share = self.share_without_slip(from, motion, [&rollback.state.p_n, &substep.state.p_n]);
                         towards_slip(share * (end - from), end - from, margin)
                     }
                     _ => 0.5 * (end - from),
@@ -199,7 +202,7 @@ impl<'a> IncrementDriver<'a> {
                 if part < smallest || no_time || !self.smaller_may_do(&substep)? {
                     let (kkt, status) = (substep.kkt, substep.status);
                     let SubstepResult { state, scales, .. } = substep;
-                    let slip = (status == Status::Slips).then_some(Slip { by: end, p_n: pressed });
+                    let slip = (status == Status::Slips).then_some(Slip { by: end, p_n: rollback.state.p_n });
                     let walked =
                         IncrementResult { solved: so_far, state, scales, kkt, status, slip, ends, friction_work };
                     return Ok(IncrementEnd::Ended(Box::new(walked)));
@@ -381,7 +384,9 @@ impl<'a> IncrementDriver<'a> {
 
     /// Advances to `time`, with the contact displacements `w_n`, `w_t` and `w_o`.
     fn move_on(&mut self, time: f64, [w_n, w_t, w_o]: [Vec<f64>; 3], scales: KktScales) {
-        let at = &mut *self.at;
+        let (at, stage) = (&mut *self.at, &*self.stage);
+        let slip = |w: &[f64], last: &[f64]| w.iter().zip(last).map(|(w, last)| w - last).collect();
+        at.slip = [slip(&w_t, &stage.w_t_last), slip(&w_o, &stage.w_o_last)];
         (at.reached, at.scales) = (Some(time), scales);
         (at.w_n, at.w_t, at.w_o) = (w_n, w_t, w_o);
     }
@@ -392,10 +397,15 @@ impl<'a> IncrementDriver<'a> {
         let (problem, loading) = (self.problem, self.loading);
         let mut force = vec![0.0; problem.displacements()];
         loading.force(from, &mut force);
-        let mu = loading.friction().map_or(problem.mu().to_vec(), |friction| friction.at(from));
+        let mu = self.friction_at(from);
         let left = -excess(problem, &mu, &force, p_n[0], motion);
         let beyond = excess(problem, &self.stage.mu, &self.stage.force, p_n[1], motion);
         if left > 0.0 && beyond > 0.0 { left / (left + beyond) } else { 0.5 }
+    }
+
+    /// Returns the coefficients of friction at a time.
+    pub(super) fn friction_at(&self, time: f64) -> Vec<f64> {
+        self.loading.friction().map_or(self.problem.mu().to_vec(), |friction| friction.at(time))
     }
 
     /// Returns `true` if a smaller substep could converge.

@@ -41,7 +41,7 @@ pub(super) struct RunOf {
 }
 
 /// The version of the stored data and of their use by the methods.
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 
 /// The data that determine the increments so far.
 const PARTS: [&str; 6] = [

@@ -27,6 +27,8 @@ pub(super) struct HistoryState {
     /// `w̄_t` and `w̄_o` of the next substep.
     pub w_t: Vec<f64>,
     pub w_o: Vec<f64>,
+    /// The slip in the last substep, along both tangents.
+    pub slip: [Vec<f64>; 2],
     /// The increment that the last stage could not complete.
     #[serde(skip)]
     pub in_progress: Option<IncrementInProgress>,
@@ -69,6 +71,7 @@ impl HistoryState {
             w_n: zeros(),
             w_t: zeros(),
             w_o: zeros(),
+            slip: [zeros(), zeros()],
             in_progress: None,
             errors: None,
             estimate: None,
@@ -80,7 +83,8 @@ impl HistoryState {
     /// Returns `true` if the state has the sizes of `problem`. `state` checks a [`State`].
     pub(super) fn fits(&self, problem: &ContactProblem, state: impl Fn(&State) -> bool) -> bool {
         let contacts = problem.contacts();
-        let all = [&self.w_n, &self.w_t, &self.w_o].iter().all(|w| w.len() == contacts);
+        let mut all = [&self.w_n, &self.w_t, &self.w_o].into_iter().chain(&self.slip);
+        let all = all.all(|w| w.len() == contacts);
         all && self.state.as_ref().is_none_or(state) && self.offset.fits(problem)
     }
 }

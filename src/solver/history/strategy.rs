@@ -28,6 +28,7 @@ use super::settings::HistorySettings;
 use super::slip::sliding_state;
 use super::task::{IncrementSolver, Observe, Task};
 use crate::algebra::linear::{LinearError, RefinedSolver, SystemMatrix};
+use crate::solver::laws::coulomb::TangentialCase;
 use crate::solver::newton::{MethodResult, Termination};
 use crate::solver::problem::State;
 
@@ -186,6 +187,15 @@ impl IncrementSolver for Strategy {
 
     fn state(&self) -> State {
         self.bn.state()
+    }
+
+    fn ahead(
+        &mut self,
+        start: &[f64],
+        cases: &[(bool, TangentialCase)],
+        linear: &mut RefinedSolver,
+    ) -> Result<Option<State>, LinearError> {
+        self.bn.ahead(start, cases, linear)
     }
 
     fn set_state(&mut self, state: &State) {

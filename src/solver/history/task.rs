@@ -4,6 +4,7 @@ use super::increment_error::IncrementErrors;
 use super::saved::Snapshot;
 use crate::algebra::linear::{LinearError, RefinedSolver, SystemMatrix};
 use crate::solver::formulation::Layout;
+use crate::solver::laws::coulomb::TangentialCase;
 use crate::solver::laws::{Judgement, KktScales};
 use crate::solver::loading::Loading;
 use crate::solver::newton::{Iteration, MethodResult};
@@ -108,6 +109,22 @@ pub trait IncrementSolver: Send {
 
     /// Returns the present state.
     fn state(&self) -> State;
+
+    /// Returns the state at the end of the increment that was solved last on the tangent at its start, where the unknowns
+    /// were `start` and the nodes had these `cases`. `None` means that a slipping node turns back on it, that there is none,
+    /// or that the method has no tangents.
+    ///
+    /// # Errors
+    /// If the linear solver fails.
+    fn ahead(
+        &mut self,
+        start: &[f64],
+        cases: &[(bool, TangentialCase)],
+        linear: &mut RefinedSolver,
+    ) -> Result<Option<State>, LinearError> {
+        let _ = (start, cases, linear);
+        Ok(None)
+    }
 
     /// Sets the state, for example from another method or from a smaller working set. An increment after the first
     /// starts there.
