@@ -31,8 +31,22 @@ fn on_plane(random: &mut Random, boundary: &str, gap: f64) -> String {
     )
 }
 
-/// The text of some scene: two bodies that are glued and stand on one plane, a period over a plane, or a body beside a
-/// loaded one that nothing connects with it.
+/// A body that friction alone holds between two others, by an interference; a load pulls it out.
+fn plug(random: &mut Random, deep: f64, width: f64) -> String {
+    let bodies = [("a", 0.0, 1.0), ("b", 1.0, width), ("c", 1.0 + width, 1.0)]
+        .map(|(name, at, width)| body(random, name, [at, 0.0], [width, 1.0]));
+    let held = ["a:left", "c:right"].map(|side| format!("[[support]]\nboundary = '{side}'\nfix = ['x', 'y']\n"));
+    let friction = random.one(&[0.1, 0.3, 0.6]);
+    let contact = [["b:left", "a:right"], ["c:left", "b:right"]].map(|[slave, master]| {
+        format!("[[contact]]\nboundary = '{slave}'\nagainst = '{master}'\ngap = {:e}\nfriction = {friction}\n", -deep)
+    });
+    let pull = deep * 1e9 * random.decades(-3.0, 1.0);
+    let load = format!("[[load]]\nboundary = 'b:top'\ntraction = [0, {pull:e}]\nhistory = [[1, 0], [2, 1]]\n");
+    [bodies.concat(), held.concat(), contact.concat(), load].concat()
+}
+
+/// The text of some scene: two bodies that are glued and stand on one plane, a period over a plane, a body beside a
+/// loaded one that nothing connects with it, or one that friction alone holds.
 pub(super) fn text(random: &mut Random) -> String {
     let deep = random.decades(-5.0, -3.0);
     let gap = 0.5 * deep * random.between(-1.0, 1.0);
@@ -41,7 +55,8 @@ pub(super) fn text(random: &mut Random) -> String {
     let first = body(random, "a", [0.0, 0.0], [1.0, 1.0]) + &pressed(random, "a:top", deep);
     let first = first + &on_plane(random, "a:bottom", gap);
     let glue = "[[contact]]\nglue = true\n";
-    let rest = match random.below(3) {
+    let rest = match random.below(4) {
+        3 => return plug(random, deep, width) + &time,
         0 => {
             let second = body(random, "b", [1.0, 0.0], [width, 1.0]) + &pressed(random, "b:top", deep);
             let second = second + &on_plane(random, "b:bottom", gap);

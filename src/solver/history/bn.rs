@@ -237,15 +237,7 @@ impl IncrementSolver for BnMethod {
                 bn.factor(formulation, linear)?;
             }
         }
-        let turns = |z: &[f64], i: usize| match cases[i].1 {
-            TangentialCase::Slip { direction: [t, o], .. } => {
-                let slip = formulation.slip(i, z);
-                slip[0] * t + slip[1] * o < 0.0
-            }
-            _ => false,
-        };
-        let ahead = self.ahead.as_ref().filter(|z| !(0..cases.len()).any(|i| turns(z, i)));
-        Ok(ahead.map(|z| layout.unpacked(z, &scaling)))
+        Ok(self.ahead.as_ref().map(|z| layout.unpacked(z, &scaling)))
     }
 
     fn set_state(&mut self, state: &State) {

@@ -111,8 +111,7 @@ pub trait IncrementSolver: Send {
     fn state(&self) -> State;
 
     /// Returns the state at the end of the increment that was solved last on the tangent at its start, where the unknowns
-    /// were `start` and the nodes had these `cases`. `None` means that a slipping node turns back on it, that there is none,
-    /// or that the method has no tangents.
+    /// were `start` and the nodes had these `cases`. `None` means that there is none, or that the method has no tangents.
     ///
     /// # Errors
     /// If the linear solver fails.
