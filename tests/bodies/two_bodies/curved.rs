@@ -277,6 +277,42 @@ fn gaps_without_bulges() {
     }
 }
 
+/// A flat that goes over into a rounding without an edge: the rounding has its whole bulge from the first facet on, however
+/// long the facets of the flat are.
+#[test]
+fn roundings_that_begin_at_a_flat() {
+    for (flat, after) in [(1, 1.0), (2, 1.0), (4, 1.0), (4, -1.0)] {
+        let n = 8 / flat;
+        let lower = moved(block(&[1.0, 0.5], &[n + 8, 4]), |[x, y, z]| {
+            // The flat ends at 0.4, and the rounding of the radius 1 turns by 0.05 a facet.
+            let k = x * (n + 8) as f64 - n as f64;
+            let (x, down) = if k <= 0.0 {
+                (0.4 + 0.05 * flat as f64 * k, 0.0)
+            } else {
+                ((0.05 * k).sin() + 0.4, 1.0 - (0.05 * k).cos())
+            };
+            [x, y * (1.0 - 2.0 * after * down), z]
+        });
+        let mesh = MeshSource::Bodies(vec![
+            Body::new("lower", lower),
+            Body::new("upper", block(&[1.0, 0.5], &[13, 4])).at([0.0, 0.5]),
+        ]);
+        let body = Description::new(mesh, Material::new(YOUNG, NU), vec![1.0])
+            .pair("lower:top", 0.0, Opposite::from("upper:bottom").within(0.4))
+            .support("upper:top", &[Axis::X, Axis::Y])
+            .support("lower:bottom", &[Axis::X, Axis::Y]);
+        let model = Model::build(&body).unwrap();
+        for row in &model.pairs[0].mortar.rows {
+            let share = row.bulge / (after * 0.05 * 0.05 / 12.0);
+            match model.mesh.nodes[row.node][0] {
+                x if x < 0.39 => assert!(share.abs() < 1e-9, "{flat} {x}: {share}"),
+                x if (0.41..0.75).contains(&x) => assert!((share - 1.0).abs() < 0.02, "{flat} {x}: {share}"),
+                _ => {}
+            }
+        }
+    }
+}
+
 /// A flat that ends in a chamfer or in a rounding stays flat, and a worn roller stays round beyond the edge of its flat.
 #[test]
 fn flats_beside_edges_and_curves() {

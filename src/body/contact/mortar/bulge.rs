@@ -20,11 +20,11 @@ use std::collections::BTreeMap;
 use super::facet::{Plane, Projected, Values, position};
 use super::surface::{FLAT, Surface};
 use crate::algebra::elimination::solve;
-use crate::algebra::vector::{dot, minus, unit};
+use crate::algebra::vector::{dot, minus, norm, unit};
 use crate::body::mesh::{Boundary, Mesh};
 
-/// The ratio of the curvatures at the two ends of an edge above which the smaller one counts: the surface begins to
-/// turn at the other, as at the end of a flat, or has an edge there.
+/// The ratio of the curvatures at the two ends of an edge above which one of them counts alone: the surface begins to turn
+/// at the other, as at the end of a flat, or has an edge there.
 const LIMIT: f64 = 3.0;
 
 /// The least cosine of the angle, 44°, between facets of one smooth surface; beyond it is an edge of the body.
@@ -105,16 +105,26 @@ impl Bulges {
                 return Bulge::through(mesh, facet);
             }
             let corners = surface.corners(f);
-            let normal = |&node: &usize| {
+            let mut normal = |node: usize, f: usize| {
                 let fan = surface.fan(node, f);
                 let first = fan.first().copied().unwrap_or(f);
                 *known.entry((node, first)).or_insert_with(|| surface.normal(node, &fan))
             };
-            let normals: Vec<[f64; 3]> = corners.iter().map(normal).collect();
-            let turn =
-                |pair: [usize; 2]| (pair, limited(surface.turns(pair.map(|k| corners[k]), pair.map(|k| normals[k]))));
+            let normals: Vec<[f64; 3]> = corners.iter().map(|&node| normal(node, f)).collect();
+            let mut turn = |[i, j]: [usize; 2]| {
+                let parts = surface.turns([corners[i], corners[j]], [normals[i], normals[j]]);
+                let apart = norm(minus(mesh.nodes[corners[j]], mesh.nodes[corners[i]]));
+                let mut alike = |[k, other]: [usize; 2], part: f64| {
+                    let Some((node, g)) = surface.behind(corners[k], corners[other], f) else { return 1.0 };
+                    let [_, before] = surface.turns([corners[k], node], [normals[k], normal(node, g)]);
+                    let length = norm(minus(mesh.nodes[node], mesh.nodes[corners[k]]));
+                    ratio([part / (apart * apart), before / (length * length)])
+                };
+                let goes_on = [alike([i, j], parts[0]), alike([j, i], parts[1])];
+                ([i, j], limited(parts, goes_on))
+            };
             let turns: Vec<([usize; 2], f64)> =
-                pairs(corners.len()).map(turn).filter(|(_, turn)| *turn != 0.0).collect();
+                pairs(corners.len()).map(&mut turn).filter(|(_, turn)| *turn != 0.0).collect();
             let curvature = |&([i, j], turn): &([usize; 2], f64)| {
                 let apart = minus(mesh.nodes[corners[j]], mesh.nodes[corners[i]]);
                 turn / dot(apart, apart)
@@ -260,10 +270,22 @@ fn pairs(count: usize) -> impl Iterator<Item = [usize; 2]> {
 }
 
 /// Adds the parts of `e_ij` that both ends of an edge contribute. They are alike where the curvature changes gradually.
-fn limited([a, b]: [f64; 2]) -> f64 {
-    if a * b <= 0.0 {
-        return 0.0;
+/// `goes_on` is the ratio of the curvature at each end to that beyond it: it is small where the surface begins to turn.
+fn limited([a, b]: [f64; 2], [at_a, at_b]: [f64; 2]) -> f64 {
+    let (least, most, at_least, at_most) = if a.abs() < b.abs() { (a, b, at_a, at_b) } else { (b, a, at_b, at_a) };
+    if LIMIT * at_least < at_most {
+        2.0 * most
+    } else if ratio([a, b]) == 0.0 {
+        0.0
+    } else if LIMIT * ratio([a, b]) < 1.0 {
+        2.0 * least
+    } else {
+        a + b
     }
-    let [least, most] = if a.abs() < b.abs() { [a, b] } else { [b, a] };
-    least + if most.abs() > LIMIT * least.abs() { least } else { most }
+}
+
+/// Returns the ratio of the smaller of two curvatures to the larger, 0 if their signs differ, and 1 if both are 0.
+fn ratio([a, b]: [f64; 2]) -> f64 {
+    let most = a.abs().max(b.abs());
+    if most == 0.0 { 1.0 } else { (a * b).max(0.0) / (most * most) }
 }

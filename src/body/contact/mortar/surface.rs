@@ -112,6 +112,15 @@ impl<'a> Surface<'a> {
         [-dot(n[0], apart), dot(n[1], apart)].map(|turn| if turn.abs() > rounding { turn } else { 0.0 })
     }
 
+    /// Returns the corner beyond `node`, seen from `other`, on the smooth surface of facet `f`, with a facet that has both.
+    pub(super) fn behind(&self, node: usize, other: usize, f: usize) -> Option<(usize, usize)> {
+        let along = |k: usize| unit(minus(self.mesh.nodes[k], self.mesh.nodes[node]));
+        let back = |&(corner, _): &(usize, usize)| -dot(along(corner), along(other));
+        let corners = |g: usize| self.corners[g].iter().map(move |&corner| (corner, g));
+        let beyond = self.fan(node, f).into_iter().flat_map(corners).filter(|(corner, _)| *corner != node);
+        beyond.filter(|corner| back(corner) > 0.0).max_by(|a, b| back(a).total_cmp(&back(b)))
+    }
+
     /// Returns the facets at `node` that belong to the same smooth surface as facet `f`.
     pub(super) fn fan(&self, node: usize, f: usize) -> BTreeSet<usize> {
         let (mut fan, mut next) = (BTreeSet::from([f]), vec![f]);
