@@ -101,14 +101,28 @@ impl BnMethod {
         if task.first { State::zero(task.problem) } else { self.state() }
     }
 
-    /// Takes the data of an increment, after the rate of the solution at its start.
-    pub(super) fn begin(&mut self, task: &Task<'_>, linear: &mut RefinedSolver) -> Result<(), LinearError> {
-        self.rate = match &self.errors {
-            Some(errors) => errors.rate(task.increment, &mut self.formulation, &mut self.bn, linear)?,
+    /// Takes the data of an increment, with the rate of the solution at its start; on the tangent there, if nothing has
+    /// changed the solution `from` since the last increment ended there.
+    pub(super) fn begin(
+        &mut self,
+        task: &Task<'_>,
+        from: Option<&[f64]>,
+        linear: &mut RefinedSolver,
+    ) -> Result<(), LinearError> {
+        let BnMethod { formulation, bn, errors, .. } = self;
+        formulation.begin(task.increment);
+        self.ahead = match from {
+            Some(from) => ahead(formulation, bn, linear, from)?,
             None => None,
         };
-        self.ahead = None;
-        self.formulation.begin(task.increment);
+        self.rate = match (errors, from, &self.ahead) {
+            (Some(errors), Some(from), Some(ahead)) => {
+                let change: Vec<f64> = ahead.iter().zip(from).map(|(ahead, z)| ahead - z).collect();
+                Some(errors.rate_of(&change, task.increment, formulation))
+            }
+            (Some(errors), ..) => errors.rate(task.increment, formulation, bn, linear)?,
+            (None, ..) => None,
+        };
         Ok(())
     }
 
@@ -173,22 +187,18 @@ impl IncrementSolver for BnMethod {
             self.close_landed(task);
         }
         let from = self.z.clone();
-        self.begin(task, linear)?;
-        let BnMethod { formulation, bn, measured, start, z, rest, last, .. } = self;
+        let is_at_end = self.last.as_ref() == Some(&from) && task.landed.is_none() && !solved;
+        self.begin(task, is_at_end.then_some(&*from), linear)?;
+        let BnMethod { formulation, bn, measured, start, z, rest, last, ahead, .. } = self;
         let (layout, scaling) = (formulation.layout().clone(), *formulation.scaling());
         task.response.add_to(z);
         if task.first && *start == FirstGuess::Held && !solved {
             task.response.add_forces_to(z);
         }
         let start = z.clone();
-        // Nothing has changed the state since the last increment ended there.
-        let is_at_end = last.as_ref() == Some(&from);
-        if is_at_end && task.landed.is_none() && !solved {
-            self.ahead = ahead(formulation, bn, linear, &from)?;
-            if let Some(ahead) = &self.ahead {
-                z.copy_from_slice(ahead);
-                formulation.slip_where_closing(z);
-            }
+        if let Some(ahead) = ahead {
+            z.copy_from_slice(ahead);
+            formulation.slip_where_closing(z);
         }
         let mut error = |z: &[f64], rest: &[f64]| task.error(&layout.unpacked_with(z, rest, &scaling));
         let end = match measured {

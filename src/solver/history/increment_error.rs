@@ -96,6 +96,7 @@ struct Node {
     /// `g - w_n`, nonnegative.
     distance: f64,
     p_n: f64,
+    p: [f64; 2],
     mu: f64,
     w: [f64; 2],
     /// The error `e` of `w_T`; `error_p_n` is the error of `p_n`.
@@ -108,7 +109,8 @@ impl Node {
     fn at(distance: f64, w: [f64; 2]) -> Self {
         let closed = distance <= 0.0;
         let case = if closed { TangentialCase::Stick } else { TangentialCase::NoPressure };
-        Node { closed, case, distance: positive(distance), p_n: 0.0, mu: 0.0, w, error_w: [0.0; 2], error_p_n: 0.0 }
+        let (p_n, mu, nothing) = (0.0, 0.0, [0.0; 2]);
+        Node { closed, case, distance: positive(distance), p_n, p: nothing, mu, w, error_w: nothing, error_p_n: 0.0 }
     }
 
     /// Returns `true` if the node was open, or slipped while the loads kept their direction, and sticks now. The
@@ -118,14 +120,34 @@ impl Node {
         now == TangentialCase::Stick && (slipped || self.distance > NEGLIGIBLE * farthest)
     }
 
+    /// Returns the share of an increment with this `rate` after which the node slips at its end, where it has the
+    /// coefficient of friction `mu`: at once, unless it sticks at the start.
+    fn slips_after(&self, rate: Option<&NodeRate>, mu: f64) -> f64 {
+        let Some(rate) = rate.filter(|_| self.closed && self.case == TangentialCase::Stick) else { return 0.0 };
+        let beyond = |share: f64| {
+            let bears = (self.mu + share * (mu - self.mu)) * positive(self.p_n + share * rate.p_n);
+            length([0, 1].map(|d| self.p[d] + share * rate.p[d])) - bears
+        };
+        bisected(beyond)
+    }
+
     /// Returns `true` if the node is at a distance from the obstacle.
     fn is_open(&self) -> bool {
         self.distance > 0.0
     }
 }
 
-/// The initial rate of an increment: the approach and the slip of each node if no node changes its case.
-pub(super) type Rate = Vec<(f64, [f64; 2])>;
+/// The changes at a node in an increment in which no node changes its case: its approach, slip and forces.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct NodeRate {
+    approach: f64,
+    slip: [f64; 2],
+    p_n: f64,
+    p: [f64; 2],
+}
+
+/// The initial rate of an increment.
+pub(super) type Rate = Vec<NodeRate>;
 
 impl IncrementErrors {
     /// Creates the estimate before the first increment, with these gaps (m) of the unloaded body. Returns `None` if
@@ -227,11 +249,7 @@ impl IncrementErrors {
         bn: &mut Bn,
         linear: &mut RefinedSolver,
     ) -> Result<Option<Rate>, LinearError> {
-        let frees = |(i, node): (usize, &Node)| {
-            let slips = matches!(node.case, TangentialCase::Slip { .. });
-            formulation.layout().has_friction(i) && (slips || node.distance > 0.0)
-        };
-        if !self.is_straight || !self.nodes.iter().enumerate().any(frees) {
+        if !self.is_straight {
             return Ok(None);
         }
         let cases: Vec<_> = self.nodes.iter().map(|node| (node.closed, node.case)).collect();
@@ -241,22 +259,39 @@ impl IncrementErrors {
         }
         let unit = self.scaling;
         let force = increment.force.iter().zip(&self.force).map(|(now, before)| now / unit.force - before);
-        let gap: Vec<f64> =
-            increment.gap.iter().zip(&self.gap).map(|(now, before)| now / unit.length - before).collect();
+        let (gap, origin) = self.moved(increment);
+        let change = solved(linear, &formulation.change(force, &gap, &origin))?;
+        Ok(change.map(|change| self.rate_of(&change, increment, formulation)))
+    }
+
+    /// Returns the changes of the gaps and of the origins of slip in an increment.
+    fn moved(&self, increment: &Increment<'_>) -> (Vec<f64>, Vec<[f64; 2]>) {
+        let length = self.scaling.length;
+        let gap = increment.gap.iter().zip(&self.gap).map(|(now, before)| now / length - before).collect();
         let origins = increment.w_t_last.iter().zip(increment.w_o_last).zip(&self.nodes);
-        let origin: Vec<[f64; 2]> =
-            origins.map(|((t, o), node)| [t / unit.length - node.w[0], o / unit.length - node.w[1]]).collect();
-        let Some(rate) = solved(linear, &formulation.change(force, &gap, &origin))? else {
-            return Ok(None);
-        };
+        (gap, origins.map(|((t, o), node)| [t / length - node.w[0], o / length - node.w[1]]).collect())
+    }
+
+    /// Returns the rate of an increment in which the solution changes by `change` if no node changes its case.
+    pub(super) fn rate_of(&self, change: &[f64], increment: &Increment<'_>, formulation: &Bdiff) -> Rate {
+        let (gap, origin) = self.moved(increment);
         let of_node = |i: usize| {
-            let (w, origin) = (formulation.w_t(i, &rate), origin[i]);
-            (formulation.w_n(i, &rate) - gap[i], [w[0] - origin[0], w[1] - origin[1]])
+            let (w, origin) = (formulation.w_t(i, change), origin[i]);
+            NodeRate {
+                approach: formulation.w_n(i, change) - gap[i],
+                slip: [w[0] - origin[0], w[1] - origin[1]],
+                p_n: change[formulation.layout().p_n(i)],
+                p: formulation.p_t(i, change),
+            }
         };
-        let rate: Rate = (0..self.nodes.len()).map(of_node).collect();
-        let largest = rate.iter().fold(0.0_f64, |m, (approach, slip)| m.max(approach.abs()).max(length(*slip)));
-        let still = |slip: [f64; 2]| if length(slip) > NEGLIGIBLE * largest { slip } else { [0.0; 2] };
-        Ok(Some(rate.into_iter().map(|(approach, slip)| (approach, still(slip))).collect()))
+        let mut rate: Rate = (0..self.nodes.len()).map(of_node).collect();
+        let largest = rate.iter().fold(0.0_f64, |m, rate| m.max(rate.approach.abs()).max(length(rate.slip)));
+        for rate in &mut rate {
+            if length(rate.slip) <= NEGLIGIBLE * largest {
+                rate.slip = [0.0; 2];
+            }
+        }
+        rate
     }
 
     /// Adds the increment that ends at `z`, which had this initial `rate`.
@@ -275,7 +310,7 @@ impl IncrementErrors {
             (0..self.nodes.len()).map(|i| (formulation.is_closed(i, z), formulation.friction_case(i, z))).collect();
         let farthest = self.nodes.iter().map(|node| node.distance).fold(0.0, f64::max);
         let begin = |i: usize| {
-            let rate = rate.filter(|_| layout.has_friction(i)).map(|rate| rate[i]);
+            let rate = rate.filter(|_| self.is_straight && layout.has_friction(i)).map(|rate| &rate[i]);
             Begin::of(&self.nodes[i], cases[i].1, formulation.slip(i, z), rate)
         };
         let mut begins: Vec<Begin> = (0..self.nodes.len()).map(begin).collect();
@@ -300,8 +335,11 @@ impl IncrementErrors {
                 error.as_ref().map_or(([0.0; 2], 0.0), |error| (formulation.w_t(i, error), error[layout.p_n(i)]));
             let before = self.nodes[i];
             let (closed, case) = cases[i];
+            let from = before.slips_after(rate.map(|rate| &rate[i]), mu);
             let [first, last] = [before.mu * positive(before.p_n + before.error_p_n), mu * positive(p_n + error_p_n)];
-            let friction = 0.5 * (first + last);
+            let begins = before.closed && before.case == TangentialCase::Stick;
+            let share = if begins { (2.0 + from) / 3.0 } else { 0.5 };
+            let friction = first + share * (last - first);
             if let (TangentialCase::Slip { direction, .. }, true) = (case, layout.has_friction(i)) {
                 let p = formulation.p_t(i, z);
                 let corrected = |d: usize| slip[d] + error_w[d] - before.error_w[d] - begin.before_touch[d];
@@ -311,7 +349,8 @@ impl IncrementErrors {
                 self.corrected += friction * length(begin.delta);
             }
             let distance = if closed { 0.0 } else { positive(gap - formulation.w_n(i, z)) };
-            self.nodes[i] = Node { closed, case, distance, p_n, mu, w, error_w, error_p_n };
+            let p = formulation.p_t(i, z);
+            self.nodes[i] = Node { closed, case, distance, p_n, p, mu, w, error_w, error_p_n };
         }
         self.first.get_or_insert(self.work - self.corrected);
         let sizes = [error.as_deref(), Some(z)].map(|z| z.map_or(0.0, |z| friction_of_all(formulation, weight, z)));
@@ -470,6 +509,22 @@ fn solved(linear: &mut RefinedSolver, b: &[f64]) -> Result<Option<Vec<f64>>, Lin
     }
 }
 
+/// Returns the share of an increment after which `beyond` is 0, from below, or 1 if it is not.
+fn bisected(beyond: impl Fn(f64) -> f64) -> f64 {
+    let [mut low, mut high] = [0.0, 1.0];
+    if beyond(low) >= 0.0 {
+        return low;
+    }
+    if beyond(high) <= 0.0 {
+        return high;
+    }
+    for _ in 0..f64::MANTISSA_DIGITS {
+        let middle = 0.5 * (low + high);
+        if beyond(middle) < 0.0 { low = middle } else { high = middle }
+    }
+    high
+}
+
 /// The way in which a node touches or begins to stick within an increment.
 #[derive(Debug, Clone, Copy, Default)]
 struct Begin {
@@ -488,8 +543,8 @@ struct Begin {
 impl Begin {
     /// Computes this for a node that was `before` at the start, had this `rate`, moved by `slip` and ends in this
     /// `case`.
-    fn of(before: &Node, case: TangentialCase, slip: [f64; 2], rate: Option<(f64, [f64; 2])>) -> Self {
-        let Some((approach, pace)) = rate else { return Begin::default() };
+    fn of(before: &Node, case: TangentialCase, slip: [f64; 2], rate: Option<&NodeRate>) -> Self {
+        let Some(&NodeRate { approach, slip: pace, .. }) = rate else { return Begin::default() };
         let ahead = |share: f64| pace.map(|w| share * w);
         match (before.case, case) {
             _ if before.is_open() && case != TangentialCase::NoPressure => {

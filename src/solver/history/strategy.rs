@@ -145,7 +145,7 @@ impl IncrementSolver for Strategy {
                 By::InteriorPoint(distance) => {
                     let leads = matches!(self.attempts[0].by, By::InteriorPoint(_));
                     if leads && result.is_none() {
-                        bn.begin(task, linear)?;
+                        bn.begin(task, None, linear)?;
                     }
                     let ip = ip.get_or_insert_with(|| PredictorCorrectorMethod::beside(bn.assembled(), settings));
                     ip.set_state(&last);
