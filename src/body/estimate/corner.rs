@@ -1,6 +1,6 @@
 //! Detection of contacts that end at a corner, where the pressure is singular; on a smooth surface it is finite.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::graph::ContactGraph;
 use crate::algebra::vector::{dot, minus, norm, plus, unit};
@@ -8,7 +8,7 @@ use crate::body::mesh::Facet;
 use crate::body::model::Model;
 
 /// The least angle of a corner, rad. A rounded edge of 90 degrees with three elements turns by less at each node.
-const CORNER: f64 = 40.0 / 180.0 * std::f64::consts::PI;
+pub(super) const CORNER: f64 = 40.0 / 180.0 * std::f64::consts::PI;
 
 /// The least angle of an edge of an obstacle, rad: tables and triangles have small ones along a rounding.
 const EDGE: f64 = 10.0 / 180.0 * std::f64::consts::PI;
@@ -34,6 +34,11 @@ pub(super) struct Corners<'a> {
     sides: BTreeMap<usize, Vec<Facet>>,
 }
 
+fn sorted(mut facet: Facet) -> Facet {
+    facet.sort_unstable();
+    facet
+}
+
 impl<'a> Corners<'a> {
     /// Creates the corners at `time` (s).
     pub fn new(model: &'a Model, graph: &'a ContactGraph, time: f64) -> Self {
@@ -41,7 +46,10 @@ impl<'a> Corners<'a> {
         let gaps = (0..model.contacts.len()).map(|i| model.nodal_gap(i, time, &rows)).collect();
         let mut sides: BTreeMap<usize, Vec<Facet>> =
             model.contacts.iter().map(|contact| (contact.node, Vec::new())).collect();
-        for (facet, _) in model.mesh.surface_at(|node| sides.contains_key(&node)) {
+        let glued = model.pairs.iter().filter(|pair| pair.glued).flat_map(|pair| pair.mortar.sides().concat());
+        let glued: BTreeSet<Facet> = glued.map(sorted).collect();
+        let surface = model.mesh.surface_at(|node| sides.contains_key(&node)).into_iter();
+        for (facet, _) in surface.filter(|(facet, _)| !glued.contains(&sorted(facet.clone()))) {
             for node in &facet {
                 if let Some(of_node) = sides.get_mut(node) {
                     of_node.push(facet.clone());

@@ -2,8 +2,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::corner::CORNER;
 use crate::algebra::union_find::UnionFind;
 use crate::algebra::vector::dot;
+use crate::body::contact::{ContactBoundary, ContactNode, MortarRow};
+use crate::body::fem::SAME_DIRECTION;
 use crate::body::model::Model;
 
 /// A direction counts as tangential if its component along the normal is smaller than this; symmetry planes may cut a
@@ -24,7 +27,7 @@ pub struct ContactGraph {
     surfaces: Vec<ContactPatch>,
 }
 
-/// Boundaries with contact that share nodes.
+/// Boundaries with contact that share nodes, or meet at glue or at the end of a period.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ContactPatch {
     /// The names of the boundaries, separated by commas.
@@ -37,32 +40,63 @@ impl ContactGraph {
     /// Creates the graph of the contact nodes of `model`.
     pub fn new(model: &Model) -> Self {
         let n = model.contacts.len();
-        let mut neighbours = vec![BTreeSet::new(); n];
-        let mut sides: BTreeMap<[usize; 2], usize> = BTreeMap::new();
+        let mut graph = vec![BTreeSet::new(); n];
+        let mut link = |i: usize, j: usize| {
+            if i != j {
+                graph[i].insert(j);
+                graph[j].insert(i);
+            }
+        };
         let mut together = UnionFind::new(model.contact_boundaries.len());
         let mut first_of = vec![None; n];
         for (b, boundary) in model.contact_boundaries.iter().enumerate() {
-            let contact: BTreeMap<usize, usize> = boundary.nodes.iter().map(|&i| (model.contacts[i].node, i)).collect();
             for &i in &boundary.nodes {
-                match first_of[i] {
-                    Some(other) => together.join(b, other),
-                    None => first_of[i] = Some(b),
-                }
+                together.join(b, *first_of[i].get_or_insert(b));
             }
-            // A node at the end of a period is the one at its beginning.
+        }
+        // A surface goes on across glue and the end of a period.
+        let seams = Seams::new(model);
+        let beyond: Vec<Vec<usize>> = (0..n).map(|i| seams.beyond(model, i)).collect();
+        for (i, j) in beyond.iter().enumerate().filter_map(|(i, beyond)| Some((i, *beyond.first()?))) {
+            link(i, j);
+            if let (Some(b), Some(c)) = (first_of[i], first_of[j]) {
+                together.join(b, c);
+            }
+        }
+        let facets_of =
+            |boundary: &ContactBoundary| model.mesh.boundary(&boundary.name).map_or(&[][..], |own| &own.facets);
+        let touching: BTreeSet<usize> =
+            model.contact_boundaries.iter().flat_map(facets_of).flatten().copied().collect();
+        // The sides of facets, by the contact nodes of their ends, with the number of facets at each, and those on seams.
+        let (mut sides, mut on_seams) = (BTreeMap::<[Vec<usize>; 2], usize>::new(), BTreeSet::new());
+        for boundary in &model.contact_boundaries {
+            let contact: BTreeMap<usize, usize> = boundary.nodes.iter().map(|&i| (model.contacts[i].node, i)).collect();
             let alike = |node: usize| model.dofs.moving_alike(node);
             let by_motion: BTreeMap<usize, usize> = contact.iter().map(|(&node, &i)| (alike(node), i)).collect();
-            let of_node = |node: usize| contact.get(&node).or_else(|| by_motion.get(&alike(node))).copied();
-            let facets = model.mesh.boundary(&boundary.name).map_or(&[][..], |boundary| &boundary.facets);
-            for facet in facets {
+            let own = |node: usize| contact.get(&node).or_else(|| by_motion.get(&alike(node))).copied();
+            for facet in facets_of(boundary) {
                 let closed = facet.len() > 2 && model.mesh.dimension == 3;
                 let ends = if closed { facet.len() } else { facet.len() - 1 };
                 for k in 0..ends {
-                    let side = [facet[k], facet[(k + 1) % facet.len()]].map(of_node);
-                    let [Some(i), Some(j)] = side else { continue };
-                    neighbours[i].insert(j);
-                    neighbours[j].insert(i);
-                    *sides.entry([i.min(j), i.max(j)]).or_default() += 1;
+                    let ends = [facet[k], facet[(k + 1) % facet.len()]];
+                    let mut side = ends.map(|node| seams.carriers(node, &own));
+                    let goes_on = |(node, at): (&usize, &Vec<usize>)| match contact.get(node) {
+                        Some(&i) => !beyond[i].is_empty() || alike(*node) != *node && touching.contains(&alike(*node)),
+                        None => !at.is_empty(),
+                    };
+                    if seams.has(ends) && ends.iter().zip(&side).all(goes_on) {
+                        let at = side.concat();
+                        let all = at.iter().flat_map(|&i| beyond[i].iter().copied().chain([i])).collect::<Vec<_>>();
+                        on_seams.extend(all.iter().flat_map(|&i| all.iter().map(move |&j| [i, j])));
+                        if side.iter().any(|at| at.len() > 1) {
+                            continue;
+                        }
+                    }
+                    if let ([i, ..], [j, ..]) = (&side[0][..], &side[1][..]) {
+                        link(*i, *j);
+                        side.sort_unstable();
+                        *sides.entry(side).or_default() += 1;
+                    }
                 }
             }
         }
@@ -79,12 +113,14 @@ impl ContactGraph {
             })
             .collect();
         let rim = if model.mesh.dimension == 2 {
-            (0..n).map(|i| neighbours[i].len() < 2 && !mirrored[i]).collect()
+            (0..n).map(|i| graph[i].len() < 2 && !mirrored[i]).collect()
         } else {
             let mut rim = vec![false; n];
+            let alone = |at: &Vec<usize>| Some(at[0]).filter(|_| at.len() == 1);
             for (side, _) in sides.iter().filter(|(_, facets)| **facets == 1) {
-                for &i in side {
-                    rim[i] = !mirrored[i];
+                let [a, b] = side.each_ref().map(alone);
+                if !a.zip(b).is_some_and(|(a, b)| on_seams.contains(&[a, b])) {
+                    a.into_iter().chain(b).for_each(|i| rim[i] = !mirrored[i]);
                 }
             }
             rim
@@ -100,19 +136,19 @@ impl ContactGraph {
             nodes: nodes.into_iter().collect(),
         };
         ContactGraph {
-            neighbours: neighbours.into_iter().map(|all| all.into_iter().collect()).collect(),
+            neighbours: graph.into_iter().map(|all| all.into_iter().collect()).collect(),
             rim,
             mirrored,
             surfaces: patches.into_values().map(patch).collect(),
         }
     }
 
-    /// Returns the sum of the normal forces `p_n` (n_c, N) on each surface, the boundaries that share nodes.
+    /// Returns the sum of the normal forces `p_n` (n_c, N) on each surface.
     pub(crate) fn forces(&self, p_n: &[f64]) -> impl Iterator<Item = f64> {
         self.surfaces.iter().map(|surface| surface.nodes.iter().map(|&i| p_n[i]).sum())
     }
 
-    /// Returns the surfaces; boundaries that share nodes form one surface.
+    /// Returns the surfaces.
     pub(crate) fn surfaces(&self) -> &[ContactPatch] {
         &self.surfaces
     }
@@ -187,5 +223,52 @@ impl ContactGraph {
             at = next;
         }
         depths
+    }
+}
+
+/// The nodes that glue and periodic boundaries tie to others, for each of them.
+struct Seams(Vec<BTreeMap<usize, Vec<usize>>>);
+
+impl Seams {
+    fn new(model: &Model) -> Self {
+        let masters = |row: &MortarRow| {
+            let mut sharing: Vec<_> = row.master.iter().filter(|(_, share)| share.abs() > SAME_DIRECTION).collect();
+            sharing.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
+            (row.node, sharing.into_iter().map(|(node, _)| *node).collect())
+        };
+        let glued = model.pairs.iter().filter(|pair| pair.glued);
+        Seams(glued.map(|pair| pair.mortar.rows.iter().map(masters).collect()).collect())
+    }
+
+    /// Returns `true` if one seam ties both `ends` of a side.
+    fn has(&self, ends: [usize; 2]) -> bool {
+        self.0.iter().any(|seam| ends.iter().all(|node| seam.contains_key(node)))
+    }
+
+    /// Returns the nodes to which `node` is tied; in each seam the one with the largest share is first.
+    fn masters(&self, node: usize) -> impl Iterator<Item = usize> {
+        self.0.iter().filter_map(move |seam| seam.get(&node)).flatten().copied()
+    }
+
+    /// Returns the contact nodes that carry `node`: its `own`, or those to which it is tied, by further ties if need be.
+    fn carriers(&self, node: usize, own: &dyn Fn(usize) -> Option<usize>) -> Vec<usize> {
+        let (mut at, mut found) = (vec![node], Vec::new());
+        for _ in 0..=self.0.len() {
+            let (with, without): (Vec<usize>, Vec<usize>) = at.into_iter().partition(|node| own(*node).is_some());
+            found.extend(with.into_iter().filter_map(own));
+            at = without.into_iter().flat_map(|node| self.masters(node)).collect();
+        }
+        let mut known = BTreeSet::new();
+        found.retain(|i| known.insert(*i));
+        found
+    }
+
+    /// Returns the contact nodes to which contact node `i` is tied and whose normals are about its own.
+    fn beyond(&self, model: &Model, i: usize) -> Vec<usize> {
+        let own = &model.contacts[i];
+        let goes_on = |other: &ContactNode| dot(own.facing.normal, other.facing.normal) > CORNER.cos();
+        let others = |node: usize| model.contacts.iter().enumerate().filter(move |(_, other)| other.node == node);
+        let all = self.masters(own.node).flat_map(others);
+        all.filter(|(_, other)| goes_on(other)).map(|(j, _)| j).collect()
     }
 }

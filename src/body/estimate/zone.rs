@@ -10,7 +10,7 @@ use crate::body::mesh::CellKind;
 use crate::body::model::Model;
 use crate::solver::problem::State;
 
-/// The resolution of the contact on boundaries that share nodes, at the time of their largest force.
+/// The resolution of the contact on boundaries that share nodes or meet at a seam, at the time of their largest force.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ContactEstimate {

@@ -54,7 +54,7 @@ pub struct HoldingForce {
     /// `true` if loads alone determine the force, which then has no error of the mesh.
     #[serde(default)]
     pub given: bool,
-    /// The error of the time steps, as a share, if it was estimated.
+    /// The error of the time steps, as a share, if it was estimated and is at most 1.
     pub time_error: Option<f64>,
 }
 
@@ -223,7 +223,7 @@ impl KeyWatch {
 
     /// Returns the largest tangential force with its errors; `None` without any.
     pub(super) fn holding_force(&self, estimates: &Estimates) -> Option<HoldingForce> {
-        let time_error = estimates.increments.and_then(|increments| increments.resultant_error);
+        let time_error = estimates.increments.and_then(|found| found.resultant_error).filter(|error| *error <= 1.0);
         self.holding.as_ref().map(|(holding, _)| HoldingForce { time_error, ..holding.clone() })
     }
 

@@ -279,3 +279,74 @@ fn a_seam_over_a_slope() {
     let apart = scene(", approach = [[0, 0], [1, 0.01]]");
     assert_eq!(apart.contacts.len(), model.contacts.len() + 4);
 }
+
+/// A block of `elements` whose top is held and whose bottom an `obstacle` presses.
+fn pressed_block(name: &str, at: &str, [size, elements]: [&str; 2], obstacle: &str) -> String {
+    let fix = if size.matches(',').count() == 2 { "\"x\", \"y\", \"z\"" } else { "\"x\", \"y\"" };
+    format!(
+        "[[body]]\nname = \"{name}\"\nat = {at}\nmesh = {{ kind = \"block\", size = {size}, elements = {elements} }}\n\
+         material = {{ young = 1e9, poisson = 0.3 }}\n[[support]]\nboundary = \"{name}:top\"\nfix = [{fix}]\n\
+         [[contact]]\nboundary = \"{name}:bottom\"\nfriction = 0\nobstacle = {{ {obstacle} }}\n"
+    )
+}
+
+fn glued(boundary: &str, against: &str) -> String {
+    format!("[[contact]]\nboundary = \"{boundary}\"\nagainst = \"{against}\"\nglue = true\n")
+}
+
+/// A contact goes on across glue and across the end of a period, whose meshes do not match: neither its width nor its edges are
+/// those of one boundary.
+#[test]
+fn a_contact_goes_on_across_seams() {
+    let report = |scene: &[String]| {
+        let text = [&scene.concat(), "[time]\nend = 1\nincrements = 1\n"].concat();
+        let report = Run::new(&Scene::parse("seam.toml", &text, &[]).unwrap()).unwrap().solve(&mut ()).unwrap();
+        assert_eq!(report.status, Status::Converged);
+        report
+    };
+    let cylinder = "kind = \"cylinder\", radius = 10, apex = [1, 0], approach = [[0, 0], [1, 0.005]]";
+    let sphere = "kind = \"sphere\", radius = 10, apex = [1, 0.5, 0], approach = [[0, 0], [1, 0.03]]";
+    let wave = |depth: f64, crest: f64| {
+        format!(
+            "kind = \"formula\", formula = \"-0.01 * (1 - cos(PI * (x - {crest})))\", normal = [0, -1], \
+             approach = [[0, 0], [1, {depth}]]"
+        )
+    };
+    let two = |[size, a, b]: [&str; 3], obstacle: &str| {
+        let at = if size.matches(',').count() == 2 { ["[0, 0, 0]", "[1, 0, 0]"] } else { ["[0, 0]", "[1, 0]"] };
+        [
+            pressed_block("a", at[0], [size, a], obstacle),
+            pressed_block("b", at[1], [size, b], obstacle),
+            glued("a:right", "b:left"),
+        ]
+        .concat()
+    };
+    let period = glued("b:right", "a:left") + "shift = [2, 0]\n";
+    let periodic = |n: usize, obstacle: &str| {
+        let [a, b] = [4, 5].map(|up| format!("[{n}, {up}]"));
+        vec![two(["[1, 1]", &a, &b], obstacle), period.clone()]
+    };
+    let one = report(&[pressed_block("a", "[0, 0]", ["[2, 1]", "[40, 5]"], cylinder)]);
+    let in_space = report(&[pressed_block("a", "[0, 0, 0]", ["[2, 1, 0.5]", "[18, 9, 3]"], sphere)]);
+    let cases = [
+        (vec![two(["[1, 1]", "[20, 4]", "[20, 5]"], cylinder)], one.estimates.contact[0].nodes_across),
+        (vec![two(["[1, 1, 0.5]", "[9, 9, 3]", "[11, 11, 3]"], sphere)], in_space.estimates.contact[0].nodes_across),
+        (periodic(20, &wave(0.002, 1.0)), Some(31)),
+        (periodic(20, &wave(0.002, 0.0)), Some(31)),
+        (periodic(5, &wave(0.1, 1.0)), None),
+        (periodic(5, &wave(0.1, 0.0)), None),
+    ];
+    for (k, (scene, across)) in cases.into_iter().enumerate() {
+        let report = report(&scene);
+        let [contact] = &report.estimates.contact[..] else { panic!("{k}: {:?}", report.estimates.contact) };
+        println!("{k}: {across:?} {:?} in {} zones, {:?}", contact.nodes_across, contact.zones, report.warnings);
+        assert_eq!((contact.zones, contact.singular_edge), (1, false), "{k}");
+        assert_eq!(contact.nodes_across, across, "{k}");
+        let of_contact = [WarningKind::ContactCoarse, WarningKind::ContactUnresolved, WarningKind::SingularEdge];
+        assert!(
+            report.warnings.iter().all(|warning| !of_contact.contains(&warning.kind)),
+            "{k}: {:?}",
+            report.warnings
+        );
+    }
+}
