@@ -101,3 +101,24 @@ fn forces_that_loads_determine_have_no_error() {
         assert!(holding.given && holding.mesh_error.is_none(), "{more} {holding:?}");
     }
 }
+
+/// A block that a spring holds along a round floor: the error of its few increments would be many times the force, and is unknown.
+#[test]
+fn an_error_of_increments_above_the_force_is_unknown() {
+    let of = |increments: usize| {
+        let text = format!(
+            "[mesh]\nkind = \"block\"\nsize = [4, 1]\nelements = [16, 4]\n[material]\nyoung = 1e9\npoisson = 0.3\n\
+             [[contact]]\nboundary = \"bottom\"\nfriction = 0.1\n\
+             obstacle = {{ kind = \"cylinder\", radius = 20, apex = [2.1, 0] }}\n\
+             [[spring]]\nboundary = \"left\"\nstiffness = [1e8, 0]\n[[support]]\npoint = [2, 1]\nfix = [\"y\"]\n\
+             [[load]]\nboundary = \"top\"\npressure = 4e6\nhistory = [[0, 0], [1, 1], [2, 1]]\n\
+             [time]\nend = 2\nincrements = {increments}\n"
+        );
+        let report = Run::new(&Scene::parse("spring", &text, &[]).unwrap()).unwrap().solve(&mut ()).unwrap();
+        (report.estimates.increments.unwrap().resultant_error.unwrap(), report.holding_force.unwrap().time_error)
+    };
+    let (error, told) = of(4);
+    assert!(error > 1.0 && told.is_none(), "{error} {told:?}");
+    let (error, told) = of(64);
+    assert!(error < 1.0 && told == Some(error), "{error} {told:?}");
+}

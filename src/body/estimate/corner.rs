@@ -2,13 +2,10 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::graph::ContactGraph;
+use super::graph::{CORNER, ContactGraph};
 use crate::algebra::vector::{dot, minus, norm, plus, unit};
 use crate::body::mesh::Facet;
 use crate::body::model::Model;
-
-/// The least angle of a corner, rad. A rounded edge of 90 degrees with three elements turns by less at each node.
-pub(super) const CORNER: f64 = 40.0 / 180.0 * std::f64::consts::PI;
 
 /// The least angle of an edge of an obstacle, rad: tables and triangles have small ones along a rounding.
 const EDGE: f64 = 10.0 / 180.0 * std::f64::consts::PI;

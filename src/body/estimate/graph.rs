@@ -2,12 +2,14 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::corner::CORNER;
 use crate::algebra::union_find::UnionFind;
 use crate::algebra::vector::dot;
 use crate::body::contact::{ContactBoundary, ContactNode, MortarRow};
 use crate::body::fem::SAME_DIRECTION;
 use crate::body::model::Model;
+
+/// The least angle of a corner, rad. A rounded edge of 90 degrees with three elements turns by less at each node.
+pub(super) const CORNER: f64 = 40.0 / 180.0 * std::f64::consts::PI;
 
 /// A direction counts as tangential if its component along the normal is smaller than this; symmetry planes may cut a
 /// curved surface not quite at right angles.
