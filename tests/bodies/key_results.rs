@@ -102,7 +102,7 @@ fn forces_that_loads_determine_have_no_error() {
     }
 }
 
-/// A block that a spring holds along a round floor: the error of its few increments would be many times the force, and is unknown.
+/// A spring holds a block along a round floor: the error of few increments is many times the force, so unknown.
 #[test]
 fn an_error_of_increments_above_the_force_is_unknown() {
     let of = |increments: usize| {

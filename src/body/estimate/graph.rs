@@ -69,7 +69,7 @@ impl ContactGraph {
             |boundary: &ContactBoundary| model.mesh.boundary(&boundary.name).map_or(&[][..], |own| &own.facets);
         let touching: BTreeSet<usize> =
             model.contact_boundaries.iter().flat_map(facets_of).flatten().copied().collect();
-        // The sides of facets, by the contact nodes of their ends, with the number of facets at each, and those on seams.
+        // The sides of facets, by the contact nodes of their ends, with the facets at each, and those on seams.
         let (mut sides, mut on_seams) = (BTreeMap::<[Vec<usize>; 2], usize>::new(), BTreeSet::new());
         for boundary in &model.contact_boundaries {
             let contact: BTreeMap<usize, usize> = boundary.nodes.iter().map(|&i| (model.contacts[i].node, i)).collect();
@@ -252,7 +252,7 @@ impl Seams {
         self.0.iter().filter_map(move |seam| seam.get(&node)).flatten().copied()
     }
 
-    /// Returns the contact nodes that carry `node`: its `own`, or those to which it is tied, by further ties if need be.
+    /// Returns the contact nodes that carry `node`: its `own`, or those to which it is tied, by one tie or several.
     fn carriers(&self, node: usize, own: &dyn Fn(usize) -> Option<usize>) -> Vec<usize> {
         let (mut at, mut found) = (vec![node], Vec::new());
         for _ in 0..=self.0.len() {

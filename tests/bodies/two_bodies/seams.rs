@@ -294,7 +294,7 @@ fn glued(boundary: &str, against: &str) -> String {
     format!("[[contact]]\nboundary = \"{boundary}\"\nagainst = \"{against}\"\nglue = true\n")
 }
 
-/// A contact goes on across glue and across the end of a period, whose meshes do not match: neither its width nor its edges are
+/// A contact goes on across glue and the end of a period, whose meshes do not match: its width and edges are not
 /// those of one boundary.
 #[test]
 fn a_contact_goes_on_across_seams() {
