@@ -183,8 +183,13 @@ impl ContactProblem {
     /// As [`ContactProblem::new`] for the coefficients.
     pub fn with_friction(&self, mu: Vec<f64>) -> Result<Self, ProblemError> {
         check::friction(&mu, self.contacts())?;
-        let problem = self.clone();
-        Ok(ContactProblem { parts: Parts { mu, ..problem.parts }, ..problem })
+        let mut problem = self.clone();
+        // Rows depend on each other with friction that do not without it.
+        if mu.iter().zip(self.mu()).any(|(now, before)| (*now > 0.0) != (*before > 0.0)) {
+            problem.natural = OnceLock::new();
+        }
+        problem.parts.mu = mu;
+        Ok(problem)
     }
 
     /// Restricts the problem to these contact `nodes`. The result must not be used to judge whether loads can be

@@ -80,6 +80,56 @@ fn a_block_on_a_floor() {
     }
 }
 
+/// A corner before a wall has no friction. Its share is told as long as the wall is not touched.
+#[test]
+fn a_corner_before_a_wall() {
+    let wall = |side: &str, gap: f64| {
+        let wall =
+            format!("{{ boundary = \"{side}\", friction = 0.2, obstacle = {{ kind = \"plane\", gap = {gap} }} }}]");
+        let floor = floor(false).replace("[8, 4]", "[2, 1]");
+        floor.replace("\"plane\" } }]", &format!("\"plane\" }} }},\n{wall}"))
+    };
+    let told = |text: &str| {
+        let report = run(text, &["load[1].history=[[0,0],[1,0.2]]"]);
+        assert_eq!(report.status, Status::Converged);
+        report.warnings.iter().any(|warning| warning.kind == WarningKind::FrictionLeftOut)
+    };
+    assert_eq!([told(&wall("left", 0.5)), told(&wall("right", 0.0)), told(&floor(false))], [true, false, false]);
+}
+
+/// A pull takes pressure off a press fit, so that the friction of the last state would still suffice beyond the limit. All
+/// ways to solve it find the slip, between the same times: for one element, at `t = 1 + 0.397727`.
+#[test]
+fn a_press_fit_that_is_pulled_out() {
+    let fit = r#"
+        mesh = { kind = "block", size = [1.0, 0.5], elements = [1, 1] }
+        material = { young = 1000.0, poisson = 0.3 }
+        contact = [
+            { boundary = "bottom", friction = 0.3, obstacle = { kind = "plane", gap = -0.002 } },
+            { boundary = "top", friction = 0.3, obstacle = { kind = "plane" } },
+        ]
+        load = [{ boundary = "right", traction = [10.54945054945055, 0.0], history = [[1, 0], [2, 1]] }]
+        time = { end = 2, increments = 4 }
+    "#;
+    for elements in ["[1,1]", "[2,1]", "[3,2]"] {
+        for solver in SOLVERS {
+            for method in ["bn", "ip"] {
+                let set = [
+                    format!("solver.linear=\"{solver}\""),
+                    format!("solver.method=\"{method}\""),
+                    format!("mesh.elements={elements}"),
+                ];
+                let report = run(fit, &set.each_ref().map(String::as_str));
+                assert_eq!(report.status, Status::Slips, "{set:?}: {}", report.explanation.reason);
+                let [from, by] = report.explanation.slip.as_ref().unwrap().between;
+                if elements == "[1,1]" {
+                    assert!((from..by).contains(&1.397_727) && by - from < 0.1, "{set:?}: {from} {by}");
+                }
+            }
+        }
+    }
+}
+
 /// A force that lifts is no slip, and one that tips neither.
 #[test]
 fn what_lifts_or_tips_does_not_slip() {

@@ -12,7 +12,7 @@ use crate::base::units::{Quantity, UnitSystem};
 use crate::body::mesh::{Bodies, Geometry, Mesh};
 
 /// The least share of rotation in a translation that the description of a motion mentions.
-const FAR: f64 = 1e-4;
+const FAR: f64 = 1e-3;
 
 /// An infinitesimal rigid motion of each body of a mesh.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,7 +54,7 @@ impl BodyMotion {
     fn in_words(&self, dimension: usize, unit: &str) -> String {
         let rounded = |x: [f64; 3], unit: f64| rounded(&x[..dimension], unit);
         let (length, angle) = (norm(self.translation), norm(self.rotation));
-        // A rotation about an axis ten thousand sizes away counts as a translation.
+        // A rotation about an axis a thousand sizes away counts as a translation.
         if angle * self.size <= FAR * length {
             let along = rounded(self.translation.map(|t| t / length), 1e-6);
             return format!("a translation along {along}");

@@ -10,14 +10,17 @@ const LEAST: f64 = 0.1;
 /// The loads drive a part of a motion if they do at least this share of their work along it.
 const DRIVEN: f64 = 0.5;
 
+/// A node parts from its obstacle if it moves away by more than this multiple of the friction angle.
+const PARTS: f64 = 1.01;
+
 /// A row of contact that is smaller than this share of itself after the other rows are removed depends on them.
 const DEPENDENT: f64 = 1e-9;
 
 impl Model {
     /// Returns the rigid motion with these weights, of [`Model::rigid_motions`], without its components along the normals of the
-    /// contact nodes for which `is_closed` is `true`; if it has no others, or the loads at time `t` (s) do not drive them, the
-    /// motion itself. The proof that nothing balances the loads of a sliding body has a motion that also lifts it, by the friction
-    /// angle; that of a body that tips is a rotation.
+    /// contact nodes for which `is_closed` is `true` and that do not part by more than the friction angle; if it has no others,
+    /// or the loads at time `t` (s) do not drive them, the motion itself. The proof that nothing balances the loads of a sliding
+    /// body has a motion that also lifts it, by the friction angle; that of a body that tips is a rotation.
     pub fn motion_along_contact(
         &self,
         t: f64,
@@ -38,8 +41,12 @@ impl Model {
             self.rigid_motions.iter().map(|motion| motion.displacements(&self.mesh, &self.dofs)).collect();
         let normal: Vec<Vec<f64>> =
             modes.iter().map(|mode| self.problem.c_n().times(mode)).collect::<Result<_, _>>().ok()?;
+        let [w_n, w_t, w_o] = self.problem.contact_motion(&self.problem.rigid_motion(weights));
+        let slides = |i: &usize| {
+            -w_n[*i] <= PARTS * (self.problem.mu()[*i] * w_t[*i].hypot(w_o[*i])).max(DEPENDENT * size(weights))
+        };
         let mut basis = Vec::<Vec<f64>>::new();
-        for i in (0..self.contacts.len()).filter(|&i| is_closed(i)) {
+        for i in (0..self.contacts.len()).filter(|&i| is_closed(i)).filter(slides) {
             let mut row: Vec<f64> = normal.iter().map(|w_n| w_n[i]).collect();
             let before = size(&row);
             remove(&basis, &mut row);

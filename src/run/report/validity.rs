@@ -374,13 +374,13 @@ impl Validity {
     }
 }
 
-/// Describes that a `share` of the friction of `boundary` is at nodes constrained by supports.
+/// Describes that a `share` of the friction of `boundary` is at nodes constrained by supports, or in two contacts.
 fn friction_left_out(boundary: &str, share: f64, time: f64) -> String {
     let time = six_digits(time);
     format!(
         "at t = {time} s {:.0} % of the possible friction of `{boundary}` is neglected, because supports hold its \
-         nodes in the direction of sliding; end the support at some distance from the contact, or make the other \
-         side the slave",
+         nodes in the direction of sliding, or the nodes belong to another contact, too, which they do not touch; end \
+         the support or the other boundary at some distance from the contact, or make the other side the slave",
         100.0 * share
     )
 }
@@ -508,7 +508,9 @@ fn not_unique(model: &Model, neutral: &NeutralMotion, time: f64) -> Option<Strin
 /// Describes the contact nodes that touched and whose rows depend on each other.
 fn forces_not_unique(model: &Model, touched: &[bool]) -> Option<String> {
     let acts = |i: &usize| touched[*i] && !model.problem.c_n().row(*i).is_empty();
-    let nodes: Vec<usize> = model.problem.dependent_nodes().into_iter().filter(acts).collect();
+    let acting: Vec<usize> = (0..touched.len()).filter(acts).collect();
+    let dependent = model.problem.of_nodes(&acting).dependent_nodes();
+    let nodes: Vec<usize> = dependent.into_iter().map(|k| acting[k]).collect();
     let place = model.units().place(model.mesh.nodes[model.contacts[*nodes.first()?].node]);
     Some(format!(
         "the forces of {} contact nodes, the first at {place}, are not unique, because one of them can take over what others \

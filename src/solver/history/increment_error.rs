@@ -10,7 +10,8 @@
 //!   `δ = τ w_T' - Δw_T` farther on: its friction error is the force that holds it there, at most twice its friction.
 //! - This gives an error `e = (e_u, e_p)` of the solution, `K e_u + Cᵀ e_p = 0` along the cases at its end: `w_T(e)`
 //!   grows by `δ` at nodes that begin to stick, is constant at sticking nodes, and vanishes by slip.
-//! - The work is `Σ ½ (μ_0 p_n0 + μ_1 p_n1) |Δw_T|` with both forces and the slip corrected by `e`, and with `|δ|` of
+//! - The work is `Σ ½ (μ_0 p_n0 + μ_1 p_n1) |Δw_T|`, or nearer to the end for nodes that stick at the start
+//!   ([`Node::mean_over_slip`]), with both forces and the slip corrected by `e`, and with `|δ|` of
 //!   the nodes that began to stick. If nodes slide in a plane, only this is done, with `e = 0`, and nodes that begin
 //!   to stick are counted.
 //!
@@ -120,15 +121,18 @@ impl Node {
         now == TangentialCase::Stick && (slipped || self.distance > NEGLIGIBLE * farthest)
     }
 
-    /// Returns the share of an increment with this `rate` after which the node slips at its end, where it has the
-    /// coefficient of friction `mu`: at once, unless it sticks at the start.
-    fn slips_after(&self, rate: Option<&NodeRate>, mu: f64) -> f64 {
-        let Some(rate) = rate.filter(|_| self.closed && self.case == TangentialCase::Stick) else { return 0.0 };
-        let beyond = |share: f64| {
+    /// Returns the mean of a quantity over the slip of an increment, as a share between its values at the start and at
+    /// the end, where the coefficient of friction is `mu`. A node that sticks at the start begins to slip after the share
+    /// `τ` of the increment, by its `rate`; its slip then grows with the square of time, so that the share is `(2 + τ) / 3`.
+    fn mean_over_slip(&self, rate: Option<&NodeRate>, mu: f64) -> f64 {
+        if !(self.closed && self.case == TangentialCase::Stick && self.p_n > 0.0) {
+            return 0.5;
+        }
+        let beyond = |rate: &NodeRate, share: f64| {
             let bears = (self.mu + share * (mu - self.mu)) * positive(self.p_n + share * rate.p_n);
             length([0, 1].map(|d| self.p[d] + share * rate.p[d])) - bears
         };
-        bisected(beyond)
+        (2.0 + rate.map_or(0.0, |rate| bisected(|share| beyond(rate, share)))) / 3.0
     }
 
     /// Returns `true` if the node is at a distance from the obstacle.
@@ -335,11 +339,8 @@ impl IncrementErrors {
                 error.as_ref().map_or(([0.0; 2], 0.0), |error| (formulation.w_t(i, error), error[layout.p_n(i)]));
             let before = self.nodes[i];
             let (closed, case) = cases[i];
-            let from = before.slips_after(rate.map(|rate| &rate[i]), mu);
             let [first, last] = [before.mu * positive(before.p_n + before.error_p_n), mu * positive(p_n + error_p_n)];
-            let begins = before.closed && before.case == TangentialCase::Stick;
-            let share = if begins { (2.0 + from) / 3.0 } else { 0.5 };
-            let friction = first + share * (last - first);
+            let friction = first + before.mean_over_slip(rate.map(|rate| &rate[i]), mu) * (last - first);
             if let (TangentialCase::Slip { direction, .. }, true) = (case, layout.has_friction(i)) {
                 let p = formulation.p_t(i, z);
                 let corrected = |d: usize| slip[d] + error_w[d] - before.error_w[d] - begin.before_touch[d];

@@ -9,7 +9,8 @@
 //! increment is unique, which is assumed.
 //!
 //! The motion is that of a rigid body with the normal forces of the last state; a linear solve gives the forces of its
-//! sliding state, and these the next motion.
+//! sliding state, and these the next motion. Where the load takes pressure off the joint, that friction still suffices: then the
+//! first motion is that against half of it.
 
 use super::task::{Observe, Task};
 use crate::algebra::linear::{LinearError, RefinedSolver};
@@ -23,14 +24,14 @@ use crate::solver::solvability::{Load, excess, friction_work, sliding_motion};
 /// few.
 const ROUNDS: usize = 4;
 
-/// Looks for a sliding state, from the normal forces `pressed` (n_c, N). Returns the solves that it took, with the state
-/// if it has found one.
+/// Looks for a sliding state, from the normal forces `pressed` (n_c, N) and this `share` of their friction. Returns the
+/// solves that it took, with the state if it has found one.
 pub(super) fn sliding_state(
     task: &Task<'_>,
     (formulation, bn): (&mut Bdiff, &mut Bn),
     linear: &mut RefinedSolver,
     from: &State,
-    pressed: &[f64],
+    (pressed, share): (&[f64], f64),
     observe: Observe<'_>,
 ) -> Result<(MethodResult, Option<State>), LinearError> {
     let (problem, increment) = (task.problem, task.increment);
@@ -46,7 +47,9 @@ pub(super) fn sliding_state(
         if round == ROUNDS / 2 {
             p_n.copy_from_slice(pressed);
         }
-        let Some(motion) = sliding_motion(problem, increment.mu, &load, &p_n) else { break };
+        let share = if round == 0 { share } else { 1.0 };
+        let mu: Vec<f64> = increment.mu.iter().map(|mu| share * mu).collect();
+        let Some(motion) = sliding_motion(problem, &mu, &load, &p_n) else { break };
         // Pins carry what exceeds the friction of these forces. If that is much, it changes the pressure at these nodes:
         // then a drag spreads it over the body.
         let v = problem.rigid_motion(&motion);

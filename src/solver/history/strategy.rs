@@ -83,17 +83,17 @@ impl Strategy {
         Strategy { attempts, settings: settings.clone(), bn: Box::new(bn), ip: None }
     }
 
-    /// Looks for a sliding state from the normal forces of a state. Returns the solves that it took, and moves to the
+    /// Looks for a sliding state from the normal forces of a state and a share of their friction. Returns the solves that it took, and moves to the
     /// sliding state if there is one.
     fn slide(
         &mut self,
         task: &Task<'_>,
         linear: &mut RefinedSolver,
         last: &State,
-        p_n: &[f64],
+        pressed: (&[f64], f64),
         observe: Observe<'_>,
     ) -> Result<MethodResult, LinearError> {
-        let (result, state) = sliding_state(task, self.bn.newton(), linear, last, p_n, observe)?;
+        let (result, state) = sliding_state(task, self.bn.newton(), linear, last, pressed, observe)?;
         if let Some(state) = state {
             self.bn.set_state(&state);
         }
@@ -126,7 +126,7 @@ impl IncrementSolver for Strategy {
         observe: Observe<'_>,
     ) -> Result<MethodResult, LinearError> {
         let last = self.bn.last_solution(task);
-        let mut tested = self.slide(task, linear, &last, &last.p_n, observe)?;
+        let mut tested = self.slide(task, linear, &last, (&last.p_n, 1.0), observe)?;
         if ends(&tested) {
             return Ok(tested);
         }
@@ -174,11 +174,13 @@ impl IncrementSolver for Strategy {
             // The first attempt tells the pressures, if nothing was known of them.
             if result.is_none() {
                 let p_n = self.bn.state().p_n;
-                let again = self.slide(task, linear, &last, &p_n, observe)?;
-                if ends(&again) {
-                    return Ok(tested.then(reached).then(again));
+                for pressed in [(&p_n[..], 1.0), (&last.p_n[..], 0.5)] {
+                    let again = self.slide(task, linear, &last, pressed, observe)?;
+                    if ends(&again) {
+                        return Ok(tested.then(reached).then(again));
+                    }
+                    tested = tested.then(again);
                 }
-                tested = tested.then(again);
             }
             result = Some(reached);
         }
