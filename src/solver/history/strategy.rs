@@ -83,8 +83,8 @@ impl Strategy {
         Strategy { attempts, settings: settings.clone(), bn: Box::new(bn), ip: None }
     }
 
-    /// Looks for a sliding state from the normal forces of a state and a share of their friction. Returns the solves that it took, and moves to the
-    /// sliding state if there is one.
+    /// Looks for a sliding state from the normal forces of a state and a share of their friction. Returns the solves that it
+    /// took, and moves to the sliding state if there is one.
     fn slide(
         &mut self,
         task: &Task<'_>,
