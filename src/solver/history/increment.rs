@@ -62,6 +62,7 @@ pub(super) enum IncrementEnd {
 /// The data to which a substep that fails or is divided returns.
 pub(super) struct Rollback {
     pub unknowns: Vec<f64>,
+    /// The state with these unknowns.
     pub state: State,
     offset: RigidOffset,
     errors: Option<IncrementErrors>,

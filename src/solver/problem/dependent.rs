@@ -84,3 +84,22 @@ fn groups(rows: &[Row]) -> Vec<Vec<&Row>> {
     }
     groups.into_values().collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::algebra::sparse::Symmetric;
+    use crate::solver::problem::Parts;
+
+    /// Two nodes that slide along one displacement depend on each other with friction only.
+    #[test]
+    fn friction_decides_what_is_dependent() {
+        let stiffness = Symmetric::from_triplets(3, &[(0, 0, 2.0), (1, 1, 2.0), (2, 2, 2.0)]).unwrap();
+        let [c_n, c_t] = [[1, 2], [0, 0]].map(|at| Csr::from_rows(3, at.map(|k| [(k, 1.0)])).unwrap());
+        let smooth = ContactProblem::new(Parts { c_t, mu: vec![0.0; 2], ..Parts::new(stiffness, c_n) }).unwrap();
+        assert_eq!(smooth.natural().compliance, [0.0; 2]);
+        let rough = smooth.with_friction(vec![0.3; 2]).unwrap();
+        assert!(rough.natural().compliance.iter().all(|e| *e > 0.0));
+        assert_eq!(rough.with_friction(vec![0.0; 2]).unwrap().natural().compliance, [0.0; 2]);
+    }
+}

@@ -277,6 +277,19 @@ fn gaps_without_bulges() {
     }
 }
 
+/// The model of a body below a block.
+fn under_a_block(lower: Mesh) -> Model {
+    let mesh = MeshSource::Bodies(vec![
+        Body::new("lower", lower),
+        Body::new("upper", block(&[1.0, 0.5], &[13, 4])).at([0.0, 0.5]),
+    ]);
+    let body = Description::new(mesh, Material::new(YOUNG, NU), vec![1.0])
+        .pair("lower:top", 0.0, Opposite::from("upper:bottom").within(0.4))
+        .support("upper:top", &[Axis::X, Axis::Y])
+        .support("lower:bottom", &[Axis::X, Axis::Y]);
+    Model::build(&body).unwrap()
+}
+
 /// A flat that goes over into a rounding without an edge: the rounding has its whole bulge from the first facet on, however
 /// long the facets of the flat are.
 #[test]
@@ -293,15 +306,7 @@ fn roundings_that_begin_at_a_flat() {
             };
             [x, y * (1.0 - 2.0 * after * down), z]
         });
-        let mesh = MeshSource::Bodies(vec![
-            Body::new("lower", lower),
-            Body::new("upper", block(&[1.0, 0.5], &[13, 4])).at([0.0, 0.5]),
-        ]);
-        let body = Description::new(mesh, Material::new(YOUNG, NU), vec![1.0])
-            .pair("lower:top", 0.0, Opposite::from("upper:bottom").within(0.4))
-            .support("upper:top", &[Axis::X, Axis::Y])
-            .support("lower:bottom", &[Axis::X, Axis::Y]);
-        let model = Model::build(&body).unwrap();
+        let model = under_a_block(lower);
         for row in &model.pairs[0].mortar.rows {
             let share = row.bulge / (after * 0.05 * 0.05 / 12.0);
             match model.mesh.nodes[row.node][0] {
@@ -326,15 +331,7 @@ fn flats_beside_edges_and_curves() {
             };
             [x, y * (1.0 - 2.0 * down), z]
         });
-        let mesh = MeshSource::Bodies(vec![
-            Body::new("lower", lower),
-            Body::new("upper", block(&[1.0, 0.5], &[13, 4])).at([0.0, 0.5]),
-        ]);
-        let body = Description::new(mesh, Material::new(YOUNG, NU), vec![1.0])
-            .pair("lower:top", 0.0, Opposite::from("upper:bottom").within(0.4))
-            .support("upper:top", &[Axis::X, Axis::Y])
-            .support("lower:bottom", &[Axis::X, Axis::Y]);
-        let model = Model::build(&body).unwrap();
+        let model = under_a_block(lower);
         for (row, gap) in model.pairs[0].mortar.rows.iter().zip(&model.pairs[0].gaps) {
             let x = model.mesh.nodes[row.node][0];
             if x < 0.69 {

@@ -339,7 +339,6 @@ fn a_contact_goes_on_across_seams() {
     for (k, (scene, across)) in cases.into_iter().enumerate() {
         let report = report(&scene);
         let [contact] = &report.estimates.contact[..] else { panic!("{k}: {:?}", report.estimates.contact) };
-        println!("{k}: {across:?} {:?} in {} zones, {:?}", contact.nodes_across, contact.zones, report.warnings);
         assert_eq!((contact.zones, contact.singular_edge), (1, false), "{k}");
         assert_eq!(contact.nodes_across, across, "{k}");
         let of_contact = [WarningKind::ContactCoarse, WarningKind::ContactUnresolved, WarningKind::SingularEdge];

@@ -111,7 +111,7 @@ impl Bulges {
                 *known.entry((node, first)).or_insert_with(|| surface.normal(node, &fan))
             };
             let normals: Vec<[f64; 3]> = corners.iter().map(|&node| normal(node, f)).collect();
-            let mut turn = |[i, j]: [usize; 2]| {
+            let turn = |[i, j]: [usize; 2]| {
                 let parts = surface.turns([corners[i], corners[j]], [normals[i], normals[j]]);
                 let apart = norm(minus(mesh.nodes[corners[j]], mesh.nodes[corners[i]]));
                 let mut alike = |[k, other]: [usize; 2], part: f64| {
@@ -124,7 +124,7 @@ impl Bulges {
                 ([i, j], limited(parts, goes_on))
             };
             let turns: Vec<([usize; 2], f64)> =
-                pairs(corners.len()).map(&mut turn).filter(|(_, turn)| *turn != 0.0).collect();
+                pairs(corners.len()).map(turn).filter(|(_, turn)| *turn != 0.0).collect();
             let curvature = |&([i, j], turn): &([usize; 2], f64)| {
                 let apart = minus(mesh.nodes[corners[j]], mesh.nodes[corners[i]]);
                 turn / dot(apart, apart)
