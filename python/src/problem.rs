@@ -205,14 +205,7 @@ impl Problem {
         }
         parts.mu = mu.unwrap_or(parts.mu);
         parts.weight = weight.or(parts.weight);
-        let alone = self.0.tangents_alone().filter(|_| maps.is_none()).map(|maps| maps.map(Clone::clone));
-        let problem = detached(py, || {
-            let problem = ContactProblem::new(parts)?;
-            match alone {
-                Some([c_t, c_o]) => problem.with_tangents_alone(c_t, c_o),
-                None => Ok(problem),
-            }
-        });
+        let problem = detached(py, || ContactProblem::new(parts));
         Ok(Problem(Arc::new(problem.map_err(of_problem)?), self.1.clone()))
     }
 

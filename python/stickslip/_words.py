@@ -19,8 +19,6 @@ REASONS = {
     "no-equilibrium": "no contact forces within the friction limit balance the loads, so that the body lifts off or tips; change the loads or add a support",
     "no-continuation": "the quasi-static motion ends here: no rates satisfy the laws beyond this load; less friction or a support may help, "
     "and the method bn goes on with increments",
-    "edge-friction": "only friction across an edge between two obstacles could balance the loads, and the equations neglect it; "
-    "change the loads or add a support",
     "not-finite": "the linear solver gave numbers that are not finite; try another linear, or smaller loads",
     "out-of-memory": "memory ran out; the increments before are complete: take a smaller problem, or a machine with more memory",
     "interrupted": "the run was stopped on request",

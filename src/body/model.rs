@@ -51,7 +51,7 @@ use crate::algebra::sparse::Csr;
 use crate::base::input_error::InputError;
 use crate::base::timeline::within;
 use crate::base::units::{Scaling, UnitSystem};
-use crate::body::contact::{ContactBoundary, ContactNode, ObstacleMotion, Passages, PlacedObstacle, Row, share_edges};
+use crate::body::contact::{ContactBoundary, ContactNode, ObstacleMotion, Passages, PlacedObstacle, Row};
 use crate::body::description::Description;
 use crate::body::fem::{
     Dofs, Elasticity, Element, HeldRows, InvertedElement, NodalVolumes, Plane, RigidMotion, Spring, assemble,
@@ -156,31 +156,25 @@ impl From<MeshError> for ModelError {
     }
 }
 
-/// Assembles the contact problem of the contact nodes `all`; `alone` are the nodes before sharing at edges, where they
-/// differ.
+/// Assembles the contact problem of the contact nodes.
 fn contact_problem(
     stiffness: Stiffness,
-    [all, alone]: [&[ContactNode]; 2],
+    contacts: &[ContactNode],
     mu: Vec<f64>,
     rigid_modes: Vec<Vec<f64>>,
     free: usize,
 ) -> Result<ContactProblem, ProblemError> {
-    let map = |contacts: &[ContactNode], row: fn(&ContactNode) -> &Row| {
-        Csr::of_rows(free, contacts.iter().map(|contact| row(contact).iter().copied()))
-    };
-    let problem = ContactProblem::new(Parts {
+    let map =
+        |row: fn(&ContactNode) -> &Row| Csr::of_rows(free, contacts.iter().map(|contact| row(contact).iter().copied()));
+    ContactProblem::new(Parts {
         stiffness,
-        c_n: map(all, |contact| &contact.normal),
-        c_t: map(all, |contact| &contact.tangents[0]),
-        c_o: map(all, |contact| &contact.tangents[1]),
+        c_n: map(|contact| &contact.normal),
+        c_t: map(|contact| &contact.tangents[0]),
+        c_o: map(|contact| &contact.tangents[1]),
         mu,
-        weight: Some(all.iter().map(|contact| contact.weight).collect()),
+        weight: Some(contacts.iter().map(|contact| contact.weight).collect()),
         rigid_modes: Some(rigid_modes),
-    })?;
-    if alone == all {
-        return Ok(problem);
-    }
-    problem.with_tangents_alone(map(alone, |contact| &contact.tangents[0]), map(alone, |contact| &contact.tangents[1]))
+    })
 }
 
 /// Adds the effect of prescribed displacements beyond the rigid offset: forces on the free part of the body, and gaps.
@@ -239,10 +233,8 @@ impl Model {
 
         let contacts = Contacts::new(description, &mesh, &dofs, &rows, &moved, &pairs, &carrying)?;
         let friction = contacts.friction_history(description)?;
-        let Contacts { nodes: mut contacts, mu, boundaries: contact_boundaries, obstacles, .. } = contacts;
+        let Contacts { nodes: contacts, mu, boundaries: contact_boundaries, obstacles, .. } = contacts;
         let mu = friction.as_ref().map_or(mu, FrictionHistory::largest);
-        let alone = contacts.clone();
-        share_edges(&mut contacts, &mu, &dofs);
         let gap = |contact: &ContactNode| {
             contact.obstacle().map_or(contact.facing.gap, |k| contact.gap_at_rest(&obstacles[k].0))
         };
@@ -289,9 +281,9 @@ impl Model {
             None => assemble(&mesh, &dofs, element, law)?.into(),
         };
         let rigid_modes = rigid_motions.iter().map(|motion| motion.displacements(&mesh, &dofs)).collect();
-        let problem = contact_problem(stiffness, [&contacts, &alone], mu, rigid_modes, dofs.free())?;
+        let problem = contact_problem(stiffness, &contacts, mu, rigid_modes, dofs.free())?;
         Ok(Model {
-            passed_by: motions::passed_by(&alone, mesh.dimension, &obstacles, past),
+            passed_by: motions::passed_by(&contacts, mesh.dimension, &obstacles, past),
             passages: Passages::new(
                 &mesh,
                 pairs.all.iter().filter(|pair| !pair.shifted).map(|pair| (&pair.mortar, &pair.gaps[..])),

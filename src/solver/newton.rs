@@ -39,9 +39,6 @@ pub enum Termination {
     NoEquilibrium(Vec<f64>),
     /// The loads drive the rigid mode with these weights along the contact, against all friction that there is.
     Slips(Vec<f64>),
-    /// The loads drive the rigid mode with these weights. Only friction across the edge between two obstacles could
-    /// resist it, and the equations neglect that.
-    EdgeFriction(Vec<f64>),
     /// The linearisation is singular for another reason.
     Singular(LinearError),
     /// The observer asked to stop.

@@ -51,7 +51,6 @@ use crate::base::units::Scaling;
 pub struct ContactProblem {
     parts: Parts,
     rigid_modes: Vec<Vec<f64>>,
-    tangents_alone: Option<[Csr; 2]>,
     /// The largest entry of `K`, N/m, which is on the diagonal of a semidefinite matrix.
     stiffest: f64,
     /// The natural units, once they are needed.
@@ -150,7 +149,7 @@ impl ContactProblem {
     pub(crate) fn of(mut parts: Parts) -> Self {
         let rigid_modes = parts.rigid_modes.take().unwrap_or_default();
         let stiffest = parts.stiffness.diagonal().iter().fold(0.0_f64, |m, k| m.max(*k));
-        ContactProblem { parts, rigid_modes, tangents_alone: None, stiffest, natural: OnceLock::new() }
+        ContactProblem { parts, rigid_modes, stiffest, natural: OnceLock::new() }
     }
 
     /// Sets the natural units of a problem derived from another one.
@@ -161,20 +160,6 @@ impl ContactProblem {
     /// Returns the natural units.
     pub(crate) fn natural(&self) -> &NaturalUnits {
         self.natural.get_or_init(|| Arc::new(NaturalUnits::of(self)))
-    }
-
-    /// Adds the tangents (n_c × n_u, as `c_t` and `c_o`) that each contact node would have if its obstacle were the
-    /// only one. A node in front of two obstacles has fewer, since the others repeat normal rows. The equations
-    /// neglect friction along the missing tangents, but the test of whether loads can be balanced at all includes it.
-    ///
-    /// # Errors
-    /// If a map does not have one row for each contact node and one column for each displacement.
-    pub fn with_tangents_alone(self, c_t: Csr, c_o: Csr) -> Result<Self, ProblemError> {
-        for (name, map) in [("c_t of nodes alone", &c_t), ("c_o of nodes alone", &c_o)] {
-            error::expect_length(name, self.contacts(), map.rows(), "one row for each contact node")?;
-            error::expect_length(name, self.displacements(), map.columns(), "one column for each displacement")?;
-        }
-        Ok(ContactProblem { tangents_alone: Some([c_t, c_o]), ..self })
     }
 
     /// Returns the problem with other friction coefficients `mu`, n_c. It shares the stiffness with this one.
@@ -210,8 +195,7 @@ impl ContactProblem {
         .with_natural_units(self.natural().of_nodes(nodes))
     }
 
-    /// Returns the parts, for building another problem. The tangents of [`ContactProblem::with_tangents_alone`] are
-    /// not included.
+    /// Returns the parts, for building another problem.
     pub fn into_parts(self) -> Parts {
         Parts { rigid_modes: Some(self.rigid_modes), ..self.parts }
     }
@@ -403,11 +387,6 @@ impl ContactProblem {
     /// Returns `(C_t, C_o)`.
     pub fn tangential_maps(&self) -> [&Csr; 2] {
         [self.c_t(), self.c_o()]
-    }
-
-    /// Returns the `(C_t, C_o)` that [`ContactProblem::with_tangents_alone`] has set, if it was called.
-    pub fn tangents_alone(&self) -> Option<[&Csr; 2]> {
-        self.tangents_alone.as_ref().map(|maps| [0, 1].map(|k| &maps[k]))
     }
 
     /// Returns units of order one for a run whose external nodal forces reach `largest_force` (N) and whose obstacles

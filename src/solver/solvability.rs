@@ -4,7 +4,6 @@ mod cone;
 mod free;
 mod landing;
 
-use crate::algebra::sparse::Csr;
 use crate::algebra::vector::dot;
 use crate::solver::problem::error::{expect_finite, expect_length};
 use crate::solver::problem::{ContactProblem, ProblemError};
@@ -51,8 +50,7 @@ impl Conditions {
 /// `|p_T| ≤ μ p_n` with `Rᵀ (f - C_nᵀ p_n - C_tᵀ p_t - C_oᵀ p_o) = 0`.
 ///
 /// This is necessary for an equilibrium, since `Rᵀ K = 0` in (15) multiplied by `Rᵀ`. It is not sufficient, since it
-/// lets every contact node carry a force, whatever its gap and its slip. A node in front of two obstacles has
-/// friction at both, in all tangential directions, although the equations neglect some of it.
+/// lets every contact node carry a force, whatever its gap and its slip.
 ///
 /// If a node has one tangent, the cone of these forces has finitely many edges. If it has two, the cone is circular.
 /// An inner cone then grows by the edge on which the residual does most work, until the load is inside or no edge of
@@ -87,36 +85,17 @@ pub fn rigid_equilibrium_with(
 
 /// Computes [`rigid_equilibrium`] for a load of the right size, with the friction coefficients `mu`.
 pub(crate) fn driven_motion(problem: &ContactProblem, mu: &[f64], load: &Load<'_>) -> Option<Vec<f64>> {
-    let within = motion_driven_in_the_equations(problem, mu, load)?;
-    match problem.tangents_alone() {
-        None => Some(within),
-        Some(alone) => driven_against(problem, mu, alone, load),
-    }
-}
-
-/// Computes the driven motion with only the friction in the equations. Friction that they neglect may resist it.
-pub(crate) fn motion_driven_in_the_equations(
-    problem: &ContactProblem,
-    mu: &[f64],
-    load: &Load<'_>,
-) -> Option<Vec<f64>> {
-    driven_against(problem, mu, problem.tangential_maps(), load)
-}
-
-/// Returns the motion that `load` drives against all contact forces with friction `mu` along `tangents`.
-fn driven_against(problem: &ContactProblem, mu: &[f64], tangents: [&Csr; 2], load: &Load<'_>) -> Option<Vec<f64>> {
     let (free, load, size) = Free::under(problem, load);
     let cones: Vec<FrictionCone> =
-        (0..problem.contacts()).map(|i| FrictionCone::of(problem, mu[i], tangents, &free, i)).collect();
+        (0..problem.contacts()).map(|i| FrictionCone::of(problem, mu[i], &free, i)).collect();
     unbalanced(&cones.iter().collect::<Vec<_>>(), &load, size).map(|y| free.weights(&y))
 }
 
 /// Returns `true` if contact forces would balance `load` with any amount of friction where there is some.
 pub(crate) fn is_held_by_friction(problem: &ContactProblem, mu: &[f64], load: &Load<'_>) -> bool {
     let (free, load, size) = Free::under(problem, load);
-    let tangents = problem.tangents_alone().unwrap_or(problem.tangential_maps());
     let forces = (0..problem.contacts()).flat_map(|i| {
-        let FrictionCone { mu, normal, tangents } = FrictionCone::of(problem, mu[i], tangents, &free, i);
+        let FrictionCone { mu, normal, tangents } = FrictionCone::of(problem, mu[i], &free, i);
         let rough = tangents.into_iter().filter(move |_| mu > 0.0);
         rough.flat_map(|t| [t.iter().map(|t| -t).collect(), t]).chain([normal])
     });
@@ -131,9 +110,8 @@ pub(crate) fn sliding_motion(problem: &ContactProblem, mu: &[f64], load: &Load<'
         return None;
     }
     let (free, mut load, size) = Free::under(problem, load);
-    let nodes: Vec<FrictionCone> = (0..problem.contacts())
-        .map(|i| FrictionCone::of(problem, mu[i], problem.tangential_maps(), &free, i))
-        .collect();
+    let nodes: Vec<FrictionCone> =
+        (0..problem.contacts()).map(|i| FrictionCone::of(problem, mu[i], &free, i)).collect();
     // Friction of given normal forces is bounded: one more dimension makes a cone of it.
     let (modes, unit) = (load.len(), norm(&load));
     load.push(unit);
@@ -218,8 +196,8 @@ struct FrictionCone {
 }
 
 impl FrictionCone {
-    fn of(problem: &ContactProblem, mu: f64, tangents: [&Csr; 2], free: &Free, i: usize) -> Self {
-        let rows = tangents.map(|map| map.row(i));
+    fn of(problem: &ContactProblem, mu: f64, free: &Free, i: usize) -> Self {
+        let rows = problem.tangential_maps().map(|map| map.row(i));
         FrictionCone {
             mu,
             normal: free.felt(problem.c_n().row(i)),
@@ -276,6 +254,7 @@ fn leaving(problem: &ContactProblem) -> Option<Vec<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::algebra::sparse::Csr;
     use crate::algebra::sparse::Symmetric;
     use crate::solver::problem::Parts;
 

@@ -9,7 +9,6 @@ mod tables;
 use crate::common::{Keep, difference};
 use std::ops::ControlFlow;
 use stickslip::algebra::linear::{SparseCholesky, SparseLu};
-use stickslip::body::ContactNode;
 use stickslip::body::Model;
 use stickslip::run::report::ContactLine;
 use stickslip::run::{Run, discretise};
@@ -166,7 +165,7 @@ fn bodies_that_only_contact_holds() {
 }
 
 /// A block pressed into the corner of two planes: both have the pressure of the load at all nodes, those of the edge that they share
-/// included, which carry friction along it alone.
+/// included.
 #[test]
 fn a_block_in_a_corner() {
     for (cells, d) in [("triangle6", 2), ("tetrahedron10", 3)] {
@@ -190,12 +189,6 @@ fn a_block_in_a_corner() {
         );
         let scene = Scene::parse("corner.toml", &text, &[]).unwrap();
         let model = discretise(&scene).unwrap();
-        let shared = |contact: &ContactNode| contact.position[0] == 1.0 && contact.position[d - 1] == 0.0;
-        let edge: Vec<&ContactNode> = model.contacts.iter().filter(|contact| shared(contact)).collect();
-        assert_eq!(edge.len(), if d == 2 { 2 } else { 10 });
-        // At the end that a support holds there is none.
-        let along = edge.iter().filter(|contact| !contact.tangents[0].is_empty()).count();
-        assert_eq!(along, if d == 2 { 0 } else { 4 });
         for linear in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
             let state =
                 solve(&model, &[1.0], SolverChoice { linear: Some(linear), ..SolverChoice::default() }, &mut ()).state;

@@ -45,7 +45,7 @@ impl Solved {
             Status::Converged => "converged",
             Status::NoEquilibrium | Status::Slips => "without equilibrium",
             Status::NoContinuation => "without continuation",
-            Status::Singular | Status::EdgeFriction => "singular",
+            Status::Singular => "singular",
             Status::Unsupported => "unsupported",
             _ => "given up",
         }

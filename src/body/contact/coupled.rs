@@ -76,5 +76,6 @@ pub fn coupled_nodes(
         contact.facing.tangents = [0, 1].map(|k| tangents.get(k).copied().unwrap_or_default());
         contact.with_rows(dofs)
     };
-    rows.iter().map(node).collect()
+    // A node whose two sides move alike along its normal, as at the end of a weld, can neither open nor close.
+    rows.iter().map(node).filter(|contact| !contact.normal.is_empty()).collect()
 }

@@ -308,15 +308,6 @@ impl ContactNode {
         }
         self.frame.map(|axis| along[0] * dot(t, axis) + along[1] * dot(o, axis))
     }
-
-    /// Sets its `tangents`, 0 for a missing one.
-    pub(super) fn slide_along(&mut self, dofs: &Dofs, tangents: [[f64; 3]; 2]) {
-        self.facing.tangents = tangents;
-        for end in self.ends.iter_mut().flatten() {
-            end.facing.tangents = turned(&self.facing, &end.facing);
-        }
-        self.tangents = [0, 1].map(|k| self.row(dofs, |facing| facing.tangents[k]));
-    }
 }
 
 /// Returns the tangents along which a node can slide that supports hold along the orthogonal unit vectors `held`:

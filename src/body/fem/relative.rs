@@ -4,6 +4,9 @@ use std::collections::BTreeMap;
 
 use crate::algebra::vector::{axis, dot, plus};
 
+/// A sum of terms below this share of their sizes is rounding.
+const CANCELS: f64 = 8.0 * f64::EPSILON;
+
 /// The coefficient of the displacement of another node.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Coefficient {
@@ -85,13 +88,16 @@ pub(super) struct Resolved {
     pub beyond: Vec<Vec<(usize, f64)>>,
 }
 
-/// Combines the terms of a row so that each unknown occurs once.
+/// Combines the terms of a row so that each unknown occurs once, and not at all if its terms cancel up to rounding.
 pub(crate) fn merged(row: Vec<(usize, f64)>) -> Vec<(usize, f64)> {
-    let mut sum: BTreeMap<usize, f64> = BTreeMap::new();
+    let mut terms: BTreeMap<usize, [f64; 2]> = BTreeMap::new();
     for (dof, c) in row {
-        *sum.entry(dof).or_insert(0.0) += c;
+        let [sum, size] = terms.entry(dof).or_default();
+        *sum += c;
+        *size += c.abs();
     }
-    sum.into_iter().collect()
+    let remains = |(dof, [sum, size]): (usize, [f64; 2])| (sum.abs() > CANCELS * size).then_some((dof, sum));
+    terms.into_iter().filter_map(remains).collect()
 }
 
 /// Orders the nodes so that each follows the nodes that it is relative to.

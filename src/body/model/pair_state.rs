@@ -62,23 +62,15 @@ impl Model {
     /// Returns the largest share of missing friction of the contact boundaries, with the number of the boundary.
     ///
     /// The share is that of the possible friction at nodes that supports hold along a direction in which the opposite
-    /// side moves past them, and at nodes in two contacts that press in one only; `mu` are the friction coefficients of
-    /// the nodes.
+    /// side moves past them, and at those to which a method gives none; `mu` are the friction coefficients of the nodes.
     pub fn friction_left_out(&self, state: &State, mu: &[f64]) -> Option<(usize, f64)> {
-        let alone = self.problem.tangents_alone().map(|maps| maps[0]);
-        if alone.is_none() && !self.passed_by.contains(&true) {
+        let own = if self.loading.friction().is_none() { self.problem.mu() } else { mu };
+        let lacks = |i: &usize| self.passed_by[*i] || mu[*i] < own[*i];
+        if !(0..mu.len()).any(|i| lacks(&i)) {
             return None;
         }
-        let mut press = BTreeMap::<usize, usize>::new();
-        for (contact, p_n) in self.contacts.iter().zip(&state.p_n) {
-            *press.entry(contact.node).or_default() += usize::from(*p_n > 0.0);
-        }
-        let lacks = |i: &usize| {
-            let shared = alone.is_some_and(|alone| self.problem.c_t().row(*i).is_empty() && !alone.row(*i).is_empty());
-            self.passed_by[*i] || shared && press[&self.contacts[*i].node] == 1
-        };
         let share = |(k, boundary): (usize, &ContactBoundary)| {
-            let friction = |i: &usize| mu[*i] * state.p_n[*i];
+            let friction = |i: &usize| own[*i] * state.p_n[*i];
             let all: f64 = boundary.nodes.iter().map(friction).sum();
             let lost: f64 = boundary.nodes.iter().filter(|i| lacks(i)).map(friction).sum();
             (k, if all > 0.0 { lost / all } else { 0.0 })

@@ -176,7 +176,6 @@ fn reason(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome, slip: 
     let why = match outcome.status {
         Status::Singular => unheld(model, outcome),
         Status::NoEquilibrium => no_equilibrium(model, outcome),
-        Status::EdgeFriction => edge_friction(model, outcome),
         Status::NoContinuation => no_continuation(solver, model, outcome),
         Status::Interrupted => "stopped on request".to_string(),
         Status::Inaccurate | Status::Stalled if law == "equilibrium" && error <= 10.0 * outcome.rounding => format!(
@@ -335,15 +334,6 @@ fn no_continuation(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcom
          or continue with solver.jump = true to where the body comes to rest"
     };
     format!("the quasi-static motion ends here: {proof}; {cure}")
-}
-
-fn edge_friction(model: &Model, outcome: &HistoryOutcome) -> String {
-    let motion = motion(model, outcome).map_or("the body".to_string(), |motion| motion.told(&model.units()));
-    format!(
-        "the loads drive {motion}, and only friction across an edge between two obstacles could resist, but nodes \
-         in front of both have friction along that edge alone: let the boundaries share no node, change the loads \
-         or add a support"
-    )
 }
 
 fn motion(model: &Model, outcome: &HistoryOutcome) -> Option<RigidMotion> {

@@ -374,13 +374,14 @@ impl Validity {
     }
 }
 
-/// Describes that a `share` of the friction of `boundary` is at nodes constrained by supports, or in two contacts.
+/// Describes that a `share` of the friction of `boundary` is at nodes constrained by supports, or without friction on the
+/// exact path.
 fn friction_left_out(boundary: &str, share: f64, time: f64) -> String {
     let time = six_digits(time);
     format!(
         "at t = {time} s {:.0} % of the possible friction of `{boundary}` is neglected, because supports hold its \
-         nodes in the direction of sliding, or the nodes belong to another contact, too, which they do not touch; end \
-         the support or the other boundary at some distance from the contact, or make the other side the slave",
+         nodes in the direction of sliding, or the exact path has none where two contacts meet; end the support at \
+         some distance from the contact, make the other side the slave, or use solver.method = \"bn\"",
         100.0 * share
     )
 }

@@ -132,10 +132,6 @@ impl InteriorPoint for ConeSystem {
         self.data.begin(increment);
     }
 
-    fn refer_to(&mut self, z: &[f64]) {
-        self.data.refer_to(z);
-    }
-
     fn residual(&self, z: &[f64], h: &mut [f64]) -> Result<(), LinearError> {
         let (data, matrix) = (&self.data, self.matrix.matrix());
         let n = matrix.order();

@@ -110,6 +110,11 @@ impl Constrained {
         self.g_rows().map(|k| h[k]).sum::<f64>() / self.n_2() as f64
     }
 
+    /// Refers the forces of dependent nodes to those in `z`, so that their compliance is in the matrix alone.
+    pub fn refer_to(&mut self, z: &[f64]) {
+        self.data.refer_to(z);
+    }
+
     /// Returns `t ↦ ψ(z + t dz)` (13), with `h = H_I(z)` and a direction `dz` that solves (14) with `centring = σ β`.
     /// The rows of `F` are linear and `dz` solves them, so they shrink by `1 - t`.
     pub fn potential_along<'a>(
@@ -166,10 +171,6 @@ impl InteriorPoint for Constrained {
 
     fn begin(&mut self, increment: &Increment<'_>) {
         self.data.begin(increment);
-    }
-
-    fn refer_to(&mut self, z: &[f64]) {
-        self.data.refer_to(z);
     }
 
     fn residual(&self, z: &[f64], h: &mut [f64]) -> Result<(), LinearError> {

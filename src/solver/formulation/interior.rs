@@ -26,9 +26,6 @@ pub trait InteriorPoint: Send {
     /// Sets the data of a new increment.
     fn begin(&mut self, increment: &Increment<'_>);
 
-    /// Refers the forces of dependent nodes to those in `z`, so that their compliance is in the matrix alone.
-    fn refer_to(&mut self, z: &[f64]);
-
     /// Computes `h = H(z)`.
     ///
     /// # Errors

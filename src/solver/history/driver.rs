@@ -255,8 +255,7 @@ impl<'a> HistoryDriver<'a> {
             if status != Status::Converged {
                 if let Termination::Unconstrained(motion)
                 | Termination::NoEquilibrium(motion)
-                | Termination::Slips(motion)
-                | Termination::EdgeFriction(motion) = solved.stop
+                | Termination::Slips(motion) = solved.stop
                 {
                     outcome.free_motion = Some(motion);
                 }

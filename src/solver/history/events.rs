@@ -71,8 +71,8 @@ struct IncrementSoFar {
 }
 
 /// Follows the exact path in time from event to event, to the end of the history or to the end of the quasi-static
-/// motion. All nodes must slide along lines, as in the plane. `observer` sees the path at the `times` (s), which do not
-/// affect it.
+/// motion. All nodes must slide along lines, as in the plane. Nodes whose contact rows depend on others have no friction
+/// here, see [`ContactProblem::dependent_nodes`]. `observer` sees the path at the `times` (s), which do not affect it.
 ///
 /// # Errors
 /// As [`super::run`].
@@ -89,6 +89,10 @@ pub fn follow_exact_path(
     loading.check(problem)?;
     settings.check(problem)?;
     check_times(times)?;
+    // Rates of dependent rows are not unique, and nodes that touch two obstacles hardly slide.
+    let mut mu = problem.mu().to_vec();
+    problem.dependent_nodes().into_iter().for_each(|i| mu[i] = 0.0);
+    let problem = &problem.with_friction(mu)?;
     let outcome = HistoryOutcome::unsolved(problem);
     ExactHistory { problem, loading, times, jump, settings, observer, outcome }.follow(system, start)
 }

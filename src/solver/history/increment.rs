@@ -23,9 +23,7 @@ use crate::solver::laws::{Judgement, KktScales};
 use crate::solver::loading::Loading;
 use crate::solver::newton::{MethodResult, Termination};
 use crate::solver::problem::{ContactProblem, Increment, State};
-use crate::solver::solvability::{
-    Landing, Load, NEARBY, driven_motion, excess, is_held_by_friction, landing, motion_driven_in_the_equations,
-};
+use crate::solver::solvability::{Landing, Load, NEARBY, driven_motion, excess, is_held_by_friction, landing};
 use std::borrow::Cow;
 
 /// The margin on either side of the time at which a joint slips, relative to the increment. Nearer to it the nodes of a
@@ -274,11 +272,11 @@ impl<'a> IncrementDriver<'a> {
     ) -> Result<MethodResult, LinearError> {
         let IncrementDriver { problem, loading, condensed, settings, .. } = *self;
         let load = Load { force: &self.stage.force, sizes: &input.sizes };
-        if let Some(motion) = motion_driven_in_the_equations(problem, &self.stage.mu, &load) {
-            let stop = match driven_motion(problem, &self.stage.mu, &load) {
-                None => Termination::EdgeFriction(motion),
-                Some(motion) if is_held_by_friction(problem, &self.stage.mu, &load) => Termination::Slips(motion),
-                Some(motion) => Termination::NoEquilibrium(motion),
+        if let Some(motion) = driven_motion(problem, &self.stage.mu, &load) {
+            let stop = if is_held_by_friction(problem, &self.stage.mu, &load) {
+                Termination::Slips(motion)
+            } else {
+                Termination::NoEquilibrium(motion)
             };
             return Ok(MethodResult { stop, attempts: 0, ..MethodResult::new(f64::NAN) });
         }
@@ -414,12 +412,11 @@ impl<'a> IncrementDriver<'a> {
         match substep.status {
             Status::Converged
             | Status::Interrupted
-            | Status::NoEquilibrium
             | Status::NoContinuation
-            | Status::EdgeFriction
             | Status::OutOfMemory
             | Status::Unsupported => Ok(false),
-            Status::Slips => Ok(true),
+            // A body that tips at the end may slip before.
+            Status::Slips | Status::NoEquilibrium => Ok(true),
             // If rounding sets the limit, it does so at any load.
             _ => {
                 let SubstepResult { state, scales, kkt, .. } = substep;

@@ -129,7 +129,7 @@ impl IncrementSolver for PredictorCorrectorMethod {
         task.response.add_to(&mut self.z);
         let scaling = *self.formulation.scaling();
         let forces = self.formulation.forces().clone();
-        let mut error = |z: &[f64]| task.error(&forces.unpacked(z, &scaling));
+        let error = |z: &[f64]| task.error(&forces.unpacked(z, &scaling));
         let tolerance = self.settings.tolerance;
         self.rest.fill(0.0);
         // The increment is solved if the response with clamped contact nodes already solves it.
@@ -139,8 +139,9 @@ impl IncrementSolver for PredictorCorrectorMethod {
         let last = self.z.clone();
         self.move_inside(task.response);
         let settings = PredictorCorrectorSettings { tolerance: tolerance.max(NEAR), ..self.settings };
+        let mut of_yielding = |z: &[f64]| task.error_of_yielding_nodes(&forces.unpacked(z, &scaling));
         let mut outcome =
-            self.method.solve(&settings, self.formulation.as_mut(), linear, &mut self.z, &mut error, observe)?;
+            self.method.solve(&settings, self.formulation.as_mut(), linear, &mut self.z, &mut of_yielding, observe)?;
         let left = self.most.saturating_sub(outcome.iterations);
         let unfinished = self.end.has_dependent_nodes() || error(&self.z)? > tolerance;
         if left > 0 && outcome.stop != Termination::Interrupted && unfinished {

@@ -32,8 +32,6 @@ pub enum Status {
     NoEquilibrium,
     /// No rates obey the laws beyond this load: the quasi-static motion ends, and a jump follows.
     NoContinuation,
-    /// Only friction across an edge between two obstacles could balance the loads, and the equations neglect it.
-    EdgeFriction,
     /// The linear solver gave numbers that are not finite.
     NotFinite,
     /// There was not enough memory.
@@ -58,7 +56,6 @@ impl fmt::Display for Status {
             Status::Slips => "slips",
             Status::NoEquilibrium => "no-equilibrium",
             Status::NoContinuation => "no-continuation",
-            Status::EdgeFriction => "edge-friction",
             Status::NotFinite => "not-finite",
             Status::OutOfMemory => "out-of-memory",
             Status::Interrupted => "interrupted",
@@ -232,7 +229,6 @@ pub(super) fn verdict(solved: &MethodResult, kkt: &KktErrors, tolerance: f64) ->
         Termination::Unconstrained(_) | Termination::Singular(_) => Status::Singular,
         Termination::Slips(_) => Status::Slips,
         Termination::NoEquilibrium(_) => Status::NoEquilibrium,
-        Termination::EdgeFriction(_) => Status::EdgeFriction,
     }
 }
 

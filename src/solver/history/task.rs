@@ -36,7 +36,28 @@ impl Task<'_> {
     /// # Errors
     /// If a rank that shares the stiffness has failed.
     pub fn error(&self, state: &State) -> Result<f64, LinearError> {
-        let judgement = Judgement::near(self.problem, self.increment, state, self.scales, self.tolerance)?;
+        self.error_of(self.increment, state)
+    }
+
+    /// Returns the error of a state in the first step of the proximal point method, in which the gaps and slips of
+    /// dependent contact nodes yield to their forces.
+    ///
+    /// # Errors
+    /// As [`Task::error`].
+    pub(super) fn error_of_yielding_nodes(&self, state: &State) -> Result<f64, LinearError> {
+        let compliance = &self.problem.natural().compliance;
+        let yielded = |from: &[f64], p: &[f64]| -> Vec<f64> {
+            from.iter().zip(compliance).zip(p).map(|((from, e), p)| from + e * p).collect()
+        };
+        let gap = yielded(self.increment.gap, &state.p_n);
+        let w_t_last = yielded(self.increment.w_t_last, &state.p_t);
+        let w_o_last = yielded(self.increment.w_o_last, &state.p_o);
+        let increment = Increment { gap: &gap, w_t_last: &w_t_last, w_o_last: &w_o_last, ..*self.increment };
+        self.error_of(&increment, state)
+    }
+
+    fn error_of(&self, increment: &Increment<'_>, state: &State) -> Result<f64, LinearError> {
+        let judgement = Judgement::near(self.problem, increment, state, self.scales, self.tolerance)?;
         Ok(judgement.errors().worst().1)
     }
 }
@@ -58,6 +79,14 @@ impl Response {
     /// Adds the displacements to the start of `z`.
     pub fn add_to(&self, z: &mut [f64]) {
         z.iter_mut().zip(&self.u).for_each(|(u, du)| *u += du);
+    }
+
+    /// Returns the changes of the normal forces that clamp `contacts` nodes; 0 where the response is not known.
+    pub(super) fn p_n(&self, contacts: usize) -> Vec<f64> {
+        let known = self.forces.len().saturating_sub(contacts);
+        let mut p_n = self.forces[known..].to_vec();
+        p_n.resize(contacts, 0.0);
+        p_n
     }
 
     /// Adds the contact forces, which follow the displacements in `z`.

@@ -63,7 +63,6 @@ impl PredictorCorrector {
     ) -> Result<MethodResult, LinearError> {
         let mut clock = Clock::default();
         self.work.resize(formulation);
-        formulation.refer_to(z);
         clock.time(|| formulation.residual(z, &mut self.work.h))?;
         let theta = formulation.theta(z, &self.work.h);
         let mut outcome = MethodResult::new(theta);
@@ -101,7 +100,6 @@ impl PredictorCorrector {
                     break;
                 }
             };
-            formulation.refer_to(z);
             clock.time(|| formulation.residual(z, &mut self.work.h))?;
             let theta = formulation.theta(z, &self.work.h);
             let Taken { step, backward_error, error } = taken;

@@ -50,9 +50,8 @@ pub(crate) fn landing(
     let free = Free::new(problem);
     let (load, sizes) = free.work(load);
     let size = norm(&sizes);
-    let cones: Vec<FrictionCone> = (0..problem.contacts())
-        .map(|i| FrictionCone::of(problem, mu[i], problem.tangential_maps(), &free, i))
-        .collect();
+    let cones: Vec<FrictionCone> =
+        (0..problem.contacts()).map(|i| FrictionCone::of(problem, mu[i], &free, i)).collect();
     let (mut distance, mut way) = (distance.to_vec(), vec![0.0; load.len()]);
     if distance.iter().zip(reach).any(|(distance, reach)| -distance > *reach)
         && let Some(out) = pushed_out(&cones, &distance)
