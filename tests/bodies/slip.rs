@@ -80,21 +80,35 @@ fn a_block_on_a_floor() {
     }
 }
 
-/// A corner before a wall has no friction. Its share is told as long as the wall is not touched.
+/// A node in two contacts has friction at each: a wall that is never touched takes none from the floor, and a wall that is let go
+/// leaves a block that slides along the floor. The exact path has none there, and says so.
 #[test]
 fn a_corner_before_a_wall() {
-    let wall = |side: &str, gap: f64| {
+    let wall = |floor: String, side: &str, gap: f64| {
         let wall =
             format!("{{ boundary = \"{side}\", friction = 0.2, obstacle = {{ kind = \"plane\", gap = {gap} }} }}]");
-        let floor = floor(false).replace("[8, 4]", "[2, 1]");
+        let floor = floor.replace("[8, 4]", "[2, 1]").replace("[4, 3, 3]", "[2, 1, 2]");
         floor.replace("\"plane\" } }]", &format!("\"plane\" }} }},\n{wall}"))
     };
-    let told = |text: &str| {
-        let report = run(text, &["load[1].history=[[0,0],[1,0.2]]"]);
-        assert_eq!(report.status, Status::Converged);
-        report.warnings.iter().any(|warning| warning.kind == WarningKind::FrictionLeftOut)
+    for space in [false, true] {
+        slips_beyond(&wall(floor(space), "left", 0.5), 0.5, 0.02, "load[1]", &SOLVERS);
+    }
+    let pushed = wall(floor(false), "right", 0.0).replace("[8e6, 0]", "[-8e6, 0]");
+    let warned = |report: &RunReport| {
+        let kinds: Vec<WarningKind> = report.warnings.iter().map(|warning| warning.kind).collect();
+        [WarningKind::FrictionLeftOut, WarningKind::NotUnique].map(|kind| kinds.contains(&kind))
     };
-    assert_eq!([told(&wall("left", 0.5)), told(&wall("right", 0.0)), told(&floor(false))], [true, false, false]);
+    for solver in SOLVERS {
+        let report = run(&pushed, &[&format!("solver.linear=\"{solver}\"")]);
+        let slip = report.explanation.slip.as_ref().unwrap();
+        assert_eq!((report.status, slip.motion.as_str()), (Status::Slips, "the body slides along (-1, 0)"), "{solver}");
+        assert!((0.98..1.01).contains(&slip.friction_used), "{solver}: {slip:?}");
+    }
+    let away = wall(floor(false), "left", 0.5);
+    let held = run(&away, &["load[1].history=[[0,0],[1,0.4]]"]);
+    assert_eq!((held.status, warned(&held)), (Status::Converged, [false, false]));
+    let exact = run(&away, &["load[1].history=[[0,0],[1,0.1]]", "solver.method=\"events\""]);
+    assert_eq!((exact.status, warned(&exact)), (Status::Converged, [true, false]));
 }
 
 /// A pull takes pressure off a press fit, so that the friction of the last state would still suffice beyond the limit. All
@@ -126,6 +140,40 @@ fn a_press_fit_that_is_pulled_out() {
                     assert!((from..by).contains(&1.397_727) && by - from < 0.1, "{set:?}: {from} {by}");
                 }
             }
+        }
+    }
+}
+
+/// A press fit slips whatever another body does: that one slips in a part of its own contact.
+#[test]
+fn a_press_fit_beside_another_body() {
+    let text = r#"
+        contact = [
+            { boundary = "fit:bottom", friction = 0.1, obstacle = { kind = "plane", gap = -0.002 } },
+            { boundary = "fit:top", friction = 0.1, obstacle = { kind = "plane" } },
+            { boundary = "other:bottom", friction = 0.3, obstacle = { kind = "plane" } },
+        ]
+        load = [
+            { boundary = "fit:right", traction = [9.0, 0.0], history = [[1, 0], [2, 1]] },
+            { boundary = "other:top", traction = [0.0, -1.0], history = [[0, 0], [1, 1]] },
+            { boundary = "other:top", traction = [0.1, 0.0], history = [[1, 0], [2, 1]] },
+        ]
+        time = { end = 2, increments = 8 }
+        [[body]]
+        name = "fit"
+        mesh = { kind = "block", size = [2.8, 0.5], elements = [8, 3] }
+        material = { young = 1000.0, poisson = 0.35 }
+        [[body]]
+        name = "other"
+        at = [30, 0]
+        mesh = { kind = "block", size = [1, 1], elements = [2, 2] }
+        material = { young = 1000.0, poisson = 0.3 }
+    "#;
+    for solver in SOLVERS {
+        for method in ["bn", "ip"] {
+            let set = [format!("solver.linear=\"{solver}\""), format!("solver.method=\"{method}\"")];
+            let report = run(text, &set.each_ref().map(String::as_str));
+            assert_eq!(report.status, Status::Slips, "{set:?}: {}", report.explanation.reason);
         }
     }
 }

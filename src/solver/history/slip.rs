@@ -65,7 +65,7 @@ pub(super) fn sliding_state(
         // At the very limit of friction the excess is rounding, and the joint still holds.
         let limit = task.tolerance * friction_work(problem, increment.mu, &p_n, &v);
         let slides = excess(problem, increment.mu, increment.force, &p_n, &motion) > limit;
-        if slides && formulation.slides_on(&z, &motion) {
+        if slides && formulation.slides_on(&z, &motion, &problem.natural().contact_part) {
             result.stop = Termination::Slips(motion);
             return Ok((result, Some(layout.unpacked(&z, &scaling))));
         }

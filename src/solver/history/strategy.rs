@@ -83,6 +83,12 @@ impl Strategy {
         Strategy { attempts, settings: settings.clone(), bn: Box::new(bn), ip: None }
     }
 
+    /// Returns the normal forces that clamp the nodes, N: the first estimate of the pressures.
+    fn clamping_forces(&self, task: &Task<'_>) -> Vec<f64> {
+        let clamping = task.response.p_n(task.problem.contacts());
+        clamping.into_iter().map(|p| p * self.settings.scaling.force).collect()
+    }
+
     /// Looks for a sliding state from the normal forces of a state and a share of their friction. Returns the solves that it
     /// took, and moves to the sliding state if there is one.
     fn slide(
@@ -126,7 +132,8 @@ impl IncrementSolver for Strategy {
         observe: Observe<'_>,
     ) -> Result<MethodResult, LinearError> {
         let last = self.bn.last_solution(task);
-        let mut tested = self.slide(task, linear, &last, (&last.p_n, 1.0), observe)?;
+        let pressed = if task.first { self.clamping_forces(task) } else { last.p_n.clone() };
+        let mut tested = self.slide(task, linear, &last, (&pressed, 1.0), observe)?;
         if ends(&tested) {
             return Ok(tested);
         }
@@ -171,11 +178,11 @@ impl IncrementSolver for Strategy {
             if ends(&reached) {
                 return Ok(tested.then(reached));
             }
-            // The first attempt tells the pressures, if nothing was known of them.
+            // The first attempt tells the pressures.
             if result.is_none() {
                 let p_n = self.bn.state().p_n;
-                for pressed in [(&p_n[..], 1.0), (&last.p_n[..], 0.5)] {
-                    let again = self.slide(task, linear, &last, pressed, observe)?;
+                for (p_n, share) in [(&p_n, 1.0), (&pressed, 0.5)] {
+                    let again = self.slide(task, linear, &last, (p_n, share), observe)?;
                     if ends(&again) {
                         return Ok(tested.then(reached).then(again));
                     }

@@ -112,10 +112,14 @@ impl Bdiff {
     }
 
     /// Returns `true` if all nodes have the cases of the last linearisation at `z + step dz`.
-    pub(super) fn stays(&self, z: &[f64], dz: &[f64], step: f64) -> bool {
+    fn stays(&self, z: &[f64], dz: &[f64], step: f64) -> bool {
         let ahead: Vec<f64> = z.iter().zip(dz).map(|(z, dz)| z + step * dz).collect();
-        let alike = |i: usize| self.cases[i].is_some_and(|case| is_alike(case, self.case(i, &ahead)));
-        (0..self.layout().contacts()).all(alike)
+        (0..self.layout().contacts()).all(|i| self.keeps_case(i, &ahead))
+    }
+
+    /// Returns `true` if node `i` has the case of the last linearisation at `z`.
+    pub(super) fn keeps_case(&self, i: usize, z: &[f64]) -> bool {
+        self.cases[i].is_some_and(|case| is_alike(case, self.case(i, z)))
     }
 
     /// Bisects between the step `near`, at which all nodes keep their cases, and `far`, at which one does not.

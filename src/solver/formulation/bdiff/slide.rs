@@ -3,6 +3,7 @@
 use super::Bdiff;
 use crate::algebra::null_space::NEGLIGIBLE;
 use crate::solver::laws::coulomb::{NormalCase, TangentialCase, direction, length};
+use std::collections::BTreeSet;
 
 /// The length of a motion, relative to the displacements and to the motion of obstacles, whose direction is the slip of
 /// every node that it moves.
@@ -24,16 +25,19 @@ impl Bdiff {
         self.pin_unconstrained_modes();
     }
 
-    /// Returns `true` if all nodes have the cases of [`Bdiff::linearize_sliding`] at `z` and however far they move on
-    /// along the same motion. The solution `z` of its equations then obeys every law of contact there, while the pins
-    /// carry what friction does not.
-    pub fn slides_on(&self, z: &[f64], weights: &[f64]) -> bool {
+    /// Returns `true` if all nodes of the parts that the motion moves have the cases of [`Bdiff::linearize_sliding`] at `z`
+    /// and however far they move on along it; `part` are the parts of the nodes. The solution `z` of its equations then obeys
+    /// every law of contact there, while the pins carry what friction does not. Other parts know nothing of it.
+    pub fn slides_on(&self, z: &[f64], weights: &[f64], part: &[usize]) -> bool {
         let largest = |x: &[f64]| x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         let motion = self.data.motion(weights, z.len());
         let data = &self.data;
         let lengths = [&z[..self.layout().displacements()], &data.w_t_last, &data.w_o_last].map(largest);
         let size = FAR * lengths.into_iter().fold(0.0, f64::max) / largest(&motion);
-        self.stays(z, &motion, size)
+        let ahead: Vec<f64> = z.iter().zip(&motion).map(|(z, u)| z + size * u).collect();
+        let slips = |i: &usize| matches!(self.cases[*i], Some((_, Some(TangentialCase::Slip { .. }))));
+        let moved: BTreeSet<usize> = (0..part.len()).filter(slips).map(|i| part[i]).collect();
+        (0..part.len()).filter(|i| moved.contains(&part[*i])).all(|i| self.keeps_case(i, &ahead))
     }
 
     /// Returns the trial normal forces `p_n + r (w_n - g)` at `z`, at least 0, in the unit of the scaling.
