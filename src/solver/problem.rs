@@ -348,10 +348,24 @@ impl ContactProblem {
     /// Computes the strain energy of a state in equilibrium with the external forces `force` (N) as half the work of
     /// all forces: `½ uᵀ (f - Cᵀ p)`.
     pub(crate) fn energy_in_equilibrium(&self, force: &[f64], state: &State) -> f64 {
-        let loads: f64 = state.u.iter().zip(force).map(|(u, f)| u * f).sum();
+        self.energy_of_parts(force, state, |_| true)
+    }
+
+    /// Computes the same for the parts with friction alone: those that elasticity or contact rows connect to a rough node.
+    pub(crate) fn energy_with_friction(&self, force: &[f64], state: &State) -> f64 {
+        let part = &self.natural().contact_part;
+        let rough: BTreeSet<usize> = (0..self.contacts()).filter(|&i| self.mu()[i] > 0.0).map(|i| part[i]).collect();
+        self.energy_of_parts(force, state, |part| rough.contains(&part))
+    }
+
+    fn energy_of_parts(&self, force: &[f64], state: &State, counts: impl Fn(usize) -> bool) -> f64 {
+        let NaturalUnits { part, contact_part, .. } = self.natural();
+        let loads = state.u.iter().zip(force).zip(part).filter(|(_, part)| counts(**part));
+        let loads: f64 = loads.map(|((u, f), _)| u * f).sum();
         let maps = [(self.c_n(), &state.p_n), (self.c_t(), &state.p_t), (self.c_o(), &state.p_o)];
         let contact = |(map, forces): (&Csr, &Vec<f64>)| -> f64 {
-            forces.iter().enumerate().filter(|(_, p)| **p != 0.0).map(|(i, p)| p * map.dot(i, &state.u)).sum()
+            let pressed = forces.iter().enumerate().filter(|(i, p)| **p != 0.0 && counts(contact_part[*i]));
+            pressed.map(|(i, p)| p * map.dot(i, &state.u)).sum()
         };
         0.5 * (loads - maps.into_iter().map(contact).sum::<f64>())
     }

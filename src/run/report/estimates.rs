@@ -83,6 +83,8 @@ pub struct Accumulated {
     dragged: Vec<Heaviest>,
     peak: Option<Peak>,
     strained: Option<Strained>,
+    /// The largest strain energy so far of the parts with friction, J.
+    energy_with_friction: f64,
     slip: SlipZones,
 }
 
@@ -118,7 +120,7 @@ impl Heaviest {
     }
 }
 
-/// Friction work below this share of the largest strain energy counts as zero.
+/// Friction work below this share of the largest strain energy of the parts with friction counts as zero.
 const NO_WORK: f64 = 1e-4;
 
 /// The error of the largest tangential force by the mesh above which a warning is given, if that of the body is small.
@@ -217,6 +219,8 @@ impl EstimateWatch {
         }
         self.seen.slip.see(model, &self.graph, step);
         Peak::see(&mut self.seen.peak, model, &self.graph, self.peak_of, step);
+        let with_friction = model.problem.energy_with_friction(step.increment.force, step.state);
+        self.seen.energy_with_friction = self.seen.energy_with_friction.max(with_friction);
         let (energy, time) = (step.record.strain_energy, step.record.time);
         match &mut self.seen.strained {
             Some(strained) if !is_as_large(energy, strained.energy) => {}
@@ -280,7 +284,7 @@ impl EstimateWatch {
     }
 
     fn negligible_work(&self) -> f64 {
-        NO_WORK * self.seen.strained.as_ref().map_or(0.0, |strained| strained.energy)
+        NO_WORK * self.seen.energy_with_friction
     }
 }
 
