@@ -28,8 +28,8 @@ pub(super) struct Spring {
 
 /// The places of the values of one contact node's rows.
 struct Slots {
-    /// The compliance of the node, 0 unless its rows depend on others.
-    compliance: f64,
+    /// The compliances of the node along normal and tangents, 0 unless its rows depend on others.
+    compliance: [f64; 2],
     /// `∂(normal row)/∂u`: slot and coefficient of `C_n`.
     normal_u: Vec<(usize, f64)>,
     normal_p_n: usize,
@@ -70,7 +70,7 @@ impl MixedMatrix {
                 })
             });
             Slots {
-                compliance: problem.natural().compliance[i] * scaling.stiffness(),
+                compliance: problem.natural().compliance[i].map(|e| e * scaling.stiffness()),
                 normal_u: problem.c_n().row(i).iter().map(|&(dof, c)| (slot(p_n, dof), c)).collect(),
                 normal_p_n: slot(p_n, p_n),
                 tangential,
@@ -114,13 +114,13 @@ impl MixedMatrix {
     pub(super) fn set_normal(&mut self, i: usize, by_w_n: f64, by_p_n: f64) {
         let (values, slots) = (self.matrix.rest_mut().values_mut(), &self.slots[i]);
         slots.normal_u.iter().for_each(|&(k, c)| values[k] = by_w_n * c);
-        values[slots.normal_p_n] = by_p_n - by_w_n * slots.compliance;
+        values[slots.normal_p_n] = by_p_n - by_w_n * slots.compliance[0];
     }
 
     /// Writes the row of node `i` at its `p_t` (0) or `p_o` (1), if it has that unknown.
     pub(super) fn set_tangential(&mut self, i: usize, direction: usize, row: &TangentialRow) {
         let (values, slots) = (self.matrix.rest_mut().values_mut(), &self.slots[i]);
-        let compliance = slots.compliance;
+        let [_, compliance] = slots.compliance;
         if let Some(slots) = &slots.tangential[direction] {
             let [by_w_t, by_w_o] = row.w;
             slots.u.iter().for_each(|&(k, [c_t, c_o])| values[k] = by_w_t * c_t + by_w_o * c_o);

@@ -23,8 +23,8 @@ pub(super) struct ScaledData {
     pub w_t_last: Vec<f64>,
     pub w_o_last: Vec<f64>,
     pub rigid_modes: Arc<[Vec<f64>]>,
-    /// The compliance of dependent contact nodes, 0 of the others.
-    pub compliance: Arc<[f64]>,
+    /// The compliances of dependent contact nodes along normal and tangents, 0 of the others.
+    pub compliance: Arc<[[f64; 2]]>,
     /// The forces `(p_n, p_t, p_o)` of dependent nodes without a gap due to their compliance, if they are known yet.
     reference: Option<Vec<[f64; 3]>>,
 }
@@ -44,7 +44,7 @@ impl ScaledData {
             c_o: Arc::new(problem.c_o().clone()),
             mu: problem.mu().into(),
             rigid_modes: problem.rigid_modes().into(),
-            compliance: problem.natural().compliance.iter().map(|e| e * scaling.stiffness()).collect(),
+            compliance: problem.natural().compliance.iter().map(|e| e.map(|e| e * scaling.stiffness())).collect(),
             reference: None,
         }
     }
@@ -68,7 +68,7 @@ impl ScaledData {
 
     /// Returns `true` if contact rows depend on each other.
     pub(super) fn has_dependent_nodes(&self) -> bool {
-        self.compliance.iter().any(|e| *e > 0.0)
+        self.compliance.iter().any(|e| e[0] > 0.0)
     }
 
     /// Returns `true` if the forces of dependent nodes have their reference, or there are none.
@@ -85,7 +85,8 @@ impl ScaledData {
         for (i, last) in reference.iter_mut().enumerate() {
             let [p_t, p_o] = self.friction(i, z);
             let now = [z[self.layout.p_n(i)], p_t, p_o];
-            let by = [0, 1, 2].map(|k| self.compliance[i] * (now[k] - last[k]));
+            let [e_n, e_t] = self.compliance[i];
+            let by = [e_n * (now[0] - last[0]), e_t * (now[1] - last[1]), e_t * (now[2] - last[2])];
             self.gap[i] -= by[0];
             self.w_t_last[i] -= by[1];
             self.w_o_last[i] -= by[2];
@@ -96,7 +97,7 @@ impl ScaledData {
 
     /// Returns `w_n` of node `i`, less the approach due to its compliance; `z` begins with `(u, p_t, p_o, p_n)`.
     pub(super) fn w_n(&self, i: usize, z: &[f64]) -> f64 {
-        self.c_n.dot(i, z) - self.compliance[i] * z[self.layout.p_n(i)]
+        self.c_n.dot(i, z) - self.compliance[i][0] * z[self.layout.p_n(i)]
     }
 
     /// Returns `w_t` of node `i`, less the slip due to its compliance.
@@ -107,7 +108,7 @@ impl ScaledData {
     /// Returns `w_T = (w_t, w_o)` of node `i`, less the slip due to its compliance.
     pub(super) fn tangential(&self, i: usize, z: &[f64]) -> [f64; 2] {
         let (w, p) = ([self.c_t.dot(i, z), self.c_o.dot(i, z)], self.friction(i, z));
-        [0, 1].map(|k| w[k] - self.compliance[i] * p[k])
+        [0, 1].map(|k| w[k] - self.compliance[i][1] * p[k])
     }
 
     /// Returns the slip increment `w_T - w̄_T` of node `i` for a given `w_T`.
@@ -117,7 +118,7 @@ impl ScaledData {
 
     /// Returns `w_n - g` of node `i` at `z + rest`, where `rest` is below the rounding of `z`.
     pub(super) fn approach_beyond(&self, i: usize, z: &[f64], rest: &[f64]) -> f64 {
-        self.c_n.difference(i, z, rest, self.gap[i]) - self.compliance[i] * z[self.layout.p_n(i)]
+        self.c_n.difference(i, z, rest, self.gap[i]) - self.compliance[i][0] * z[self.layout.p_n(i)]
     }
 
     /// Returns the slip increment of node `i` at `z + rest`, where `rest` is below the rounding of `z`.
@@ -125,7 +126,7 @@ impl ScaledData {
         let slip =
             [self.c_t.difference(i, z, rest, self.w_t_last[i]), self.c_o.difference(i, z, rest, self.w_o_last[i])];
         let p = self.friction(i, z);
-        [0, 1].map(|k| slip[k] - self.compliance[i] * p[k])
+        [0, 1].map(|k| slip[k] - self.compliance[i][1] * p[k])
     }
 
     /// Returns the part of the slip increment of node `i` at `z` beyond `reach`, the deformation due to the load: the

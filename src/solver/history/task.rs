@@ -46,12 +46,12 @@ impl Task<'_> {
     /// As [`Task::error`].
     pub(super) fn error_of_yielding_nodes(&self, state: &State) -> Result<f64, LinearError> {
         let compliance = &self.problem.natural().compliance;
-        let yielded = |from: &[f64], p: &[f64]| -> Vec<f64> {
-            from.iter().zip(compliance).zip(p).map(|((from, e), p)| from + e * p).collect()
+        let yielded = |from: &[f64], p: &[f64], along: usize| -> Vec<f64> {
+            from.iter().zip(compliance).zip(p).map(|((from, e), p)| from + e[along] * p).collect()
         };
-        let gap = yielded(self.increment.gap, &state.p_n);
-        let w_t_last = yielded(self.increment.w_t_last, &state.p_t);
-        let w_o_last = yielded(self.increment.w_o_last, &state.p_o);
+        let gap = yielded(self.increment.gap, &state.p_n, 0);
+        let w_t_last = yielded(self.increment.w_t_last, &state.p_t, 1);
+        let w_o_last = yielded(self.increment.w_o_last, &state.p_o, 1);
         let increment = Increment { gap: &gap, w_t_last: &w_t_last, w_o_last: &w_o_last, ..*self.increment };
         self.error_of(&increment, state)
     }

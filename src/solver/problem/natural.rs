@@ -25,8 +25,8 @@ pub(crate) struct NaturalUnits {
     pub contact: Vec<f64>,
     /// `k_i`, N/m.
     pub contact_stiffness: Vec<f64>,
-    /// The compliance of dependent contact nodes in the proximal point method, m/N.
-    pub compliance: Vec<f64>,
+    /// The compliances of dependent contact nodes along normal and tangents in the proximal point method, m/N.
+    pub compliance: Vec<[f64; 2]>,
 }
 
 impl NaturalUnits {
@@ -77,7 +77,7 @@ impl NaturalUnits {
             contact_part: nodes.iter().map(|&i| self.contact_part[i]).collect(),
             contact: of_nodes(&self.contact),
             contact_stiffness: of_nodes(&self.contact_stiffness),
-            compliance: of_nodes(&self.compliance),
+            compliance: nodes.iter().map(|&i| self.compliance[i]).collect(),
             ..self.clone()
         }
     }
