@@ -197,12 +197,12 @@ impl Bdiff {
     }
 
     /// Sets the data of a new increment.
-    pub fn begin(&mut self, increment: &Increment<'_>) {
+    pub fn begin(&mut self, increment: &Increment<'_>, z: &[f64]) {
         if *self.data.mu != *increment.mu {
             // The rows of slipping nodes contain the old coefficient.
             self.cases.fill(None);
         }
-        self.data.begin(increment);
+        self.data.begin(increment, z);
     }
 
     /// Computes `h = H_N(z)` (19).

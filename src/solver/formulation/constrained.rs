@@ -169,8 +169,8 @@ impl InteriorPoint for Constrained {
         self.data.gap[i] - self.data.w_n(i, z)
     }
 
-    fn begin(&mut self, increment: &Increment<'_>) {
-        self.data.begin(increment);
+    fn begin(&mut self, increment: &Increment<'_>, z: &[f64]) {
+        self.data.begin(increment, z);
     }
 
     fn residual(&self, z: &[f64], h: &mut [f64]) -> Result<(), LinearError> {

@@ -23,8 +23,8 @@ pub trait InteriorPoint: Send {
     /// Returns the gap `g - w_n` at node `i`, scaled.
     fn distance(&self, i: usize, z: &[f64]) -> f64;
 
-    /// Sets the data of a new increment.
-    fn begin(&mut self, increment: &Increment<'_>);
+    /// Sets the data of a new increment after the solution `z`.
+    fn begin(&mut self, increment: &Increment<'_>, z: &[f64]);
 
     /// Computes `h = H(z)`.
     ///

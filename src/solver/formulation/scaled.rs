@@ -25,8 +25,10 @@ pub(super) struct ScaledData {
     pub rigid_modes: Arc<[Vec<f64>]>,
     /// The compliances of dependent contact nodes along normal and tangents, 0 of the others.
     pub compliance: Arc<[[f64; 2]]>,
-    /// The forces `(p_n, p_t, p_o)` of dependent nodes without a gap due to their compliance, if they are known yet.
-    reference: Option<Vec<[f64; 3]>>,
+    /// The forces `(p_n, p_t, p_o)` of dependent nodes without a gap due to their compliance.
+    reference: Vec<[f64; 3]>,
+    /// `true` if these are the forces of a solution.
+    is_referred: bool,
 }
 
 impl ScaledData {
@@ -45,12 +47,13 @@ impl ScaledData {
             mu: problem.mu().into(),
             rigid_modes: problem.rigid_modes().into(),
             compliance: problem.natural().compliance.iter().map(|e| e.map(|e| e * scaling.stiffness())).collect(),
-            reference: None,
+            reference: vec![[0.0; 3]; problem.contacts()],
+            is_referred: false,
         }
     }
 
-    /// Sets the data of a new increment.
-    pub(super) fn begin(&mut self, increment: &Increment<'_>) {
+    /// Sets the data of a new increment after the solution `z`, whose friction dependent nodes keep if they can.
+    pub(super) fn begin(&mut self, increment: &Increment<'_>, z: &[f64]) {
         let Scaling { force, length } = self.scaling;
         let convert = |to: &mut Vec<f64>, from: &[f64], unit: f64| {
             to.clear();
@@ -60,7 +63,12 @@ impl ScaledData {
         convert(&mut self.gap, increment.gap, length);
         convert(&mut self.w_t_last, increment.w_t_last, length);
         convert(&mut self.w_o_last, increment.w_o_last, length);
-        self.reference = None;
+        self.reference.fill([0.0; 3]);
+        self.refer_all(|data, i| {
+            let [p_t, p_o] = data.friction(i, z);
+            [0.0, p_t, p_o]
+        });
+        self.is_referred = false;
         if *self.mu != *increment.mu {
             self.mu = increment.mu.into();
         }
@@ -73,26 +81,26 @@ impl ScaledData {
 
     /// Returns `true` if the forces of dependent nodes have their reference, or there are none.
     pub(super) fn is_referred(&self) -> bool {
-        self.reference.is_some() || !self.has_dependent_nodes()
+        self.is_referred || !self.has_dependent_nodes()
     }
 
     /// Takes the forces in `z` as those without a gap due to the compliance.
     pub(super) fn refer_to(&mut self, z: &[f64]) {
-        if !self.has_dependent_nodes() {
-            return;
+        self.refer_all(|data, i| {
+            let [p_t, p_o] = data.friction(i, z);
+            [z[data.layout.p_n(i)], p_t, p_o]
+        });
+        self.is_referred = true;
+    }
+
+    fn refer_all(&mut self, forces: impl Fn(&Self, usize) -> [f64; 3]) {
+        for i in (0..self.reference.len()).filter(|&i| self.compliance[i][0] > 0.0).collect::<Vec<_>>() {
+            let (now, last, [e_n, e_t]) = (forces(self, i), self.reference[i], self.compliance[i]);
+            self.gap[i] -= e_n * (now[0] - last[0]);
+            self.w_t_last[i] -= e_t * (now[1] - last[1]);
+            self.w_o_last[i] -= e_t * (now[2] - last[2]);
+            self.reference[i] = now;
         }
-        let mut reference = self.reference.take().unwrap_or_else(|| vec![[0.0; 3]; self.layout.contacts()]);
-        for (i, last) in reference.iter_mut().enumerate() {
-            let [p_t, p_o] = self.friction(i, z);
-            let now = [z[self.layout.p_n(i)], p_t, p_o];
-            let [e_n, e_t] = self.compliance[i];
-            let by = [e_n * (now[0] - last[0]), e_t * (now[1] - last[1]), e_t * (now[2] - last[2])];
-            self.gap[i] -= by[0];
-            self.w_t_last[i] -= by[1];
-            self.w_o_last[i] -= by[2];
-            *last = now;
-        }
-        self.reference = Some(reference);
     }
 
     /// Returns `w_n` of node `i`, less the approach due to its compliance; `z` begins with `(u, p_t, p_o, p_n)`.

@@ -109,8 +109,8 @@ impl BnMethod {
         from: Option<&[f64]>,
         linear: &mut RefinedSolver,
     ) -> Result<(), LinearError> {
-        let BnMethod { formulation, bn, errors, .. } = self;
-        formulation.begin(task.increment);
+        let BnMethod { formulation, bn, errors, z, .. } = self;
+        formulation.begin(task.increment, z);
         self.ahead = match from {
             Some(from) => ahead(formulation, bn, linear, from)?,
             None => None,

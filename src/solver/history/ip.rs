@@ -67,7 +67,7 @@ impl IncrementSolver for IpMethod {
         linear: &mut RefinedSolver,
         observe: Observe<'_>,
     ) -> Result<MethodResult, LinearError> {
-        self.formulation.begin(task.increment);
+        self.formulation.begin(task.increment, &self.z);
         task.response.add_to(&mut self.z);
         let settings = self.settings;
         match self.start {

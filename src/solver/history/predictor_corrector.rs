@@ -124,22 +124,23 @@ impl IncrementSolver for PredictorCorrectorMethod {
         linear: &mut RefinedSolver,
         observe: Observe<'_>,
     ) -> Result<MethodResult, LinearError> {
-        self.formulation.begin(task.increment);
-        self.end.begin(task.increment);
-        task.response.add_to(&mut self.z);
+        self.formulation.begin(task.increment, &self.z);
+        self.end.begin(task.increment, &self.z);
         let scaling = *self.formulation.scaling();
         let forces = self.formulation.forces().clone();
+        let before = forces.unpacked(&self.z, &scaling);
+        task.response.add_to(&mut self.z);
         let error = |z: &[f64]| task.error(&forces.unpacked(z, &scaling));
         let tolerance = self.settings.tolerance;
         self.rest.fill(0.0);
         // The increment is solved if the response with clamped contact nodes already solves it.
-        if !self.end.has_dependent_nodes() && error(&self.z)? <= tolerance {
+        if error(&self.z)? <= tolerance {
             return Ok(MethodResult { stop: Termination::Converged, ..MethodResult::new(0.0) });
         }
         let last = self.z.clone();
         self.move_inside(task.response);
         let settings = PredictorCorrectorSettings { tolerance: tolerance.max(NEAR), ..self.settings };
-        let mut of_yielding = |z: &[f64]| task.error_of_yielding_nodes(&forces.unpacked(z, &scaling));
+        let mut of_yielding = |z: &[f64]| task.error_of_yielding_nodes(&forces.unpacked(z, &scaling), &before);
         let mut outcome =
             self.method.solve(&settings, self.formulation.as_mut(), linear, &mut self.z, &mut of_yielding, observe)?;
         let left = self.most.saturating_sub(outcome.iterations);
@@ -215,8 +216,8 @@ impl NewtonEnd {
     }
 
     /// Sets the data of a new increment.
-    pub(super) fn begin(&mut self, increment: &Increment<'_>) {
-        self.formulation.begin(increment);
+    pub(super) fn begin(&mut self, increment: &Increment<'_>, z: &[f64]) {
+        self.formulation.begin(increment, z);
     }
 
     /// Returns `true` if contact rows depend on each other: BN finds the smallest forces.

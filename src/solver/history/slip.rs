@@ -42,7 +42,8 @@ pub(super) fn sliding_state(
     // Without pressure nothing is known of the contact.
     let presses = pressed.iter().all(|p| p.is_finite()) && pressed.iter().any(|p| *p > 0.0);
     let rounds = if presses { ROUNDS } else { 0 };
-    let (mut z, mut p_n) = (layout.packed(from, &scaling), pressed.to_vec());
+    let from = layout.packed(from, &scaling);
+    let (mut z, mut p_n) = (from.clone(), pressed.to_vec());
     for round in 0..rounds {
         if round == ROUNDS / 2 {
             p_n.copy_from_slice(pressed);
@@ -56,7 +57,7 @@ pub(super) fn sliding_state(
         let much = excess(problem, increment.mu, increment.force, &p_n, &motion) / (dot(&v, &v) * scaling.force);
         let drag = if round < ROUNDS / 2 { 0.0 } else { much };
         let drag: Vec<f64> = v.iter().map(|v| drag * v).collect();
-        formulation.begin(increment);
+        formulation.begin(increment, &from);
         formulation.linearize_sliding(&p_n, &motion);
         if !bn.solve_cases(formulation, linear, &drag, &mut z, &mut result, observe)? {
             break;

@@ -40,18 +40,20 @@ impl Task<'_> {
     }
 
     /// Returns the error of a state in the first step of the proximal point method, in which the gaps and slips of
-    /// dependent contact nodes yield to their forces.
+    /// dependent contact nodes yield to their pressures and to the change of their friction since the state `before`.
     ///
     /// # Errors
     /// As [`Task::error`].
-    pub(super) fn error_of_yielding_nodes(&self, state: &State) -> Result<f64, LinearError> {
+    pub(super) fn error_of_yielding_nodes(&self, state: &State, before: &State) -> Result<f64, LinearError> {
         let compliance = &self.problem.natural().compliance;
-        let yielded = |from: &[f64], p: &[f64], along: usize| -> Vec<f64> {
-            from.iter().zip(compliance).zip(p).map(|((from, e), p)| from + e[along] * p).collect()
+        let Increment { gap, w_t_last, w_o_last, .. } = self.increment;
+        let nodes = || 0..compliance.len();
+        let gap: Vec<f64> = nodes().map(|i| gap[i] + compliance[i][0] * state.p_n[i]).collect();
+        let slid = |last: &[f64], p: &[f64], before: &[f64]| -> Vec<f64> {
+            nodes().map(|i| last[i] + compliance[i][1] * (p[i] - before[i])).collect()
         };
-        let gap = yielded(self.increment.gap, &state.p_n, 0);
-        let w_t_last = yielded(self.increment.w_t_last, &state.p_t, 1);
-        let w_o_last = yielded(self.increment.w_o_last, &state.p_o, 1);
+        let w_t_last = slid(w_t_last, &state.p_t, &before.p_t);
+        let w_o_last = slid(w_o_last, &state.p_o, &before.p_o);
         let increment = Increment { gap: &gap, w_t_last: &w_t_last, w_o_last: &w_o_last, ..*self.increment };
         self.error_of(&increment, state)
     }

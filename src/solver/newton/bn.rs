@@ -72,7 +72,7 @@ impl Bn {
         if observe(&Iteration::start(theta, error)).is_break() {
             return Ok(MethodResult { stop: Termination::Interrupted, ..outcome });
         }
-        if formulation.is_referred() && end.met_at_start(error) {
+        if end.met_at_start(error) {
             return Ok(MethodResult { stop: Termination::Converged, ..outcome });
         }
         self.forcing = end.is_measured().then(Forcing::default);
