@@ -337,7 +337,10 @@ fn jacobian_is_the_derivative() {
                 (problem.c_o().times(&z[..problem.displacements()]).unwrap()[i] - slip[1] / r_t) * scaling.length;
         }
         let force = loading.cases()[0].force();
-        formulation.begin(&Increment { force, gap: &gap, mu: problem.mu(), w_t_last: &w_t_last, w_o_last: &w_o_last });
+        formulation.begin(
+            &Increment { force, gap: &gap, mu: problem.mu(), w_t_last: &w_t_last, w_o_last: &w_o_last },
+            &vec![0.0; formulation.unknowns()],
+        );
         assert!(formulation.linearize(&z));
         assert!(!formulation.linearize(&z), "the same state changes nothing");
         let at = |shifted: &[f64]| {

@@ -153,3 +153,26 @@ fn rounding_of_a_body_that_sticks() {
     // Beyond, the force that is missing counts.
     assert!((dissipation(1.0) - 0.4).abs() < 1e-12, "{}", dissipation(1.0));
 }
+
+/// A body that flies away has internal forces by rounding alone. Contact forces that balance these are no equilibrium.
+#[test]
+fn rounding_of_a_body_that_flies_away_balances_nothing() {
+    let [a, b, c] = [1.0 / 3.0, 1.0 / 7.0, 1.0 / 11.0];
+    let k = [(0, 0, a + b), (0, 1, -a), (0, 2, -b), (1, 1, a + c), (1, 2, -c), (2, 2, b + c)];
+    let stiffness = Symmetric::from_triplets(3, &k).unwrap();
+    let (far, none) = (1e20 / 13.0, vec![0.0; 3]);
+    let problem = |normals: &[f64]| {
+        let c_n = Csr::from_rows(3, normals.iter().enumerate().map(|(k, n)| [(k, *n)])).unwrap();
+        let parts = Parts { rigid_modes: Some(vec![vec![1.0; 3]]), ..Parts::new(stiffness.clone(), c_n) };
+        ContactProblem::new(parts).unwrap()
+    };
+    let away = State { u: vec![far; 3], p_n: none.clone(), p_t: none.clone(), p_o: none.clone(), ..State::default() };
+    let rounding = problem(&[1.0; 3]).equilibrium(&none, &away).unwrap();
+    let normals: Vec<f64> = rounding.iter().map(|f| if *f > 0.0 { -1.0 } else { 1.0 }).collect();
+    let gap: Vec<f64> = normals.iter().map(|n| n * far).collect();
+    let force = [1e-9, 0.0, 0.0];
+    let increment = Increment { force: &force, gap: &gap, mu: &none, w_t_last: &none, w_o_last: &none };
+    let state = State { p_n: rounding.iter().map(|f| f.abs()).collect(), ..away };
+    let errors = KktErrors::measure(&problem(&normals), &increment, &state, &KktScales::default()).unwrap();
+    assert!(errors.equilibrium > 0.1, "{rounding:?} {errors:?}");
+}

@@ -205,13 +205,10 @@ fn the_newton_system_is_the_derivative() {
         ConeSystem::new(&problem, Scaling::near(1e11, 1.0), &FormulationScaling::paper(problem.weight().unwrap()));
     let force = loading.cases()[0].force();
     let last = [(); 2].map(|()| (0..7).map(|_| 0.3 * random.sign()).collect::<Vec<f64>>());
-    formulation.begin(&Increment {
-        force,
-        gap: loading.gap(),
-        mu: problem.mu(),
-        w_t_last: &last[0],
-        w_o_last: &last[1],
-    });
+    formulation.begin(
+        &Increment { force, gap: loading.gap(), mu: problem.mu(), w_t_last: &last[0], w_o_last: &last[1] },
+        &vec![0.0; formulation.unknowns()],
+    );
     let mut linear = RefinedSolver::default();
     linear.analyze(formulation.matrix()).unwrap();
     for spread in [0.0, 0.5, 1.0] {

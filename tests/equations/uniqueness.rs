@@ -81,7 +81,7 @@ fn solve(problem: &ContactProblem, increment: &Increment<'_>, start: [f64; 4]) -
     let conventions =
         FormulationScaling { r_n: vec![1.0], r_t: vec![1.0], pressure: Pressure::Unknown, row_unit: vec![1.0] };
     let mut formulation = Bdiff::new(problem, Scaling::SI, &conventions);
-    formulation.begin(&Increment { mu: problem.mu(), ..*increment });
+    formulation.begin(&Increment { mu: problem.mu(), ..*increment }, &vec![0.0; formulation.unknowns()]);
     let mut linear = RefinedSolver::default();
     linear.analyze(formulation.jacobian()).unwrap();
     let mut z = start;

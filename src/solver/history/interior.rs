@@ -60,7 +60,7 @@ impl InteriorRecovery<'_> {
     ) -> Result<bool, LinearError> {
         let RecoveredState { state, imbalance, .. } = balanced;
         let judgement = Judgement::new(self.problem, increment, state, imbalance.clone(), scales)?;
-        Ok(judgement.equilibrium() <= 0.1 * self.settings.tolerance)
+        Ok(judgement.errors().equilibrium <= 0.1 * self.settings.tolerance)
     }
 
     /// Returns the method's state in `increment`, refined if needed by the response of its contact nodes. `scales` are

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::coulomb::{direction, length, positive, project};
 use crate::algebra::linear::LinearError;
+use crate::algebra::vector::dot;
 use crate::solver::problem::error::{expect_each, expect_finite, expect_length};
 use crate::solver::problem::{ContactProblem, Increment, NaturalUnits, ProblemError, State};
 
@@ -104,6 +105,35 @@ fn terms(problem: &ContactProblem, increment: &Increment<'_>, state: &State) -> 
     Ok(terms)
 }
 
+/// A sum of forces along a rigid mode up to this share of them may be the rounding of displacements, which the imbalance judges.
+/// Above it the forces themselves are nothing but that rounding.
+const DRIVEN: f64 = 1e-4;
+
+/// Returns the sum of the external and contact forces along each rigid mode `r`, `rᵀ (f - Cᵀ p)`, relative to the sizes of its
+/// terms, or to the `least` size of one of them. The imbalance hides this sum where `K u` is the rounding of large displacements.
+fn driven(
+    problem: &ContactProblem,
+    increment: &Increment<'_>,
+    state: &State,
+    least: impl Fn(usize) -> f64,
+) -> Vec<f64> {
+    let (mut forces, mut sizes): (Vec<f64>, Vec<f64>) = increment.force.iter().map(|f| (*f, f.abs())).unzip();
+    for (map, p) in [(problem.c_n(), &state.p_n), (problem.c_t(), &state.p_t), (problem.c_o(), &state.p_o)] {
+        for (i, p) in p.iter().enumerate().filter(|(_, p)| **p != 0.0) {
+            for &(dof, c) in map.row(i) {
+                forces[dof] -= c * p;
+                sizes[dof] += (c * p).abs();
+            }
+        }
+    }
+    let along = |mode: &Vec<f64>| {
+        let size: f64 = mode.iter().zip(&sizes).map(|(r, size)| (r * size).abs()).sum();
+        let size = mode.iter().enumerate().fold(size, |most, (dof, r)| most.max((r * least(dof)).abs()));
+        Some(relative(dot(mode, &forces), size)).filter(|error| *error > DRIVEN).unwrap_or(0.0)
+    };
+    problem.rigid_modes().iter().map(along).collect()
+}
+
 fn relative(value: f64, scale: f64) -> f64 {
     if value == 0.0 { 0.0 } else { value.abs() / scale }
 }
@@ -113,7 +143,7 @@ fn relative(value: f64, scale: f64) -> f64 {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct KktErrors {
     /// `|K u + Cᵀ p - f|` of a displacement, relative to the largest force of its part, or to its terms if they are
-    /// smaller.
+    /// smaller; and `|rᵀ (f - Cᵀ p)|` of a rigid mode, relative to the sizes of its terms, if it is more than 1e-4.
     pub equilibrium: f64,
     /// `k (w_n - g)₊`, with the stiffness `k` of the contact node: the force that would push it out. This one and those
     /// below are relative to the largest contact force of the part.
@@ -187,6 +217,8 @@ pub(crate) struct Judgement<'a> {
     /// The parts without forces but the rounding of the earlier terms, or of the terms of the loads.
     is_unloaded: Vec<bool>,
     largest: Vec<Largest>,
+    /// The sums of forces along the rigid modes, which are 0 by (15), relative to their sizes.
+    driven: Vec<f64>,
 }
 
 /// The largest of each kind in a part of the body.
@@ -244,8 +276,13 @@ impl<'a> Judgement<'a> {
             let Terms { balance, gaps } = scales.0[part];
             load.max(contact).max(open) <= ROUNDING * earlier[part] && penetration <= ROUNDING * balance.max(gaps)
         });
-        let is_unloaded = is_unloaded.collect();
-        Ok(Judgement { problem, increment, state, imbalance, terms, scales, is_unloaded, largest })
+        let is_unloaded: Vec<bool> = is_unloaded.collect();
+        let least = |dof: usize| {
+            let Terms { balance, gaps } = scales.0[part[dof]];
+            if is_unloaded[part[dof]] { balance.max(gaps) * displacement[dof] } else { largest[part[dof]].force }
+        };
+        let driven = driven(problem, increment, state, least);
+        Ok(Judgement { problem, increment, state, imbalance, terms, scales, is_unloaded, largest, driven })
     }
 
     /// Prepares the errors of a state. Near the `tolerance` the rounding of the imbalance itself would matter, so there
@@ -304,16 +341,6 @@ impl<'a> Judgement<'a> {
         self.rounded(part).unwrap_or(own)
     }
 
-    /// Returns the largest error of equilibrium.
-    pub(crate) fn equilibrium(&self) -> f64 {
-        let error = |(dof, imbalance): (usize, &f64)| self.balance(dof, *imbalance);
-        self.imbalance
-            .iter()
-            .enumerate()
-            .map(error)
-            .fold(0.0, |worst, error| if exceeds(error, worst) { error } else { worst })
-    }
-
     /// Returns the error of penetration of contact node `i`.
     pub(crate) fn penetration(&self, i: usize) -> f64 {
         let apart = distance(self.problem, self.increment, self.state, i);
@@ -336,6 +363,10 @@ impl<'a> Judgement<'a> {
         let Judgement { problem, increment, state, .. } = *self;
         for (dof, imbalance) in self.imbalance.iter().enumerate() {
             visit(Law::Equilibrium, dof, self.balance(dof, *imbalance));
+        }
+        for (mode, error) in problem.rigid_modes().iter().zip(&self.driven) {
+            let largest = (0..mode.len()).max_by(|a, b| mode[*a].abs().total_cmp(&mode[*b].abs()));
+            visit(Law::Equilibrium, largest.unwrap_or(0), *error);
         }
         for i in 0..problem.contacts() {
             let (p_n, p_t, radius) = (state.p_n[i], friction(state, i), increment.mu[i] * positive(state.p_n[i]));
