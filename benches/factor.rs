@@ -88,13 +88,16 @@ fn measure(mesh: Elements, who: Who) -> [f64; 10] {
     }
     let force = model.loading.force_at(1.0, problem).unwrap();
     let w_t_last = vec![0.0; problem.contacts()];
-    formulation.begin(&Increment {
-        force: &force,
-        gap: model.loading.gap(),
-        mu: model.problem.mu(),
-        w_t_last: &w_t_last,
-        w_o_last: &w_t_last,
-    });
+    formulation.begin(
+        &Increment {
+            force: &force,
+            gap: model.loading.gap(),
+            mu: model.problem.mu(),
+            w_t_last: &w_t_last,
+            w_o_last: &w_t_last,
+        },
+        &vec![0.0; formulation.unknowns()],
+    );
     // In space there is one good order.
     let strategies = [Strategy::Symmetric, Strategy::SymmetricInBestOrder];
     let strategies = if solid { &strategies[..1] } else { &strategies };

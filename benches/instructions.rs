@@ -29,13 +29,16 @@ fn main() {
     let mut formulation = Bdiff::new(small, scaling, &FormulationScaling::paper(small.weight().unwrap()));
     let force = condensed.loading.force_at(1.0, small).unwrap();
     let w_t_last = vec![0.0; small.contacts()];
-    formulation.begin(&Increment {
-        force: &force,
-        gap: model.loading.gap(),
-        mu: model.problem.mu(),
-        w_t_last: &w_t_last,
-        w_o_last: &w_t_last,
-    });
+    formulation.begin(
+        &Increment {
+            force: &force,
+            gap: model.loading.gap(),
+            mu: model.problem.mu(),
+            w_t_last: &w_t_last,
+            w_o_last: &w_t_last,
+        },
+        &vec![0.0; formulation.unknowns()],
+    );
     let [first, second] =
         [0, 1].map(|shift| formulation.layout().pack(&mixed(small, &model, shift), &scaling).unwrap());
     formulation.linearize(&first);

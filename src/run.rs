@@ -521,8 +521,10 @@ impl<'a> Run<'a> {
     }
 
     fn critical_friction(&self, last: &RecordedIncrement) -> Result<Option<CriticalFriction>, history::Error> {
-        let (problem, scaling) = (&self.model.problem, self.model.scaling());
+        let scaling = self.model.scaling();
         let (data, state) = (last.data(), &last.state);
+        // The exact path has no friction at nodes in two contacts.
+        let problem = &self.model.problem.with_friction(data.mu.to_vec())?;
         let critical = match last.record.status {
             Status::NoContinuation => uniqueness::critical_friction_where_lost,
             _ => uniqueness::critical_friction,

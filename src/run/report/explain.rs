@@ -125,9 +125,9 @@ impl JointSlip {
         let most = most
             .into_iter()
             .filter_map(|(quantity, most)| Some(format!(" ({} at most)", units.rounded(quantity, most?, 4))));
-        // Without a pressure before, there was no friction to use.
+        // Without a pressure before, there was no friction to use; loads along the motion alone use it.
         let used = match self.friction_used {
-            used if used.is_finite() => {
+            used if used > 0.0 => {
                 let most = most.collect::<String>();
                 format!("; {there} the loads use {:.1} % of the friction{most}", 100.0 * used)
             }

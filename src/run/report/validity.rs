@@ -1,6 +1,7 @@
 //! Checks the assumptions of the equations: small displacements, and gaps linearised in the undeformed state.
 
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 
 use super::largest::is_as_large;
 use super::warnings::{Warning, WarningKind};
@@ -511,12 +512,12 @@ fn forces_not_unique(model: &Model, touched: &[bool]) -> Option<String> {
     let acts = |i: &usize| touched[*i] && !model.problem.c_n().row(*i).is_empty();
     let acting: Vec<usize> = (0..touched.len()).filter(acts).collect();
     let dependent = model.problem.of_nodes(&acting).dependent_nodes();
-    let nodes: Vec<usize> = dependent.into_iter().map(|k| acting[k]).collect();
-    let place = model.units().place(model.mesh.nodes[model.contacts[*nodes.first()?].node]);
+    let nodes: BTreeSet<usize> = dependent.into_iter().map(|k| model.contacts[acting[k]].node).collect();
+    let place = model.units().place(model.mesh.nodes[*nodes.first()?]);
     Some(format!(
-        "the forces of {} contact nodes, the first at {place}, are not unique, because one of them can take over what others \
-         carry: those with the smallest pressures are told; the sums of forces and the rest of the body do not depend on \
-         that",
+        "the contact forces at {} nodes, the first at {place}, are not unique, because one contact can take over what others \
+         carry: those with the least friction and the smallest pressures are told; the sums over all contacts there and the \
+         rest of the body do not depend on that",
         nodes.len()
     ))
 }

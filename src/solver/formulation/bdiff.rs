@@ -196,7 +196,7 @@ impl Bdiff {
         self.layout().unknowns()
     }
 
-    /// Sets the data of a new increment.
+    /// Sets the data of a new increment after the solution `z`.
     pub fn begin(&mut self, increment: &Increment<'_>, z: &[f64]) {
         if *self.data.mu != *increment.mu {
             // The rows of slipping nodes contain the old coefficient.

@@ -1,11 +1,11 @@
 //! Contact rows that depend on each other, so that their forces are not unique.
 //!
 //! Where rows of `C` are linearly dependent, the contact forces have the same effect on the body if any relation of the rows
-//! is added to them. The methods then find those with the least friction, and the least pressures, in the norms `Σ |p_i|² / l_i`
-//! of the contact stresses in L². In this norm a dependent node has the stress that the nodes on which it depends would
+//! is added to them. The methods then find those that keep the friction of the last increment if they can, and have the least
+//! pressures, in the norm `Σ |p_i|² / l_i` of the contact stresses in L². In this norm a dependent node has the stress that the nodes on which it depends would
 //! interpolate there. They do so by the proximal point method: a dependent node gets small compliances `e_n` and `e_T`, and its
 //! gap becomes `g_i + e_n (p_n - p̂_n)` and the origin of its slip `w̄_T + e_T (p_T - p̂_T)`, with `p̂` the forces at the last
-//! solution of these equations, at first 0. When `p = p̂`, the equations are those of the problem, and their matrix is regular.
+//! solution of these equations, at first without pressures. When `p = p̂`, the equations are those of the problem, and their matrix is regular.
 
 use std::collections::{BTreeMap, BTreeSet};
 
