@@ -10,6 +10,7 @@ use crate::history_chart::history_charts;
 use crate::page::{error::PageError, page};
 use crate::view::View;
 use crate::vtu::Grid;
+use crate::svg::PlotError;
 use crate::{ContactSurface, increments, lists, plot};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
@@ -150,7 +151,7 @@ impl ResultFolder {
         let name = self.contact_name(line.index, None, line.boundary.as_deref());
         self.write(&format!("{name}.csv"), &line.to_csv())?;
         if line.dimension == 2 && line.points.len() > 1 {
-            self.write(&format!("{name}.svg"), &plot::contact_stresses(line, title).map_err(io::Error::other)?)?;
+            self.draw(&format!("{name}.svg"), plot::contact_stresses(line, title))?;
         }
         Ok(())
     }
@@ -179,7 +180,7 @@ impl ResultFolder {
     /// # Errors
     /// When the disk refuses.
     pub fn add_deformed(&mut self, body: &DeformedBody, title: &str) -> io::Result<()> {
-        self.write(&format!("deformed_{:04}.svg", body.index), &body.to_svg(title).map_err(io::Error::other)?)
+        self.draw(&format!("deformed_{:04}.svg", body.index), body.to_svg(title))
     }
 
     /// Adds the state of a body in the plane at the end of `step`, for the page.
@@ -202,7 +203,7 @@ impl ResultFolder {
         }
         self.place.publish(is_head, is_ours)?;
         for (name, chart) in history_charts(report) {
-            self.write(&format!("{name}.svg"), &chart.to_svg().map_err(io::Error::other)?)?;
+            self.draw(&format!("{name}.svg"), chart.to_svg())?;
         }
         let lists = lists::FILES.map(|name| self.place.directory.read(name));
         self.place.write("run.json", |file| lists::write(report, lists, file))?;
@@ -225,6 +226,11 @@ impl ResultFolder {
         Ok(true)
     }
 
+    /// Writes a `picture`. A state with numbers that are not finite, where an increment failed, has none.
+    fn draw(&mut self, name: &str, picture: Result<String, PlotError>) -> io::Result<()> {
+        picture.map_or(Ok(()), |picture| self.write(name, &picture))
+    }
+
     /// Opens the written report.
     ///
     /// # Errors
@@ -239,7 +245,7 @@ impl ResultFolder {
     /// When the disk refuses.
     pub fn add_contact_surface(&mut self, surface: &ContactSurface, title: &str) -> io::Result<()> {
         let name = self.contact_name(surface.index, None, surface.boundary.as_deref());
-        self.write(&format!("{name}.svg"), &surface.to_svg(title).map_err(io::Error::other)?)
+        self.draw(&format!("{name}.svg"), surface.to_svg(title))
     }
 
     /// Writes the fields at the end of increment `index`, at `time` (s), as `fields_NNNN.vtu`. If ranks share the body,
