@@ -159,3 +159,50 @@ fn a_body_without_net_load_stays() {
         }
     }
 }
+
+/// Where two obstacles meet in the plane and three in space, friction and pressure share the forces of a node in many ways: while
+/// the loads stay, so do the forces, and a small change of the loads changes them a little.
+#[test]
+fn forces_in_a_corner_stay_while_loads_do() {
+    let in_a_corner = |space: bool, end: f64, last: f64| {
+        let (size, front, back) = if space {
+            let front = ", { boundary = \"front\", friction = 0.3, obstacle = { kind = \"plane\" } }";
+            (
+                "[1, 1, 1]",
+                front,
+                format!(
+                    ", {{ boundary = \"back\", traction = [0, -0.6, 0], history = [[0, 0], [1, 1], [2, {last}]] }}"
+                ),
+            )
+        } else {
+            ("[1, 1]", "", String::new())
+        };
+        let [down, left] = if space { ["[0, 0, -1]", "[-0.6, 0, 0]"] } else { ["[0, -1]", "[-0.6, 0]"] };
+        model(&format!(
+            r#"
+            mesh = {{ kind = "block", size = {size}, elements = {size} }}
+            material = {{ young = 1000, poisson = 0.3 }}
+            contact = [
+                {{ boundary = "bottom", friction = 0.3, obstacle = {{ kind = "plane" }} }},
+                {{ boundary = "left", friction = 0.3, obstacle = {{ kind = "plane" }} }}{front}
+            ]
+            load = [
+                {{ boundary = "top", traction = {down}, history = [[0, 0], [1, 1], [2, {last}]] }},
+                {{ boundary = "right", traction = {left}, history = [[0, 0], [1, 1], [2, {last}]] }}{back}
+            ]
+            time = {{ end = {end}, increments = {end} }}
+            "#
+        ))
+    };
+    for space in [false, true] {
+        for method in METHODS {
+            let forces = |end: f64, last: f64| {
+                let state = agreed(&in_a_corner(space, end, last), method, 40).state;
+                [state.p_n, state.p_t, state.p_o].concat()
+            };
+            let [at_first, later, more] = [forces(1.0, 1.0), forces(2.0, 1.0), forces(2.0, 1.0001)];
+            let off = |other: &[f64]| at_first.iter().zip(other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(off(&later) < 1e-8 && off(&more) < 1e-3, "{space} {method}: {} {}", off(&later), off(&more));
+        }
+    }
+}

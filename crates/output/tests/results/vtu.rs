@@ -7,7 +7,8 @@ use crate::common::vtu::{HEXAHEDRON, Piece, QUAD, TETRA, WEDGE, values};
 use std::fs;
 use std::ops::ControlFlow;
 use stickslip::body::Model;
-use stickslip::run::{Run, discretise};
+use stickslip::run::report::ContactLine;
+use stickslip::run::{Recording, Run, discretise};
 use stickslip::scene::{Provenance, Scene};
 use stickslip::solver::history::{self, HistorySettings, IncrementView, LinearAlgebra, Method, Observer, SystemSolver};
 use stickslip_output::{Grid, KeptSolver, LockedOutputDir, ResultFolder, fields};
@@ -255,4 +256,27 @@ fn the_series_names_whole_files() {
     folder.add_increment(&undeformed, &[], None).unwrap();
     assert!(!path.join("fields.pvd").exists() && !path.join("fields_0001.vtu").exists());
     fs::remove_dir_all(path).unwrap();
+}
+
+/// The state of an increment that failed may hold numbers that are not finite: its contact line is written, without a picture.
+#[test]
+fn a_state_that_is_not_finite_has_no_picture() {
+    let scene = common::block(&["mesh.elements=[4,3]", "time.increments=1"]);
+    let run = Run::new(&scene).unwrap();
+    let mut last = Recording::last();
+    run.solve(&mut last).unwrap();
+    let mut increment = last.increments[0].clone();
+    increment.state.p_n[1] = f64::NAN;
+    let data = increment.data();
+    let line = ContactLine::all(run.model(), &increment.step(&data)).remove(0);
+    let path = std::env::temp_dir().join(format!("stickslip_nan_{}", std::process::id()));
+    let origin = Provenance::new(&scene, "a test").unwrap();
+    let linear = KeptSolver { name: String::new(), reason: None };
+    let mut folder = LockedOutputDir::new(&path).unwrap().begin(run.model(), Vec::new(), origin, linear).unwrap();
+    folder.add_increment(&run.undeformed().record, &[], None).unwrap();
+    folder.add_contact_line(&line, "failed").unwrap();
+    let name = format!("contact_{:04}", line.index);
+    let written = [".csv", ".svg"].map(|end| path.join(format!("{name}{end}")).exists());
+    fs::remove_dir_all(path).unwrap();
+    assert_eq!(written, [true, false]);
 }
