@@ -58,7 +58,6 @@ pub(super) enum IncrementEnd {
 }
 
 /// The data to which a substep that fails or is divided returns.
-#[derive(Clone)]
 pub(super) struct Rollback {
     pub unknowns: Vec<f64>,
     /// The state with these unknowns.
@@ -66,9 +65,6 @@ pub(super) struct Rollback {
     offset: RigidOffset,
     errors: Option<IncrementErrors>,
 }
-
-/// A substep with a solution that was divided at a first touch: where it starts, and the increment until there.
-type Divided = (Rollback, HistoryState, IncrementInProgress);
 
 /// The input of a substep, in addition to its data.
 pub(super) struct SubstepInput {
@@ -137,7 +133,7 @@ impl<'a> IncrementDriver<'a> {
         let smallest = (time - start) * 0.5_f64.powi(self.settings.halvings as i32);
         let margin = smallest.max(NEAR_SLIP * (time - start));
         let mut touches_left = if self.settings.halvings > 0 { TOUCHES } else { 0 };
-        let (mut divided, mut whole) = (false, None::<Divided>);
+        let mut divided = false;
         loop {
             let end = pending.last().copied().unwrap_or(time);
             let from = self.at.reached.unwrap_or(0.0);
@@ -161,11 +157,6 @@ impl<'a> IncrementDriver<'a> {
             }
             let so_far = solved.map_or(outcome.clone(), |solved| solved.then(outcome));
             if let Some(touch) = touch {
-                if whole.is_none() {
-                    let (pending, ends) = (pending.clone(), ends.clone());
-                    let so_far = IncrementInProgress { start, pending, solved: None, kkt, ends, friction_work };
-                    whole = Some((rollback.clone(), self.at.clone(), so_far));
-                }
                 self.go_back(rollback);
                 pending.push(touch);
                 (solved, touches_left, divided) = (Some(so_far), touches_left - 1, true);
@@ -176,7 +167,6 @@ impl<'a> IncrementDriver<'a> {
                 kkt = kkt.max(&substep.kkt);
                 ends.push(end);
                 pending.pop();
-                whole = whole.filter(|(_, _, whole)| pending.len() >= whole.pending.len());
                 let status = Status::Converged;
                 let SubstepResult { state, scales, .. } = substep;
                 let slip = None;
@@ -194,12 +184,10 @@ impl<'a> IncrementDriver<'a> {
                 let solved = Some(so_far);
                 self.at.in_progress = Some(IncrementInProgress { start, pending, solved, kkt, ends, friction_work });
                 return Ok(IncrementEnd::NeedsNodes(nodes));
-            } else if let Some((undivided, at, before)) = whole.take_if(|_| may_exist(substep.status)) {
+            } else if divided {
                 // The whole substep has a solution, but a part of it has none.
-                *self.at = at;
-                self.go_back(undivided);
-                IncrementInProgress { pending, kkt, ends, friction_work, .. } = before;
-                (solved, touches_left, divided) = (Some(so_far), 0, false);
+                self.go_back(rollback);
+                (pending, solved, touches_left, divided) = (vec![time], Some(so_far), 0, false);
             } else {
                 let part = match &substep.outcome.stop {
                     Termination::Slips(motion) => {
@@ -438,11 +426,6 @@ impl<'a> IncrementDriver<'a> {
             }
         }
     }
-}
-
-/// Returns `true` if a substep that ended with this `status` may have a solution that was not found.
-fn may_exist(status: Status) -> bool {
-    !matches!(status, Status::Slips | Status::NoEquilibrium | Status::Interrupted | Status::OutOfMemory)
 }
 
 /// Returns the next substep towards the time `slips` after the present one at which a joint slips, if it is known to
