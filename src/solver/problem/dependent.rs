@@ -16,8 +16,8 @@ use crate::algebra::union_find::UnionFind;
 use crate::algebra::vector::median;
 
 /// The compliances of a dependent node along normal and tangents, relative to that of a typical one: each solution gains so many
-/// digits. If friction yields 1e3 to 1e5 times as easily as pressure, a slender body on an edge between two obstacles is found
-/// with friction coefficients of 0.4 and 0.7, and with 1.0 for most increments; with equal compliances it is with none of them.
+/// digits. If friction yields 1e3 to 1e5 times as easily as pressure, BN finds a slender body on an edge between two obstacles
+/// with friction coefficients of 0.4 and 0.7, and not with 1.0; with equal compliances it finds none of the three.
 const COMPLIANCE: [f64; 2] = [1e-9, 1e-5];
 
 /// A contact node and one of its rows.
