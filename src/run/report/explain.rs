@@ -184,10 +184,7 @@ fn reason(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome, slip: 
              suffices, set solver.tolerance above it"
         ),
         Status::Inaccurate if exact_path => {
-            format!(
-                "{violated} on the exact path, most likely by rounding; compare with the method bn, and with \
-                 another solver.linear"
-            )
+            format!("{violated} on the exact path, which was lost; use the method bn, or another solver.linear")
         }
         Status::Inaccurate => {
             format!("the method stopped with Theta = {:.1e}, but {violated}; {}", record.theta, advice(solver, model))
