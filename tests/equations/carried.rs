@@ -46,7 +46,7 @@ fn a_block_comes_to_rest_in_a_corner() {
         for (gap, force) in [(1e-5, 1e3), (1e-3, 1e3), (1e-3, 10.0), (1e-2, 0.1)] {
             let model = on_the_way(elements, gap, force);
             for method in METHODS {
-                let outcome = agreed(&model, method, 26);
+                let outcome = agreed(&model, method, 20);
                 // One tangent lies in the other obstacle's normal: friction at one counts at the other.
                 let on_obstacles = Resultant::all(&model, outcome.reached, &outcome.state);
                 let sum = |axis: usize| on_obstacles.iter().map(|resultant| resultant.force[axis]).sum::<f64>();

@@ -516,7 +516,7 @@ fn forces_not_unique(model: &Model, touched: &[bool]) -> Option<String> {
     let place = model.units().place(model.mesh.nodes[*nodes.first()?]);
     Some(format!(
         "the contact forces at {} nodes, the first at {place}, are not unique, because one contact can take over what others \
-         carry: those with the least friction and the smallest pressures are told; the sums over all contacts there and the \
+         carry: those that keep their friction and have the smallest pressures are told; the sums over all contacts there and the \
          rest of the body do not depend on that",
         nodes.len()
     ))

@@ -64,10 +64,7 @@ impl ScaledData {
         convert(&mut self.w_t_last, increment.w_t_last, length);
         convert(&mut self.w_o_last, increment.w_o_last, length);
         self.reference.fill([0.0; 3]);
-        self.refer_all(|data, i| {
-            let [p_t, p_o] = data.friction(i, z);
-            [0.0, p_t, p_o]
-        });
+        self.refer(z, |_| 0.0);
         self.is_referred = false;
         if *self.mu != *increment.mu {
             self.mu = increment.mu.into();
@@ -86,16 +83,15 @@ impl ScaledData {
 
     /// Takes the forces in `z` as those without a gap due to the compliance.
     pub(super) fn refer_to(&mut self, z: &[f64]) {
-        self.refer_all(|data, i| {
-            let [p_t, p_o] = data.friction(i, z);
-            [z[data.layout.p_n(i)], p_t, p_o]
-        });
+        self.refer(z, |p_n| p_n);
         self.is_referred = true;
     }
 
-    fn refer_all(&mut self, forces: impl Fn(&Self, usize) -> [f64; 3]) {
-        for i in (0..self.reference.len()).filter(|&i| self.compliance[i][0] > 0.0).collect::<Vec<_>>() {
-            let (now, last, [e_n, e_t]) = (forces(self, i), self.reference[i], self.compliance[i]);
+    /// Refers dependent nodes to their friction in `z`, and to a function of their pressures there.
+    fn refer(&mut self, z: &[f64], pressure: impl Fn(f64) -> f64) {
+        for (i, [e_n, e_t]) in self.compliance.clone().iter().enumerate().filter(|(_, e)| e[0] > 0.0) {
+            let ([p_t, p_o], last) = (self.friction(i, z), self.reference[i]);
+            let now = [pressure(z[self.layout.p_n(i)]), p_t, p_o];
             self.gap[i] -= e_n * (now[0] - last[0]);
             self.w_t_last[i] -= e_t * (now[1] - last[1]);
             self.w_o_last[i] -= e_t * (now[2] - last[2]);

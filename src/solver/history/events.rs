@@ -72,7 +72,7 @@ struct IncrementSoFar {
 
 /// Follows the exact path in time from event to event, to the end of the history or to the end of the quasi-static
 /// motion. All nodes must slide along lines, as in the plane. Nodes whose contact rows depend on others have no friction
-/// here, see [`ContactProblem::dependent_nodes`]. `observer` sees the path at the `times` (s), which do not affect it.
+/// here. `observer` sees the path at the `times` (s), which do not affect it.
 ///
 /// # Errors
 /// As [`super::run`].

@@ -129,7 +129,8 @@ fn driven(
     let along = |mode: &Vec<f64>| {
         let size: f64 = mode.iter().zip(&sizes).map(|(r, size)| (r * size).abs()).sum();
         let size = mode.iter().enumerate().fold(size, |most, (dof, r)| most.max((r * least(dof)).abs()));
-        Some(relative(dot(mode, &forces), size)).filter(|error| *error > DRIVEN).unwrap_or(0.0)
+        let error = relative(dot(mode, &forces), size);
+        if error > DRIVEN { error } else { 0.0 }
     };
     problem.rigid_modes().iter().map(along).collect()
 }

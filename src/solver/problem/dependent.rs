@@ -2,10 +2,11 @@
 //!
 //! Where rows of `C` are linearly dependent, the contact forces have the same effect on the body if any relation of the rows
 //! is added to them. The methods then find those that keep the friction of the last increment if they can, and have the least
-//! pressures, in the norm `Σ |p_i|² / l_i` of the contact stresses in L². In this norm a dependent node has the stress that the nodes on which it depends would
-//! interpolate there. They do so by the proximal point method: a dependent node gets small compliances `e_n` and `e_T`, and its
-//! gap becomes `g_i + e_n (p_n - p̂_n)` and the origin of its slip `w̄_T + e_T (p_T - p̂_T)`, with `p̂` the forces at the last
-//! solution of these equations, at first without pressures. When `p = p̂`, the equations are those of the problem, and their matrix is regular.
+//! pressures, in the norm `Σ |p_i|² / l_i` of the contact stresses in L². In this norm a dependent node has the stress that the
+//! nodes on which it depends would interpolate there. They do so by the proximal point method: a dependent node gets small
+//! compliances `e_n` and `e_T`, and its gap becomes `g_i + e_n (p_n - p̂_n)` and the origin of its slip
+//! `w̄_T + e_T (p_T - p̂_T)`, with `p̂` the forces at the last solution of these equations, at first without pressures. When
+//! `p = p̂`, the equations are those of the problem, and their matrix is regular.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -26,7 +27,7 @@ type Row = (usize, Vec<(usize, f64)>);
 impl ContactProblem {
     /// Returns the contact nodes whose rows depend on others, ascending. Each group of rows that share displacements
     /// has its own linear relations, the null space of its transpose.
-    pub fn dependent_nodes(&self) -> Vec<usize> {
+    pub(crate) fn dependent_nodes(&self) -> Vec<usize> {
         // A change of basis preserves the relations, and keeps the groups small.
         let basis = OwnBasis::of(self);
         let row = |map: &Csr, i: usize| basis.as_ref().map_or_else(|| map.row(i).to_vec(), |basis| basis.row(map, i));

@@ -352,7 +352,7 @@ fn theorem(model: &Model) {
         };
         say!(
             "{label:<12} (b) violated: the contact rows at {place}{others} depend on each other, so the contact \
-             forces there are not unique; a run finds those with the least friction and the smallest pressures"
+             forces there are not unique; a run finds those that keep their friction and have the smallest pressures"
         );
     }
 }
