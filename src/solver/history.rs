@@ -229,7 +229,7 @@ pub fn run_with(
     match system {
         SystemSolver::Whole(linear) => {
             let mut linear = linear.after(stages.done);
-            stages.stage(algorithm, None, &mut linear)?;
+            stages.stage(algorithm, stages.body, &mut linear)?;
         }
         SystemSolver::Condensed(condensation) => stages.condensed(algorithm, &condensation)?,
     }

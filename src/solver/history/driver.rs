@@ -1,12 +1,13 @@
 //! The driver of a history: the loop over its increments, within a loop over stages.
 
 use super::increment::{IncrementDriver, IncrementEnd};
+use super::interior::Body;
 use super::observer::{IncrementObserver, IncrementView, Observer, record};
 use super::record::{ContactCounts, IncrementRecord, Seconds, Status};
 use super::saved::{Done, RunOf, Saved, SavedStage};
 use super::settings::HistorySettings;
 use super::stage::Stage;
-use super::state::{HistoryState, IncrementResult};
+use super::state::{HistoryState, StepResult};
 use super::system::statistics;
 use super::task::Algorithm;
 use super::working_set::WorkingSet;
@@ -22,8 +23,8 @@ use std::time::Instant;
 
 /// The driver of a history with one or several stages.
 pub(super) struct HistoryDriver<'a> {
-    pub problem: &'a ContactProblem,
-    pub loading: &'a Loading,
+    /// The whole body.
+    pub body: Body<'a>,
     /// The ends of all increments, s.
     pub times: &'a [f64],
     pub settings: &'a HistorySettings,
@@ -55,8 +56,7 @@ impl<'a> HistoryDriver<'a> {
         position: &'a mut HistoryState,
     ) -> Self {
         HistoryDriver {
-            problem,
-            loading,
+            body: Body { problem, loading, condensed: None },
             times,
             settings,
             observer,
@@ -78,8 +78,8 @@ impl<'a> HistoryDriver<'a> {
     pub(super) fn resume(&mut self) -> Result<(), Error> {
         let Some(from) = &self.settings.from else { return Ok(()) };
         let Saved { outcome, position, stage, statistics, .. } =
-            Saved::read(from, self.problem, self.loading, self.times, self.settings)?;
-        self.outcome = outcome.resume(HistoryOutcome::unsolved(self.problem));
+            Saved::read(from, self.body.problem, self.body.loading, self.times, self.settings)?;
+        self.outcome = outcome.resume(HistoryOutcome::unsolved(self.body.problem));
         (*self.position, self.done, self.saved) = (position, statistics, Some(stage));
         Ok(())
     }
@@ -89,8 +89,8 @@ impl<'a> HistoryDriver<'a> {
     /// # Errors
     /// As [`super::run`].
     pub(super) fn condensed(&mut self, algorithm: &dyn Algorithm, condensation: &Condensation) -> Result<(), Error> {
-        let all = self.problem.contacts();
-        let asked_for = self.settings.working_set.as_ref().filter(|_| self.problem.rigid_modes().is_empty());
+        let all = self.body.problem.contacts();
+        let asked_for = self.settings.working_set.as_ref().filter(|_| self.body.problem.rigid_modes().is_empty());
         let mut nodes = asked_for.filter(|nodes| nodes.len() < all).cloned();
         let mut resumes = self.saved.is_some();
         if let Some(saved) = &mut self.saved {
@@ -128,23 +128,24 @@ impl<'a> HistoryDriver<'a> {
     ) -> Result<Option<Vec<usize>>, Error> {
         let (own, condensed) = match part {
             Some((own, nodes)) => {
-                (Some(own), Condensed::of_nodes(self.problem, self.loading, nodes, condensation.cholesky()))
+                (Some(own), Condensed::of_nodes(self.body.problem, self.body.loading, nodes, condensation.cholesky()))
             }
-            None => (None, Condensed::new(self.problem, self.loading, condensation.clone())),
+            None => (None, Condensed::new(self.body.problem, self.body.loading, condensation.clone())),
         };
         let condensed = match condensed {
             Ok(condensed) => condensed,
             Err(LinearError::Singular { .. }) => {
-                self.outcome.end_unconstrained(algorithm, self.problem, self.loading);
+                self.outcome.end_unconstrained(algorithm, self.body.problem, self.body.loading);
                 return Ok(None);
             }
             Err(error) => return Err(error.into()),
         };
         let mut dense = RefinedSolver::new(Box::new(Dense::default())).after(self.done);
-        self.stage(own.as_deref().unwrap_or(algorithm), Some(&condensed), &mut dense)
+        let body = Body { condensed: Some(&condensed), ..self.body };
+        self.stage(own.as_deref().unwrap_or(algorithm), body, &mut dense)
     }
 
-    /// Solves the rest of the history with `linear`, on the body or on `condensed`. Returns `None` at its end, or the
+    /// Solves the rest of the history of the `body` with `linear`. Returns `None` at its end, or the
     /// larger working set needed to continue.
     ///
     /// # Errors
@@ -152,11 +153,11 @@ impl<'a> HistoryDriver<'a> {
     pub(super) fn stage(
         &mut self,
         algorithm: &dyn Algorithm,
-        condensed: Option<&Condensed>,
+        body: Body<'_>,
         linear: &mut RefinedSolver,
     ) -> Result<Option<Vec<usize>>, Error> {
-        match self.set_up(algorithm, condensed, linear)? {
-            Some(mut stage) => self.increments(&mut stage, condensed, linear),
+        match self.set_up(algorithm, body, linear)? {
+            Some(mut stage) => self.increments(&mut stage, body, linear),
             None => Ok(None),
         }
     }
@@ -166,13 +167,12 @@ impl<'a> HistoryDriver<'a> {
     pub(super) fn set_up(
         &mut self,
         algorithm: &dyn Algorithm,
-        condensed: Option<&Condensed>,
+        body: Body<'_>,
         linear: &mut RefinedSolver,
     ) -> Result<Option<Stage>, Error> {
-        let HistoryDriver { problem, loading, settings, .. } = *self;
-        let stage = Stage::new(problem, loading, settings, algorithm, condensed, linear)?;
-        let body = condensed.map(Condensed::info);
-        self.outcome.linear = statistics(*linear.statistics(), body, self.position.worst_backward_error);
+        let stage = Stage::new(body, self.settings, algorithm, linear)?;
+        let factor = body.condensed.map(Condensed::info);
+        self.outcome.linear = statistics(*linear.statistics(), factor, self.position.worst_backward_error);
         let mut stage = match stage {
             Ok(stage) => stage,
             Err(free_motion) => {
@@ -185,7 +185,7 @@ impl<'a> HistoryDriver<'a> {
             self.outcome.setup_seconds = self.start.elapsed().as_secs_f64();
             self.observer.ready();
         }
-        stage.continue_from(self.position, condensed, loading);
+        stage.continue_from(self.position, body);
         Ok(Some(stage))
     }
 
@@ -197,12 +197,12 @@ impl<'a> HistoryDriver<'a> {
     pub(super) fn increments(
         &mut self,
         stage: &mut Stage,
-        condensed: Option<&Condensed>,
+        body: Body<'_>,
         linear: &mut RefinedSolver,
     ) -> Result<Option<Vec<usize>>, Error> {
-        let HistoryDriver { problem, loading, times, settings, .. } = *self;
-        let body = condensed.map(Condensed::info);
-        let mut path = IncrementDriver { problem, loading, settings, condensed, stage, at: &mut *self.position };
+        let HistoryDriver { times, settings, .. } = *self;
+        let (problem, factor) = (body.problem, body.condensed.map(Condensed::info));
+        let mut path = IncrementDriver { body, settings, stage, at: &mut *self.position };
         let (outcome, observer) = (&mut self.outcome, &mut *self.observer);
 
         if let Some(saved) = self.saved.take() {
@@ -210,7 +210,7 @@ impl<'a> HistoryDriver<'a> {
                 return Err(CheckpointError::Other { what: "the method" }.into());
             }
             // Keeps the earlier value if there is nothing left to solve.
-            outcome.linear.factor = statistics(self.done, body, 0.0).factor;
+            outcome.linear.factor = statistics(self.done, factor, 0.0).factor;
         }
         while let Some(&time) = times.get(outcome.tally.increments) {
             let index = outcome.tally.increments + 1;
@@ -236,13 +236,13 @@ impl<'a> HistoryDriver<'a> {
             let joined = std::mem::take(&mut self.joined);
             let record = record(problem, path.data().force, index, time, &increment, counts, seconds);
             let record = IncrementRecord { joined, ..record };
-            let IncrementResult { solved, state, scales, status, slip, .. } = *increment;
+            let StepResult { solved, state, scales, status, slip, .. } = *increment;
             let (flow, shown) = path.show(&state, |increment, state| {
                 let step = IncrementView { record: &record, increment, state, statuses: &statuses };
                 (progress.observer.increment(&step), state.clone())
             });
             outcome.push(record, settings.keeps_records);
-            outcome.linear = statistics(*linear.statistics(), body, path.at.worst_backward_error);
+            outcome.linear = statistics(*linear.statistics(), factor, path.at.worst_backward_error);
             if status != Status::Converged || index == times.len() {
                 let data = path.data();
                 let judgement = Judgement::near(problem, &data, &state, &scales, settings.tolerance)?;
@@ -268,7 +268,7 @@ impl<'a> HistoryDriver<'a> {
                 outcome.status = Status::Interrupted;
                 return Ok(None);
             }
-            observer.rest(&|| outcome.checkpoint(&path, &times[..index], condensed, linear));
+            observer.rest(&|| outcome.checkpoint(&path, &times[..index], linear));
         }
         Ok(None)
     }
@@ -276,16 +276,10 @@ impl<'a> HistoryDriver<'a> {
 
 impl HistoryOutcome {
     /// Creates a checkpoint after the increments so far, which end at `times`.
-    fn checkpoint(
-        &self,
-        path: &IncrementDriver<'_>,
-        times: &[f64],
-        condensed: Option<&Condensed>,
-        linear: &RefinedSolver,
-    ) -> Checkpoint {
-        let nodes = condensed.and_then(Condensed::nodes).map(<[usize]>::to_vec);
+    fn checkpoint(&self, path: &IncrementDriver<'_>, times: &[f64], linear: &RefinedSolver) -> Checkpoint {
+        let nodes = path.body.nodes().map(<[usize]>::to_vec);
         let saved = Saved {
-            run: RunOf::new(path.problem, path.loading, times, path.settings),
+            run: RunOf::new(path.body.problem, path.body.loading, times, path.settings),
             outcome: Done::of(self),
             position: path.at.clone(),
             stage: SavedStage { snapshot: path.stage.method.snapshot(linear), nodes },

@@ -1,13 +1,13 @@
 //! A history along its exact path in time. An increment here is the interval between two output times; it does not affect
 //! the path.
 
-use super::interior::{InteriorRecovery, RecoveredState, Responds};
+use super::interior::{Body, RecoveredState, Responds};
 use super::jump::{AfterJump, JumpSolver, RestartPoint};
 use super::observer::{IncrementView, Observer, record};
 use super::record::{ContactCounts, IncrementRecord, Seconds, Status, is_solution};
 use super::saved::{RunOf, SavedPath};
 use super::settings::HistorySettings;
-use super::state::IncrementResult;
+use super::state::StepResult;
 use super::system::{SystemSolver, statistics};
 use super::{Error, HistoryOutcome, Slip, check_times};
 use crate::algebra::linear::{LinearError, RefinedSolver, Statistics};
@@ -337,17 +337,10 @@ impl ExactHistory<'_> {
         walk: &mut ExactPath<'_>,
         condensed: Option<(&Condensed, &Condensation)>,
     ) -> Result<RecoveredState, Error> {
-        let (problem, settings, state) = (self.problem, self.settings, walk.state());
-        let Some((condensed, _)) = condensed else {
-            return Ok(RecoveredState {
-                imbalance: problem.imbalance(&data.force, &state)?,
-                backward_error: 0.0,
-                state,
-            });
-        };
-        let whole = InteriorRecovery { problem, condensed, settings };
-        let balanced = whole.state(data.time, &state, &data.force)?;
-        Ok(whole.refined(balanced, &data.increment(), scales, walk)?)
+        let condensed = condensed.map(|(condensed, _)| condensed);
+        let body = Body { problem: self.problem, loading: self.loading, condensed };
+        let recovered = body.recovered(data.time, walk.state(), &data.force)?;
+        Ok(body.refined(recovered, (&data.increment(), scales, self.settings.tolerance), walk)?)
     }
 
     /// Returns the sums of the absolute values of the loads at `time`, N.
@@ -385,8 +378,7 @@ impl ExactHistory<'_> {
         };
         let seconds = Seconds::between(&in_progress.before, &after, 0.0, in_progress.clock.elapsed().as_secs_f64());
         let IncrementSoFar { index, ends, friction_work, jumps, .. } = in_progress;
-        let walked =
-            IncrementResult { solved, state, scales: scales.clone(), kkt, status, slip: None, ends, friction_work };
+        let walked = StepResult { solved, state, scales: scales.clone(), kkt, status, slip: None, ends, friction_work };
         let counts = ContactCounts::of(&statuses);
         let record = record(problem, &data.force, index, data.time, &walked, counts, seconds);
         let (record, state) = (IncrementRecord { jumps, ..record }, walked.state);

@@ -17,11 +17,11 @@
 //! all. The default method starts there anyway. If it shows none, nothing is solved again.
 
 use super::increment::{IncrementDriver, Rollback, SubstepInput};
+use super::interior::Body;
 use super::stage::Stage;
-use super::state::SubstepResult;
+use super::state::StepResult;
 use super::task::Observe;
 use crate::algebra::linear::{LinearError, RefinedSolver};
-use crate::solver::condensation::Condensed;
 use crate::solver::laws::coulomb::{TangentialCase, length, tangential_case};
 use crate::solver::newton::{MethodResult, Termination};
 use crate::solver::problem::State;
@@ -53,12 +53,12 @@ impl IncrementDriver<'_> {
     pub(super) fn first_touch(
         &mut self,
         [from, time]: [f64; 2],
-        substep: &SubstepResult,
+        substep: &StepResult,
         (input, start): (&SubstepInput, &Rollback),
         linear: &mut RefinedSolver,
         observe: Observe<'_>,
     ) -> Result<Option<(Option<f64>, MethodResult)>, LinearError> {
-        let IncrementDriver { problem, loading, condensed, .. } = *self;
+        let Body { problem, loading, .. } = self.body;
         let (p_n, gaps) = (&substep.state.p_n, loading.gaps_at(from));
         let mut force = vec![0.0; problem.displacements()];
         loading.force(from, &mut force);
@@ -77,8 +77,7 @@ impl IncrementDriver<'_> {
         let is_open = |i: usize| stiffness[i] * distance[i] > ROUNDING * friction[i];
         let has_tangent = |i: usize| problem.tangential_maps().iter().any(|map| !map.row(i).is_empty());
         let rubs = |i: usize| self.stage.mu[i] > 0.0 && p_n[i] > 0.0 && has_tangent(i);
-        let nodes = condensed.and_then(Condensed::nodes);
-        let nodes: Vec<usize> = nodes.map_or((0..problem.contacts()).collect(), <[usize]>::to_vec);
+        let nodes: Vec<usize> = self.body.nodes().map_or((0..problem.contacts()).collect(), <[usize]>::to_vec);
         if !nodes.iter().any(|i| is_open(*i) && rubs(*i)) {
             return Ok(None);
         }
@@ -95,7 +94,7 @@ impl IncrementDriver<'_> {
         };
         let candidates: Vec<(usize, usize)> =
             nodes.iter().copied().enumerate().filter(|(_, i)| is_open(*i) && rubs(*i)).collect();
-        let own = condensed.map_or(problem, |condensed| &condensed.problem);
+        let (own, _) = self.body.solved();
         let cases = self.cases(from, &start.state, &nodes, is_open);
         if let Some(ahead) = self.stage.method.ahead(&start.unknowns, &cases, linear)? {
             let w = own.contact_motion(&ahead.u);
@@ -146,9 +145,9 @@ impl IncrementDriver<'_> {
     }
 
     /// Returns the largest friction `Σ |p_T|` of each part so far, N, up to the end of `substep`.
-    pub(super) fn friction_with(&self, substep: &SubstepResult) -> Vec<f64> {
+    pub(super) fn friction_with(&self, substep: &StepResult) -> Vec<f64> {
         let mut friction = vec![0.0; self.at.friction.len()];
-        for (i, part) in self.problem.natural().contact_part.iter().enumerate() {
+        for (i, part) in self.body.problem.natural().contact_part.iter().enumerate() {
             let rounding = ROUNDING * self.stage.mu[i] * substep.state.p_n[i];
             friction[*part] += length([substep.state.p_t[i], substep.state.p_o[i]]).max(rounding);
         }

@@ -8,23 +8,20 @@
 //! friction, by linear interpolation. One substep ends a little after that time and one a little before it.
 
 use super::increment_error::{IncrementError, IncrementErrors};
-use super::interior::{InteriorRecovery, Linearized, RecoveredState};
+use super::interior::{Body, Linearized, RecoveredState};
 use super::observer::IncrementObserver;
 use super::rigid_offset::RigidOffset;
 use super::settings::HistorySettings;
 use super::stage::Stage;
-use super::state::{HistoryState, IncrementInProgress, IncrementResult, SubstepResult};
+use super::state::{HistoryState, IncrementInProgress, StepResult};
 use super::task::{Observe, Task};
 use super::working_set::{self, MissingNodes};
 use super::{Slip, Status, record};
 use crate::algebra::linear::{LinearError, RefinedSolver};
-use crate::solver::condensation::Condensed;
 use crate::solver::laws::{Judgement, KktScales};
-use crate::solver::loading::Loading;
 use crate::solver::newton::{MethodResult, Termination};
-use crate::solver::problem::{ContactProblem, Increment, State};
+use crate::solver::problem::{Increment, State};
 use crate::solver::solvability::{Landing, Load, NEARBY, driven_motion, excess, is_held_by_friction, landing};
-use std::borrow::Cow;
 
 /// The margin on either side of the time at which a joint slips, relative to the increment. Nearer to it the nodes of a
 /// body that slides in a plane move far, until friction has turned.
@@ -39,11 +36,8 @@ const NEAREST: f64 = 1e-6;
 
 /// The increments of a stage, from the state that the history has reached.
 pub(super) struct IncrementDriver<'a> {
-    pub problem: &'a ContactProblem,
-    pub loading: &'a Loading,
+    pub body: Body<'a>,
     pub settings: &'a HistorySettings,
-    /// The condensed body, if the method solves for the contact displacements alone.
-    pub condensed: Option<&'a Condensed>,
     pub stage: &'a mut Stage,
     /// The state that the history has reached.
     pub at: &'a mut HistoryState,
@@ -52,7 +46,7 @@ pub(super) struct IncrementDriver<'a> {
 /// The progress of an increment.
 pub(super) enum IncrementEnd {
     /// The increment reached its end, or the place where it failed.
-    Ended(Box<IncrementResult>),
+    Ended(Box<StepResult>),
     /// The equations lack contact nodes; the value is the working set needed to continue.
     NeedsNodes(Vec<usize>),
 }
@@ -80,7 +74,7 @@ pub(super) struct SubstepInput {
 
 impl<'a> IncrementDriver<'a> {
     /// Returns the data of the substep tried last, relative to the rigid offset, as is the state of a
-    /// [`SubstepResult`].
+    /// [`StepResult`].
     pub(super) fn data(&self) -> Increment<'_> {
         let Stage { force, gap, mu, w_t_last, w_o_last, .. } = &*self.stage;
         Increment { force, gap, mu, w_t_last, w_o_last }
@@ -127,69 +121,65 @@ impl<'a> IncrementDriver<'a> {
         linear: &mut RefinedSolver,
         progress: &mut IncrementObserver<'_>,
     ) -> Result<IncrementEnd, LinearError> {
-        let in_progress = self.at.in_progress.take();
-        let in_progress = in_progress.unwrap_or_else(|| IncrementInProgress::new(self.at.reached.unwrap_or(0.0), time));
-        let IncrementInProgress { start, mut pending, mut solved, mut kkt, mut ends, mut friction_work } = in_progress;
-        let smallest = (time - start) * 0.5_f64.powi(self.settings.halvings as i32);
-        let margin = smallest.max(NEAR_SLIP * (time - start));
+        let so_far = self.at.in_progress.take();
+        let mut so_far = so_far.unwrap_or_else(|| IncrementInProgress::new(self.at.reached.unwrap_or(0.0), time));
+        let length = time - so_far.start;
+        let smallest = length * 0.5_f64.powi(self.settings.halvings as i32);
+        let margin = smallest.max(NEAR_SLIP * length);
         let mut touches_left = if self.settings.halvings > 0 { TOUCHES } else { 0 };
         let mut divided = false;
         loop {
-            let end = pending.last().copied().unwrap_or(time);
+            let end = so_far.pending.last().copied().unwrap_or(time);
             let from = self.at.reached.unwrap_or(0.0);
             let rollback = self.rollback();
-            let (substep, input) = self.substep(end, linear, &mut |iteration| progress.iteration(iteration))?;
-            let mut outcome = substep.outcome.clone();
+            let (mut substep, input) = self.substep(end, linear, &mut |iteration| progress.iteration(iteration))?;
+            let is_solved = substep.status == Status::Converged;
             let mut touch = None;
-            if substep.status == Status::Converged {
+            if is_solved {
                 self.at.friction = self.friction_with(&substep);
             }
             // An increment that ends at its first touch has none before.
-            if touches_left > 0 && !divided && substep.status == Status::Converged {
+            if touches_left > 0 && !divided && is_solved {
                 let observe: Observe<'_> = &mut |iteration| progress.iteration(iteration);
                 if let Some((share, found)) =
                     self.first_touch([from, end], &substep, (&input, &rollback), linear, observe)?
                 {
-                    outcome = found.then(outcome);
+                    substep.solved = found.then(substep.solved);
                     touch = share.map(|share| from + share * (end - from));
-                    touch = touch.filter(|touch| touch - from > NEAREST * (time - start) && *touch < end);
+                    touch = touch.filter(|touch| touch - from > NEAREST * length && *touch < end);
                 }
             }
-            let so_far = solved.map_or(outcome.clone(), |solved| solved.then(outcome));
+            so_far.add(substep.solved.clone());
             if let Some(touch) = touch {
                 self.go_back(rollback);
-                pending.push(touch);
-                (solved, touches_left, divided) = (Some(so_far), touches_left - 1, true);
-            } else if substep.status == Status::Converged {
+                so_far.pending.push(touch);
+                (touches_left, divided) = (touches_left - 1, true);
+            } else if is_solved {
                 divided = false;
-                friction_work += self.problem.friction_work(&self.data(), &substep.state);
+                so_far.friction_work += self.body.problem.friction_work(&self.data(), &substep.state);
                 self.accept(end, &substep);
-                kkt = kkt.max(&substep.kkt);
-                ends.push(end);
-                pending.pop();
-                let status = Status::Converged;
-                let SubstepResult { state, scales, .. } = substep;
-                let slip = None;
-                let walked = IncrementResult { solved: so_far, state, scales, kkt, status, slip, ends, friction_work };
-                if pending.is_empty() {
-                    return Ok(IncrementEnd::Ended(Box::new(walked)));
+                so_far.kkt = so_far.kkt.max(&substep.kkt);
+                so_far.ends.push(end);
+                so_far.pending.pop();
+                let result = so_far.up_to(substep);
+                if so_far.pending.is_empty() {
+                    return Ok(IncrementEnd::Ended(Box::new(result)));
                 }
-                self.show(&walked.state, |increment, state| {
-                    progress.part(end, &self.data(), &walked, increment, state);
+                self.show(&result.state, |increment, state| {
+                    progress.part(end, &self.data(), &result, increment, state);
                 });
-                (solved, ends) = (Some(walked.solved), walked.ends);
             } else if let Some(MissingNodes { nodes, solved }) = self.lack(&substep)? {
                 self.at.estimate = solved.then_some(substep.state);
-                self.at.errors = rollback.errors.zip(self.condensed.and_then(Condensed::nodes).map(<[usize]>::to_vec));
-                let solved = Some(so_far);
-                self.at.in_progress = Some(IncrementInProgress { start, pending, solved, kkt, ends, friction_work });
+                self.at.errors = rollback.errors.zip(self.body.nodes().map(<[usize]>::to_vec));
+                self.at.in_progress = Some(so_far);
                 return Ok(IncrementEnd::NeedsNodes(nodes));
             } else if divided {
                 // The whole substep has a solution, but a part of it has none.
                 self.go_back(rollback);
-                (pending, solved, touches_left, divided) = (vec![time], Some(so_far), 0, false);
+                so_far.pending = vec![time];
+                (touches_left, divided) = (0, false);
             } else {
-                let part = match &substep.outcome.stop {
+                let part = match &substep.solved.stop {
                     Termination::Slips(motion) => {
                         let share = self.share_without_slip(from, motion, [&rollback.state.p_n, &substep.state.p_n]);
                         towards_slip(share * (end - from), end - from, margin)
@@ -199,16 +189,13 @@ impl<'a> IncrementDriver<'a> {
                 // There is no time between neighbouring numbers.
                 let no_time = from + part <= from || from + part >= end;
                 if part < smallest || no_time || !self.smaller_may_do(&substep)? {
-                    let (kkt, status) = (substep.kkt, substep.status);
-                    let SubstepResult { state, scales, .. } = substep;
-                    let slip = (status == Status::Slips).then_some(Slip { by: end, p_n: rollback.state.p_n });
-                    let walked =
-                        IncrementResult { solved: so_far, state, scales, kkt, status, slip, ends, friction_work };
-                    return Ok(IncrementEnd::Ended(Box::new(walked)));
+                    let slips = substep.status == Status::Slips;
+                    let slip = slips.then_some(Slip { by: end, p_n: rollback.state.p_n });
+                    let result = StepResult { slip, ..so_far.up_to(substep) };
+                    return Ok(IncrementEnd::Ended(Box::new(result)));
                 }
                 self.go_back(rollback);
-                pending.push(from + part);
-                solved = Some(so_far);
+                so_far.pending.push(from + part);
             }
         }
     }
@@ -219,19 +206,15 @@ impl<'a> IncrementDriver<'a> {
         time: f64,
         linear: &mut RefinedSolver,
         observe: Observe<'_>,
-    ) -> Result<(SubstepResult, SubstepInput), LinearError> {
+    ) -> Result<(StepResult, SubstepInput), LinearError> {
         let input = self.pose(time);
         let outcome = self.solve(time, &input, linear, observe)?;
-        let balanced = match self.whole() {
-            None => self.balanced(self.stage.method.state())?,
-            Some(whole) => whole.state(time, &self.stage.method.state(), &self.stage.force)?,
-        };
-        Ok((self.conclude(&input.scales, outcome, balanced, linear)?, input))
+        Ok((self.conclude(time, &input.scales, outcome, linear)?, input))
     }
 
     /// Sets the data of the substep that ends at `time`.
     fn pose(&mut self, time: f64) -> SubstepInput {
-        let IncrementDriver { problem, loading, .. } = *self;
+        let Body { problem, loading, .. } = self.body;
         loading.force(time, &mut self.stage.force);
         loading.gap_at(time, &mut self.stage.gap);
         match loading.friction() {
@@ -270,7 +253,8 @@ impl<'a> IncrementDriver<'a> {
         linear: &mut RefinedSolver,
         observe: Observe<'_>,
     ) -> Result<MethodResult, LinearError> {
-        let IncrementDriver { problem, loading, condensed, settings, .. } = *self;
+        let IncrementDriver { body, settings, .. } = *self;
+        let problem = body.problem;
         let load = Load { force: &self.stage.force, sizes: &input.sizes };
         if let Some(motion) = driven_motion(problem, &self.stage.mu, &load) {
             let stop = if is_held_by_friction(problem, &self.stage.mu, &load) {
@@ -280,26 +264,27 @@ impl<'a> IncrementDriver<'a> {
             };
             return Ok(MethodResult { stop, attempts: 0, ..MethodResult::new(f64::NAN) });
         }
-        let Some(response) =
-            self.stage.response((problem, loading), condensed, settings, (input.begins, time), linear)?
-        else {
+        let Some(response) = self.stage.response(body, settings, (input.begins, time), linear)? else {
             return Ok(MethodResult {
                 stop: Termination::Singular(LinearError::NotFinite),
                 ..MethodResult::new(f64::NAN)
             });
         };
-        let mut force = &self.stage.force;
-        if let Some(condensed) = condensed {
-            condensed.loading.force(time, &mut self.stage.condensed_force);
-            force = &self.stage.condensed_force;
-        }
+        let (problem, loading) = body.solved();
+        loading.force(time, &mut self.stage.solved_force);
         let [gap, mu, w_t_last, w_o_last] =
             [&self.stage.gap, &self.stage.mu, &self.stage.w_t_last, &self.stage.w_o_last]
-                .map(|values| on_nodes(condensed, values));
+                .map(|values| body.on_nodes(values));
         let task = Task {
-            problem: condensed.map_or(problem, |condensed| &condensed.problem),
+            problem,
             first: input.begins.is_none(),
-            increment: &Increment { force, gap: &gap, mu: &mu, w_t_last: &w_t_last, w_o_last: &w_o_last },
+            increment: &Increment {
+                force: &self.stage.solved_force,
+                gap: &gap,
+                mu: &mu,
+                w_t_last: &w_t_last,
+                w_o_last: &w_o_last,
+            },
             response: &response,
             landed: input.landed.as_deref(),
             scales: &input.scales,
@@ -308,37 +293,21 @@ impl<'a> IncrementDriver<'a> {
         self.stage.method.solve(&task, linear, observe)
     }
 
-    /// Returns the recovery of the whole body, if the method has a condensed one.
-    fn whole(&self) -> Option<InteriorRecovery<'a>> {
-        let IncrementDriver { problem, settings, .. } = *self;
-        self.condensed.map(|condensed| InteriorRecovery { problem, condensed, settings })
-    }
-
-    /// Adds imbalance and backward error to a state of the whole body under the data of the substep tried last.
-    fn balanced(&self, state: State) -> Result<RecoveredState, LinearError> {
-        let imbalance = self.problem.imbalance(&self.stage.force, &state)?;
-        Ok(RecoveredState { imbalance, backward_error: 0.0, state })
-    }
-
-    /// Judges the state that the method has reached, after refining it if needed. `scales` are those before the
-    /// substep.
+    /// Judges the state that the method has reached at `time`, after refining it if needed. `scales` are those before
+    /// the substep.
     fn conclude(
         &mut self,
+        time: f64,
         scales: &KktScales,
         outcome: MethodResult,
-        balanced: RecoveredState,
         linear: &mut RefinedSolver,
-    ) -> Result<SubstepResult, LinearError> {
-        let balanced = match self.whole() {
-            None => balanced,
-            Some(whole) => {
-                let (problem, scaling) = (&whole.condensed.problem, self.settings.scaling);
-                let Stage { force, gap, mu, w_t_last, w_o_last, method, .. } = &mut *self.stage;
-                let mut contact = Linearized::new(method.as_mut(), linear, problem, scaling);
-                whole.refined(balanced, &Increment { force, gap, mu, w_t_last, w_o_last }, scales, &mut contact)?
-            }
-        };
-        self.judged(scales, outcome, balanced)
+    ) -> Result<StepResult, LinearError> {
+        let Stage { force, gap, mu, w_t_last, w_o_last, method, .. } = &mut *self.stage;
+        let recovered = self.body.recovered(time, method.state(), force)?;
+        let mut contact = Linearized::new(method.as_mut(), linear, self.body.solved().0, self.settings.scaling);
+        let before = (&Increment { force, gap, mu, w_t_last, w_o_last }, scales, self.settings.tolerance);
+        let recovered = self.body.refined(recovered, before, &mut contact)?;
+        self.judged(scales, outcome, recovered)
     }
 
     /// Judges a state under the data of the substep tried last.
@@ -346,38 +315,38 @@ impl<'a> IncrementDriver<'a> {
         &mut self,
         scales: &KktScales,
         outcome: MethodResult,
-        balanced: RecoveredState,
-    ) -> Result<SubstepResult, LinearError> {
-        let RecoveredState { state, backward_error, .. } = balanced;
-        let outcome = MethodResult { backward_error: outcome.backward_error.max(backward_error), ..outcome };
+        recovered: RecoveredState,
+    ) -> Result<StepResult, LinearError> {
+        let RecoveredState { state, backward_error, .. } = recovered;
+        let solved = MethodResult { backward_error: outcome.backward_error.max(backward_error), ..outcome };
         self.at.worst_backward_error = self.at.worst_backward_error.max(backward_error);
         let tolerance = self.settings.tolerance;
         let data = self.data();
-        let judgement = Judgement::near(self.problem, &data, &state, scales, tolerance)?;
+        let judgement = Judgement::near(self.body.problem, &data, &state, scales, tolerance)?;
         let (kkt, scales) = (judgement.errors(), judgement.scales());
-        let status = record::verdict(&outcome, &kkt, tolerance);
-        Ok(SubstepResult { state, scales, outcome, kkt, status })
+        let status = record::verdict(&solved, &kkt, tolerance);
+        Ok(StepResult { solved, state, scales, kkt, status, slip: None, ends: Vec::new(), friction_work: 0.0 })
     }
 
     /// Returns the contact nodes that the equations lack after a `substep`.
-    fn lack(&self, substep: &SubstepResult) -> Result<Option<MissingNodes>, LinearError> {
-        let held = self.condensed.and_then(Condensed::nodes);
-        let lack = |held| working_set::lack(self.problem, &self.data(), substep, held, self.settings.tolerance);
+    fn lack(&self, substep: &StepResult) -> Result<Option<MissingNodes>, LinearError> {
+        let held = self.body.nodes();
+        let lack = |held| working_set::lack(self.body.problem, &self.data(), substep, held, self.settings.tolerance);
         held.map_or(Ok(None), lack)
     }
 
     /// Makes the method start from the estimate of the state at `time`, if there is one.
     fn take_estimate(&mut self, time: f64) -> Option<f64> {
-        let (condensed, estimate) = (self.condensed?, self.at.estimate.take()?);
-        self.stage.method.set_state(&condensed.condensed_state(&estimate));
+        let estimate = self.at.estimate.take()?;
+        self.stage.method.set_state(&self.body.restricted(&estimate));
         Some(time)
     }
 
-    fn accept(&mut self, time: f64, substep: &SubstepResult) {
-        if self.condensed.is_some_and(|condensed| condensed.nodes().is_some()) {
+    fn accept(&mut self, time: f64, substep: &StepResult) {
+        if self.body.nodes().is_some() {
             self.at.state = Some(substep.state.clone());
         }
-        let w = self.problem.contact_motion(&substep.state.u);
+        let w = self.body.problem.contact_motion(&substep.state.u);
         self.move_on(time, w, substep.scales.clone());
     }
 
@@ -393,7 +362,7 @@ impl<'a> IncrementDriver<'a> {
     /// Returns the share of the substep tried last, from the time `from`, after which the loads overcome friction on
     /// the `motion`: by linear interpolation of the excess of their work. `p_n` are the normal forces at both ends.
     fn share_without_slip(&self, from: f64, motion: &[f64], p_n: [&[f64]; 2]) -> f64 {
-        let (problem, loading) = (self.problem, self.loading);
+        let Body { problem, loading, .. } = self.body;
         let mut force = vec![0.0; problem.displacements()];
         loading.force(from, &mut force);
         let mu = self.friction_at(from);
@@ -404,11 +373,11 @@ impl<'a> IncrementDriver<'a> {
 
     /// Returns the coefficients of friction at a time.
     pub(super) fn friction_at(&self, time: f64) -> Vec<f64> {
-        self.loading.friction().map_or(self.problem.mu().to_vec(), |friction| friction.at(time))
+        self.body.loading.friction().map_or(self.body.problem.mu().to_vec(), |friction| friction.at(time))
     }
 
     /// Returns `true` if a smaller substep could converge.
-    fn smaller_may_do(&self, substep: &SubstepResult) -> Result<bool, LinearError> {
+    fn smaller_may_do(&self, substep: &StepResult) -> Result<bool, LinearError> {
         match substep.status {
             Status::Converged
             | Status::Interrupted
@@ -419,9 +388,10 @@ impl<'a> IncrementDriver<'a> {
             Status::Slips | Status::NoEquilibrium => Ok(true),
             // If rounding sets the limit, it does so at any load.
             _ => {
-                let SubstepResult { state, scales, kkt, .. } = substep;
+                let StepResult { state, scales, kkt, .. } = substep;
                 let data = self.data();
-                let rounding = Judgement::near(self.problem, &data, state, scales, self.settings.tolerance)?.rounding();
+                let rounding =
+                    Judgement::near(self.body.problem, &data, state, scales, self.settings.tolerance)?.rounding();
                 Ok(kkt.worst().1 > 10.0 * rounding || kkt.worst().1.is_nan())
             }
         }
@@ -440,11 +410,6 @@ fn towards_slip(slips: f64, by: f64, margin: f64) -> f64 {
     }
 }
 
-/// Restricts per-contact-node values to the working set.
-fn on_nodes<'v>(condensed: Option<&Condensed>, values: &'v [f64]) -> Cow<'v, [f64]> {
-    condensed.map_or(Cow::Borrowed(values), |condensed| condensed.on_nodes(values))
-}
-
 impl IncrementDriver<'_> {
     /// Moves a body that only contact holds to its rest position under the load of the substep that ends at `time`.
     /// Returns the nodes that touch there if the position is new, and `None` if supports hold the body or no rest
@@ -456,14 +421,14 @@ impl IncrementDriver<'_> {
         // Within the deformation due to the load, Newton's method finds the closing nodes better than a rigid body
         // does.
         let clamped = self.stage.clamped.as_ref()?;
-        let force = clamped.response(self.loading, None, time).contact_force * self.settings.scaling.force;
+        let force = clamped.response(self.body.loading, None, time).contact_force * self.settings.scaling.force;
         let reach = |(gap, k): (&f64, &f64)| (force / k).max(NEARBY * gap.abs());
         let reach: Vec<f64> = self.stage.gap.iter().zip(&self.settings.contact_stiffness).map(reach).collect();
         let moved = self.at.offset.w_n.iter().zip(&self.at.w_n).map(|(offset, w)| offset + w);
         let distance: Vec<f64> = self.stage.gap.iter().zip(moved).map(|(gap, w)| gap - w).collect();
         let load = Load { force: &self.stage.force, sizes };
-        let Landing { weights, nodes } = landing(self.problem, &self.stage.mu, &load, &distance, &reach)?;
-        self.at.offset = self.at.offset.by(self.problem, &weights);
+        let Landing { weights, nodes } = landing(self.body.problem, &self.stage.mu, &load, &distance, &reach)?;
+        self.at.offset = self.at.offset.by(self.body.problem, &weights);
         let stays = weights.iter().all(|weight| *weight == 0.0);
         (self.at.reached.is_none() || !stays).then_some(nodes)
     }

@@ -18,12 +18,11 @@
 //! An increment therefore costs one solve for the rate, with the factors at its start, and one for `e`, with those at
 //! its end. An increment in which the first nodes touch and slide costs another factorisation.
 
+use super::interior::Body;
 use crate::algebra::linear::{LinearError, RefinedSolver};
 use crate::base::units::Scaling;
-use crate::solver::condensation::Condensed;
 use crate::solver::formulation::Bdiff;
 use crate::solver::laws::coulomb::{TangentialCase, length, positive};
-use crate::solver::loading::Loading;
 use crate::solver::newton::Bn;
 use crate::solver::problem::{ContactProblem, Increment};
 use serde::{Deserialize, Serialize};
@@ -187,18 +186,18 @@ impl IncrementErrors {
         &mut self,
         before: &IncrementErrors,
         nodes: &[usize],
-        condensed: &Condensed,
-        loading: &Loading,
+        body: Body<'_>,
         time: f64,
         [w_n, w_t, w_o]: [&[f64]; 3],
     ) {
         let Scaling { force, length } = self.scaling;
-        let mut forces = vec![0.0; condensed.problem.displacements()];
-        condensed.loading.force(time, &mut forces);
+        let (problem, loading) = body.solved();
+        let mut forces = vec![0.0; problem.displacements()];
+        loading.force(time, &mut forces);
         for f in &mut forces {
             *f /= force;
         }
-        let gap: Vec<f64> = loading.gaps_at(time).iter().map(|gap| gap / length).collect();
+        let gap: Vec<f64> = body.loading.gaps_at(time).iter().map(|gap| gap / length).collect();
         let mut all: Vec<Node> = gap
             .iter()
             .enumerate()
@@ -206,7 +205,7 @@ impl IncrementErrors {
             .collect();
         nodes.iter().zip(&before.nodes).for_each(|(&i, node)| all[i] = *node);
         let now = |i: usize| (all[i], gap[i]);
-        let (nodes, gap) = match condensed.nodes() {
+        let (nodes, gap) = match body.nodes() {
             Some(nodes) => nodes.iter().map(|&i| now(i)).unzip(),
             None => (0..all.len()).map(now).unzip(),
         };

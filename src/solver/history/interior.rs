@@ -4,10 +4,9 @@
 //! whole system is refined: its imbalance is reduced and solved for with the linearisation of that state, and the
 //! interior follows from the change.
 
-use super::settings::HistorySettings;
 use super::task::{IncrementSolver, Response};
 use crate::algebra::linear::{LinearError, RefinedSolver, componentwise_error};
-use crate::algebra::sparse::{Symmetric, sum};
+use crate::algebra::sparse::sum;
 use crate::base::units::Scaling;
 use crate::solver::condensation::Condensed;
 use crate::solver::formulation::Layout;
@@ -15,6 +14,7 @@ use crate::solver::laws::coulomb::length;
 use crate::solver::laws::{Judgement, KktScales};
 use crate::solver::loading::Loading;
 use crate::solver::problem::{ContactProblem, Increment, State};
+use std::borrow::Cow;
 
 /// The largest componentwise backward error of the whole system without refinement.
 const BACKWARD_ERROR: f64 = 1e-14;
@@ -22,12 +22,12 @@ const BACKWARD_ERROR: f64 = 1e-14;
 /// The number of refinements. One suffices against rounding alone; in slender bodies each gains five or six digits.
 const REFINEMENTS: usize = 4;
 
-/// A condensed body and the whole body that it represents.
+/// A body under its loads, and the condensed body if the method solves for the contact displacements alone.
 #[derive(Clone, Copy)]
-pub(super) struct InteriorRecovery<'a> {
+pub(super) struct Body<'a> {
     pub problem: &'a ContactProblem,
-    pub condensed: &'a Condensed,
-    pub settings: &'a HistorySettings,
+    pub loading: &'a Loading,
+    pub condensed: Option<&'a Condensed>,
 }
 
 /// A state of the whole body.
@@ -39,88 +39,121 @@ pub(super) struct RecoveredState {
     pub backward_error: f64,
 }
 
-impl InteriorRecovery<'_> {
-    /// Recovers the state at `time` (s) from the state `contact` of the condensed problem and the external force.
-    pub(super) fn state(&self, time: f64, contact: &State, force: &[f64]) -> Result<RecoveredState, LinearError> {
-        let (problem, state) = (self.problem, self.condensed.state(time, contact)?);
-        let stiffness = problem.stiffness().assembled()?;
+impl<'a> Body<'a> {
+    /// Returns the problem and the loads for which the method solves.
+    pub(super) fn solved(self) -> (&'a ContactProblem, &'a Loading) {
+        self.condensed.map_or((self.problem, self.loading), |condensed| (&condensed.problem, &condensed.loading))
+    }
+
+    /// Returns the contact nodes for which the method solves, ascending, if they are not all contact nodes.
+    pub(super) fn nodes(self) -> Option<&'a [usize]> {
+        self.condensed.and_then(Condensed::nodes)
+    }
+
+    /// Restricts per-contact-node values to the nodes for which the method solves.
+    pub(super) fn on_nodes(self, values: &[f64]) -> Cow<'_, [f64]> {
+        self.condensed.map_or(Cow::Borrowed(values), |condensed| condensed.on_nodes(values))
+    }
+
+    /// Restricts a state of the body to the problem for which the method solves.
+    pub(super) fn restricted(self, state: &State) -> Cow<'_, State> {
+        self.condensed.map_or(Cow::Borrowed(state), |condensed| Cow::Owned(condensed.condensed_state(state)))
+    }
+
+    /// Recovers the state of the body at `time` (s) from the method's `state` under the external `force`.
+    pub(super) fn recovered(self, time: f64, state: State, force: &[f64]) -> Result<RecoveredState, LinearError> {
+        let problem = self.problem;
+        let Some(condensed) = self.condensed else {
+            return Ok(RecoveredState { imbalance: problem.imbalance(force, &state)?, backward_error: 0.0, state });
+        };
+        let state = condensed.state(time, &state)?;
         let imbalance = problem.imbalance(force, &state)?;
-        let mut sizes = vec![0.0; state.u.len()];
-        stiffness.add_sizes(&state.u, &mut sizes);
-        let backward_error = backward_error(problem, &stiffness, &state, force, &imbalance, sizes);
-        Ok(RecoveredState { state, imbalance, backward_error })
+        RecoveredState::of(problem, state, force, imbalance)
     }
 
-    /// Returns `true` if the imbalance of a state is at most a tenth of the tolerance, since it is rounded itself.
-    fn is_balanced(
-        &self,
-        balanced: &RecoveredState,
-        increment: &Increment<'_>,
-        scales: &KktScales,
-    ) -> Result<bool, LinearError> {
-        let RecoveredState { state, imbalance, .. } = balanced;
-        let judgement = Judgement::new(self.problem, increment, state, imbalance.clone(), scales)?;
-        Ok(judgement.errors().equilibrium <= 0.1 * self.settings.tolerance)
-    }
-
-    /// Returns the method's state in `increment`, refined if needed by the response of its contact nodes. `scales` are
+    /// Returns a recovered state in `increment`, refined if needed by the response of the contact nodes. `scales` are
     /// those before the increment.
     pub(super) fn refined(
-        &self,
-        balanced: RecoveredState,
-        increment: &Increment<'_>,
-        scales: &KktScales,
+        self,
+        recovered: RecoveredState,
+        (increment, scales, tolerance): (&Increment<'_>, &KktScales, f64),
         contact: &mut dyn Responds,
     ) -> Result<RecoveredState, LinearError> {
-        let stiffness = self.problem.stiffness().assembled()?;
-        let (mut reached, force) = (balanced, increment.force);
+        let Body { problem, condensed: Some(condensed), .. } = self else { return Ok(recovered) };
+        let (mut reached, force) = (recovered, increment.force);
         for refinement in 0..REFINEMENTS {
-            let is_balanced = self.is_balanced(&reached, increment, scales)?;
-            let is_accurate = is_balanced && reached.backward_error <= BACKWARD_ERROR;
+            let RecoveredState { state, imbalance, backward_error } = &reached;
+            // An imbalance of at most a tenth of the tolerance suffices, since it is rounded itself.
+            let judgement = Judgement::new(problem, increment, state, imbalance.clone(), scales)?;
+            let is_balanced = judgement.errors().equilibrium <= 0.1 * tolerance;
+            let is_accurate = is_balanced && *backward_error <= BACKWARD_ERROR;
             if is_accurate || refinement == 0 && !contact.is_regular()? {
                 break;
             }
-            let mut state = reached.state.clone();
-            let mut imbalance = reached.imbalance.clone();
+            let (mut state, mut imbalance) = (state.clone(), imbalance.clone());
             if !is_balanced {
                 // The correction is below the rounding of u, so the low-order part is needed.
                 state.u_rest.resize(state.u.len(), 0.0);
-                imbalance = self.problem.imbalance(force, &state)?;
+                imbalance = problem.imbalance(force, &state)?;
             }
-            match self.correct(&imbalance, &mut state, contact) {
+            match correct(condensed, &imbalance, &mut state, contact) {
                 Err(LinearError::NotFinite) => break,
                 corrected => corrected?,
             }
-            let imbalance = self.problem.imbalance(force, &state)?;
-            let mut sizes = vec![0.0; state.u.len()];
-            stiffness.add_sizes(&state.u, &mut sizes);
-            let backward_error = backward_error(self.problem, &stiffness, &state, force, &imbalance, sizes);
-            if backward_error.is_nan() || backward_error > 0.5 * reached.backward_error {
+            let imbalance = problem.imbalance(force, &state)?;
+            let refined = RecoveredState::of(problem, state, force, imbalance)?;
+            if refined.backward_error.is_nan() || refined.backward_error > 0.5 * reached.backward_error {
                 break;
             }
-            reached = RecoveredState { state, imbalance, backward_error };
+            reached = refined;
             contact.go_on();
         }
         Ok(reached)
     }
+}
 
-    /// Corrects a state by the response to its imbalance.
-    fn correct(&self, imbalance: &[f64], state: &mut State, contact: &mut dyn Responds) -> Result<(), LinearError> {
-        let forces = self.condensed.reduce(&imbalance.iter().map(|r| -r).collect::<Vec<_>>())?;
-        let change = contact.respond(&self.condensed.on_contact(&forces))?;
-        let du = self.condensed.displacements(&forces, &change.u)?;
-        if state.u_rest.is_empty() {
-            state.u.iter_mut().zip(&du).for_each(|(u, du)| *u += du);
-        } else {
-            for ((u, rest), du) in state.u.iter_mut().zip(&mut state.u_rest).zip(&du) {
-                (*u, *rest) = sum(*u, *rest + du);
+impl RecoveredState {
+    /// Adds the backward error to a state under the external `force`.
+    fn of(problem: &ContactProblem, state: State, force: &[f64], imbalance: Vec<f64>) -> Result<Self, LinearError> {
+        let stiffness = problem.stiffness().assembled()?;
+        let mut sizes = vec![0.0; state.u.len()];
+        stiffness.add_sizes(&state.u, &mut sizes);
+        sizes.iter_mut().zip(force).for_each(|(size, force)| *size += force.abs());
+        for (map, forces) in [(problem.c_n(), &state.p_n), (problem.c_t(), &state.p_t), (problem.c_o(), &state.p_o)] {
+            for (i, p) in forces.iter().enumerate() {
+                map.row(i).iter().for_each(|&(dof, c)| sizes[dof] += (c * p).abs());
             }
         }
-        for (p, dp) in [(&mut state.p_n, change.p_n), (&mut state.p_t, change.p_t), (&mut state.p_o, change.p_o)] {
-            p.iter_mut().zip(self.condensed.of_all_nodes(dp)).for_each(|(p, dp)| *p += dp);
-        }
-        Ok(())
+        let backward_error = componentwise_error(&state.u, &imbalance, &sizes, problem.stiffest(), || {
+            let mut row_norm = vec![0.0_f64; imbalance.len()];
+            stiffness.entries().for_each(|(i, _, value)| row_norm[i] = row_norm[i].max(value.abs()));
+            row_norm
+        });
+        Ok(RecoveredState { state, imbalance, backward_error })
     }
+}
+
+/// Corrects a state of the body by the response to its imbalance.
+fn correct(
+    condensed: &Condensed,
+    imbalance: &[f64],
+    state: &mut State,
+    contact: &mut dyn Responds,
+) -> Result<(), LinearError> {
+    let forces = condensed.reduce(&imbalance.iter().map(|r| -r).collect::<Vec<_>>())?;
+    let change = contact.respond(&condensed.on_contact(&forces))?;
+    let du = condensed.displacements(&forces, &change.u)?;
+    if state.u_rest.is_empty() {
+        state.u.iter_mut().zip(&du).for_each(|(u, du)| *u += du);
+    } else {
+        for ((u, rest), du) in state.u.iter_mut().zip(&mut state.u_rest).zip(&du) {
+            (*u, *rest) = sum(*u, *rest + du);
+        }
+    }
+    for (p, dp) in [(&mut state.p_n, change.p_n), (&mut state.p_t, change.p_t), (&mut state.p_o, change.p_o)] {
+        p.iter_mut().zip(condensed.of_all_nodes(dp)).for_each(|(p, dp)| *p += dp);
+    }
+    Ok(())
 }
 
 /// The response of a condensed problem to forces while no node changes its status.
@@ -180,28 +213,6 @@ impl Responds for Linearized<'_> {
     }
 }
 
-/// Returns the componentwise backward error of the equations of equilibrium; `sizes` are `|K| |u|`.
-fn backward_error(
-    problem: &ContactProblem,
-    stiffness: &Symmetric,
-    state: &State,
-    force: &[f64],
-    imbalance: &[f64],
-    mut sizes: Vec<f64>,
-) -> f64 {
-    sizes.iter_mut().zip(force).for_each(|(size, force)| *size += force.abs());
-    for (map, forces) in [(problem.c_n(), &state.p_n), (problem.c_t(), &state.p_t), (problem.c_o(), &state.p_o)] {
-        for (i, p) in forces.iter().enumerate() {
-            map.row(i).iter().for_each(|&(dof, c)| sizes[dof] += (c * p).abs());
-        }
-    }
-    componentwise_error(&state.u, imbalance, &sizes, problem.stiffest(), || {
-        let mut row_norm = vec![0.0_f64; imbalance.len()];
-        stiffness.entries().for_each(|(i, _, value)| row_norm[i] = row_norm[i].max(value.abs()));
-        row_norm
-    })
-}
-
 /// The response of the body to each load case with clamped contact nodes.
 pub(super) struct ClampedBody {
     /// `∂(u, p_t, p_n)/∂factor` per case, scaled.
@@ -216,11 +227,11 @@ impl ClampedBody {
     /// reason.
     pub(super) fn new(
         method: &mut dyn IncrementSolver,
-        problem: &ContactProblem,
-        loading: &Loading,
+        body: Body<'_>,
         scaling: &Scaling,
         linear: &mut RefinedSolver,
     ) -> Result<Result<Self, Option<Vec<f64>>>, LinearError> {
+        let (problem, loading) = body.solved();
         if let Err(motion) = method.clamp_contacts() {
             return Ok(Err(Some(motion)));
         }

@@ -102,7 +102,7 @@ impl RestartPoint<'_> {
         stages.is_ready = true;
         match means {
             JumpSolver::Whole(linear) => {
-                stages.stage(settings, None, linear)?;
+                stages.stage(settings, stages.body, linear)?;
             }
             JumpSolver::Condensed(condensation) => stages.condensed(settings, condensation)?,
         }

@@ -1,7 +1,7 @@
 //! Observers of a history.
 
 use super::record::{ContactCounts, IncrementRecord, Seconds};
-use super::state::IncrementResult;
+use super::state::StepResult;
 use crate::solver::checkpoint::Checkpoint;
 use crate::solver::events::Event;
 use crate::solver::laws::{ContactStatus, statuses_of};
@@ -77,7 +77,7 @@ impl IncrementObserver<'_> {
         &mut self,
         time: f64,
         data: &Increment<'_>,
-        walked: &IncrementResult,
+        walked: &StepResult,
         increment: &Increment<'_>,
         state: &State,
     ) {
@@ -94,7 +94,7 @@ pub(super) fn record(
     force: &[f64],
     index: usize,
     time: f64,
-    walked: &IncrementResult,
+    walked: &StepResult,
     contact: ContactCounts,
     seconds: Seconds,
 ) -> IncrementRecord {

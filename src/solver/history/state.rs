@@ -101,30 +101,37 @@ impl IncrementInProgress {
             friction_work: 0.0,
         }
     }
+
+    /// Adds a result of the method.
+    pub(super) fn add(&mut self, solved: MethodResult) {
+        self.solved = Some(match self.solved.take() {
+            Some(before) => before.then(solved),
+            None => solved,
+        });
+    }
+
+    /// Returns the increment up to the end of the last `substep`, with the errors of all substeps that count: all that
+    /// converged, or the one that failed.
+    pub(super) fn up_to(&self, substep: StepResult) -> StepResult {
+        let kkt = if substep.status == Status::Converged { self.kkt } else { substep.kkt };
+        let solved = self.solved.clone().unwrap_or(substep.solved);
+        StepResult { solved, kkt, ends: self.ends.clone(), friction_work: self.friction_work, ..substep }
+    }
 }
 
-/// The result of one substep.
-pub(super) struct SubstepResult {
-    pub state: State,
-    pub scales: KktScales,
-    pub outcome: MethodResult,
-    pub kkt: KktErrors,
-    pub status: Status,
-}
-
-/// The result of an increment.
-pub(super) struct IncrementResult {
-    /// The method result over all substeps, including failed ones.
+/// The result of a substep, or of an increment.
+pub(super) struct StepResult {
+    /// The result of the method, over all substeps of an increment, including failed ones.
     pub solved: MethodResult,
     /// The state at the end of the last substep, and the scales of its error measure.
     pub state: State,
     pub scales: KktScales,
-    /// The largest errors of the substeps that count: all that converged, or the one that failed.
+    /// The largest errors.
     pub kkt: KktErrors,
     pub status: Status,
     /// The slip of a joint, if the last substep showed it.
     pub slip: Option<Slip>,
-    /// The ends (s) of the substeps that converged.
+    /// The ends (s) of the substeps of an increment that converged.
     pub ends: Vec<f64>,
     /// The work that friction dissipated in these substeps, J.
     pub friction_work: f64,

@@ -1,6 +1,7 @@
 //! One increment at a time, under loads that are not known in advance.
 
 use super::driver::HistoryDriver;
+use super::interior::Body;
 use super::observer::Observer;
 use super::saved::{Done, Snapshot};
 use super::stage::Stage;
@@ -41,7 +42,7 @@ use std::time::Instant;
 pub struct Stepper<P> {
     problem: P,
     settings: HistorySettings,
-    body: Body,
+    body: StepperBody,
     linear: RefinedSolver,
     /// The ends of the converged increments, s.
     times: Vec<f64>,
@@ -71,7 +72,7 @@ pub struct StepperState {
 }
 
 /// The body to which the equations belong.
-enum Body {
+enum StepperBody {
     Whole,
     /// A body that is condensed with the first increment.
     ToCondense(Condensation),
@@ -86,9 +87,9 @@ impl<P: Borrow<ContactProblem>> Stepper<P> {
     pub fn new(problem: P, settings: HistorySettings, system: SystemSolver) -> Result<Self, Error> {
         settings.check(problem.borrow())?;
         let (body, linear) = match system {
-            SystemSolver::Whole(linear) => (Body::Whole, linear),
+            SystemSolver::Whole(linear) => (StepperBody::Whole, linear),
             SystemSolver::Condensed(condensation) => {
-                (Body::ToCondense(condensation), RefinedSolver::new(Box::new(Dense::default())))
+                (StepperBody::ToCondense(condensation), RefinedSolver::new(Box::new(Dense::default())))
             }
         };
         Ok(Stepper {
@@ -205,9 +206,9 @@ impl<P: Borrow<ContactProblem>> Stepper<P> {
             *last = None;
         }
         match body {
-            Body::Whole => {}
-            Body::ToCondense(condensation) => match Condensed::new(problem, loading, condensation.clone()) {
-                Ok(condensed) => *body = Body::Condensed(Box::new(condensed)),
+            StepperBody::Whole => {}
+            StepperBody::ToCondense(condensation) => match Condensed::new(problem, loading, condensation.clone()) {
+                Ok(condensed) => *body = StepperBody::Condensed(Box::new(condensed)),
                 Err(LinearError::Singular { .. }) => {
                     let mut outcome = outcome;
                     outcome.end_unconstrained(settings, problem, loading);
@@ -215,10 +216,11 @@ impl<P: Borrow<ContactProblem>> Stepper<P> {
                 }
                 Err(error) => return Err(error.into()),
             },
-            Body::Condensed(condensed) if new_forces => condensed.load(loading)?,
-            Body::Condensed(condensed) => condensed.load_again(loading),
+            StepperBody::Condensed(condensed) if new_forces => condensed.load(loading)?,
+            StepperBody::Condensed(condensed) => condensed.load_again(loading),
         }
-        let condensed = if let Body::Condensed(condensed) = body { Some(&**condensed) } else { None };
+        let condensed = if let StepperBody::Condensed(condensed) = body { Some(&**condensed) } else { None };
+        let body = Body { problem, loading, condensed };
         if let Some(stage) = stage {
             let moves = stage.may_move_rigidly && new_forces;
             if moves && restart.is_none() {
@@ -228,7 +230,7 @@ impl<P: Borrow<ContactProblem>> Stepper<P> {
                 stage.clamped = None;
             }
             if moves {
-                stage.clamp((problem, loading), condensed, settings, linear)?;
+                stage.clamp(body, settings, linear)?;
             }
             if let Some(snapshot) = restart.clone()
                 && !stage.method.restore(snapshot, linear)?
@@ -241,11 +243,11 @@ impl<P: Borrow<ContactProblem>> Stepper<P> {
         let mut driver = HistoryDriver::new(problem, loading, times, settings, observer, position);
         (driver.start, driver.outcome, driver.is_ready) = (start, outcome, is_ready);
         if stage.is_none() {
-            *stage = driver.set_up(settings, condensed, linear)?;
+            *stage = driver.set_up(settings, body, linear)?;
         }
         let Some(stage) = stage else { return Ok(driver.outcome) };
         *restart = Some(stage.method.snapshot(linear));
-        driver.increments(stage, condensed, linear)?;
+        driver.increments(stage, body, linear)?;
         Ok(driver.outcome)
     }
 }

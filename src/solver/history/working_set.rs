@@ -5,7 +5,7 @@
 //! set penetrate, they join it together with the nearest other nodes. No node leaves it.
 
 use super::record::is_solution;
-use super::state::SubstepResult;
+use super::state::StepResult;
 use crate::algebra::linear::LinearError;
 use crate::solver::laws::Judgement;
 use crate::solver::newton::Termination;
@@ -41,12 +41,12 @@ pub(super) struct MissingNodes {
 pub(super) fn lack(
     problem: &ContactProblem,
     data: &Increment<'_>,
-    substep: &SubstepResult,
+    substep: &StepResult,
     held: &[usize],
     tolerance: f64,
 ) -> Result<Option<MissingNodes>, LinearError> {
     let all = problem.contacts();
-    if is_solution(&substep.kkt, tolerance) || substep.outcome.stop == Termination::Interrupted {
+    if is_solution(&substep.kkt, tolerance) || substep.solved.stop == Termination::Interrupted {
         return Ok(None);
     }
     let mut is_held = vec![false; all];
@@ -58,7 +58,7 @@ pub(super) fn lack(
     others.sort_by(|a, b| a.1.total_cmp(&b.1));
     let judgement = Judgement::near(problem, data, &substep.state, &substep.scales, tolerance)?;
     let penetrating = others.iter().filter(|(i, _)| judgement.penetration(*i) > tolerance).count();
-    let solved = substep.outcome.stop == Termination::Converged && penetrating > 0;
+    let solved = substep.solved.stop == Termination::Converged && penetrating > 0;
     let joining = if solved { held.len().max(2 * penetrating) } else { all };
     // Leaving out less than a quarter of the nodes saves little.
     if 4 * (held.len() + joining) >= 3 * all {
