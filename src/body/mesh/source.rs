@@ -1,13 +1,14 @@
 //! Sources of meshes: generated, read from a file, or given.
 
-use std::fmt;
+use std::collections::BTreeMap;
+use std::fmt::{self, Write};
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::block::{graded_block, progression};
 use super::half_plane::half_plane;
 use super::joined::{append, named};
-use super::{CellKind, Mesh, MeshFileError, MeshFormat};
+use super::{Boundary, CellKind, Facet, Mesh, MeshFileError, MeshFormat};
 use crate::algebra::vector::{Vector, plus};
 use crate::base::input_error::{InputError, ensure, finite, in_one_line, not_huge, positive};
 
@@ -204,6 +205,7 @@ impl MeshSource {
                     [xs, ys, zs] => graded_block(xs, ys, Some(zs)),
                     _ => return Err(MeshError::Source(no_dimension(&lines))),
                 };
+                add_parts_of_sides(&mut mesh, axes);
                 if let Some(origin) = origin.map(Vector::components) {
                     mesh.nodes.iter_mut().for_each(|x| *x = plus(*x, 1.0, origin));
                 }
@@ -361,6 +363,32 @@ fn mesh_lines(segments: &[Segment]) -> Vec<f64> {
     lines
 }
 
+/// Adds the parts of the sides of a block between ends of segments as boundaries: `top-1`, `top-2` and so on along an axis
+/// with several segments, `top-1-2` along two such axes. The lowest corner of the block is the origin.
+fn add_parts_of_sides(mesh: &mut Mesh, axes: &[Vec<Segment>]) {
+    let mut parts = BTreeMap::<String, Vec<Facet>>::new();
+    for Boundary { name, facets } in &mesh.boundaries {
+        for facet in facets {
+            let mut part = name.clone();
+            for (k, segments) in axes.iter().enumerate().filter(|(_, segments)| segments.len() > 1) {
+                let coordinates = || facet.iter().map(|&node| mesh.nodes[node][k]);
+                let (low, high) = (coordinates().fold(f64::INFINITY, f64::min), coordinates().fold(0.0, f64::max));
+                if low < high {
+                    let ends = segments.iter().scan(0.0, |end, segment| {
+                        *end += segment.length;
+                        Some(*end)
+                    });
+                    let _ = write!(part, "-{}", 1 + ends.filter(|end| *end <= low).count());
+                }
+            }
+            if part != *name {
+                parts.entry(part).or_default().push(facet.clone());
+            }
+        }
+    }
+    mesh.boundaries.extend(parts.into_iter().map(|(name, facets)| Boundary { name, facets }));
+}
+
 fn no_body() -> InputError {
     InputError::new("body", "there is no body", "give one at least")
 }
@@ -425,4 +453,36 @@ fn joined(bodies: &[Body]) -> Result<Mesh, MeshError> {
         }
     }
     Ok(all.ok_or_else(no_body)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::algebra::vector::norm;
+
+    /// The areas of the parts of a side, by name; of hexahedra, tetrahedra and elements of second order.
+    #[test]
+    fn parts_of_sides_lie_between_the_ends_of_segments() {
+        let segments = |lengths: &[f64]| {
+            let segment = |length: &f64| Segment { length: *length, elements: 2, grading: 1.5 };
+            lengths.iter().map(segment).collect::<Vec<_>>()
+        };
+        let axes = vec![segments(&[0.1, 0.2]), segments(&[0.4]), segments(&[0.3, 0.1, 0.7])];
+        for cells in [CellKind::Hexahedron, CellKind::Tetrahedron10] {
+            let source = MeshSource::Block { axes: axes.clone(), cells, origin: Some([1.0, 2.0, 3.0].into()) };
+            let mesh = source.build().unwrap();
+            let area = |name: &str| {
+                let facets = &mesh.boundary(name).unwrap().facets;
+                facets.iter().map(|facet| norm(mesh.area_vector(facet))).sum::<f64>()
+            };
+            let parts = [("top-1", 0.1, 0.4), ("top-2", 0.2, 0.4), ("left-3", 0.4, 0.7), ("front-2-1", 0.2, 0.3)];
+            for (name, a, b) in parts {
+                assert!((area(name) - a * b).abs() < 1e-15, "{name}");
+            }
+            let of = |name: &str| mesh.boundaries.iter().filter(|part| part.name.starts_with(name)).count();
+            assert_eq!(["bottom", "right", "back"].map(of), [3, 4, 7]);
+        }
+        let plain = MeshSource::block([1.0, 2.0], [2, 3]).build().unwrap();
+        assert_eq!(plain.boundaries.len(), 4);
+    }
 }
