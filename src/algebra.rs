@@ -10,8 +10,5 @@ pub(crate) mod vector;
 pub use jobs::{keep_in_this_thread, parallel_map};
 pub use union_find::UnionFind;
 
-pub use sparse::{
-    Csc, Csr, DenseSymmetric, DoubleDouble, MatrixError, NodeRows, Pattern, Symmetric, read_matrix_market,
-    write_matrix_market,
-};
+pub use sparse::{Csc, Csr, DenseSymmetric, DoubleDouble, MatrixError, NodeRows, Pattern, Symmetric};
 pub use vector::{Vector, across, axis, axis_across, cross, dot, minus, norm, plus, unit};

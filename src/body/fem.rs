@@ -52,4 +52,4 @@ pub use spring::{Bedding, Spring};
 pub use stiffness::element_stiffness;
 pub use strain::Element;
 pub(crate) use strain::with_dilatation;
-pub use stress::{cell_volume, centre_stress, strain_at, strains};
+pub use stress::{cell_volume, strain_at, strains};

@@ -103,14 +103,6 @@ pub enum MatrixError {
         /// A column with different entries.
         column: usize,
     },
-    /// A text is not a valid matrix in the Matrix Market format.
-    #[error("Matrix Market, line {line}: {message}")]
-    Text {
-        /// The line, from 1.
-        line: usize,
-        /// The description of the error.
-        message: String,
-    },
 }
 
 /// Returns an error unless both lengths agree.

@@ -1,27 +1,13 @@
 //! Strains and stresses in an element.
 
-use super::elastic::Elasticity;
 use super::shape::CellPoint;
 use super::strain::{Element, Strain, strain_columns};
 use crate::body::mesh::{CellKind, Geometry, quadrature_of};
 
-/// Computes the stress `(σ_xx, σ_yy, σ_zz, τ_xy, τ_yz, τ_zx)` (Pa) at the centre of a cell with `nodes` (m) and their
-/// `displacements` (m); see [`Elasticity::stress`] for two dimensions.
+/// Computes the strain `(ε_xx, ε_yy, ε_zz, γ_xy, γ_yz, γ_zx)` at the reference point `point` of a cell with `nodes`
+/// (m) and their `displacements` (m).
 ///
-/// In a body of revolution `σ_zz` is the hoop stress. `None` if the element is inverted or degenerate.
-pub fn centre_stress(
-    kind: CellKind,
-    geometry: Geometry,
-    nodes: &[[f64; 3]],
-    displacements: &[[f64; 3]],
-    element: Element,
-    material: &Elasticity,
-) -> Option<[f64; 6]> {
-    strain_at(kind, geometry, kind.centre(), nodes, displacements, element).map(|strain| material.stress(strain))
-}
-
-/// Computes the strain `(ε_xx, ε_yy, ε_zz, γ_xy, γ_yz, γ_zx)` at the reference point `point` of a cell, as in
-/// [`centre_stress`].
+/// In a body of revolution `ε_zz` is the hoop strain. `None` if the element is inverted or degenerate.
 pub fn strain_at(
     kind: CellKind,
     geometry: Geometry,
@@ -35,14 +21,14 @@ pub fn strain_at(
     Some(strain(kind, &here, element.mean_dilatation(&points).as_deref(), displacements))
 }
 
-/// Computes the volume (m³; in two dimensions the area, m²) of a cell, as in [`centre_stress`].
+/// Computes the volume (m³; in two dimensions the area, m²) of a cell, as in [`strain_at`].
 pub fn cell_volume(kind: CellKind, geometry: Geometry, nodes: &[[f64; 3]]) -> Option<f64> {
     let points = CellPoint::all(kind, geometry, nodes, &quadrature_of(kind, geometry, nodes))?;
     Some(points.iter().map(|point| point.volume).sum())
 }
 
 /// Computes the strains `(ε_xx, ε_yy, ε_zz, γ_xy, γ_yz, γ_zx)` at the integration points of a cell, as in
-/// [`centre_stress`], each with the volume (m³; in two dimensions the area, m²) of its point.
+/// [`strain_at`], each with the volume (m³; in two dimensions the area, m²) of its point.
 ///
 /// `None` if the element is inverted or degenerate.
 pub fn strains(
