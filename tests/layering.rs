@@ -81,27 +81,47 @@ fn code(text: &str) -> impl Iterator<Item = (usize, &str)> {
     })
 }
 
-/// The modules that a file names by `crate::` and `super::`, as paths below `src` without `.rs`.
+/// The modules that a file names by `crate::` and `super::`, in braces, too, as paths below `src` without `.rs`.
 fn named(file: &str, text: &str) -> BTreeSet<String> {
     let here: Vec<&str> = file.trim_end_matches(".rs").split('/').filter(|part| *part != "lib").collect();
+    let text: String = code(text).map(|(_, line)| format!("{line}\n")).collect();
+    let is_path = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == ':';
     let mut named = BTreeSet::new();
-    for (_, line) in code(text) {
-        let is_path = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == ':';
-        for path in
-            line.split(|c| !is_path(c)).filter(|word| word.starts_with("crate::") || word.starts_with("super::"))
-        {
-            let mut at = if path.starts_with("crate") { Vec::new() } else { here.clone() };
-            for part in path.split("::") {
-                match part {
-                    "crate" | "" => {}
-                    "super" => drop(at.pop()),
-                    part => at.push(part),
+    for (start, _) in text.match_indices("crate::").chain(text.match_indices("super::")) {
+        if !text[..start].ends_with(is_path) {
+            paths("", &text[start..], &mut |path| {
+                let mut at = if path.starts_with("crate") { Vec::new() } else { here.clone() };
+                for part in path.split("::") {
+                    match part {
+                        "crate" | "self" | "" => {}
+                        "super" => drop(at.pop()),
+                        part => at.push(part),
+                    }
                 }
-            }
-            named.insert(at.join("/"));
+                named.insert(at.join("/"));
+            });
         }
     }
     named
+}
+
+/// Calls `found` with each path at the beginning of `text`, behind `prefix`, and returns its length.
+fn paths(prefix: &str, text: &str, found: &mut dyn FnMut(&str)) -> usize {
+    let end = text.find(|c: char| !(c.is_ascii_alphanumeric() || c == '_' || c == ':')).unwrap_or(text.len());
+    let path = format!("{prefix}{}", &text[..end]);
+    if !(path.ends_with("::") && text[end..].starts_with('{')) {
+        found(&path);
+        return end;
+    }
+    let mut at = end + 1;
+    while at < text.len() && !text[at..].starts_with('}') {
+        let is_name = text[at..].starts_with(|c: char| c.is_ascii_alphabetic() || c == '_');
+        at += if is_name { paths(&path, &text[at..], found) } else { 1 };
+        if let Some(renamed) = text[at..].strip_prefix(" as ") {
+            at = text.len() - renamed.trim_start_matches(|c: char| c.is_ascii_alphanumeric() || c == '_').len();
+        }
+    }
+    at + 1
 }
 
 fn room(path: &str) -> &str {
@@ -202,6 +222,8 @@ fn the_searches_see() {
     let sources = sources();
     let circle = "use super::y::Y;\n// use crate::z;\n#[cfg(test)]\nmod tests {\n    use crate::w;\n}\nfn f() -> crate::a::B {}\n";
     assert_eq!(named("a/x.rs", circle), BTreeSet::from(["a/B".to_string(), "a/y/Y".to_string()]));
+    let braces = "use super::{\n    b::{self, C as D},\n    e,\n};\n";
+    assert_eq!(named("a/x.rs", braces), BTreeSet::from(["a/b", "a/b/C", "a/e"].map(String::from)));
     assert!(sources["algebra/linear/umfpack.rs"].contains("unsafe {"));
     assert!(sources.len() > 200 && ROOMS.iter().all(|(room, _)| sources.contains_key(&format!("{room}.rs"))));
 }

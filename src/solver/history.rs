@@ -14,7 +14,8 @@
 //! | a stage: one set-up of the equations | `stage.rs` |
 //! | the state that the history has reached | `state.rs` |
 //! | the working set: the contact nodes in condensed equations | `working_set.rs` |
-//! | the response with clamped contact nodes; the interior of a condensed body at the end of a substep | `interior.rs` |
+//! | the body, whole or condensed; its interior at the end of a substep | `body.rs` |
+//! | the response with clamped contact nodes, or of a linearisation | `response.rs` |
 //! | the rigid offset of a body that only contact holds | `rigid_offset.rs` |
 //! | one increment at a time, under loads that are not known in advance | `stepper.rs` |
 //! | the exact path in time, from event to event; jumps | `events.rs`, `jump.rs` |
@@ -44,6 +45,7 @@
 
 mod algorithm;
 mod bn;
+mod body;
 mod choice;
 mod driver;
 mod error;
@@ -51,13 +53,13 @@ mod events;
 mod first_touch;
 mod increment;
 mod increment_error;
-mod interior;
 mod ip;
 mod jump;
 mod method;
 mod observer;
 mod predictor_corrector;
 mod record;
+mod response;
 mod rigid_offset;
 mod saved;
 mod settings;

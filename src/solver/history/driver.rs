@@ -1,7 +1,7 @@
 //! The driver of a history: the loop over its increments, within a loop over stages.
 
+use super::body::Body;
 use super::increment::{IncrementDriver, IncrementEnd};
-use super::interior::Body;
 use super::observer::{IncrementObserver, IncrementView, Observer, record};
 use super::record::{ContactCounts, IncrementRecord, Seconds, Status};
 use super::saved::{Done, RunOf, Saved, SavedStage};

@@ -1,7 +1,7 @@
 //! A history along its exact path in time. An increment here is the interval between two output times; it does not affect
 //! the path.
 
-use super::interior::{Body, RecoveredState, Responds};
+use super::body::{Body, RecoveredState, Responds};
 use super::jump::{AfterJump, JumpSolver, RestartPoint};
 use super::observer::{IncrementView, Observer, record};
 use super::record::{ContactCounts, IncrementRecord, Seconds, Status, is_solution};

@@ -16,8 +16,8 @@
 //! The state on the tangent at the start, on which no node changes its case, tells beforehand if there is such an error at
 //! all. The default method starts there anyway. If it shows none, nothing is solved again.
 
+use super::body::Body;
 use super::increment::{IncrementDriver, Rollback, SubstepInput};
-use super::interior::Body;
 use super::stage::Stage;
 use super::state::StepResult;
 use super::task::Observe;

@@ -7,9 +7,10 @@
 //! A joint that slips as a whole at the end of a substep (`slip.rs`) gives way where the work of the loads reaches that of
 //! friction, by linear interpolation. One substep ends a little after that time and one a little before it.
 
+use super::body::{Body, RecoveredState};
 use super::increment_error::{IncrementError, IncrementErrors};
-use super::interior::{Body, Linearized, RecoveredState};
 use super::observer::IncrementObserver;
+use super::response::Linearized;
 use super::rigid_offset::RigidOffset;
 use super::settings::HistorySettings;
 use super::stage::Stage;

@@ -18,7 +18,7 @@
 //! An increment therefore costs one solve for the rate, with the factors at its start, and one for `e`, with those at
 //! its end. An increment in which the first nodes touch and slide costs another factorisation.
 
-use super::interior::Body;
+use super::body::Body;
 use crate::algebra::linear::{LinearError, RefinedSolver};
 use crate::base::units::Scaling;
 use crate::solver::formulation::Bdiff;

@@ -1,7 +1,8 @@
 //! A stage of a history: one set-up of the equations, with the method that solves them. A new stage begins when the working
 //! set grows.
 
-use super::interior::{Body, ClampedBody};
+use super::body::Body;
+use super::response::ClampedBody;
 use super::settings::HistorySettings;
 use super::state::HistoryState;
 use super::task::{Algorithm, IncrementSolver, Response};

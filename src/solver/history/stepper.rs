@@ -1,7 +1,7 @@
 //! One increment at a time, under loads that are not known in advance.
 
+use super::body::Body;
 use super::driver::HistoryDriver;
-use super::interior::Body;
 use super::observer::Observer;
 use super::saved::{Done, Snapshot};
 use super::stage::Stage;

@@ -49,7 +49,7 @@ pub struct Blas {
 /// process has threads of its own: a program calls it before it starts any.
 pub fn take_better_kernel() {
     #[cfg(feature = "blas")]
-    kernel::take_better();
+    loaded::take_better();
 }
 
 impl Blas {

@@ -1,16 +1,12 @@
-//! Recovery of the whole body's states at the ends of increments that were solved on the contact displacements.
+//! The body of a history, whole or condensed, and the recovery of its states from those of the contact displacements.
 //!
-//! The interior follows from the contact displacements (35). If equilibrium is violated by more than rounding, as in slender bodies, the
-//! whole system is refined: its imbalance is reduced and solved for with the linearisation of that state, and the
-//! interior follows from the change.
+//! The interior follows from the contact displacements (35). If equilibrium is violated by more than rounding, as in
+//! slender bodies, the whole system is refined: its imbalance is reduced and solved for with the linearisation of that
+//! state, and the interior follows from the change.
 
-use super::task::{IncrementSolver, Response};
-use crate::algebra::linear::{LinearError, RefinedSolver, componentwise_error};
+use crate::algebra::linear::{LinearError, componentwise_error};
 use crate::algebra::sparse::sum;
-use crate::base::units::Scaling;
 use crate::solver::condensation::Condensed;
-use crate::solver::formulation::Layout;
-use crate::solver::laws::coulomb::length;
 use crate::solver::laws::{Judgement, KktScales};
 use crate::solver::loading::Loading;
 use crate::solver::problem::{ContactProblem, Increment, State};
@@ -166,123 +162,4 @@ pub(super) trait Responds {
 
     /// Adds the last response to the state.
     fn go_on(&mut self);
-}
-
-/// The response of a method's linearisation.
-pub(super) struct Linearized<'m> {
-    method: &'m mut dyn IncrementSolver,
-    linear: &'m mut RefinedSolver,
-    problem: &'m ContactProblem,
-    scaling: Scaling,
-    change: Vec<f64>,
-}
-
-impl<'m> Linearized<'m> {
-    /// Creates the response at the state that the `method` has reached on a condensed `problem`.
-    pub(super) fn new(
-        method: &'m mut dyn IncrementSolver,
-        linear: &'m mut RefinedSolver,
-        problem: &'m ContactProblem,
-        scaling: Scaling,
-    ) -> Self {
-        Linearized { method, linear, problem, scaling, change: Vec::new() }
-    }
-}
-
-impl Responds for Linearized<'_> {
-    fn is_regular(&mut self) -> Result<bool, LinearError> {
-        self.method.linearize();
-        match self.linear.factorize(self.method.linearization()) {
-            Ok(_) => Ok(true),
-            Err(LinearError::Singular { .. } | LinearError::NotFinite) => Ok(false),
-            Err(error) => Err(error),
-        }
-    }
-
-    fn respond(&mut self, forces: &[f64]) -> Result<State, LinearError> {
-        let n = self.method.linearization().order();
-        let mut rhs = vec![0.0; n];
-        rhs.iter_mut().zip(forces).for_each(|(b, force)| *b = force / self.scaling.force);
-        self.change = vec![0.0; n];
-        self.linear.solve(self.method.linearization(), &rhs, &mut self.change)?;
-        Ok(Layout::new(self.problem).unpacked(&self.change, &self.scaling))
-    }
-
-    fn go_on(&mut self) {
-        self.method.unknowns().iter_mut().zip(&self.change).for_each(|(z, dz)| *z += dz);
-    }
-}
-
-/// The response of the body to each load case with clamped contact nodes.
-pub(super) struct ClampedBody {
-    /// `∂(u, p_t, p_n)/∂factor` per case, scaled.
-    answers: Vec<Vec<f64>>,
-    layout: Layout,
-    scaling: Scaling,
-}
-
-impl ClampedBody {
-    /// Computes the responses by one factorisation with clamped contact nodes and one solve per load case. The inner
-    /// `Err` means that the body is unconstrained even then, and has the weights of its rigid modes if they are the
-    /// reason.
-    pub(super) fn new(
-        method: &mut dyn IncrementSolver,
-        body: Body<'_>,
-        scaling: &Scaling,
-        linear: &mut RefinedSolver,
-    ) -> Result<Result<Self, Option<Vec<f64>>>, LinearError> {
-        let (problem, loading) = body.solved();
-        if let Err(motion) = method.clamp_contacts() {
-            return Ok(Err(Some(motion)));
-        }
-        let layout = Layout::new(problem);
-        let mut answers = Vec::with_capacity(loading.cases().len());
-        // Without contact nodes one Newton step solves the increment.
-        if problem.contacts() > 0 && !loading.cases().is_empty() {
-            match linear.factorize(method.matrix()) {
-                Ok(_) => {}
-                Err(LinearError::Singular { .. }) => return Ok(Err(None)),
-                Err(error) => return Err(error),
-            }
-            let n = method.matrix().order();
-            let (mut rhs, mut z) = (vec![0.0; n], vec![0.0; n]);
-            for case in loading.cases() {
-                for (to, from) in rhs.iter_mut().zip(case.force()) {
-                    *to = from / scaling.force;
-                }
-                match linear.solve(method.matrix(), &rhs, &mut z) {
-                    Ok(_) => {}
-                    Err(LinearError::NotFinite) => return Ok(Err(None)),
-                    Err(error) => return Err(error),
-                }
-                answers.push(z[..layout.unknowns()].to_vec());
-            }
-        }
-        Ok(Ok(ClampedBody { answers, layout, scaling: *scaling }))
-    }
-
-    /// Returns the response to the change of the load from one time to another; `None` means the unloaded body.
-    pub(super) fn response(&self, loading: &Loading, from: Option<f64>, to: f64) -> Response {
-        let mut u = vec![0.0; self.answers.first().map_or(0, Vec::len)];
-        for (case, answer) in loading.cases().iter().zip(&self.answers) {
-            let change = case.factor(to) - from.map_or(0.0, |from| case.factor(from));
-            for (u, a) in u.iter_mut().zip(answer) {
-                *u += change * a;
-            }
-        }
-        let contacts = if u.is_empty() { 0 } else { self.layout.contacts() };
-        let force = |i: usize| {
-            let friction = self.layout.tangential(i).map(|k| k.map_or(0.0, |k| u[k]));
-            length(friction).max(u[self.layout.p_n(i)].abs())
-        };
-        let contact_force = (0..contacts).map(force).fold(0.0, f64::max);
-        let forces = u.split_off(self.layout.displacements().min(u.len()));
-        let (mut before, mut after) = (loading.gap().to_vec(), loading.gap().to_vec());
-        if let Some(from) = from {
-            loading.gap_at(from, &mut before);
-        }
-        loading.gap_at(to, &mut after);
-        let gap_change = after.iter().zip(&before).fold(0.0_f64, |m, (now, before)| m.max((now - before).abs()));
-        Response { u, contact_force, forces, gap_change: gap_change / self.scaling.length }
-    }
 }
