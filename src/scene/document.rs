@@ -6,7 +6,7 @@ mod output;
 use std::fmt;
 use std::marker::PhantomData;
 
-pub(super) use body::{BodyTable, Material, MaterialGroup, Mesh, MeshKind};
+pub(super) use body::{BodyTable, Material, Mesh, MeshKind};
 pub(super) use output::{Cycle, Output, Probe, Times};
 
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
@@ -20,6 +20,7 @@ use super::syntax;
 use crate::algebra::vector::Vector;
 use crate::base::units::Units;
 use crate::body::contact::GapDirection;
+use crate::body::description::{CouplingKind, Slave};
 use crate::solver::formulation::Partition;
 
 /// `N` values, by default two. A plain array would not do because the TOML reader ignores surplus values.
@@ -102,7 +103,7 @@ impl Visitor<'_> for ScalarVisitor {
     type Value = Scalar;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a number or a formula of x, y and z")
+        f.write_str("a number or a formula in quotes")
     }
 
     fn visit_i64<E: de::Error>(self, value: i64) -> Result<Scalar, E> {
@@ -158,14 +159,6 @@ pub(super) struct Coupling {
     pub kind: CouplingKind,
 }
 
-#[derive(Clone, Copy, Default, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum CouplingKind {
-    #[default]
-    Rigid,
-    Distributing,
-}
-
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Support {
@@ -207,7 +200,7 @@ pub(super) struct Spring {
 #[serde(deny_unknown_fields)]
 pub(super) struct ContactTable {
     pub boundary: String,
-    pub friction: Option<Friction>,
+    pub friction: Option<Scalar>,
     pub friction_history: Option<Vec<Tuple<f64>>>,
     pub obstacle: Option<Obstacles>,
     pub against: Option<Names>,
@@ -237,48 +230,6 @@ pub(super) struct Pretension {
 pub(super) enum Names {
     One(String),
     Several(Vec<String>),
-}
-
-/// The boundary of a pair whose nodes carry the contact forces.
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum Slave {
-    Boundary,
-    Automatic,
-}
-
-/// A number, or a formula of the position.
-pub(super) enum Friction {
-    Number(f64),
-    Formula(String),
-}
-
-impl<'de> Deserialize<'de> for Friction {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(FrictionVisitor)
-    }
-}
-
-struct FrictionVisitor;
-
-impl Visitor<'_> for FrictionVisitor {
-    type Value = Friction;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a number or a formula in quotes")
-    }
-
-    fn visit_i64<E: de::Error>(self, value: i64) -> Result<Self::Value, E> {
-        Ok(Friction::Number(value as f64))
-    }
-
-    fn visit_f64<E: de::Error>(self, value: f64) -> Result<Self::Value, E> {
-        Ok(Friction::Number(value))
-    }
-
-    fn visit_str<E: de::Error>(self, value: &str) -> Result<Self::Value, E> {
-        Ok(Friction::Formula(value.to_string()))
-    }
 }
 
 /// One obstacle, or a list of several.

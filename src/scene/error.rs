@@ -56,6 +56,14 @@ impl SceneError {
         let kind = FileKind::of(bytes)?;
         Some(SceneError::Other { path: name.to_string(), what: kind.name(), help: kind.as_scene() })
     }
+
+    /// Adds to the message that the number was converted to SI units.
+    pub(super) fn in_si(mut self) -> Self {
+        if let SceneError::Invalid(located) = &mut self {
+            located.message.insert_str(0, "in SI units ");
+        }
+        self
+    }
 }
 
 /// An error with its place in the scene's text.

@@ -1,6 +1,6 @@
 //! The solver of a scene.
 
-use super::foreign;
+use super::given;
 use crate::algebra::linear::SparseLu;
 use crate::base::input_error::{InputError, ensure, finite};
 use crate::scene::document;
@@ -82,20 +82,19 @@ fn method(solver: &document::SolverTable) -> Result<HistoryMethod, InputError> {
         }
         (MethodName::Events, Setting::Default) => "the method events",
     };
-    let in_solver = |fault: InputError| fault.with_key("solver");
+    let foreign = |whose, keys: &[_]| super::foreign(whose, keys).map_err(|fault| fault.with_key("solver"));
     if (method, setting) != (MethodName::Ip, Setting::Paper) {
-        foreign("start", start.as_ref(), whose).map_err(in_solver)?;
-        foreign("partition", partition.as_ref(), whose).map_err(in_solver)?;
+        foreign(whose, given!(solver; start partition))?;
     }
     if (method, setting) != (MethodName::Bn, Setting::Default) {
-        foreign("r_factor", r_factor.as_ref(), whose).map_err(in_solver)?;
+        foreign(whose, given!(solver; r_factor))?;
     }
     if method == MethodName::Events {
-        foreign("max_iterations", solver.max_iterations.as_ref(), whose).map_err(in_solver)?;
+        foreign(whose, given!(solver; max_iterations))?;
         return Ok(HistoryMethod::ExactPath { jump: jump.unwrap_or_default() });
     }
     let whose = if method == MethodName::Ip { "the method ip" } else { "the method bn" };
-    foreign("jump", jump.as_ref(), whose).map_err(in_solver)?;
+    foreign(whose, given!(solver; jump))?;
     let method = match (method, setting) {
         (MethodName::Ip, Setting::Paper) => {
             Method::PaperIp { start: start.unwrap_or_default().constants(), partition: partition.unwrap_or_default() }
