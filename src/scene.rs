@@ -31,7 +31,6 @@ mod overrides;
 mod places;
 mod provenance;
 mod read;
-mod solver;
 mod syntax;
 
 use std::path::{Path, PathBuf};

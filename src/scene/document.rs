@@ -15,13 +15,13 @@ use serde::{Deserialize, Deserializer};
 
 use super::SceneError;
 use super::error::Source;
-use super::solver::{LinearName, MethodName, Setting, Start};
 use super::syntax;
 use crate::algebra::vector::Vector;
 use crate::base::units::Units;
 use crate::body::contact::GapDirection;
 use crate::body::description::{CouplingKind, Slave};
 use crate::solver::formulation::Partition;
+use crate::solver::history::{LinearAlgebra, UnknownLinearAlgebra};
 
 /// `N` values, by default two. A plain array would not do because the TOML reader ignores surplus values.
 #[derive(Clone, Copy, Deserialize)]
@@ -351,7 +351,7 @@ pub(super) struct SolverTable {
     #[serde(default)]
     pub method: MethodName,
     pub setting: Option<Setting>,
-    pub linear: Option<LinearName>,
+    pub linear: Option<Linear>,
     pub start: Option<Start>,
     pub partition: Option<Partition>,
     pub r_factor: Option<f64>,
@@ -359,6 +359,49 @@ pub(super) struct SolverTable {
     pub max_iterations: Option<i64>,
     pub tolerance: Option<f64>,
 }
+
+#[derive(Clone, Copy, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum MethodName {
+    #[default]
+    Bn,
+    Ip,
+    Events,
+}
+
+#[derive(Clone, Copy, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum Setting {
+    Paper,
+    #[default]
+    Default,
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum Start {
+    Safe,
+    Prev,
+}
+
+/// The linear algebra; `None` for `auto`.
+#[derive(Clone, Copy)]
+pub(super) struct Linear(pub Option<LinearAlgebra>);
+
+impl<'de> Deserialize<'de> for Linear {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let word = String::deserialize(deserializer)?;
+        if word == "auto" {
+            return Ok(Linear(None));
+        }
+        let known = word.parse().map(|linear| Linear(Some(linear)));
+        known.map_err(|UnknownLinearAlgebra| de::Error::unknown_variant(&word, &LINEAR))
+    }
+}
+
+/// The words of `solver.linear`.
+const LINEAR: [&str; 9] =
+    ["umfpack", "mumps", "faer", "partial", "condensed", "condensed-cholmod", "condensed-faer", "multigrid", "auto"];
 
 impl Document {
     pub(super) fn parse(source: &Source) -> Result<Self, SceneError> {

@@ -189,7 +189,12 @@ fn needed<T>(name: &str, value: Option<T>, kind: &str, whose: &str) -> Result<T,
 
 /// Fails if one of `keys` is given, which do not belong to `whose`.
 fn foreign(whose: &str, keys: &[(&str, bool)]) -> Result<(), InputError> {
-    match keys.iter().find(|(_, given)| *given) {
+    only(whose, &[], keys)
+}
+
+/// Fails if one of `keys` is given, but those of `whose` are only its `own`.
+fn only(whose: &str, own: &[&str], keys: &[(&str, bool)]) -> Result<(), InputError> {
+    match keys.iter().find(|(key, given)| *given && !own.contains(key)) {
         None => Ok(()),
         Some((key, _)) => Err(InputError::new(*key, format!("{whose} has no {key}"), "remove the key")),
     }

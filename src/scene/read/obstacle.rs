@@ -1,6 +1,6 @@
 //! The obstacle of a contact.
 
-use super::{Reader, given, points};
+use super::{Reader, given, only, points};
 use crate::algebra::vector::Vector;
 use crate::base::units::Quantity;
 use crate::body::contact::{Obstacle, Place, Rotation, Shape};
@@ -42,8 +42,7 @@ fn shape(obstacle: &document::Obstacle, reader: Reader<'_>) -> Result<Shape, Sce
         ObstacleKind::Surface => ("a surface", &["file", "scale"]),
     };
     let given = given!(obstacle; gap radius angle half_angle through apex center axis formula file scale);
-    let foreign: Vec<_> = given.iter().copied().filter(|(key, _)| !keys.contains(key)).collect();
-    reader.foreign(whose, &foreign)?;
+    only(whose, keys, given).map_err(|fault| reader.at(fault))?;
     let document::Obstacle { kind, gap, through, radius, apex, center, axis, .. } = obstacle;
     let document::Obstacle { angle, half_angle, formula, file, scale, .. } = obstacle;
     let number = |key: &str, value: &Option<f64>| reader.needed(key, *value, "kind", whose);
