@@ -26,7 +26,6 @@
 
 mod document;
 mod error;
-mod files;
 mod overrides;
 mod places;
 mod provenance;
@@ -160,7 +159,7 @@ impl Scene {
 
     /// The files that it names, meshes and tables of gaps, and those that its meshes include.
     pub fn files(&self) -> Vec<PathBuf> {
-        let named = files::files(self.text()).into_iter().map(|(_, file)| self.source.beside(&file));
+        let named = self.source.files().into_iter().map(|(_, file)| self.source.beside(&file));
         named.chain(self.description.mesh.includes()).collect()
     }
 
@@ -183,7 +182,7 @@ impl Scene {
 
     /// The error of a `file` that the scene names, at the key that names it; of a file that the mesh includes at the mesh.
     pub fn error_of_file(&self, file: &Path, message: impl Into<String>, help: impl Into<String>) -> SceneError {
-        let named = files::files(self.text()).into_iter().find(|(_, name)| self.source.beside(name) == file);
+        let named = self.source.files().into_iter().find(|(_, name)| self.source.beside(name) == file);
         self.error_at(&named.map_or("mesh.file".to_string(), |(key, _)| key), message, help)
     }
 

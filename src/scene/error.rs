@@ -103,6 +103,11 @@ impl Source {
         Path::new(&self.name).parent().unwrap_or(Path::new("")).join(file)
     }
 
+    /// Returns the keys `file` with their values, in order.
+    pub(super) fn files(&self) -> Vec<(String, String)> {
+        Places::of(&self.text).files(&self.text)
+    }
+
     /// Creates a source from the text `text` called `name`.
     pub(super) fn new(name: String, text: String) -> Self {
         Source { name, text, material_keys: Vec::new() }
