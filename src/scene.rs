@@ -135,7 +135,7 @@ impl Scene {
     /// # Errors
     /// When the scene is not sound; the message names `name` and the line.
     pub fn parse(name: &str, text: &str, overrides: &[Override]) -> Result<Self, SceneError> {
-        let scene = overrides::apply(name, text, overrides).and_then(read::scene);
+        let scene = overrides::apply(name, text, overrides).and_then(|source| read::scene(&source));
         scene.map_err(|error| SceneError::other(name, text.as_bytes()).unwrap_or(error))
     }
 

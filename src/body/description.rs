@@ -103,8 +103,8 @@ pub enum Axis {
 pub struct Contact {
     /// The boundary.
     pub boundary: String,
-    /// Coulomb's friction coefficient `μ ≥ 0`. If two contacts share a node and its normal, the coefficient there is the mean
-    /// of both, weighted by the node's area in each contact.
+    /// Coulomb's friction coefficient `μ ≥ 0`. If two contacts share a node and its normal, the coefficient there is
+    /// the mean of both, weighted by the node's area in each contact.
     pub friction: Field,
     /// Points `[time (s), factor]` with increasing times and factors above 0 that multiply the coefficient: linear
     /// between the points, constant outside. Without them the coefficient is constant.

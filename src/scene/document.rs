@@ -103,7 +103,7 @@ impl Visitor<'_> for ScalarVisitor {
     type Value = Scalar;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a number or a formula in quotes")
+        f.write_str("a number or a formula in quotes, of x, y and z")
     }
 
     fn visit_i64<E: de::Error>(self, value: i64) -> Result<Scalar, E> {

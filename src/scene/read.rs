@@ -38,8 +38,8 @@ use given;
 ///
 /// Messages quote the numbers of the text, so it is read and checked as it stands before it is read in SI units, where
 /// only numbers that are too large for the solver are left to find.
-pub(super) fn scene(source: Source) -> Result<Scene, SceneError> {
-    let as_written = Reader { source: &source, key: "", units: Units::SI, depth: Depth::Whole };
+pub(super) fn scene(source: &Source) -> Result<Scene, SceneError> {
+    let as_written = Reader { source, key: "", units: Units::SI, depth: Depth::Whole };
     let scene = scene_by(as_written)?;
     let (units, material) = (scene.description.units, &scene.description.material);
     if units == Units::SI && material.thickness.is_none() {
