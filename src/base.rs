@@ -6,7 +6,7 @@ pub(crate) mod input_error;
 pub(crate) mod memory;
 pub(crate) mod timeline;
 pub(crate) mod units;
-pub use formula::{Formula, FormulaError, FormulaUnits};
+pub use formula::{Field, Formula, FormulaError, FormulaUnits};
 pub use input::{Contents, read_bytes, with_contents};
 pub use input_error::{InputError, finite, positive};
 pub use memory::{Budget, Source, in_words, kilobytes};

@@ -7,14 +7,14 @@ pub mod fem;
 pub mod mesh;
 pub(crate) mod model;
 pub use contact::{
-    ContactBoundary, ContactNode, Counterpart, Coupled, DeformedNode, End, Facing, Friction, GapAt, GapDirection,
-    GapTable, Hole, Meeting, Mortar, MortarFault, MortarOptions, MortarRow, Obstacle, ObstacleError, ObstacleMotion,
-    Passed, Place, PlacedObstacle, RangeLeft, Rates, Rotation, Row, Shape, SlaveChoice, SlaveReason, Supports,
-    SurfaceError, TableError, Term, Unclear, range_left,
+    ContactBoundary, ContactNode, Counterpart, Coupled, DeformedNode, End, Facing, GapAt, GapDirection, GapTable, Hole,
+    Meeting, Mortar, MortarFault, MortarOptions, MortarRow, Obstacle, ObstacleError, ObstacleMotion, Passed, Place,
+    PlacedObstacle, RangeLeft, Rates, Rotation, Row, Shape, SlaveChoice, SlaveReason, Supports, SurfaceError,
+    TableError, Term, Unclear, range_left,
 };
 pub use description::{
-    Action, Against, Axis, Bed, Contact, Coupling, CouplingKind, Description, Direction, Field, FirstGap, Held, Kinks,
-    Load, Opposite, Part, Pretension, Probe, ProbePlace, Slave, Support, Tightening, Where,
+    Action, Against, Axis, Bed, Contact, Coupling, CouplingKind, Description, Direction, Held, Kinks, Load, Opposite,
+    Part, Pretension, Probe, ProbePlace, Slave, Support, Tightening, Where,
 };
 pub use estimate::{
     ContactEstimate, ContactGraph, DiscretisationError, ElementEstimate, HertzContact, PeakOf, StickZone, peak_error,

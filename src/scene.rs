@@ -26,12 +26,10 @@
 
 mod document;
 mod error;
-mod files;
 mod overrides;
 mod places;
 mod provenance;
 mod read;
-mod solver;
 mod syntax;
 
 use std::path::{Path, PathBuf};
@@ -137,10 +135,7 @@ impl Scene {
     /// # Errors
     /// When the scene is not sound; the message names `name` and the line.
     pub fn parse(name: &str, text: &str, overrides: &[Override]) -> Result<Self, SceneError> {
-        let scene = overrides::apply(name, text, overrides).and_then(|source| {
-            let document = document::Document::parse(&source)?;
-            read::scene(document, source)
-        });
+        let scene = overrides::apply(name, text, overrides).and_then(|source| read::scene(&source));
         scene.map_err(|error| SceneError::other(name, text.as_bytes()).unwrap_or(error))
     }
 
@@ -164,7 +159,7 @@ impl Scene {
 
     /// The files that it names, meshes and tables of gaps, and those that its meshes include.
     pub fn files(&self) -> Vec<PathBuf> {
-        let named = files::files(self.text()).into_iter().map(|(_, file)| self.source.beside(&file));
+        let named = self.source.files().into_iter().map(|(_, file)| self.source.beside(&file));
         named.chain(self.description.mesh.includes()).collect()
     }
 
@@ -187,7 +182,7 @@ impl Scene {
 
     /// The error of a `file` that the scene names, at the key that names it; of a file that the mesh includes at the mesh.
     pub fn error_of_file(&self, file: &Path, message: impl Into<String>, help: impl Into<String>) -> SceneError {
-        let named = files::files(self.text()).into_iter().find(|(_, name)| self.source.beside(name) == file);
+        let named = self.source.files().into_iter().find(|(_, name)| self.source.beside(name) == file);
         self.error_at(&named.map_or("mesh.file".to_string(), |(key, _)| key), message, help)
     }
 

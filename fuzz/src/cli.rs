@@ -34,7 +34,7 @@ struct Arguments {
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Target {
-    /// Scenes, overrides, formulas, meshes, tables, surfaces, matrices, exchange files, results.
+    /// Scenes, overrides, formulas, meshes, tables, surfaces, exchange files, results.
     Readers,
     /// Scenes that are run, and told otherwise.
     Runs,

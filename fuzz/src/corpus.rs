@@ -33,8 +33,6 @@ pub struct Corpus {
     pub tables: Vec<Vec<u8>>,
     /// STL files.
     pub surfaces: Vec<Vec<u8>>,
-    /// Matrices in the format of the Matrix Market.
-    pub matrices: Vec<Vec<u8>>,
     /// FCLIB files.
     pub hdf5: Vec<Vec<u8>>,
     /// Friction problems in Siconos' texts.
@@ -98,7 +96,6 @@ pub fn corpus() -> &'static Corpus {
             unv: beginning(of("unv", &["meshes/formats"], 20_000), &[b"    -1"]),
             tables: of("table", &[], 4000),
             surfaces: of("surface", &[], 4000),
-            matrices: of("matrix", &[], 4000),
             results: texts(&[found("results")], 20_000).into_iter().chain(report()).collect(),
             words: words(),
         }

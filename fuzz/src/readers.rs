@@ -26,8 +26,8 @@ pub struct Reader {
 }
 
 /// All readers; the shares add up to 100.
-pub const ALL: [Reader; 13] = [
-    Reader { name: "scene", share: 12, make: scene::make, check: scene::check },
+pub const ALL: [Reader; 12] = [
+    Reader { name: "scene", share: 18, make: scene::make, check: scene::check },
     Reader { name: "override", share: 8, make: scene::make_override, check: scene::check_override },
     Reader { name: "formula", share: 18, make: formula::make, check: formula::check },
     Reader { name: "gmsh", share: 6, make: mesh::make_gmsh, check: mesh::check_gmsh },
@@ -35,7 +35,6 @@ pub const ALL: [Reader; 13] = [
     Reader { name: "unv", share: 3, make: mesh::make_unv, check: mesh::check_unv },
     Reader { name: "surface", share: 4, make: tables::make_surface, check: tables::check_surface },
     Reader { name: "table", share: 10, make: tables::make, check: tables::check },
-    Reader { name: "matrix", share: 6, make: tables::make_matrix, check: tables::check_matrix },
     Reader { name: "results", share: 6, make: results::make, check: results::check },
     Reader { name: "fclib", share: 8, make: problem::make_fclib, check: problem::check },
     Reader { name: "siconos", share: 8, make: problem::make_siconos, check: problem::check },

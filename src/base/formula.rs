@@ -1,9 +1,12 @@
 //! Formulas of the position, such as `0.5 * x^2 / 0.1`.
 
+mod field;
 mod functions;
 mod grammar;
 
 use std::ops::Range;
+
+pub use field::Field;
 
 /// A formula in `x`, `y` and `z` (m).
 #[derive(Debug, Clone)]

@@ -24,12 +24,6 @@ impl InputError {
         InputError { key: key.into(), message: message.into(), help: help.into() }
     }
 
-    /// Adds to the message that the number was converted to SI units.
-    #[must_use]
-    pub fn in_si(self) -> Self {
-        InputError { message: format!("in SI units {}", self.message), ..self }
-    }
-
     /// Prefixes the key with `parent`, the key of the containing value.
     #[must_use]
     pub fn with_key(self, parent: &str) -> Self {

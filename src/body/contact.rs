@@ -4,7 +4,6 @@ mod cone;
 mod coupled;
 mod crossing;
 mod description;
-mod friction;
 mod front;
 mod gap_table;
 mod holes;
@@ -22,7 +21,6 @@ mod triangles;
 
 pub use coupled::{coupled_nodes, relative};
 pub use description::{GapDirection, Obstacle, Place, Rotation, Shape};
-pub use friction::Friction;
 pub(crate) use front::outsides;
 pub use front::{Meeting, Unclear, meetings, nearest};
 pub use gap_table::{GapTable, TableError};

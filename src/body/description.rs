@@ -4,7 +4,6 @@
 mod check;
 mod coupling;
 mod cycle;
-mod field;
 mod formulas;
 mod kinks;
 mod load;
@@ -13,14 +12,12 @@ mod pretension;
 mod probe;
 mod spring;
 mod support;
-mod units;
 
 pub use coupling::{Coupling, CouplingKind, Part};
 pub use cycle::{CycleChoice, CycleRequest};
-pub use field::Field;
 pub use kinks::Kinks;
 pub use load::{Action, Load, Where};
-pub use opposite::{FirstGap, Opposite, Slave};
+pub use opposite::{Opposite, Slave};
 pub use pretension::{Pretension, Tightening};
 pub use probe::{Probe, ProbePlace};
 pub use spring::Bed;
@@ -28,8 +25,9 @@ pub use support::{Direction, Held, Support};
 
 use serde::Deserialize;
 
+use crate::base::formula::Field;
 use crate::base::units::{UnitSystem, Units};
-use crate::body::contact::{Friction, Obstacle};
+use crate::body::contact::Obstacle;
 use crate::body::fem::{Element, Material};
 use crate::body::mesh::MeshSource;
 
@@ -84,7 +82,7 @@ pub struct Description {
     /// The ends of the increments in increasing order, s; the history begins at 0. A model adds an end at each kink of
     /// a history, see [`Description::ends_at_kinks`].
     pub times: Vec<f64>,
-    /// The units of the results. All numbers here are SI; see [`Description::given_in`].
+    /// The units of the results. All numbers here are SI.
     pub units: Units,
 }
 
@@ -105,9 +103,9 @@ pub enum Axis {
 pub struct Contact {
     /// The boundary.
     pub boundary: String,
-    /// Coulomb's friction coefficient. If two contacts share a node and its normal, the coefficient there is the mean
-    /// of both, weighted by the node's area in each contact.
-    pub friction: Friction,
+    /// Coulomb's friction coefficient `μ ≥ 0`. If two contacts share a node and its normal, the coefficient there is
+    /// the mean of both, weighted by the node's area in each contact.
+    pub friction: Field,
     /// Points `[time (s), factor]` with increasing times and factors above 0 that multiply the coefficient: linear
     /// between the points, constant outside. Without them the coefficient is constant.
     pub friction_history: Option<Vec<[f64; 2]>>,
@@ -212,12 +210,7 @@ impl Description {
     /// Adds a contact of `boundary` with one or several obstacles; `friction` is Coulomb's coefficient, a number or a
     /// formula.
     #[must_use]
-    pub fn contact(
-        mut self,
-        boundary: &str,
-        friction: impl Into<Friction>,
-        obstacles: impl Into<Vec<Obstacle>>,
-    ) -> Self {
+    pub fn contact(mut self, boundary: &str, friction: impl Into<Field>, obstacles: impl Into<Vec<Obstacle>>) -> Self {
         let (friction, against) = (friction.into(), Against::Obstacles(obstacles.into()));
         let boundary = boundary.to_string();
         self.contacts.push(Contact { boundary, friction, friction_history: None, against });
@@ -226,7 +219,7 @@ impl Description {
 
     /// Adds a contact of `boundary` with another boundary; `friction` is Coulomb's coefficient, a number or a formula.
     #[must_use]
-    pub fn pair(mut self, boundary: &str, friction: impl Into<Friction>, against: impl Into<Opposite>) -> Self {
+    pub fn pair(mut self, boundary: &str, friction: impl Into<Field>, against: impl Into<Opposite>) -> Self {
         let (boundary, friction) = (boundary.to_string(), friction.into());
         let against = Against::Boundary(against.into());
         self.contacts.push(Contact { boundary, friction, friction_history: None, against });

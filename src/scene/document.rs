@@ -6,7 +6,7 @@ mod output;
 use std::fmt;
 use std::marker::PhantomData;
 
-pub(super) use body::{BodyTable, Material, MaterialGroup, Mesh, MeshKind};
+pub(super) use body::{BodyTable, Material, Mesh, MeshKind};
 pub(super) use output::{Cycle, Output, Probe, Times};
 
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
@@ -15,12 +15,13 @@ use serde::{Deserialize, Deserializer};
 
 use super::SceneError;
 use super::error::Source;
-use super::solver::{LinearName, MethodName, Setting, Start};
 use super::syntax;
 use crate::algebra::vector::Vector;
 use crate::base::units::Units;
 use crate::body::contact::GapDirection;
+use crate::body::description::{CouplingKind, Slave};
 use crate::solver::formulation::Partition;
+use crate::solver::history::{LinearAlgebra, UnknownLinearAlgebra};
 
 /// `N` values, by default two. A plain array would not do because the TOML reader ignores surplus values.
 #[derive(Clone, Copy, Deserialize)]
@@ -102,7 +103,7 @@ impl Visitor<'_> for ScalarVisitor {
     type Value = Scalar;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a number or a formula of x, y and z")
+        f.write_str("a number or a formula in quotes, of x, y and z")
     }
 
     fn visit_i64<E: de::Error>(self, value: i64) -> Result<Scalar, E> {
@@ -158,14 +159,6 @@ pub(super) struct Coupling {
     pub kind: CouplingKind,
 }
 
-#[derive(Clone, Copy, Default, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum CouplingKind {
-    #[default]
-    Rigid,
-    Distributing,
-}
-
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Support {
@@ -207,7 +200,7 @@ pub(super) struct Spring {
 #[serde(deny_unknown_fields)]
 pub(super) struct ContactTable {
     pub boundary: String,
-    pub friction: Option<Friction>,
+    pub friction: Option<Scalar>,
     pub friction_history: Option<Vec<Tuple<f64>>>,
     pub obstacle: Option<Obstacles>,
     pub against: Option<Names>,
@@ -237,48 +230,6 @@ pub(super) struct Pretension {
 pub(super) enum Names {
     One(String),
     Several(Vec<String>),
-}
-
-/// The boundary of a pair whose nodes carry the contact forces.
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum Slave {
-    Boundary,
-    Automatic,
-}
-
-/// A number, or a formula of the position.
-pub(super) enum Friction {
-    Number(f64),
-    Formula(String),
-}
-
-impl<'de> Deserialize<'de> for Friction {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(FrictionVisitor)
-    }
-}
-
-struct FrictionVisitor;
-
-impl Visitor<'_> for FrictionVisitor {
-    type Value = Friction;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a number or a formula in quotes")
-    }
-
-    fn visit_i64<E: de::Error>(self, value: i64) -> Result<Self::Value, E> {
-        Ok(Friction::Number(value as f64))
-    }
-
-    fn visit_f64<E: de::Error>(self, value: f64) -> Result<Self::Value, E> {
-        Ok(Friction::Number(value))
-    }
-
-    fn visit_str<E: de::Error>(self, value: &str) -> Result<Self::Value, E> {
-        Ok(Friction::Formula(value.to_string()))
-    }
 }
 
 /// One obstacle, or a list of several.
@@ -400,7 +351,7 @@ pub(super) struct SolverTable {
     #[serde(default)]
     pub method: MethodName,
     pub setting: Option<Setting>,
-    pub linear: Option<LinearName>,
+    pub linear: Option<Linear>,
     pub start: Option<Start>,
     pub partition: Option<Partition>,
     pub r_factor: Option<f64>,
@@ -408,6 +359,49 @@ pub(super) struct SolverTable {
     pub max_iterations: Option<i64>,
     pub tolerance: Option<f64>,
 }
+
+#[derive(Clone, Copy, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum MethodName {
+    #[default]
+    Bn,
+    Ip,
+    Events,
+}
+
+#[derive(Clone, Copy, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum Setting {
+    Paper,
+    #[default]
+    Default,
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum Start {
+    Safe,
+    Prev,
+}
+
+/// The linear algebra; `None` for `auto`.
+#[derive(Clone, Copy)]
+pub(super) struct Linear(pub Option<LinearAlgebra>);
+
+impl<'de> Deserialize<'de> for Linear {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let word = String::deserialize(deserializer)?;
+        if word == "auto" {
+            return Ok(Linear(None));
+        }
+        let known = word.parse().map(|linear| Linear(Some(linear)));
+        known.map_err(|UnknownLinearAlgebra| de::Error::unknown_variant(&word, &LINEAR))
+    }
+}
+
+/// The words of `solver.linear`.
+const LINEAR: [&str; 9] =
+    ["umfpack", "mumps", "faer", "partial", "condensed", "condensed-cholmod", "condensed-faer", "multigrid", "auto"];
 
 impl Document {
     pub(super) fn parse(source: &Source) -> Result<Self, SceneError> {

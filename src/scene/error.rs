@@ -56,6 +56,14 @@ impl SceneError {
         let kind = FileKind::of(bytes)?;
         Some(SceneError::Other { path: name.to_string(), what: kind.name(), help: kind.as_scene() })
     }
+
+    /// Adds to the message that the number was converted to SI units.
+    pub(super) fn in_si(mut self) -> Self {
+        if let SceneError::Invalid(located) = &mut self {
+            located.message.insert_str(0, "in SI units ");
+        }
+        self
+    }
 }
 
 /// An error with its place in the scene's text.
@@ -93,6 +101,11 @@ impl Source {
     /// Returns the path of a file that the scene names, relative to the directory of the scene.
     pub(super) fn beside(&self, file: &str) -> PathBuf {
         Path::new(&self.name).parent().unwrap_or(Path::new("")).join(file)
+    }
+
+    /// Returns the keys `file` with their values, in order.
+    pub(super) fn files(&self) -> Vec<(String, String)> {
+        Places::of(&self.text).files(&self.text)
     }
 
     /// Creates a source from the text `text` called `name`.

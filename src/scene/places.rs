@@ -42,6 +42,19 @@ impl Places {
         smallest.map_or(String::new(), |(key, _)| key.clone())
     }
 
+    /// Returns the keys `file` of `text`, whose places these are, with their values, in order.
+    pub(super) fn files(&self, text: &str) -> Vec<(String, String)> {
+        let mut files: Vec<(&String, &Range<usize>, String)> = Vec::new();
+        for (key, span) in self.0.iter().filter(|(key, _)| key.rsplit('.').next() == Some("file")) {
+            // The place of the name comes after that of the value, and the place in the only table of a list twice.
+            let is_known = files.iter().any(|(known, place, _)| *known == key || *place == span);
+            if let Some(Ok(Value::String(file))) = (!is_known).then(|| text[span.clone()].parse()) {
+                files.push((key, span, file.into_value()));
+            }
+        }
+        files.into_iter().map(|(key, _, file)| (key.clone(), file)).collect()
+    }
+
     fn take_table(&mut self, table: &dyn TableLike, above: &str) {
         for (name, item) in table.iter() {
             let key = if above.is_empty() { name.to_string() } else { format!("{above}.{name}") };
@@ -105,6 +118,18 @@ gap = 3
 [[load]]
 history = [[0, 1], [1, 2]]
 "#;
+
+    #[test]
+    fn files_wherever_they_stand() {
+        let text = "mesh.file = 'a.msh'\ntitle = 'file'\n[[contact]]\nobstacle = { kind = 'table', file = \"b.csv\" }\n\
+                    [[contact]]\n[contact.obstacle]\nfile = 'c.csv'\n";
+        let found =
+            [("mesh.file", "a.msh"), ("contact[0].obstacle.file", "b.csv"), ("contact[1].obstacle.file", "c.csv")];
+        assert_eq!(Places::of(text).files(text), found.map(|(key, file)| (key.to_string(), file.to_string())));
+        let only = "[[body]]\nmesh = { \"file\" = 'a.msh' }";
+        assert_eq!(Places::of(only).files(only), [("body[0].mesh.file".to_string(), "a.msh".to_string())]);
+        assert!(Places::of("file = ").files("file = ").is_empty());
+    }
 
     #[test]
     fn keys_and_places_belong_to_each_other() {

@@ -7,11 +7,12 @@ use super::error::Source;
 use super::overrides::LISTS;
 
 /// The TOML reader's names of types, and plain words for them.
-const JARGON: [(&str, &str); 7] = [
+const JARGON: [(&str, &str); 8] = [
     ("wanted string or table", "invalid type: expected a word in quotes"),
     ("type: map", "type: table"),
     ("type: sequence", "type: list"),
     ("expected a sequence", "expected a list"),
+    ("expected a string", "expected a text in quotes"),
     ("expected f64", "expected a number"),
     ("expected i64", "expected a whole number"),
     ("expected struct ", "expected a table: "),

@@ -2,10 +2,10 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use std::f64::consts::PI;
-use stickslip::base::{Formula, LengthUnit, Quantity, StressUnit, Units};
+use stickslip::base::{Field, Formula, LengthUnit, Quantity, StressUnit, Units};
 use stickslip::body::fem::{Elasticity, Element, Material, Plane, gradients, strain_at};
 use stickslip::body::mesh::{CellKind, Geometry, MeshSource, fine_quadrature, shape};
-use stickslip::body::{Action, Axis, Bed, Description, Field, Load, Model, Support, Where};
+use stickslip::body::{Action, Axis, Bed, Description, Load, Model, Support, Where};
 use stickslip::run::report::RunReport;
 use stickslip::run::{Recording, Run};
 use stickslip::solver::history::{Method, SolverChoice, Status};
@@ -275,16 +275,15 @@ fn strains_on_the_axis() {
     }
 }
 
-/// Forces are in N in the numbers of a scene and in results, stiffnesses at points in N/mm.
+/// Forces are in N in results, stiffnesses at points in N/mm.
 #[test]
 fn units_are_not_per_depth() {
     let mm = Units::new(LengthUnit::Millimetre, StressUnit::Megapascal);
     let point = |x: [f64; 2]| Where::Point(x.into());
-    let body = ring(0.0, [300.0, 500.0], [3, 5], CellKind::Quadrilateral, Material::new(200e3, NU))
-        .spring(Bed::Axes { at: point([0.0, 0.0]), stiffness: vec![0.0, 1e6] })
-        .load(Action::Force { at: point([0.0, 500.0]), force: vec![0.0, -2e3] }.into())
-        .given_in(mm);
-    let found = solved(&body);
+    let body = ring(0.0, [0.3, 0.5], [3, 5], CellKind::Quadrilateral, Material::new(200e9, NU))
+        .spring(Bed::Axes { at: point([0.0, 0.0]), stiffness: vec![0.0, 1e9] })
+        .load(Action::Force { at: point([0.0, 0.5]), force: vec![0.0, -2e3] }.into());
+    let found = solved(&Description { units: mm, ..body });
     assert_eq!(found.model.units().name(Quantity::Force), "N");
     assert_eq!(found.model.units().name(Quantity::Energy), "mJ");
     assert_eq!(found.model.units().name(Quantity::Spring), "N/mm");

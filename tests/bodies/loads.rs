@@ -3,10 +3,10 @@
 
 use crate::common::rings::ring;
 use stickslip::algebra::norm;
-use stickslip::base::Formula;
+use stickslip::base::{Field, Formula};
 use stickslip::body::fem::{Material, Plane};
 use stickslip::body::mesh::{Body, Mesh, MeshSource};
-use stickslip::body::{Action, Axis, Bed, Description, Field, Load, Model, Support, Where};
+use stickslip::body::{Action, Axis, Bed, Description, Load, Model, Support, Where};
 use stickslip::body::{Obstacle, Shape};
 use stickslip::run::report::RunReport;
 use stickslip::run::{Recording, Run};

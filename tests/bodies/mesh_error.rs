@@ -4,10 +4,10 @@
 use super::estimates::solved;
 use crate::common::solve;
 use std::f64::consts::PI;
-use stickslip::base::Formula;
+use stickslip::base::{Field, Formula};
 use stickslip::body::fem::{Elasticity, Element, Material, Plane, assemble, gradients, strain_at};
 use stickslip::body::mesh::{Cell, CellKind, Geometry, Mesh, MeshSource, block, fine_quadrature, shape};
-use stickslip::body::{Action, Axis, Description, ElementEstimate, Field, Load, Model, Support};
+use stickslip::body::{Action, Axis, Description, ElementEstimate, Load, Model, Support};
 use stickslip::run::Run;
 use stickslip::run::report::{Warning, WarningKind};
 use stickslip::solver::history::SolverChoice;

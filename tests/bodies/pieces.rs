@@ -2,7 +2,6 @@
 
 #![allow(clippy::unwrap_used)]
 
-use stickslip::base::{LengthUnit, StressUnit, Units};
 use stickslip::body::mesh::{
     Body, Boundary, Cell, CellKind, Geometry, HalfPlane, Mesh, MeshError, MeshFault, MeshSource, block,
 };
@@ -169,15 +168,4 @@ fn what_makes_no_bodies_is_refused() {
     let source = bodies(vec![named("a"), Body::new("ring", ring).at([3.0, 0.0])]);
     let Err(MeshError::Source(fault)) = source.build() else { panic!("accepted") };
     assert!(fault.key == "body[1].mesh" && fault.message.contains("body of revolution"), "{fault}");
-}
-
-#[test]
-fn bodies_in_other_units() {
-    use stickslip::body::Description;
-    use stickslip::body::fem::Material;
-    let description = Description::new(two(), Material::new(1.0, 0.3), vec![1.0]);
-    let told = description.given_in(Units::new(LengthUnit::Millimetre, StressUnit::Megapascal));
-    let MeshSource::Bodies(bodies) = &told.mesh else { panic!() };
-    assert_eq!(bodies[1].at, Some([0.25e-3, 2e-3].into()));
-    assert_eq!(bodies[0].mesh, MeshSource::block([1e-3, 0.5e-3], [3, 2]));
 }

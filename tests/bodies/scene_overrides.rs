@@ -4,10 +4,11 @@
 #![allow(clippy::unwrap_used, clippy::float_cmp)]
 
 use miette::Diagnostic;
+use stickslip::base::Field;
 use stickslip::body::Load;
 use stickslip::body::fem::Plane;
 use stickslip::body::mesh::{CellKind, MeshSource, Segment};
-use stickslip::body::{Friction, Obstacle, Shape};
+use stickslip::body::{Obstacle, Shape};
 use stickslip::scene::{Override, Scene, SceneError};
 
 const BLOCK: &str = include_str!("../../data/scenes/block.toml");
@@ -108,7 +109,7 @@ fn bare_words_are_strings() {
 fn one_contact_or_all() {
     let frictions =
         |sets: &[&str]| two_contacts(sets).description.contacts.into_iter().map(|c| c.friction).collect::<Vec<_>>();
-    let of = |mu: [f64; 2]| mu.map(Friction::Uniform);
+    let of = |mu: [f64; 2]| mu.map(Field::Uniform);
     assert_eq!(frictions(&[]), of([0.4, 0.2]));
     assert_eq!(frictions(&["contact.friction=0.7"]), of([0.7, 0.7]));
     assert_eq!(frictions(&["contact[0].friction=0.7"]), of([0.7, 0.2]));

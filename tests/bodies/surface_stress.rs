@@ -6,12 +6,10 @@ use crate::common::{self, hertz::Hertz};
 use std::f64::consts::FRAC_PI_2;
 use std::ops::ControlFlow;
 use stickslip::algebra::norm;
-use stickslip::base::Formula;
+use stickslip::base::{Field, Formula};
 use stickslip::body::fem::{Element, Material, Plane};
 use stickslip::body::mesh::{CellKind, Mesh, MeshSource};
-use stickslip::body::{
-    Action, Axis, Description, Field, GapDirection, Model, Obstacle, Place, Shape, Support, SurfaceStress,
-};
+use stickslip::body::{Action, Axis, Description, GapDirection, Model, Obstacle, Place, Shape, Support, SurfaceStress};
 use stickslip::run::{Recording, Run, discretise};
 use stickslip::solver::history::{IncrementView, Method, Observer, SolverChoice, Status};
 

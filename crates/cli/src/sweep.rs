@@ -2,7 +2,7 @@
 //! one chart and one page.
 //!
 //! ```
-//! use stickslip::body::Friction;
+//! use stickslip::base::Field;
 //! use stickslip::scene::Scene;
 //! use stickslip_cli::sweep::{Variation, combinations};
 //!
@@ -13,7 +13,7 @@
 //! assert_eq!(variants.len(), 6);
 //!
 //! let block = Scene::parse("block.toml", include_str!("../../../data/scenes/block.toml"), &variants[1].overrides)?;
-//! assert_eq!(block.description.contacts[0].friction, Friction::Uniform(0.1));
+//! assert_eq!(block.description.contacts[0].friction, Field::Uniform(0.1));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 

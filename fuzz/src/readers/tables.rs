@@ -1,8 +1,7 @@
-//! Tables of gaps, surfaces, matrices.
+//! Tables of gaps, surfaces.
 
 use std::fs;
 
-use stickslip::algebra::{read_matrix_market, write_matrix_market};
 use stickslip::body::GapTable;
 use stickslip::run::discretise;
 use stickslip::scene::Scene;
@@ -36,21 +35,6 @@ pub(super) fn check(bytes: &[u8]) -> Verdict {
         }
     }
     Ok("read")
-}
-
-pub(super) fn make_matrix(random: &mut Random, corpus: &Corpus) -> Vec<u8> {
-    changed(random, &corpus.matrices, &[])
-}
-
-/// What is written of a matrix is the matrix.
-pub(super) fn check_matrix(bytes: &[u8]) -> Verdict {
-    let matrix = match read_matrix_market(&String::from_utf8_lossy(bytes)) {
-        Ok(matrix) => matrix,
-        Err(error) => return said(&error),
-    };
-    let again = read_matrix_market(&write_matrix_market(&matrix)).map_err(|error| format!("read again: {error}"))?;
-    let same = again.pattern() == matrix.pattern() && again.values() == matrix.values();
-    if same { Ok("read") } else { Err("read again, it is another matrix".to_string()) }
 }
 
 pub(super) fn make_surface(random: &mut Random, corpus: &Corpus) -> Vec<u8> {

@@ -87,56 +87,50 @@ impl Units {
 impl LengthUnit {
     /// Returns the name in a scene.
     pub fn name(self) -> &'static str {
-        match self {
-            LengthUnit::Metre => "m",
-            LengthUnit::Millimetre => "mm",
-            LengthUnit::Centimetre => "cm",
-            LengthUnit::Micrometre => "um",
-            LengthUnit::Kilometre => "km",
-            LengthUnit::Inch => "in",
-            LengthUnit::Foot => "ft",
-        }
+        self.named().0
     }
 
     pub(super) fn size(self) -> Size {
-        let (digits, power) = match self {
-            LengthUnit::Metre => (1.0, 0),
-            LengthUnit::Millimetre => (1.0, -3),
-            LengthUnit::Centimetre => (1.0, -2),
-            LengthUnit::Micrometre => (1.0, -6),
-            LengthUnit::Kilometre => (1.0, 3),
-            LengthUnit::Inch => (254.0, -4),
-            LengthUnit::Foot => (3048.0, -4),
-        };
+        let (_, digits, power) = self.named();
         Size { digits, power }
+    }
+
+    /// Returns the name, and the digits and the power of ten of the size, m.
+    fn named(self) -> (&'static str, f64, i32) {
+        match self {
+            LengthUnit::Metre => ("m", 1.0, 0),
+            LengthUnit::Millimetre => ("mm", 1.0, -3),
+            LengthUnit::Centimetre => ("cm", 1.0, -2),
+            LengthUnit::Micrometre => ("um", 1.0, -6),
+            LengthUnit::Kilometre => ("km", 1.0, 3),
+            LengthUnit::Inch => ("in", 254.0, -4),
+            LengthUnit::Foot => ("ft", 3048.0, -4),
+        }
     }
 }
 
 impl StressUnit {
     /// Returns the name in a scene.
     pub fn name(self) -> &'static str {
-        match self {
-            StressUnit::Pascal => "Pa",
-            StressUnit::Kilopascal => "kPa",
-            StressUnit::Megapascal => "MPa",
-            StressUnit::Gigapascal => "GPa",
-            StressUnit::Bar => "bar",
-            StressUnit::Psi => "psi",
-            StressUnit::Ksi => "ksi",
-        }
+        self.named().0
     }
 
     pub(super) fn size(self) -> Size {
-        let (digits, power) = match self {
-            StressUnit::Pascal => (1.0, 0),
-            StressUnit::Kilopascal => (1.0, 3),
-            StressUnit::Megapascal => (1.0, 6),
-            StressUnit::Gigapascal => (1.0, 9),
-            StressUnit::Bar => (1.0, 5),
-            StressUnit::Psi => (PSI, 0),
-            StressUnit::Ksi => (PSI, 3),
-        };
+        let (_, digits, power) = self.named();
         Size { digits, power }
+    }
+
+    /// Returns the name, and the digits and the power of ten of the size, Pa.
+    fn named(self) -> (&'static str, f64, i32) {
+        match self {
+            StressUnit::Pascal => ("Pa", 1.0, 0),
+            StressUnit::Kilopascal => ("kPa", 1.0, 3),
+            StressUnit::Megapascal => ("MPa", 1.0, 6),
+            StressUnit::Gigapascal => ("GPa", 1.0, 9),
+            StressUnit::Bar => ("bar", 1.0, 5),
+            StressUnit::Psi => ("psi", PSI, 0),
+            StressUnit::Ksi => ("ksi", PSI, 3),
+        }
     }
 }
 

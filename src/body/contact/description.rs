@@ -71,14 +71,6 @@ impl Place {
         }
     }
 
-    /// Returns the position with its point changed by `change`.
-    pub(crate) fn map(self, change: impl FnOnce(Vector) -> Vector) -> Self {
-        match self {
-            Place::Apex(point) => Place::Apex(change(point)),
-            Place::Center(point) => Place::Center(change(point)),
-        }
-    }
-
     /// Returns the apex (m) of a round obstacle that is seen along the unit vector `normal`. `radius` (m) is negative
     /// if the body is inside.
     pub(super) fn apex(self, radius: f64, normal: [f64; 3]) -> [f64; 3] {

@@ -1,9 +1,10 @@
 //! Checks of the values of a description, individually and in combination.
 
 use super::{Against, Contact, Description, Opposite};
-use crate::base::input_error::{InputError, ensure};
+use crate::base::formula::Field;
+use crate::base::input_error::{InputError, ensure, finite};
 use crate::base::timeline::{check_points, check_times};
-use crate::body::contact::{Friction, Obstacle};
+use crate::body::contact::Obstacle;
 use crate::body::fem::{Element, Plane};
 
 impl Description {
@@ -56,7 +57,11 @@ impl Contact {
             };
             return Err(InputError::new("boundary", message, help));
         }
-        self.friction.check()?;
+        if let Field::Uniform(coefficient) = self.friction {
+            finite("friction", coefficient)?;
+            let help = "give Coulomb's coefficient, 0 for a frictionless contact";
+            ensure(coefficient >= 0.0, "friction", &coefficient, "0 or more", help)?;
+        }
         if let Some(history) = &self.friction_history {
             check_points("friction_history", "factor", history)?;
             let sound = history.iter().all(|point| point[1] >= 0.0);
@@ -86,7 +91,7 @@ impl Contact {
             let message = format!("the boundary `{}` is against itself", self.boundary);
             return Err(InputError::new("against", message, "name the boundary that is in front of it"));
         }
-        if opposite.glued && (self.friction != Friction::Uniform(0.0) || self.friction_history.is_some()) {
+        if opposite.glued && (self.friction != Field::Uniform(0.0) || self.friction_history.is_some()) {
             let help = "remove the friction, or glue";
             return Err(InputError::new("friction", "what is glued does not slide, so that it has no friction", help));
         }

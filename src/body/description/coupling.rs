@@ -1,5 +1,7 @@
 //! Couplings of a boundary or a body to a reference point.
 
+use serde::Deserialize;
+
 use super::load::components;
 use crate::algebra::vector::Vector;
 use crate::base::input_error::{InputError, in_one_line};
@@ -46,10 +48,12 @@ impl Part {
 }
 
 /// The kind of a coupling.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum CouplingKind {
     /// The nodes move with the point as a rigid body, `u(x) = U + θ × (x - p)`. Abaqus: kinematic coupling; Nastran:
     /// RBE2.
+    #[default]
     Rigid,
     /// The nodes move freely. A force and a moment at the point are distributed over the boundary as
     /// tractions that change linearly; the motion of the point is the mean of that of the boundary in the least-squares sense. Abaqus: distributing

@@ -1,7 +1,6 @@
 //! The load cycle whose slip and stresses are recorded.
 
 use crate::base::input_error::{InputError, ensure, finite};
-use crate::base::units::{Quantity, UnitSystem, Units};
 
 /// The choice of a load cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,11 +42,5 @@ impl CycleRequest {
             ensure(k > 0.0, "wear_coefficient", &k, "above 0", help)?;
         }
         Ok(CycleRequest { choice, wear_coefficient })
-    }
-
-    /// Converts the request from `units` to SI.
-    pub(crate) fn given_in(self, units: Units) -> Self {
-        let stress = UnitSystem::new(units, 3).to_si(Quantity::Stress, 1.0);
-        CycleRequest { wear_coefficient: self.wear_coefficient.map(|k| k / stress), ..self }
     }
 }

@@ -1,9 +1,9 @@
 //! Check of the formulas of a description.
 
-use super::{Action, Description, Field, FirstGap, Opposite};
-use crate::base::formula::Formula;
+use super::{Action, Description, Opposite};
+use crate::base::formula::{Field, Formula};
 use crate::base::input_error::InputError;
-use crate::body::contact::{Friction, Shape};
+use crate::body::contact::Shape;
 
 impl Description {
     /// Fails if a body of two dimensions has formulas of z.
@@ -21,10 +21,10 @@ impl Description {
     fn formulas(&self) -> Vec<(String, &Formula)> {
         let mut formulas = Vec::new();
         for (k, contact) in self.contacts.iter().enumerate() {
-            if let Friction::Formula(formula) = &contact.friction {
+            if let Field::Formula(formula) = &contact.friction {
                 formulas.push((format!("contact[{k}].friction"), formula));
             }
-            if let Some(Opposite { gap: FirstGap::Formula(formula), .. }) = contact.opposite() {
+            if let Some(Opposite { gap: Some(Field::Formula(formula)), .. }) = contact.opposite() {
                 formulas.push((format!("contact[{k}].gap"), formula));
             }
             for (j, obstacle) in contact.obstacles().iter().enumerate() {

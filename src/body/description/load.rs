@@ -1,7 +1,7 @@
 //! Loads of a body.
 
-use super::Field;
 use crate::algebra::vector::{Vector, norm};
+use crate::base::formula::Field;
 use crate::base::input_error::{InputError, ensure, finite, not_huge};
 use crate::base::timeline::check_points;
 use crate::base::units::{Quantity, UnitSystem};

@@ -1,8 +1,10 @@
 //! The opposite boundary of a contact, as input.
 
+use serde::Deserialize;
+
 use super::load::components;
 use crate::algebra::vector::{Vector, norm};
-use crate::base::formula::Formula;
+use crate::base::formula::Field;
 use crate::base::input_error::{InputError, ensure, finite, not_huge, positive};
 
 /// The opposite boundary of a contact, on a deformable body.
@@ -17,8 +19,10 @@ pub struct Opposite {
     pub shift: Option<Vector>,
     /// The largest distance at which the two surfaces are paired, m; default: a tenth of the size of the smaller one.
     pub search: Option<f64>,
-    /// The gap between the two when the history begins.
-    pub gap: FirstGap,
+    /// The gap between the two when the history begins, m, negative for interference: a formula is of the position of
+    /// the slave node. Default: the gap of the mesh, between the curved surfaces where facets of both sides approximate
+    /// some; overlaps are interference.
+    pub gap: Option<Field>,
     /// Measured gaps and overlaps up to this size (m) count as 0.
     pub adjust: f64,
     /// The normal for the whole boundary, out of the first boundary; default: at each node the mean of the normals of
@@ -28,23 +32,13 @@ pub struct Opposite {
     pub slave: Slave,
 }
 
-/// The gap between two boundaries when the history begins.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub enum FirstGap {
-    /// The gap of the mesh, between the curved surfaces where facets of both sides approximate some; overlaps are interference.
-    #[default]
-    Measured,
-    /// A uniform gap, m; negative for interference.
-    Uniform(f64),
-    /// A formula of the position of the slave node, m.
-    Formula(Formula),
-}
-
 /// The boundary whose nodes carry the contact forces.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Slave {
     /// The boundary that is named first, unless supports hold all of it.
     #[default]
+    #[serde(rename = "boundary")]
     First,
     /// The boundary with more free nodes in front of the other, with fewer if the two are curved; if the numbers are about
     /// equal, that of the softer body.
@@ -66,7 +60,7 @@ impl<const N: usize> From<[&str; N]> for Opposite {
             glued: false,
             shift: None,
             search: None,
-            gap: FirstGap::Measured,
+            gap: None,
             adjust: 0.0,
             direction: None,
             slave: Slave::First,
@@ -78,7 +72,7 @@ impl Opposite {
     /// Sets a uniform gap (m) instead of that of the mesh; negative for interference.
     #[must_use]
     pub fn apart(self, gap: f64) -> Self {
-        Opposite { gap: FirstGap::Uniform(gap), ..self }
+        Opposite { gap: Some(gap.into()), ..self }
     }
 
     /// Sets the largest distance (m) at which the two boundaries are paired.
@@ -103,7 +97,7 @@ impl Opposite {
         }
         finite("adjust", self.adjust)?;
         ensure(self.adjust >= 0.0, "adjust", &self.adjust, "0 or more", "give a distance in m or as [units] says")?;
-        if let FirstGap::Uniform(gap) = self.gap {
+        if let Some(Field::Uniform(gap)) = self.gap {
             finite("gap", gap)?;
             not_huge("gap", [gap])?;
         }
@@ -127,12 +121,12 @@ impl Opposite {
             let message = format!("`{}` stands there twice", self.boundaries[twice]);
             return Err(InputError::new("against", message, "keep it once"));
         }
-        if self.glued && self.gap != FirstGap::Measured {
+        if self.glued && self.gap.is_some() {
             let help = "remove the key: gaps between glued bodies count as 0";
             return Err(InputError::new("gap", "gap must be left out where bodies are glued", help));
         }
         ensure(
-            self.gap == FirstGap::Measured || self.adjust == 0.0,
+            self.gap.is_none() || self.adjust == 0.0,
             "adjust",
             &self.adjust,
             "left out where gap says what the gap is",

@@ -244,7 +244,7 @@ fn mean_dilatation(points: &[Sample], volume: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::body::description::{Action, Axis, Description, Field};
+    use crate::body::description::{Action, Axis, Description};
     use crate::body::fem::Material;
     use crate::body::mesh::MeshSource;
 
@@ -269,7 +269,7 @@ mod tests {
                 for (k, x) in mesh.nodes.iter_mut().enumerate() {
                     (0..d).for_each(|c| x[c] += 0.02 * ((7 * k + 3 * c) as f64).sin());
                 }
-                let action = Action::Temperature(Field::Uniform(30.0));
+                let action = Action::Temperature(30.0.into());
                 let material = Material { expansion: Some(1e-5), ..Material::new(1e9, 0.3) };
                 let body = Description::new(MeshSource::Given(mesh.into()), material, vec![1.0])
                     .element(element)

@@ -16,8 +16,8 @@ pub struct Material {
     pub poisson: f64,
     /// The plane state in two dimensions, by default plane strain; must be absent in three dimensions.
     pub plane: Option<Plane>,
-    /// The thickness of a plane body, m. All SI numbers are per m of depth; with a thickness, forces of an input in units
-    /// ([`Description::given_in`](crate::body::Description::given_in)) and of results are those of the whole body.
+    /// The thickness of a plane body, m. All SI numbers are per m of depth; with a thickness, forces of scenes and of
+    /// results are those of the whole body.
     pub thickness: Option<f64>,
     /// Mass density, kg/m³, for loads that act on the mass.
     pub density: Option<f64>,
@@ -31,7 +31,8 @@ pub struct Material {
 }
 
 /// The material of a group of elements.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct MaterialGroup {
     /// The group of the mesh.
     pub name: String,

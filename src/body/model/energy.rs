@@ -70,7 +70,7 @@ impl Model {
 
 #[cfg(test)]
 mod tests {
-    use crate::body::description::{Action, Axis, Description, Field};
+    use crate::body::description::{Action, Axis, Description};
     use crate::body::fem::Material;
     use crate::body::mesh::{MeshSource, block};
     use crate::body::model::Model;
@@ -81,7 +81,7 @@ mod tests {
         let material = Material { expansion: Some(1e-5), ..Material::new(1e9, 0.3) };
         let body = Description::new(MeshSource::Given(block(&[2.0, 1.0], &[2, 1]).into()), material, vec![1.0])
             .support("left", &[Axis::X, Axis::Y])
-            .load(Action::Temperature(Field::Uniform(30.0)).into());
+            .load(Action::Temperature(30.0.into()).into());
         let mut model = Model::build(&body).unwrap();
         let energy = |model: &Model| model.strain_energy(1.0, &State::zero(&model.problem)).unwrap();
         assert!(energy(&model) > 0.0);

@@ -7,8 +7,9 @@ use super::coupling::{Couplings, about_axes};
 use super::find;
 use super::place::{node, of_dimension, suits};
 use crate::algebra::vector::{Vector, axis, cross, dot, minus, norm, unit};
+use crate::base::formula::Field;
 use crate::base::input_error::InputError;
-use crate::body::description::{Action, Bed, Description, Field, Where};
+use crate::body::description::{Action, Bed, Description, Where};
 use crate::body::fem::{
     Bedding, Dofs, Elasticity, Element, NodalForces, NodalVolumes, Plane, Spring, area, body_force, thermal_forces,
     traction as traction_of, uniform_traction,

@@ -9,12 +9,13 @@ use super::find;
 use super::holding::Holding;
 use super::joint::{self, Joints};
 use crate::algebra::vector::{Vector, across, axis, dot, minus, norm, plus, unit};
+use crate::base::formula::Field;
 use crate::base::input_error::InputError;
 use crate::base::units::{Quantity, UnitSystem};
 use crate::body::contact::{
     ContactNode, Mortar, MortarFault, MortarOptions, MortarRow, SlaveChoice, Supports, coupled_nodes, relative,
 };
-use crate::body::description::{Description, FirstGap, Opposite, Slave};
+use crate::body::description::{Description, Opposite, Slave};
 use crate::body::fem::{Dofs, Elasticity, Relative, SAME_DIRECTION, Tie};
 use crate::body::mesh::{Bodies, Boundary, Mesh};
 
@@ -39,7 +40,7 @@ pub struct Pair {
     /// `true` if the two are glued.
     pub glued: bool,
     /// The origin of its gaps at the beginning.
-    pub gap: FirstGap,
+    pub gap: Option<Field>,
     /// `true` if the master is moved by a period to be in front of the slave.
     pub shifted: bool,
     /// `true` if a jump is between the two: pretension, or periodic boundaries.
@@ -300,7 +301,7 @@ impl Pair {
     pub(super) fn nodes(&self, mesh: &Mesh, dofs: &Dofs, number: usize) -> Vec<ContactNode> {
         let gaps: BTreeMap<usize, f64> =
             self.mortar.rows.iter().map(|row| row.node).zip(self.gaps.iter().copied()).collect();
-        let gap = |row: &MortarRow| [gaps[&row.node], if self.gap == FirstGap::Measured { row.edges } else { 0.0 }];
+        let gap = |row: &MortarRow| [gaps[&row.node], if self.gap.is_none() { row.edges } else { 0.0 }];
         coupled_nodes(mesh, dofs, number, &self.mortar.rows, gap, |node| self.relative.contains_key(&node))
     }
 }
@@ -385,9 +386,8 @@ fn pair(
     let gap = |row: &MortarRow| -> Result<f64, InputError> {
         let place = mesh.nodes[row.node];
         let gap = match &opposite.gap {
-            FirstGap::Measured => adjusted(row.gap - row.bulge),
-            FirstGap::Uniform(gap) => *gap,
-            FirstGap::Formula(formula) => formula.at(place),
+            None => adjusted(row.gap - row.bulge),
+            Some(gap) => gap.at(place),
         };
         if gap.is_finite() {
             return Ok(gap);
@@ -411,7 +411,7 @@ fn pair(
             let message =
                 format!("the bodies start {depth} inside each other at {place}, where one is {thickness} thick");
             let (place, help) = match opposite.gap {
-                FirstGap::Measured => ("against", "move a body out, or give the gap"),
+                None => ("against", "move a body out, or give the gap"),
                 _ => (
                     "gap",
                     "the gap is in the scene's unit of length, and negative where bodies overlap: give a smaller one",

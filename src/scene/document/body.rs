@@ -4,7 +4,7 @@ use serde::Deserialize;
 
 use super::{Segments, Tuple};
 use crate::algebra::vector::Vector;
-use crate::body::fem::{Element, Plane};
+use crate::body::fem::{Element, MaterialGroup, Plane};
 use crate::body::mesh::CellKind;
 
 #[derive(Deserialize)]
@@ -57,14 +57,4 @@ pub(in crate::scene) struct Material {
     pub layers: Vec<Tuple<f64, 3>>,
     #[serde(default)]
     pub group: Vec<MaterialGroup>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(in crate::scene) struct MaterialGroup {
-    pub name: String,
-    pub young: f64,
-    pub poisson: f64,
-    pub density: Option<f64>,
-    pub expansion: Option<f64>,
 }

@@ -1,13 +1,15 @@
 //! The output of a scene.
 
-use super::{foreign, needed};
+use super::{Reader, foreign, given, needed};
 use crate::base::input_error::{InputError, ensure, finite};
+use crate::base::units::Quantity;
 use crate::body::description::{CycleChoice, CycleRequest, Probe, ProbePlace};
 use crate::scene::document::{self, Times};
 use crate::scene::{Output, Time};
 
 /// Converts `given` to the output of a history over `time`.
-pub(super) fn output(given: document::Output, time: &Time) -> Result<Output, InputError> {
+pub(super) fn output(given: document::Output, time: &Time, reader: Reader<'_>) -> Result<Output, InputError> {
+    let in_output = |fault: InputError| fault.with_key("output");
     let document::Output { times, every, fields, deformed, magnification, cycle, wear_coefficient, probe } = given;
     if let Some(every) = every {
         let help = "1 stands for each increment, 10 for every tenth; the last one is always written";
@@ -16,7 +18,7 @@ pub(super) fn output(given: document::Output, time: &Time) -> Result<Output, Inp
     let mut every = every.map(|every| every as usize);
     let times = match times {
         Some(Times::All) => {
-            foreign("every", every.as_ref(), "output.times = \"all\"").map_err(|fault| fault.with_key("output"))?;
+            foreign("output.times = \"all\"", &[("every", every.is_some())]).map_err(in_output)?;
             every = Some(1);
             vec![0.0]
         }
@@ -26,35 +28,31 @@ pub(super) fn output(given: document::Output, time: &Time) -> Result<Output, Inp
     };
     if let Some(t) = times.iter().find(|&&t| t.is_nan() || t < 0.0 || t > time.end) {
         let message = format!("output.times holds {t}, but the history runs from 0 to {}", time.end);
-        return Err(InputError::new(
-            "output.times",
-            message,
-            "give times from 0 (before the first increment) to time.end, s",
-        ));
+        let help = "give times from 0 (before the first increment) to time.end, s";
+        return Err(InputError::new("output.times", message, help));
     }
     if let Some(magnification) = magnification {
         let key = "output.magnification";
         finite(key, magnification)?;
-        ensure(
-            magnification >= 0.0,
-            key,
-            &magnification,
-            "0 or more",
-            "displacements are drawn so many times as long",
-        )?;
+        let help = "displacements are drawn so many times as long";
+        ensure(magnification >= 0.0, key, &magnification, "0 or more", help)?;
         if !deformed {
             let message = "output.magnification is given, but no picture of the deformed body is asked for";
             return Err(InputError::new(key, message, "add output.deformed = true, or remove the key"));
         }
     }
-    let probes = probe.into_iter().enumerate().map(|(k, given)| self::probe(&format!("output.probe[{k}]"), given));
+    let probes = probe.into_iter().enumerate().map(|(k, given)| {
+        let key = format!("output.probe[{k}]");
+        self::probe(given, reader).map_err(|fault| fault.with_key(&key))
+    });
     let probes: Vec<Probe> = probes.collect::<Result<_, _>>()?;
     Probe::check(&probes)?;
-    let cycle = self::cycle(cycle, wear_coefficient, time).map_err(|fault| fault.with_key("output"))?;
+    let wear_coefficient = wear_coefficient.map(|k| k / reader.si(Quantity::Stress, 1.0));
+    let cycle = self::cycle(cycle, wear_coefficient, time).map_err(in_output)?;
     Ok(Output { times, every, fields, deformed, magnification, cycle, probes })
 }
 
-/// Converts the keys of a load cycle.
+/// Converts the keys of a load cycle; `wear_coefficient` is in 1/Pa.
 fn cycle(
     given: Option<document::Cycle>,
     wear_coefficient: Option<f64>,
@@ -62,7 +60,8 @@ fn cycle(
 ) -> Result<Option<CycleRequest>, InputError> {
     let choice = match given {
         None => {
-            return foreign("wear_coefficient", wear_coefficient.as_ref(), "an output without a cycle").map(|()| None);
+            let key = [("wear_coefficient", wear_coefficient.is_some())];
+            return foreign("an output without a cycle", &key).map(|()| None);
         }
         Some(document::Cycle::Last) => CycleChoice::Last,
         Some(document::Cycle::Between(times)) => match times[..] {
@@ -77,25 +76,18 @@ fn cycle(
     CycleRequest::new(choice, wear_coefficient).map(Some)
 }
 
-fn probe(key: &str, given: document::Probe) -> Result<Probe, InputError> {
-    let document::Probe { name, point, from, to, points } = given;
-    let place = if let Some(point) = point {
-        let alone = |name: &str, is_given: bool| {
-            let whose = "a probe with a point";
-            foreign(name, is_given.then_some(&()), whose).map_err(|fault| fault.with_key(key))
-        };
-        alone("from", from.is_some())?;
-        alone("to", to.is_some())?;
-        alone("points", points.is_some())?;
-        ProbePlace::Point(point)
+fn probe(given: document::Probe, reader: Reader<'_>) -> Result<Probe, InputError> {
+    let place = if let Some(point) = given.point {
+        foreign("a probe with a point", given!(given; from to points))?;
+        ProbePlace::Point(reader.point(point))
     } else {
         let whose = "a probe without a point";
-        let from = needed("from", from, key, whose)?;
-        let to = needed("to", to, key, whose)?;
-        let count = needed("points", points, key, whose)?;
+        let [from, to] = [("from", given.from), ("to", given.to)].map(|(key, point)| needed(key, point, "", whose));
+        let (from, to) = (reader.point(from?), reader.point(to?));
+        let count = needed("points", given.points, "", whose)?;
         let help = "the ends count; use output.fields for the whole body";
-        ensure(count >= 2, &format!("{key}.points"), &count, "at least 2 and at most 10000", help)?;
+        ensure(count >= 2, "points", &count, "at least 2 and at most 10000", help)?;
         ProbePlace::Line { from, to, count: count as usize }
     };
-    Ok(Probe { name, place })
+    Ok(Probe { name: given.name, place })
 }

@@ -1,11 +1,10 @@
 //! The solver of a scene.
 
-use super::foreign;
+use super::{given, only};
 use crate::algebra::linear::SparseLu;
 use crate::base::input_error::{InputError, ensure, finite};
-use crate::scene::document;
-use crate::scene::solver::{LinearName, MethodName, Setting};
-use crate::solver::history::{HistoryMethod, LinearAlgebra, Method, SolverChoice};
+use crate::scene::document::{self, Linear, MethodName, Setting};
+use crate::solver::history::{HistoryMethod, LinearAlgebra, Method, SolverChoice, Start};
 
 const NOTHING_BUILT_IN: &str = "this build has no linear algebra to choose from";
 const BUILD_IT: &str = "build it with the cargo feature umfpack or faer";
@@ -31,16 +30,16 @@ pub(super) fn solver(given: &document::SolverTable, touches: bool) -> Result<Sol
     Ok(SolverChoice { method, linear, max_iterations: max_iterations as usize, tolerance })
 }
 
-fn linear(given: Option<LinearName>, touches: bool) -> Result<Option<LinearAlgebra>, InputError> {
+fn linear(given: Option<Linear>, touches: bool) -> Result<Option<LinearAlgebra>, InputError> {
     let fault = |message: &str, help: &str| InputError::new("solver.linear", message, help);
     let whole = LinearAlgebra::default();
-    let Some(given) = given else {
+    let Some(Linear(given)) = given else {
         // Without contact, condensation eliminates all unknowns, so that it is a Cholesky factorisation of K.
         let cholesky = !touches && LinearAlgebra::condensed().is_built_in();
         return Ok(Some(if cholesky { LinearAlgebra::condensed() } else { whole }));
     };
     // The candidates of the comparison.
-    let Some(linear) = given.algebra() else {
+    let Some(linear) = given else {
         return match (whole.is_built_in(), LinearAlgebra::condensed().is_built_in()) {
             (true, true) => Ok(None),
             (true, false) => Ok(Some(whole)),
@@ -67,44 +66,34 @@ fn linear(given: Option<LinearName>, touches: bool) -> Result<Option<LinearAlgeb
 }
 
 fn method(solver: &document::SolverTable) -> Result<HistoryMethod, InputError> {
-    let document::SolverTable { method, setting, start, partition, r_factor, jump, .. } = *solver;
-    let setting = setting.unwrap_or_default();
-    let whose = match (method, setting) {
-        (MethodName::Ip, Setting::Paper) => "the method ip",
+    let setting = solver.setting.unwrap_or_default();
+    let (whose, own): (_, &[_]) = match (solver.method, setting) {
+        (MethodName::Ip, Setting::Paper) => ("the method ip", &["start", "partition", "max_iterations"]),
         (MethodName::Ip, Setting::Default) => {
-            "the method ip has a start and a partition in the setting paper only; here it"
+            ("the method ip has a start and a partition in the setting paper only; here it", &["max_iterations"])
         }
-        (MethodName::Bn, Setting::Paper) => "the method bn in the setting paper",
-        (MethodName::Bn, Setting::Default) => "the method bn",
+        (MethodName::Bn, Setting::Paper) => ("the method bn in the setting paper", &["max_iterations"]),
+        (MethodName::Bn, Setting::Default) => ("the method bn", &["r_factor", "max_iterations"]),
         (MethodName::Events, Setting::Paper) => {
             let help = "the exact path has no constants of the paper: leave solver.setting out";
             return Err(InputError::new("solver.setting", "the method events has no setting paper", help));
         }
-        (MethodName::Events, Setting::Default) => "the method events",
+        (MethodName::Events, Setting::Default) => ("the method events", &["jump"]),
     };
-    let in_solver = |fault: InputError| fault.with_key("solver");
-    if (method, setting) != (MethodName::Ip, Setting::Paper) {
-        foreign("start", start.as_ref(), whose).map_err(in_solver)?;
-        foreign("partition", partition.as_ref(), whose).map_err(in_solver)?;
-    }
-    if (method, setting) != (MethodName::Bn, Setting::Default) {
-        foreign("r_factor", r_factor.as_ref(), whose).map_err(in_solver)?;
-    }
-    if method == MethodName::Events {
-        foreign("max_iterations", solver.max_iterations.as_ref(), whose).map_err(in_solver)?;
-        return Ok(HistoryMethod::ExactPath { jump: jump.unwrap_or_default() });
-    }
-    let whose = if method == MethodName::Ip { "the method ip" } else { "the method bn" };
-    foreign("jump", jump.as_ref(), whose).map_err(in_solver)?;
-    let method = match (method, setting) {
+    let keys = given!(solver; start partition r_factor max_iterations jump);
+    only(whose, own, keys).map_err(|fault| fault.with_key("solver"))?;
+    Ok(match (solver.method, setting) {
         (MethodName::Ip, Setting::Paper) => {
-            Method::PaperIp { start: start.unwrap_or_default().constants(), partition: partition.unwrap_or_default() }
+            let start = if let Some(document::Start::Prev) = solver.start { Start::PREV } else { Start::Safe };
+            Method::PaperIp { start, partition: solver.partition.unwrap_or_default() }.into()
         }
-        (MethodName::Ip, Setting::Default) => Method::Ip,
-        (_, Setting::Paper) => Method::PaperBn,
-        (_, Setting::Default) => Method::Bn { r_factor: checked_factor(r_factor)?, rescue: true },
-    };
-    Ok(method.into())
+        (MethodName::Ip, Setting::Default) => Method::Ip.into(),
+        (MethodName::Bn, Setting::Paper) => Method::PaperBn.into(),
+        (MethodName::Bn, Setting::Default) => {
+            Method::Bn { r_factor: checked_factor(solver.r_factor)?, rescue: true }.into()
+        }
+        (MethodName::Events, _) => HistoryMethod::ExactPath { jump: solver.jump.unwrap_or_default() },
+    })
 }
 
 fn checked_factor(given: Option<f64>) -> Result<f64, InputError> {

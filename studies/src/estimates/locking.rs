@@ -1,10 +1,11 @@
 //! Blocks that are clamped and pressed, and beams that are clamped and bent, against fine meshes with B-bar.
 
 use super::{EstimateError, Row, Subject, Task, solved};
+use stickslip::base::Field;
 use stickslip::body::Obstacle;
 use stickslip::body::fem::{Element, Material};
 use stickslip::body::mesh::{CellKind, MeshSource};
-use stickslip::body::{Action, Axis, Description, Field};
+use stickslip::body::{Action, Axis, Description};
 
 const YOUNG: f64 = 1e9;
 

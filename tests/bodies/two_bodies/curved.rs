@@ -6,9 +6,10 @@ use crate::common::round::moved;
 use std::collections::BTreeSet;
 use std::f64::consts::{FRAC_PI_2, PI};
 use stickslip::algebra::linear::SparseLu;
+use stickslip::base::Field;
 use stickslip::body::fem::{Material, Plane};
 use stickslip::body::mesh::{Body, Mesh, MeshSource, block};
-use stickslip::body::{Against, Axis, Description, FirstGap, Load, Model, Opposite, Slave, SlaveReason, Support};
+use stickslip::body::{Against, Axis, Description, Load, Model, Opposite, Slave, SlaveReason, Support};
 use stickslip::run::report::WarningKind;
 use stickslip::solver::history::{LinearAlgebra, Method, SolverChoice};
 
@@ -110,7 +111,7 @@ fn part(shape: Shape, cells: Cells, [from, to]: [f64; 2], n: usize, by: f64) -> 
 }
 
 /// Two bodies whose interference is drawn, `n` facets around the inner and the outer one.
-fn pressed(shape: Shape, cells: Cells, n: [usize; 2], gap: FirstGap, inner_is_slave: bool) -> Description {
+fn pressed(shape: Shape, cells: Cells, n: [usize; 2], gap: Option<Field>, inner_is_slave: bool) -> Description {
     let mesh = MeshSource::Bodies(vec![
         Body::new("inner", part(shape, cells, [RADII[0], RADII[1] + INTERFERENCE], n[0], 0.2)),
         Body::new("outer", part(shape, cells, [RADII[1], RADII[2]], n[1], -0.1)),
@@ -162,12 +163,12 @@ fn exact(shape: Shape) -> f64 {
 
 /// The largest error of the gaps that are measured, relative to the interference.
 fn gap_error(shape: Shape, cells: Cells, n: [usize; 2], inner_is_slave: bool) -> f64 {
-    let model = Model::build(&pressed(shape, cells, n, FirstGap::Measured, inner_is_slave)).unwrap();
+    let model = Model::build(&pressed(shape, cells, n, None, inner_is_slave)).unwrap();
     model.pairs[0].gaps.iter().map(|gap| (gap / -INTERFERENCE - 1.0).abs()).fold(0.0, f64::max)
 }
 
 /// The errors of the mean pressure, and of the pressure that is furthest off.
-fn errors(shape: Shape, cells: Cells, n: [usize; 2], gap: FirstGap, inner_is_slave: bool) -> [f64; 2] {
+fn errors(shape: Shape, cells: Cells, n: [usize; 2], gap: Option<Field>, inner_is_slave: bool) -> [f64; 2] {
     let model = Model::build(&pressed(shape, cells, n, gap, inner_is_slave)).unwrap();
     let solver = SolverChoice { linear: Some(LinearAlgebra::default()), ..SolverChoice::new(Method::BN) };
     let state = solved(&model, solver, &mut ()).state;
@@ -191,14 +192,14 @@ fn fits_of_facets_that_do_not_match() {
         for inner_is_slave in [true, false] {
             let of = |n, gap| errors(shape, Cells::Blocks, n, gap, inner_is_slave);
             let [coarse, fine] = meshes.map(|n| {
-                let (measured, given) = (of(n, FirstGap::Measured), of(n, FirstGap::Uniform(-INTERFERENCE)));
+                let (measured, given) = (of(n, None), of(n, Some((-INTERFERENCE).into())));
                 println!("{shape:?} {n:?} {inner_is_slave}: measured {measured:.4?}, given {given:.4?}");
                 (measured[0] - given[0], measured)
             });
             assert!(fine.1[0].abs() < 0.03 && fine.1[1].abs() < 0.1, "{shape:?}: {fine:?}");
             assert!(fine.0.abs() < 0.003 && fine.0.abs() < coarse.0.abs().max(1e-4), "{shape:?}: {coarse:?} {fine:?}");
         }
-        assert_eq!(faceted(&pressed(shape, Cells::Blocks, meshes[1], FirstGap::Measured, true)), None, "{shape:?}");
+        assert_eq!(faceted(&pressed(shape, Cells::Blocks, meshes[1], None, true)), None, "{shape:?}");
     }
 }
 
@@ -208,7 +209,7 @@ fn fits_of_facets_that_do_not_match() {
 fn fits_of_facets_in_front_of_several() {
     for n in [[12, 24], [24, 12], [8, 24], [24, 8]] {
         for inner_is_slave in [true, false] {
-            let [mean, worst] = errors(Shape::Rings, Cells::Blocks, n, FirstGap::Measured, inner_is_slave);
+            let [mean, worst] = errors(Shape::Rings, Cells::Blocks, n, None, inner_is_slave);
             println!("{n:?} {inner_is_slave}: {mean:.4} {worst:.4}");
             let is_coarse = inner_is_slave == (n[0] < n[1]);
             assert!(mean.abs() < 0.01 && (worst.abs() < 0.01 || !is_coarse), "{n:?} {mean} {worst}");
@@ -218,7 +219,7 @@ fn fits_of_facets_in_front_of_several() {
             body.contacts[0].against = Against::Boundary(against);
             Model::build(&body).unwrap().pairs[0].choice.unwrap()
         };
-        let choice = automatic(pressed(Shape::Rings, Cells::Blocks, n, FirstGap::Measured, true));
+        let choice = automatic(pressed(Shape::Rings, Cells::Blocks, n, None, true));
         assert_eq!((choice.slave, choice.reason), (usize::from(n[1] < n[0]), SlaveReason::FewerNodes));
     }
 }
@@ -271,7 +272,7 @@ fn gaps_without_bulges() {
                 .support("lower:bottom", &[Axis::X, Axis::Y, Axis::Z])
                 .support("upper:top", &[Axis::X, Axis::Y, Axis::Z])
         };
-        let model = Model::build(&of(FirstGap::Measured)).unwrap();
+        let model = Model::build(&of(None)).unwrap();
         let pair = &model.pairs[0];
         assert!(pair.mortar.rows.iter().all(|row| row.bulge == 0.0 && row.edges == 0.0), "{turned}");
     }
@@ -345,7 +346,7 @@ fn flats_beside_edges_and_curves() {
 }
 
 /// Half of a pin that lies at the bottom of a bore with `CLEARANCE` and is pressed down, `n` facets around each.
-fn pin(cells: Cells, n: [usize; 2], gap: FirstGap, inner_is_slave: bool) -> Description {
+fn pin(cells: Cells, n: [usize; 2], gap: Option<Field>, inner_is_slave: bool) -> Description {
     let ring = |radii: [f64; 2], n: usize, down: f64| {
         let place = move |[s, t, _]: [f64; 3]| {
             let by = if cells == Cells::SecondOrder { 0.0 } else { 0.1 };
@@ -375,7 +376,7 @@ fn pin(cells: Cells, n: [usize; 2], gap: FirstGap, inner_is_slave: bool) -> Desc
 }
 
 /// The largest pressure (Pa), the part of the boundary in contact, and the warning of facets.
-fn pressed_pin(cells: Cells, n: [usize; 2], gap: FirstGap, inner_is_slave: bool) -> ([f64; 2], Option<String>) {
+fn pressed_pin(cells: Cells, n: [usize; 2], gap: Option<Field>, inner_is_slave: bool) -> ([f64; 2], Option<String>) {
     let body = pin(cells, n, gap, inner_is_slave);
     let model = Model::build(&body).unwrap();
     let solver = SolverChoice { linear: Some(LinearAlgebra::default()), ..SolverChoice::new(Method::BN) };
@@ -400,8 +401,8 @@ fn faceted(body: &Description) -> Option<String> {
 #[test]
 fn pins_with_clearance() {
     for inner_is_slave in [true, false] {
-        let (fine, _) = pressed_pin(Cells::SecondOrder, [48, 36], FirstGap::Measured, inner_is_slave);
-        let (curved, told) = pressed_pin(Cells::Blocks, [24, 18], FirstGap::Measured, inner_is_slave);
+        let (fine, _) = pressed_pin(Cells::SecondOrder, [48, 36], None, inner_is_slave);
+        let (curved, told) = pressed_pin(Cells::Blocks, [24, 18], None, inner_is_slave);
         println!("{inner_is_slave}: {fine:?} {curved:?}");
         assert!((curved[0] / fine[0] - 1.0).abs() < 0.05 && (curved[1] / fine[1] - 1.0).abs() < 0.1);
         assert_eq!(told, None);
@@ -413,9 +414,9 @@ fn pins_with_clearance() {
 #[test]
 fn circles_of_too_few_facets() {
     let few = |n, gap| faceted(&pressed(Shape::Rings, Cells::Blocks, n, gap, true));
-    let message = few([2, 3], FirstGap::Measured).unwrap();
+    let message = few([2, 3], None).unwrap();
     assert!(message.contains("twice as many elements"), "{message}");
-    assert_eq!(few([3, 4], FirstGap::Measured), None);
+    assert_eq!(few([3, 4], None), None);
     for chamfer in [0.0, 0.2] {
         let place = |[x, y, z]: [f64; 3]| [x, y - 2.8 * y * (x - 1.0 + chamfer).max(0.0), z];
         let mut lower = moved(block(&[1.0, 0.5], &[10, 4]), place);
@@ -466,7 +467,7 @@ fn gaps_of_graded_circles() {
 fn nodes_off_the_middle_of_their_edges() {
     for (shape, meshes) in [ALL[0], ALL[2]] {
         for cells in [Cells::OffMiddle, Cells::OffMiddleBlocks] {
-            let found = errors(shape, cells, meshes[1], FirstGap::Measured, true);
+            let found = errors(shape, cells, meshes[1], None, true);
             println!("{shape:?} {cells:?}: {found:.4?}");
             assert!(found[0].abs() < 0.03 && found[1].abs() < 0.25, "{found:?}");
         }

@@ -6,7 +6,7 @@ use stickslip::algebra::linear::SparseLu;
 use stickslip::base::Formula;
 use stickslip::body::fem::Material;
 use stickslip::body::mesh::{Body, MeshSource, block};
-use stickslip::body::{Axis, Description, FirstGap, Opposite, Support};
+use stickslip::body::{Axis, Description, Opposite, Support};
 use stickslip::run::report::{RunReport, WarningKind};
 use stickslip::solver::history::{LinearAlgebra, Method};
 
@@ -87,7 +87,7 @@ fn roundings_that_are_given_as_a_gap() {
             .held(Support::new("punch:top", &[Axis::X, Axis::Y]).moved(&[0.0, -0.015]));
         match gap {
             Some(gap) => {
-                let against = Opposite { gap: FirstGap::Formula(gap), ..Opposite::from("lower:top") };
+                let against = Opposite { gap: Some(gap.into()), ..Opposite::from("lower:top") };
                 body.pair("punch:bottom", 0.0, against)
             }
             None => body,

@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use stickslip::base::equal_increments;
 use stickslip::body::fem::{Dofs, assemble, facet_load};
 use stickslip::body::mesh::MeshSource;
-use stickslip::body::{Axis, Description, FirstGap, Load, Model, Opposite};
+use stickslip::body::{Axis, Description, Load, Model, Opposite};
 use stickslip::run::Run;
 use stickslip::solver::ContactStatus;
 use stickslip::solver::State;
@@ -39,7 +39,7 @@ fn scene(random: &mut Random) -> Description {
     let gap = 1e-4 * random.sign();
     let opposite = description.contacts[0].opposite().unwrap().clone();
     description.contacts[0].against =
-        stickslip::body::Against::Boundary(Opposite { gap: FirstGap::Uniform(gap), ..opposite });
+        stickslip::body::Against::Boundary(Opposite { gap: Some(gap.into()), ..opposite });
     let pressure = softer * (2e-4 + 1e-3 * random.next());
     let (push, aside) = (0.6 * pressure * random.sign(), 0.3 * pressure * random.sign());
     let axes: &[Axis] = if space { &[Axis::X, Axis::Y, Axis::Z] } else { &[Axis::X, Axis::Y] };

@@ -15,12 +15,11 @@ use obstacles::{frame, motions, shape};
 use paths::paths;
 use std::borrow::Cow;
 use std::collections::BTreeSet;
-use stickslip::base::{Budget, Quantity, UnitSystem, in_words, six_digits};
-use stickslip::body::Friction;
+use stickslip::base::{Budget, Field, Quantity, UnitSystem, in_words, six_digits};
 use stickslip::body::fem::{Element, Material, Plane, RigidMotion};
 use stickslip::body::mesh::{CellKind, MeshSource};
 use stickslip::body::{
-    Action, Bed, Coupling, CouplingKind, Direction, Field, Held, Model, Pretension, Support, Tightening, Where,
+    Action, Bed, Coupling, CouplingKind, Direction, Held, Model, Pretension, Support, Tightening, Where,
 };
 use stickslip::run::report::{PairRecord, Warning};
 use stickslip::run::{RunError, tightening};
@@ -207,10 +206,8 @@ fn contacts(scene: &Scene, model: &Model) {
     for boundary in &model.contact_boundaries {
         let contact = &scene.description.contacts[boundary.contact];
         let several = contact.obstacles().len() > 1;
-        let mu = match &contact.friction {
-            Friction::Uniform(mu) => mu.to_string(),
-            Friction::Formula(formula) => formula.text().to_string(),
-        };
+        let friction = &contact.friction;
+        let mu = friction.uniform().map_or_else(|| friction.to_string(), |mu| mu.to_string());
         let changing = contact.friction_history.as_ref().map(|history| points(history, |factor| factor[0].to_string()));
         let mu = changing.map_or(mu.clone(), |factors| format!("{mu}, times {factors}"));
         if let Some(pair) = boundary.pair {

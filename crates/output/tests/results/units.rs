@@ -8,8 +8,8 @@ use crate::common::vtu::{Array, Piece};
 use std::fs;
 use std::ops::ControlFlow;
 use std::path::Path;
-use stickslip::base::{LengthUnit, Quantity, StressUnit, UnitSystem, Units};
-use stickslip::body::{Action, Description, Field, Model};
+use stickslip::base::{Field, LengthUnit, Quantity, StressUnit, UnitSystem, Units};
+use stickslip::body::{Action, Description, Model};
 use stickslip::run::{Recording, Run, discretise};
 use stickslip::scene::Scene;
 use stickslip::solver::State;
@@ -225,15 +225,11 @@ fn vtu_files_are_in_the_units_of_the_scene() {
     }
 }
 
-/// From Rust too, numbers may be given in any units, and results use the same units.
+/// From Rust numbers are SI, and results may use other units.
 #[test]
-fn a_description_says_what_its_numbers_are_in() {
+fn a_description_says_what_its_results_are_in() {
     let units = Units::new(LengthUnit::Millimetre, StressUnit::Megapascal);
-    let raw = Description {
-        units: Units::SI,
-        ..scene(&block_in_mm().replace("[units]\nlength = \"mm\"\nstress = \"MPa\"\n", "")).description
-    };
-    let given = raw.given_in(units);
+    let given = Description { units, ..scene(BLOCK).description };
     assert_eq!(given, scene(&block_in_mm()).description);
     assert_eq!(given.system(2), UnitSystem::new(units, 2));
     assert_eq!(given.system(2).name(Quantity::Force), "N/mm");

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::base::formula::Formula;
+use super::Formula;
 use crate::base::input_error::{InputError, finite};
 
 /// A number, or a formula of the position.
@@ -32,7 +32,7 @@ impl Field {
     }
 
     /// Checks the value of `key`.
-    pub(super) fn check(&self, key: &str) -> Result<(), InputError> {
+    pub(crate) fn check(&self, key: &str) -> Result<(), InputError> {
         self.uniform().map_or(Ok(()), |value| finite(key, value))
     }
 }
