@@ -44,42 +44,20 @@ pub(super) fn assemble_watched(
     let mut k = Symmetric::of(dofs.free(), |take| {
         let cells = mesh.cells.iter().map(|cell| &cell.nodes[..]);
         for nodes in cells.chain(volumes.iter().map(NodalVolume::nodes)) {
-            if dofs.any_relative(nodes) {
-                let unknowns = dofs.unknowns_of(nodes);
-                for (k, &column) in unknowns.iter().enumerate() {
-                    unknowns[k..].iter().for_each(|&row| take(row, column));
-                }
-                continue;
-            }
-            let unknowns = dofs.element(nodes);
-            for &column in unknowns.iter().flatten() {
-                unknowns.iter().flatten().filter(|row| **row >= column).for_each(|&row| take(row, column));
+            let unknowns = dofs.unknowns_of(nodes);
+            for (k, &column) in unknowns.iter().enumerate() {
+                unknowns[k..].iter().for_each(|&row| take(row, column));
             }
         }
     });
-    let mut add = |nodes: &[usize], mut stiffness: Vec<Vec<f64>>| {
+    let mut add = |nodes: &[usize], stiffness: Vec<Vec<f64>>| {
         if dofs.are_rigid(nodes) {
             return;
         }
         watch(nodes, &stiffness);
-        dofs.turn(nodes, &mut stiffness);
-        if dofs.any_relative(nodes) {
-            let (unknowns, stiffness) = dofs.expanded(nodes, &stiffness);
-            for (&row, values) in unknowns.iter().zip(&stiffness) {
-                let lower = unknowns.iter().zip(values).filter(|(column, _)| row >= **column);
-                lower.for_each(|(column, value)| k.raise(row, *column, *value));
-            }
-            return;
-        }
-        let unknowns = dofs.element(nodes);
-        for (row, values) in unknowns.iter().zip(&stiffness) {
-            for (column, value) in unknowns.iter().zip(values) {
-                if let (Some(row), Some(column)) = (*row, *column)
-                    && row >= column
-                {
-                    k.raise(row, column, *value);
-                }
-            }
+        let (unknowns, stiffness) = dofs.reduced(nodes, stiffness);
+        for (row, values) in stiffness.iter().enumerate() {
+            (0..=row).for_each(|column| k.raise(unknowns[row], unknowns[column], values[column]));
         }
     };
     let law = |e: usize| {

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::reference_point::{Jump, ReferencePoint};
-use super::relative::Resolved;
+use super::relative::Relative;
 use crate::algebra::vector::{axis, axis_across, cross, dot, minus, norm, unit};
 use crate::body::mesh::{Geometry, Mesh};
 
@@ -30,9 +30,11 @@ pub struct Dofs {
     /// The frames that differ from the coordinate axes.
     frames: BTreeMap<usize, Frame>,
     /// The nodes whose unknowns are relative to other nodes.
-    pub(super) relative: BTreeMap<usize, Resolved>,
+    pub(super) relative: BTreeMap<usize, Relative>,
     /// The relative nodes, each after the nodes that it is relative to.
     pub(super) relative_order: Vec<usize>,
+    /// The rows of `T` beyond the own unknown, for the free components of relative nodes.
+    pub(super) beyond: BTreeMap<usize, Vec<(usize, f64)>>,
     free: usize,
 }
 
@@ -76,6 +78,7 @@ impl Dofs {
             frames: BTreeMap::new(),
             relative: BTreeMap::new(),
             relative_order: Vec::new(),
+            beyond: BTreeMap::new(),
             free: 0,
         };
         for node in 0..dofs.node_of_jump(dofs.jumps.len()) {
@@ -98,15 +101,15 @@ impl Dofs {
             };
             dofs.held.extend(&fixed[..dimension]);
         }
-        dofs.leave_out(|_| false);
+        dofs.number();
         dofs
     }
 
-    /// Numbers the components that are not held, except those of nodes that are left out.
-    pub(super) fn leave_out(&mut self, left_out: impl Fn(usize) -> bool) {
+    /// Numbers the components that are not held, except those of tied nodes.
+    pub(super) fn number(&mut self) {
         (self.numbers, self.free) = (Vec::with_capacity(self.held.len()), 0);
         for (k, held) in self.held.iter().enumerate() {
-            let counts = !held && !left_out(k / self.dimension);
+            let counts = !held && !self.relative.get(&(k / self.dimension)).is_some_and(|relative| relative.tied);
             self.numbers.push(counts.then_some(self.free));
             self.free += usize::from(counts);
         }
@@ -157,31 +160,20 @@ impl Dofs {
         Some(self.numbers.iter().position(|&number| number == Some(dof))? / self.dimension)
     }
 
-    /// Returns the unknowns of an element with the corners `nodes`, corner by corner.
-    pub fn element(&self, nodes: &[usize]) -> Vec<Option<usize>> {
-        nodes.iter().flat_map(|&node| self.node(node)).copied().collect()
-    }
-
-    /// Returns `true` if some of `nodes` are relative to others.
-    pub(super) fn any_relative(&self, nodes: &[usize]) -> bool {
-        !self.relative.is_empty() && nodes.iter().any(|node| self.relative.contains_key(node))
+    /// Returns the row of `T` of component `k`, counted node by node along the axes of their frames: the displacement as a
+    /// sum of unknowns with coefficients, its own unknown first.
+    pub(super) fn row(&self, k: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let own = || self.relative.get(&(k / self.dimension)).map_or(1.0, |relative| 1.0 / relative.own);
+        let beyond = self.beyond.get(&k).into_iter().flatten().copied();
+        self.numbers[k].map(|dof| (dof, own())).into_iter().chain(beyond)
     }
 
     /// Returns the displacement of `node` along `vector` as a sum of unknowns with coefficients. An unknown may occur
     /// several times.
     pub fn along(&self, node: usize, vector: [f64; 3]) -> impl Iterator<Item = (usize, f64)> + '_ {
-        let components = self.in_frame(node, vector);
-        let relative = self.relative.get(&node);
-        let own = relative.map_or(1.0, |relative| relative.own);
-        let own = (self.node(node).iter().zip(components))
-            .filter_map(move |(dof, component)| Some(((*dof)?, component / own)));
-        let beyond = relative.into_iter().flat_map(move |relative| {
-            let along = |(beyond, component): (&'_ Vec<(usize, f64)>, f64)| {
-                beyond.iter().map(|&(dof, c)| (dof, component * c)).collect::<Vec<_>>()
-            };
-            relative.beyond.iter().zip(components).filter(|(_, component)| *component != 0.0).flat_map(along)
-        });
-        own.chain(beyond)
+        let (d, components) = (self.dimension, self.in_frame(node, vector));
+        let of_axis = move |a: usize| self.row(d * node + a).map(move |(dof, c)| (dof, components[a] * c));
+        (0..d).filter(move |a| components[*a] != 0.0).flat_map(of_axis)
     }
 
     /// Returns the components of `vector` along the axes of the frame of `node`.
@@ -215,10 +207,10 @@ impl Dofs {
     pub fn displacements(&self, u: &[f64]) -> Vec<[f64; 3]> {
         let node = |dofs: &[Option<usize>]| [0, 1, 2].map(|c| dofs.get(c).copied().flatten().map_or(0.0, |dof| u[dof]));
         let mut displacements: Vec<[f64; 3]> = self.numbers.chunks_exact(self.dimension).map(node).collect();
-        for (&node, relative) in &self.relative {
-            for (own, beyond) in displacements[node].iter_mut().zip(&relative.beyond) {
-                *own = *own / relative.own + beyond.iter().map(|(dof, c)| c * u[*dof]).sum::<f64>();
-            }
+        for (&k, beyond) in &self.beyond {
+            let node = k / self.dimension;
+            let own = &mut displacements[node][k % self.dimension];
+            *own = *own / self.relative[&node].own + beyond.iter().map(|(dof, c)| c * u[*dof]).sum::<f64>();
         }
         for (&node, frame) in &self.frames {
             let along = displacements[node];

@@ -78,16 +78,6 @@ pub struct Relative {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Ring(pub usize);
 
-/// A [`Relative`] node in terms of the unknowns of the other nodes.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Resolved {
-    pub own: f64,
-    pub others: Vec<(usize, Coefficient)>,
-    pub tied: bool,
-    /// The terms of its displacement along each axis of its frame other than its own unknown; empty along held axes.
-    pub beyond: Vec<Vec<(usize, f64)>>,
-}
-
 /// Combines the terms of a row so that each unknown occurs once, and not at all if its terms cancel up to rounding.
 pub(crate) fn merged(row: Vec<(usize, f64)>) -> Vec<(usize, f64)> {
     let mut terms: BTreeMap<usize, [f64; 2]> = BTreeMap::new();
