@@ -186,8 +186,7 @@ fn prescribed(
 ) -> Result<(), ProblemError> {
     for moved in moved {
         cases.push(LoadCase::new(dofs.forces(moved.forces(carrying, rows, springs)), moved.history.clone())?);
-        let beyond: Vec<_> =
-            contacts.iter().map(|contact| moved.beyond_contact(rows, dofs, carrying, contact)).collect();
+        let beyond: Vec<_> = contacts.iter().map(|contact| moved.beyond_contact(dofs, carrying, contact)).collect();
         if beyond.iter().any(|beyond| *beyond != [0.0; 3]) {
             let gap = beyond.iter().map(|[n, ..]| -n).collect();
             let drift = beyond.iter().map(|[_, t, o]| [-t, -o]).collect();
@@ -227,11 +226,11 @@ impl Model {
             (Some(stiffness), rows)
         };
         let carrying = Carrying::new(description, &mesh, &dofs, (&couplings, &pairs), &holdings)?;
-        let mut moved = Moved::all(description, &mesh, &dofs, &holdings, &rows, &carrying)?;
+        let mut moved = Moved::all(description, &mesh, &dofs, &holdings, &carrying)?;
         let jumps = joints.prescribed(description, &dofs);
-        moved.extend(jumps.map(|(jump, history)| Moved::of_jump(&dofs, &rows, carrying.groups, jump, history)));
+        moved.extend(jumps.map(|(jump, history)| Moved::of_jump(&dofs, carrying.groups, jump, history)));
 
-        let contacts = Contacts::new(description, &mesh, &dofs, &rows, &moved, &pairs, &carrying)?;
+        let contacts = Contacts::new(description, &mesh, &dofs, &moved, &pairs, &carrying)?;
         let friction = contacts.friction_history(description)?;
         let Contacts { nodes: contacts, mu, boundaries: contact_boundaries, obstacles, .. } = contacts;
         let mu = friction.as_ref().map_or(mu, FrictionHistory::largest);
@@ -264,12 +263,11 @@ impl Model {
             cases.push(LoadCase::new(dofs.forces(forces), history)?);
         }
         let on_springs: Vec<_> = moved.iter().map(|moved| moved.forces_of_springs(&carrying, &springs)).collect();
-        let statics =
-            Statics::new(&mesh, &dofs, rows.clone(), support::shares(&holdings, &rows), beds, &forces, &on_springs);
+        let statics = Statics::new(&mesh, &dofs, rows, support::shares(&holdings), beds, &forces, &on_springs);
         let loading = Loading::new(cases, gap)?.with_motions(motions, bends)?.with_friction(friction)?;
 
         let recovery = Recovery::new(&mesh, &contacts, &contact_boundaries, &pairs.all);
-        let past = |contact: &ContactNode| support::moves_past(&moved, &rows, &dofs, &carrying, contact);
+        let past = |contact: &ContactNode| support::moves_past(&moved, &dofs, &carrying, contact);
         let ties = [pairs.ties(&dofs, &joints), carried::ties(&couplings, &mesh, &dofs)].concat();
         let rigid_motions = unresisted_motions(&mesh, &dofs, &springs, &ties);
         let shared = match &sharing {

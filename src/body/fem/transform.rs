@@ -144,16 +144,15 @@ impl Dofs {
         }
     }
 
-    /// Returns the displacement (m) of a relative node due to the displacements `at` of the nodes that it is relative
-    /// to, without held components.
-    pub fn carried_along(&self, node: usize, at: impl Fn(usize) -> [f64; 3]) -> [f64; 3] {
-        let Some(Relative { own, others, .. }) = self.relative.get(&node) else { return [0.0; 3] };
-        let mut sum = [0.0; 3];
-        for n in self.free_axes(node) {
-            let along: f64 = others.iter().map(|(other, c)| dot(c.over(*own).times(at(*other)), n)).sum();
-            (0..3).for_each(|c| sum[c] += along * n[c]);
+    /// Adds to the displacements `u` (m) of all nodes, those that supports prescribe, the displacements that relative nodes
+    /// have by them.
+    pub fn follow(&self, u: &mut [[f64; 3]]) {
+        for &node in &self.relative_order {
+            let Relative { own, others, .. } = &self.relative[&node];
+            let along = |n: [f64; 3]| others.iter().map(|(other, c)| dot(c.over(*own).times(u[*other]), n)).sum();
+            let sum = self.free_axes(node).into_iter().fold([0.0; 3], |sum, n| plus(sum, along(n), n));
+            u[node] = plus(u[node], 1.0, sum);
         }
-        sum
     }
 
     /// Computes the stiffness `Tᵀ K T` of an element with the corners `nodes`, and returns its unknowns and the stiffness.
