@@ -29,7 +29,7 @@ pub(crate) use body_force::free_stretch;
 pub(crate) use body_force::thermal_stress;
 pub use body_force::{body_force, thermal_forces};
 pub use dofs::Dofs;
-pub(crate) use dofs::{SAME_DIRECTION, independent};
+pub(crate) use dofs::{SAME_DIRECTION, independent, normal_frame};
 pub use elastic::Elasticity;
 pub(crate) use elastic::numbered;
 pub(crate) use facet::facet_mass;

@@ -227,7 +227,7 @@ impl Model {
         };
         let carrying = Carrying::new(description, &mesh, &dofs, (&couplings, &pairs), &holdings)?;
         let mut moved = Moved::all(description, &mesh, &dofs, &holdings, &carrying)?;
-        let jumps = joints.prescribed(description, &dofs);
+        let jumps = joints.tightened(description, &dofs, false);
         moved.extend(jumps.map(|(jump, history)| Moved::of_jump(&dofs, carrying.groups, jump, history)));
 
         let contacts = Contacts::new(description, &mesh, &dofs, &moved, &pairs, &carrying)?;
@@ -259,8 +259,8 @@ impl Model {
             forces.push(on_mesh.forces);
         }
         prescribed(&moved, &contacts, (&dofs, &rows, &carrying, &springs), (&mut cases, &mut motions))?;
-        for (forces, history) in joints.forces(description, &mesh, &dofs) {
-            cases.push(LoadCase::new(dofs.forces(forces), history)?);
+        for (force, history) in joints.tightened(description, &dofs, true) {
+            cases.push(LoadCase::new(dofs.forces([force]), history)?);
         }
         let on_springs: Vec<_> = moved.iter().map(|moved| moved.forces_of_springs(&carrying, &springs)).collect();
         let statics = Statics::new(&mesh, &dofs, rows, support::shares(&holdings), beds, &forces, &on_springs);

@@ -48,19 +48,15 @@ impl Dofs {
     /// Numbers, node by node, all components for which `fixed(node, component)` is `false`.
     pub fn new(mesh: &Mesh, fixed: impl Fn(usize, usize) -> bool) -> Self {
         let axes = |node: usize| (0..mesh.dimension).filter(|&c| fixed(node, c)).map(axis).collect();
-        Self::holding(mesh, axes)
-    }
-
-    /// Numbers the free components of each node, which is held along the directions `held`: unit vectors, in two
-    /// dimensions in the plane.
-    ///
-    /// Dependent directions are ignored. Nodes on the axis of a body of revolution are also held along x.
-    pub fn holding(mesh: &Mesh, held: impl FnMut(usize) -> Vec<[f64; 3]>) -> Self {
-        Self::with_points(mesh, Vec::new(), Vec::new(), held)
+        Self::with_points(mesh, Vec::new(), Vec::new(), axes)
     }
 
     /// Numbers the free components of each node, of the two nodes of each of `points` and of the node of each of `jumps`,
-    /// which follow those of the mesh. The points and jumps of a body of revolution move along the axis only.
+    /// which follow those of the mesh.
+    ///
+    /// Each node is held along the directions `held`: unit vectors, in two dimensions in the plane. Dependent directions
+    /// are ignored. Nodes on the axis of a body of revolution are also held along x, and its points and jumps move along
+    /// the axis only.
     pub fn with_points(
         mesh: &Mesh,
         points: Vec<ReferencePoint>,
@@ -116,7 +112,7 @@ impl Dofs {
     }
 
     /// Returns the number of dimensions.
-    pub(super) fn dimension(&self) -> usize {
+    pub(crate) fn dimension(&self) -> usize {
         self.dimension
     }
 
@@ -261,15 +257,20 @@ pub fn independent(mut directions: Vec<[f64; 3]>, dimension: usize) -> Vec<[f64;
 /// Returns a frame that contains the directions `held`, fewer than the number of dimensions, and marks its held axes.
 fn turned(held: &[[f64; 3]], dimension: usize) -> (Frame, [bool; 3]) {
     match *held {
-        [n] if dimension == 2 => ([[-n[1], n[0], 0.0], n, axis(2)], [false, true, true]),
-        [n] => {
-            let least = (0..3).min_by(|&a, &b| n[a].abs().total_cmp(&n[b].abs())).unwrap_or(0);
-            let first = axis_across(least, n);
-            ([first, cross(n, first), n], [false, false, true])
-        }
+        [n] => (normal_frame(n, dimension), [false, dimension == 2, true]),
         [a, b, ..] => ([unit(cross(a, b)), a, b], [false, true, true]),
         [] => ([0, 1, 2].map(axis), [false; 3]),
     }
+}
+
+/// Returns an orthonormal frame with the unit vector `n` after the directions across it, in two dimensions in the plane.
+pub fn normal_frame(n: [f64; 3], dimension: usize) -> Frame {
+    if dimension == 2 {
+        return [[-n[1], n[0], 0.0], n, axis(2)];
+    }
+    let least = (0..3).min_by(|&a, &b| n[a].abs().total_cmp(&n[b].abs())).unwrap_or(0);
+    let first = axis_across(least, n);
+    [first, cross(n, first), n]
 }
 
 #[cfg(test)]
@@ -285,7 +286,13 @@ mod tests {
             [vec![n], vec![n, n.map(|c| -c)], vec![n, axis(1)], vec![axis(0), n, axis(2)], vec![unit([1.0, 0.0, 1.0])]];
         let mesh = block(&[1.0; 3], &[1; 3]);
         for held in cases {
-            let dofs = Dofs::holding(&mesh, |node| if node == 3 { held.clone() } else { Vec::new() });
+            let dofs =
+                Dofs::with_points(
+                    &mesh,
+                    Vec::new(),
+                    Vec::new(),
+                    |node| if node == 3 { held.clone() } else { Vec::new() },
+                );
             let rank = independent(held.clone(), 3).len();
             assert_eq!(dofs.free(), 24 - rank, "{held:?}");
             let u: Vec<f64> = (0..dofs.free()).map(|k| 1.0 + k as f64).collect();

@@ -43,8 +43,8 @@ impl Carrying {
         let bodies = mesh.bodies();
         let mut together = UnionFind::new(bodies.count());
         let of = |node: usize| bodies.of_nodes()[dofs.in_mesh(node)];
-        for nodes in couplings.connected() {
-            let all: BTreeSet<usize> = nodes.map(of).collect();
+        for (.., nodes) in couplings.each_rigid() {
+            let all: BTreeSet<usize> = nodes.into_iter().map(of).collect();
             all.iter().zip(all.iter().skip(1)).for_each(|(a, b)| together.join(*a, *b));
         }
         let mut neighbours: BTreeSet<(usize, usize)> = BTreeSet::new();
