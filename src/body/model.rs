@@ -2,7 +2,6 @@
 
 mod balance;
 mod bodies;
-mod bonds;
 mod carried;
 mod carrying;
 mod chords;
@@ -51,12 +50,10 @@ use crate::algebra::sparse::Csr;
 use crate::base::input_error::InputError;
 use crate::base::timeline::within;
 use crate::base::units::{Scaling, UnitSystem};
+use crate::body::constraints::{Dofs, HeldRows, RigidMotion, assemble, unresisted_motions};
 use crate::body::contact::{ContactBoundary, ContactNode, ObstacleMotion, Passages, PlacedObstacle, Row};
 use crate::body::description::Description;
-use crate::body::fem::{
-    Dofs, Elasticity, Element, HeldRows, InvertedElement, NodalVolumes, Plane, RigidMotion, Spring, assemble,
-    unresisted_motions,
-};
+use crate::body::fem::{Elasticity, Element, InvertedElement, NodalVolumes, Plane, Spring};
 use crate::body::mesh::{Boundary, Mesh, MeshError, MeshFileError};
 use crate::solver::loading::{FrictionHistory, LoadCase, Loading, Motion};
 use crate::solver::problem::{ContactProblem, Parts, ProblemError};

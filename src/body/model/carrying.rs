@@ -12,8 +12,8 @@ use super::holding::Holding;
 use super::pair::Pairs;
 use crate::algebra::union_find::UnionFind;
 use crate::base::input_error::InputError;
+use crate::body::constraints::Dofs;
 use crate::body::description::Description;
-use crate::body::fem::Dofs;
 use crate::body::mesh::Mesh;
 
 /// The groups of bodies with a common rigid offset: bodies that are glued together, and bodies in front of the same

@@ -12,12 +12,12 @@ use crate::algebra::vector::{dot, plus};
 use crate::base::input_error::InputError;
 use crate::base::timeline::within;
 use crate::base::units::{Quantity, UnitSystem, six_digits};
+use crate::body::constraints::{Dofs, SAME_DIRECTION, merged};
 use crate::body::contact::{
     ContactBoundary, ContactNode, Counterpart, Meeting, ObstacleMotion, PlacedObstacle, Row, Unclear, contact_nodes,
     meetings, unreachable,
 };
 use crate::body::description::{Contact, Description};
-use crate::body::fem::{Dofs, SAME_DIRECTION, merged};
 use crate::body::mesh::{Boundary, Mesh};
 use crate::solver::loading::FrictionHistory;
 use crate::solver::problem::ProblemError;

@@ -7,8 +7,9 @@ use super::place::{of_dimension, suits};
 use crate::algebra::null_space::{Row, null_space};
 use crate::algebra::vector::{axis, cross, dot, minus, norm, plus};
 use crate::base::input_error::InputError;
+use crate::body::constraints::{Dofs, ReferencePoint};
 use crate::body::description::{Coupling, CouplingKind, Description, Part};
-use crate::body::fem::{Dofs, NodalForces, ReferencePoint, area, cell_volume, facet_weights, traction};
+use crate::body::fem::{NodalForces, area, cell_volume, facet_weights, traction};
 use crate::body::mesh::{Boundary, Geometry, Mesh};
 
 /// The largest distance of a reference point from its part, in sizes of the mesh. Moments lose as many digits.

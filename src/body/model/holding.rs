@@ -7,8 +7,8 @@ use super::place::{nodes, normals, suits};
 use crate::algebra::vector::{axis, norm, unit};
 use crate::base::input_error::InputError;
 use crate::base::units::UnitSystem;
+use crate::body::constraints::{Dofs, ReferencePoint, SAME_DIRECTION};
 use crate::body::description::{Axis, Description, Direction, Held, Support, Where};
-use crate::body::fem::{Dofs, ReferencePoint, SAME_DIRECTION};
 use crate::body::mesh::{Geometry, Mesh};
 
 /// The displacements that one support holds: nodes, unit vectors and displacements (m) at factor 1.

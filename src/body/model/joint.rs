@@ -6,9 +6,9 @@ use super::find;
 use crate::algebra::vector::{axis, dot, norm, plus, unit};
 use crate::base::input_error::InputError;
 use crate::base::timeline::within;
+use crate::body::constraints::{Dofs, Jump, Relative, SAME_DIRECTION, Tie, normal_frame};
 use crate::body::contact::MortarRow;
 use crate::body::description::{Description, Opposite, Tightening};
-use crate::body::fem::{Dofs, Jump, Relative, SAME_DIRECTION, Tie, normal_frame};
 use crate::body::mesh::{Boundary, Geometry, Mesh};
 
 /// The least length of the sum of the area vectors of a section, as a share of the sum of their lengths.

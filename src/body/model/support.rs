@@ -7,9 +7,10 @@ use super::holding::Holding;
 use crate::algebra::vector::{dot, minus, norm, plus};
 use crate::base::input_error::InputError;
 use crate::base::timeline::within;
+use crate::body::constraints::{Dofs, HeldRows, SAME_DIRECTION, independent, nearest_translation};
 use crate::body::contact::{ContactNode, Facing};
 use crate::body::description::{Description, Support};
-use crate::body::fem::{Dofs, HeldRows, NodalForces, SAME_DIRECTION, Spring, independent, nearest_translation};
+use crate::body::fem::{NodalForces, Spring};
 use crate::body::mesh::{Geometry, Mesh};
 use crate::solver::loading::piecewise_linear;
 

@@ -17,7 +17,8 @@ use std::borrow::Cow;
 use std::collections::BTreeSet;
 use stickslip::base::{Budget, Quantity, UnitSystem, in_words, six_digits};
 use stickslip::body::Friction;
-use stickslip::body::fem::{Element, Material, Plane, RigidMotion};
+use stickslip::body::constraints::RigidMotion;
+use stickslip::body::fem::{Element, Material, Plane};
 use stickslip::body::mesh::{CellKind, MeshSource};
 use stickslip::body::{
     Action, Bed, Coupling, CouplingKind, Direction, Field, Held, Model, Pretension, Support, Tightening, Where,

@@ -3,13 +3,12 @@
 use rayon::prelude::*;
 
 use super::dofs::Dofs;
-use super::elastic::Elasticity;
-use super::inverted::InvertedElement;
-use super::nodal_volume::{NodalVolume, NodalVolumes};
-use super::stiffness::element_stiffness;
-use super::strain::Element;
 use crate::algebra::sparse::Symmetric;
-use crate::body::mesh::Mesh;
+use crate::algebra::vector::axis;
+use crate::body::fem::{
+    Elasticity, Element, InvertedElement, NodalVolume, NodalVolumes, Spring, element_stiffness, uniform_traction,
+};
+use crate::body::mesh::{Boundary, Mesh};
 
 /// The number of cells whose stiffnesses are computed in parallel before they are added in the order of the cells.
 const TOGETHER: usize = 4096;
@@ -94,4 +93,24 @@ pub(super) fn each_stiffness(
         }
     }
     Ok(())
+}
+
+/// Computes the nodal forces (length n_u; N, in two dimensions per unit depth, for a body of revolution over the full
+/// circumference) of a uniform `traction` (N/m²) on `boundary`: `∫ N_a t dA`.
+pub fn facet_load(mesh: &Mesh, dofs: &Dofs, boundary: &Boundary, traction: [f64; 3]) -> Vec<f64> {
+    dofs.forces(uniform_traction(mesh, boundary, traction))
+}
+
+impl Spring {
+    /// Adds it to the stiffness `k` of the body, which already couples the nodes of a facet.
+    pub fn add_to(&self, k: &mut Symmetric, dofs: &Dofs) {
+        let unit_along = |place: usize| dofs.along(place / 3, axis(place % 3)).filter(|(_, c)| *c != 0.0);
+        for (row, column, value) in self.entries().filter(|(.., value)| *value != 0.0) {
+            for (i, along_row) in unit_along(row) {
+                for (j, along_column) in unit_along(column).filter(|(j, _)| i >= *j) {
+                    k.raise(i, j, value * along_row * along_column);
+                }
+            }
+        }
+    }
 }

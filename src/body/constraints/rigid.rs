@@ -4,11 +4,11 @@ use std::fmt;
 use std::ops::Range;
 
 use super::dofs::Dofs;
-use super::spring::Spring;
 use crate::algebra::null_space::{NEGLIGIBLE, Row, null_space};
 use crate::algebra::union_find::UnionFind;
 use crate::algebra::vector::{cross, dot, minus, norm, plus};
 use crate::base::units::{Quantity, UnitSystem};
+use crate::body::fem::Spring;
 use crate::body::mesh::{Bodies, Geometry, Mesh};
 
 /// The least share of rotation in a translation that the description of a motion mentions.

@@ -4,15 +4,10 @@ use std::collections::BTreeMap;
 
 use super::assembly::{assemble_watched, each_stiffness};
 use super::dofs::Dofs;
-use super::elastic::Elasticity;
-use super::facet::NodalForces;
-use super::inverted::InvertedElement;
-use super::nodal_volume::NodalVolumes;
 use super::part::cells_at;
-use super::spring::Spring;
-use super::strain::Element;
 use crate::algebra::sparse::{Csr, Symmetric};
 use crate::algebra::vector::{axis, dot, minus};
+use crate::body::fem::{Elasticity, Element, InvertedElement, NodalForces, NodalVolumes, Spring};
 use crate::body::mesh::Mesh;
 
 /// The rows of the stiffness of a body, including springs, at held nodes and at nodes whose displacements are relative

@@ -2,10 +2,8 @@
 
 use super::assembly::each_stiffness;
 use super::dofs::Dofs;
-use super::elastic::Elasticity;
-use super::inverted::InvertedElement;
-use super::strain::Element;
 use crate::algebra::sparse::Symmetric;
+use crate::body::fem::{Elasticity, Element, InvertedElement};
 use crate::body::mesh::Mesh;
 
 /// Assembles the entries of `K` whose row or column belongs to a node with `here` equal to `true`. The values equal
