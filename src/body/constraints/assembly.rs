@@ -30,6 +30,27 @@ pub fn assemble(
     assemble_watched(mesh, dofs, element, &volumes, material, |_, _| {})
 }
 
+/// Assembles the entries of `K` whose row or column belongs to a node with `here` equal to `true`, for distribution over
+/// several processes. The values equal those of [`assemble`] exactly. Relative nodes and averaged dilatations are not
+/// supported.
+///
+/// # Errors
+/// [`InvertedElement`] for the first inverted or degenerate element at these nodes.
+pub(crate) fn assemble_part(
+    mesh: &Mesh,
+    dofs: &Dofs,
+    element: Element,
+    material: impl Fn(usize) -> Elasticity + Sync,
+    here: &[bool],
+) -> Result<Symmetric, InvertedElement> {
+    let mut wanted = vec![false; dofs.free()];
+    for (node, here) in here.iter().enumerate() {
+        dofs.node(node).iter().flatten().for_each(|dof| wanted[*dof] = *here);
+    }
+    let (cells, volumes) = (cells_at(mesh, |node| here[node]), NodalVolumes::default());
+    assemble_entries(mesh, dofs, element, &volumes, material, (&cells, |i, j| wanted[i] || wanted[j]), |_, _| {})
+}
+
 /// Assembles `K` with the nodal volumes of the mesh. Calls `watch` with the nodes and the stiffness of every cell and
 /// nodal volume, for the components x, y and z of all nodes.
 pub(super) fn assemble_watched(
@@ -38,14 +59,28 @@ pub(super) fn assemble_watched(
     element: Element,
     volumes: &NodalVolumes,
     material: impl Fn(usize) -> Elasticity + Sync,
+    watch: impl FnMut(&[usize], &[Vec<f64>]),
+) -> Result<Symmetric, InvertedElement> {
+    let cells: Vec<usize> = (0..mesh.cells.len()).collect();
+    assemble_entries(mesh, dofs, element, volumes, material, (&cells, |_, _| true), watch)
+}
+
+/// Assembles the `wanted` entries of `K`, by row and column, of `cells` and nodal volumes.
+fn assemble_entries(
+    mesh: &Mesh,
+    dofs: &Dofs,
+    element: Element,
+    volumes: &NodalVolumes,
+    material: impl Fn(usize) -> Elasticity + Sync,
+    (cells, wanted): (&[usize], impl Fn(usize, usize) -> bool),
     mut watch: impl FnMut(&[usize], &[Vec<f64>]),
 ) -> Result<Symmetric, InvertedElement> {
     let mut k = Symmetric::of(dofs.free(), |take| {
-        let cells = mesh.cells.iter().map(|cell| &cell.nodes[..]);
-        for nodes in cells.chain(volumes.iter().map(NodalVolume::nodes)) {
+        let of_cells = cells.iter().map(|&e| &mesh.cells[e].nodes[..]);
+        for nodes in of_cells.chain(volumes.iter().map(NodalVolume::nodes)) {
             let unknowns = dofs.unknowns_of(nodes);
             for (k, &column) in unknowns.iter().enumerate() {
-                unknowns[k..].iter().for_each(|&row| take(row, column));
+                unknowns[k..].iter().filter(|row| wanted(**row, column)).for_each(|&row| take(row, column));
             }
         }
     });
@@ -55,44 +90,48 @@ pub(super) fn assemble_watched(
         }
         watch(nodes, &stiffness);
         let (unknowns, stiffness) = dofs.reduced(nodes, stiffness);
-        for (row, values) in stiffness.iter().enumerate() {
-            (0..=row).for_each(|column| k.raise(unknowns[row], unknowns[column], values[column]));
+        for (k_row, values) in unknowns.iter().zip(&stiffness) {
+            let lower = unknowns.iter().zip(values).take_while(|(column, _)| *column <= k_row);
+            lower.filter(|(column, _)| wanted(*k_row, **column)).for_each(|(column, v)| k.raise(*k_row, *column, *v));
         }
     };
     let law = |e: usize| {
         let whole = material(e);
         if volumes.of_cell(e).is_empty() { whole } else { whole.deviatoric() }
     };
-    each_stiffness(mesh, element, law, mesh.cells.len(), |k| k, &mut add)?;
+    each_stiffness(mesh, element, law, cells, &mut add)?;
     for volume in volumes.iter() {
         add(volume.nodes(), volume.stiffness(mesh.dimension));
     }
     Ok(k)
 }
 
-/// Calls a function with the nodes and the stiffness of `count` cells in order; the cell with index `k` is `cell(k)`.
+/// Calls a function with the nodes and the stiffness of each of `cells` in order.
 pub(super) fn each_stiffness(
     mesh: &Mesh,
     element: Element,
     law: impl Fn(usize) -> Elasticity + Sync,
-    count: usize,
-    cell: impl Fn(usize) -> usize + Sync,
+    cells: &[usize],
     take: &mut impl FnMut(&[usize], Vec<Vec<f64>>),
 ) -> Result<(), InvertedElement> {
-    let of_cell = |k: usize| {
-        let e = cell(k);
+    let of_cell = |&e: &usize| {
         let (law, cell) = (law(e), &mesh.cells[e]);
         let stiffness = element_stiffness(cell.kind, mesh.geometry, &mesh.points(&cell.nodes), element, &law);
         stiffness.ok_or_else(|| InvertedElement::of(mesh, e))
     };
-    for first in (0..count).step_by(TOGETHER) {
-        let cells = first..count.min(first + TOGETHER);
-        let together: Vec<_> = cells.clone().into_par_iter().map(of_cell).collect();
-        for (k, stiffness) in cells.zip(together) {
-            take(&mesh.cells[cell(k)].nodes, stiffness?);
+    for cells in cells.chunks(TOGETHER) {
+        let together: Vec<_> = cells.par_iter().map(of_cell).collect();
+        for (e, stiffness) in cells.iter().zip(together) {
+            take(&mesh.cells[*e].nodes, stiffness?);
         }
     }
     Ok(())
+}
+
+/// Returns the cells with a `wanted` node, ascending.
+pub(super) fn cells_at(mesh: &Mesh, wanted: impl Fn(usize) -> bool) -> Vec<usize> {
+    let has = |e: &usize| mesh.cells[*e].nodes.iter().any(|node| wanted(*node));
+    (0..mesh.cells.len()).filter(has).collect()
 }
 
 /// Computes the nodal forces (length n_u; N, in two dimensions per unit depth, for a body of revolution over the full
@@ -104,7 +143,7 @@ pub fn facet_load(mesh: &Mesh, dofs: &Dofs, boundary: &Boundary, traction: [f64;
 impl Spring {
     /// Adds it to the stiffness `k` of the body, which already couples the nodes of a facet.
     pub fn add_to(&self, k: &mut Symmetric, dofs: &Dofs) {
-        let unit_along = |place: usize| dofs.along(place / 3, axis(place % 3)).filter(|(_, c)| *c != 0.0);
+        let unit_along = |place: usize| dofs.along(place / 3, axis(place % 3));
         for (row, column, value) in self.entries().filter(|(.., value)| *value != 0.0) {
             for (i, along_row) in unit_along(row) {
                 for (j, along_column) in unit_along(column).filter(|(j, _)| i >= *j) {
@@ -112,5 +151,30 @@ impl Spring {
                 }
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::body::mesh::block;
+
+    #[test]
+    fn parts_are_rows_of_the_whole() {
+        let mesh = block(&[1.0, 1.0, 2.0], &[3, 2, 4]);
+        let dofs = Dofs::new(&mesh, |node, c| node < 5 && c == 1);
+        let material = |e: usize| Elasticity::isotropic(1.0 + e as f64, 0.3);
+        let whole = assemble(&mesh, &dofs, Element::Bilinear, material).unwrap();
+        let here: Vec<bool> = (0..mesh.nodes.len()).map(|node| node % 7 < 2).collect();
+        let part = assemble_part(&mesh, &dofs, Element::Bilinear, material, &here).unwrap();
+        let is_here = |dof: usize| here[dofs.node_of(dof).unwrap()];
+        let mut count = 0;
+        for (row, column, value) in whole.lower_entries() {
+            let wanted = is_here(row) || is_here(column);
+            assert_eq!(part.get(row, column), if wanted { value } else { 0.0 });
+            assert_eq!(part.stores(row, column), wanted);
+            count += usize::from(wanted);
+        }
+        assert!(count > 0 && count == part.lower().values().len());
     }
 }

@@ -2,9 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::assembly::{assemble_watched, each_stiffness};
+use super::assembly::{assemble_watched, cells_at, each_stiffness};
 use super::dofs::Dofs;
-use super::part::cells_at;
 use crate::algebra::sparse::{Csr, Symmetric};
 use crate::algebra::vector::{axis, dot, minus};
 use crate::body::fem::{Elasticity, Element, InvertedElement, NodalForces, NodalVolumes, Spring};
@@ -57,7 +56,7 @@ impl HeldRows {
         let mut gathered = Gathered::new(mesh, dofs);
         let cells = cells_at(mesh, |node| gathered.rows.contains_key(&node));
         let mut add = |nodes: &[usize], stiffness: Vec<Vec<f64>>| gathered.add(nodes, &stiffness);
-        each_stiffness(mesh, element, material, cells.len(), |k| cells[k], &mut add)?;
+        each_stiffness(mesh, element, material, &cells, &mut add)?;
         Ok(gathered.rows())
     }
 

@@ -149,10 +149,4 @@ impl Dofs {
             jump.sum = sum;
         }
     }
-
-    /// Adds `factor` times jump `k` to a relation between the two sides.
-    pub fn with_jump(&self, mut relation: Relative, k: usize, factor: f64) -> Relative {
-        relation.others.push((self.node_of_jump(k), Coefficient::Factor(factor)));
-        relation
-    }
 }

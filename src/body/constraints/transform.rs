@@ -122,14 +122,12 @@ impl Dofs {
 
     /// Returns the relative nodes that move with nodes moved by supports, each after the nodes that it is relative to.
     pub fn followers(&self) -> Vec<usize> {
-        let mut follows = BTreeSet::new();
-        for &node in &self.relative_order {
-            let others = &self.relative[&node].others;
-            if others.iter().any(|(other, _)| self.is_held(*other) || follows.contains(other)) {
-                follows.insert(node);
-            }
-        }
-        self.relative_order.iter().copied().filter(|node| follows.contains(node)).collect()
+        let mut follow = BTreeSet::new();
+        let moves = |node: &usize| {
+            let mut others = self.relative[node].others.iter();
+            others.any(|(other, _)| self.is_held(*other) || follow.contains(other)) && follow.insert(*node)
+        };
+        self.relative_order.iter().copied().filter(moves).collect()
     }
 
     /// Returns the nodes to which a `force` on a tied node is transferred, each with its part; empty if the node is

@@ -6,7 +6,7 @@ use super::find;
 use crate::algebra::vector::{axis, dot, norm, plus, unit};
 use crate::base::input_error::InputError;
 use crate::base::timeline::within;
-use crate::body::constraints::{Dofs, Jump, Relative, SAME_DIRECTION, Tie, normal_frame};
+use crate::body::constraints::{Coefficient, Dofs, Jump, Relative, SAME_DIRECTION, Tie, normal_frame};
 use crate::body::contact::MortarRow;
 use crate::body::description::{Description, Opposite, Tightening};
 use crate::body::mesh::{Boundary, Geometry, Mesh};
@@ -149,10 +149,12 @@ impl Joints {
         k: usize,
         slave: &str,
         row: &MortarRow,
-        relation: Relative,
+        mut relation: Relative,
     ) -> Relative {
-        let Some(jump) = self.of_contact(k) else { return relation };
-        dofs.with_jump(relation, jump, self.factor(jump, slave, row))
+        if let Some(jump) = self.of_contact(k) {
+            relation.others.push((dofs.node_of_jump(jump), Coefficient::Factor(self.factor(jump, slave, row))));
+        }
+        relation
     }
 
     /// Fails if a node of the `slave` of contact `k` cannot follow its jump: a support holds it, or another relation
