@@ -4,7 +4,6 @@ use rayon::prelude::*;
 
 use super::dofs::Dofs;
 use crate::algebra::sparse::Symmetric;
-use crate::algebra::vector::axis;
 use crate::body::fem::{
     Elasticity, Element, InvertedElement, NodalVolume, NodalVolumes, Spring, element_stiffness, uniform_traction,
 };
@@ -27,7 +26,7 @@ pub fn assemble(
     material: impl Fn(usize) -> Elasticity + Sync,
 ) -> Result<Symmetric, InvertedElement> {
     let volumes = NodalVolumes::new(mesh, element, &material)?;
-    assemble_watched(mesh, dofs, element, &volumes, material, |_, _| {})
+    assemble_watched(mesh, dofs, element, (&volumes, &[]), material, |_, _| {})
 }
 
 /// Assembles the entries of `K` whose row or column belongs to a node with `here` equal to `true`, for distribution over
@@ -47,30 +46,31 @@ pub(crate) fn assemble_part(
     for (node, here) in here.iter().enumerate() {
         dofs.node(node).iter().flatten().for_each(|dof| wanted[*dof] = *here);
     }
-    let (cells, volumes) = (cells_at(mesh, |node| here[node]), NodalVolumes::default());
-    assemble_entries(mesh, dofs, element, &volumes, material, (&cells, |i, j| wanted[i] || wanted[j]), |_, _| {})
+    let (cells, none) = (cells_at(mesh, |node| here[node]), (&NodalVolumes::default(), &[][..]));
+    assemble_entries(mesh, dofs, element, none, material, (&cells, |i, j| wanted[i] || wanted[j]), |_, _| {})
 }
 
-/// Assembles `K` with the nodal volumes of the mesh. Calls `watch` with the nodes and the stiffness of every cell and
-/// nodal volume, for the components x, y and z of all nodes.
+/// Assembles `K` with the nodal volumes of the mesh and springs. Calls `watch` with the nodes and the stiffness of every cell,
+/// nodal volume and spring, for the components x, y and z of all nodes.
 pub(super) fn assemble_watched(
     mesh: &Mesh,
     dofs: &Dofs,
     element: Element,
-    volumes: &NodalVolumes,
+    (volumes, springs): (&NodalVolumes, &[Spring]),
     material: impl Fn(usize) -> Elasticity + Sync,
     watch: impl FnMut(&[usize], &[Vec<f64>]),
 ) -> Result<Symmetric, InvertedElement> {
     let cells: Vec<usize> = (0..mesh.cells.len()).collect();
-    assemble_entries(mesh, dofs, element, volumes, material, (&cells, |_, _| true), watch)
+    assemble_entries(mesh, dofs, element, (volumes, springs), material, (&cells, |_, _| true), watch)
 }
 
-/// Assembles the `wanted` entries of `K`, by row and column, of `cells` and nodal volumes.
+/// Assembles the `wanted` entries of `K`, by row and column, of `cells`, nodal volumes and springs, whose nodes the cells
+/// already couple.
 fn assemble_entries(
     mesh: &Mesh,
     dofs: &Dofs,
     element: Element,
-    volumes: &NodalVolumes,
+    (volumes, springs): (&NodalVolumes, &[Spring]),
     material: impl Fn(usize) -> Elasticity + Sync,
     (cells, wanted): (&[usize], impl Fn(usize, usize) -> bool),
     mut watch: impl FnMut(&[usize], &[Vec<f64>]),
@@ -84,25 +84,31 @@ fn assemble_entries(
             }
         }
     });
-    let mut add = |nodes: &[usize], stiffness: Vec<Vec<f64>>| {
-        if dofs.are_rigid(nodes) {
-            return;
-        }
-        watch(nodes, &stiffness);
+    let mut add = |nodes: &[usize], stiffness: &[Vec<f64>]| {
+        watch(nodes, stiffness);
         let (unknowns, stiffness) = dofs.reduced(nodes, stiffness);
-        for (k_row, values) in unknowns.iter().zip(&stiffness) {
-            let lower = unknowns.iter().zip(values).take_while(|(column, _)| *column <= k_row);
-            lower.filter(|(column, _)| wanted(*k_row, **column)).for_each(|(column, v)| k.raise(*k_row, *column, *v));
+        for (&row, values) in unknowns.iter().zip(&stiffness) {
+            for (&column, &value) in unknowns.iter().zip(values).take_while(|(column, _)| **column <= row) {
+                if value != 0.0 && wanted(row, column) {
+                    k.raise(row, column, value);
+                }
+            }
         }
     };
     let law = |e: usize| {
         let whole = material(e);
         if volumes.of_cell(e).is_empty() { whole } else { whole.deviatoric() }
     };
-    each_stiffness(mesh, element, law, cells, &mut add)?;
-    for volume in volumes.iter() {
-        add(volume.nodes(), volume.stiffness(mesh.dimension));
+    // Rigid parts have no strain.
+    each_stiffness(mesh, element, law, cells, &mut |nodes, k| {
+        if !dofs.are_rigid(nodes) {
+            add(nodes, &k)
+        }
+    })?;
+    for volume in volumes.iter().filter(|volume| !dofs.are_rigid(volume.nodes())) {
+        add(volume.nodes(), &volume.stiffness(mesh.dimension));
     }
+    springs.iter().for_each(|spring| add(spring.nodes(), spring.stiffness()));
     Ok(k)
 }
 
@@ -138,20 +144,6 @@ pub(super) fn cells_at(mesh: &Mesh, wanted: impl Fn(usize) -> bool) -> Vec<usize
 /// circumference) of a uniform `traction` (N/m²) on `boundary`: `∫ N_a t dA`.
 pub fn facet_load(mesh: &Mesh, dofs: &Dofs, boundary: &Boundary, traction: [f64; 3]) -> Vec<f64> {
     dofs.forces(uniform_traction(mesh, boundary, traction))
-}
-
-impl Spring {
-    /// Adds it to the stiffness `k` of the body, which already couples the nodes of a facet.
-    pub fn add_to(&self, k: &mut Symmetric, dofs: &Dofs) {
-        let unit_along = |place: usize| dofs.along(place / 3, axis(place % 3));
-        for (row, column, value) in self.entries().filter(|(.., value)| *value != 0.0) {
-            for (i, along_row) in unit_along(row) {
-                for (j, along_column) in unit_along(column).filter(|(j, _)| i >= *j) {
-                    k.raise(i, j, value * along_row * along_column);
-                }
-            }
-        }
-    }
 }
 
 #[cfg(test)]

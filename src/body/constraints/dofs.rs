@@ -214,27 +214,6 @@ impl Dofs {
         }
         displacements
     }
-
-    /// Rotates the stiffness of an element with the corners `nodes` from the coordinate axes to the frames of its
-    /// nodes.
-    pub(super) fn turn(&self, nodes: &[usize], stiffness: &mut [Vec<f64>]) {
-        let d = self.dimension;
-        for (a, node) in nodes.iter().enumerate() {
-            let Some(frame) = self.frame(*node) else { continue };
-            let turned = |x: [f64; 3]| frame.map(|axis| dot(axis, x));
-            let at = |c: usize| d * a + c;
-            for row in stiffness.iter_mut() {
-                let new = turned([0, 1, 2].map(|c| if c < d { row[at(c)] } else { 0.0 }));
-                (0..d).for_each(|c| row[at(c)] = new[c]);
-            }
-            let rows: Vec<Vec<f64>> = (0..d).map(|c| std::mem::take(&mut stiffness[at(c)])).collect();
-            for (r, axis) in frame[..d].iter().enumerate() {
-                let turned =
-                    |column| rows.iter().zip(axis).map(|(row, share): (&Vec<f64>, _)| share * row[column]).sum();
-                stiffness[at(r)] = (0..d * nodes.len()).map(turned).collect();
-            }
-        }
-    }
 }
 
 /// Returns an orthonormal basis of the span of the unit vectors `directions`, beginning with those along coordinate

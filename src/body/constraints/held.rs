@@ -10,8 +10,7 @@ use crate::body::fem::{Elasticity, Element, InvertedElement, NodalForces, NodalV
 use crate::body::mesh::Mesh;
 
 /// The rows of the stiffness of a body, including springs, at held nodes and at nodes whose displacements are relative
-/// to held nodes. Rows and columns are for the components x, y and z of all nodes;
-/// the rows of other nodes are empty.
+/// to held nodes. Rows and columns are for the components x, y and z of all nodes; the rows of other nodes are empty.
 #[derive(Debug, Clone)]
 pub(crate) struct HeldRows(Csr);
 
@@ -29,17 +28,9 @@ impl HeldRows {
         material: impl Fn(usize) -> Elasticity + Sync,
         springs: &[Spring],
     ) -> Result<(Symmetric, Self), InvertedElement> {
-        let mut gathered = Gathered::new(mesh, dofs);
+        let mut gathered = Gathered::new(dofs);
         let watch = |nodes: &[usize], stiffness: &[Vec<f64>]| gathered.add(nodes, stiffness);
-        let mut stiffness = assemble_watched(mesh, dofs, element, volumes, material, watch)?;
-        for spring in springs {
-            spring.add_to(&mut stiffness, dofs);
-        }
-        for (row, column, value) in springs.iter().flat_map(Spring::entries) {
-            if let Some(of_node) = gathered.rows.get_mut(&(row / 3)) {
-                of_node[row % 3].push((column, value));
-            }
-        }
+        let stiffness = assemble_watched(mesh, dofs, element, (volumes, springs), material, watch)?;
         Ok((stiffness, gathered.rows()))
     }
 
@@ -53,7 +44,7 @@ impl HeldRows {
         element: Element,
         material: impl Fn(usize) -> Elasticity + Sync,
     ) -> Result<Self, InvertedElement> {
-        let mut gathered = Gathered::new(mesh, dofs);
+        let mut gathered = Gathered::new(dofs);
         let cells = cells_at(mesh, |node| gathered.rows.contains_key(&node));
         let mut add = |nodes: &[usize], stiffness: Vec<Vec<f64>>| gathered.add(nodes, &stiffness);
         each_stiffness(mesh, element, material, &cells, &mut add)?;
@@ -77,22 +68,21 @@ impl HeldRows {
 
 /// Accumulates the rows cell by cell.
 struct Gathered {
-    dimension: usize,
     /// The number of all nodes.
     all: usize,
     rows: BTreeMap<usize, [Vec<(usize, f64)>; 3]>,
 }
 
 impl Gathered {
-    fn new(mesh: &Mesh, dofs: &Dofs) -> Self {
+    fn new(dofs: &Dofs) -> Self {
         let held = (0..dofs.nodes()).filter(|node| dofs.is_held(*node));
         let rows = held.chain(dofs.followers()).map(|node| (node, Default::default())).collect();
-        Gathered { dimension: mesh.dimension, all: dofs.nodes(), rows }
+        Gathered { all: dofs.nodes(), rows }
     }
 
-    /// Adds the stiffness of a cell with these nodes.
+    /// Adds the stiffness of a cell or spring with these nodes.
     fn add(&mut self, nodes: &[usize], stiffness: &[Vec<f64>]) {
-        let d = self.dimension;
+        let d = stiffness.len() / nodes.len();
         for (a, node) in nodes.iter().enumerate() {
             let Some(of_node) = self.rows.get_mut(node) else { continue };
             for (row, values) in of_node.iter_mut().zip(&stiffness[d * a..d * (a + 1)]) {

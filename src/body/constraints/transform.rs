@@ -32,30 +32,15 @@ impl Dofs {
                 }
                 let Relative { own, others, .. } = &self.relative[&node];
                 let mut sum = BTreeMap::new();
-                for (dof, value) in others.iter().flat_map(|(other, c)| self.along_scaled(*other, c, n, *own)) {
-                    if value != 0.0 {
-                        *sum.entry(dof).or_insert(0.0) += value;
-                    }
+                for (dof, value) in
+                    others.iter().flat_map(|(other, c)| self.along(*other, c.over(*own).transposed_times(n)))
+                {
+                    *sum.entry(dof).or_insert(0.0) += value;
                 }
                 self.beyond.insert(self.dimension() * node + a, sum.into_iter().collect());
             }
         }
         Ok(self)
-    }
-
-    /// Returns `n · coefficient · u_other / own` in terms of unknowns.
-    fn along_scaled(
-        &self,
-        other: usize,
-        coefficient: &Coefficient,
-        n: [f64; 3],
-        own: f64,
-    ) -> impl Iterator<Item = (usize, f64)> + '_ {
-        let (n, factor) = match coefficient {
-            Coefficient::Factor(c) => (n, c / own),
-            Coefficient::Matrix(_) => (coefficient.transposed_times(n), 1.0 / own),
-        };
-        self.along(other, n).map(move |(dof, value)| (dof, factor * value))
     }
 
     /// Returns `true` if the unknowns of a node are relative to other nodes, or it is tied to them.
@@ -89,7 +74,7 @@ impl Dofs {
             match dof {
                 Some(dof) => row.push((*dof, component)),
                 None if component != 0.0 && self.is_held_along(node, a) => {
-                    let others = others.iter().flat_map(|(other, c)| self.along_scaled(*other, c, n, 1.0));
+                    let others = others.iter().flat_map(|(other, c)| self.along(*other, c.transposed_times(n)));
                     row.extend(others.map(|(dof, value)| (dof, -component * value)));
                 }
                 None => (),
@@ -153,15 +138,16 @@ impl Dofs {
         }
     }
 
-    /// Computes the stiffness `Tᵀ K T` of an element with the corners `nodes`, and returns its unknowns and the stiffness.
-    pub(super) fn reduced(&self, nodes: &[usize], mut stiffness: Vec<Vec<f64>>) -> (Vec<usize>, Vec<Vec<f64>>) {
-        self.turn(nodes, &mut stiffness);
+    /// Computes the stiffness `Tᵀ K T` of an element with these nodes, and returns its unknowns and the stiffness.
+    pub(super) fn reduced(&self, nodes: &[usize], stiffness: &[Vec<f64>]) -> (Vec<usize>, Vec<Vec<f64>>) {
         let unknowns = self.unknowns_of(nodes);
         let place = |dof: usize| unknowns.binary_search(&dof).unwrap_or(0);
+        let components = stiffness.len() / nodes.len();
+        let row = |k: usize| self.along(nodes[k / components], axis(k % components));
         let rows: Vec<Vec<(usize, f64)>> =
-            self.rows(nodes).map(|k| self.row(k).map(|(dof, c)| (place(dof), c)).collect()).collect();
+            (0..stiffness.len()).map(|k| row(k).map(|(dof, c)| (place(dof), c)).collect()).collect();
         let mut reduced = vec![vec![0.0; unknowns.len()]; unknowns.len()];
-        for (row, values) in rows.iter().zip(&stiffness).filter(|(row, _)| !row.is_empty()) {
+        for (row, values) in rows.iter().zip(stiffness).filter(|(row, _)| !row.is_empty()) {
             let mut of_row = vec![0.0; unknowns.len()];
             for (column, value) in rows.iter().zip(values) {
                 for (j, c) in column {
@@ -177,16 +163,12 @@ impl Dofs {
 
     /// Returns the unknowns in the displacements of `nodes`, ascending.
     pub(super) fn unknowns_of(&self, nodes: &[usize]) -> Vec<usize> {
-        let mut unknowns: Vec<usize> = self.rows(nodes).flat_map(|k| self.row(k)).map(|(dof, _)| dof).collect();
+        let d = self.dimension();
+        let rows = nodes.iter().flat_map(|node| d * node..d * (node + 1));
+        let mut unknowns: Vec<usize> = rows.flat_map(|k| self.row(k)).map(|(dof, _)| dof).collect();
         unknowns.sort_unstable();
         unknowns.dedup();
         unknowns
-    }
-
-    /// Returns the numbers of the rows of `T` of `nodes`.
-    fn rows(&self, nodes: &[usize]) -> impl Iterator<Item = usize> {
-        let d = self.dimension();
-        nodes.iter().flat_map(move |node| d * node..d * (node + 1))
     }
 
     /// Returns the free axes of the frame of `node`.
