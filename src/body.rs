@@ -1,5 +1,6 @@
 //! From a mesh to a [`ContactProblem`](crate::solver::problem::ContactProblem): finite elements, contact geometry, loads, error estimates.
 
+pub mod constraints;
 pub(crate) mod contact;
 pub(crate) mod description;
 pub(crate) mod estimate;

@@ -1,52 +1,32 @@
-//! Linear elasticity in two and three dimensions: `K`, consistent loads, springs, supports, rigid motions.
+//! Linear elasticity in two and three dimensions: elements, materials, consistent loads, springs.
 
-mod assembly;
 mod body_force;
-mod carried;
-mod dofs;
 mod elastic;
 mod facet;
-mod held;
 mod inverted;
-mod jump;
 mod locate;
 mod material;
 mod nodal_volume;
 mod overlap;
-mod part;
-mod reference_point;
-mod relative;
-mod rigid;
 mod shape;
 mod spring;
 mod stiffness;
 mod strain;
 mod stress;
-mod transform;
 
-pub use assembly::assemble;
 pub(crate) use body_force::free_stretch;
 pub(crate) use body_force::thermal_stress;
 pub use body_force::{body_force, thermal_forces};
-pub use dofs::Dofs;
-pub(crate) use dofs::{SAME_DIRECTION, independent};
 pub use elastic::Elasticity;
 pub(crate) use elastic::numbered;
 pub(crate) use facet::facet_mass;
-pub use facet::{NodalForces, area, bernstein, facet_load, facet_normals, facet_weights, traction, uniform_traction};
-pub(crate) use held::HeldRows;
-pub(crate) use held::nearest_translation;
+pub use facet::{NodalForces, area, bernstein, facet_normals, facet_weights, traction, uniform_traction};
 pub use inverted::InvertedElement;
 pub(crate) use locate::reference_point;
 pub use material::{Layer, Material, MaterialGroup, Plane};
-pub(crate) use nodal_volume::NodalVolumes;
+pub(crate) use nodal_volume::{NodalVolume, NodalVolumes};
 pub(crate) use overlap::is_inside_cell;
 pub use overlap::{Overlap, overlaps};
-pub(crate) use part::assemble_part;
-pub use reference_point::{Jump, ReferencePoint};
-pub(crate) use relative::merged;
-pub use relative::{Coefficient, Relative, Ring};
-pub use rigid::{BodyMotion, RigidMotion, Tie, rigid_motions, unresisted_motions};
 pub use shape::gradients;
 pub use spring::{Bedding, Spring};
 pub use stiffness::element_stiffness;

@@ -2,7 +2,6 @@
 
 mod balance;
 mod bodies;
-mod bonds;
 mod carried;
 mod carrying;
 mod chords;
@@ -51,12 +50,10 @@ use crate::algebra::sparse::Csr;
 use crate::base::input_error::InputError;
 use crate::base::timeline::within;
 use crate::base::units::{Scaling, UnitSystem};
+use crate::body::constraints::{Dofs, HeldRows, RigidMotion, assemble, unresisted_motions};
 use crate::body::contact::{ContactBoundary, ContactNode, ObstacleMotion, Passages, PlacedObstacle, Row};
 use crate::body::description::Description;
-use crate::body::fem::{
-    Dofs, Elasticity, Element, HeldRows, InvertedElement, NodalVolumes, Plane, RigidMotion, Spring, assemble,
-    unresisted_motions,
-};
+use crate::body::fem::{Elasticity, Element, InvertedElement, NodalVolumes, Plane, Spring};
 use crate::body::mesh::{Boundary, Mesh, MeshError, MeshFileError};
 use crate::solver::loading::{FrictionHistory, LoadCase, Loading, Motion};
 use crate::solver::problem::{ContactProblem, Parts, ProblemError};
@@ -186,8 +183,7 @@ fn prescribed(
 ) -> Result<(), ProblemError> {
     for moved in moved {
         cases.push(LoadCase::new(dofs.forces(moved.forces(carrying, rows, springs)), moved.history.clone())?);
-        let beyond: Vec<_> =
-            contacts.iter().map(|contact| moved.beyond_contact(rows, dofs, carrying, contact)).collect();
+        let beyond: Vec<_> = contacts.iter().map(|contact| moved.beyond_contact(dofs, carrying, contact)).collect();
         if beyond.iter().any(|beyond| *beyond != [0.0; 3]) {
             let gap = beyond.iter().map(|[n, ..]| -n).collect();
             let drift = beyond.iter().map(|[_, t, o]| [-t, -o]).collect();
@@ -227,11 +223,11 @@ impl Model {
             (Some(stiffness), rows)
         };
         let carrying = Carrying::new(description, &mesh, &dofs, (&couplings, &pairs), &holdings)?;
-        let mut moved = Moved::all(description, &mesh, &dofs, &holdings, &rows, &carrying)?;
-        let jumps = joints.prescribed(description, &dofs);
-        moved.extend(jumps.map(|(jump, history)| Moved::of_jump(&dofs, &rows, carrying.groups, jump, history)));
+        let mut moved = Moved::all(description, &mesh, &dofs, &holdings, &carrying)?;
+        let jumps = joints.tightened(description, &dofs, false);
+        moved.extend(jumps.map(|(jump, history)| Moved::of_jump(&dofs, carrying.groups, jump, history)));
 
-        let contacts = Contacts::new(description, &mesh, &dofs, &rows, &moved, &pairs, &carrying)?;
+        let contacts = Contacts::new(description, &mesh, &dofs, &moved, &pairs, &carrying)?;
         let friction = contacts.friction_history(description)?;
         let Contacts { nodes: contacts, mu, boundaries: contact_boundaries, obstacles, .. } = contacts;
         let mu = friction.as_ref().map_or(mu, FrictionHistory::largest);
@@ -260,16 +256,15 @@ impl Model {
             forces.push(on_mesh.forces);
         }
         prescribed(&moved, &contacts, (&dofs, &rows, &carrying, &springs), (&mut cases, &mut motions))?;
-        for (forces, history) in joints.forces(description, &mesh, &dofs) {
-            cases.push(LoadCase::new(dofs.forces(forces), history)?);
+        for (force, history) in joints.tightened(description, &dofs, true) {
+            cases.push(LoadCase::new(dofs.forces([force]), history)?);
         }
         let on_springs: Vec<_> = moved.iter().map(|moved| moved.forces_of_springs(&carrying, &springs)).collect();
-        let statics =
-            Statics::new(&mesh, &dofs, rows.clone(), support::shares(&holdings, &rows), beds, &forces, &on_springs);
+        let statics = Statics::new(&mesh, &dofs, rows, support::shares(&holdings), beds, &forces, &on_springs);
         let loading = Loading::new(cases, gap)?.with_motions(motions, bends)?.with_friction(friction)?;
 
         let recovery = Recovery::new(&mesh, &contacts, &contact_boundaries, &pairs.all);
-        let past = |contact: &ContactNode| support::moves_past(&moved, &rows, &dofs, &carrying, contact);
+        let past = |contact: &ContactNode| support::moves_past(&moved, &dofs, &carrying, contact);
         let ties = [pairs.ties(&dofs, &joints), carried::ties(&couplings, &mesh, &dofs)].concat();
         let rigid_motions = unresisted_motions(&mesh, &dofs, &springs, &ties);
         let shared = match &sharing {

@@ -3,9 +3,9 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common::solve;
+use stickslip::body::constraints::{Dofs, assemble, rigid_motions};
 use stickslip::body::fem::{
-    Dofs, Elasticity, Element, NodalForces, assemble, bernstein, element_stiffness, facet_weights, rigid_motions,
-    traction, uniform_traction,
+    Elasticity, Element, NodalForces, bernstein, element_stiffness, facet_weights, traction, uniform_traction,
 };
 use stickslip::body::mesh::{Cell, CellKind, Geometry, Mesh, block};
 

@@ -3,7 +3,8 @@
 
 use crate::common;
 use crate::common::solve;
-use stickslip::body::fem::{Dofs, Elasticity, Element, Material, assemble, element_stiffness, facet_load};
+use stickslip::body::constraints::{Dofs, assemble, facet_load};
+use stickslip::body::fem::{Elasticity, Element, Material, element_stiffness};
 use stickslip::body::mesh::{CellKind, Geometry, MeshSource, block};
 use stickslip::body::{Axis, Description, Load, Model};
 use stickslip::run::{Run, discretise};

@@ -4,7 +4,8 @@
 
 use crate::common::solve;
 use stickslip::algebra::dot;
-use stickslip::body::fem::{Dofs, Elasticity, Element, assemble, facet_load, rigid_motions, traction};
+use stickslip::body::constraints::{Dofs, assemble, facet_load, rigid_motions};
+use stickslip::body::fem::{Elasticity, Element, traction};
 use stickslip::body::mesh::{Cell, CellKind, Mesh, block};
 
 /// Cells without parallel sides inside; those of second order are straight, and, the second of each, curved.

@@ -6,9 +6,8 @@ use std::f64::consts::PI;
 use crate::common;
 use crate::common::solve;
 use stickslip::algebra::{norm, unit};
-use stickslip::body::fem::{
-    Dofs, Elasticity, Element, RigidMotion, assemble, element_stiffness, facet_load, gradients, rigid_motions,
-};
+use stickslip::body::constraints::{Dofs, RigidMotion, assemble, facet_load, rigid_motions};
+use stickslip::body::fem::{Elasticity, Element, element_stiffness, gradients};
 use stickslip::body::mesh::{
     Cell, CellKind, Geometry, Mesh, MeshSource, block, fine_quadrature, quadrature, quadrature_of, shape,
 };

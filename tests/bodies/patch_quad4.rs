@@ -4,7 +4,8 @@
 use std::f64::consts::PI;
 
 use crate::common;
-use stickslip::body::fem::{Dofs, Elasticity, Element, assemble, facet_load, gradients};
+use stickslip::body::constraints::{Dofs, assemble, facet_load};
+use stickslip::body::fem::{Elasticity, Element, gradients};
 use stickslip::body::mesh::{CellKind, Mesh, block, quadrature, shape};
 
 const QUAD: CellKind = CellKind::Quadrilateral;
@@ -77,7 +78,7 @@ fn rigid_motions_are_the_null_space() {
         let ku = k.times(&u).unwrap();
         u.iter().zip(&ku).map(|(a, b)| a * b).sum::<f64>()
     };
-    let motions = stickslip::body::fem::rigid_motions(&mesh, &dofs);
+    let motions = stickslip::body::constraints::rigid_motions(&mesh, &dofs);
     assert_eq!(motions.len(), 3);
     for motion in &motions {
         assert!(energy(&|x| motion.bodies[0].at(x)).abs() < 1e-14);

@@ -5,9 +5,8 @@
 use super::scene_bodies::TWO;
 use crate::common::{self, edit};
 use stickslip::base::UnitSystem;
-use stickslip::body::fem::{
-    Dofs, Elasticity, Element, Material, RigidMotion, Tie, assemble, overlaps, rigid_motions, unresisted_motions,
-};
+use stickslip::body::constraints::{Dofs, RigidMotion, Tie, assemble, rigid_motions, unresisted_motions};
+use stickslip::body::fem::{Elasticity, Element, Material, overlaps};
 use stickslip::body::mesh::{Body, CellKind, Mesh, MeshSource, block};
 use stickslip::body::{Axis, Description, Model};
 use stickslip::run::discretise;

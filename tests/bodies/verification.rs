@@ -10,7 +10,7 @@ use crate::common::hertz::Hertz;
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
 use stickslip::body::Model;
-use stickslip::body::fem::{Dofs, assemble};
+use stickslip::body::constraints::{Dofs, assemble};
 use stickslip::run::discretise;
 use stickslip::run::report::Resultant;
 use stickslip::scene::Scene;

@@ -5,7 +5,8 @@
 use crate::common;
 use crate::common::random::Random;
 use stickslip::body::Model;
-use stickslip::body::fem::{Elasticity, Element, RigidMotion, assemble};
+use stickslip::body::constraints::{RigidMotion, assemble};
+use stickslip::body::fem::{Elasticity, Element};
 use stickslip::run::discretise;
 use stickslip::scene::Scene;
 use stickslip::solver::Loading;

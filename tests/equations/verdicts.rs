@@ -88,7 +88,7 @@ fn towards_a_wall(wall: f64, setting: &str) -> (Model, HistoryOutcome) {
 /// The free motion that a verdict blames, without the sign of its direction.
 fn blamed(model: &Model, outcome: &HistoryOutcome) -> String {
     let weights = outcome.free_motion.as_ref().unwrap();
-    let motion = stickslip::body::fem::RigidMotion::combination(&model.rigid_motions, weights).unwrap();
+    let motion = stickslip::body::constraints::RigidMotion::combination(&model.rigid_motions, weights).unwrap();
     motion.to_string().replace('-', "")
 }
 

@@ -4,7 +4,7 @@ use super::kinematics::{ContactNode, Counterpart, Coupled, Row, tangents};
 use super::mortar::MortarRow;
 use super::obstacle::{Facing, first_tangent};
 use crate::algebra::vector::{across, cross, norm, plus, unit};
-use crate::body::fem::{Coefficient, Dofs, Relative};
+use crate::body::constraints::{Coefficient, Dofs, Relative};
 use crate::body::mesh::Mesh;
 
 /// The least length of a projected tangent; a shorter one is almost parallel to the normal.

@@ -22,7 +22,8 @@ use super::front::Meeting;
 use super::motion::ObstacleMotion;
 use super::obstacle::{Facing, PlacedObstacle};
 use crate::algebra::vector::{cross, dot, plus, unit};
-use crate::body::fem::{Dofs, bernstein, facet_weights, merged};
+use crate::body::constraints::{Dofs, merged};
+use crate::body::fem::{bernstein, facet_weights};
 use crate::body::mesh::{Boundary, Mesh};
 
 /// Two normals count as opposite if their cosine plus 1 is at most this.
@@ -77,7 +78,7 @@ pub enum Counterpart {
 pub struct Coupled {
     /// The number of the pair of boundaries.
     pub pair: usize,
-    /// `true` if its relative displacement is an unknown, see [`crate::body::fem::Relative`].
+    /// `true` if its relative displacement is an unknown, see [`crate::body::constraints::Relative`].
     pub relative: bool,
     /// `true` if the node is beyond the end of the other side, see [`super::MortarRow::is_beyond_the_end`].
     pub beyond_the_end: bool,

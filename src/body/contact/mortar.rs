@@ -31,7 +31,8 @@ pub use side::{SlaveChoice, SlaveReason};
 pub use supports::Supports;
 
 use crate::algebra::vector::{dot, minus, plus, unit};
-use crate::body::fem::{bernstein, facet_weights, merged};
+use crate::body::constraints::merged;
+use crate::body::fem::{bernstein, facet_weights};
 use crate::body::mesh::{Boundary, Facet, Mesh};
 use cover::{Cover, Covers};
 use error::place;

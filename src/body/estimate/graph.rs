@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::algebra::union_find::UnionFind;
 use crate::algebra::vector::dot;
+use crate::body::constraints::SAME_DIRECTION;
 use crate::body::contact::{ContactBoundary, ContactNode, MortarRow};
-use crate::body::fem::SAME_DIRECTION;
 use crate::body::model::Model;
 
 /// The least angle of a corner, rad. A rounded edge of 90 degrees with three elements turns by less at each node.

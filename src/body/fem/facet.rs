@@ -1,6 +1,5 @@
 //! Integrals over the facets of the boundary: nodal weights and consistent nodal forces.
 
-use super::dofs::Dofs;
 use crate::algebra::vector::{cross, norm, unit};
 use crate::body::mesh::{Boundary, CellKind, Geometry, Mesh, fine_quadrature, local_gradients, shape};
 
@@ -206,12 +205,6 @@ pub fn traction(mesh: &Mesh, boundary: &Boundary, force: impl Fn([f64; 3], [f64;
         }
     }
     forces
-}
-
-/// Computes the nodal forces (length n_u; N, in two dimensions per unit depth, for a body of revolution over the full
-/// circumference) of a uniform `traction` (N/m²) on `boundary`: `∫ N_a t dA`.
-pub fn facet_load(mesh: &Mesh, dofs: &Dofs, boundary: &Boundary, traction: [f64; 3]) -> Vec<f64> {
-    dofs.forces(uniform_traction(mesh, boundary, traction))
 }
 
 #[cfg(test)]

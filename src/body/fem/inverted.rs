@@ -16,7 +16,7 @@ pub struct InvertedElement {
 
 impl InvertedElement {
     /// Creates the error of element `element` of `mesh`.
-    pub(super) fn of(mesh: &Mesh, element: usize) -> Self {
+    pub(crate) fn of(mesh: &Mesh, element: usize) -> Self {
         InvertedElement { element, centre: mesh.centre(element), dimension: mesh.dimension }
     }
 }

@@ -33,7 +33,7 @@ pub(crate) struct NodalVolumes {
 
 /// The share of a corner in the surrounding cells of one law.
 #[derive(Debug, Clone)]
-pub(super) struct NodalVolume {
+pub(crate) struct NodalVolume {
     /// `V_a`, m³; in two dimensions m², in a body of revolution over the full circumference.
     volume: f64,
     /// `κ`, Pa.
@@ -145,7 +145,7 @@ impl NodalVolumes {
         self.volumes.iter().enumerate().map(of).sum()
     }
 
-    pub(super) fn iter(&self) -> impl Iterator<Item = &NodalVolume> {
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &NodalVolume> {
         self.volumes.iter()
     }
 }
@@ -169,12 +169,12 @@ impl NodalVolume {
         }
     }
 
-    pub(super) fn nodes(&self) -> &[usize] {
+    pub(crate) fn nodes(&self) -> &[usize] {
         &self.nodes
     }
 
     /// Computes `κ / V_a G_aᵀ G_a` (N/m; in two dimensions per unit depth), with unknowns as for an element.
-    pub(super) fn stiffness(&self, dimension: usize) -> Vec<Vec<f64>> {
+    pub(crate) fn stiffness(&self, dimension: usize) -> Vec<Vec<f64>> {
         let row: Vec<f64> = self.gradients.iter().flat_map(|g| &g[..dimension]).copied().collect();
         row.iter().map(|g| row.iter().map(|other| self.bulk * self.volume * (g * other)).collect()).collect()
     }

@@ -1,8 +1,6 @@
 //! Springs to the ground: elastic foundations of a boundary, and springs at single nodes.
 
-use super::dofs::Dofs;
 use super::facet::{FacetPoint, facet_points};
-use crate::algebra::sparse::Symmetric;
 use crate::algebra::vector::{axis, norm, unit};
 use crate::body::mesh::{Boundary, Mesh};
 
@@ -66,30 +64,16 @@ impl Spring {
 
     /// Computes its energy (J) for `displacements` of all nodes, m.
     pub fn energy(&self, displacements: &[[f64; 3]]) -> f64 {
-        let u = |k: usize| displacements[k / 3][k % 3];
-        0.5 * self.entries().map(|(row, column, value)| u(row) * value * u(column)).sum::<f64>()
-    }
-
-    /// Returns the entries `(row, column, value)` of its stiffness; rows and columns are numbered
-    /// `3 · node + component`.
-    pub(super) fn entries(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
-        let place = |k: usize| 3 * self.nodes[k / 3] + k % 3;
-        let row = move |(r, entries): (usize, &'_ Vec<f64>)| {
-            entries.iter().enumerate().map(move |(c, value)| (r, c, *value)).collect::<Vec<_>>()
+        let u = |k: usize| displacements[self.nodes[k / 3]][k % 3];
+        let of_row = |(row, entries): (usize, &'_ Vec<f64>)| {
+            entries.iter().enumerate().map(|(column, value)| u(row) * value * u(column)).collect::<Vec<_>>()
         };
-        self.stiffness.iter().enumerate().flat_map(row).map(move |(r, c, value)| (place(r), place(c), value))
+        0.5 * self.stiffness.iter().enumerate().flat_map(of_row).sum::<f64>()
     }
 
-    /// Adds it to the stiffness `k` of the body, which already couples the nodes of a facet.
-    pub fn add_to(&self, k: &mut Symmetric, dofs: &Dofs) {
-        let unit_along = |place: usize| dofs.along(place / 3, axis(place % 3)).filter(|(_, c)| *c != 0.0);
-        for (row, column, value) in self.entries().filter(|(.., value)| *value != 0.0) {
-            for (i, along_row) in unit_along(row) {
-                for (j, along_column) in unit_along(column).filter(|(j, _)| i >= *j) {
-                    k.raise(i, j, value * along_row * along_column);
-                }
-            }
-        }
+    /// Returns its stiffness (N/m) for the components x, y and z of its nodes.
+    pub fn stiffness(&self) -> &[Vec<f64>] {
+        &self.stiffness
     }
 
     /// Returns the nodes that it holds.

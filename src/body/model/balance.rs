@@ -1,13 +1,15 @@
 //! The balance of all forces on a body: loads, supports, springs and contact.
 
+use std::collections::BTreeMap;
 use std::ops::AddAssign;
 
 use super::Model;
 use super::support::Moved;
 use crate::algebra::vector::{cross, dot, minus, norm, plus};
+use crate::body::constraints::{Dofs, HeldRows};
 use crate::body::contact::{Facing, Term};
 use crate::body::description::{Coupling, Description};
-use crate::body::fem::{Dofs, HeldRows, NodalForces, Spring};
+use crate::body::fem::{NodalForces, Spring};
 use crate::body::mesh::{Geometry, Mesh};
 use crate::solver::problem::error::expect_length;
 use crate::solver::problem::{ProblemError, State};
@@ -98,8 +100,8 @@ pub(super) struct Statics {
     loads: Vec<UnitLoad>,
     /// The nodes of each support, spring or foundation, and load.
     places: [Vec<Vec<usize>>; 3],
-    /// For each motion of supports, the forces of springs (N) on the held nodes due to its rigid offset at factor 1.
-    on_springs: Vec<Vec<[f64; 3]>>,
+    /// For each motion of supports, the forces of springs (N) on the nodes due to its rigid offset at factor 1.
+    on_springs: Vec<NodalForces>,
 }
 
 /// A load at factor 1.
@@ -108,8 +110,8 @@ struct UnitLoad {
     whole: Wrench,
     /// The sum of the magnitudes of its forces, N.
     size: f64,
-    /// Its forces on the held nodes, N.
-    on_held: Vec<[f64; 3]>,
+    /// Its force on each node, N.
+    at_nodes: NodalForces,
 }
 
 impl Statics {
@@ -122,20 +124,19 @@ impl Statics {
         loads: &[NodalForces],
         on_springs: &[NodalForces],
     ) -> Self {
-        let on_held = |forces: &NodalForces| {
-            let mut on_held = vec![[0.0; 3]; rows.nodes().len()];
+        let at_nodes = |forces: &NodalForces| {
+            let mut sums = BTreeMap::<usize, [f64; 3]>::new();
             for (node, force) in forces {
-                if let Ok(held) = rows.nodes().binary_search(node) {
-                    (0..3).for_each(|c| on_held[held][c] += force[c]);
-                }
+                let sum = sums.entry(*node).or_default();
+                *sum = plus(*sum, 1.0, *force);
             }
-            on_held
+            sums.into_iter().collect()
         };
         let acting = |forces: &NodalForces| {
             let whole = forces.iter().map(|(node, force)| Wrench::on(mesh, dofs, *node, *force)).sum();
-            UnitLoad { whole, size: forces.iter().map(|(_, force)| norm(*force)).sum(), on_held: on_held(forces) }
+            UnitLoad { whole, size: forces.iter().map(|(_, force)| norm(*force)).sum(), at_nodes: at_nodes(forces) }
         };
-        let of_supports = |share: &Vec<(usize, _)>| share.iter().map(|(held, _)| rows.nodes()[*held]).collect();
+        let of_supports = |share: &Vec<(usize, _)>| share.iter().map(|(node, _)| *node).collect();
         let of_springs = |springs: &Vec<Spring>| springs.iter().flat_map(Spring::nodes).copied().collect();
         let of_loads = |forces: &NodalForces| forces.iter().map(|(node, _)| *node).collect();
         let mut places: [Vec<Vec<usize>>; 3] = [
@@ -151,7 +152,7 @@ impl Statics {
             nodes.dedup();
         }
         let loads = loads.iter().map(acting).collect();
-        let on_springs = on_springs.iter().map(on_held).collect();
+        let on_springs = on_springs.iter().map(at_nodes).collect();
         Statics { rows, shares, springs, loads, places, on_springs }
     }
 
@@ -201,8 +202,7 @@ impl Model {
     pub(super) fn strained(&self, t: f64, u: &[f64]) -> Vec<[f64; 3]> {
         let mut all = self.dofs.displacements(u);
         for moved in &self.moved {
-            let nodes = self.statics.rows.nodes().iter().copied();
-            add(&mut all, moved.factor(t), nodes.zip(moved.beyond.iter().copied()));
+            add(&mut all, moved.factor(t), moved.beyond.iter().copied().enumerate());
         }
         all
     }
@@ -216,25 +216,23 @@ impl Model {
     /// refers to this position.
     pub(super) fn beyond(&self, i: usize, t: f64) -> f64 {
         let contact = &self.contacts[i];
-        let beyond = |moved: &Moved| {
-            moved.factor(t) * dot(moved.beyond(&self.statics.rows, contact.node), contact.facing.normal)
-        };
+        let beyond = |moved: &Moved| moved.factor(t) * dot(moved.beyond[contact.node], contact.facing.normal);
         self.moved.iter().map(beyond).sum()
     }
 
     /// Returns the displacement of contact node `i` by supports along its normal and its tangents at time `t` (s), in
     /// addition to that of its unknowns, m.
     pub(crate) fn moved(&self, i: usize, t: f64) -> [f64; 3] {
-        let (contact, rows) = (&self.contacts[i], &self.statics.rows);
+        let contact = &self.contacts[i];
         let directions = [contact.facing.normal, contact.facing.tangents[0], contact.facing.tangents[1]];
         let coupled = contact.coupled().is_some();
         // A rigid offset of both bodies causes no relative motion.
         let carried = if coupled { [0.0; 3] } else { self.carried(self.carrying.of(contact.node), t) };
         let of = |moved: &Moved| {
             if coupled {
-                return moved.beyond_contact(rows, &self.dofs, &self.carrying, contact);
+                return moved.beyond_contact(&self.dofs, &self.carrying, contact);
             }
-            directions.map(|n| dot(moved.beyond(rows, contact.node), n))
+            directions.map(|n| dot(moved.beyond[contact.node], n))
         };
         let mut sum = directions.map(|n| dot(carried, n));
         for moved in &self.moved {
@@ -301,10 +299,10 @@ impl Model {
         let mut forces = rows.forces(&strained, &rest);
         let factors: Vec<f64> = self.loading.cases().iter().take(loads.len()).map(|case| case.factor(t)).collect();
         for (load, factor) in loads.iter().zip(&factors) {
-            add(&mut forces, -factor, load.on_held.iter().copied().enumerate());
+            add(&mut forces, -factor, load.at_nodes.iter().copied());
         }
-        for (moved, on_held) in self.moved.iter().zip(on_springs) {
-            add(&mut forces, -moved.factor(t), on_held.iter().copied().enumerate());
+        for (moved, at_nodes) in self.moved.iter().zip(on_springs) {
+            add(&mut forces, -moved.factor(t), at_nodes.iter().copied());
         }
         let geometry = self.mesh.geometry;
         let mut size = 0.0;
@@ -313,18 +311,15 @@ impl Model {
             size += norm(self.contact_force(state, i));
             for (term, force) in self.forces_of_rows(state, i) {
                 contact += Wrench::at(geometry, term.position, force.map(|f| -f));
-                if let Ok(held) = rows.nodes().binary_search(&term.node) {
-                    add(&mut forces, 1.0, [(held, force)]);
-                }
+                add(&mut forces, 1.0, [(term.node, force)]);
             }
         }
         // Forces that glue transfers to held nodes act on their supports, those on jumps on their sections.
         let mut glue = Wrench::default();
         let mut sections = vec![Wrench::default(); self.description.pretensions.len()];
         for node in self.dofs.followers().into_iter().rev() {
-            let Ok(from) = rows.nodes().binary_search(&node) else { continue };
             let free = self.dofs.free_axes(node).into_iter();
-            let passed = free.fold([0.0; 3], |sum, n| plus(sum, dot(forces[from], n), n));
+            let passed = free.fold([0.0; 3], |sum, n| plus(sum, dot(forces[node], n), n));
             let parts = self.dofs.passed_on(node, passed);
             let (jumps, in_mesh): (Vec<_>, Vec<_>) = parts.iter().partition(|(other, _)| self.dofs.is_jump(*other));
             if !jumps.is_empty() {
@@ -338,18 +333,14 @@ impl Model {
                     sections[of] += Wrench { force: part, ..Wrench::at(geometry, arm, part) };
                 }
             }
-            for (other, part) in parts {
-                if let Ok(to) = rows.nodes().binary_search(&other) {
-                    forces[to] = plus(forces[to], 1.0, part);
-                }
-            }
+            add(&mut forces, 1.0, parts);
         }
         let supports: Vec<Wrench> = (shares.iter())
             .map(|shares| {
-                let share = |(held, matrix): &(usize, [[f64; 3]; 3])| {
-                    let force = matrix.map(|row| dot(row, forces[*held]));
+                let share = |(node, matrix): &(usize, [[f64; 3]; 3])| {
+                    let force = matrix.map(|row| dot(row, forces[*node]));
                     size += norm(force);
-                    self.wrench_on(rows.nodes()[*held], force)
+                    self.wrench_on(*node, force)
                 };
                 shares.iter().map(share).sum()
             })

@@ -6,8 +6,8 @@ use super::coupling::Couplings;
 use super::holding::Holding;
 use crate::algebra::vector::{axis, dot};
 use crate::base::input_error::InputError;
+use crate::body::constraints::{Dofs, Relative, SAME_DIRECTION, Tie};
 use crate::body::description::Description;
-use crate::body::fem::{Dofs, Relative, SAME_DIRECTION, Tie};
 use crate::body::mesh::Mesh;
 
 /// Returns the relations of the carried nodes to their reference points. Supports may hold a carried node only along

@@ -12,8 +12,8 @@ use super::holding::Holding;
 use super::pair::Pairs;
 use crate::algebra::union_find::UnionFind;
 use crate::base::input_error::InputError;
+use crate::body::constraints::Dofs;
 use crate::body::description::Description;
-use crate::body::fem::Dofs;
 use crate::body::mesh::Mesh;
 
 /// The groups of bodies with a common rigid offset: bodies that are glued together, and bodies in front of the same
@@ -43,8 +43,8 @@ impl Carrying {
         let bodies = mesh.bodies();
         let mut together = UnionFind::new(bodies.count());
         let of = |node: usize| bodies.of_nodes()[dofs.in_mesh(node)];
-        for nodes in couplings.connected() {
-            let all: BTreeSet<usize> = nodes.map(of).collect();
+        for (.., nodes) in couplings.each_rigid() {
+            let all: BTreeSet<usize> = nodes.into_iter().map(of).collect();
             all.iter().zip(all.iter().skip(1)).for_each(|(a, b)| together.join(*a, *b));
         }
         let mut neighbours: BTreeSet<(usize, usize)> = BTreeSet::new();

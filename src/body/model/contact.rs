@@ -12,12 +12,12 @@ use crate::algebra::vector::{dot, plus};
 use crate::base::input_error::InputError;
 use crate::base::timeline::within;
 use crate::base::units::{Quantity, UnitSystem, six_digits};
+use crate::body::constraints::{Dofs, SAME_DIRECTION, merged};
 use crate::body::contact::{
     ContactBoundary, ContactNode, Counterpart, Meeting, ObstacleMotion, PlacedObstacle, Row, Unclear, contact_nodes,
     meetings, unreachable,
 };
 use crate::body::description::{Contact, Description};
-use crate::body::fem::{Dofs, HeldRows, SAME_DIRECTION, merged};
 use crate::body::mesh::{Boundary, Mesh};
 use crate::solver::loading::FrictionHistory;
 use crate::solver::problem::ProblemError;
@@ -31,7 +31,6 @@ struct ContactBody<'a> {
     description: &'a Description,
     mesh: &'a Mesh,
     dofs: &'a Dofs,
-    rows: &'a HeldRows,
     moved: &'a [Moved],
     pairs: &'a Pairs,
     carrying: &'a Carrying,
@@ -58,7 +57,6 @@ impl Contacts {
         description: &Description,
         mesh: &Mesh,
         dofs: &Dofs,
-        rows: &HeldRows,
         moved: &[Moved],
         pairs: &Pairs,
         carrying: &Carrying,
@@ -66,7 +64,7 @@ impl Contacts {
         let mut contacts = Contacts::default();
         share_no_facet(description, mesh, pairs)?;
         edges_are_alike(description, mesh, pairs)?;
-        let body = ContactBody { description, mesh, dofs, rows, moved, pairs, carrying };
+        let body = ContactBody { description, mesh, dofs, moved, pairs, carrying };
         for k in 0..description.contacts.len() {
             not_between_carried(description, mesh, dofs, k)?;
             match pairs.of_contact(k) {
@@ -361,7 +359,7 @@ fn met(
     obstacles: &[(PlacedObstacle, ObstacleMotion)],
     k: usize,
 ) -> Result<Vec<Meeting>, InputError> {
-    let ContactBody { description, mesh, dofs, rows, moved, .. } = *body;
+    let ContactBody { description, mesh, dofs, moved, .. } = *body;
     let name = &contact.boundary;
     let at_obstacle =
         |j: usize, message: String, help: &str| InputError::new(contact.obstacle_key(k, j), message, help);
@@ -430,7 +428,7 @@ fn met(
         }
     }
     let beyond = |met: &Meeting, t: f64| {
-        moved.iter().map(|moved| moved.factor(t) * dot(moved.beyond(rows, met.node), met.facing.normal)).sum()
+        moved.iter().map(|moved| moved.factor(t) * dot(moved.beyond[met.node], met.facing.normal)).sum()
     };
     if let Some(node) = unreachable(mesh, dofs, obstacles, &met, times, beyond) {
         let message = format!("supports hold the body where the obstacle is or comes to be, at {}", place(node));

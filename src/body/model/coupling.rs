@@ -7,8 +7,9 @@ use super::place::{of_dimension, suits};
 use crate::algebra::null_space::{Row, null_space};
 use crate::algebra::vector::{axis, cross, dot, minus, norm, plus};
 use crate::base::input_error::InputError;
+use crate::body::constraints::{Dofs, ReferencePoint};
 use crate::body::description::{Coupling, CouplingKind, Description, Part};
-use crate::body::fem::{Dofs, NodalForces, ReferencePoint, area, cell_volume, facet_weights, traction};
+use crate::body::fem::{NodalForces, area, cell_volume, facet_weights, traction};
 use crate::body::mesh::{Boundary, Geometry, Mesh};
 
 /// The largest distance of a reference point from its part, in sizes of the mesh. Moments lose as many digits.
@@ -60,9 +61,9 @@ impl Couplings {
         let units = description.system(mesh.dimension);
         for (k, given) in description.couplings.iter().enumerate() {
             let coupled = couplings.coupled(given, mesh, k)?;
-            for (node, _) in coupled.carried() {
-                if let Some(other) = carried.insert(*node, &given.name) {
-                    let place = units.place(mesh.nodes[*node]);
+            for node in coupled.rigid().into_iter().flat_map(|(_, nodes)| nodes) {
+                if let Some(other) = carried.insert(node, &given.name) {
+                    let place = units.place(mesh.nodes[node]);
                     let message =
                         format!("the couplings `{other}` and `{}` both carry the node at {place}", given.name);
                     let help = "couple boundaries that share no node, or make one coupling of both";
@@ -115,8 +116,7 @@ impl Couplings {
         }
         let link = match given.kind {
             CouplingKind::Rigid => {
-                let k = self.all.iter().filter(|other| !other.carried().is_empty()).count();
-                Link::Rigid { k, whole: matches!(given.part, Part::Body(_)) }
+                Link::Rigid { k: self.each_rigid().count(), whole: matches!(given.part, Part::Body(_)) }
             }
             CouplingKind::Distributing => {
                 let boundary = find(mesh, given.part.name(), &key)?;
@@ -132,12 +132,9 @@ impl Couplings {
 
     /// Returns the reference points of rigid couplings.
     pub(super) fn points(&self, mesh: &Mesh) -> Vec<ReferencePoint> {
-        let rigid = self.all.iter().filter(|coupled| !coupled.carried().is_empty());
-        let point = |coupled: &Coupled| {
-            let nodes: Vec<usize> = coupled.shares.iter().map(|(node, _)| *node).collect();
-            ReferencePoint::new(mesh, coupled.position, &nodes)
-        };
-        rigid.map(point).collect()
+        let point =
+            |(of, _, nodes): (usize, usize, Vec<usize>)| ReferencePoint::new(mesh, self.all[of].position, &nodes);
+        self.each_rigid().map(point).collect()
     }
 
     /// Returns the coupling called `name`, which the table at `key` names.
@@ -168,31 +165,22 @@ impl Couplings {
 
     /// Returns the nodes of bodies that are rigid as a whole.
     pub(super) fn rigid_bodies(&self) -> BTreeSet<usize> {
-        let whole = self.all.iter().filter(|coupled| matches!(coupled.link, Link::Rigid { whole: true, .. }));
-        whole.flat_map(|coupled| &coupled.shares).map(|(node, _)| *node).collect()
+        self.each_rigid_body().flat_map(|(.., nodes)| nodes).collect()
     }
 
     /// Returns all nodes that reference points carry.
     pub(super) fn carried(&self) -> BTreeSet<usize> {
-        self.all.iter().flat_map(Coupled::carried).map(|(node, _)| *node).collect()
+        self.each_rigid().flat_map(|(.., nodes)| nodes).collect()
     }
 
     /// Returns each rigid coupling with its number in the description, the number of its reference point and its nodes.
     pub(super) fn each_rigid(&self) -> impl Iterator<Item = (usize, usize, Vec<usize>)> {
-        self.all.iter().enumerate().filter_map(|(of, coupled)| match coupled.link {
-            Link::Rigid { k, .. } => Some((of, k, coupled.shares.iter().map(|(node, _)| *node).collect())),
-            Link::Distributing(_) => None,
-        })
+        self.all.iter().enumerate().filter_map(|(of, coupled)| coupled.rigid().map(|(k, nodes)| (of, k, nodes)))
     }
 
     /// Returns the couplings of whole bodies among them.
     pub(super) fn each_rigid_body(&self) -> impl Iterator<Item = (usize, usize, Vec<usize>)> {
         self.each_rigid().filter(|(of, ..)| matches!(self.all[*of].link, Link::Rigid { whole: true, .. }))
-    }
-
-    /// Returns the bodies that reference points connect: for each point the nodes that it carries.
-    pub(super) fn connected(&self) -> impl Iterator<Item = impl Iterator<Item = usize>> {
-        self.all.iter().map(|coupled| coupled.carried().iter().map(|(node, _)| *node))
     }
 
     /// Returns the forces on nodes due to a `force` (N) and a `moment` (N m) at the reference point of the coupling
@@ -245,11 +233,11 @@ impl Couplings {
 }
 
 impl Coupled {
-    /// Returns the nodes that the reference point carries; empty for a distributing coupling.
-    fn carried(&self) -> &[(usize, f64)] {
+    /// Returns the number of the reference point and the nodes that it carries, for a rigid coupling.
+    fn rigid(&self) -> Option<(usize, Vec<usize>)> {
         match self.link {
-            Link::Rigid { .. } => &self.shares,
-            Link::Distributing(_) => &[],
+            Link::Rigid { k, .. } => Some((k, self.shares.iter().map(|(node, _)| *node).collect())),
+            Link::Distributing(_) => None,
         }
     }
 

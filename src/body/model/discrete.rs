@@ -7,8 +7,9 @@ use super::holding::{self, Holding};
 use super::joint::Joints;
 use super::pair::{Pair, Pairs};
 use super::{ModelError, bodies, element, load, meridian};
+use crate::body::constraints::Dofs;
 use crate::body::description::Description;
-use crate::body::fem::{Dofs, Elasticity, Element, NodalVolumes, Spring};
+use crate::body::fem::{Elasticity, Element, NodalVolumes, Spring};
 use crate::body::mesh::Mesh;
 
 /// The parts of a model before assembly.

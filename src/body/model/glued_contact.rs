@@ -10,8 +10,8 @@ use std::collections::BTreeMap;
 
 use super::pair::Pairs;
 use crate::algebra::vector::dot;
+use crate::body::constraints::merged;
 use crate::body::contact::{ContactBoundary, ContactNode, Counterpart, ObstacleMotion, PlacedObstacle, Row, Term};
-use crate::body::fem::merged;
 
 /// Normals within 1.15 degrees count as parallel.
 const PARALLEL: f64 = 0.9998;

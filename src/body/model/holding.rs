@@ -7,8 +7,8 @@ use super::place::{nodes, normals, suits};
 use crate::algebra::vector::{axis, norm, unit};
 use crate::base::input_error::InputError;
 use crate::base::units::UnitSystem;
+use crate::body::constraints::{Dofs, ReferencePoint, SAME_DIRECTION};
 use crate::body::description::{Axis, Description, Direction, Held, Support, Where};
-use crate::body::fem::{Dofs, ReferencePoint, SAME_DIRECTION};
 use crate::body::mesh::{Geometry, Mesh};
 
 /// The displacements that one support holds: nodes, unit vectors and displacements (m) at factor 1.
@@ -21,106 +21,88 @@ pub(super) fn holdings(
     couplings: &Couplings,
     points: &[ReferencePoint],
 ) -> Result<Vec<Holding>, InputError> {
-    let units = description.system(mesh.dimension);
-    let of_support = |(k, support): (usize, &Support)| match &support.at {
-        Where::Coupling(name) => of_coupling(mesh, support, (couplings, points), name, k),
-        _ => holding(mesh, support, &units, k),
-    };
+    let of_support = |(k, support)| holding(description, mesh, support, (couplings, points), k);
     description.supports.iter().enumerate().map(of_support).collect()
 }
 
-/// Returns the displacements that support `k` holds at the reference point of the coupling called `name`. The node of the
-/// rotation has its angles times a length as displacements.
-fn of_coupling(
+/// Returns the displacements that support `k` holds. At a reference point, the node of the rotation has its angles times a
+/// length as displacements.
+fn holding(
+    description: &Description,
     mesh: &Mesh,
     support: &Support,
     (couplings, points): (&Couplings, &[ReferencePoint]),
-    name: &str,
     k: usize,
 ) -> Result<Holding, InputError> {
-    let key = format!("support[{k}]");
-    let (point, [translation, rotation]) = couplings.rigid(name, "the support", &key)?;
+    let (key, units) = (format!("support[{k}]"), description.system(mesh.dimension));
     let axisymmetric = mesh.geometry == Geometry::Axisymmetric;
+    let place = support.at.place(&units);
+    let point = match &support.at {
+        Where::Coupling(name) => Some(couplings.rigid(name, "the support", &key)?),
+        _ => None,
+    };
+    let nodes = match point {
+        Some((_, [translation, _])) => vec![translation],
+        None => nodes(mesh, &support.at, &units, &key)?,
+    };
     let mut holding = Vec::new();
     for Held { direction, displacement } in &support.held {
-        let refused = |message: String, help: &str| Err(InputError::new(format!("{key}.fix"), message, help));
-        match direction {
+        let refused =
+            |at: &str, message: String, help: &str| Err(InputError::new(format!("{key}.{at}"), message, help));
+        let mut normals_of = Vec::new();
+        let n = match direction {
             Direction::Axis(Axis::Z) if mesh.dimension == 2 => {
-                let message = format!("the support of `{name}` holds z, but the body has two dimensions");
-                return refused(message, "leave out \"z\"");
+                let message = format!("the support of `{place}` holds z, but the body has two dimensions");
+                return refused("fix", message, "leave out \"z\"");
             }
             Direction::Rotation(_) if axisymmetric => {
                 let help = "leave the rotation out";
-                return refused(format!("`{name}` belongs to a body of revolution, which does not turn"), help);
+                return refused("fix", format!("`{place}` belongs to a body of revolution, which does not turn"), help);
             }
             Direction::Rotation(Axis::X | Axis::Y) if mesh.dimension == 2 => {
-                let message = format!("`{name}` belongs to a plane body, which turns about z only");
-                return refused(message, "fix \"rotation_z\"");
+                let message = format!("`{place}` belongs to a plane body, which turns about z only");
+                return refused("fix", message, "fix \"rotation_z\"");
             }
             Direction::Rotation(about) => {
+                // The check of the description refuses it elsewhere.
+                let Some((point, [_, rotation])) = point else { continue };
                 let turned = points[point].of_rotation(mesh.dimension, axis(*about as usize));
                 let length = norm(turned);
                 holding.push((rotation, turned.map(|c| c / length), displacement * length));
+                continue;
             }
-            Direction::Axis(Axis::X) if axisymmetric => {
-                if *displacement != 0.0 {
-                    let message = format!("the support moves `{name}` aside, which is on the axis of the body");
-                    let help = "an axisymmetric body is not moved across its axis: move it along y";
-                    return Err(InputError::new(format!("{key}.displacement"), message, help));
-                }
-            }
-            Direction::Axis(along) => holding.push((translation, axis(*along as usize), *displacement)),
+            Direction::Axis(along) => axis(*along as usize),
             Direction::Along(vector) => {
                 suits(mesh, *vector, &format!("{key}.direction"))?;
-                let n = unit(vector.components());
-                if axisymmetric && n[0] != 0.0 {
-                    let message = format!("the direction of the support leads `{name}` off the axis of the body");
-                    return Err(InputError::new(format!("{key}.direction"), message, "fix \"y\""));
-                }
-                holding.push((translation, n, *displacement));
+                unit(vector.components())
             }
-            // The check of the description refuses it.
-            Direction::Normal => {}
-        }
-    }
-    Ok(holding)
-}
-
-fn holding(mesh: &Mesh, support: &Support, units: &UnitSystem, k: usize) -> Result<Holding, InputError> {
-    let key = format!("support[{k}]");
-    let nodes = nodes(mesh, &support.at, units, &key)?;
-    let mut holding = Vec::new();
-    for Held { direction, displacement } in &support.held {
-        let mut hold = |node: usize, n: [f64; 3]| {
-            holding.extend(beside_axis(mesh, units, &key, (node, n, *displacement))?);
-            Ok(())
-        };
-        match direction {
-            Direction::Axis(Axis::Z) if mesh.dimension == 2 => {
-                let place = support.at.place(units);
-                let message = format!("the support of `{place}` holds z, but the body has two dimensions");
-                return Err(InputError::new(format!("{key}.fix"), message, "leave out \"z\""));
-            }
-            Direction::Axis(along) => nodes.iter().try_for_each(|&node| hold(node, axis(*along as usize)))?,
-            Direction::Along(vector) => {
-                suits(mesh, *vector, &format!("{key}.direction"))?;
-                let n = unit(vector.components());
-                nodes.iter().try_for_each(|&node| hold(node, n))?;
-            }
-            // The check of the description refuses it.
-            Direction::Rotation(_) => {}
             Direction::Normal => {
+                // The check of the description refuses it elsewhere.
                 let Where::Boundary(name) = &support.at else { continue };
-                let normals = normals(mesh, find(mesh, name, &key)?);
-                for &node in &nodes {
-                    let Some(n) = normals[node] else {
-                        let place = units.place(mesh.nodes[node]);
-                        let message = format!("`{name}` has no normal at {place}: its facets there cancel each other");
-                        return Err(InputError::new(format!("{key}.fix"), message, "give a direction, or fix axes"));
-                    };
-                    hold(node, n)?;
-                }
+                normals_of = normals(mesh, find(mesh, name, &key)?);
+                [0.0; 3]
             }
+        };
+        if point.is_some() && axisymmetric && n[0] != 0.0 {
+            if matches!(direction, Direction::Along(_)) {
+                let message = format!("the direction of the support leads `{place}` off the axis of the body");
+                return refused("direction", message, "fix \"y\"");
+            }
+            if *displacement != 0.0 {
+                let message = format!("the support moves `{place}` aside, which is on the axis of the body");
+                let help = "an axisymmetric body is not moved across its axis: move it along y";
+                return refused("displacement", message, help);
+            }
+            continue;
+        }
+        for &node in &nodes {
+            let n = if *direction == Direction::Normal { normals_of[node] } else { Some(n) };
+            let Some(n) = n else {
+                let at = units.place(mesh.nodes[node]);
+                let message = format!("`{place}` has no normal at {at}: its facets there cancel each other");
+                return refused("fix", message, "give a direction, or fix axes");
+            };
+            holding.extend(beside_axis(mesh, &units, &key, (node, n, *displacement))?);
         }
     }
     Ok(holding)
@@ -134,7 +116,7 @@ fn beside_axis(
     key: &str,
     (node, n, to): (usize, [f64; 3], f64),
 ) -> Result<Option<(usize, [f64; 3], f64)>, InputError> {
-    if !mesh.is_on_axis(node) || n[0] == 0.0 {
+    if n[0] == 0.0 || !mesh.is_on_axis(node) {
         return Ok(Some((node, n, to)));
     }
     if n[1].abs() > SAME_DIRECTION {

@@ -3,12 +3,12 @@
 use std::collections::BTreeSet;
 
 use super::find;
-use crate::algebra::vector::{axis_across, cross, dot, norm, plus, unit};
+use crate::algebra::vector::{axis, dot, norm, plus, unit};
 use crate::base::input_error::InputError;
 use crate::base::timeline::within;
+use crate::body::constraints::{Coefficient, Dofs, Jump, Relative, SAME_DIRECTION, Tie, normal_frame};
 use crate::body::contact::MortarRow;
-use crate::body::description::{Description, Opposite, Pretension, Tightening};
-use crate::body::fem::{Dofs, Jump, NodalForces, Relative, SAME_DIRECTION, Tie};
+use crate::body::description::{Description, Opposite, Tightening};
 use crate::body::mesh::{Boundary, Geometry, Mesh};
 
 /// The least length of the sum of the area vectors of a section, as a share of the sum of their lengths.
@@ -45,6 +45,12 @@ pub(super) struct Section {
     /// The mean outward normal of the first boundary.
     pub normal: [f64; 3],
     tightening: Tightening,
+}
+
+impl Section {
+    fn is_by_force(&self) -> bool {
+        matches!(self.tightening, Tightening::Force { .. })
+    }
 }
 
 impl Joints {
@@ -118,10 +124,9 @@ impl Joints {
 
     /// Returns the directions along which jump `k` is held.
     pub(super) fn held(&self, k: usize, dimension: usize) -> Vec<[f64; 3]> {
-        let whole = || [0, 1, 2].map(crate::algebra::vector::axis)[..dimension].to_vec();
         match self.all[k].tightened {
-            Some(Section { normal, tightening: Tightening::Force { .. }, .. }) => across(normal, dimension),
-            _ => whole(),
+            Some(section) if section.is_by_force() => normal_frame(section.normal, dimension)[..dimension - 1].to_vec(),
+            _ => [0, 1, 2].map(axis)[..dimension].to_vec(),
         }
     }
 
@@ -144,10 +149,12 @@ impl Joints {
         k: usize,
         slave: &str,
         row: &MortarRow,
-        relation: Relative,
+        mut relation: Relative,
     ) -> Relative {
-        let Some(jump) = self.of_contact(k) else { return relation };
-        dofs.with_jump(relation, jump, self.factor(jump, slave, row))
+        if let Some(jump) = self.of_contact(k) {
+            relation.others.push((dofs.node_of_jump(jump), Coefficient::Factor(self.factor(jump, slave, row))));
+        }
+        relation
     }
 
     /// Fails if a node of the `slave` of contact `k` cannot follow its jump: a support holds it, or another relation
@@ -198,43 +205,29 @@ impl Joints {
     /// a force acts is subtracted.
     pub(super) fn tied(&self, dofs: &Dofs, k: usize, slave: &str, row: &MortarRow, n: [f64; 3], form: Tie) -> Tie {
         let Some(jump) = self.of_contact(k) else { return form };
-        let Some(Section { normal, tightening: Tightening::Force { .. }, .. }) = self.all[jump].tightened else {
-            return form;
-        };
+        let Some(Section { normal, .. }) = self.all[jump].tightened.filter(Section::is_by_force) else { return form };
         let along = self.factor(jump, slave, row) * dot(n, normal);
         let jump = dofs.sum_of_jump(jump).iter().map(|&(node, c)| (node, normal.map(|x| -along * c * x)));
         form.into_iter().chain(jump.filter(|_| along != 0.0)).collect()
     }
 
-    /// Returns the forces (N) on the jumps at factor 1, with their histories, for pretensions by a force.
-    pub(super) fn forces<'a>(
-        &'a self,
-        description: &'a Description,
-        mesh: &'a Mesh,
-        dofs: &'a Dofs,
-    ) -> impl Iterator<Item = (NodalForces, Vec<[f64; 2]>)> + 'a {
-        self.sections().filter_map(move |(k, section)| match section.tightening {
-            Tightening::Force { space, plane } => {
-                let force = if mesh.dimension == 2 { plane } else { space };
-                let force = vec![(dofs.node_of_jump(k), section.normal.map(|n| force * n))];
-                Some((force, history(description, &section)))
-            }
-            Tightening::Shortening(_) => None,
-        })
-    }
-
-    /// Returns the prescribed jumps at factor 1, a node and its displacement (m), with their histories.
-    pub(super) fn prescribed<'a>(
+    /// Returns the jumps that a force tightens if `by_force`, otherwise those that are prescribed: the node of each with the
+    /// force (N) or the jump (m) at factor 1, and the history.
+    pub(super) fn tightened<'a>(
         &'a self,
         description: &'a Description,
         dofs: &'a Dofs,
+        by_force: bool,
     ) -> impl Iterator<Item = ((usize, [f64; 3]), Vec<[f64; 2]>)> + 'a {
-        self.sections().filter_map(move |(k, section)| match section.tightening {
-            Tightening::Shortening(by) => {
-                let jump = (dofs.node_of_jump(k), section.normal.map(|n| by * n));
-                Some((jump, history(description, &section)))
-            }
-            Tightening::Force { .. } => None,
+        self.sections().filter(move |(_, section)| section.is_by_force() == by_force).map(move |(k, section)| {
+            let size = match section.tightening {
+                Tightening::Force { plane, .. } if dofs.dimension() == 2 => plane,
+                Tightening::Force { space, .. } => space,
+                Tightening::Shortening(by) => by,
+            };
+            let factors = description.pretensions[section.of].factors(description.end());
+            let history = within(description.end(), &factors);
+            ((dofs.node_of_jump(k), section.normal.map(|n| size * n)), history)
         })
     }
 
@@ -248,21 +241,6 @@ impl Joints {
     pub(super) fn sections(&self) -> impl Iterator<Item = (usize, Section)> + '_ {
         self.all.iter().enumerate().filter_map(|(k, joint)| Some((k, joint.tightened?)))
     }
-}
-
-fn history(description: &Description, section: &Section) -> Vec<[f64; 2]> {
-    let pretension: &Pretension = &description.pretensions[section.of];
-    within(description.end(), &pretension.factors(description.end()))
-}
-
-/// Returns unit vectors across `normal`, as many as there are other dimensions.
-fn across(normal: [f64; 3], dimension: usize) -> Vec<[f64; 3]> {
-    if dimension == 2 {
-        return vec![[-normal[1], normal[0], 0.0]];
-    }
-    let least = (0..3).min_by(|&a, &b| normal[a].abs().total_cmp(&normal[b].abs())).unwrap_or(0);
-    let first = axis_across(least, normal);
-    vec![first, cross(normal, first)]
 }
 
 /// Returns the mean outward normal of the section of pretension `of`.

@@ -9,9 +9,10 @@ use super::place::{node, of_dimension, suits};
 use crate::algebra::vector::{Vector, axis, cross, dot, minus, norm, unit};
 use crate::base::formula::Field;
 use crate::base::input_error::InputError;
+use crate::body::constraints::Dofs;
 use crate::body::description::{Action, Bed, Description, Where};
 use crate::body::fem::{
-    Bedding, Dofs, Elasticity, Element, NodalForces, NodalVolumes, Plane, Spring, area, body_force, thermal_forces,
+    Bedding, Elasticity, Element, NodalForces, NodalVolumes, Plane, Spring, area, body_force, thermal_forces,
     traction as traction_of, uniform_traction,
 };
 use crate::body::mesh::{Boundary, Geometry, Mesh};

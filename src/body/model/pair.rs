@@ -2,7 +2,6 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::bonds::{Apart, Bonds};
 use super::carried;
 use super::coupling::Couplings;
 use super::find;
@@ -12,11 +11,12 @@ use crate::algebra::vector::{Vector, across, axis, dot, minus, norm, plus, unit}
 use crate::base::formula::Field;
 use crate::base::input_error::InputError;
 use crate::base::units::{Quantity, UnitSystem};
+use crate::body::constraints::{Apart, Bonds, Dofs, Relative, SAME_DIRECTION, Tie};
 use crate::body::contact::{
     ContactNode, Mortar, MortarFault, MortarOptions, MortarRow, SlaveChoice, Supports, coupled_nodes, relative,
 };
 use crate::body::description::{Description, Opposite, Slave};
-use crate::body::fem::{Dofs, Elasticity, Relative, SAME_DIRECTION, Tie};
+use crate::body::fem::Elasticity;
 use crate::body::mesh::{Bodies, Boundary, Mesh};
 
 /// The largest initial overlap of two bodies, as a share of the thickness, as for obstacles.

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use crate::algebra::null_space::{Row, null_space};
 use crate::base::input_error::InputError;
+use crate::body::constraints::Dofs;
 use crate::body::contact::{ContactBoundary, ContactNode};
 use crate::body::description::Description;
-use crate::body::fem::Dofs;
 use crate::body::mesh::Mesh;
 
 /// The cure for such a contact.

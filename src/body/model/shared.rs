@@ -8,9 +8,10 @@ use super::pair::Pairs;
 use super::{Model, ModelError};
 use crate::algebra::linear::{LinearError, Stiffness};
 use crate::algebra::sparse::{NodeRows, Symmetric};
+use crate::body::constraints::{Dofs, assemble_part};
 use crate::body::contact::ContactNode;
 use crate::body::description::Description;
-use crate::body::fem::{Dofs, Elasticity, Element, assemble_part};
+use crate::body::fem::{Elasticity, Element};
 use crate::body::mesh::Mesh;
 
 /// A function that distributes a stiffness over processes, from its rows and the nodes whose columns this process

@@ -2,7 +2,7 @@
 
 use super::Model;
 use crate::algebra::vector::dot;
-use crate::body::fem::RigidMotion;
+use crate::body::constraints::RigidMotion;
 
 /// A part of a motion along the contact that is smaller than this share of it is rounding, or belongs to a body that is lifted.
 const LEAST: f64 = 0.1;

@@ -102,8 +102,9 @@ impl Model {
 
 #[cfg(test)]
 mod tests {
+    use crate::body::constraints::{Dofs, assemble};
     use crate::body::description::{Axis, Description};
-    use crate::body::fem::{Dofs, Element, Layer, Material, assemble, gradients};
+    use crate::body::fem::{Element, Layer, Material, gradients};
     use crate::body::mesh::{CellKind, MeshSource, block, quadrature_of};
     use crate::body::model::Model;
 

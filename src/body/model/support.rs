@@ -1,13 +1,16 @@
 //! The prescribed displacements of the supports of a description on its mesh.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use super::carrying::Carrying;
 use super::holding::Holding;
 use crate::algebra::vector::{dot, minus, norm, plus};
 use crate::base::input_error::InputError;
 use crate::base::timeline::within;
+use crate::body::constraints::{Dofs, HeldRows, SAME_DIRECTION, independent, nearest_translation};
 use crate::body::contact::{ContactNode, Facing};
 use crate::body::description::{Description, Support};
-use crate::body::fem::{Dofs, HeldRows, NodalForces, SAME_DIRECTION, Spring, independent, nearest_translation};
+use crate::body::fem::{NodalForces, Spring};
 use crate::body::mesh::{Geometry, Mesh};
 use crate::solver::loading::piecewise_linear;
 
@@ -24,7 +27,7 @@ const DISPLACEMENT_ROUNDING: f64 = 1e-15;
 pub(super) struct Moved {
     /// The rigid offset of the bodies of each group at factor 1, m.
     pub carried: Vec<[f64; 3]>,
-    /// The displacements of the nodes of [`HeldRows`] beyond the offset at factor 1, m.
+    /// The displacements of all nodes by supports beyond the offset at factor 1, m.
     pub beyond: Vec<[f64; 3]>,
     /// Points `[time (s), factor]`.
     pub history: Vec<[f64; 2]>,
@@ -37,7 +40,6 @@ impl Moved {
         mesh: &Mesh,
         dofs: &Dofs,
         holdings: &[Holding],
-        rows: &HeldRows,
         carrying: &Carrying,
     ) -> Result<Vec<Self>, InputError> {
         let supports = || description.supports.iter().zip(holdings).enumerate();
@@ -69,7 +71,7 @@ impl Moved {
                 })
                 .collect();
             let size = prescribed.iter().fold(0.0_f64, |m, (.., to)| m.max(to.abs()));
-            let mut beyond = vec![[0.0; 3]; rows.nodes().len()];
+            let mut beyond = vec![[0.0; 3]; dofs.nodes()];
             for at_node in prescribed.chunk_by(|a, b| a.1 == b.1) {
                 let node = at_node[0].1;
                 let carried = carried[carrying.of(node)];
@@ -82,30 +84,20 @@ impl Moved {
                     let help = "let them agree there, or hold it by one of them";
                     return Err(InputError::new(format!("support[{}].displacement", at_node[j].0), message, help));
                 }
-                if let Ok(held) = rows.nodes().binary_search(&node) {
-                    // Rounding errors of a rigid offset would cause strains.
-                    beyond[held] = rest.map(|x| if x.abs() > DISPLACEMENT_ROUNDING * size { x } else { 0.0 });
-                }
+                // Rounding errors of a rigid offset would cause strains.
+                beyond[node] = rest.map(|x| if x.abs() > DISPLACEMENT_ROUNDING * size { x } else { 0.0 });
             }
-            follow(dofs, rows, &mut beyond);
+            dofs.follow(&mut beyond);
             Ok(Moved { carried, beyond, history: of })
         };
         histories.into_iter().map(of_history).collect()
     }
 
     /// Returns the motion due to a jump, a node and its displacement (m) at factor 1, of bodies in this many groups.
-    pub(super) fn of_jump(
-        dofs: &Dofs,
-        rows: &HeldRows,
-        groups: usize,
-        (node, jump): (usize, [f64; 3]),
-        history: Vec<[f64; 2]>,
-    ) -> Self {
-        let mut beyond = vec![[0.0; 3]; rows.nodes().len()];
-        if let Ok(held) = rows.nodes().binary_search(&node) {
-            beyond[held] = jump;
-        }
-        follow(dofs, rows, &mut beyond);
+    pub(super) fn of_jump(dofs: &Dofs, groups: usize, (node, jump): (usize, [f64; 3]), history: Vec<[f64; 2]>) -> Self {
+        let mut beyond = vec![[0.0; 3]; dofs.nodes()];
+        beyond[node] = jump;
+        dofs.follow(&mut beyond);
         Moved { carried: vec![[0.0; 3]; groups], beyond, history }
     }
 
@@ -125,20 +117,9 @@ impl Moved {
         springs.iter().flat_map(|spring| spring.forces(&carried)).collect()
     }
 
-    /// Returns the displacement of `node` beyond the rigid offset at factor 1, m.
-    pub(super) fn beyond(&self, rows: &HeldRows, node: usize) -> [f64; 3] {
-        rows.nodes().binary_search(&node).map_or([0.0; 3], |held| self.beyond[held])
-    }
-
     /// Returns the displacement beyond the rigid offset of the rows of a contact node, along its normal and its
     /// tangents. If the body in front of it has another offset, the displacement is relative to that offset.
-    pub(super) fn beyond_contact(
-        &self,
-        rows: &HeldRows,
-        dofs: &Dofs,
-        carrying: &Carrying,
-        contact: &ContactNode,
-    ) -> [f64; 3] {
+    pub(super) fn beyond_contact(&self, dofs: &Dofs, carrying: &Carrying, contact: &ContactNode) -> [f64; 3] {
         let relative = contact.coupled().is_some_and(|coupled| coupled.relative);
         let own = self.carried[carrying.of(contact.node)];
         let apart = contact
@@ -148,12 +129,12 @@ impl Moved {
         let along = |direction: fn(&Facing) -> [f64; 3]| {
             let apart = dot(apart, direction(&contact.facing));
             if !relative {
-                return apart + contact.sum(|term| dot(self.beyond(rows, term.node), direction(&term.facing)));
+                return apart + contact.sum(|term| dot(self.beyond[term.node], direction(&term.facing)));
             }
             // Free displacements follow the other side.
             let held = dofs.held(contact.node).filter(|held| dot(*held, direction(&contact.facing)) != 0.0);
             let of_axis = |held: [f64; 3]| {
-                dot(held, direction(&contact.facing)) * contact.sum(|term| dot(self.beyond(rows, term.node), held))
+                dot(held, direction(&contact.facing)) * contact.sum(|term| dot(self.beyond[term.node], held))
             };
             apart + held.map(of_axis).sum::<f64>()
         };
@@ -166,26 +147,9 @@ impl Moved {
     }
 }
 
-/// Adds to the displacements `beyond` (m) of the nodes of `rows` those of nodes that are relative to moved nodes.
-fn follow(dofs: &Dofs, rows: &HeldRows, beyond: &mut [[f64; 3]]) {
-    for node in dofs.followers() {
-        let at = |node: usize| rows.nodes().binary_search(&node).map_or([0.0; 3], |held| beyond[held]);
-        let along = dofs.carried_along(node, at);
-        if let Ok(held) = rows.nodes().binary_search(&node) {
-            (0..3).for_each(|c| beyond[held][c] += along[c]);
-        }
-    }
-}
-
 /// Returns `true` if supports move the nodes in the rows of a contact node along its tangents.
-pub(super) fn moves_past(
-    all: &[Moved],
-    rows: &HeldRows,
-    dofs: &Dofs,
-    carrying: &Carrying,
-    contact: &ContactNode,
-) -> bool {
-    let along = |moved: &Moved| moved.beyond_contact(rows, dofs, carrying, contact);
+pub(super) fn moves_past(all: &[Moved], dofs: &Dofs, carrying: &Carrying, contact: &ContactNode) -> bool {
+    let along = |moved: &Moved| moved.beyond_contact(dofs, carrying, contact);
     all.iter().map(along).any(|[_, t, o]| t != 0.0 || o != 0.0)
 }
 
@@ -208,22 +172,21 @@ fn solved(dofs: &Dofs, node: usize, values: &[([f64; 3], f64)]) -> [f64; 3] {
     [0, 1, 2].map(|c| basis.iter().map(|(b, along)| b[c] * along).sum())
 }
 
-/// Returns the share of each support in the forces on held nodes: pairs of the index of the node in [`HeldRows`] and a
-/// matrix. Supports share a common direction equally.
-pub(super) fn shares(holdings: &[Holding], rows: &HeldRows) -> Vec<Vec<(usize, [[f64; 3]; 3])>> {
-    let place = |node: usize| rows.nodes().binary_search(&node).unwrap_or(0);
-    let mut of_node: Vec<Vec<(usize, [f64; 3])>> = vec![Vec::new(); rows.nodes().len()];
+/// Returns the share of each support in the forces on held nodes: pairs of a node and a matrix. Supports share a common
+/// direction equally.
+pub(super) fn shares(holdings: &[Holding]) -> Vec<Vec<(usize, [[f64; 3]; 3])>> {
+    let mut of_node = BTreeMap::<usize, Vec<(usize, [f64; 3])>>::new();
     for (k, holding) in holdings.iter().enumerate() {
         for (node, n, _) in holding {
-            of_node[place(*node)].push((k, *n));
+            of_node.entry(*node).or_default().push((k, *n));
         }
     }
     let mut shares = vec![Vec::new(); holdings.len()];
-    for (held, directions) in of_node.iter().enumerate() {
+    for (node, directions) in of_node {
         let inverse = pseudo_inverse(directions.iter().map(|(_, n)| *n));
-        for support in directions.iter().map(|(k, _)| *k).collect::<std::collections::BTreeSet<_>>() {
+        for support in directions.iter().map(|(k, _)| *k).collect::<BTreeSet<_>>() {
             let own = directions.iter().filter(|(k, _)| *k == support).map(|(_, n)| *n);
-            shares[support].push((held, product(outer(own), inverse)));
+            shares[support].push((node, product(outer(own), inverse)));
         }
     }
     shares

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::algebra::vector::dot;
 use crate::base::units::{Quantity, UnitSystem, six_digits};
-use crate::body::fem::RigidMotion;
+use crate::body::constraints::RigidMotion;
 use crate::body::model::Model;
 use crate::solver::history::{HistoryMethod, HistoryOutcome, Method, SolverChoice, Status};
 use crate::solver::laws::Law;

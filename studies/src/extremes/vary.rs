@@ -4,7 +4,8 @@
 use super::ExtremeError;
 use serde::Deserialize;
 use stickslip::algebra::linear::{LinearError, RefinedSolver};
-use stickslip::body::fem::{Elasticity, Element, assemble};
+use stickslip::body::constraints::assemble;
+use stickslip::body::fem::{Elasticity, Element};
 use stickslip::body::{Model, ModelError};
 use stickslip::scene::Scene;
 use stickslip::solver::formulation::{Bdiff, FormulationScaling};

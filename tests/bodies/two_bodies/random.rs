@@ -4,7 +4,7 @@ use crate::common::pairs::{Side, bodies, paired};
 use crate::common::random::Random;
 use std::ops::ControlFlow;
 use stickslip::base::equal_increments;
-use stickslip::body::fem::{Dofs, assemble, facet_load};
+use stickslip::body::constraints::{Dofs, assemble, facet_load};
 use stickslip::body::mesh::MeshSource;
 use stickslip::body::{Axis, Description, Load, Model, Opposite};
 use stickslip::run::Run;

@@ -16,7 +16,8 @@ use paths::paths;
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 use stickslip::base::{Budget, Field, Quantity, UnitSystem, in_words, six_digits};
-use stickslip::body::fem::{Element, Material, Plane, RigidMotion};
+use stickslip::body::constraints::RigidMotion;
+use stickslip::body::fem::{Element, Material, Plane};
 use stickslip::body::mesh::{CellKind, MeshSource};
 use stickslip::body::{
     Action, Bed, Coupling, CouplingKind, Direction, Held, Model, Pretension, Support, Tightening, Where,

@@ -3,7 +3,7 @@
 
 use crate::common;
 use stickslip::body::Model;
-use stickslip::body::fem::RigidMotion;
+use stickslip::body::constraints::RigidMotion;
 use stickslip::run::discretise;
 use stickslip::scene::Scene;
 use stickslip::solver::{Conditions, rigid_equilibrium};

@@ -8,9 +8,9 @@ use miette::Diagnostic;
 use std::ops::ControlFlow;
 use stickslip::algebra::{cross, dot, minus, norm};
 use stickslip::body::Model;
+use stickslip::body::constraints::{Dofs, assemble, facet_load};
 use stickslip::body::fem::{
-    Dofs, Elasticity, Element, assemble, body_force, element_stiffness, facet_load, facet_normals, facet_weights,
-    thermal_forces, traction,
+    Elasticity, Element, body_force, element_stiffness, facet_normals, facet_weights, thermal_forces, traction,
 };
 use stickslip::body::mesh::{Cell, CellKind, Geometry, Mesh, MeshFault, MeshSource, block, from_gmsh};
 use stickslip::run::{Run, discretise};

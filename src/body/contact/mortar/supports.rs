@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::cover::Cover;
 use crate::algebra::vector::{across, norm};
-use crate::body::fem::SAME_DIRECTION;
+use crate::body::constraints::SAME_DIRECTION;
 use crate::body::mesh::Boundary;
 
 /// The supports of the nodes of two boundaries. A closure that returns the held directions of a node implements it for

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::reference_point::{Jump, ReferencePoint};
-use super::relative::Resolved;
+use super::relative::Relative;
 use crate::algebra::vector::{axis, axis_across, cross, dot, minus, norm, unit};
 use crate::body::mesh::{Geometry, Mesh};
 
@@ -30,9 +30,11 @@ pub struct Dofs {
     /// The frames that differ from the coordinate axes.
     frames: BTreeMap<usize, Frame>,
     /// The nodes whose unknowns are relative to other nodes.
-    pub(super) relative: BTreeMap<usize, Resolved>,
+    pub(super) relative: BTreeMap<usize, Relative>,
     /// The relative nodes, each after the nodes that it is relative to.
     pub(super) relative_order: Vec<usize>,
+    /// The rows of `T` beyond the own unknown, for the free components of relative nodes.
+    pub(super) beyond: BTreeMap<usize, Vec<(usize, f64)>>,
     free: usize,
 }
 
@@ -46,19 +48,15 @@ impl Dofs {
     /// Numbers, node by node, all components for which `fixed(node, component)` is `false`.
     pub fn new(mesh: &Mesh, fixed: impl Fn(usize, usize) -> bool) -> Self {
         let axes = |node: usize| (0..mesh.dimension).filter(|&c| fixed(node, c)).map(axis).collect();
-        Self::holding(mesh, axes)
-    }
-
-    /// Numbers the free components of each node, which is held along the directions `held`: unit vectors, in two
-    /// dimensions in the plane.
-    ///
-    /// Dependent directions are ignored. Nodes on the axis of a body of revolution are also held along x.
-    pub fn holding(mesh: &Mesh, held: impl FnMut(usize) -> Vec<[f64; 3]>) -> Self {
-        Self::with_points(mesh, Vec::new(), Vec::new(), held)
+        Self::with_points(mesh, Vec::new(), Vec::new(), axes)
     }
 
     /// Numbers the free components of each node, of the two nodes of each of `points` and of the node of each of `jumps`,
-    /// which follow those of the mesh. The points and jumps of a body of revolution move along the axis only.
+    /// which follow those of the mesh.
+    ///
+    /// Each node is held along the directions `held`: unit vectors, in two dimensions in the plane. Dependent directions
+    /// are ignored. Nodes on the axis of a body of revolution are also held along x, and its points and jumps move along
+    /// the axis only.
     pub fn with_points(
         mesh: &Mesh,
         points: Vec<ReferencePoint>,
@@ -76,6 +74,7 @@ impl Dofs {
             frames: BTreeMap::new(),
             relative: BTreeMap::new(),
             relative_order: Vec::new(),
+            beyond: BTreeMap::new(),
             free: 0,
         };
         for node in 0..dofs.node_of_jump(dofs.jumps.len()) {
@@ -98,22 +97,22 @@ impl Dofs {
             };
             dofs.held.extend(&fixed[..dimension]);
         }
-        dofs.leave_out(|_| false);
+        dofs.number();
         dofs
     }
 
-    /// Numbers the components that are not held, except those of nodes that are left out.
-    pub(super) fn leave_out(&mut self, left_out: impl Fn(usize) -> bool) {
+    /// Numbers the components that are not held, except those of tied nodes.
+    pub(super) fn number(&mut self) {
         (self.numbers, self.free) = (Vec::with_capacity(self.held.len()), 0);
         for (k, held) in self.held.iter().enumerate() {
-            let counts = !held && !left_out(k / self.dimension);
+            let counts = !held && !self.relative.get(&(k / self.dimension)).is_some_and(|relative| relative.tied);
             self.numbers.push(counts.then_some(self.free));
             self.free += usize::from(counts);
         }
     }
 
     /// Returns the number of dimensions.
-    pub(super) fn dimension(&self) -> usize {
+    pub(crate) fn dimension(&self) -> usize {
         self.dimension
     }
 
@@ -157,31 +156,20 @@ impl Dofs {
         Some(self.numbers.iter().position(|&number| number == Some(dof))? / self.dimension)
     }
 
-    /// Returns the unknowns of an element with the corners `nodes`, corner by corner.
-    pub fn element(&self, nodes: &[usize]) -> Vec<Option<usize>> {
-        nodes.iter().flat_map(|&node| self.node(node)).copied().collect()
-    }
-
-    /// Returns `true` if some of `nodes` are relative to others.
-    pub(super) fn any_relative(&self, nodes: &[usize]) -> bool {
-        !self.relative.is_empty() && nodes.iter().any(|node| self.relative.contains_key(node))
+    /// Returns the row of `T` of component `k`, counted node by node along the axes of their frames: the displacement as a
+    /// sum of unknowns with coefficients, its own unknown first.
+    pub(super) fn row(&self, k: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let own = || self.relative.get(&(k / self.dimension)).map_or(1.0, |relative| 1.0 / relative.own);
+        let beyond = self.beyond.get(&k).into_iter().flatten().copied();
+        self.numbers[k].map(|dof| (dof, own())).into_iter().chain(beyond)
     }
 
     /// Returns the displacement of `node` along `vector` as a sum of unknowns with coefficients. An unknown may occur
     /// several times.
     pub fn along(&self, node: usize, vector: [f64; 3]) -> impl Iterator<Item = (usize, f64)> + '_ {
-        let components = self.in_frame(node, vector);
-        let relative = self.relative.get(&node);
-        let own = relative.map_or(1.0, |relative| relative.own);
-        let own = (self.node(node).iter().zip(components))
-            .filter_map(move |(dof, component)| Some(((*dof)?, component / own)));
-        let beyond = relative.into_iter().flat_map(move |relative| {
-            let along = |(beyond, component): (&'_ Vec<(usize, f64)>, f64)| {
-                beyond.iter().map(|&(dof, c)| (dof, component * c)).collect::<Vec<_>>()
-            };
-            relative.beyond.iter().zip(components).filter(|(_, component)| *component != 0.0).flat_map(along)
-        });
-        own.chain(beyond)
+        let (d, components) = (self.dimension, self.in_frame(node, vector));
+        let of_axis = move |a: usize| self.row(d * node + a).map(move |(dof, c)| (dof, components[a] * c));
+        (0..d).filter(move |a| components[*a] != 0.0).flat_map(of_axis)
     }
 
     /// Returns the components of `vector` along the axes of the frame of `node`.
@@ -215,37 +203,16 @@ impl Dofs {
     pub fn displacements(&self, u: &[f64]) -> Vec<[f64; 3]> {
         let node = |dofs: &[Option<usize>]| [0, 1, 2].map(|c| dofs.get(c).copied().flatten().map_or(0.0, |dof| u[dof]));
         let mut displacements: Vec<[f64; 3]> = self.numbers.chunks_exact(self.dimension).map(node).collect();
-        for (&node, relative) in &self.relative {
-            for (own, beyond) in displacements[node].iter_mut().zip(&relative.beyond) {
-                *own = *own / relative.own + beyond.iter().map(|(dof, c)| c * u[*dof]).sum::<f64>();
-            }
+        for (&k, beyond) in &self.beyond {
+            let node = k / self.dimension;
+            let own = &mut displacements[node][k % self.dimension];
+            *own = *own / self.relative[&node].own + beyond.iter().map(|(dof, c)| c * u[*dof]).sum::<f64>();
         }
         for (&node, frame) in &self.frames {
             let along = displacements[node];
             displacements[node] = [0, 1, 2].map(|c| (0..3).map(|k| along[k] * frame[k][c]).sum());
         }
         displacements
-    }
-
-    /// Rotates the stiffness of an element with the corners `nodes` from the coordinate axes to the frames of its
-    /// nodes.
-    pub(super) fn turn(&self, nodes: &[usize], stiffness: &mut [Vec<f64>]) {
-        let d = self.dimension;
-        for (a, node) in nodes.iter().enumerate() {
-            let Some(frame) = self.frame(*node) else { continue };
-            let turned = |x: [f64; 3]| frame.map(|axis| dot(axis, x));
-            let at = |c: usize| d * a + c;
-            for row in stiffness.iter_mut() {
-                let new = turned([0, 1, 2].map(|c| if c < d { row[at(c)] } else { 0.0 }));
-                (0..d).for_each(|c| row[at(c)] = new[c]);
-            }
-            let rows: Vec<Vec<f64>> = (0..d).map(|c| std::mem::take(&mut stiffness[at(c)])).collect();
-            for (r, axis) in frame[..d].iter().enumerate() {
-                let turned =
-                    |column| rows.iter().zip(axis).map(|(row, share): (&Vec<f64>, _)| share * row[column]).sum();
-                stiffness[at(r)] = (0..d * nodes.len()).map(turned).collect();
-            }
-        }
     }
 }
 
@@ -269,15 +236,20 @@ pub fn independent(mut directions: Vec<[f64; 3]>, dimension: usize) -> Vec<[f64;
 /// Returns a frame that contains the directions `held`, fewer than the number of dimensions, and marks its held axes.
 fn turned(held: &[[f64; 3]], dimension: usize) -> (Frame, [bool; 3]) {
     match *held {
-        [n] if dimension == 2 => ([[-n[1], n[0], 0.0], n, axis(2)], [false, true, true]),
-        [n] => {
-            let least = (0..3).min_by(|&a, &b| n[a].abs().total_cmp(&n[b].abs())).unwrap_or(0);
-            let first = axis_across(least, n);
-            ([first, cross(n, first), n], [false, false, true])
-        }
+        [n] => (normal_frame(n, dimension), [false, dimension == 2, true]),
         [a, b, ..] => ([unit(cross(a, b)), a, b], [false, true, true]),
         [] => ([0, 1, 2].map(axis), [false; 3]),
     }
+}
+
+/// Returns an orthonormal frame with the unit vector `n` after the directions across it, in two dimensions in the plane.
+pub fn normal_frame(n: [f64; 3], dimension: usize) -> Frame {
+    if dimension == 2 {
+        return [[-n[1], n[0], 0.0], n, axis(2)];
+    }
+    let least = (0..3).min_by(|&a, &b| n[a].abs().total_cmp(&n[b].abs())).unwrap_or(0);
+    let first = axis_across(least, n);
+    [first, cross(n, first), n]
 }
 
 #[cfg(test)]
@@ -293,7 +265,13 @@ mod tests {
             [vec![n], vec![n, n.map(|c| -c)], vec![n, axis(1)], vec![axis(0), n, axis(2)], vec![unit([1.0, 0.0, 1.0])]];
         let mesh = block(&[1.0; 3], &[1; 3]);
         for held in cases {
-            let dofs = Dofs::holding(&mesh, |node| if node == 3 { held.clone() } else { Vec::new() });
+            let dofs =
+                Dofs::with_points(
+                    &mesh,
+                    Vec::new(),
+                    Vec::new(),
+                    |node| if node == 3 { held.clone() } else { Vec::new() },
+                );
             let rank = independent(held.clone(), 3).len();
             assert_eq!(dofs.free(), 24 - rank, "{held:?}");
             let u: Vec<f64> = (0..dofs.free()).map(|k| 1.0 + k as f64).collect();

@@ -4,11 +4,11 @@ use std::fmt;
 use std::ops::Range;
 
 use super::dofs::Dofs;
-use super::spring::Spring;
 use crate::algebra::null_space::{NEGLIGIBLE, Row, null_space};
 use crate::algebra::union_find::UnionFind;
-use crate::algebra::vector::{cross, dot, minus, norm};
+use crate::algebra::vector::{cross, dot, minus, norm, plus};
 use crate::base::units::{Quantity, UnitSystem};
+use crate::body::fem::Spring;
 use crate::body::mesh::{Bodies, Geometry, Mesh};
 
 /// The least share of rotation in a translation that the description of a motion mentions.
@@ -43,6 +43,12 @@ impl BodyMotion {
     pub fn at(&self, x: [f64; 3]) -> [f64; 3] {
         let turned = cross(self.rotation, minus(x, self.about));
         [0, 1, 2].map(|c| self.translation[c] + turned[c])
+    }
+
+    /// Adds `w` times another motion of the body.
+    fn add(&mut self, w: f64, other: &BodyMotion) {
+        self.translation = plus(self.translation, w, other.translation);
+        self.rotation = plus(self.rotation, w, other.rotation);
     }
 
     /// Returns the approximate size of the displacements of the body, m.
@@ -94,12 +100,9 @@ impl RigidMotion {
     pub fn combination(motions: &[RigidMotion], weights: &[f64]) -> Option<RigidMotion> {
         let mut sum = motions.first()?.clone();
         for (k, own) in sum.bodies.iter_mut().enumerate() {
-            (own.translation, own.rotation) = ([0.0; 3], [0.0; 3]);
+            *own = at_rest(own);
             for (motion, w) in motions.iter().zip(weights) {
-                for c in 0..3 {
-                    own.translation[c] += w * motion.bodies[k].translation[c];
-                    own.rotation[c] += w * motion.bodies[k].rotation[c];
-                }
+                own.add(*w, &motion.bodies[k]);
             }
         }
         Some(sum)
@@ -235,10 +238,7 @@ pub fn unresisted_motions(mesh: &Mesh, dofs: &Dofs, springs: &[Spring], ties: &[
         for weights in readable(null_space(all.len(), rows), translations) {
             let mut bodies = still.clone();
             for ((k, motion), w) in all.iter().zip(weights) {
-                for c in 0..3 {
-                    bodies[*k].translation[c] += w * motion.translation[c];
-                    bodies[*k].rotation[c] += w * motion.rotation[c];
-                }
+                bodies[*k].add(w, motion);
             }
             found.push(RigidMotion { bodies, dimension: mesh.dimension });
         }

@@ -1,25 +1,18 @@
 //! Held nodes: support forces, and forces on the rest of the body due to prescribed displacements.
 
-use super::assembly::{assemble_watched, each_stiffness};
+use std::collections::BTreeMap;
+
+use super::assembly::{assemble_watched, cells_at, each_stiffness};
 use super::dofs::Dofs;
-use super::elastic::Elasticity;
-use super::facet::NodalForces;
-use super::inverted::InvertedElement;
-use super::nodal_volume::NodalVolumes;
-use super::part::cells_at;
-use super::spring::Spring;
-use super::strain::Element;
 use crate::algebra::sparse::{Csr, Symmetric};
 use crate::algebra::vector::{axis, dot, minus};
+use crate::body::fem::{Elasticity, Element, InvertedElement, NodalForces, NodalVolumes, Spring};
 use crate::body::mesh::Mesh;
 
 /// The rows of the stiffness of a body, including springs, at held nodes and at nodes whose displacements are relative
-/// to held nodes. The rows are for the components x, y and z of all nodes.
+/// to held nodes. Rows and columns are for the components x, y and z of all nodes; the rows of other nodes are empty.
 #[derive(Debug, Clone)]
-pub(crate) struct HeldRows {
-    nodes: Vec<usize>,
-    rows: Csr,
-}
+pub(crate) struct HeldRows(Csr);
 
 impl HeldRows {
     /// Assembles `K` like [`super::assemble`], with `springs`, and the rows at the held nodes of `dofs`; `volumes` are
@@ -35,17 +28,9 @@ impl HeldRows {
         material: impl Fn(usize) -> Elasticity + Sync,
         springs: &[Spring],
     ) -> Result<(Symmetric, Self), InvertedElement> {
-        let mut gathered = Gathered::new(mesh, dofs);
+        let mut gathered = Gathered::new(dofs);
         let watch = |nodes: &[usize], stiffness: &[Vec<f64>]| gathered.add(nodes, stiffness);
-        let mut stiffness = assemble_watched(mesh, dofs, element, volumes, material, watch)?;
-        for spring in springs {
-            spring.add_to(&mut stiffness, dofs);
-        }
-        for (row, column, value) in springs.iter().flat_map(Spring::entries) {
-            if let Some(held) = gathered.place(row / 3) {
-                gathered.rows[3 * held + row % 3].push((column, value));
-            }
-        }
+        let stiffness = assemble_watched(mesh, dofs, element, (volumes, springs), material, watch)?;
         Ok((stiffness, gathered.rows()))
     }
 
@@ -59,67 +44,56 @@ impl HeldRows {
         element: Element,
         material: impl Fn(usize) -> Elasticity + Sync,
     ) -> Result<Self, InvertedElement> {
-        let mut gathered = Gathered::new(mesh, dofs);
-        let cells = cells_at(mesh, |node| gathered.place(node).is_some());
+        let mut gathered = Gathered::new(dofs);
+        let cells = cells_at(mesh, |node| gathered.rows.contains_key(&node));
         let mut add = |nodes: &[usize], stiffness: Vec<Vec<f64>>| gathered.add(nodes, &stiffness);
-        each_stiffness(mesh, element, material, cells.len(), |k| cells[k], &mut add)?;
+        each_stiffness(mesh, element, material, &cells, &mut add)?;
         Ok(gathered.rows())
     }
 
-    /// Returns the nodes, ascending.
-    pub fn nodes(&self) -> &[usize] {
-        &self.nodes
-    }
-
-    /// Computes `K u` at these nodes (N) for the displacements `u` (m) of all nodes plus `rest`, their low-order part.
+    /// Computes `K u` at these nodes, and 0 at others, N, for the displacements `u` (m) of all nodes plus `rest`, their
+    /// low-order part.
     pub fn forces(&self, u: &[[f64; 3]], rest: &[[f64; 3]]) -> Vec<[f64; 3]> {
-        let (u, rest) = (u.as_flattened(), rest.as_flattened());
-        (0..self.nodes.len()).map(|k| [0, 1, 2].map(|c| self.rows.difference(3 * k + c, u, rest, 0.0))).collect()
+        let (u_of, rest) = (u.as_flattened(), rest.as_flattened());
+        (0..u.len()).map(|node| [0, 1, 2].map(|c| self.0.difference(3 * node + c, u_of, rest, 0.0))).collect()
     }
 
-    /// Computes `K u` at all nodes (N) if only these nodes are displaced, by `displacements` (m).
+    /// Computes `K u` at all nodes (N) if only these nodes are displaced, by `displacements` (m, all nodes).
     pub fn response(&self, displacements: &[[f64; 3]]) -> NodalForces {
-        let mut forces = vec![0.0; self.rows.columns()];
-        self.rows.add_transposed(displacements.as_flattened(), &mut forces);
+        let mut forces = vec![0.0; self.0.columns()];
+        self.0.add_transposed(displacements.as_flattened(), &mut forces);
         forces.as_chunks().0.iter().copied().enumerate().filter(|(_, force)| *force != [0.0; 3]).collect()
     }
 }
 
 /// Accumulates the rows cell by cell.
 struct Gathered {
-    dimension: usize,
     /// The number of all nodes.
     all: usize,
-    nodes: Vec<usize>,
-    rows: Vec<Vec<(usize, f64)>>,
+    rows: BTreeMap<usize, [Vec<(usize, f64)>; 3]>,
 }
 
 impl Gathered {
-    fn new(mesh: &Mesh, dofs: &Dofs) -> Self {
-        let followers: std::collections::BTreeSet<usize> = dofs.followers().into_iter().collect();
-        let holds = |node: &usize| dofs.is_held(*node) || followers.contains(node);
-        let nodes: Vec<usize> = (0..dofs.nodes()).filter(holds).collect();
-        Gathered { dimension: mesh.dimension, all: dofs.nodes(), rows: vec![Vec::new(); 3 * nodes.len()], nodes }
+    fn new(dofs: &Dofs) -> Self {
+        let held = (0..dofs.nodes()).filter(|node| dofs.is_held(*node));
+        let rows = held.chain(dofs.followers()).map(|node| (node, Default::default())).collect();
+        Gathered { all: dofs.nodes(), rows }
     }
 
-    fn place(&self, node: usize) -> Option<usize> {
-        self.nodes.binary_search(&node).ok()
-    }
-
-    /// Adds the stiffness of a cell with these nodes.
+    /// Adds the stiffness of a cell or spring with these nodes.
     fn add(&mut self, nodes: &[usize], stiffness: &[Vec<f64>]) {
-        let d = self.dimension;
-        for (a, &node) in nodes.iter().enumerate() {
-            let Some(held) = self.place(node) else { continue };
-            for (c, values) in stiffness[d * a..d * (a + 1)].iter().enumerate() {
-                let columns = values.iter().enumerate().map(|(j, value)| (3 * nodes[j / d] + j % d, *value));
-                self.rows[3 * held + c].extend(columns);
+        let d = stiffness.len() / nodes.len();
+        for (a, node) in nodes.iter().enumerate() {
+            let Some(of_node) = self.rows.get_mut(node) else { continue };
+            for (row, values) in of_node.iter_mut().zip(&stiffness[d * a..d * (a + 1)]) {
+                row.extend(values.iter().enumerate().map(|(j, value)| (3 * nodes[j / d] + j % d, *value)));
             }
         }
     }
 
-    fn rows(self) -> HeldRows {
-        HeldRows { rows: Csr::of_rows(3 * self.all, self.rows), nodes: self.nodes }
+    fn rows(mut self) -> HeldRows {
+        let of_node = |node: usize| self.rows.remove(&node).unwrap_or_default();
+        HeldRows(Csr::of_rows(3 * self.all, (0..self.all).flat_map(of_node)))
     }
 }
 

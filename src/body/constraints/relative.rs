@@ -78,16 +78,6 @@ pub struct Relative {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Ring(pub usize);
 
-/// A [`Relative`] node in terms of the unknowns of the other nodes.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Resolved {
-    pub own: f64,
-    pub others: Vec<(usize, Coefficient)>,
-    pub tied: bool,
-    /// The terms of its displacement along each axis of its frame other than its own unknown; empty along held axes.
-    pub beyond: Vec<Vec<(usize, f64)>>,
-}
-
 /// Combines the terms of a row so that each unknown occurs once, and not at all if its terms cancel up to rounding.
 pub(crate) fn merged(row: Vec<(usize, f64)>) -> Vec<(usize, f64)> {
     let mut terms: BTreeMap<usize, [f64; 2]> = BTreeMap::new();
@@ -102,37 +92,23 @@ pub(crate) fn merged(row: Vec<(usize, f64)>) -> Vec<(usize, f64)> {
 
 /// Orders the nodes so that each follows the nodes that it is relative to.
 pub(super) fn in_order(nodes: &[Relative]) -> Result<Vec<usize>, Ring> {
-    let all: BTreeMap<usize, &Relative> = nodes.iter().map(|relative| (relative.node, relative)).collect();
-    let mut waits: BTreeMap<usize, usize> = BTreeMap::new();
-    let mut waiting: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-    for (&node, relative) in &all {
-        let for_whom = relative.others.iter().map(|(other, _)| *other).filter(|other| all.contains_key(other));
-        let for_whom: Vec<usize> = for_whom.collect();
-        waits.insert(node, for_whom.len());
-        for other in for_whom {
-            waiting.entry(other).or_default().push(node);
+    let mut left: BTreeMap<usize, &Relative> = nodes.iter().map(|relative| (relative.node, relative)).collect();
+    let waits_for = |left: &BTreeMap<usize, &Relative>, relative: &Relative| {
+        relative.others.iter().map(|(other, _)| *other).find(|other| left.contains_key(other))
+    };
+    let mut order = Vec::with_capacity(left.len());
+    while let Some(&least) = left.keys().next() {
+        let ready: Vec<usize> = left
+            .values()
+            .filter(|relative| waits_for(&left, relative).is_none())
+            .map(|relative| relative.node)
+            .collect();
+        if ready.is_empty() {
+            // Each of the nodes waits for another of them, so that following these dependencies ends in a cycle.
+            return Err(Ring((0..nodes.len()).fold(least, |node, _| waits_for(&left, left[&node]).unwrap_or(node))));
         }
+        left.retain(|node, _| ready.binary_search(node).is_err());
+        order.extend(ready);
     }
-    let mut order: Vec<usize> = waits.iter().filter(|(_, count)| **count == 0).map(|(node, _)| *node).collect();
-    let mut next = 0;
-    while next < order.len() {
-        for node in waiting.get(&order[next]).into_iter().flatten() {
-            if let Some(count) = waits.get_mut(node) {
-                *count -= 1;
-                if *count == 0 {
-                    order.push(*node);
-                }
-            }
-        }
-        next += 1;
-    }
-    let Some(mut node) = waits.iter().find(|(_, count)| **count > 0).map(|(node, _)| *node) else { return Ok(order) };
-    // Each node that cannot be ordered depends on another such node, so that following these dependencies ends in a
-    // cycle.
-    for _ in 0..all.len() {
-        let next =
-            all[&node].others.iter().map(|(other, _)| *other).find(|other| waits.get(other).is_some_and(|n| *n > 0));
-        node = next.unwrap_or(node);
-    }
-    Err(Ring(node))
+    Ok(order)
 }

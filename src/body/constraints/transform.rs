@@ -13,7 +13,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::dofs::{Dofs, SAME_DIRECTION};
-use super::relative::{Coefficient, Relative, Resolved, Ring, in_order, merged};
+use super::relative::{Coefficient, Relative, Ring, in_order, merged};
 use crate::algebra::vector::{axis, dot, plus};
 
 impl Dofs {
@@ -22,46 +22,25 @@ impl Dofs {
     /// # Errors
     /// [`Ring`] if nodes are relative to each other.
     pub fn relative_to(mut self, nodes: Vec<Relative>) -> Result<Self, Ring> {
-        let order = in_order(&nodes)?;
-        let mut nodes: BTreeMap<usize, Relative> =
-            nodes.into_iter().map(|relative| (relative.node, relative)).collect();
-        self.leave_out(|node| nodes.get(&node).is_some_and(|relative| relative.tied));
-        for node in order {
-            let Some(Relative { own, others, tied, .. }) = nodes.remove(&node) else { continue };
-            let along = |(a, n): (usize, [f64; 3])| {
+        self.relative_order = in_order(&nodes)?;
+        self.relative = nodes.into_iter().map(|relative| (relative.node, relative)).collect();
+        self.number();
+        for node in self.relative_order.clone() {
+            for (a, n) in self.axes(node).into_iter().enumerate() {
                 if self.is_held_along(node, a) {
-                    return Vec::new();
+                    continue;
                 }
+                let Relative { own, others, .. } = &self.relative[&node];
                 let mut sum = BTreeMap::new();
-                for (other, coefficient) in &others {
-                    for (dof, value) in
-                        self.along_scaled(*other, coefficient, n, own).filter(|(_, value)| *value != 0.0)
-                    {
-                        *sum.entry(dof).or_insert(0.0) += value;
-                    }
+                for (dof, value) in
+                    others.iter().flat_map(|(other, c)| self.along(*other, c.over(*own).transposed_times(n)))
+                {
+                    *sum.entry(dof).or_insert(0.0) += value;
                 }
-                sum.into_iter().collect()
-            };
-            let beyond = self.axes(node).into_iter().enumerate().map(along).collect();
-            self.relative.insert(node, Resolved { own, others, tied, beyond });
-            self.relative_order.push(node);
+                self.beyond.insert(self.dimension() * node + a, sum.into_iter().collect());
+            }
         }
         Ok(self)
-    }
-
-    /// Returns `n · coefficient · u_other / own` in terms of unknowns.
-    fn along_scaled(
-        &self,
-        other: usize,
-        coefficient: &Coefficient,
-        n: [f64; 3],
-        own: f64,
-    ) -> impl Iterator<Item = (usize, f64)> + '_ {
-        let (n, factor) = match coefficient {
-            Coefficient::Factor(c) => (n, c / own),
-            Coefficient::Matrix(_) => (coefficient.transposed_times(n), 1.0 / own),
-        };
-        self.along(other, n).map(move |(dof, value)| (dof, factor * value))
     }
 
     /// Returns `true` if the unknowns of a node are relative to other nodes, or it is tied to them.
@@ -73,7 +52,7 @@ impl Dofs {
     /// the two does not count, nor do nodes that supports hold in all directions.
     pub fn moving_alike(&self, mut node: usize) -> usize {
         // Tied nodes have no rings.
-        while let Some(Resolved { own, others, tied: true, .. }) = self.relative.get(&node) {
+        while let Some(Relative { own, others, tied: true, .. }) = self.relative.get(&node) {
             let is_held = |other: usize| !self.is_relative(other) && self.node(other).iter().all(Option::is_none);
             let mut in_mesh = others.iter().filter(|(other, _)| *other < self.of_mesh && !is_held(*other));
             match (in_mesh.next(), in_mesh.next()) {
@@ -87,7 +66,7 @@ impl Dofs {
     /// Returns the relative displacement of a node along `vector`, `own · u - Σ coefficient · u_other`, in terms of
     /// unknowns: its own and, along held directions, those of the other nodes.
     pub fn relative_along(&self, node: usize, vector: [f64; 3]) -> Vec<(usize, f64)> {
-        let Some(Resolved { others, tied: false, .. }) = self.relative.get(&node) else { return Vec::new() };
+        let Some(Relative { others, tied: false, .. }) = self.relative.get(&node) else { return Vec::new() };
         let mut row = Vec::new();
         for ((a, n), (dof, component)) in
             self.axes(node).into_iter().enumerate().zip(self.node(node).iter().zip(self.in_frame(node, vector)))
@@ -95,7 +74,7 @@ impl Dofs {
             match dof {
                 Some(dof) => row.push((*dof, component)),
                 None if component != 0.0 && self.is_held_along(node, a) => {
-                    let others = others.iter().flat_map(|(other, c)| self.along_scaled(*other, c, n, 1.0));
+                    let others = others.iter().flat_map(|(other, c)| self.along(*other, c.transposed_times(n)));
                     row.extend(others.map(|(dof, value)| (dof, -component * value)));
                 }
                 None => (),
@@ -110,7 +89,7 @@ impl Dofs {
         for node in 0..self.nodes() {
             let own = match self.relative.get(&node) {
                 None => at(node),
-                Some(Resolved { own, others, .. }) => {
+                Some(Relative { own, others, .. }) => {
                     let of_node = at(node);
                     let others = others.iter().map(|(other, c)| c.times(at(*other)));
                     let sum = others.fold([0.0; 3], |sum, u| plus(sum, 1.0, u));
@@ -128,21 +107,19 @@ impl Dofs {
 
     /// Returns the relative nodes that move with nodes moved by supports, each after the nodes that it is relative to.
     pub fn followers(&self) -> Vec<usize> {
-        let mut follows = BTreeSet::new();
-        for &node in &self.relative_order {
-            let others = &self.relative[&node].others;
-            if others.iter().any(|(other, _)| self.is_held(*other) || follows.contains(other)) {
-                follows.insert(node);
-            }
-        }
-        self.relative_order.iter().copied().filter(|node| follows.contains(node)).collect()
+        let mut follow = BTreeSet::new();
+        let moves = |node: &usize| {
+            let mut others = self.relative[node].others.iter();
+            others.any(|(other, _)| self.is_held(*other) || follow.contains(other)) && follow.insert(*node)
+        };
+        self.relative_order.iter().copied().filter(moves).collect()
     }
 
     /// Returns the nodes to which a `force` on a tied node is transferred, each with its part; empty if the node is
     /// not tied.
     pub fn passed_on(&self, node: usize, force: [f64; 3]) -> Vec<(usize, [f64; 3])> {
         match self.relative.get(&node) {
-            Some(Resolved { own, others, tied: true, .. }) => {
+            Some(Relative { own, others, tied: true, .. }) => {
                 let part = |(other, c): &(usize, Coefficient)| (*other, c.over(*own).transposed_times(force));
                 others.iter().map(part).collect()
             }
@@ -150,27 +127,27 @@ impl Dofs {
         }
     }
 
-    /// Returns the displacement (m) of a relative node due to the displacements `at` of the nodes that it is relative
-    /// to, without held components.
-    pub fn carried_along(&self, node: usize, at: impl Fn(usize) -> [f64; 3]) -> [f64; 3] {
-        let Some(Resolved { own, others, .. }) = self.relative.get(&node) else { return [0.0; 3] };
-        let mut sum = [0.0; 3];
-        for n in self.free_axes(node) {
-            let along: f64 = others.iter().map(|(other, c)| dot(c.over(*own).times(at(*other)), n)).sum();
-            (0..3).for_each(|c| sum[c] += along * n[c]);
+    /// Adds to the displacements `u` (m) of all nodes, those that supports prescribe, the displacements that relative nodes
+    /// have by them.
+    pub fn follow(&self, u: &mut [[f64; 3]]) {
+        for &node in &self.relative_order {
+            let Relative { own, others, .. } = &self.relative[&node];
+            let along = |n: [f64; 3]| others.iter().map(|(other, c)| dot(c.over(*own).times(u[*other]), n)).sum();
+            let sum = self.free_axes(node).into_iter().fold([0.0; 3], |sum, n| plus(sum, along(n), n));
+            u[node] = plus(u[node], 1.0, sum);
         }
-        sum
     }
 
-    /// Computes the stiffness `Tᵀ K T` of an element with the corners `nodes`, some of which are relative, and returns
-    /// its unknowns and the stiffness.
-    pub(super) fn expanded(&self, nodes: &[usize], stiffness: &[Vec<f64>]) -> (Vec<usize>, Vec<Vec<f64>>) {
+    /// Computes the stiffness `Tᵀ K T` of an element with these nodes, and returns its unknowns and the stiffness.
+    pub(super) fn reduced(&self, nodes: &[usize], stiffness: &[Vec<f64>]) -> (Vec<usize>, Vec<Vec<f64>>) {
         let unknowns = self.unknowns_of(nodes);
         let place = |dof: usize| unknowns.binary_search(&dof).unwrap_or(0);
+        let components = stiffness.len() / nodes.len();
+        let row = |k: usize| self.along(nodes[k / components], axis(k % components));
         let rows: Vec<Vec<(usize, f64)>> =
-            self.forms(nodes).map(|row| row.into_iter().map(|(dof, c)| (place(dof), c)).collect()).collect();
-        let mut expanded = vec![vec![0.0; unknowns.len()]; unknowns.len()];
-        for (row, values) in rows.iter().zip(stiffness) {
+            (0..stiffness.len()).map(|k| row(k).map(|(dof, c)| (place(dof), c)).collect()).collect();
+        let mut reduced = vec![vec![0.0; unknowns.len()]; unknowns.len()];
+        for (row, values) in rows.iter().zip(stiffness).filter(|(row, _)| !row.is_empty()) {
             let mut of_row = vec![0.0; unknowns.len()];
             for (column, value) in rows.iter().zip(values) {
                 for (j, c) in column {
@@ -178,32 +155,20 @@ impl Dofs {
                 }
             }
             for (i, c) in row {
-                expanded[*i].iter_mut().zip(&of_row).for_each(|(sum, value)| *sum += c * value);
+                reduced[*i].iter_mut().zip(&of_row).for_each(|(sum, value)| *sum += c * value);
             }
         }
-        (unknowns, expanded)
+        (unknowns, reduced)
     }
 
     /// Returns the unknowns in the displacements of `nodes`, ascending.
     pub(super) fn unknowns_of(&self, nodes: &[usize]) -> Vec<usize> {
-        let mut unknowns: Vec<usize> = self.forms(nodes).flatten().map(|(dof, _)| dof).collect();
+        let d = self.dimension();
+        let rows = nodes.iter().flat_map(|node| d * node..d * (node + 1));
+        let mut unknowns: Vec<usize> = rows.flat_map(|k| self.row(k)).map(|(dof, _)| dof).collect();
         unknowns.sort_unstable();
         unknowns.dedup();
         unknowns
-    }
-
-    /// Returns the displacements of `nodes` along the axes of their frames, node by node, in terms of the unknowns.
-    fn forms(&self, nodes: &[usize]) -> impl Iterator<Item = Vec<(usize, f64)>> {
-        let of_node = |&node: &usize| {
-            let relative = self.relative.get(&node);
-            let own = relative.map_or(1.0, |relative| relative.own);
-            let axis = move |(a, dof): (usize, &Option<usize>)| {
-                let beyond = relative.map_or(&[][..], |relative| &relative.beyond[a]);
-                dof.map(|dof| (dof, 1.0 / own)).into_iter().chain(beyond.iter().copied()).collect::<Vec<_>>()
-            };
-            self.node(node).iter().enumerate().map(axis).collect::<Vec<_>>()
-        };
-        nodes.iter().flat_map(of_node).collect::<Vec<_>>().into_iter()
     }
 
     /// Returns the free axes of the frame of `node`.

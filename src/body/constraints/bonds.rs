@@ -5,8 +5,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::dofs::{Dofs, SAME_DIRECTION};
+use super::relative::{Coefficient, Relative};
 use crate::algebra::vector::{across, axis, norm};
-use crate::body::fem::{Coefficient, Dofs, Relative, SAME_DIRECTION};
 
 /// The least coefficient of the node that a row determines, relative to the largest.
 const PIVOT: f64 = 0.1;
@@ -16,30 +17,30 @@ const ROUNDING: f64 = 1e-12;
 
 /// The relations by the node that each determines.
 #[derive(Debug, Default)]
-pub(super) struct Bonds(BTreeMap<usize, Relative>);
+pub(crate) struct Bonds(BTreeMap<usize, Relative>);
 
 /// The error that a row joins two sides that supports hold along different directions, or two reference points.
 #[derive(Debug)]
-pub(super) struct Apart;
+pub(crate) struct Apart;
 
 impl Bonds {
     /// Creates the bonds of `relations`.
-    pub(super) fn new(relations: &[Relative]) -> Self {
+    pub(crate) fn new(relations: &[Relative]) -> Self {
         Bonds(relations.iter().map(|relation| (relation.node, relation.clone())).collect())
     }
 
     /// Adds a relation.
-    pub(super) fn add(&mut self, relation: Relative) {
+    pub(crate) fn add(&mut self, relation: Relative) {
         self.0.insert(relation.node, relation);
     }
 
     /// Returns `true` if a relation determines the displacement of `node`.
-    pub(super) fn bind(&self, node: usize) -> bool {
+    pub(crate) fn bind(&self, node: usize) -> bool {
         self.0.contains_key(&node)
     }
 
     /// Returns the nodes on whose displacements that of `node` depends: itself if no relation determines it.
-    pub(super) fn roots(&self, node: usize) -> BTreeSet<usize> {
+    pub(crate) fn roots(&self, node: usize) -> BTreeSet<usize> {
         let (mut roots, mut seen, mut left) = (BTreeSet::new(), BTreeSet::new(), vec![node]);
         while let Some(node) = left.pop() {
             match self.0.get(&node) {
@@ -52,7 +53,7 @@ impl Bonds {
     }
 
     /// Returns a relation of the bonds in terms of nodes that no relation determines, and of carried ones.
-    pub(super) fn resolved(&self, dofs: &Dofs, relation: &Relative) -> Relative {
+    pub(crate) fn resolved(&self, dofs: &Dofs, relation: &Relative) -> Relative {
         let others = self.terms(dofs, relation.others.clone(), false).into_iter().collect();
         Relative { others, ..relation.clone() }
     }
@@ -62,7 +63,7 @@ impl Bonds {
     ///
     /// # Errors
     /// [`Apart`] if there is no such node.
-    pub(super) fn solved(
+    pub(crate) fn solved(
         &self,
         dofs: &Dofs,
         relation: Relative,

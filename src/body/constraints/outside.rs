@@ -1,7 +1,11 @@
-//! Nodes that reference points carry, and the two nodes of each point.
+//! Nodes outside the mesh: the two nodes of each reference point, which carries nodes of the mesh, and the jumps between the
+//! two sides of glued pairs.
+//!
+//! With the jump `J`, the rows of a pair are `Σ D u - Σ P u = J`. Along axes that are held, `J` is 0 or prescribed; along
+//! free axes it is an unknown, on which the force across the pair acts.
 
 use super::dofs::{Dofs, SAME_DIRECTION};
-use super::reference_point::ReferencePoint;
+use super::reference_point::{Jump, ReferencePoint};
 use super::relative::{Coefficient, Relative};
 use super::rigid::{BodyMotion, Tie};
 use crate::body::mesh::Mesh;
@@ -117,5 +121,32 @@ impl Dofs {
         let arm = self.points[k].arm(mesh.dimension, mesh.nodes[node]);
         let others = vec![(translation, Coefficient::Factor(1.0)), (rotation, Coefficient::Matrix(Box::new(arm)))];
         Relative { node, own: 1.0, others, tied: true }
+    }
+
+    /// Returns the node of jump `k`. These nodes follow those of reference points.
+    pub fn node_of_jump(&self, k: usize) -> usize {
+        self.of_mesh + 2 * self.points.len() + k
+    }
+
+    /// Returns the jump of a node outside the mesh.
+    pub(super) fn jump_of(&self, node: usize) -> Option<&Jump> {
+        self.jumps.get(node.checked_sub(self.node_of_jump(0))?)
+    }
+
+    /// Returns `true` for a node whose displacement is a jump.
+    pub fn is_jump(&self, node: usize) -> bool {
+        self.jump_of(node).is_some()
+    }
+
+    /// Returns jump `k` as the sum `Σ c u` of displacements of nodes.
+    pub fn sum_of_jump(&self, k: usize) -> &[(usize, f64)] {
+        self.jumps.get(k).map_or(&[], |jump| &jump.sum)
+    }
+
+    /// Sets the sum of displacements that is jump `k`.
+    pub(crate) fn set_jump(&mut self, k: usize, sum: Vec<(usize, f64)>) {
+        if let Some(jump) = self.jumps.get_mut(k) {
+            jump.sum = sum;
+        }
     }
 }
