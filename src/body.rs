@@ -21,6 +21,5 @@ pub use estimate::{
     ContactEstimate, ContactGraph, DiscretisationError, ElementEstimate, HertzContact, PeakOf, StickZone, peak_error,
 };
 pub use model::{
-    Balance, BetweenNodes, Body, Faceted, LargeMotion, Model, ModelError, ObstacleChords, OnTheWay, Overlap, Pair,
-    Share, Slid, SurfaceStress, Wrench,
+    Balance, BetweenNodes, Body, LargeMotion, Model, ModelError, OnTheWay, Overlap, Pair, Share, SurfaceStress, Wrench,
 };

@@ -24,6 +24,7 @@
 
 mod applicable;
 pub(crate) mod auto;
+mod checks;
 mod companion;
 mod discretise;
 mod error;
@@ -35,6 +36,7 @@ mod lock;
 mod need;
 mod recording;
 pub mod report;
+mod results;
 mod sharing;
 mod start;
 mod watch;
@@ -52,57 +54,26 @@ pub use increments::increments_for;
 pub use need::MemoryEstimate;
 pub use recording::{RecordedIncrement, Recording};
 
-use crate::algebra::linear::{LinearError, RefinedSolver};
 use crate::base::memory::Budget;
 use crate::body::description::CycleRequest;
-use crate::body::estimate::error_of_force;
 use crate::body::model::Model;
-use crate::run::report::{
-    CompanionEstimate, CycleWatch, EstimateWatch, Estimates, ForceJump, Measured, Moment, RankRecord, ReportInput,
-    RunReport, Warning, cpu_seconds, peak_rss_bytes,
-};
+use crate::run::report::RunReport;
 use crate::scene::Scene;
 use crate::solver::checkpoint::Checkpoint;
 use crate::solver::formulation::Layout;
 use crate::solver::history::{
-    self, HistoryOutcome, HistorySettings, IncrementRecord, JumpSolver, LinearAlgebra, Observer, SolverChoice, Status,
-    SystemSolver,
+    self, HistoryOutcome, HistorySettings, IncrementRecord, LinearAlgebra, Observer, SolverChoice, SystemSolver,
 };
-use crate::solver::influence::influence;
 use crate::solver::initial_working_set::{self, InitialWorkingSet};
-use crate::solver::laws::{ContactStatus, KktScales};
+use crate::solver::laws::ContactStatus;
 use crate::solver::problem::State;
-use crate::solver::uniqueness::{self, CriticalFriction};
-use applicable::{fell_back, means};
+use applicable::means;
 use auto::factorizations;
 pub use auto::{AvailableSolvers, Choice, Done, Faster, SolverEstimate};
-use companion::{Companion, Quiet};
-use force_jumps::JumpDetector;
-use watch::ReportCollector;
 pub use watch::{RecordWriter, Sink};
 
 /// The number of factorisations from which on a better ordering is worth its time.
 const MANY: f64 = 10.0;
-
-/// Returns an additional result; if it could not be computed, adds a warning to `missing`.
-fn or_missing<T, E: std::error::Error>(
-    missing: &mut Vec<Warning>,
-    result: &str,
-    computed: Result<Option<T>, E>,
-) -> Option<T> {
-    computed.unwrap_or_else(|error| {
-        missing.push(Warning::of_missing(result, &error));
-        None
-    })
-}
-
-/// The reason why there are no results of a load cycle.
-#[derive(Debug, thiserror::Error)]
-#[error(
-    "at no earlier increment did all loads have the values of the end, and change in the same direction; give the times \
-     of the cycle, output.cycle = [1.0, 2.0]"
-)]
-struct NoCycle;
 
 /// A model with its increments and its solver. A run may be solved several times.
 #[derive(Debug)]
@@ -324,105 +295,6 @@ impl<'a> Run<'a> {
         self.report(system, sink)
     }
 
-    fn report(&self, system: SystemSolver, mut audience: Sink<'_>) -> Result<RunReport, RunError> {
-        let start = Instant::now();
-        let (linear, condensed) = (system.name(), system.condenses());
-        let companion = self.companion();
-        let numbers = companion.as_ref().map_or(&[][..], |companion| &companion.ends[0]);
-        let leaps = JumpDetector::new(&self.model, self.solver.method);
-        let cycle = self
-            .cycle
-            .as_ref()
-            .and_then(|cycle| CycleWatch::new(&self.model, &self.times, cycle, self.solver.method.is_exact_path()));
-        let mut watch = ReportCollector::new(&self.model, self.uniqueness, numbers, cycle, leaps, &mut audience);
-        if let Some(checkpoint) = &self.from {
-            watch.continue_from(checkpoint).map_err(history::Error::from)?;
-        }
-        let settings = HistorySettings {
-            keeps_records: false,
-            estimates_error: true,
-            from: self.from.clone(),
-            ..self.settings()?
-        };
-        let outcome = self.history_with(system, &self.times, &settings, &mut watch)?;
-        let ReportCollector {
-            validity,
-            estimates,
-            balance,
-            curves,
-            mut key,
-            cycle,
-            increments,
-            forces,
-            reactions,
-            last_reactions,
-            ..
-        } = watch;
-        let (last, states, leaps) = (watch.last, watch.states, watch.leaps);
-        let mut all_estimates = Estimates { increments: outcome.increment_error, ..estimates.estimates(&self.model) };
-        // The history is solved. From here on, a failure of an additional result loses that result only.
-        let mut missing = Vec::new();
-        if let (Some(companion), Status::Converged) = (companion.as_ref(), outcome.status) {
-            let compared = self.compared(companion, &states, audience.observer()).map(Some);
-            all_estimates.companion = or_missing(&mut missing, "the estimate by a companion run", compared);
-        }
-        if self.cycle.is_some() && cycle.is_none() {
-            missing.push(Warning::of_missing("the load cycle", &NoCycle));
-        }
-        let of_mesh = key.moments().map(|moment| {
-            let error = moment.map_or(Ok(None), |moment| self.force_error(moment, &estimates));
-            or_missing(&mut missing, "the error of a contact force by the mesh", error)
-        });
-        all_estimates.tangential = key.learn(of_mesh);
-        let leap = self.leap(&leaps, &settings, &outcome.scales, audience.observer());
-        let leap = or_missing(&mut missing, "the check for jumps of contact forces", leap);
-        if outcome.status == Status::Converged {
-            let by_start = self.friction_by_start(leaps.largest(), audience.observer());
-            all_estimates.start = or_missing(&mut missing, "what the first increment does to friction", by_start);
-        }
-        let critical = last.map(|last| self.critical_friction(&last)).transpose().map(Option::flatten);
-        let critical_friction = or_missing(&mut missing, "the critical friction", critical);
-        let measured = Measured {
-            cpu_seconds: cpu_seconds(),
-            wall_seconds: self.model_seconds + start.elapsed().as_secs_f64(),
-            model_seconds: self.model_seconds,
-            peak_rss_bytes: peak_rss_bytes(),
-            ranks: RankRecord::all(),
-        };
-        let done = Done {
-            increments: outcome.tally.increments,
-            factorizations: outcome.linear.factorizations,
-            seconds: measured.wall_seconds,
-        };
-        Ok(RunReport::new(ReportInput {
-            scene: self.scene,
-            model: &self.model,
-            solver: &self.solver,
-            condensed,
-            working_set: self.working_set().filter(|_| condensed),
-            faster: self.faster(&linear, &done),
-            linear,
-            choice: &self.choice,
-            unsuited: fell_back(&outcome.linear, &self.model, self.solver.method),
-            outcome: &outcome,
-            validity: &validity,
-            largest_pressure: estimates.largest_pressure(&self.model, &all_estimates),
-            key,
-            cycle: cycle.and_then(|cycle| cycle.report(&self.model)),
-            estimates: all_estimates,
-            increments,
-            forces,
-            reactions,
-            last_reactions,
-            leap,
-            balance,
-            curves,
-            critical_friction,
-            missing,
-            measured,
-        }))
-    }
-
     /// Solves the history and returns the outcome without a report: the last state, records, scales of the error
     /// measure.
     ///
@@ -453,62 +325,6 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Returns the increments of a companion run, if it was requested and there is friction.
-    fn companion(&self) -> Option<Companion> {
-        let layout = Layout::new(&self.model.problem);
-        let has_friction = (0..layout.contacts()).any(|i| layout.has_friction(i));
-        (self.companion && has_friction).then(|| Companion::of(&self.times, &self.model.loading.kinks()))
-    }
-
-    /// Solves the `companion` of a run with these `states` at the ends of its load segments, and compares.
-    fn compared(
-        &self,
-        companion: &Companion,
-        states: &[State],
-        observer: &mut dyn Observer,
-    ) -> Result<CompanionEstimate, RunError> {
-        let mut quiet = Quiet { observer, numbers: &companion.ends[1], states: Vec::new() };
-        let settings = HistorySettings { keeps_records: false, ..self.settings()? };
-        let status = self.history_with(self.system(), &companion.times, &settings, &mut quiet)?.status;
-        let both = [states, &quiet.states[..]];
-        Ok(CompanionEstimate::new(&self.model, companion.times.len(), status, both, companion.share))
-    }
-
-    /// Returns the error of a force by the mesh at the `moment` of its largest value, N; `None` if it is unknown, as in
-    /// contact zones of a few nodes, whose width depends on the mesh.
-    fn force_error(&self, moment: &Moment, watch: &EstimateWatch) -> Result<Option<f64>, LinearError> {
-        let Model { problem, .. } = &*self.model;
-        if self.choice.linear.is_shared() || problem.stiffness().distributed().is_some() {
-            return Ok(None);
-        }
-        let Some(nodes) = moment.weights(&self.model) else { return Ok(None) };
-        let z = influence(problem, self.model.scaling(), &nodes, self.system())?;
-        let error = z.and_then(|z| error_of_force(&self.model, moment.time, &moment.state.u, &z));
-        Ok(error.filter(|error| *error == 0.0 || !watch.is_narrow(&self.model, &moment.state)))
-    }
-
-    /// Finds the first increment in which contact forces jump.
-    fn leap(
-        &self,
-        leaps: &JumpDetector,
-        settings: &HistorySettings,
-        scales: &KktScales,
-        observer: &mut dyn Observer,
-    ) -> Result<Option<ForceJump>, RunError> {
-        if !leaps.are_suspected() {
-            return Ok(None);
-        }
-        let leap = match self.system() {
-            SystemSolver::Whole(mut linear) => {
-                leaps.first(&self.model, settings, scales, &mut JumpSolver::Whole(&mut linear), observer)
-            }
-            SystemSolver::Condensed(condensation) => {
-                leaps.first(&self.model, settings, scales, &mut JumpSolver::Condensed(&condensation), observer)
-            }
-        };
-        Ok(leap?)
-    }
-
     fn history_with(
         &self,
         system: SystemSolver,
@@ -518,28 +334,5 @@ impl<'a> Run<'a> {
     ) -> Result<HistoryOutcome, RunError> {
         let Model { problem, loading, .. } = &*self.model;
         Ok(self.solver.solve(problem, loading, times, settings, system, observer)?)
-    }
-
-    fn critical_friction(&self, last: &RecordedIncrement) -> Result<Option<CriticalFriction>, history::Error> {
-        let scaling = self.model.scaling();
-        let (data, state) = (last.data(), &last.state);
-        // The exact path has no friction at nodes in two contacts.
-        let problem = &self.model.problem.with_friction(data.mu.to_vec())?;
-        let critical = match last.record.status {
-            Status::NoContinuation => uniqueness::critical_friction_where_lost,
-            _ => uniqueness::critical_friction,
-        };
-        critical(problem, &data, state, scaling, &mut RefinedSolver::default())
-    }
-
-    /// Returns a linear solver that would have been much faster than the one named by the scene. Returns `None` also if
-    /// the estimate fails, e.g. for lack of memory, because the solved history does not depend on it.
-    fn faster(&self, linear: &str, done: &Done) -> Option<Faster> {
-        // A distributed stiffness has no local entries for the estimate.
-        if linear != self.choice.linear.to_string() || self.model.problem.stiffness().distributed().is_some() {
-            return None;
-        }
-        let means = means(&self.model, self.solver.method, self.budget);
-        self.choice.faster(&self.model.problem, &self.reach, self.solver.method, means, done).ok()?
     }
 }

@@ -39,7 +39,7 @@ const FED_BY_FRICTION: f64 = 0.5;
 const STAYS: f64 = 0.6;
 
 /// Collects increments in which contact forces may have jumped.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct JumpDetector {
     /// `false` without friction, where contact forces follow the loads, and for an exact path, which finds its end
     /// itself.
@@ -77,22 +77,12 @@ impl JumpDetector {
         let layout = Layout::new(&model.problem);
         let has_friction = (0..layout.contacts()).any(|i| layout.has_friction(i));
         let may_jump = has_friction && !method.is_exact_path();
-        JumpDetector { may_jump, last: None, suspected: Vec::new(), largest: 0.0 }
+        JumpDetector { may_jump, ..JumpDetector::default() }
     }
 
     /// Returns the largest contact forces so far, as the root of `Σ |p|² / l`; 0 without friction.
     pub(super) fn largest(&self) -> f64 {
         self.largest
-    }
-
-    /// Returns `true` if the data, restored from another run, fits `model`.
-    pub(super) fn fit(&self, model: &Model) -> bool {
-        let fits = |end: &End| {
-            end.state.u.len() == model.problem.displacements() && end.state.p_n.len() == model.problem.contacts()
-        };
-        let forces = |suspect: &Suspect| suspect.to.state.p_n.len() == model.problem.contacts();
-        self.last.iter().chain(self.suspected.iter().map(|suspect| &suspect.from)).all(fits)
-            && self.suspected.iter().all(forces)
     }
 
     /// Examines the end of an increment.

@@ -2,11 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::checks::Checks;
 use super::force_jumps::JumpDetector;
 use super::recording::RecordedIncrement;
 use crate::body::model::Model;
 use crate::run::report::{
-    Accumulated, BalanceRecord, BalanceWatch, CycleWatch, EstimateWatch, ForceRecord, HistoryCurves, KeyWatch, Validity,
+    BalanceRecord, BalanceWatch, CycleWatch, EstimateWatch, ForceRecord, HistoryCurves, KeyWatch,
 };
 use crate::solver::checkpoint::{Checkpoint, CheckpointError};
 use crate::solver::events::Event;
@@ -40,98 +41,78 @@ impl Sink<'_> {
     }
 }
 
-/// The collector of report data, which passes all calls on to the observer of a run.
-pub(super) struct ReportCollector<'a, 'b> {
-    model: &'a Model,
-    audience: &'a mut Sink<'b>,
-    pub validity: Validity,
+/// All that a run collects in its increments: the state that a checkpoint stores, from which the report is made.
+#[derive(Default, Serialize, Deserialize)]
+pub(super) struct Watches {
+    /// The sizes of the model, to which all indices belong.
+    sizes: [usize; 7],
+    pub checks: Checks,
     pub estimates: EstimateWatch,
     pub balance: BalanceWatch,
     pub curves: HistoryCurves,
     pub key: KeyWatch,
     /// The load cycle, if one is asked for.
     pub cycle: Option<CycleWatch>,
-    /// The records of all increments so far; empty with a ledger.
-    pub increments: Vec<IncrementRecord>,
-    /// The resultants of the contact forces at the ends of increments.
-    pub forces: Vec<ForceRecord>,
-    /// The other forces on the body at the ends of increments.
-    pub reactions: Vec<BalanceRecord>,
+    pub jumps: JumpDetector,
     /// The other forces on the body at the end of the last converged increment.
     pub last_reactions: Option<BalanceRecord>,
-    keeps_last: bool,
     /// The last converged increment, if it must be kept or an exact path has ended early.
     pub last: Option<RecordedIncrement>,
-    /// The increments, ascending from 1, for which the contact forces at the end are kept in `states`.
-    numbers: &'a [usize],
+    /// The contact forces at the ends of selected increments.
     pub states: Vec<State>,
-    pub leaps: JumpDetector,
+    /// The records of the increments of this process; empty with a ledger.
+    #[serde(skip)]
+    pub increments: Vec<IncrementRecord>,
+    /// The resultants of the contact forces at the ends of these increments.
+    #[serde(skip)]
+    pub forces: Vec<ForceRecord>,
+    /// The other forces on the body at the ends of these increments.
+    #[serde(skip)]
+    pub reactions: Vec<BalanceRecord>,
 }
 
-/// The data between two increments.
-#[derive(Serialize, Deserialize)]
-struct Known {
-    validity: Validity,
-    seen: Accumulated,
-    balance: BalanceWatch,
-    curves: HistoryCurves,
-    key: KeyWatch,
-    cycle: Option<CycleWatch>,
-    last_reactions: Option<BalanceRecord>,
-    last: Option<RecordedIncrement>,
-    states: Vec<State>,
-    leaps: JumpDetector,
-}
-
-impl<'a, 'b> ReportCollector<'a, 'b> {
-    pub(super) fn new(
-        model: &'a Model,
-        keeps_last: bool,
-        numbers: &'a [usize],
-        cycle: Option<CycleWatch>,
-        leaps: JumpDetector,
-        audience: &'a mut Sink<'b>,
-    ) -> Self {
-        ReportCollector {
-            model,
-            audience,
-            validity: Validity::new(model),
-            estimates: EstimateWatch::new(model),
-            balance: BalanceWatch::default(),
-            curves: HistoryCurves::default(),
-            key: KeyWatch::default(),
-            cycle,
-            increments: Vec::new(),
-            forces: Vec::new(),
-            reactions: Vec::new(),
-            last_reactions: None,
-            keeps_last,
-            last: None,
-            numbers,
-            states: Vec::new(),
-            leaps,
-        }
+impl Watches {
+    /// Begins with the first increment of `model`.
+    pub(super) fn new(model: &Model, cycle: Option<CycleWatch>, jumps: JumpDetector) -> Self {
+        let sizes = [
+            model.mesh.nodes.len(),
+            model.contacts.len(),
+            model.contact_boundaries.len(),
+            model.pairs.len(),
+            model.obstacles.len(),
+            model.description().couplings.len(),
+            model.rigid_motions.len(),
+        ];
+        Watches { sizes, estimates: EstimateWatch::new(model), cycle, jumps, ..Watches::default() }
     }
+}
 
+/// The collector of report data, which passes all calls on to the observer of a run.
+pub(super) struct ReportCollector<'a, 'b> {
+    pub model: &'a Model,
+    pub audience: &'a mut Sink<'b>,
+    pub watches: Watches,
+    pub keeps_last: bool,
+    /// The increments, ascending from 1, for which the contact forces at the end are kept.
+    pub numbers: &'a [usize],
+}
+
+impl ReportCollector<'_, '_> {
     /// Resumes from the data in a `checkpoint`.
     pub(super) fn continue_from(&mut self, checkpoint: &Checkpoint) -> Result<(), CheckpointError> {
-        let Known { validity, seen, balance, curves, key, cycle, last_reactions, last, states, leaps } =
-            checkpoint.part(1)?;
-        if !validity.fits(self.model) || !leaps.fit(self.model) || !self.estimates.go_on_with(self.model, seen) {
-            return Err(CheckpointError::Other { what: "the mesh or its contact" });
-        }
-        let is_same_cycle = cycle.is_some() == self.cycle.is_some() && cycle.iter().all(|cycle| cycle.fits(self.model));
-        if !is_same_cycle {
-            return Err(CheckpointError::Other { what: "the load cycle" });
-        }
+        let stored: Watches = checkpoint.part(1)?;
         let before = self.numbers.iter().filter(|number| **number <= checkpoint.increments()).count();
-        if states.len() != before || last.is_some() != self.keeps_last {
-            return Err(CheckpointError::Other { what: "what is asked for (--companion, --uniqueness)" });
-        }
-        (self.validity, self.balance, self.curves) = (validity, balance, curves);
-        (self.key, self.cycle) = (key, cycle);
-        (self.last_reactions, self.last, self.states, self.leaps) = (last_reactions, last, states, leaps);
-        Ok(())
+        let what = if stored.sizes != self.watches.sizes {
+            "the mesh or its contact"
+        } else if stored.cycle.is_some() != self.watches.cycle.is_some() {
+            "the load cycle"
+        } else if stored.states.len() != before || stored.last.is_some() != self.keeps_last {
+            "what is asked for (--companion, --uniqueness)"
+        } else {
+            self.watches = Watches { estimates: stored.estimates.of(self.model), ..stored };
+            return Ok(());
+        };
+        Err(CheckpointError::Other { what })
     }
 
     /// Returns the record of a step with the strain energy of the body, if it differs from that of the history, which
@@ -139,29 +120,6 @@ impl<'a, 'b> ReportCollector<'a, 'b> {
     fn record(&self, step: &IncrementView<'_>) -> Option<IncrementRecord> {
         let strain_energy = self.model.strain_energy(step.record.time, step.state)?;
         Some(IncrementRecord { strain_energy, ..step.record.clone() })
-    }
-
-    /// Passes an increment on to the observer, and its records to the ledger or the report.
-    fn enter(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
-        let flow = self.audience.observer().increment(step);
-        let converged = step.record.status == Status::Converged;
-        let forces = if converged { ForceRecord::all(self.model, step) } else { Vec::new() };
-        let reactions = converged.then(|| BalanceRecord::new(self.model, step));
-        self.curves.add(step.record, &forces);
-        self.key.see(self.model.mesh.geometry, step, &forces);
-        if let Some(reactions) = &reactions {
-            self.balance.see(reactions);
-        }
-        match self.audience {
-            Sink::RecordWriter(ledger) => ledger.add(step.record, &forces, reactions.as_ref()),
-            Sink::Observer(_) => {
-                self.increments.push(step.record.clone());
-                self.forces.extend(forces);
-                self.reactions.extend(reactions.clone());
-            }
-        }
-        self.last_reactions = reactions.or(self.last_reactions.take());
-        flow
     }
 }
 
@@ -183,8 +141,8 @@ impl Observer for ReportCollector<'_, '_> {
     }
 
     fn part(&mut self, part: &IncrementView<'_>) {
-        self.leaps.see(self.model, part);
-        if let Some(cycle) = &mut self.cycle {
+        self.watches.jumps.see(self.model, part);
+        if let Some(cycle) = &mut self.watches.cycle {
             cycle.part(self.model, part);
         }
         let record = self.record(part);
@@ -193,51 +151,44 @@ impl Observer for ReportCollector<'_, '_> {
 
     fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
         let record = self.record(step);
-        let step = &IncrementView { record: record.as_ref().unwrap_or(step.record), ..*step };
-        self.validity.see(self.model, step);
-        self.estimates.see(self.model, step);
-        self.leaps.see(self.model, step);
-        if let Some(cycle) = &mut self.cycle {
-            cycle.see(self.model, step);
-        }
+        let (model, step) = (self.model, &IncrementView { record: record.as_ref().unwrap_or(step.record), ..*step });
         let converged = step.record.status == Status::Converged;
+        let watches = &mut self.watches;
+        watches.checks.observe(model, step);
+        watches.estimates.see(model, step);
+        watches.jumps.see(model, step);
+        if let Some(cycle) = &mut watches.cycle {
+            cycle.see(model, step);
+        }
         if converged && self.numbers.binary_search(&step.record.index).is_ok() {
-            self.states.push(tangential_forces(step.state));
+            watches.states.push(tangential_forces(step.state));
         }
         if self.keeps_last && converged || step.record.status == Status::NoContinuation {
-            self.last = Some(RecordedIncrement::new(step));
+            watches.last = Some(RecordedIncrement::new(step));
         }
-        self.enter(step)
+        let flow = self.audience.observer().increment(step);
+        let forces = if converged { ForceRecord::all(model, step) } else { Vec::new() };
+        let reactions = converged.then(|| BalanceRecord::new(model, step));
+        watches.curves.add(step.record, &forces);
+        watches.key.see(model.mesh.geometry, step, &forces);
+        if let Some(reactions) = &reactions {
+            watches.balance.see(reactions);
+        }
+        match self.audience {
+            Sink::RecordWriter(ledger) => ledger.add(step.record, &forces, reactions.as_ref()),
+            Sink::Observer(_) => {
+                watches.increments.push(step.record.clone());
+                watches.forces.extend(forces);
+                watches.reactions.extend(reactions.clone());
+            }
+        }
+        watches.last_reactions = reactions.or(watches.last_reactions.take());
+        flow
     }
 
     fn rest(&mut self, here: &dyn Fn() -> Checkpoint) {
-        let ReportCollector {
-            validity,
-            estimates,
-            balance,
-            curves,
-            key,
-            cycle,
-            last_reactions,
-            last,
-            states,
-            leaps,
-            audience,
-            ..
-        } = self;
-        let known = || Known {
-            validity: validity.clone(),
-            seen: estimates.seen().clone(),
-            balance: *balance,
-            curves: curves.clone(),
-            key: key.clone(),
-            cycle: cycle.clone(),
-            last_reactions: last_reactions.clone(),
-            last: last.clone(),
-            states: states.clone(),
-            leaps: leaps.clone(),
-        };
-        audience.observer().rest(&|| here().with(&known()));
+        let watches = &self.watches;
+        self.audience.observer().rest(&|| here().with(watches));
     }
 }
 

@@ -16,7 +16,7 @@ pub(super) const CORNER: f64 = 40.0 / 180.0 * std::f64::consts::PI;
 pub(super) const ALONG: f64 = 0.1;
 
 /// The graph of the contact nodes of a model.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct ContactGraph {
     /// The neighbours of each contact node.
     neighbours: Vec<Vec<usize>>,

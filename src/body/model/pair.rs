@@ -52,7 +52,7 @@ pub struct Pair {
     /// If a direction is given: the slope of the slave's surface relative to it at each node, the tangent of the angle.
     pub(super) slopes: BTreeMap<usize, f64>,
     /// The shortest edge of the facets in front of each slave node, m.
-    pub(super) edges: BTreeMap<usize, f64>,
+    pub(crate) edges: BTreeMap<usize, f64>,
     /// The nodes of the rows that determine a displacement, each with the node that it determines: relative to the others of the
     /// row. It is the row's own one, except where glue joins what is held or carried.
     relative: BTreeMap<usize, usize>,

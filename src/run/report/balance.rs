@@ -179,7 +179,7 @@ impl BalanceWatch {
     /// [`BALANCED`]. One cause is rounding: forces much smaller than stiffness times displacements are lost in it,
     /// which the errors of a state cannot show. Another is a gap between opposing bodies, if the forces balance but the
     /// moments do not.
-    pub(super) fn unbalanced(&self, model: &Model, tolerance: f64) -> Option<Warning> {
+    pub(in crate::run) fn unbalanced(&self, model: &Model, tolerance: f64) -> Option<Warning> {
         let [left, of_forces, time] = self.worst?;
         let time = six_digits(time);
         if left <= BALANCED * tolerance * self.largest {

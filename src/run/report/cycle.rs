@@ -122,11 +122,6 @@ impl CycleWatch {
         })
     }
 
-    /// Returns `true` if the data belong to `model`.
-    pub fn fits(&self, model: &Model) -> bool {
-        self.nodes.len() == model.contacts.len() && self.slips.len() == model.contact_boundaries.len()
-    }
-
     fn cycle(&self) -> Option<&CycleWork> {
         self.cycles.last()
     }

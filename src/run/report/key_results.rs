@@ -222,18 +222,18 @@ impl KeyWatch {
     }
 
     /// Returns the largest tangential force with its errors; `None` without any.
-    pub(super) fn holding_force(&self, estimates: &Estimates) -> Option<HoldingForce> {
+    pub(in crate::run) fn holding_force(&self, estimates: &Estimates) -> Option<HoldingForce> {
         let time_error = estimates.increments.and_then(|found| found.resultant_error).filter(|error| *error <= 1.0);
         self.holding.as_ref().map(|(holding, _)| HoldingForce { time_error, ..holding.clone() })
     }
 
     /// Returns the largest force with its errors; `None` without contact.
-    pub(super) fn largest_force(&self) -> Option<LargestForce> {
+    pub(in crate::run) fn largest_force(&self) -> Option<LargestForce> {
         self.largest.as_ref().map(|(largest, _)| largest.clone())
     }
 
     /// Returns the friction work with its errors; `None` if nothing slipped.
-    pub(super) fn friction(&self, estimates: &Estimates) -> Option<FrictionResult> {
+    pub(in crate::run) fn friction(&self, estimates: &Estimates) -> Option<FrictionResult> {
         let of_force = self.holding.as_ref().and_then(|(force, _)| force.mesh_error);
         let of_width = estimates.work_by_width.unwrap_or(0.0);
         (self.work > ROUNDING * estimates.negligible_work).then_some(FrictionResult {

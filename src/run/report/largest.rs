@@ -5,7 +5,7 @@
 const EQUAL_SHARE: f64 = 1e-9;
 
 /// Returns `true` if a value is at least as large as the `largest` so far. Of several equal values the last one counts.
-pub(super) fn is_as_large(new: f64, largest: f64) -> bool {
+pub(in crate::run) fn is_as_large(new: f64, largest: f64) -> bool {
     new >= (1.0 - EQUAL_SHARE) * largest
 }
 

@@ -43,7 +43,7 @@ impl PairRecord {
     }
 
     /// Returns all pairs in the `state` at time `t` (s).
-    pub(super) fn all_at(model: &Model, t: f64, state: &State) -> Vec<Self> {
+    pub(in crate::run) fn all_at(model: &Model, t: f64, state: &State) -> Vec<Self> {
         let displacements = if model.pairs.is_empty() { Vec::new() } else { model.displaced(t, &state.u) };
         let overlap = |pair: &Pair| {
             let here = pair.is_measured() && !pair.jumps;

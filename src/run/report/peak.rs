@@ -62,15 +62,14 @@ pub(super) struct Peak {
 }
 
 impl Peak {
-    /// Replaces `before` if `step` has a larger pressure `of` nodes or patches.
+    /// Replaces `before` if `step` has a larger pressure of nodes or patches.
     pub(super) fn see(
         before: &mut Option<Self>,
         model: &Model,
         graph: &ContactGraph,
-        of: PeakOf,
         IncrementView { record, state, statuses, .. }: &IncrementView<'_>,
     ) {
-        let pressures = match of {
+        let pressures = match PeakOf::of(model) {
             PeakOf::Nodes => model.contact_pressures(state),
             PeakOf::Patches => graph.patch_pressures(model, &state.p_n),
         };
@@ -97,13 +96,6 @@ impl Peak {
             let state = State { p_n: p_n.clone(), p_t: p_t.clone(), p_o: p_o.clone(), ..State::default() };
             *before = Some(Peak { pressure: pressure.max(so_far), at, mean, time: record.time, state });
         }
-    }
-
-    /// Returns `true` if the data fits `model`.
-    pub(super) fn fits(&self, model: &Model) -> bool {
-        let [boundary, i] = self.at;
-        let nodes = model.contact_boundaries.get(boundary).map(|boundary| &boundary.nodes);
-        nodes.is_some_and(|nodes| nodes.contains(&i)) && self.state.p_n.len() == model.contacts.len()
     }
 
     /// Estimates the mesh error of its contact surface at that time.

@@ -160,7 +160,7 @@ fn wrench(
 
 impl ComponentSums {
     /// Returns the sums over contact nodes, each weighted with its share.
-    pub(super) fn of(model: &Model, state: &State, parts: impl Iterator<Item = (usize, f64)>) -> Self {
+    pub(in crate::run) fn of(model: &Model, state: &State, parts: impl Iterator<Item = (usize, f64)>) -> Self {
         let mut sums = [0.0; 3];
         for (i, part) in parts {
             let [p_t, p_o] = model.contacts[i].in_frame([state.p_t[i], state.p_o[i]]);

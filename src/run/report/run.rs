@@ -2,35 +2,32 @@
 
 use serde::Serialize;
 
-use super::balance::{BalanceRecord, BalanceWatch};
+use super::balance::BalanceRecord;
 use super::companion::ChosenIncrements;
 use super::cycle::CycleReport;
 use super::estimates::Estimates;
-use super::exact_path::{self, ExactPath};
+use super::exact_path::ExactPath;
 use super::explain::Explanation;
-use super::force_jump::ForceJump;
 use super::history_curves::HistoryCurves;
-use super::increment_warnings;
-use super::key_results::{FrictionResult, HoldingForce, KeyWatch, LargestForce};
+use super::key_results::{FrictionResult, HoldingForce, LargestForce};
 use super::pairs::PairRecord;
 use super::peak::LargestPressure;
 use super::quantities;
 use super::resultant::{ComponentSums, ForceRecord, Resultant};
 use super::unit_names::UnitNames;
 use super::unknowns::{EliminatedUnknown, Unknowns};
-use super::usage::RankRecord;
-use super::validity::{LargestDisplacement, Validity};
-use super::warnings::{Warning, WarningKind};
+use super::usage::{RankRecord, cpu_seconds, peak_rss_bytes};
+use super::warnings::Warning;
 use crate::algebra::linear::process::blas::Blas;
 use crate::base::units::UnitSystem;
 use crate::body::contact::RangeLeft;
 use crate::body::estimate::StickZone;
 use crate::body::model::Model;
-use crate::run::auto::{Choice, Faster};
-use crate::scene::Scene;
-use crate::solver::history::{HistoryOutcome, IncrementRecord, LinearAlgebra, SolverChoice, Status, WorkingSet};
+use crate::run::auto::Faster;
+use crate::solver::history::{HistoryOutcome, IncrementRecord, Status, WorkingSet};
 use crate::solver::laws::KktErrors;
 use crate::solver::uniqueness::CriticalFriction;
+use std::time::Instant;
 
 /// The version of the keys of a report. New keys do not change it; removed keys or changed meanings do.
 pub const SCHEMA_VERSION: u32 = 1;
@@ -166,7 +163,7 @@ pub struct BodyRecord {
 
 impl BodyRecord {
     /// Returns the bodies of `model`; empty if there is only one.
-    fn all(model: &Model) -> Vec<Self> {
+    pub(in crate::run) fn all(model: &Model) -> Vec<Self> {
         let bodies = model.mesh.bodies();
         let record = |(k, name): (usize, &String)| BodyRecord {
             name: name.clone(),
@@ -175,6 +172,19 @@ impl BodyRecord {
         };
         if bodies.are_several() { bodies.names().iter().enumerate().map(record).collect() } else { Vec::new() }
     }
+}
+
+/// The largest displacement of a history.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
+pub struct LargestDisplacement {
+    /// The length of the displacement, m.
+    pub length: f64,
+    /// The node's position, m.
+    pub position: [f64; 3],
+    /// The time, s.
+    pub time: f64,
 }
 
 /// Sums over a run.
@@ -214,172 +224,30 @@ pub struct Totals {
     pub backward_error: f64,
 }
 
-/// The time and memory measured for a run.
-#[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
-pub struct Measured {
-    /// CPU time of the process, s.
-    pub cpu_seconds: f64,
-    /// Wall time since the scene was read, s.
-    pub wall_seconds: f64,
-    /// Wall time of mesh and assembly, s.
-    pub model_seconds: f64,
-    /// Peak resident memory, bytes.
-    pub peak_rss_bytes: Option<u64>,
-    /// The time and memory of each of several processes.
-    pub ranks: Vec<RankRecord>,
-}
-
-/// The data from which a report is made.
-#[non_exhaustive]
-pub struct ReportInput<'a> {
-    /// The scene, if the model came from one.
-    pub scene: Option<&'a Scene>,
-    /// The model.
-    pub model: &'a Model,
-    /// The solver.
-    pub solver: &'a SolverChoice,
-    /// The name of the linear solver that was used.
-    pub linear: String,
-    /// `true` if the body was condensed.
-    pub condensed: bool,
-    /// The initial working set of condensed equations; `None` if it contains all contact nodes.
-    pub working_set: Option<&'a [usize]>,
-    /// The reason for the choice of the linear solver.
-    pub choice: &'a Choice,
-    /// The reason why multigrid fell back to another solver, if it did and the reason is known.
-    pub unsuited: Option<String>,
-    /// The outcome of the history.
-    pub outcome: &'a HistoryOutcome,
-    /// The checks of the assumptions of the equations.
-    pub validity: &'a Validity,
-    /// The largest contact pressure, if there was any.
-    pub largest_pressure: Option<LargestPressure>,
-    /// The largest force and the friction work.
-    pub key: KeyWatch,
-    /// The load cycle that was asked for.
-    pub cycle: Option<CycleReport>,
-    /// The error estimates.
-    pub estimates: Estimates,
-    /// The records of the increments, if they belong into the report.
-    pub increments: Vec<IncrementRecord>,
-    /// The resultants at the end of each increment.
-    pub forces: Vec<ForceRecord>,
-    /// The other forces on the body at the end of each increment.
-    pub reactions: Vec<BalanceRecord>,
-    /// The other forces on the body at the end of the last converged increment.
-    pub last_reactions: Option<BalanceRecord>,
-    /// The first jump of contact forces, if any.
-    pub leap: Option<ForceJump>,
-    /// The largest imbalance of forces.
-    pub balance: BalanceWatch,
-    /// The curves for the charts of the history.
-    pub curves: HistoryCurves,
-    /// The critical friction at the end, if it was requested.
-    pub critical_friction: Option<CriticalFriction>,
-    /// Warnings of requested additional results that could not be computed.
-    pub missing: Vec<Warning>,
-    /// A linear solver that would have been much faster.
-    pub faster: Option<Faster>,
-    /// Time and memory.
-    pub measured: Measured,
+impl Totals {
+    /// Returns the sums over a run whose model took `model_seconds`, and whose history began at `start`.
+    pub(in crate::run) fn new(outcome: &HistoryOutcome, model_seconds: f64, start: Instant) -> Self {
+        let (tally, linear) = (&outcome.tally, &outcome.linear);
+        Totals {
+            converged: tally.converged,
+            kkt: tally.kkt,
+            iterations: tally.iterations,
+            factorizations: linear.factorizations,
+            symbolic_analyses: linear.analyses,
+            krylov_iterations: Some(linear.krylov_iterations).filter(|iterations| *iterations > 0),
+            cpu_seconds: cpu_seconds(),
+            wall_seconds: model_seconds + start.elapsed().as_secs_f64(),
+            setup_seconds: model_seconds + outcome.setup_seconds,
+            threads: rayon::current_num_threads(),
+            peak_rss_bytes: peak_rss_bytes(),
+            ranks: RankRecord::all(),
+            nnz_factors: linear.factor.entries,
+            backward_error: linear.worst_backward_error,
+        }
+    }
 }
 
 impl RunReport {
-    /// Creates the whole report.
-    pub fn new(facts: ReportInput<'_>) -> Self {
-        let ReportInput { scene, model, solver, choice, outcome, validity, measured, .. } = facts;
-        let mut warnings = Warning::of_model(model);
-        // The locking found in the solution replaces the expected one.
-        warnings.retain(|warning| warning.kind != WarningKind::Locking || facts.estimates.locking.is_none());
-        warnings.extend(validity.warnings(model));
-        warnings.extend(facts.estimates.warnings(model, validity));
-        let companion = facts.estimates.companion;
-        let known = increment_warnings::Known {
-            found: facts.estimates.increments.as_ref(),
-            companion: companion.and_then(|companion| Some((companion.error?, companion.increments))),
-            start: facts.estimates.start,
-            is_loaded: model.loading.is_present_at_start(model.problem.displacements()),
-            negligible_work: facts.estimates.negligible_work,
-            increments: outcome.tally.increments,
-        };
-        warnings.extend(increment_warnings::warnings(&known, &model.units()));
-        if solver.method.is_exact_path() {
-            warnings.extend(exact_path::curved_gaps(model, outcome));
-            warnings.extend(exact_path::jumps(&outcome.jumps));
-        }
-        warnings.extend(facts.leap.map(|leap| leap.warning()));
-        warnings.extend(facts.balance.unbalanced(model, solver.tolerance));
-        warnings.extend(facts.missing);
-        let blas = Blas::loaded();
-        warnings.extend(blas.as_ref().and_then(Warning::of_blas));
-        warnings.extend(Warning::of_multigrid(
-            &outcome.linear,
-            choice.linear == LinearAlgebra::Multigrid,
-            &facts.linear,
-            facts.unsuited.as_deref(),
-        ));
-        warnings.extend(Warning::of_ranks(model, choice.linear, measured.ranks.len()));
-        RunReport {
-            schema_version: SCHEMA_VERSION,
-            program_version: env!("CARGO_PKG_VERSION"),
-            scene: scene.map(|scene| scene.file().to_string()),
-            scene_text: scene.map(|scene| scene.text().to_string()),
-            title: scene.map_or(String::new(), |scene| scene.title.clone()),
-            units: model.units(),
-            method: solver.method.name(),
-            setting: solver.method.setting(),
-            solver: facts.linear,
-            solver_choice: choice.reason(),
-            faster_solver: facts.faster,
-            blas,
-            status: outcome.status,
-            explanation: Explanation::new(solver, model, outcome),
-            largest_pressure: facts.largest_pressure,
-            largest_force: facts.key.largest_force(),
-            holding_force: facts.key.holding_force(&facts.estimates),
-            friction: facts.key.friction(&facts.estimates),
-            stick_zone: facts.estimates.stick_zone().cloned(),
-            cycle: facts.cycle,
-            bodies: BodyRecord::all(model),
-            warnings,
-            largest_displacement: validity.largest,
-            range_left: validity.range_left,
-            estimates: facts.estimates,
-            unknowns: Unknowns::new(&outcome.layout, solver.method.increments()),
-            left_out: EliminatedUnknown::all(model, facts.condensed, facts.working_set),
-            working_set: outcome.working_set,
-            chosen_increments: None,
-            kinks: scene.map(|scene| scene.time.kinks.clone()).unwrap_or_default(),
-            increments: facts.increments,
-            exact_path: solver.method.is_exact_path().then(|| ExactPath::of(outcome)),
-            totals: Totals {
-                converged: outcome.tally.converged,
-                kkt: outcome.tally.kkt,
-                iterations: outcome.tally.iterations,
-                factorizations: outcome.linear.factorizations,
-                symbolic_analyses: outcome.linear.analyses,
-                krylov_iterations: Some(outcome.linear.krylov_iterations).filter(|iterations| *iterations > 0),
-                cpu_seconds: measured.cpu_seconds,
-                wall_seconds: measured.wall_seconds,
-                setup_seconds: measured.model_seconds + outcome.setup_seconds,
-                threads: rayon::current_num_threads(),
-                peak_rss_bytes: measured.peak_rss_bytes,
-                ranks: measured.ranks,
-                nnz_factors: outcome.linear.factor.entries,
-                backward_error: outcome.linear.worst_backward_error,
-            },
-            end: ComponentSums::of(model, &outcome.state, (0..model.contacts.len()).map(|i| (i, 1.0))),
-            pairs: PairRecord::all_at(model, outcome.reached, &outcome.state),
-            boundaries: Resultant::all(model, outcome.reached, &outcome.state),
-            forces: facts.forces,
-            reactions: facts.reactions,
-            critical_friction: facts.critical_friction,
-            last_reactions: facts.last_reactions,
-            curves: facts.curves,
-        }
-    }
-
     /// Formats the report as one JSON object, in its [`RunReport::units`], which it names unless they are SI. Numbers
     /// that are not finite become `null`.
     ///

@@ -41,7 +41,7 @@ pub(super) struct RunOf {
 }
 
 /// The version of the stored data and of their use by the methods.
-const VERSION: u32 = 6;
+const VERSION: u32 = 7;
 
 /// The data that determine the increments so far.
 const PARTS: [&str; 6] = [

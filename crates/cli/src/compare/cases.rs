@@ -67,12 +67,8 @@ impl Study {
         let reference = Solved::or_kept(cells, &format!("{mesh}, reference, {reference}"), &model.problem, || {
             solve_reference(&scene, &model, built, reference)
         })?;
-        let mut watch = EstimateWatch::new(&model);
-        if let Some(seen) = &reference.seen {
-            watch.go_on_with(&model, seen.clone());
-        }
         let end = End::new(&model, &reference.state, reference.work);
-        let estimates = watch.estimates(&model);
+        let estimates = reference.seen.clone().unwrap_or_default().of(&model).estimates(&model);
         Ok(Study { scene, model, mesh, built, reference, end, estimates })
     }
 
@@ -188,7 +184,7 @@ fn solve(
         state: outcome.state,
         seconds,
         iterates: recorder.iterates,
-        seen: recorder.last.map(|last| last.watch.seen().clone()),
+        seen: recorder.last.map(|last| last.watch.clone()),
     })
 }
 

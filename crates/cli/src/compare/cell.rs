@@ -2,7 +2,7 @@
 
 use super::{Iterate, Phases};
 use serde::{Deserialize, Serialize};
-use stickslip::run::report::Accumulated;
+use stickslip::run::report::EstimateWatch;
 use stickslip::solver::history::Status;
 use stickslip::solver::{Checkpoint, ContactProblem, State};
 
@@ -40,7 +40,7 @@ pub(super) struct Solved {
     pub seconds: Phases,
     pub iterates: Vec<Iterate>,
     /// For a reference, the data for its error estimates.
-    pub seen: Option<Accumulated>,
+    pub seen: Option<EstimateWatch>,
 }
 
 impl Solved {

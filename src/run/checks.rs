@@ -1,0 +1,243 @@
+//! Checks of the assumptions of the equations in the increments of a history.
+//!
+//! A check has a file, alone or with others of its kind: its measure, its threshold and its sentence. A new check of the
+//! increments is a type that implements [`Finding`] or [`Check`], and a line in the list of [`Checks`]. One of the results
+//! is a function, and a line in [`Solved::warnings`].
+
+mod contact_zone;
+mod displacements;
+mod facets;
+mod friction;
+mod increments;
+mod jumps;
+mod locking;
+mod mesh;
+mod model;
+mod obstacles;
+mod pairs;
+mod passage;
+mod process;
+mod range;
+mod sliding;
+mod touch;
+mod unique;
+
+use prelude::*;
+
+/// The names that every check uses.
+mod prelude {
+    pub(super) use serde::{Deserialize, Serialize};
+
+    pub(super) use super::{Check, Finding, Largest, SoFar, Solved};
+    pub(super) use crate::base::units::{Quantity, six_digits};
+    pub(super) use crate::body::model::Model;
+    pub(super) use crate::run::report::{LargestDisplacement, Warning, WarningKind};
+    pub(super) use crate::solver::history::IncrementView;
+}
+
+use super::report::{BalanceWatch, Estimates, ForceJump, is_as_large};
+use crate::body::contact::{Passed, RangeLeft};
+use crate::body::model::LargeMotion;
+use crate::solver::history::{HistoryOutcome, SolverChoice, Status};
+use crate::solver::laws::ContactStatus;
+
+/// An assumption of the equations, and what the history tells of it.
+trait Check {
+    /// Examines the end of a converged increment.
+    fn observe(&mut self, _model: &Model, _step: &IncrementView<'_>, _so_far: &SoFar) {}
+
+    /// Returns the warning, if the assumption is violated.
+    fn warning(&self, _model: &Model, _so_far: &SoFar) -> Option<Warning> {
+        None
+    }
+
+    /// Returns all warnings of a check that may have several.
+    fn warnings(&self, model: &Model, so_far: &SoFar) -> Vec<Warning> {
+        self.warning(model, so_far).into_iter().collect()
+    }
+}
+
+/// The contact in the increments so far.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+struct SoFar {
+    /// The number of converged increments.
+    increments: usize,
+    /// `true` for each contact node that ever touched its obstacle.
+    touched: Vec<bool>,
+    /// The largest indentation by contact forces, m.
+    indentation: f64,
+    /// `true` if it is that of the last increment.
+    is_deepest: bool,
+}
+
+impl SoFar {
+    fn observe(&mut self, model: &Model, step: &IncrementView<'_>) {
+        self.increments += 1;
+        self.touched.resize(model.contacts.len(), false);
+        let statuses = self.touched.iter_mut().zip(step.statuses);
+        statuses.for_each(|(touched, status)| *touched |= *status != ContactStatus::Open);
+        let indentation = model.pressed(step.record.time, step.state);
+        self.is_deepest = is_as_large(indentation, self.indentation);
+        self.indentation = self.indentation.max(indentation);
+    }
+
+    /// Describes the size of `length` (m) relative to the indentation.
+    fn beside(&self, length: f64) -> String {
+        match length / self.indentation {
+            share if share < 10.0 => format!("{:.0} % of the indentation", 100.0 * share),
+            share if share.is_finite() => "more than ten times the indentation".to_string(),
+            _ => "where nothing else presses".to_string(),
+        }
+    }
+}
+
+/// A finding of an increment, of which the largest in a history violates an assumption.
+trait Finding: Sized {
+    const KIND: WarningKind;
+    /// The size above which it is reported.
+    const LIMIT: f64;
+
+    /// Returns the largest finding at the end of an increment, and its size.
+    fn measure(model: &Model, step: &IncrementView<'_>) -> Option<(f64, Self)>;
+
+    /// Describes the finding, with its size and its time in six digits, s.
+    fn sentence(&self, model: &Model, size: f64, time: f64) -> String;
+}
+
+/// The largest finding of a history, its size and its time, s. The first of equally large ones counts.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct Largest<T>(Option<(f64, f64, T)>);
+
+impl<T> Default for Largest<T> {
+    fn default() -> Self {
+        Largest(None)
+    }
+}
+
+impl<T> Largest<T> {
+    /// Takes the size and the finding of an increment.
+    fn add(&mut self, step: &IncrementView<'_>, found: Option<(f64, T)>) {
+        if let Some((size, found)) = found
+            && self.0.as_ref().is_none_or(|(largest, ..)| size > *largest)
+        {
+            self.0 = Some((size, step.record.time, found));
+        }
+    }
+
+    /// Returns the size, the time in six digits, s, and the finding, if the size exceeds `limit`.
+    fn above(&self, limit: f64) -> Option<(f64, f64, &T)> {
+        let (size, time, found) = self.0.as_ref().filter(|(size, ..)| *size > limit)?;
+        Some((*size, six_digits(*time), found))
+    }
+}
+
+impl<T: Finding> Check for Largest<T> {
+    fn observe(&mut self, model: &Model, step: &IncrementView<'_>, _: &SoFar) {
+        self.add(step, T::measure(model, step));
+    }
+
+    fn warning(&self, model: &Model, _: &SoFar) -> Option<Warning> {
+        let (size, time, found) = self.above(T::LIMIT)?;
+        Some(Warning { kind: T::KIND, message: found.sentence(model, size, time) })
+    }
+}
+
+/// Declares the list of the checks, in the order of their warnings.
+macro_rules! checks {
+    ($($check:ident: $kind:ty,)*) => {
+        /// All checks, with what they keep of a history.
+        #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+        pub(super) struct Checks {
+            so_far: SoFar,
+            $($check: $kind,)*
+        }
+
+        impl Checks {
+            /// Examines the end of an increment. Increments that did not converge are ignored.
+            pub(super) fn observe(&mut self, model: &Model, step: &IncrementView<'_>) {
+                if step.record.status == Status::Converged {
+                    self.so_far.observe(model, step);
+                    $(self.$check.observe(model, step, &self.so_far);)*
+                }
+            }
+
+            /// Returns the warnings.
+            pub(super) fn warnings(&self, model: &Model) -> Vec<Warning> {
+                [$(self.$check.warnings(model, &self.so_far)),*].concat()
+            }
+        }
+    };
+}
+
+checks! {
+    no_contact: touch::NoContact,
+    leaning: touch::LeaningObstacle,
+    displacements: displacements::LargeDisplacements,
+    range: range::GapsOutOfRange,
+    beyond_the_end: Largest<pairs::BeyondTheEnd>,
+    passed_through: Largest<Passed>,
+    faceted_gaps: facets::FacetedGaps,
+    faceted_obstacle: facets::FacetedObstacle,
+    friction: Largest<friction::LeftOut>,
+    not_met: obstacles::ObstacleNotMet,
+    between_nodes: obstacles::ObstacleBetweenNodes,
+    passage: passage::Passage,
+    slid: Largest<sliding::Slid>,
+    large_motion: Largest<LargeMotion>,
+    neutral: unique::NeutralEquilibrium,
+    shared_forces: unique::SharedForces,
+}
+
+impl Checks {
+    /// Returns the largest displacement, if there was any increment.
+    pub(super) fn largest_displacement(&self) -> Option<LargestDisplacement> {
+        self.displacements.largest()
+    }
+
+    /// Returns the largest error of the linearised gaps, if they were out of their range.
+    pub(super) fn range_left(&self) -> Option<RangeLeft> {
+        self.range.0
+    }
+
+    /// Returns `true` if displacements are not small.
+    pub(super) fn has_large_displacements(&self, model: &Model) -> bool {
+        self.displacements.warning(model, &self.so_far).is_some()
+    }
+
+    /// Returns `true` if facets change the gaps in front of `boundary` so much that warnings of its pressures would
+    /// name the wrong cause.
+    pub(super) fn has_faceted_gaps(&self, model: &Model, boundary: &str) -> bool {
+        self.faceted_gaps.are_of(model, boundary) || self.faceted_obstacle.is_of(model, boundary, &self.so_far)
+    }
+}
+
+/// A run that is solved, with all that its warnings are about.
+pub(super) struct Solved<'a> {
+    pub model: &'a Model,
+    pub solver: &'a SolverChoice,
+    pub outcome: &'a HistoryOutcome,
+    pub checks: &'a Checks,
+    pub balance: &'a BalanceWatch,
+    pub estimates: &'a Estimates,
+    /// The first jump of contact forces, if any.
+    pub jump: Option<ForceJump>,
+}
+
+impl Solved<'_> {
+    /// Returns the warnings of the model and of its results.
+    pub(super) fn warnings(&self) -> Vec<Warning> {
+        let mut warnings = Warning::of_model(self.model);
+        // The locking found in the solution replaces the expected one.
+        warnings.retain(|warning| warning.kind != WarningKind::Locking || self.estimates.locking.is_none());
+        warnings.extend(self.checks.warnings(self.model));
+        warnings.extend(contact_zone::warnings(self));
+        warnings.extend(mesh::warnings(self));
+        warnings.extend(displacements::strains(self));
+        warnings.extend(increments::warnings(self));
+        warnings.extend(passage::along_chords(self));
+        warnings.extend(jumps::of_path(self));
+        warnings.extend(jumps::of_forces(self));
+        warnings.extend(self.balance.unbalanced(self.model, self.solver.tolerance));
+        warnings
+    }
+}

@@ -1,0 +1,62 @@
+//! Displacements and strains that are not small.
+
+use super::prelude::*;
+use crate::algebra::vector::norm;
+
+/// The displacement, relative to the body's size, above which displacements are not small. A rotation of this size
+/// turns normals by six degrees, and the neglected squares of strains reach a percent.
+pub(super) const NOT_SMALL: f64 = 0.1;
+
+/// The mean strain above which a warning is given: forces are off by about a percent.
+const LARGE_STRAIN: f64 = 0.01;
+
+/// The largest displacement, with the position of its node, m.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub(super) struct LargeDisplacements(Largest<[f64; 3]>);
+
+impl LargeDisplacements {
+    pub(super) fn largest(&self) -> Option<LargestDisplacement> {
+        self.0.0.map(|(length, time, position)| LargestDisplacement { length, position, time })
+    }
+}
+
+impl Check for LargeDisplacements {
+    fn observe(&mut self, model: &Model, step: &IncrementView<'_>, _: &SoFar) {
+        for (position, u) in model.mesh.nodes.iter().zip(model.displaced(step.record.time, &step.state.u)) {
+            // No length exceeds the sum of its components, which is faster to compute.
+            let largest = self.0.0.map_or(-1.0, |(length, ..)| length);
+            if u.iter().map(|u| u.abs()).sum::<f64>() > largest {
+                self.0.add(step, Some((norm(u), *position)));
+            }
+        }
+    }
+
+    fn warning(&self, model: &Model, _: &SoFar) -> Option<Warning> {
+        let (units, size) = (model.units(), model.mesh.size());
+        let (length, time, position) = self.0.above(NOT_SMALL * size)?;
+        let message = format!(
+            "displacements are assumed to be small, but the node {} moves by {} at t = {time} s, {:.0} % of the body's \
+             size; are lengths in {}, moduli and tractions in {}?",
+            units.place(*position),
+            units.rounded(Quantity::Length, length, 3),
+            100.0 * length / size,
+            units.name(Quantity::Length),
+            units.name(Quantity::Stress)
+        );
+        Some(Warning { kind: WarningKind::LargeDisplacements, message })
+    }
+}
+
+/// Warns if strains are not small. The cause of large displacements is that of the strains.
+pub(super) fn strains(Solved { model, checks, estimates, .. }: &Solved<'_>) -> Option<Warning> {
+    let strain = estimates.strain.filter(|_| !checks.has_large_displacements(model))?;
+    let units = model.units();
+    let message = format!(
+        "strains are assumed to be small, but their mean is {:.1} %: forces and displacements may be off by about as much, \
+         because linear elasticity neglects their squares and the change of shape; press less, use a program for large \
+         strains, or correct the modulus, which is in {}",
+        100.0 * strain,
+        units.name(Quantity::Stress)
+    );
+    (strain > LARGE_STRAIN).then_some(Warning { kind: WarningKind::LargeStrains, message })
+}

@@ -1,0 +1,144 @@
+//! Facets that stand for curved surfaces.
+
+use super::prelude::*;
+use crate::algebra::vector::median;
+
+/// The error of pressures, and of gaps of pairs, by facets above which it is reported.
+const FACETED: f64 = 0.1;
+
+/// The ratio of the error of pressures to the error of distances by the triangles of an obstacle, both relative: 2.3 to
+/// 2.8 for the peaks of cylinders of which 2 to 6 strips press.
+const STIFFER_OBSTACLE: f64 = 2.6;
+
+/// Facets whose bulge is smaller than this share of the size of the mesh are flat: coordinates are rounded.
+const FLAT: f64 = 1e-12;
+
+/// The error of measured gaps of a pair if facets that count as apart, because they turn so much, are of one curved
+/// surface.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+struct Faceted {
+    /// The number of the pair.
+    pair: usize,
+    /// The sum of the normal forces, N.
+    force: f64,
+    /// The reduction of the gaps by curved surfaces, m: the mean, weighted by the normal forces; without a force over
+    /// the nodes at which curved surfaces overlap at the beginning.
+    bulge: f64,
+    /// The overlap at the beginning in the same mean, m; negative where contact has closed gaps.
+    closed: f64,
+}
+
+/// The effect of facets on the gaps of each pair with curved boundaries, at its largest force.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub(super) struct FacetedGaps(Vec<Faceted>);
+
+impl FacetedGaps {
+    /// Returns the pairs whose facets change the gaps so much that pressures mean little.
+    fn large(&self) -> impl Iterator<Item = &Faceted> {
+        self.0.iter().filter(|faceted| faceted.bulge.abs() > FACETED * faceted.closed.abs())
+    }
+
+    pub(super) fn are_of(&self, model: &Model, boundary: &str) -> bool {
+        self.large().any(|faceted| model.pairs[faceted.pair].slave == boundary)
+    }
+}
+
+impl Check for FacetedGaps {
+    fn observe(&mut self, model: &Model, step: &IncrementView<'_>, _: &SoFar) {
+        let of_pair = |pair: usize| {
+            let (mut by_force, mut without) = ([0.0; 3], [0.0; 3]);
+            for (contact, p_n) in model.contacts.iter().zip(&step.state.p_n) {
+                let Some(coupled) = contact.coupled().filter(|coupled| coupled.pair == pair) else { continue };
+                let gap = contact.facing.gap;
+                // Facets may hold nodes apart that the curved surfaces press.
+                let overlaps = if gap < coupled.edges { 1.0 } else { 0.0 };
+                for (sums, weight) in [(&mut by_force, p_n.max(0.0)), (&mut without, overlaps)] {
+                    let terms = [1.0, coupled.edges, -gap];
+                    sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += weight * term);
+                }
+            }
+            let [weight, bulge, closed] = if by_force[0] > 0.0 { by_force } else { without };
+            let differs = bulge.abs() > FLAT * model.mesh.size() * weight;
+            differs.then(|| Faceted { pair, force: by_force[0], bulge: bulge / weight, closed: closed / weight })
+        };
+        for faceted in (0..model.pairs.len()).filter_map(of_pair) {
+            match self.0.iter_mut().find(|before| before.pair == faceted.pair) {
+                Some(before) if faceted.force > before.force => *before = faceted,
+                Some(_) => (),
+                None => self.0.push(faceted),
+            }
+        }
+    }
+
+    fn warnings(&self, model: &Model, _: &SoFar) -> Vec<Warning> {
+        let warning = |&Faceted { pair, bulge, closed, .. }: &Faceted| {
+            let pair = &model.pairs[pair];
+            let gaps = [-closed, -closed - bulge];
+            let [now, curved] = gaps.map(|gap| model.units().rounded(Quantity::Length, gap, 3));
+            let message = format!(
+                "facets of `{}` or `{}` turn by more than 44° where they meet, and count as edges: if they are of one \
+                 curved surface, measured gaps are {curved} in the mean, not {now}; forces of a fit are off by that \
+                 ratio, and pressures by more: use twice as many elements along the curve, or set contact[{}].gap if \
+                 it is known",
+                pair.slave, pair.master.name, pair.contact
+            );
+            Warning { kind: WarningKind::FacetedGaps, message }
+        };
+        self.large().map(warning).collect()
+    }
+}
+
+/// The obstacle of triangles that is furthest from the curved surface that it stands for, of those pressed when contact
+/// forces were largest, and the distance of that surface from the middle of the triangles, m: the median over the
+/// pressed nodes.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub(super) struct FacetedObstacle(Option<(usize, f64)>);
+
+impl FacetedObstacle {
+    /// Returns the obstacle if its triangles change distances so much that pressures mean little.
+    fn large(&self, so_far: &SoFar) -> Option<(usize, f64)> {
+        self.0.filter(|(_, beyond)| STIFFER_OBSTACLE * beyond > FACETED * so_far.indentation)
+    }
+
+    pub(super) fn is_of(&self, model: &Model, boundary: &str, so_far: &SoFar) -> bool {
+        let own = |k: usize| {
+            model.contact_boundaries.iter().any(|other| other.name == boundary && other.obstacles.contains(&k))
+        };
+        self.large(so_far).is_some_and(|(obstacle, _)| own(obstacle))
+    }
+}
+
+impl Check for FacetedObstacle {
+    fn observe(&mut self, model: &Model, step: &IncrementView<'_>, so_far: &SoFar) {
+        if so_far.is_deepest {
+            let of_obstacle = |k: usize| {
+                let (obstacle, motion) = &model.obstacles[k];
+                obstacle.triangles()?;
+                let pressed = (0..model.contacts.len()).filter(|&i| step.state.p_n[i] > 0.0);
+                let place = |i: usize| {
+                    let (met, facing) = model.met(i, step.record.time)?;
+                    (met == k).then(|| motion.back(step.record.time, model.contacts[i].position, facing.normal))
+                };
+                let beyond = median(&mut obstacle.beyond_triangles(pressed.filter_map(place)))?;
+                Some((k, beyond))
+            };
+            self.0 = (0..model.obstacles.len()).filter_map(of_obstacle).max_by(|a, b| a.1.total_cmp(&b.1));
+        }
+    }
+
+    fn warning(&self, model: &Model, so_far: &SoFar) -> Option<Warning> {
+        let (obstacle, beyond) = self.large(so_far)?;
+        let share = STIFFER_OBSTACLE * (beyond / so_far.indentation);
+        let message = format!(
+            "the triangles of {} are chords of a curved surface, which is {} beyond their middle (median), {}: \
+             pressures may be off by about {:.0} %; write the file with edges at most {:.2} times as long, or use an \
+             obstacle of that shape",
+            model.obstacle_key(obstacle),
+            model.units().rounded(Quantity::Length, beyond, 3),
+            so_far.beside(beyond),
+            100.0 * share.min(1.0),
+            (FACETED / share).sqrt()
+        );
+        Some(Warning { kind: WarningKind::FacetedGaps, message })
+    }
+}

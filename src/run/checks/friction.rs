@@ -1,0 +1,27 @@
+//! Friction that is left out.
+
+use super::prelude::*;
+
+/// The boundary with the largest share of friction at nodes constrained by supports, or without friction on the exact
+/// path.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct LeftOut(usize);
+
+impl Finding for LeftOut {
+    const KIND: WarningKind = WarningKind::FrictionLeftOut;
+    const LIMIT: f64 = 0.01;
+
+    fn measure(model: &Model, step: &IncrementView<'_>) -> Option<(f64, Self)> {
+        model.friction_left_out(step.state, step.increment.mu).map(|(k, share)| (share, LeftOut(k)))
+    }
+
+    fn sentence(&self, model: &Model, share: f64, time: f64) -> String {
+        format!(
+            "at t = {time} s {:.0} % of the possible friction of `{}` is neglected, because supports hold its nodes in \
+             the direction of sliding, or the exact path has none where two contacts meet; end the support at some \
+             distance from the contact, make the other side the slave, or use solver.method = \"bn\"",
+            100.0 * share,
+            model.contact_boundaries[self.0].name
+        )
+    }
+}

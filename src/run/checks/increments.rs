@@ -1,0 +1,106 @@
+//! Warnings of time-step errors.
+
+use super::prelude::*;
+use crate::base::units::UnitSystem;
+use crate::solver::history::IncrementError;
+
+/// The error of the friction work above which a warning is given, as a share.
+const WORK: f64 = 0.1;
+
+/// The error of the tangential forces above which a warning is given.
+const FORCE: f64 = 0.05;
+
+/// The error for which the suggested number of increments is calculated.
+const GOOD: f64 = 0.02;
+
+/// With at most this number of increments in a load segment in which nodes begin to stick, no estimate is possible.
+const FEW: usize = 3;
+
+/// The number suggested instead.
+const ENOUGH: usize = 8;
+
+/// The command for a reliable estimate of the force error at the ends of load segments.
+const COMPANION: &str = "`stickslip run --companion`";
+
+/// Returns the warnings of time-step errors.
+pub(super) fn warnings(solved: &Solved<'_>) -> Vec<Warning> {
+    let Solved { model, estimates, .. } = solved;
+    let found = estimates.increments.as_ref();
+    let is_wrong = |found: &&IncrementError| {
+        let work = found.friction_work.max(found.friction_work_corrected);
+        found.work_error.abs() > WORK && work > estimates.negligible_work
+    };
+    let is_loaded = model.loading.is_present_at_start(model.problem.displacements());
+    let work = found.filter(is_wrong).map(|found| work(found, is_loaded, &model.units()));
+    let force = estimates.start.filter(|error| *error > FORCE).map(of_start).or_else(|| force(solved));
+    let force = force.map(|message| Warning { kind: WarningKind::IncrementsForce, message });
+    work.into_iter().chain(force).collect()
+}
+
+fn work(found: &IncrementError, is_loaded: bool, units: &UnitSystem) -> Warning {
+    let energy = |x: f64| units.rounded(Quantity::Energy, x, 4);
+    // The first increment applies what exists at t = 0 at once, however short it is.
+    let stays = if is_loaded { found.first_work_error } else { 0.0 };
+    let cure = if stays.abs() > WORK {
+        format!("of which {:+.0} % stay: let the loads or interference at t = 0 grow from 0", 100.0 * stays)
+    } else {
+        let share = (stays + 0.25 * (found.work_error - stays)).abs();
+        format!("four times as many increments would leave about {:.0} %", 100.0 * share)
+    };
+    let message = format!(
+        "the friction work, {}, has an error of about {:+.0} % of this value because of the increments: {} is the better \
+         value; {cure}",
+        energy(found.friction_work),
+        100.0 * found.work_error,
+        energy(found.friction_work_corrected)
+    );
+    Warning { kind: WarningKind::IncrementsWork, message }
+}
+
+/// Warns that the first increment applies the actions at t = 0 together with their changes.
+fn of_start(error: f64) -> String {
+    format!(
+        "loads or interference exist at t = 0, and the first increment applies them together with later changes: \
+         the friction error from there on is {:.0} % of the largest possible friction. Begin with a constant \
+         stage, as in history = [[0, 1], [1, 1], [2, 0]], or let them grow from 0",
+        100.0 * error
+    )
+}
+
+/// Warns if the time-step error of the tangential forces is large, or there are too few increments to estimate it.
+/// The estimate by a companion run covers the ends of load segments only, so the larger of both counts. If no node
+/// begins to stick during a load segment, the forces are exact.
+fn force(Solved { estimates, outcome, .. }: &Solved<'_>) -> Option<String> {
+    let (increments, companion) =
+        (outcome.tally.increments, estimates.companion.and_then(|of| Some((of.error?, of.increments))));
+    let enough = |error: f64| (increments as f64 * error / GOOD).ceil();
+    let own = estimates.increments.and_then(|found| found.force_error);
+    if let Some((error, others)) = companion.filter(|(error, _)| own.is_none_or(|own| own <= error.max(FORCE))) {
+        return (error > FORCE).then(|| {
+            format!(
+                "the tangential forces have a time-step error of about {:.0} % with {increments} increments, by \
+                 comparison with {others}: take {:.0} for {:.0} %",
+                100.0 * error,
+                enough(error),
+                100.0 * GOOD
+            )
+        });
+    }
+    let found = estimates.increments.filter(|found| found.sticking_begins > 0)?;
+    if let Some(fewest) = found.fewest.filter(|fewest| *fewest <= FEW && companion.is_none()) {
+        let increments = if fewest == 1 { "a single increment".to_string() } else { format!("{fewest} increments") };
+        return Some(format!(
+            "nodes begin to stick while loads change in one direction for {increments}, too few to estimate the \
+             time-step error of the tangential forces; take {ENOUGH} or more, or estimate it with {COMPANION}"
+        ));
+    }
+    found.force_error.filter(|error| *error > FORCE).map(|error| {
+        format!(
+            "the tangential forces have a time-step error of roughly {:.0} % with {increments} increments: take \
+             {:.0} for {:.0} %; {COMPANION} estimates it better, by a second run",
+            100.0 * error,
+            enough(error),
+            100.0 * GOOD
+        )
+    })
+}

@@ -1,0 +1,35 @@
+//! Jumps: the end of a quasi-static motion.
+
+use super::prelude::*;
+use crate::run::report::ForceJump;
+
+/// Warns that an exact path was continued by jumps.
+pub(super) fn of_path(solved: &Solved<'_>) -> Option<Warning> {
+    let jumps = &solved.outcome.jumps;
+    let first = jumps.first()?;
+    let more = match jumps.len() {
+        1 => String::new(),
+        many => format!(" (the first of {many} jumps)"),
+    };
+    let message = format!(
+        "no quasi-static motion continues from t = {} s: the states from t = {} s on are one of several that the \
+         laws allow after a jump{more}; only dynamics can decide which",
+        six_digits(first.from),
+        six_digits(first.to)
+    );
+    Some(Warning { kind: WarningKind::Jump, message })
+}
+
+/// Warns that contact forces jump in an increment.
+pub(super) fn of_forces(solved: &Solved<'_>) -> Option<Warning> {
+    let ForceJump { from, to, share } = solved.jump?;
+    let [from, to] = [from, to].map(six_digits);
+    let message = format!(
+        "contact forces jump by {:.0} % of their largest value between t = {from} s and t = {to} s, even in \
+         shorter increments: no quasi-static motion continues from there, and the states after it are one of \
+         several that the laws allow; only dynamics can decide which. Less friction or another support avoids \
+         the jump; in the plane solver.method = \"events\" finds where it begins",
+        100.0 * share
+    );
+    Some(Warning { kind: WarningKind::Jump, message })
+}

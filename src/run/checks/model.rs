@@ -1,0 +1,104 @@
+//! Checks of a model before its solution.
+
+use super::locking;
+use super::prelude::*;
+use crate::body::contact::holes_in_front_of;
+use crate::body::description::Action;
+
+/// The largest plausible coefficient of friction: soft rubber on dry asphalt reaches 1.5.
+const PLAUSIBLE: f64 = 2.0;
+
+/// The rounding of the corners of an element, relative to the size of the body.
+const CORNER_ROUNDING: f64 = 1e-9;
+
+impl Warning {
+    /// Returns the warnings known before the solution of a model.
+    pub fn of_model(model: &Model) -> Vec<Self> {
+        let messages = [
+            (WarningKind::LayersThroughElements, layers_through_elements(model)),
+            (WarningKind::IdleLoad, idle_load(model)),
+            (WarningKind::LargeFriction, large_friction(model)),
+            (WarningKind::SurfaceHole, surface_hole(model)),
+        ];
+        let found = messages.into_iter().filter_map(|(kind, message)| Some(Warning { kind, message: message? }));
+        locking::expected(model).into_iter().chain(found).collect()
+    }
+}
+
+fn layers_through_elements(model: &Model) -> Option<String> {
+    let mesh = &model.mesh;
+    let up = mesh.dimension - 1;
+    let cut = |height: f64| {
+        let within = |e: usize| {
+            let heights = || mesh.cells[e].nodes.iter().map(|&node| mesh.nodes[node][up]);
+            let (low, high) = (heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max));
+            let slack = CORNER_ROUNDING * mesh.size();
+            low + slack < height && height < high - slack
+        };
+        (0..mesh.cells.len()).filter(|&e| within(e)).count()
+    };
+    let tops = model.description().material.tops();
+    let (height, count) = tops.into_iter().map(|top| (top, cut(top))).find(|cut| cut.1 > 0)?;
+    let axis = ["x", "y", "z"][up];
+    // A height is a sum of thicknesses. Seven digits hide its rounding.
+    let height = model.units().of_si(Quantity::Length, height);
+    let height: f64 = format!("{height:.6e}").parse().unwrap_or(height);
+    let unit = model.units().name(Quantity::Length);
+    Some(format!(
+        "the border between layers at {axis} = {height} {unit} cuts {count} elements, each of which takes the \
+         material of one layer; let elements end at the border"
+    ))
+}
+
+fn large_friction(model: &Model) -> Option<String> {
+    let largest = |nodes: &[usize]| nodes.iter().map(|&i| model.problem.mu()[i]).fold(0.0, f64::max);
+    let contacts = model.contact_boundaries.iter().map(|boundary| (largest(&boundary.nodes), &boundary.name));
+    let (mu, name) = contacts.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(mu, _)| *mu > PLAUSIBLE)?;
+    Some(format!(
+        "the friction of `{name}` is up to {mu}, but few surfaces exceed {PLAUSIBLE}: is it in percent? To prevent \
+         sliding, connect bodies with glue = true, or hold a body with a [[support]]"
+    ))
+}
+
+/// Describes the largest hole of the first triangulated surface with holes in front of its boundary.
+fn surface_hole(model: &Model) -> Option<String> {
+    let units = model.units();
+    model.contact_boundaries.iter().find_map(|contact| {
+        let boundary = model.mesh.boundary(&contact.name)?;
+        contact.obstacles.clone().find_map(|k| {
+            let holes = holes_in_front_of(&model.mesh, boundary, &model.obstacles[k], model.times());
+            let largest = holes.iter().max_by(|a, b| a.size.total_cmp(&b.size))?;
+            let what = match holes.len() {
+                1 => "a hole".to_string(),
+                count => format!("{count} holes"),
+            };
+            Some(format!(
+                "the surface of {} has {what} in front of `{}`, the largest {} long at {}: nothing presses \
+                 there. A triangle may be missing, or triangles on both sides of a crack may have different \
+                 corners; close the hole in the file if the part has none",
+                model.obstacle_key(k),
+                contact.name,
+                units.rounded(Quantity::Length, largest.size, 3),
+                units.place(largest.box_centre())
+            ))
+        })
+    })
+}
+
+fn idle_load(model: &Model) -> Option<String> {
+    let idle = |force: &[f64]| force.iter().all(|f| *f == 0.0);
+    let mut loads = model.description().loads.iter().zip(model.loading.cases());
+    let acts = |action: &Action| match action {
+        Action::Traction { traction, .. } => traction.iter().any(|t| t.uniform() != Some(0.0)),
+        Action::Pressure { pressure, .. } => pressure.uniform() != Some(0.0),
+        Action::Force { force, .. } | Action::Acceleration(force) => force.iter().any(|f| *f != 0.0),
+        Action::Moment { moment, .. } => moment.iter().any(|m| *m != 0.0),
+        Action::Spin { speed, .. } => *speed != 0.0,
+        Action::Temperature(temperature) => temperature.uniform() != Some(0.0),
+    };
+    let (load, _) = loads.find(|(load, case)| acts(&load.action) && idle(case.force()))?;
+    Some(format!(
+        "the load on `{}` does nothing: supports hold the boundary in its direction; remove the load, or free that direction in [[support]]",
+        load.action.place(&model.units())
+    ))
+}

@@ -1,0 +1,67 @@
+//! Obstacles that contact nodes miss.
+
+use super::prelude::*;
+use crate::body::contact::TOLERATED_SHARE;
+use crate::body::model::{BetweenNodes, Overlap};
+
+/// The contact node deepest inside an obstacle that it does not meet.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub(super) struct ObstacleNotMet(Largest<Overlap>);
+
+impl Check for ObstacleNotMet {
+    fn observe(&mut self, model: &Model, step: &IncrementView<'_>, _: &SoFar) {
+        let overlap = model.overlap(step.record.time, step.state);
+        self.0.add(step, overlap.map(|overlap| (overlap.depth, overlap)));
+    }
+
+    fn warning(&self, model: &Model, so_far: &SoFar) -> Option<Warning> {
+        let (depth, time, &Overlap { contact, obstacle, .. }) = self.0.above(TOLERATED_SHARE * so_far.indentation)?;
+        let boundary = model.contact_boundaries.iter().find(|boundary| boundary.obstacles.contains(&obstacle));
+        let cure = match boundary {
+            Some(boundary) if !boundary.nodes.contains(&contact) => {
+                format!("an obstacle of `{}` only; list it for the node's boundary too", boundary.name)
+            }
+            _ => "which it does not meet: of obstacles with different normals, a node meets only the nearest one at \
+                 the beginning; give these obstacles one `normal`, with direction = \"normal\", or one boundary each"
+                .to_string(),
+        };
+        let message = format!(
+            "the contact node at {} is {} inside {} at t = {time} s, {}, {cure}",
+            model.units().place(model.contacts[contact].position),
+            model.units().rounded(Quantity::Length, depth, 3),
+            model.obstacle_key(obstacle),
+            so_far.beside(depth)
+        );
+        Some(Warning { kind: WarningKind::ObstacleNotMet, message })
+    }
+}
+
+/// The largest deviation of an obstacle between nodes when contact forces were largest, if any, and the time, s.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub(super) struct ObstacleBetweenNodes(Option<(BetweenNodes, f64)>);
+
+impl Check for ObstacleBetweenNodes {
+    fn observe(&mut self, model: &Model, step: &IncrementView<'_>, so_far: &SoFar) {
+        if so_far.is_deepest {
+            let time = step.record.time;
+            self.0 = model.between_nodes(time, step.state, step.statuses).map(|between| (between, time));
+        }
+    }
+
+    fn warning(&self, model: &Model, so_far: &SoFar) -> Option<Warning> {
+        let (BetweenNodes { boundary, position, missed, size }, time) = self.0.as_ref()?;
+        let length = |x: f64| model.units().rounded(Quantity::Length, x, 3);
+        let message = format!(
+            "the obstacle in front of `{boundary}` has details that are finer than the elements: between nodes, at {}, \
+             its distance at t = {} s differs by {} from the distances at the nodes, {}, and pressures may be equally \
+             wrong; make the elements there, now {} long, smaller than these details",
+            model.units().place(*position),
+            six_digits(*time),
+            length(*missed),
+            so_far.beside(*missed),
+            length(*size)
+        );
+        let warning = Warning { kind: WarningKind::ObstacleBetweenNodes, message };
+        (*missed > TOLERATED_SHARE * so_far.indentation).then_some(warning)
+    }
+}

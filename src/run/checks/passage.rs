@@ -1,0 +1,62 @@
+//! Motions of obstacles within an increment.
+
+use super::prelude::*;
+use crate::body::model::OnTheWay;
+use crate::solver::problem::State;
+
+/// The depth of an obstacle's passage within an increment above which it is reported, relative to the indentation. For
+/// an obstacle that rolls on, the friction is then off by a few percent at most.
+const PASSES: f64 = 1.0;
+
+/// The error of gaps, relative to the displacements, above which a warning is given.
+const OFF: f64 = 1e-6;
+
+/// The deepest passage of an obstacle within an increment.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub(super) struct Passage {
+    deepest: Largest<OnTheWay>,
+    /// The end of the last increment, if the paths of obstacles are checked: its time, s, and its state.
+    last: Option<(f64, State)>,
+}
+
+impl Check for Passage {
+    fn observe(&mut self, model: &Model, step: &IncrementView<'_>, _: &SoFar) {
+        if model.has_passing_obstacles() {
+            let now = (step.record.time, step.state.clone());
+            let (time, last) = self.last.replace(now).unwrap_or_else(|| (0.0, State::zero(&model.problem)));
+            let found = model.on_the_way([time, step.record.time], [&last, step.state]);
+            self.deepest.add(step, found.map(|found| (found.distance.abs(), found)));
+        }
+    }
+
+    fn warning(&self, model: &Model, so_far: &SoFar) -> Option<Warning> {
+        let (depth, time, found) = self.deepest.above(PASSES * so_far.indentation)?;
+        let message = format!(
+            "within the increment that ends at t = {time} s an obstacle {} the contact node at {}, by {}, {}: friction \
+             between the ends of increments is neglected; take more increments",
+            if found.distance < 0.0 { "goes through" } else { "leaves" },
+            model.units().place(model.contacts[found.contact].position),
+            model.units().rounded(Quantity::Length, depth, 3),
+            so_far.beside(depth)
+        );
+        Some(Warning { kind: WarningKind::CurvedGaps, message })
+    }
+}
+
+/// Warns that the exact path followed curved gaps along chords.
+pub(super) fn along_chords(Solved { model, outcome, solver, .. }: &Solved<'_>) -> Option<Warning> {
+    let off = model.loading.off_the_chords();
+    let moved = outcome.state.u.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
+    if !solver.method.is_exact_path() || off <= OFF * moved {
+        return None;
+    }
+    let units = model.units();
+    let message = format!(
+        "gaps in front of a moving obstacle are curved in time, and the exact path follows them along chords, with \
+         errors up to {} ({:.1e} of the largest displacement); four times as many increments as chords \
+         reduce them to a sixteenth",
+        units.rounded(Quantity::Length, off, 2),
+        off / moved
+    );
+    Some(Warning { kind: WarningKind::CurvedGaps, message })
+}

@@ -1,0 +1,67 @@
+//! Warnings of what a run costs, and of results that it lacks.
+
+use super::prelude::*;
+use crate::algebra::linear::Statistics;
+use crate::algebra::linear::process::blas::{Blas, KERNEL_VARIABLE};
+use crate::solver::history::LinearAlgebra;
+
+impl Warning {
+    /// Warns that `result` could not be computed, although the history was solved.
+    pub fn of_missing(result: &str, why: &dyn std::error::Error) -> Self {
+        let message = format!("{result} could not be computed: {why}; all other results are complete");
+        Warning { kind: WarningKind::NotComputed, message }
+    }
+
+    /// Warns of a slow BLAS and names the cure.
+    pub fn of_blas(blas: &Blas) -> Option<Self> {
+        let cure = match blas.better_kernel {
+            Some(better) if blas.selectable => {
+                format!("set {KERNEL_VARIABLE}={better} in the environment")
+            }
+            Some(_) => "install an OpenBLAS that was built for several processors".to_string(),
+            None => "install OpenBLAS, or BLIS or MKL".to_string(),
+        };
+        let message = format!(
+            "the BLAS in use is {blas}, which makes factorisations up to several times slower than necessary: {cure}"
+        );
+        blas.is_slow().then_some(Warning { kind: WarningKind::SlowBlas, message })
+    }
+
+    /// Warns that multigrid was `asked` for and stagnated, for the reason `why` if known, or could not begin, so that
+    /// the solver `taken` replaced it.
+    pub(in crate::run) fn of_multigrid(
+        linear: &Statistics,
+        asked: bool,
+        taken: &str,
+        why: Option<&str>,
+    ) -> Option<Self> {
+        if asked && taken != "multigrid" {
+            let message = format!(
+                "multigrid cannot treat two obstacles at a node, or contact rows shared by nodes: {taken} was used \
+                 instead"
+            );
+            return Some(Warning { kind: WarningKind::MultigridGaveWay, message });
+        }
+        let why = why.unwrap_or("it does not suit these matrices");
+        linear.instead.map(|instead| Warning {
+            kind: WarningKind::MultigridGaveWay,
+            message: format!(
+                "multigrid did not converge within 60 iterations, so {instead} took over, which needs more memory: \
+                 {why}; use solver.linear = \"auto\""
+            ),
+        })
+    }
+
+    /// Warns that rank 0 has the whole stiffness although several processes might share it, because one of them has
+    /// another body.
+    pub(in crate::run) fn of_ranks(model: &Model, linear: LinearAlgebra, ranks: usize) -> Option<Self> {
+        let apart = ranks > 1
+            && linear == LinearAlgebra::Multigrid
+            && model.has_rows()
+            && model.problem.stiffness().distributed().is_none();
+        let message = "a process has another body than rank 0, or cannot read the scene, so rank 0 has assembled \
+         the whole stiffness, which needs more memory there: start all processes with the same scene and options, \
+         and keep all files at the same paths";
+        apart.then(|| Warning { kind: WarningKind::RanksApart, message: message.to_string() })
+    }
+}

@@ -1,0 +1,60 @@
+//! Contact that never comes about, or along a wrong direction.
+
+use super::displacements::NOT_SMALL;
+use super::prelude::*;
+use crate::solver::laws::ContactStatus;
+
+/// The first boundary that never touched what is in front of it.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub(super) struct NoContact;
+
+impl Check for NoContact {
+    fn warning(&self, model: &Model, so_far: &SoFar) -> Option<Warning> {
+        // Without a converged increment, nothing is known of the contact.
+        let mut boundaries = model.contact_boundaries.iter().filter(|_| so_far.increments > 0);
+        let boundary = boundaries.find(|boundary| !boundary.nodes.iter().any(|&i| so_far.touched[i]))?;
+        let message = match boundary.pair.map(|k| &model.pairs[k].master.name) {
+            None => format!(
+                "`{}` never touched its obstacle; `stickslip check` shows where the obstacle is and how it moves",
+                boundary.name
+            ),
+            Some(master) => {
+                format!("`{}` never touched `{master}`; `stickslip check` shows how far apart they are", boundary.name)
+            }
+        };
+        Some(Warning { kind: WarningKind::NoContact, message })
+    }
+}
+
+/// The contact node that touched the obstacle with the largest slope against the node's normal, and the slope.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub(super) struct LeaningObstacle(Option<(usize, f64)>);
+
+impl Check for LeaningObstacle {
+    fn observe(&mut self, model: &Model, step: &IncrementView<'_>, _: &SoFar) {
+        for (i, _) in step.statuses.iter().enumerate().filter(|(_, status)| **status != ContactStatus::Open) {
+            // The slope is that of the moving obstacle when it touches. The last of equal slopes counts.
+            let slope = model.slope(i, step.record.time);
+            if !slope.is_nan() && self.0.is_none_or(|(_, steepest)| slope >= steepest) {
+                self.0 = Some((i, slope));
+            }
+        }
+    }
+
+    fn warning(&self, model: &Model, _: &SoFar) -> Option<Warning> {
+        let (i, slope) = self.0.filter(|(_, slope)| *slope > NOT_SMALL)?;
+        let (place, degrees) = (model.units().place(model.contacts[i].position), slope.atan().to_degrees());
+        let message = if model.contacts[i].coupled().is_some() {
+            format!(
+                "at the node {place} the surface is inclined by {degrees:.0} degrees to the direction of its contact; \
+                 remove `direction`"
+            )
+        } else {
+            format!(
+                "at the node {place} the obstacle is inclined by {degrees:.0} degrees to the normal along which it \
+                 presses; use direction = \"nearest\", or another normal"
+            )
+        };
+        Some(Warning { kind: WarningKind::LeaningObstacle, message })
+    }
+}

@@ -1,0 +1,67 @@
+//! Solutions that are one of many.
+
+use super::prelude::*;
+use std::collections::BTreeSet;
+
+use crate::body::constraints::RigidMotion;
+use crate::solver::uniqueness::{NeutralMotion, neutral_motions};
+
+/// The first equilibrium whose displacements are not unique.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub(super) struct NeutralEquilibrium {
+    /// Its unconstrained motion and its time, s.
+    first: Option<(NeutralMotion, f64)>,
+    /// The largest normal force so far, N.
+    largest_force: f64,
+}
+
+impl Check for NeutralEquilibrium {
+    fn observe(&mut self, model: &Model, step: &IncrementView<'_>, _: &SoFar) {
+        self.largest_force = step.state.p_n.iter().fold(self.largest_force, |most, p| most.max(*p));
+        if self.first.is_none() {
+            let IncrementView { increment, state, statuses, .. } = *step;
+            let motions = neutral_motions(&model.problem, increment, state, statuses, self.largest_force);
+            self.first = motions.into_iter().next().map(|motion| (motion, step.record.time));
+        }
+    }
+
+    fn warning(&self, model: &Model, _: &SoFar) -> Option<Warning> {
+        let (neutral, time) = self.first.as_ref()?;
+        let motion = RigidMotion::combination(&model.rigid_motions, &neutral.weights)?;
+        // The body may move one way only.
+        let room = match neutral.room[0].max(neutral.room[1]) {
+            0.0 => return None,
+            room if room.is_finite() => format!("by up to {}", model.units().rounded(Quantity::Length, room, 3)),
+            _ => "by any distance".to_string(),
+        };
+        let message = format!(
+            "at t = {} s contact forces balance the loads, but nothing holds {}: displacements are one of many \
+             solutions, which may differ {room} before another node touches, with the same stresses; add a support to \
+             make them unique",
+            six_digits(*time),
+            motion.against(&model.units())
+        );
+        Some(Warning { kind: WarningKind::NotUnique, message })
+    }
+}
+
+/// Contact nodes that touched and whose rows depend on each other.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub(super) struct SharedForces;
+
+impl Check for SharedForces {
+    fn warning(&self, model: &Model, SoFar { touched, .. }: &SoFar) -> Option<Warning> {
+        let acts = |i: &usize| touched[*i] && !model.problem.c_n().row(*i).is_empty();
+        let acting: Vec<usize> = (0..touched.len()).filter(acts).collect();
+        let dependent = model.problem.of_nodes(&acting).dependent_nodes();
+        let nodes: BTreeSet<usize> = dependent.into_iter().map(|k| model.contacts[acting[k]].node).collect();
+        let place = model.units().place(model.mesh.nodes[*nodes.first()?]);
+        let message = format!(
+            "the contact forces at {} nodes, the first at {place}, are not unique, because one contact can take over \
+             what others carry: those that keep their friction and have the smallest pressures are told; the sums over \
+             all contacts there and the rest of the body do not depend on that",
+            nodes.len()
+        );
+        Some(Warning { kind: WarningKind::NotUnique, message })
+    }
+}

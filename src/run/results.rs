@@ -1,0 +1,266 @@
+//! The results of a run: its history, additional solutions that judge it, and the report.
+
+use std::time::Instant;
+
+use super::applicable::{fell_back, means};
+use super::checks::Solved;
+use super::companion::{Companion, Quiet};
+use super::force_jumps::JumpDetector;
+use super::watch::{ReportCollector, Watches};
+use super::{Done, Faster, RecordedIncrement, Run, RunError, Sink};
+use crate::algebra::linear::process::blas::Blas;
+use crate::algebra::linear::{LinearError, RefinedSolver};
+use crate::body::estimate::error_of_force;
+use crate::body::model::Model;
+use crate::run::report::{
+    BodyRecord, CompanionEstimate, ComponentSums, CycleWatch, EliminatedUnknown, EstimateWatch, Estimates, ExactPath,
+    Explanation, ForceJump, Moment, PairRecord, Resultant, RunReport, SCHEMA_VERSION, Totals, Unknowns, Warning,
+};
+use crate::solver::formulation::Layout;
+use crate::solver::history::{
+    self, HistoryOutcome, HistorySettings, JumpSolver, LinearAlgebra, Observer, Status, SystemSolver,
+};
+use crate::solver::influence::influence;
+use crate::solver::laws::KktScales;
+use crate::solver::problem::State;
+use crate::solver::uniqueness::{self, CriticalFriction};
+
+/// Returns an additional result; if it could not be computed, adds a warning to `missing`.
+fn or_missing<T, E: std::error::Error>(
+    missing: &mut Vec<Warning>,
+    result: &str,
+    computed: Result<Option<T>, E>,
+) -> Option<T> {
+    computed.unwrap_or_else(|error| {
+        missing.push(Warning::of_missing(result, &error));
+        None
+    })
+}
+
+/// The reason why there are no results of a load cycle.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "at no earlier increment did all loads have the values of the end, and change in the same direction; give the times \
+     of the cycle, output.cycle = [1.0, 2.0]"
+)]
+struct NoCycle;
+
+/// The results of additional solutions.
+struct Additional {
+    estimates: Estimates,
+    /// The first jump of contact forces.
+    jump: Option<ForceJump>,
+    critical_friction: Option<CriticalFriction>,
+    /// Warnings of results that could not be computed.
+    missing: Vec<Warning>,
+}
+
+impl Run<'_> {
+    pub(super) fn report(&self, system: SystemSolver, mut audience: Sink<'_>) -> Result<RunReport, RunError> {
+        let start = Instant::now();
+        let (linear, condensed) = (system.name(), system.condenses());
+        let companion = self.companion();
+        let numbers = companion.as_ref().map_or(&[][..], |companion| &companion.ends[0]);
+        let is_path = self.solver.method.is_exact_path();
+        let cycle = self.cycle.as_ref().and_then(|cycle| CycleWatch::new(&self.model, &self.times, cycle, is_path));
+        let watches = Watches::new(&self.model, cycle, JumpDetector::new(&self.model, self.solver.method));
+        let (model, keeps_last, audience) = (&*self.model, self.uniqueness, &mut audience);
+        let mut collector = ReportCollector { model, audience, watches, keeps_last, numbers };
+        if let Some(checkpoint) = &self.from {
+            collector.continue_from(checkpoint).map_err(history::Error::from)?;
+        }
+        let settings = HistorySettings {
+            keeps_records: false,
+            estimates_error: true,
+            from: self.from.clone(),
+            ..self.settings()?
+        };
+        let outcome = self.history_with(system, &self.times, &settings, &mut collector)?;
+        let ReportCollector { audience, mut watches, .. } = collector;
+        let more = self.additional(companion.as_ref(), &settings, &outcome, &mut watches, audience.observer());
+        let totals = Totals::new(&outcome, self.model_seconds, start);
+        Ok(self.summary((linear, condensed), &outcome, watches, more, totals))
+    }
+
+    /// Solves for additional results. The history is solved, and a failure loses one result only.
+    fn additional(
+        &self,
+        companion: Option<&Companion>,
+        settings: &HistorySettings,
+        outcome: &HistoryOutcome,
+        watches: &mut Watches,
+        observer: &mut dyn Observer,
+    ) -> Additional {
+        let mut missing = Vec::new();
+        let found = watches.estimates.estimates(&self.model);
+        let mut estimates = Estimates { increments: outcome.increment_error, ..found };
+        let converged = outcome.status == Status::Converged;
+        if let Some(companion) = companion.filter(|_| converged) {
+            let compared = self.compared(companion, &watches.states, observer).map(Some);
+            estimates.companion = or_missing(&mut missing, "the estimate by a companion run", compared);
+        }
+        if self.cycle.is_some() && watches.cycle.is_none() {
+            missing.push(Warning::of_missing("the load cycle", &NoCycle));
+        }
+        let of_mesh = watches.key.moments().map(|moment| {
+            let error = moment.map_or(Ok(None), |moment| self.force_error(moment, &watches.estimates));
+            or_missing(&mut missing, "the error of a contact force by the mesh", error)
+        });
+        estimates.tangential = watches.key.learn(of_mesh);
+        let jump = self.force_jump(&watches.jumps, settings, &outcome.scales, observer);
+        let jump = or_missing(&mut missing, "the check for jumps of contact forces", jump);
+        if converged {
+            let by_start = self.friction_by_start(watches.jumps.largest(), observer);
+            estimates.start = or_missing(&mut missing, "what the first increment does to friction", by_start);
+        }
+        let critical = watches.last.as_ref().map_or(Ok(None), |last| self.critical_friction(last));
+        let critical_friction = or_missing(&mut missing, "the critical friction", critical);
+        Additional { estimates, jump, critical_friction, missing }
+    }
+
+    /// Returns the report of a history solved by the linear solver of the name `linear`.
+    fn summary(
+        &self,
+        (linear, condensed): (String, bool),
+        outcome: &HistoryOutcome,
+        watches: Watches,
+        more: Additional,
+        totals: Totals,
+    ) -> RunReport {
+        let (scene, model, method) = (self.scene, &*self.model, self.solver.method);
+        let (checks, key, estimates) = (&watches.checks, &watches.key, &more.estimates);
+        let (balance, jump) = (&watches.balance, more.jump);
+        let solved = Solved { model, solver: &self.solver, outcome, checks, balance, estimates, jump };
+        let mut warnings = solved.warnings();
+        warnings.extend(more.missing);
+        let blas = Blas::loaded();
+        warnings.extend(blas.as_ref().and_then(Warning::of_blas));
+        let unsuited = fell_back(&outcome.linear, model, method);
+        let asked = self.choice.linear == LinearAlgebra::Multigrid;
+        warnings.extend(Warning::of_multigrid(&outcome.linear, asked, &linear, unsuited.as_deref()));
+        warnings.extend(Warning::of_ranks(model, self.choice.linear, totals.ranks.len()));
+        RunReport {
+            schema_version: SCHEMA_VERSION,
+            program_version: env!("CARGO_PKG_VERSION"),
+            scene: scene.map(|scene| scene.file().to_string()),
+            scene_text: scene.map(|scene| scene.text().to_string()),
+            title: scene.map_or(String::new(), |scene| scene.title.clone()),
+            units: model.units(),
+            method: method.name(),
+            setting: method.setting(),
+            solver_choice: self.choice.reason(),
+            faster_solver: self.faster(&linear, &totals, outcome.tally.increments),
+            solver: linear,
+            blas,
+            status: outcome.status,
+            explanation: Explanation::new(&self.solver, model, outcome),
+            largest_pressure: watches.estimates.largest_pressure(model, estimates),
+            largest_force: key.largest_force(),
+            holding_force: key.holding_force(estimates),
+            friction: key.friction(estimates),
+            stick_zone: estimates.stick_zone().cloned(),
+            cycle: watches.cycle.as_ref().and_then(|cycle| cycle.report(model)),
+            bodies: BodyRecord::all(model),
+            warnings,
+            largest_displacement: checks.largest_displacement(),
+            range_left: checks.range_left(),
+            estimates: more.estimates,
+            unknowns: Unknowns::new(&outcome.layout, method.increments()),
+            left_out: EliminatedUnknown::all(model, condensed, self.working_set().filter(|_| condensed)),
+            working_set: outcome.working_set,
+            chosen_increments: None,
+            kinks: scene.map(|scene| scene.time.kinks.clone()).unwrap_or_default(),
+            increments: watches.increments,
+            exact_path: method.is_exact_path().then(|| ExactPath::of(outcome)),
+            totals,
+            end: ComponentSums::of(model, &outcome.state, (0..model.contacts.len()).map(|i| (i, 1.0))),
+            pairs: PairRecord::all_at(model, outcome.reached, &outcome.state),
+            boundaries: Resultant::all(model, outcome.reached, &outcome.state),
+            forces: watches.forces,
+            reactions: watches.reactions,
+            critical_friction: more.critical_friction,
+            last_reactions: watches.last_reactions,
+            curves: watches.curves,
+        }
+    }
+
+    /// Returns the increments of a companion run, if it was requested and there is friction.
+    fn companion(&self) -> Option<Companion> {
+        let layout = Layout::new(&self.model.problem);
+        let has_friction = (0..layout.contacts()).any(|i| layout.has_friction(i));
+        (self.companion && has_friction).then(|| Companion::of(&self.times, &self.model.loading.kinks()))
+    }
+
+    /// Solves the `companion` of a run with these `states` at the ends of its load segments, and compares.
+    fn compared(
+        &self,
+        companion: &Companion,
+        states: &[State],
+        observer: &mut dyn Observer,
+    ) -> Result<CompanionEstimate, RunError> {
+        let mut quiet = Quiet { observer, numbers: &companion.ends[1], states: Vec::new() };
+        let settings = HistorySettings { keeps_records: false, ..self.settings()? };
+        let status = self.history_with(self.system(), &companion.times, &settings, &mut quiet)?.status;
+        let both = [states, &quiet.states[..]];
+        Ok(CompanionEstimate::new(&self.model, companion.times.len(), status, both, companion.share))
+    }
+
+    /// Returns the error of a force by the mesh at the `moment` of its largest value, N; `None` if it is unknown, as in
+    /// contact zones of a few nodes, whose width depends on the mesh.
+    fn force_error(&self, moment: &Moment, watch: &EstimateWatch) -> Result<Option<f64>, LinearError> {
+        let Model { problem, .. } = &*self.model;
+        if self.choice.linear.is_shared() || problem.stiffness().distributed().is_some() {
+            return Ok(None);
+        }
+        let Some(nodes) = moment.weights(&self.model) else { return Ok(None) };
+        let z = influence(problem, self.model.scaling(), &nodes, self.system())?;
+        let error = z.and_then(|z| error_of_force(&self.model, moment.time, &moment.state.u, &z));
+        Ok(error.filter(|error| *error == 0.0 || !watch.is_narrow(&self.model, &moment.state)))
+    }
+
+    /// Finds the first increment in which contact forces jump.
+    fn force_jump(
+        &self,
+        jumps: &JumpDetector,
+        settings: &HistorySettings,
+        scales: &KktScales,
+        observer: &mut dyn Observer,
+    ) -> Result<Option<ForceJump>, RunError> {
+        if !jumps.are_suspected() {
+            return Ok(None);
+        }
+        let jump = match self.system() {
+            SystemSolver::Whole(mut linear) => {
+                jumps.first(&self.model, settings, scales, &mut JumpSolver::Whole(&mut linear), observer)
+            }
+            SystemSolver::Condensed(condensation) => {
+                jumps.first(&self.model, settings, scales, &mut JumpSolver::Condensed(&condensation), observer)
+            }
+        };
+        Ok(jump?)
+    }
+
+    fn critical_friction(&self, last: &RecordedIncrement) -> Result<Option<CriticalFriction>, history::Error> {
+        let scaling = self.model.scaling();
+        let (data, state) = (last.data(), &last.state);
+        // The exact path has no friction at nodes in two contacts.
+        let problem = &self.model.problem.with_friction(data.mu.to_vec())?;
+        let critical = match last.record.status {
+            Status::NoContinuation => uniqueness::critical_friction_where_lost,
+            _ => uniqueness::critical_friction,
+        };
+        critical(problem, &data, state, scaling, &mut RefinedSolver::default())
+    }
+
+    /// Returns a linear solver that would have been much faster than the one named by the scene. Returns `None` also if
+    /// the estimate fails, e.g. for lack of memory, because the solved history does not depend on it.
+    fn faster(&self, linear: &str, totals: &Totals, increments: usize) -> Option<Faster> {
+        // A distributed stiffness has no local entries for the estimate.
+        if linear != self.choice.linear.to_string() || self.model.problem.stiffness().distributed().is_some() {
+            return None;
+        }
+        let means = means(&self.model, self.solver.method, self.budget);
+        let done = &Done { increments, factorizations: totals.factorizations, seconds: totals.wall_seconds };
+        self.choice.faster(&self.model.problem, &self.reach, self.solver.method, means, done).ok()?
+    }
+}
