@@ -1,5 +1,6 @@
 //! The place of each key of a scene in its text.
 
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 use toml_edit::{Document, Item, TableLike, Value};
@@ -45,10 +46,11 @@ impl Places {
     /// Returns the keys `file` of `text`, whose places these are, with their values, in order.
     pub(super) fn files(&self, text: &str) -> Vec<(String, String)> {
         let mut files: Vec<(&String, &Range<usize>, String)> = Vec::new();
+        let mut keys = BTreeSet::new();
         for (key, span) in self.0.iter().filter(|(key, _)| key.rsplit('.').next() == Some("file")) {
-            // The place of the name comes after that of the value, and the place in the only table of a list twice.
-            let is_known = files.iter().any(|(known, place, _)| *known == key || *place == span);
-            if let Some(Ok(Value::String(file))) = (!is_known).then(|| text[span.clone()].parse()) {
+            // The place of the name comes after that of the value, and both places in the only table of a list twice.
+            let is_new = keys.insert(key) && files.iter().all(|(_, place, _)| *place != span);
+            if let Some(Ok(Value::String(file))) = is_new.then(|| text[span.clone()].parse()) {
                 files.push((key, span, file.into_value()));
             }
         }
