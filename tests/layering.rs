@@ -84,7 +84,7 @@ fn code(text: &str) -> impl Iterator<Item = (usize, &str)> {
 /// The modules that a file names by `crate::` and `super::`, in braces, too, as paths below `src` without `.rs`.
 fn named(file: &str, text: &str) -> BTreeSet<String> {
     let here: Vec<&str> = file.trim_end_matches(".rs").split('/').filter(|part| *part != "lib").collect();
-    let text: String = code(text).map(|(_, line)| format!("{line}\n")).collect();
+    let text = code(text).map(|(_, line)| line).collect::<Vec<_>>().join("\n");
     let is_path = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == ':';
     let mut named = BTreeSet::new();
     for (start, _) in text.match_indices("crate::").chain(text.match_indices("super::")) {

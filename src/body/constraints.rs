@@ -3,7 +3,7 @@
 //! `T` has a row for each component of each node ([`Dofs`]): its own unknown, and those of the nodes that it is relative to
 //! ([`Relative`]). Supports remove unknowns, oblique ones turn the axes of their nodes; reference points and jumps are nodes
 //! outside the mesh. Stiffness becomes `Tᵀ K T`, loads `Tᵀ f`, contact rows `C T`; the forces of supports are the rows of `K`
-//! that are removed ([`HeldRows`]).
+//! that are removed.
 
 mod assembly;
 mod bonds;

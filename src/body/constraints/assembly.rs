@@ -102,13 +102,15 @@ fn assemble_entries(
     // Rigid parts have no strain.
     each_stiffness(mesh, element, law, cells, &mut |nodes, k| {
         if !dofs.are_rigid(nodes) {
-            add(nodes, &k)
+            add(nodes, &k);
         }
     })?;
     for volume in volumes.iter().filter(|volume| !dofs.are_rigid(volume.nodes())) {
         add(volume.nodes(), &volume.stiffness(mesh.dimension));
     }
-    springs.iter().for_each(|spring| add(spring.nodes(), spring.stiffness()));
+    for spring in springs {
+        add(spring.nodes(), spring.stiffness());
+    }
     Ok(k)
 }
 

@@ -73,7 +73,7 @@ pub(super) struct SubstepInput {
     scales: KktScales,
 }
 
-impl<'a> IncrementDriver<'a> {
+impl IncrementDriver<'_> {
     /// Returns the data of the substep tried last, relative to the rigid offset, as is the state of a
     /// [`StepResult`].
     pub(super) fn data(&self) -> Increment<'_> {
