@@ -51,6 +51,11 @@ trait Check {
         None
     }
 
+    /// Returns `true` if its indices, restored from a checkpoint, are of `model`.
+    fn fits(&self, _model: &Model) -> bool {
+        true
+    }
+
     /// Returns all warnings of a check that may have several.
     fn warnings(&self, model: &Model, so_far: &SoFar) -> Vec<Warning> {
         self.warning(model, so_far).into_iter().collect()
@@ -100,6 +105,9 @@ trait Finding: Sized {
     /// Returns the largest finding at the end of an increment, and its size.
     fn measure(model: &Model, step: &IncrementView<'_>) -> Option<(f64, Self)>;
 
+    /// Returns `true` if its indices, restored from a checkpoint, are of `model`.
+    fn fits(&self, model: &Model) -> bool;
+
     /// Describes the finding, with its size and its time in six digits, s.
     fn sentence(&self, model: &Model, size: f64, time: f64) -> String;
 }
@@ -124,6 +132,11 @@ impl<T> Largest<T> {
         }
     }
 
+    /// Returns `true` if the finding is one of those that `fit`, or there is none.
+    fn is_none_or(&self, fit: impl Fn(&T) -> bool) -> bool {
+        self.0.as_ref().is_none_or(|(_, _, found)| fit(found))
+    }
+
     /// Returns the size, the time in six digits, s, and the finding, if the size exceeds `limit`.
     fn above(&self, limit: f64) -> Option<(f64, f64, &T)> {
         let (size, time, found) = self.0.as_ref().filter(|(size, ..)| *size > limit)?;
@@ -134,6 +147,10 @@ impl<T> Largest<T> {
 impl<T: Finding> Check for Largest<T> {
     fn observe(&mut self, model: &Model, step: &IncrementView<'_>, _: &SoFar) {
         self.add(step, T::measure(model, step));
+    }
+
+    fn fits(&self, model: &Model) -> bool {
+        self.is_none_or(|found| found.fits(model))
     }
 
     fn warning(&self, model: &Model, _: &SoFar) -> Option<Warning> {
@@ -159,6 +176,11 @@ macro_rules! checks {
                     self.so_far.observe(model, step);
                     $(self.$check.observe(model, step, &self.so_far);)*
                 }
+            }
+
+            /// Returns `true` if the checks, restored from a checkpoint, are of `model`.
+            pub(super) fn fit(&self, model: &Model) -> bool {
+                self.so_far.touched.len() == model.contacts.len() $(&& self.$check.fits(model))*
             }
 
             /// Returns the warnings.

@@ -85,6 +85,16 @@ impl JumpDetector {
         self.largest
     }
 
+    /// Returns `true` if the data, restored from another run, fits `model`.
+    pub(super) fn fit(&self, model: &Model) -> bool {
+        let fits = |end: &End| {
+            end.state.u.len() == model.problem.displacements() && end.state.p_n.len() == model.problem.contacts()
+        };
+        let forces = |suspect: &Suspect| suspect.to.state.p_n.len() == model.problem.contacts();
+        self.last.iter().chain(self.suspected.iter().map(|suspect| &suspect.from)).all(fits)
+            && self.suspected.iter().all(forces)
+    }
+
     /// Examines the end of an increment.
     pub(super) fn see(&mut self, model: &Model, step: &IncrementView<'_>) {
         if step.record.status != Status::Converged || !self.may_jump {

@@ -109,7 +109,12 @@ impl ReportCollector<'_, '_> {
         } else if stored.states.len() != before || stored.last.is_some() != self.keeps_last {
             "what is asked for (--companion, --uniqueness)"
         } else {
-            self.watches = Watches { estimates: stored.estimates.of(self.model), ..stored };
+            let fit = stored.checks.fit(self.model)
+                && stored.jumps.fit(self.model)
+                && stored.cycle.iter().all(|cycle| cycle.fits(self.model));
+            let estimates = stored.estimates.of(self.model).filter(|_| fit);
+            let estimates = estimates.ok_or(CheckpointError::Damaged)?;
+            self.watches = Watches { estimates, ..stored };
             return Ok(());
         };
         Err(CheckpointError::Other { what })

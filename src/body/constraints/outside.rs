@@ -1,7 +1,7 @@
 //! Nodes outside the mesh: the two nodes of each reference point, which carries nodes of the mesh, and the jumps between the
 //! two sides of glued pairs.
 //!
-//! With the jump `J`, the rows of a pair are `Σ D u - Σ P u = J`. Along axes that are held, `J` is 0 or prescribed; along
+//! The rows of a pair with the jump `J` are `Σ D u - Σ P u = J`. Along axes that are held, `J` is 0 or prescribed; along
 //! free axes it is an unknown, on which the force across the pair acts.
 
 use super::dofs::{Dofs, SAME_DIRECTION};

@@ -70,6 +70,10 @@ impl Check for FacetedGaps {
         }
     }
 
+    fn fits(&self, model: &Model) -> bool {
+        self.0.iter().all(|faceted| faceted.pair < model.pairs.len())
+    }
+
     fn warnings(&self, model: &Model, _: &SoFar) -> Vec<Warning> {
         let warning = |&Faceted { pair, bulge, closed, .. }: &Faceted| {
             let pair = &model.pairs[pair];
@@ -124,6 +128,10 @@ impl Check for FacetedObstacle {
             };
             self.0 = (0..model.obstacles.len()).filter_map(of_obstacle).max_by(|a, b| a.1.total_cmp(&b.1));
         }
+    }
+
+    fn fits(&self, model: &Model) -> bool {
+        self.0.is_none_or(|(obstacle, _)| obstacle < model.obstacles.len())
     }
 
     fn warning(&self, model: &Model, so_far: &SoFar) -> Option<Warning> {

@@ -15,6 +15,10 @@ impl Finding for LeftOut {
         model.friction_left_out(step.state, step.increment.mu).map(|(k, share)| (share, LeftOut(k)))
     }
 
+    fn fits(&self, model: &Model) -> bool {
+        self.0 < model.contact_boundaries.len()
+    }
+
     fn sentence(&self, model: &Model, share: f64, time: f64) -> String {
         format!(
             "at t = {time} s {:.0} % of the possible friction of `{}` is neglected, because supports hold its nodes in \

@@ -13,7 +13,7 @@ const FORCE: f64 = 0.05;
 /// The error for which the suggested number of increments is calculated.
 const GOOD: f64 = 0.02;
 
-/// With at most this number of increments in a load segment in which nodes begin to stick, no estimate is possible.
+/// No estimate is possible with at most this number of increments in a load segment in which nodes begin to stick.
 const FEW: usize = 3;
 
 /// The number suggested instead.

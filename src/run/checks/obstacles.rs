@@ -14,6 +14,11 @@ impl Check for ObstacleNotMet {
         self.0.add(step, overlap.map(|overlap| (overlap.depth, overlap)));
     }
 
+    fn fits(&self, model: &Model) -> bool {
+        let (contacts, obstacles) = (model.contacts.len(), model.obstacles.len());
+        self.0.is_none_or(|overlap| overlap.contact < contacts && overlap.obstacle < obstacles)
+    }
+
     fn warning(&self, model: &Model, so_far: &SoFar) -> Option<Warning> {
         let (depth, time, &Overlap { contact, obstacle, .. }) = self.0.above(TOLERATED_SHARE * so_far.indentation)?;
         let boundary = model.contact_boundaries.iter().find(|boundary| boundary.obstacles.contains(&obstacle));

@@ -29,6 +29,10 @@ impl Finding for BeyondTheEnd {
         (0..model.pairs.len()).map(share).max_by(|a, b| a.0.total_cmp(&b.0))
     }
 
+    fn fits(&self, model: &Model) -> bool {
+        self.0 < model.pairs.len()
+    }
+
     fn sentence(&self, model: &Model, share: f64, time: f64) -> String {
         let pair = &model.pairs[self.0];
         let (slave, master) = (&pair.slave, &pair.master.name);
@@ -51,6 +55,10 @@ impl Finding for Passed {
 
     fn measure(model: &Model, step: &IncrementView<'_>) -> Option<(f64, Self)> {
         model.passed(&model.displaced(step.record.time, &step.state.u)).map(|passed| (passed.depth, passed))
+    }
+
+    fn fits(&self, model: &Model) -> bool {
+        self.node < model.mesh.nodes.len()
     }
 
     fn sentence(&self, model: &Model, _: f64, time: f64) -> String {

@@ -29,6 +29,11 @@ impl Check for Passage {
         }
     }
 
+    fn fits(&self, model: &Model) -> bool {
+        let last = self.last.as_ref().is_none_or(|(_, state)| state.check(&model.problem).is_ok());
+        last && self.deepest.is_none_or(|found| found.contact < model.contacts.len())
+    }
+
     fn warning(&self, model: &Model, so_far: &SoFar) -> Option<Warning> {
         let (depth, time, found) = self.deepest.above(PASSES * so_far.indentation)?;
         let message = format!(

@@ -31,6 +31,10 @@ impl Finding for Slid {
         closed.filter_map(slid).max_by(|a, b| a.0.total_cmp(&b.0))
     }
 
+    fn fits(&self, model: &Model) -> bool {
+        self.contact < model.contacts.len()
+    }
+
     fn sentence(&self, model: &Model, share: f64, time: f64) -> String {
         format!(
             "the contact node at {} has slid by {} at t = {time} s, {:.0} % of the opposing facet, but remains paired \
@@ -49,6 +53,10 @@ impl Finding for LargeMotion {
 
     fn measure(model: &Model, step: &IncrementView<'_>) -> Option<(f64, Self)> {
         model.large_motion(step.record.time, step.state).map(|motion| (motion.share, motion))
+    }
+
+    fn fits(&self, model: &Model) -> bool {
+        self.coupling < model.description().couplings.len()
     }
 
     fn sentence(&self, model: &Model, share: f64, time: f64) -> String {

@@ -41,6 +41,10 @@ impl Check for LeaningObstacle {
         }
     }
 
+    fn fits(&self, model: &Model) -> bool {
+        self.0.is_none_or(|(i, _)| i < model.contacts.len())
+    }
+
     fn warning(&self, model: &Model, _: &SoFar) -> Option<Warning> {
         let (i, slope) = self.0.filter(|(_, slope)| *slope > NOT_SMALL)?;
         let (place, degrees) = (model.units().place(model.contacts[i].position), slope.atan().to_degrees());

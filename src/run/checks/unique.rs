@@ -25,6 +25,11 @@ impl Check for NeutralEquilibrium {
         }
     }
 
+    fn fits(&self, model: &Model) -> bool {
+        let motions = model.rigid_motions.len();
+        self.first.as_ref().is_none_or(|(motion, _)| motion.weights.len() == motions)
+    }
+
     fn warning(&self, model: &Model, _: &SoFar) -> Option<Warning> {
         let (neutral, time) = self.first.as_ref()?;
         let motion = RigidMotion::combination(&model.rigid_motions, &neutral.weights)?;

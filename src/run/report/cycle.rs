@@ -122,6 +122,11 @@ impl CycleWatch {
         })
     }
 
+    /// Returns `true` if the data, restored from another run, fits `model`.
+    pub fn fits(&self, model: &Model) -> bool {
+        self.nodes.len() == model.contacts.len() && self.slips.len() == model.contact_boundaries.len()
+    }
+
     fn cycle(&self) -> Option<&CycleWork> {
         self.cycles.last()
     }

@@ -118,19 +118,23 @@ pub(in crate::run) const ISOLATED: f64 = 0.1;
 impl EstimateWatch {
     /// Begins with the first increment of `model`.
     pub fn new(model: &Model) -> Self {
-        EstimateWatch::default().of(model)
+        let graph = ContactGraph::new(model);
+        let of_surfaces = vec![Heaviest::default(); graph.surfaces().len()];
+        let (heaviest, dragged) = (of_surfaces.clone(), of_surfaces);
+        EstimateWatch { graph, heaviest, dragged, ..EstimateWatch::default() }
     }
 
-    /// Resumes with data that were stored of the same `model`.
-    #[must_use]
-    pub fn of(self, model: &Model) -> Self {
-        let graph = ContactGraph::new(model);
-        let of_surfaces = |mut of: Vec<Heaviest>| {
-            of.resize(graph.surfaces().len(), Heaviest::default());
-            of
-        };
-        let (heaviest, dragged) = (of_surfaces(self.heaviest), of_surfaces(self.dragged));
-        EstimateWatch { graph, heaviest, dragged, ..self }
+    /// Resumes with data that were stored; `None` if they are not of `model`.
+    pub fn of(self, model: &Model) -> Option<Self> {
+        let EstimateWatch { graph, heaviest: begun, .. } = EstimateWatch::new(model);
+        let contacts = model.contacts.len();
+        let heaviest = |of: &Heaviest| [0, contacts].contains(&of.state.p_n.len());
+        let strained = |of: &Strained| of.u.len() == model.problem.displacements() && of.p_n.len() == contacts;
+        let fits = [self.heaviest.len(), self.dragged.len()] == [begun.len(); 2]
+            && self.heaviest.iter().chain(&self.dragged).all(heaviest)
+            && self.peak.as_ref().is_none_or(|peak| peak.fits(model))
+            && self.strained.as_ref().is_none_or(strained);
+        fits.then_some(EstimateWatch { graph, ..self })
     }
 
     /// Returns `true` if zones of up to three nodes across bear more of a state than forces can be estimated for.

@@ -98,6 +98,13 @@ impl Peak {
         }
     }
 
+    /// Returns `true` if the data fits `model`.
+    pub(super) fn fits(&self, model: &Model) -> bool {
+        let [boundary, i] = self.at;
+        let nodes = model.contact_boundaries.get(boundary).map(|boundary| &boundary.nodes);
+        nodes.is_some_and(|nodes| nodes.contains(&i)) && self.state.p_n.len() == model.contacts.len()
+    }
+
     /// Estimates the mesh error of its contact surface at that time.
     pub(super) fn estimate(&self, model: &Model, graph: &ContactGraph) -> Option<ContactEstimate> {
         let surface = graph.surfaces().iter().position(|surface| surface.nodes.contains(&self.at[1]))?;

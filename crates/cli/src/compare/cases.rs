@@ -68,7 +68,8 @@ impl Study {
             solve_reference(&scene, &model, built, reference)
         })?;
         let end = End::new(&model, &reference.state, reference.work);
-        let estimates = reference.seen.clone().unwrap_or_default().of(&model).estimates(&model);
+        let seen = reference.seen.clone().and_then(|seen| seen.of(&model));
+        let estimates = seen.unwrap_or_else(|| EstimateWatch::new(&model)).estimates(&model);
         Ok(Study { scene, model, mesh, built, reference, end, estimates })
     }
 
