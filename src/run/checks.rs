@@ -263,3 +263,29 @@ impl Solved<'_> {
         warnings
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::body::contact::Obstacle;
+    use crate::body::description::{Axis, Description};
+    use crate::body::fem::Material;
+    use crate::body::mesh::MeshSource;
+
+    /// A checkpoint may be damaged although its checksum is right.
+    #[test]
+    fn a_node_beyond_the_mesh_does_not_fit() {
+        let plate = Description::new(MeshSource::block([2.0, 1.0], [4, 2]), Material::new(1e9, 0.3), vec![1.0])
+            .support("top", &[Axis::X, Axis::Y])
+            .contact("bottom", 0.3, Obstacle::plane(1e-3));
+        let model = Model::build(&plate).unwrap();
+        let (nodes, contacts) = (model.mesh.nodes.len(), model.contacts.len());
+        let checks = |contacts: usize, node: usize| Checks {
+            so_far: SoFar { touched: vec![false; contacts], ..SoFar::default() },
+            passed_through: Largest(Some((1.0, 0.5, Passed { node, bodies: [0, 1], depth: 1.0, apart: 0.0 }))),
+            ..Checks::default()
+        };
+        let fit = |contacts: usize, node: usize| checks(contacts, node).fit(&model);
+        assert_eq!([fit(contacts, nodes - 1), fit(contacts, nodes), fit(contacts + 1, 0)], [true, false, false]);
+    }
+}
