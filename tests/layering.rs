@@ -47,7 +47,7 @@ const PACKAGES: &[(&str, &[&str])] = &[
 ];
 
 /// One idea a file.
-const MOST_LINES: usize = 700;
+const MAX_LINES: usize = 700;
 
 /// The text of every Rust file below `folder` of the repository, by its path there.
 fn sources_in(folder: &str) -> BTreeMap<String, String> {
@@ -180,7 +180,7 @@ fn no_folder_has_a_circle() {
 fn has_its_places(folder: &str, places: &[(&str, &[&str])]) {
     for (file, text) in sources_in(folder) {
         let lines = text.lines().count();
-        assert!(lines <= MOST_LINES, "{folder}/{file}: {lines} lines");
+        assert!(lines <= MAX_LINES, "{folder}/{file}: {lines} lines");
         assert!(!text.contains("# Panics"), "{folder}/{file} promises a panic");
         for (line, code) in code(&text) {
             let at = line + 1;

@@ -34,7 +34,7 @@ pub use kind::CellKind;
 pub use notes::Notes;
 pub(crate) use quadrature::stiffness_rule;
 pub use quadrature::{fine_quadrature, quadrature, quadrature_of};
-pub(crate) use reference::{MOST_NODES, ReferenceCell, ReferenceCells, ReferencePoint};
+pub(crate) use reference::{MAX_NODES, ReferenceCell, ReferenceCells, ReferencePoint};
 pub use source::{Body, HalfPlane, MeshError, MeshSource, Segment};
 
 use crate::algebra::vector::{cross, minus};

@@ -15,7 +15,7 @@ const LARGEST_POISSON: f64 = 0.45;
 /// The largest stretch of an element for multigrid. A flexible body of elements four times as wide as high needs no
 /// more iterations than others; with ten times or more the iteration stagnates unless contact constrains most of the
 /// body. Meshes with elements stretched in different directions are unsuitable too.
-const MOST_STRETCHED: f64 = 8.0;
+const MAX_STRETCHED: f64 = 8.0;
 
 /// The reason why multigrid is not chosen for a model.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -59,7 +59,7 @@ pub fn unsuited(model: &Model, method: HistoryMethod) -> Option<Unsuited> {
         return Some(Unsuited::NearlyIncompressible(poisson));
     }
     let stretched = stretch(model);
-    if stretched > MOST_STRETCHED {
+    if stretched > MAX_STRETCHED {
         return Some(Unsuited::Stretched(stretched));
     }
     built_in(model)

@@ -13,7 +13,7 @@ const COARSER: usize = 4;
 const OF_DOUBLED: f64 = 1.2;
 
 /// The largest number of equal parts of a history that are tried to make its kinks coincide with ends of parts.
-const MOST_PARTS: usize = 64;
+const MAX_PARTS: usize = 64;
 
 /// The tolerance for an increment that ends at a kink, relative to the end of the history.
 const KINK_TOLERANCE: f64 = 1e-9;
@@ -92,7 +92,7 @@ pub(super) fn equal_parts(end: f64, kinks: &[f64]) -> (usize, usize) {
             (at - at.round()).abs() <= KINK_TOLERANCE * parts as f64
         })
     };
-    let parts = (1..=MOST_PARTS).find(|&parts| between(parts)).unwrap_or(MOST_PARTS);
+    let parts = (1..=MAX_PARTS).find(|&parts| between(parts)).unwrap_or(MAX_PARTS);
     let shortest = shortest_stretch(end, kinks);
     (parts, ((shortest / end * parts as f64).round() as usize).max(1))
 }
@@ -148,6 +148,6 @@ mod tests {
         assert_eq!(equal_parts(4.0, &[0.0, 1.0, 3.0, 9.0]), (4, 1));
         assert_eq!(equal_parts(1.0, &[0.4]), (5, 2));
         // No equal parts end at such a kink.
-        assert_eq!(equal_parts(1.0, &[0.5_f64.sqrt()]), (MOST_PARTS, 19));
+        assert_eq!(equal_parts(1.0, &[0.5_f64.sqrt()]), (MAX_PARTS, 19));
     }
 }

@@ -30,7 +30,7 @@ const RECORD_BYTES: f64 = 2000.0;
 
 /// An upper bound of the entries of a factor relative to those of the stiffness, for factors that fit into a machine.
 /// If there is room for that many, no ordering is needed to know that there is enough.
-const MOST_FILL: usize = 64;
+const MAX_FILL: usize = 64;
 
 /// The memory needed by a run, bytes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -134,7 +134,7 @@ impl MemoryEstimate {
         let (what, stiffness) = if linear == LinearAlgebra::Multigrid {
             ("the hierarchies of this scene", FactorInfo::default())
         } else {
-            let entries = MOST_FILL * model.problem.stiffness().lower_entries();
+            let entries = MAX_FILL * model.problem.stiffness().lower_entries();
             if of(FactorInfo { entries, ..FactorInfo::default() }) <= budget.bytes as f64 {
                 return Ok(());
             }

@@ -224,18 +224,18 @@ pub fn run_with(
     if !algorithm.knows(&outcome.layout) {
         return Ok(HistoryOutcome { status: Status::Unsupported, ..outcome });
     }
-    let mut position = HistoryState::start(problem);
-    let mut stages = HistoryDriver::new(problem, loading, times, settings, observer, &mut position);
-    stages.start = start;
-    stages.resume()?;
+    let mut history = HistoryState::start(problem);
+    let mut driver = HistoryDriver::new(problem, loading, times, settings, observer, &mut history);
+    driver.start = start;
+    driver.resume()?;
     match system {
         SystemSolver::Whole(linear) => {
-            let mut linear = linear.after(stages.done);
-            stages.stage(algorithm, stages.body, &mut linear)?;
+            let mut linear = linear.after(driver.done);
+            driver.stage(algorithm, driver.body, &mut linear)?;
         }
-        SystemSolver::Condensed(condensation) => stages.condensed(algorithm, &condensation)?,
+        SystemSolver::Condensed(condensation) => driver.condensed(algorithm, &condensation)?,
     }
-    Ok(stages.outcome)
+    Ok(driver.outcome)
 }
 
 /// Checks the ends of increments: at least one, finite, increasing, and not before 0, where the body is undeformed.

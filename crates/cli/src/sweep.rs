@@ -30,4 +30,4 @@ pub use outcome::VariantResult;
 pub use places::{Places, check_places};
 pub use quantity::{QuantityError, TableQuantity, quantities};
 pub use table::{Row, Shown, Sweep};
-pub use variation::{MOST_VARIANTS, Variant, Variation, VariationError, combinations};
+pub use variation::{MAX_VARIANTS, Variant, Variation, VariationError, combinations};

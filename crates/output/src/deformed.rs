@@ -44,7 +44,7 @@ const RIGHT: f64 = 150.0;
 const TOP: f64 = 104.0;
 /// The space below the body, for the axes.
 const BELOW: f64 = 84.0;
-const MOST_HEIGHT: f64 = 720.0;
+const MAX_HEIGHT: f64 = 720.0;
 /// The minimum height of the colour bar.
 const LEAST_BAR: f64 = 160.0;
 const TITLE_SIZE: f64 = 18.0;
@@ -130,7 +130,7 @@ impl DeformedBody {
             corners().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x[c]), high.max(x[c])))
         };
         let [(left, right), (low, high)] = [bound(0), bound(1)];
-        let scale = ((WIDTH - LEFT - RIGHT) / (right - left)).min(MOST_HEIGHT / (high - low));
+        let scale = ((WIDTH - LEFT - RIGHT) / (right - left)).min(MAX_HEIGHT / (high - low));
         let start = LEFT + 0.5 * (WIDTH - LEFT - RIGHT - scale * (right - left));
         let bottom = TOP + scale * (high - low);
         let at = |[x, y]: [f64; 2]| [start + scale * (x - left), bottom - scale * (y - low)];

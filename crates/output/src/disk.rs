@@ -1,6 +1,6 @@
 //! Estimates the disk space for the results of a run before the run.
 
-use crate::page::MOST_STATES;
+use crate::page::MAX_STATES;
 use stickslip::body::{Model, Probe, ProbePlace};
 use stickslip::scene::Scene;
 
@@ -46,6 +46,6 @@ pub fn bytes_on_disk(scene: &Scene, model: &Model) -> u64 {
     let state = if model.mesh.dimension == 2 { nodes * STATE } else { 0 };
     let each = INCREMENT + boundaries * FORCE + probes * PROBE;
     let times = scene.output.increments(&ends).len();
-    let written = times.min(MOST_STATES) * state + times * (pictures + fields + deformed);
+    let written = times.min(MAX_STATES) * state + times * (pictures + fields + deformed);
     (ends.len() * each + written) as u64
 }

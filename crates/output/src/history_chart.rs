@@ -13,7 +13,7 @@ const COMPONENTS: [(&str, [u8; 3], Dash); 3] = [
 ];
 
 /// With more increments than this, markers would hide the line and are not drawn.
-const MOST_MARKERS: usize = 60;
+const MAX_MARKERS: usize = 60;
 
 /// Returns the charts of a report, each with the stem of a file name: `forces`, if there were contact forces, and
 /// `iterations`, if there was any increment.
@@ -29,7 +29,7 @@ pub fn history_charts(report: &RunReport) -> Vec<(&'static str, Chart)> {
 }
 
 fn few(report: &RunReport, marker: Marker) -> Option<Marker> {
-    (report.curves.increments <= MOST_MARKERS).then_some(marker)
+    (report.curves.increments <= MAX_MARKERS).then_some(marker)
 }
 
 /// Plots the force of the body on the obstacle in front of each boundary, from the undeformed body on.

@@ -37,7 +37,7 @@ pub use fields::fields;
 pub use folder::{FileLock, FolderLock, KeptSolver, LockedOutputDir, ResultFolder, write_file, write_page};
 pub use history_chart::history_charts;
 pub use pace::Pace;
-pub use page::MOST_STATES;
+pub use page::MAX_STATES;
 pub use page::error::PageError;
 pub use plot::{contact_stresses, stress_chart};
 pub use pvd::series as pvd_series;

@@ -32,19 +32,19 @@ pub(crate) mod error;
 mod tables;
 
 /// The page shows no more states of the contact, and of the body.
-pub const MOST_STATES: usize = 40;
+pub const MAX_STATES: usize = 40;
 
 /// The tables of these states take no more bytes, or there are fewer states.
-const MOST_CONTACT: usize = 1_500_000;
+const MAX_CONTACT: usize = 1_500_000;
 
 /// The mesh and the states of the body take no more bytes, or there are fewer. One is always shown.
-const MOST_BODY: usize = 300_000;
+const MAX_BODY: usize = 300_000;
 
 /// Pictures take no more bytes. Those that do not fit are left out, the first ones before the last.
-const MOST_PICTURES: usize = 2_000_000;
+const MAX_PICTURES: usize = 2_000_000;
 
 /// The table of increments, that of forces, and those of all probes take no more bytes each, or show fewer increments.
-const MOST_HISTORY: usize = 700_000;
+const MAX_HISTORY: usize = 700_000;
 
 /// The columns of a contact line that are drawn.
 const DRAWN: [&str; 7] = ["x", "y", "sigma_n", "sigma_t", "gap", "slip_t", "status"];
@@ -102,14 +102,14 @@ pub(crate) fn page(names: &[String], read: impl Fn(&str) -> Result<String, PageE
     let failed = not_converged(&increments);
     let names: Vec<String> = names.iter().filter(|name| !failed.contains(&increment_of(name))).cloned().collect();
     if !increments.is_empty() {
-        files.insert("increments.csv".to_string(), thinned(&increments, &rows, MOST_HISTORY));
+        files.insert("increments.csv".to_string(), thinned(&increments, &rows, MAX_HISTORY));
     }
     if is_there("forces.csv") {
-        files.insert("forces.csv".to_string(), thinned(&read("forces.csv")?, &rows, MOST_HISTORY));
+        files.insert("forces.csv".to_string(), thinned(&read("forces.csv")?, &rows, MAX_HISTORY));
     }
     let probes = probes(head.as_ref(), &names);
     for name in probes.keys() {
-        files.insert(name.clone(), thinned(&read(name)?, &rows, MOST_HISTORY / probes.len()));
+        files.insert(name.clone(), thinned(&read(name)?, &rows, MAX_HISTORY / probes.len()));
     }
     for name in names.iter().filter(|name| is_table_of_the_whole(name)) {
         files.insert(name.clone(), limited(&read(name)?));
@@ -124,10 +124,10 @@ pub(crate) fn page(names: &[String], read: impl Fn(&str) -> Result<String, PageE
     let ending = if is_solid { "svg" } else { "csv" };
     let all: Vec<Contact> = names.iter().filter_map(|name| contact(name, ending, &boundaries)).collect();
     let numbers: Vec<usize> = all.iter().map(|state| state.increment).collect::<BTreeSet<_>>().into_iter().collect();
-    let mut most = MOST_STATES;
+    let mut most = MAX_STATES;
     if let (false, Some(first)) = (is_solid, all.first()) {
         let each = columns(&read(&first.file)?, &DRAWN).len() * all.len() / numbers.len();
-        most = most.min(MOST_CONTACT / each.max(1)).max(2);
+        most = most.min(MAX_CONTACT / each.max(1)).max(2);
     }
     let mut shown = chosen(&numbers, most);
     shown.extend(peak);
@@ -272,7 +272,7 @@ fn body(head: Option<&view::Head>, states: &str, failed: &BTreeSet<Option<usize>
     let is_good = |line: &&str| line.ends_with('\n') && !failed.iter().flatten().any(|index| of(line, *index));
     let lines: Vec<&str> = states.split_inclusive('\n').filter(is_good).collect();
     let each = lines.iter().map(|line| line.len()).max().unwrap_or(1);
-    let most = (MOST_BODY.saturating_sub(mesh.to_string().len()) / each).clamp(1, MOST_STATES);
+    let most = (MAX_BODY.saturating_sub(mesh.to_string().len()) / each).clamp(1, MAX_STATES);
     let mut shown = chosen(&(0..lines.len()).collect::<Vec<_>>(), most);
     let is_peak = |line: &&str| peak.is_some_and(|peak| of(line, peak));
     shown.extend(lines.iter().position(is_peak));
@@ -285,7 +285,7 @@ fn encoded(
     wanted: &[String],
     read: impl Fn(&str) -> Result<String, PageError>,
 ) -> Result<BTreeMap<String, String>, PageError> {
-    let (mut pictures, mut left) = (BTreeMap::new(), MOST_PICTURES);
+    let (mut pictures, mut left) = (BTreeMap::new(), MAX_PICTURES);
     for name in wanted {
         let picture = read(name)?;
         let Some(rest) = left.checked_sub(picture.len()) else { continue };

@@ -133,7 +133,7 @@ fn curves(points: &[ContactPoint], along: &Abscissa, units: &UnitSystem) -> Vec<
 
 /// Returns the nodes that have a marker: the ends of each zone, and between them as many as can be told apart.
 fn marked(points: &[ContactPoint]) -> Vec<&ContactPoint> {
-    let apart = points.last().zip(points.first()).map_or(0.0, |(last, first)| (last.s - first.s) / MOST_MARKERS);
+    let apart = points.last().zip(points.first()).map_or(0.0, |(last, first)| (last.s - first.s) / MAX_MARKERS);
     let mut marked: Vec<&ContactPoint> = Vec::new();
     for (k, point) in points.iter().enumerate() {
         let is_inside = [k.checked_sub(1), Some(k + 1)]
@@ -147,7 +147,7 @@ fn marked(points: &[ContactPoint]) -> Vec<&ContactPoint> {
 }
 
 /// The largest number of markers along a line; more would hide each other.
-const MOST_MARKERS: f64 = 200.0;
+const MAX_MARKERS: f64 = 200.0;
 
 /// Marks the node with the largest pressure, if there is pressure: the first one if several have it within rounding.
 fn largest_pressure(points: &[ContactPoint], along: &Abscissa, units: &UnitSystem) -> Option<Note> {

@@ -27,7 +27,7 @@ use stickslip::solver::history::IncrementView;
 pub(crate) const FILE: &str = ".page.jsonl";
 
 /// A body with more cells is drawn as an outline: its cells would be smaller than the dots of a screen.
-const MOST_CELLS: usize = 20_000;
+const MAX_CELLS: usize = 20_000;
 
 /// The first line of the file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -63,7 +63,7 @@ impl View {
         if mesh.dimension != 2 {
             return None;
         }
-        let has_cells = mesh.cells.len() <= MOST_CELLS;
+        let has_cells = mesh.cells.len() <= MAX_CELLS;
         let patches: Vec<Vec<usize>> = if has_cells {
             let corners =
                 |around: Vec<usize>, count: usize| around.iter().step_by(around.len() / count).copied().collect();

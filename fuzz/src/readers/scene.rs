@@ -11,10 +11,10 @@ use crate::random::Random;
 use crate::runs::{Case, Telling};
 
 /// Meshes with more nodes are read, and not made.
-const MOST_NODES: usize = 300;
+const MAX_NODES: usize = 300;
 
 /// Histories of more increments are read, and not made: obstacles that move are placed for each.
-const MOST_INCREMENTS: usize = 200;
+const MAX_INCREMENTS: usize = 200;
 
 pub(super) fn make(random: &mut Random, corpus: &Corpus) -> Vec<u8> {
     if random.percent(60) {
@@ -46,8 +46,8 @@ fn again(scene: &Scene) -> Result<(), String> {
 }
 
 fn discretised(scene: &Scene) -> Verdict {
-    let small = scene.description.mesh.nodes().is_none_or(|(nodes, _)| nodes <= MOST_NODES);
-    if !small || scene.description.times.len() > MOST_INCREMENTS {
+    let small = scene.description.mesh.nodes().is_none_or(|(nodes, _)| nodes <= MAX_NODES);
+    if !small || scene.description.times.len() > MAX_INCREMENTS {
         return Ok("read");
     }
     match discretise(scene) {

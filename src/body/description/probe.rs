@@ -6,7 +6,7 @@ use crate::algebra::vector::Vector;
 use crate::base::input_error::{InputError, ensure, finite, in_one_line};
 
 /// The largest number of points of a probe; output of more points belongs in a field file.
-const MOST_POINTS: usize = 10_000;
+const MAX_POINTS: usize = 10_000;
 
 /// A named point, or a named row of points on a line.
 #[derive(Debug, Clone, PartialEq)]
@@ -80,7 +80,7 @@ impl Probe {
                     each("from", from)?;
                     each("to", to)?;
                     let help = "the ends count; use output.fields for the whole body";
-                    let sound = (2..=MOST_POINTS).contains(&count);
+                    let sound = (2..=MAX_POINTS).contains(&count);
                     ensure(sound, &key("points"), &count, "at least 2 and at most 10000", help)?;
                     if from == to {
                         let message = "the line from a point to itself has no length";

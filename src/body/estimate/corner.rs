@@ -11,7 +11,7 @@ use crate::body::model::Model;
 const EDGE: f64 = 10.0 / 180.0 * std::f64::consts::PI;
 
 /// At an edge, the obstacle turns by more than this share of its turn over two elements.
-const MOST_OF: f64 = 0.5;
+const MAX_OF: f64 = 0.5;
 
 /// The pieces of an element's side in which the turn of an obstacle is examined.
 const PIECES: u32 = 16;
@@ -90,7 +90,7 @@ impl<'a> Corners<'a> {
         let (inner, runs) = steepest(&inside, -1.0).map_or((None, 0.0), |(inner, runs)| (Some(inner), runs));
         let turns = falls - runs.max(0.0);
         match self.sharpest_turn(i, inner, outer) {
-            Some(edge) => edge > EDGE && edge > MOST_OF * turns,
+            Some(edge) => edge > EDGE && edge > MAX_OF * turns,
             None => turns > CORNER,
         }
     }

@@ -14,7 +14,7 @@ use super::places::Places;
 use super::recovery::recovered;
 use super::strains::Strains;
 use crate::algebra::vector::minus;
-use crate::body::mesh::MOST_NODES;
+use crate::body::mesh::MAX_NODES;
 use crate::body::model::Model;
 
 /// The error of a mesh.
@@ -48,7 +48,7 @@ impl DiscretisationError {
         let (mut squares, mut samples) = (Vec::with_capacity(model.mesh.cells.len()), Vec::new());
         let mut stresses = [0.0; 2];
         for (e, law) in model.materials().iter().enumerate() {
-            let mut at_nodes = [[0.0; 6]; MOST_NODES];
+            let mut at_nodes = [[0.0; 6]; MAX_NODES];
             let places = places.of_cell(e);
             at_nodes.iter_mut().zip(places).for_each(|(own, &place)| *own = in_nodes[place]);
             let mut square = 0.0;

@@ -2,7 +2,7 @@
 
 use crate::algebra::vector::{cross, dot};
 use crate::body::fem::{Element, with_dilatation};
-use crate::body::mesh::{CellKind, Geometry, MOST_NODES, Mesh, ReferenceCell, ReferenceCells, ReferencePoint};
+use crate::body::mesh::{CellKind, Geometry, MAX_NODES, Mesh, ReferenceCell, ReferenceCells, ReferencePoint};
 use crate::body::model::Model;
 
 /// The volume (m³; in two dimensions the area, m²) of a point and its strain `(ε_xx, ε_yy, ε_zz, γ_xy, γ_yz, γ_zx)`.
@@ -140,7 +140,7 @@ impl StrainedBody<'_> {
         let mesh = &self.model.mesh;
         let cell = &mesh.cells[e];
         let Some(reference) = self.kinds.get(cell.kind) else { return };
-        let (mut nodes, mut moved) = ([[0.0; 3]; MOST_NODES], [[0.0; 3]; MOST_NODES]);
+        let (mut nodes, mut moved) = ([[0.0; 3]; MAX_NODES], [[0.0; 3]; MAX_NODES]);
         for ((x, u), &node) in nodes.iter_mut().zip(&mut moved).zip(&cell.nodes) {
             (*x, *u) = (mesh.nodes[node], self.displacements[node]);
         }
@@ -210,7 +210,7 @@ pub(super) fn volume(mesh: &Mesh, cells: &[usize]) -> f64 {
     let at = if mesh.dimension == 2 { strain_at::<2> } else { strain_at::<3> };
     for cell in cells.iter().map(|&e| &mesh.cells[e]) {
         let Some(reference) = kinds.get(cell.kind) else { continue };
-        let mut nodes = [[0.0; 3]; MOST_NODES];
+        let mut nodes = [[0.0; 3]; MAX_NODES];
         nodes.iter_mut().zip(&cell.nodes).for_each(|(x, &node)| *x = mesh.nodes[node]);
         let nodes = &nodes[..cell.nodes.len()];
         let points = reference.of(cell.kind, nodes).iter();

@@ -7,14 +7,14 @@ use crate::body::mesh::{CellKind, Jacobian, shape};
 const SLACK: f64 = 1e-9;
 
 /// The largest number of Newton steps. Bilinear cells need four or five; a cell that needs more is invalid.
-const MOST_STEPS: usize = 30;
+const MAX_STEPS: usize = 30;
 
 /// Returns the reference point `[ξ, η, ζ]` that the shape functions map to `x` (m), if `x` is in the cell with `nodes`
 /// (m), including its sides; `None` for a point outside.
 pub(crate) fn reference_point(kind: CellKind, nodes: &[[f64; 3]], x: [f64; 3]) -> Option<[f64; 3]> {
     // The initial guess is the centre.
     let mut point = kind.centre();
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MAX_STEPS {
         let values = shape(kind, point);
         let at = |c: usize| values.iter().zip(nodes).map(|(n, node)| n * node[c]).sum::<f64>();
         let left = [0, 1, 2].map(|c| x[c] - at(c));

@@ -3,10 +3,10 @@
 use super::{CellKind, Geometry, Mesh, corner_shape, fine_quadrature, local_gradients, shape, stiffness_rule};
 
 /// The largest number of nodes of a cell.
-pub(crate) const MOST_NODES: usize = 20;
+pub(crate) const MAX_NODES: usize = 20;
 
 /// The largest number of corners of a cell.
-const MOST_CORNERS: usize = 8;
+const MAX_CORNERS: usize = 8;
 
 /// A point of a rule on a reference cell.
 #[derive(Debug, Clone, Copy)]
@@ -14,11 +14,11 @@ pub(crate) struct ReferencePoint {
     /// The weight of the point.
     pub weight: f64,
     /// The shape functions of the nodes; 0 beyond the last node.
-    pub shape: [f64; MOST_NODES],
+    pub shape: [f64; MAX_NODES],
     /// The shape functions of the corners, see [`corner_shape`].
-    pub corners: [f64; MOST_CORNERS],
+    pub corners: [f64; MAX_CORNERS],
     /// `∂N_a/∂(ξ, η, ζ)` of the nodes.
-    pub slopes: [[f64; 3]; MOST_NODES],
+    pub slopes: [[f64; 3]; MAX_NODES],
 }
 
 /// A kind of cell at its integration points.
@@ -34,10 +34,10 @@ impl ReferenceCell {
     fn new(kind: CellKind, geometry: Geometry) -> Self {
         let at = |(point, weight): ([f64; 3], f64)| {
             let (values, gradients) = (shape(kind, point), local_gradients(kind, point));
-            let (mut shape, mut slopes) = ([0.0; MOST_NODES], [[0.0; 3]; MOST_NODES]);
+            let (mut shape, mut slopes) = ([0.0; MAX_NODES], [[0.0; 3]; MAX_NODES]);
             shape[..values.len()].copy_from_slice(&values);
             slopes[..gradients.len()].copy_from_slice(&gradients);
-            let (of_corners, mut corners) = (corner_shape(kind, point), [0.0; MOST_CORNERS]);
+            let (of_corners, mut corners) = (corner_shape(kind, point), [0.0; MAX_CORNERS]);
             corners[..of_corners.len()].copy_from_slice(&of_corners);
             ReferencePoint { weight, shape, corners, slopes }
         };

@@ -108,7 +108,7 @@ pub enum MeshError {
 }
 
 /// The largest number of elements; a larger mesh is an input error, since its matrix would not fit into memory.
-const MOST_ELEMENTS: usize = 50_000_000;
+const MAX_ELEMENTS: usize = 50_000_000;
 
 /// The values of each axis, formatted as in a scene: a list only if there are several segments.
 struct Axes<T>(Vec<Vec<T>>);
@@ -306,7 +306,7 @@ fn check_block(axes: &[Vec<Segment>], cells: CellKind, origin: Option<Vector>) -
     ensure(sound, "mesh.elements", &elements, "numbers of at least 1", help)?;
     let along = |axis: &Vec<usize>| axis.iter().try_fold(0_usize, |sum, &n| sum.checked_add(n));
     let all = elements.0.iter().try_fold(1_usize, |all, axis| all.checked_mul(along(axis)?));
-    let few = all.is_some_and(|n| n <= MOST_ELEMENTS);
+    let few = all.is_some_and(|n| n <= MAX_ELEMENTS);
     ensure(few, "mesh.elements", &elements, "at most 50 million in all", "use a coarser mesh")?;
     let grading = Axes(each(axes, |segment| segment.grading));
     let help = "give the size of the last element over that of the first, along each axis";
@@ -343,9 +343,9 @@ impl HalfPlane {
         let (contact, outer, layers) = (self.contact_elements, self.outer_elements, self.layers);
         for (key, n) in [("mesh.contact_elements", contact), ("mesh.outer_elements", outer), ("mesh.layers", layers)] {
             let must = "at least 1 and at most 50 million";
-            ensure((1..=MOST_ELEMENTS).contains(&n), key, &n, must, "give a number of elements")?;
+            ensure((1..=MAX_ELEMENTS).contains(&n), key, &n, must, "give a number of elements")?;
         }
-        if (contact + outer).checked_mul(layers).is_none_or(|n| n > MOST_ELEMENTS) {
+        if (contact + outer).checked_mul(layers).is_none_or(|n| n > MAX_ELEMENTS) {
             return Err(InputError::new("mesh", "the mesh has more than 50 million elements", "use a coarser mesh"));
         }
         Ok(())

@@ -1,13 +1,13 @@
 //! Stress invariants: principal stresses, von Mises' stress.
 
 /// An upper limit of the sweeps over the three rotations. Each sweep doubles the correct digits.
-const MOST_SWEEPS: usize = 20;
+const MAX_SWEEPS: usize = 20;
 
 /// Returns the principal stresses (Pa) of the stress `(σ_xx, σ_yy, σ_zz, τ_xy, τ_yz, τ_zx)` (Pa), the most tensile
 /// first, by Jacobi's rotations; NaN if the stress is NaN.
 pub fn principal_stresses([xx, yy, zz, xy, yz, zx]: [f64; 6]) -> [f64; 3] {
     let mut a = [[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]];
-    for _ in 0..MOST_SWEEPS {
+    for _ in 0..MAX_SWEEPS {
         if a[0][1] == 0.0 && a[0][2] == 0.0 && a[1][2] == 0.0 {
             break;
         }

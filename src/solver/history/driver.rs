@@ -30,7 +30,7 @@ pub(super) struct HistoryDriver<'a> {
     pub settings: &'a HistorySettings,
     pub observer: &'a mut dyn Observer,
     pub outcome: HistoryOutcome,
-    pub position: &'a mut HistoryState,
+    pub history: &'a mut HistoryState,
     /// The start of the history.
     pub start: Instant,
     /// The start of the increment in progress, and the statistics of the linear solver at that time.
@@ -46,14 +46,14 @@ pub(super) struct HistoryDriver<'a> {
 }
 
 impl<'a> HistoryDriver<'a> {
-    /// Creates a driver that has solved nothing and goes on from `position`.
+    /// Creates a driver that has solved nothing and goes on from `history`.
     pub(super) fn new(
         problem: &'a ContactProblem,
         loading: &'a Loading,
         times: &'a [f64],
         settings: &'a HistorySettings,
         observer: &'a mut dyn Observer,
-        position: &'a mut HistoryState,
+        history: &'a mut HistoryState,
     ) -> Self {
         HistoryDriver {
             body: Body { problem, loading, condensed: None },
@@ -61,7 +61,7 @@ impl<'a> HistoryDriver<'a> {
             settings,
             observer,
             outcome: HistoryOutcome::unsolved(problem),
-            position,
+            history,
             start: Instant::now(),
             increment_clock: None,
             done: Statistics::default(),
@@ -77,10 +77,10 @@ impl<'a> HistoryDriver<'a> {
     /// If the checkpoint belongs to another history.
     pub(super) fn resume(&mut self) -> Result<(), Error> {
         let Some(from) = &self.settings.from else { return Ok(()) };
-        let Saved { outcome, position, stage, statistics, .. } =
+        let Saved { outcome, history, stage, statistics, .. } =
             Saved::read(from, self.body.problem, self.body.loading, self.times, self.settings)?;
         self.outcome = outcome.resume(HistoryOutcome::unsolved(self.body.problem));
-        (*self.position, self.done, self.saved) = (position, statistics, Some(stage));
+        (*self.history, self.done, self.saved) = (history, statistics, Some(stage));
         Ok(())
     }
 
@@ -172,7 +172,7 @@ impl<'a> HistoryDriver<'a> {
     ) -> Result<Option<Stage>, Error> {
         let stage = Stage::new(body, self.settings, algorithm, linear)?;
         let factor = body.condensed.map(Condensed::info);
-        self.outcome.linear = statistics(*linear.statistics(), factor, self.position.worst_backward_error);
+        self.outcome.linear = statistics(*linear.statistics(), factor, self.history.worst_backward_error);
         let mut stage = match stage {
             Ok(stage) => stage,
             Err(free_motion) => {
@@ -185,7 +185,7 @@ impl<'a> HistoryDriver<'a> {
             self.outcome.setup_seconds = self.start.elapsed().as_secs_f64();
             self.observer.ready();
         }
-        stage.continue_from(self.position, body);
+        stage.continue_from(self.history, body);
         Ok(Some(stage))
     }
 
@@ -202,11 +202,11 @@ impl<'a> HistoryDriver<'a> {
     ) -> Result<Option<Vec<usize>>, Error> {
         let HistoryDriver { times, settings, .. } = *self;
         let (problem, factor) = (body.problem, body.condensed.map(Condensed::info));
-        let mut path = IncrementDriver { body, settings, stage, at: &mut *self.position };
+        let mut driver = IncrementDriver { body, settings, stage, history: &mut *self.history };
         let (outcome, observer) = (&mut self.outcome, &mut *self.observer);
 
         if let Some(saved) = self.saved.take() {
-            if !path.stage.method.restore(saved.snapshot, linear)? {
+            if !driver.stage.method.restore(saved.snapshot, linear)? {
                 return Err(CheckpointError::Other { what: "the method" }.into());
             }
             // Keeps the earlier value if there is nothing left to solve.
@@ -216,7 +216,7 @@ impl<'a> HistoryDriver<'a> {
             let index = outcome.tally.increments + 1;
             let (began, before) = self.increment_clock.take().unwrap_or_else(|| (Instant::now(), *linear.statistics()));
             let mut progress = IncrementObserver { problem, index, observer: &mut *observer };
-            let increment = match path.increment(time, linear, &mut progress) {
+            let increment = match driver.increment(time, linear, &mut progress) {
                 Ok(IncrementEnd::Ended(increment)) => increment,
                 Ok(IncrementEnd::NeedsNodes(nodes)) => {
                     self.increment_clock = Some((began, before));
@@ -225,7 +225,7 @@ impl<'a> HistoryDriver<'a> {
                 }
                 Err(error) => return outcome.end_by(error).map(|()| None),
             };
-            let statuses = statuses_of(problem, &path.data(), &increment.state);
+            let statuses = statuses_of(problem, &driver.data(), &increment.state);
             let seconds = Seconds::between(
                 &before,
                 linear.statistics(),
@@ -234,23 +234,23 @@ impl<'a> HistoryDriver<'a> {
             );
             let counts = ContactCounts::of(&statuses);
             let joined = std::mem::take(&mut self.joined);
-            let record = record(problem, path.data().force, index, time, &increment, counts, seconds);
+            let record = record(problem, driver.data().force, index, time, &increment, counts, seconds);
             let record = IncrementRecord { joined, ..record };
             let StepResult { solved, state, scales, status, slip, .. } = *increment;
-            let (flow, shown) = path.show(&state, |increment, state| {
+            let (flow, shown) = driver.show(&state, |increment, state| {
                 let step = IncrementView { record: &record, increment, state, statuses: &statuses };
                 (progress.observer.increment(&step), state.clone())
             });
             outcome.push(record, settings.keeps_records);
-            outcome.linear = statistics(*linear.statistics(), factor, path.at.worst_backward_error);
+            outcome.linear = statistics(*linear.statistics(), factor, driver.history.worst_backward_error);
             if status != Status::Converged || index == times.len() {
-                let data = path.data();
+                let data = driver.data();
                 let judgement = Judgement::near(problem, &data, &state, &scales, settings.tolerance)?;
                 outcome.rounding = judgement.rounding();
                 outcome.violation = (status != Status::Converged).then(|| judgement.worst());
             }
             outcome.status = status;
-            outcome.reached = path.at.reached.unwrap_or(0.0);
+            outcome.reached = driver.history.reached.unwrap_or(0.0);
             outcome.slip = slip;
             if status != Status::Converged {
                 if let Termination::Unconstrained(motion)
@@ -262,13 +262,13 @@ impl<'a> HistoryDriver<'a> {
                 return Ok(None);
             }
             outcome.state = shown;
-            outcome.increment_error = path.increment_error();
+            outcome.increment_error = driver.increment_error();
             outcome.scales = scales;
             if flow.is_break() && index < times.len() {
                 outcome.status = Status::Interrupted;
                 return Ok(None);
             }
-            observer.rest(&|| outcome.checkpoint(&path, &times[..index], linear));
+            observer.rest(&|| outcome.checkpoint(&driver, &times[..index], linear));
         }
         Ok(None)
     }
@@ -276,13 +276,13 @@ impl<'a> HistoryDriver<'a> {
 
 impl HistoryOutcome {
     /// Creates a checkpoint after the increments so far, which end at `times`.
-    fn checkpoint(&self, path: &IncrementDriver<'_>, times: &[f64], linear: &RefinedSolver) -> Checkpoint {
-        let nodes = path.body.nodes().map(<[usize]>::to_vec);
+    fn checkpoint(&self, driver: &IncrementDriver<'_>, times: &[f64], linear: &RefinedSolver) -> Checkpoint {
+        let nodes = driver.body.nodes().map(<[usize]>::to_vec);
         let saved = Saved {
-            run: RunOf::new(path.body.problem, path.body.loading, times, path.settings),
+            run: RunOf::new(driver.body.problem, driver.body.loading, times, driver.settings),
             outcome: Done::of(self),
-            position: path.at.clone(),
-            stage: SavedStage { snapshot: path.stage.method.snapshot(linear), nodes },
+            history: driver.history.clone(),
+            stage: SavedStage { snapshot: driver.stage.method.snapshot(linear), nodes },
             statistics: *linear.statistics(),
         };
         Checkpoint::new(self.tally.increments, self.reached, &saved)

@@ -378,10 +378,10 @@ impl ExactHistory<'_> {
         };
         let seconds = Seconds::between(&in_progress.before, &after, 0.0, in_progress.clock.elapsed().as_secs_f64());
         let IncrementSoFar { index, ends, friction_work, jumps, .. } = in_progress;
-        let walked = StepResult { solved, state, scales: scales.clone(), kkt, status, slip: None, ends, friction_work };
+        let result = StepResult { solved, state, scales: scales.clone(), kkt, status, slip: None, ends, friction_work };
         let counts = ContactCounts::of(&statuses);
-        let record = record(problem, &data.force, index, data.time, &walked, counts, seconds);
-        let (record, state) = (IncrementRecord { jumps, ..record }, walked.state);
+        let record = record(problem, &data.force, index, data.time, &result, counts, seconds);
+        let (record, state) = (IncrementRecord { jumps, ..record }, result.state);
         let flow = self.observer.increment(&IncrementView {
             record: &record,
             increment: &increment,

@@ -63,7 +63,7 @@ impl IncrementDriver<'_> {
         let mut force = vec![0.0; problem.displacements()];
         loading.force(from, &mut force);
         // Loads that are there at once have no path, and a body that moves rigidly may rest on these nodes alone.
-        let is_at_once = match self.at.reached {
+        let is_at_once = match self.history.reached {
             Some(_) => force == self.stage.force && gaps == loading.gaps_at(time),
             None => force.iter().any(|f| *f != 0.0),
         };
@@ -71,9 +71,9 @@ impl IncrementDriver<'_> {
             return Ok(None);
         }
         let part = &problem.natural().contact_part;
-        let friction: Vec<f64> = part.iter().map(|part| self.at.friction[*part]).collect();
+        let friction: Vec<f64> = part.iter().map(|part| self.history.friction[*part]).collect();
         let stiffness = problem.contact_stiffness();
-        let distance: Vec<f64> = gaps.iter().zip(&self.at.w_n).map(|(gap, w)| gap - w).collect();
+        let distance: Vec<f64> = gaps.iter().zip(&self.history.w_n).map(|(gap, w)| gap - w).collect();
         let is_open = |i: usize| stiffness[i] * distance[i] > ROUNDING * friction[i];
         let has_tangent = |i: usize| problem.tangential_maps().iter().any(|map| !map.row(i).is_empty());
         let rubs = |i: usize| self.stage.mu[i] > 0.0 && p_n[i] > 0.0 && has_tangent(i);
@@ -132,7 +132,7 @@ impl IncrementDriver<'_> {
         nodes: &[usize],
         is_open: impl Fn(usize) -> bool,
     ) -> Vec<(bool, TangentialCase)> {
-        let (mu, [slip_t, slip_o], r_t) = (self.friction_at(from), &self.at.slip, &self.settings.conventions.r_t);
+        let (mu, [slip_t, slip_o], r_t) = (self.friction_at(from), &self.history.slip, &self.settings.conventions.r_t);
         let case = |(k, &i): (usize, &usize)| match state.p_n[k] {
             _ if is_open(i) => (false, TangentialCase::NoPressure),
             p_n if p_n > 0.0 => {
@@ -146,12 +146,12 @@ impl IncrementDriver<'_> {
 
     /// Returns the largest friction `Σ |p_T|` of each part so far, N, up to the end of `substep`.
     pub(super) fn friction_with(&self, substep: &StepResult) -> Vec<f64> {
-        let mut friction = vec![0.0; self.at.friction.len()];
+        let mut friction = vec![0.0; self.history.friction.len()];
         for (i, part) in self.body.problem.natural().contact_part.iter().enumerate() {
             let rounding = ROUNDING * self.stage.mu[i] * substep.state.p_n[i];
             friction[*part] += length([substep.state.p_t[i], substep.state.p_o[i]]).max(rounding);
         }
-        friction.iter().zip(&self.at.friction).map(|(now, before)| now.max(*before)).collect()
+        friction.iter().zip(&self.history.friction).map(|(now, before)| now.max(*before)).collect()
     }
 }
 

@@ -41,7 +41,7 @@ pub(super) struct IncrementDriver<'a> {
     pub settings: &'a HistorySettings,
     pub stage: &'a mut Stage,
     /// The state that the history has reached.
-    pub at: &'a mut HistoryState,
+    pub history: &'a mut HistoryState,
 }
 
 /// The progress of an increment.
@@ -83,15 +83,15 @@ impl IncrementDriver<'_> {
 
     /// Calls `see` with the last substep's data and state, both relative to the initial configuration.
     pub(super) fn show<T>(&self, state: &State, see: impl FnOnce(&Increment<'_>, &State) -> T) -> T {
-        let RigidOffset { w_n, w_t: [w_t, w_o], .. } = &self.at.offset;
-        if !self.at.offset.is_nonzero() {
+        let RigidOffset { w_n, w_t: [w_t, w_o], .. } = &self.history.offset;
+        if !self.history.offset.is_nonzero() {
             return see(&self.data(), state);
         }
         let moved = |x: &[f64], by: &[f64]| x.iter().zip(by).map(|(x, by)| x + by).collect::<Vec<f64>>();
         let gap = moved(&self.stage.gap, w_n);
         let (w_t_last, w_o_last) = (moved(&self.stage.w_t_last, w_t), moved(&self.stage.w_o_last, w_o));
         let data = Increment { gap: &gap, w_t_last: &w_t_last, w_o_last: &w_o_last, ..self.data() };
-        see(&data, &self.at.offset.whole(state))
+        see(&data, &self.history.offset.whole(state))
     }
 
     /// Returns the time-step error of the increments so far.
@@ -103,13 +103,13 @@ impl IncrementDriver<'_> {
     fn rollback(&mut self) -> Rollback {
         let errors = self.stage.method.increment_errors().cloned();
         let (state, unknowns) = (self.stage.method.state(), self.stage.method.unknowns().clone());
-        Rollback { unknowns, state, offset: self.at.offset.clone(), errors }
+        Rollback { unknowns, state, offset: self.history.offset.clone(), errors }
     }
 
     /// Rolls back to the start of a substep.
     fn go_back(&mut self, start: Rollback) {
         self.stage.method.unknowns().copy_from_slice(&start.unknowns);
-        self.at.offset = start.offset;
+        self.history.offset = start.offset;
         if let (Some(errors), Some(before)) = (self.stage.method.increment_errors(), start.errors) {
             *errors = before;
         }
@@ -122,8 +122,8 @@ impl IncrementDriver<'_> {
         linear: &mut RefinedSolver,
         progress: &mut IncrementObserver<'_>,
     ) -> Result<IncrementEnd, LinearError> {
-        let so_far = self.at.in_progress.take();
-        let mut so_far = so_far.unwrap_or_else(|| IncrementInProgress::new(self.at.reached.unwrap_or(0.0), time));
+        let so_far = self.history.in_progress.take();
+        let mut so_far = so_far.unwrap_or_else(|| IncrementInProgress::new(self.history.reached.unwrap_or(0.0), time));
         let length = time - so_far.start;
         let smallest = length * 0.5_f64.powi(self.settings.halvings as i32);
         let margin = smallest.max(NEAR_SLIP * length);
@@ -131,13 +131,13 @@ impl IncrementDriver<'_> {
         let mut divided = false;
         loop {
             let end = so_far.pending.last().copied().unwrap_or(time);
-            let from = self.at.reached.unwrap_or(0.0);
+            let from = self.history.reached.unwrap_or(0.0);
             let rollback = self.rollback();
             let (mut substep, input) = self.substep(end, linear, &mut |iteration| progress.iteration(iteration))?;
             let is_solved = substep.status == Status::Converged;
             let mut touch = None;
             if is_solved {
-                self.at.friction = self.friction_with(&substep);
+                self.history.friction = self.friction_with(&substep);
             }
             // An increment that ends at its first touch has none before.
             if touches_left > 0 && !divided && is_solved {
@@ -170,9 +170,9 @@ impl IncrementDriver<'_> {
                     progress.part(end, &self.data(), &result, increment, state);
                 });
             } else if let Some(MissingNodes { nodes, solved }) = self.lack(&substep)? {
-                self.at.estimate = solved.then_some(substep.state);
-                self.at.errors = rollback.errors.zip(self.body.nodes().map(<[usize]>::to_vec));
-                self.at.in_progress = Some(so_far);
+                self.history.estimate = solved.then_some(substep.state);
+                self.history.errors = rollback.errors.zip(self.body.nodes().map(<[usize]>::to_vec));
+                self.history.in_progress = Some(so_far);
                 return Ok(IncrementEnd::NeedsNodes(nodes));
             } else if divided {
                 // The whole substep has a solution, but a part of it has none.
@@ -223,25 +223,25 @@ impl IncrementDriver<'_> {
             // The last increment of a stepper may have had another friction, before it failed or was taken back.
             None => self.stage.mu.copy_from_slice(problem.mu()),
         }
-        let from = self.at.reached.unwrap_or(0.0);
-        let begins = self.take_estimate(time).or(self.at.reached);
-        let before = self.at.offset.clone();
+        let from = self.history.reached.unwrap_or(0.0);
+        let begins = self.take_estimate(time).or(self.history.reached);
+        let before = self.history.offset.clone();
         let sizes = loading.force_sizes(time, problem.displacements());
         let landed = self.find_rest_position(time, &sizes);
-        self.stage.gap.iter_mut().zip(&self.at.offset.w_n).for_each(|(gap, w)| *gap -= w);
-        let tangential = [(&mut self.stage.w_t_last, &self.at.w_t), (&mut self.stage.w_o_last, &self.at.w_o)];
+        self.stage.gap.iter_mut().zip(&self.history.offset.w_n).for_each(|(gap, w)| *gap -= w);
+        let tangential = [(&mut self.stage.w_t_last, &self.history.w_t), (&mut self.stage.w_o_last, &self.history.w_o)];
         for (k, (last, w)) in tangential.into_iter().enumerate() {
             // Slip is motion relative to the obstacle, and excludes the motion of the rigid offset.
             let (drift, drift_now) = (loading.drift_at(from, k), loading.drift_at(time, k));
-            let (offset, carried_now) = (&before.w_t[k], &self.at.offset.w_t[k]);
+            let (offset, carried_now) = (&before.w_t[k], &self.history.offset.w_t[k]);
             for (i, last) in last.iter_mut().enumerate() {
                 *last = w[i] + (drift_now[i] - drift[i]) - (carried_now[i] - offset[i]);
             }
         }
-        let mut scales = self.at.scales.with_terms(problem, &sizes);
-        if self.at.offset.is_nonzero() {
+        let mut scales = self.history.scales.with_terms(problem, &sizes);
+        if self.history.offset.is_nonzero() {
             // Gaps are differences from those that the rigid offset closes.
-            scales = scales.with_gaps(problem, &self.data(), &self.at.offset.u);
+            scales = scales.with_gaps(problem, &self.data(), &self.history.offset.u);
         }
         SubstepInput { begins, sizes, landed, scales }
     }
@@ -320,7 +320,7 @@ impl IncrementDriver<'_> {
     ) -> Result<StepResult, LinearError> {
         let RecoveredState { state, backward_error, .. } = recovered;
         let solved = MethodResult { backward_error: outcome.backward_error.max(backward_error), ..outcome };
-        self.at.worst_backward_error = self.at.worst_backward_error.max(backward_error);
+        self.history.worst_backward_error = self.history.worst_backward_error.max(backward_error);
         let tolerance = self.settings.tolerance;
         let data = self.data();
         let judgement = Judgement::near(self.body.problem, &data, &state, scales, tolerance)?;
@@ -338,14 +338,14 @@ impl IncrementDriver<'_> {
 
     /// Makes the method start from the estimate of the state at `time`, if there is one.
     fn take_estimate(&mut self, time: f64) -> Option<f64> {
-        let estimate = self.at.estimate.take()?;
+        let estimate = self.history.estimate.take()?;
         self.stage.method.set_state(&self.body.restricted(&estimate));
         Some(time)
     }
 
     fn accept(&mut self, time: f64, substep: &StepResult) {
         if self.body.nodes().is_some() {
-            self.at.state = Some(substep.state.clone());
+            self.history.state = Some(substep.state.clone());
         }
         let w = self.body.problem.contact_motion(&substep.state.u);
         self.move_on(time, w, substep.scales.clone());
@@ -353,11 +353,11 @@ impl IncrementDriver<'_> {
 
     /// Advances to `time`, with the contact displacements `w_n`, `w_t` and `w_o`.
     fn move_on(&mut self, time: f64, [w_n, w_t, w_o]: [Vec<f64>; 3], scales: KktScales) {
-        let (at, stage) = (&mut *self.at, &*self.stage);
+        let (history, stage) = (&mut *self.history, &*self.stage);
         let slip = |w: &[f64], last: &[f64]| w.iter().zip(last).map(|(w, last)| w - last).collect();
-        at.slip = [slip(&w_t, &stage.w_t_last), slip(&w_o, &stage.w_o_last)];
-        (at.reached, at.scales) = (Some(time), scales);
-        (at.w_n, at.w_t, at.w_o) = (w_n, w_t, w_o);
+        history.slip = [slip(&w_t, &stage.w_t_last), slip(&w_o, &stage.w_o_last)];
+        (history.reached, history.scales) = (Some(time), scales);
+        (history.w_n, history.w_t, history.w_o) = (w_n, w_t, w_o);
     }
 
     /// Returns the share of the substep tried last, from the time `from`, after which the loads overcome friction on
@@ -425,12 +425,12 @@ impl IncrementDriver<'_> {
         let force = clamped.response(self.body.loading, None, time).contact_force * self.settings.scaling.force;
         let reach = |(gap, k): (&f64, &f64)| (force / k).max(NEARBY * gap.abs());
         let reach: Vec<f64> = self.stage.gap.iter().zip(&self.settings.contact_stiffness).map(reach).collect();
-        let moved = self.at.offset.w_n.iter().zip(&self.at.w_n).map(|(offset, w)| offset + w);
+        let moved = self.history.offset.w_n.iter().zip(&self.history.w_n).map(|(offset, w)| offset + w);
         let distance: Vec<f64> = self.stage.gap.iter().zip(moved).map(|(gap, w)| gap - w).collect();
         let load = Load { force: &self.stage.force, sizes };
         let Landing { weights, nodes } = landing(self.body.problem, &self.stage.mu, &load, &distance, &reach)?;
-        self.at.offset = self.at.offset.by(self.body.problem, &weights);
+        self.history.offset = self.history.offset.by(self.body.problem, &weights);
         let stays = weights.iter().all(|weight| *weight == 0.0);
-        (self.at.reached.is_none() || !stays).then_some(nodes)
+        (self.history.reached.is_none() || !stays).then_some(nodes)
     }
 }

@@ -89,7 +89,7 @@ impl RestartPoint<'_> {
     ) -> Result<HistoryOutcome, Error> {
         let &RestartPoint { problem, loading, ref state, ref scales, .. } = self;
         let [w_n, w_t, w_o] = problem.contact_motion(&state.u);
-        let mut position = HistoryState {
+        let mut history = HistoryState {
             reached: Some(self.time),
             state: Some(state.clone()),
             scales: scales.clone(),
@@ -98,14 +98,14 @@ impl RestartPoint<'_> {
             w_o,
             ..HistoryState::start(problem)
         };
-        let mut stages = HistoryDriver::new(problem, loading, times, settings, observer, &mut position);
-        stages.is_ready = true;
+        let mut driver = HistoryDriver::new(problem, loading, times, settings, observer, &mut history);
+        driver.is_ready = true;
         match means {
             JumpSolver::Whole(linear) => {
-                stages.stage(settings, stages.body, linear)?;
+                driver.stage(settings, driver.body, linear)?;
             }
-            JumpSolver::Condensed(condensation) => stages.condensed(settings, condensation)?,
+            JumpSolver::Condensed(condensation) => driver.condensed(settings, condensation)?,
         }
-        Ok(stages.outcome)
+        Ok(driver.outcome)
     }
 }

@@ -77,13 +77,13 @@ impl IncrementObserver<'_> {
         &mut self,
         time: f64,
         data: &Increment<'_>,
-        walked: &StepResult,
+        result: &StepResult,
         increment: &Increment<'_>,
         state: &State,
     ) {
-        let statuses = statuses_of(self.problem, data, &walked.state);
+        let statuses = statuses_of(self.problem, data, &result.state);
         let counts = ContactCounts::of(&statuses);
-        let record = record(self.problem, data.force, self.index, time, walked, counts, Seconds::default());
+        let record = record(self.problem, data.force, self.index, time, result, counts, Seconds::default());
         self.observer.part(&IncrementView { record: &record, increment, state, statuses: &statuses });
     }
 }
@@ -94,17 +94,17 @@ pub(super) fn record(
     force: &[f64],
     index: usize,
     time: f64,
-    walked: &StepResult,
+    result: &StepResult,
     contact: ContactCounts,
     seconds: Seconds,
 ) -> IncrementRecord {
-    let solved = &walked.solved;
+    let solved = &result.solved;
     IncrementRecord {
         index,
         time,
-        status: walked.status,
-        parts: walked.ends.len(),
-        part_ends: if walked.ends == [time] { Vec::new() } else { walked.ends.clone() },
+        status: result.status,
+        parts: result.ends.len(),
+        part_ends: if result.ends == [time] { Vec::new() } else { result.ends.clone() },
         joined: 0,
         jumps: 0,
         attempts: solved.attempts,
@@ -112,11 +112,11 @@ pub(super) fn record(
         iterations: solved.iterations,
         backtracks: solved.backtracks,
         theta: solved.theta,
-        kkt: walked.kkt,
+        kkt: result.kkt,
         backward_error: solved.backward_error,
         contact,
-        friction_work: walked.friction_work,
-        strain_energy: problem.energy_in_equilibrium(force, &walked.state),
+        friction_work: result.friction_work,
+        strain_energy: problem.energy_in_equilibrium(force, &result.state),
         seconds,
     }
 }

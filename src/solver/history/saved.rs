@@ -20,7 +20,7 @@ use serde::{Deserialize, Serialize};
 pub(super) struct Saved {
     pub run: RunOf,
     pub outcome: Done,
-    pub position: HistoryState,
+    pub history: HistoryState,
     pub stage: SavedStage,
     /// The statistics of the linear solver.
     pub statistics: Statistics,
@@ -221,7 +221,7 @@ impl Saved {
             .nodes
             .iter()
             .all(|nodes| nodes.is_sorted_by(|a, b| a < b) && nodes.last().is_some_and(|last| *last < contacts));
-        state(&self.outcome.state) && nodes && self.position.fits(problem, state)
+        state(&self.outcome.state) && nodes && self.history.fits(problem, state)
     }
 }
 

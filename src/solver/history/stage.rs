@@ -86,13 +86,13 @@ impl Stage {
         Ok(())
     }
 
-    /// Starts from the state `at` that the history has reached, if an earlier stage has left it.
-    pub(super) fn continue_from(&mut self, at: &mut HistoryState, body: Body<'_>) {
-        let Some(state) = &at.state else { return };
+    /// Starts from the state that the `history` has reached, if an earlier stage has left it.
+    pub(super) fn continue_from(&mut self, history: &mut HistoryState, body: Body<'_>) {
+        let Some(state) = &history.state else { return };
         self.method.set_state(&body.restricted(state));
-        let begun = (self.method.increment_errors(), at.errors.take(), at.reached);
+        let begun = (self.method.increment_errors(), history.errors.take(), history.reached);
         if let (Some(errors), Some((before, nodes)), Some(time)) = begun {
-            errors.continue_from(&before, &nodes, body, time, [&at.w_n, &at.w_t, &at.w_o]);
+            errors.continue_from(&before, &nodes, body, time, [&history.w_n, &history.w_t, &history.w_o]);
         }
     }
 }

@@ -48,7 +48,7 @@ pub struct Stepper<P> {
     times: Vec<f64>,
     /// The results up to the end of the last converged increment.
     done: Done,
-    position: HistoryState,
+    history: HistoryState,
     /// The equations, from the first increment on.
     stage: Option<Stage>,
     /// The loading for which they were set up.
@@ -64,7 +64,7 @@ pub struct Stepper<P> {
 pub struct StepperState {
     times: Vec<f64>,
     done: Done,
-    position: HistoryState,
+    history: HistoryState,
     /// The snapshot of the method; `None` before the equations were set up.
     method: Option<Snapshot>,
     /// The stepper that it belongs to.
@@ -94,7 +94,7 @@ impl<P: Borrow<ContactProblem>> Stepper<P> {
         };
         Ok(Stepper {
             done: Done::of(&HistoryOutcome::unsolved(problem.borrow())),
-            position: HistoryState::start(problem.borrow()),
+            history: HistoryState::start(problem.borrow()),
             settings: HistorySettings { from: None, working_set: None, ..settings },
             problem,
             body,
@@ -118,7 +118,7 @@ impl<P: Borrow<ContactProblem>> Stepper<P> {
         StepperState {
             times: self.times.clone(),
             done: self.done.clone(),
-            position: self.position.clone(),
+            history: self.history.clone(),
             method: self.restart.clone().or_else(now),
             of: Arc::clone(&self.identity),
         }
@@ -152,7 +152,7 @@ impl<P: Borrow<ContactProblem>> Stepper<P> {
     /// # Errors
     /// [`CheckpointError::Other`] for a state that another stepper has saved.
     pub fn restore(&mut self, state: &StepperState) -> Result<(), Error> {
-        let StepperState { times, done, position, method, of } = state.clone();
+        let StepperState { times, done, history, method, of } = state.clone();
         if !Arc::ptr_eq(&of, &self.identity) {
             return Err(CheckpointError::Other { what: "the stepper" }.into());
         }
@@ -160,7 +160,7 @@ impl<P: Borrow<ContactProblem>> Stepper<P> {
             // The equations are set up again, with whatever the next increment brings.
             (self.stage, self.loading) = (None, None);
         }
-        (self.times, self.done, self.position, self.restart) = (times, done, position, method);
+        (self.times, self.done, self.history, self.restart) = (times, done, history, method);
         Ok(())
     }
 
@@ -176,7 +176,7 @@ impl<P: Borrow<ContactProblem>> Stepper<P> {
     pub fn step(&mut self, loading: &Loading, time: f64, observer: &mut dyn Observer) -> Result<HistoryOutcome, Error> {
         loading.check(self.problem.borrow())?;
         self.times.push(time);
-        let before = self.position.clone();
+        let before = self.history.clone();
         let checked = super::check_times(&self.times).map_err(Error::from);
         let outcome = checked.and_then(|()| self.increment(loading, observer));
         match &outcome {
@@ -185,7 +185,7 @@ impl<P: Borrow<ContactProblem>> Stepper<P> {
                 self.restart = None;
             }
             _ => {
-                self.position = before;
+                self.history = before;
                 self.times.pop();
             }
         }
@@ -193,7 +193,7 @@ impl<P: Borrow<ContactProblem>> Stepper<P> {
     }
 
     fn increment(&mut self, loading: &Loading, observer: &mut dyn Observer) -> Result<HistoryOutcome, Error> {
-        let Stepper { problem, settings, body, linear, times, position, stage, loading: last, restart, .. } = self;
+        let Stepper { problem, settings, body, linear, times, history, stage, loading: last, restart, .. } = self;
         let problem = (*problem).borrow();
         let outcome = self.done.clone().resume(HistoryOutcome::unsolved(problem));
         if !settings.knows(&outcome.layout) {
@@ -240,7 +240,7 @@ impl<P: Borrow<ContactProblem>> Stepper<P> {
         }
         *last = Some(loading.clone());
         let is_ready = stage.is_some();
-        let mut driver = HistoryDriver::new(problem, loading, times, settings, observer, position);
+        let mut driver = HistoryDriver::new(problem, loading, times, settings, observer, history);
         (driver.start, driver.outcome, driver.is_ready) = (start, outcome, is_ready);
         if stage.is_none() {
             *stage = driver.set_up(settings, body, linear)?;

@@ -6,7 +6,7 @@ use stickslip_output::{Axis, Chart, Curve, Dash, Line, Marker, Panel, Scale, tol
 const DASHES: [Dash; 4] = [Dash::Solid, Dash::Dashed, Dash::Dotted, Dash::DashDotted];
 
 /// More curves than this cannot be distinguished. Beyond it, only points are drawn.
-const MOST_CURVES: usize = 16;
+const MAX_CURVES: usize = 16;
 
 impl Sweep {
     /// Plots [`Sweep::plotted`] of each converged variant; without it the largest contact pressure, or the iterations if
@@ -52,7 +52,7 @@ impl Sweep {
             }
         }
         let drawn: usize = curves.iter().map(|(_, points)| points.len()).sum();
-        let tell_apart = curves.len() <= MOST_CURVES;
+        let tell_apart = curves.len() <= MAX_CURVES;
         let curve = |(k, (label, mut points)): (usize, (String, Vec<[f64; 2]>))| {
             points.sort_by(|a, b| a[0].total_cmp(&b[0]));
             let line = Line { dash: DASHES[k / 4 % 4], width: 1.8 };

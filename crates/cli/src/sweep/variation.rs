@@ -8,7 +8,7 @@ use serde::Serialize;
 use stickslip::scene::{Override, OverrideSyntax};
 
 /// The largest number of variants; more are taken for a mistake.
-pub const MOST_VARIANTS: usize = 100_000;
+pub const MAX_VARIANTS: usize = 100_000;
 
 /// A key and its values, or several keys that change together.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -57,7 +57,7 @@ pub enum VariationError {
         value: String,
     },
     /// The ends or the count of a range are invalid.
-    #[error("{0} is no range from:to:count of two finite numbers and a count from 2 to {MOST_VARIANTS}")]
+    #[error("{0} is no range from:to:count of two finite numbers and a count from 2 to {MAX_VARIANTS}")]
     Range(String),
     /// A key is varied twice.
     #[error("{0} is varied twice; give all of its values at once")]
@@ -66,7 +66,7 @@ pub enum VariationError {
     #[error("{0} cannot be varied: one table has one unit in each column; use --set")]
     Units(String),
     /// There are too many combinations.
-    #[error("there are more than {MOST_VARIANTS} combinations; vary less at once")]
+    #[error("there are more than {MAX_VARIANTS} combinations; vary less at once")]
     TooMany,
 }
 
@@ -158,7 +158,7 @@ pub(super) fn listed(given: &str) -> Vec<String> {
 fn range(given: &str) -> Result<Option<Vec<String>>, VariationError> {
     let [from, to, count] = given.split(':').map(str::trim).collect::<Vec<_>>()[..] else { return Ok(None) };
     let (Ok(from), Ok(to)) = (from.parse::<f64>(), to.parse::<f64>()) else { return Ok(None) };
-    let count = count.parse::<usize>().ok().filter(|count| (2..=MOST_VARIANTS).contains(count));
+    let count = count.parse::<usize>().ok().filter(|count| (2..=MAX_VARIANTS).contains(count));
     let count = count.filter(|_| from.is_finite() && to.is_finite());
     let count = count.ok_or_else(|| VariationError::Range(given.to_string()))?;
     let value = |k: usize| {
@@ -194,7 +194,7 @@ pub fn combinations(variations: &[Variation]) -> Result<Vec<Variant>, VariationE
         return Err(VariationError::Units((*key).to_string()));
     }
     let all = variations.iter().try_fold(1_usize, |all, variation| all.checked_mul(variation.values.len()));
-    let Some(all) = all.filter(|&all| all <= MOST_VARIANTS) else { return Err(VariationError::TooMany) };
+    let Some(all) = all.filter(|&all| all <= MAX_VARIANTS) else { return Err(VariationError::TooMany) };
     let variant = |mut number: usize| {
         let mut values: Vec<String> = Vec::with_capacity(variations.len());
         for variation in variations.iter().rev() {

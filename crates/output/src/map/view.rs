@@ -13,7 +13,7 @@ const LEFT: f64 = 92.0;
 const RIGHT: f64 = 150.0;
 const TOP: f64 = 104.0;
 const BELOW: f64 = 64.0;
-const MOST_HEIGHT: f64 = 720.0;
+const MAX_HEIGHT: f64 = 720.0;
 
 /// The colour outside the surface.
 const OUTSIDE: Colour = [236, 236, 236];
@@ -84,7 +84,7 @@ impl View {
         let low = [0, 1].map(|c| low[c] - widened[c]);
         let high = [0, 1].map(|c| high[c] + widened[c]);
         let [across, upwards] = [0, 1].map(|c| high[c] - low[c]);
-        let scale = ((WIDTH - LEFT - RIGHT) / across).min(MOST_HEIGHT / upwards);
+        let scale = ((WIDTH - LEFT - RIGHT) / across).min(MAX_HEIGHT / upwards);
         let spacing = scale * spacing;
         let visible =
             || surface.nodes.iter().filter(|node| (0..2).all(|c| (low[c]..=high[c]).contains(&node.place[c])));

@@ -3,10 +3,10 @@
 use std::collections::BTreeSet;
 
 /// The page shows no more increments. Of others, the sums are shown with the next one.
-const MOST_ROWS: usize = 1000;
+const MAX_ROWS: usize = 1000;
 
 /// The page shows no more rows of a table of the whole run.
-const MOST_NODES: usize = 2000;
+const MAX_NODES: usize = 2000;
 
 /// Columns of `increments.csv` that are sums over the increment.
 const SUMS: [&str; 2] = ["iterations", "friction_work"];
@@ -32,7 +32,7 @@ fn index(line: &str) -> Option<usize> {
 
 /// Returns the increments of a table that begins with their numbers, as many as the page shows.
 pub(super) fn shown_increments(text: &str) -> BTreeSet<usize> {
-    chosen(&text.lines().filter_map(index).collect::<Vec<_>>(), MOST_ROWS)
+    chosen(&text.lines().filter_map(index).collect::<Vec<_>>(), MAX_ROWS)
 }
 
 /// Returns the `kept` increments of such a table, or fewer if they take more than about `most` bytes. A sum is that since the row
@@ -86,7 +86,7 @@ pub(super) fn columns(text: &str, wanted: &[&str]) -> String {
 
 /// Returns as many rows of a table as the page shows, evenly.
 pub(super) fn limited(text: &str) -> String {
-    let rows = chosen(&(1..text.lines().count()).collect::<Vec<_>>(), MOST_NODES);
+    let rows = chosen(&(1..text.lines().count()).collect::<Vec<_>>(), MAX_NODES);
     let row = |line: &str| line.split(',').map(short).collect::<Vec<_>>().join(",") + "\n";
     text.lines().enumerate().filter(|(k, _)| *k == 0 || rows.contains(k)).map(|(_, line)| row(line)).collect()
 }

@@ -41,7 +41,7 @@ pub use shared::share;
 use stiffness::BlockLayout;
 
 /// The number of iterations beyond which a direct solver is faster.
-const MOST_ITERATIONS: usize = 60;
+const MAX_ITERATIONS: usize = 60;
 /// The default relative residual; refinement does the rest.
 const TIGHT: f64 = 1e-10;
 
@@ -116,7 +116,7 @@ impl Multigrid {
         };
         let elimination = Elimination { grid: &self.grid, layout, nodes, border, form: self.form };
         let hierarchy = &mut self.hierarchies[*hierarchy];
-        let limit = hierarchy.patience(tolerance).min(MOST_ITERATIONS);
+        let limit = hierarchy.patience(tolerance).min(MAX_ITERATIONS);
         let approximately = |r: &[f64], z: &mut [f64]| elimination.precondition(hierarchy, work, r, z);
         let found = if matrix.has_leading() {
             gmres::solve(b, x, tolerance, limit, |x, y| matrix.mul(x, y), approximately)?

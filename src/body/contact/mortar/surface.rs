@@ -20,7 +20,7 @@ const IN_SPACE: [f64; 2] = [1e-3, 1e-5];
 const IN_PLANE: f64 = 1e-7;
 
 /// The largest number of fits after the first. Each makes the error at least ten times smaller between facets that turn by 20°.
-const MOST_FITS: usize = 10;
+const MAX_FITS: usize = 10;
 
 /// The number of points around a node that determine three curvatures and two slopes with one to spare.
 const ENOUGH: usize = 6;
@@ -171,7 +171,7 @@ impl<'a> Surface<'a> {
 fn fitted(about: [f64; 3], apart: &[[f64; 3]]) -> Option<[f64; 3]> {
     let mut found = fit(about, apart, None, IN_SPACE[0])?;
     let mut last = f64::INFINITY;
-    for _ in 0..MOST_FITS {
+    for _ in 0..MAX_FITS {
         let next = fit(found.normal, apart, Some(found.across), IN_SPACE[1])?;
         let step = norm(minus(next.normal, found.normal));
         if step >= last {

@@ -18,7 +18,7 @@ use elements::{is_beam, kind_of, order};
 use lines::Lines;
 
 /// The largest number of letters of a name; the format has 40, Salome writes more.
-const MOST_LETTERS: usize = 200;
+const MAX_LETTERS: usize = 200;
 
 /// Parses `bytes`; messages name the file `name`.
 pub(super) fn read(name: &str, bytes: &[u8]) -> Result<RawMesh, MeshFormatError> {
@@ -164,8 +164,8 @@ impl Model {
             if name.is_empty() {
                 name = number.to_string();
             }
-            if name.chars().count() > MOST_LETTERS {
-                let message = format!("the name of the group {number} has more than {MOST_LETTERS} letters");
+            if name.chars().count() > MAX_LETTERS {
+                let message = format!("the name of the group {number} has more than {MAX_LETTERS} letters");
                 return Err(lines.error(message, "give the group a shorter name"));
             }
             let group = *self.group_indices.entry(name.clone()).or_insert_with(|| {

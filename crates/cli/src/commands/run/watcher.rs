@@ -12,7 +12,7 @@ use stickslip::scene::Output;
 use stickslip::solver::Event;
 use stickslip::solver::history::{IncrementRecord, IncrementView, Observer, Status};
 use stickslip::solver::{Checkpoint, IterationRecord};
-use stickslip_output::{ContactSurface, DeformedBody, MOST_STATES, Pace, ResultFolder, fields};
+use stickslip_output::{ContactSurface, DeformedBody, MAX_STATES, Pace, ResultFolder, fields};
 
 /// Observer that updates the display and the result folder.
 pub(super) struct Watcher<'a> {
@@ -63,7 +63,7 @@ impl Watcher<'_> {
     /// Returns `true` if the page may show the body at the end of this increment: it shows few of many, evenly, with the
     /// last one, and one that failed.
     fn is_shown(&self, step: &IncrementView<'_>) -> bool {
-        let stride = self.wanted.len().div_ceil(MOST_STATES);
+        let stride = self.wanted.len().div_ceil(MAX_STATES);
         let place = self.wanted.binary_search(&step.record.index);
         step.record.status != Status::Converged
             || place.is_ok_and(|place| (self.wanted.len() - 1 - place).is_multiple_of(stride))

@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use crate::body::mesh::file::{MeshFormatError, Place};
 
 /// The number of files that may include one another; Abaqus allows five.
-const MOST_LEVELS: usize = 5;
+const MAX_LEVELS: usize = 5;
 
 /// The number of files that may be included.
-const MOST_FILES: usize = 1000;
+const MAX_FILES: usize = 1000;
 
 /// A keyword with its parameters.
 pub(super) struct Keyword<'a> {
@@ -128,10 +128,9 @@ impl Keywords {
         if self.included.contains(&path) {
             return Err(keyword.error(format!("{shown} is included twice"), "include each file once"));
         }
-        if self.level >= MOST_LEVELS || self.included.len() >= MOST_FILES {
-            let message = format!(
-                "*INCLUDE of {shown}: more than {MOST_LEVELS} levels, or {MOST_FILES} files, of included files"
-            );
+        if self.level >= MAX_LEVELS || self.included.len() >= MAX_FILES {
+            let message =
+                format!("*INCLUDE of {shown}: more than {MAX_LEVELS} levels, or {MAX_FILES} files, of included files");
             return Err(keyword.error(message, "put them into fewer files"));
         }
         let bytes = crate::base::input::read_bytes(&path).map_err(|fault| {
