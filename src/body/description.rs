@@ -106,7 +106,7 @@ pub struct Contact {
     /// Coulomb's friction coefficient `μ ≥ 0`. If two contacts share a node and its normal, the coefficient there is
     /// the mean of both, weighted by the node's area in each contact.
     pub friction: Field,
-    /// Points `[time (s), factor]` with increasing times and factors above 0 that multiply the coefficient: linear
+    /// Points `[time (s), factor]` with increasing times and factors of 0 or more that multiply the coefficient: linear
     /// between the points, constant outside. Without them the coefficient is constant.
     pub friction_history: Option<Vec<[f64; 2]>>,
     /// The opposite side of the contact.

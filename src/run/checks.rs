@@ -1,8 +1,8 @@
 //! Checks of the assumptions of the equations in the increments of a history.
 //!
-//! A check has a file, alone or with others of its kind: its measure, its threshold and its sentence. A new check of the
-//! increments is a type that implements [`Finding`] or [`Check`], and a line in the list of [`Checks`]. One of the results
-//! is a function, and a line in [`Solved::warnings`].
+//! A check has a file, alone or with others of its kind: its measure, its threshold and its sentence. A new check of
+//! the increments is a type that implements [`Finding`] or [`Check`], and a line in the list of [`Checks`]. One of the
+//! results is a function, and a line in [`Solved::warnings`].
 
 mod contact_zone;
 mod displacements;
@@ -71,7 +71,7 @@ struct SoFar {
     touched: Vec<bool>,
     /// The largest indentation by contact forces, m.
     indentation: f64,
-    /// `true` if it is that of the last increment.
+    /// `true` if the largest indentation so far is that of the last increment.
     is_deepest: bool,
 }
 
@@ -99,7 +99,7 @@ impl SoFar {
 /// A finding of an increment, of which the largest in a history violates an assumption.
 trait Finding: Sized {
     const KIND: WarningKind;
-    /// The size above which it is reported.
+    /// The size above which it is reported, in the unit of [`Finding::measure`].
     const LIMIT: f64;
 
     /// Returns the largest finding at the end of an increment, and its size.

@@ -25,7 +25,8 @@ use crate::body::description::Description;
 use crate::body::fem::Material;
 use bodies::Bodies;
 
-/// Lists optional keys of a table, each with `true` if it is given; messages name them with what is `under` them.
+/// Lists optional keys of a table, each with `true` if it is given. Messages name them behind the prefix `under`, such
+/// as `obstacle.`.
 macro_rules! given {
     ($table:expr; $($key:ident)*) => { $crate::scene::read::given!("", $table; $($key)*) };
     ($under:literal, $table:expr; $($key:ident)*) => {
@@ -36,8 +37,8 @@ use given;
 
 /// Reads the scene of `source`.
 ///
-/// Messages quote the numbers of the text, so it is read and checked as it stands before it is read in SI units, where
-/// only numbers that are too large for the solver are left to find.
+/// The scene is read twice: first with the numbers of the text, which messages quote, then in SI units. The second
+/// reading can only find numbers that are too large for the solver.
 pub(super) fn scene(source: &Source) -> Result<Scene, SceneError> {
     let as_written = Reader { source, key: "", units: Units::SI, depth: Depth::Whole };
     let scene = scene_by(as_written)?;

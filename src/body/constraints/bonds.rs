@@ -1,7 +1,7 @@
 //! Relations that determine displacements: those of carried nodes, and one for each row of a glued pair.
 //!
-//! A row of glue determines the displacement of its own node. If a support, a reference point or another row determines it
-//! already, the row determines another of its nodes, so that the two sides are joined there, too.
+//! A row of glue determines the displacement of its own node. If a support, a reference point or another row determines
+//! it already, the row determines another of its nodes, so that the two sides are joined there, too.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -58,8 +58,9 @@ impl Bonds {
         Relative { others, ..relation.clone() }
     }
 
-    /// Solves `relation` for a node that no other one determines: its own, unless that is bound, or held along directions
-    /// `alone` in which the other nodes may move. Returns `None` if the relation follows from others and from supports.
+    /// Solves `relation` for a node that no other one determines: its own, unless that is bound, or held along
+    /// directions `alone` in which the other nodes may move. Returns `None` if the relation follows from others and
+    /// from supports.
     ///
     /// # Errors
     /// [`Apart`] if there is no such node.
@@ -108,15 +109,15 @@ impl Bonds {
         Ok(Some(Relative { node, own: c.abs(), others, tied: true }))
     }
 
-    /// Returns the relation of a bound node that takes its place in other relations. A node that supports hold along a direction
-    /// in which the others may move stays, as the relation does not count there.
+    /// Returns the relation of a bound node by which the node is replaced in other relations. A node that supports hold
+    /// along a direction in which the others may move stays, as the relation does not count there.
     fn expands(&self, dofs: &Dofs, node: usize) -> Option<&Relative> {
         let counts = |bond: &&Relative| !dofs.held(node).any(|n| dofs.may_move(bond, n, |_, _| false));
         self.0.get(&node).filter(counts)
     }
 
-    /// Returns the sum `left` of displacements with coefficients in terms of nodes that no relation determines; carried nodes stay
-    /// unless `to_points`.
+    /// Returns the sum `left` of displacements with coefficients in terms of nodes that no relation determines; carried
+    /// nodes stay unless `to_points`.
     fn terms(&self, dofs: &Dofs, mut left: Vec<(usize, Coefficient)>, to_points: bool) -> BTreeMap<usize, Coefficient> {
         let mut terms = BTreeMap::<usize, Coefficient>::new();
         while let Some((node, c)) = left.pop() {

@@ -21,8 +21,8 @@ struct Faceted {
     pair: usize,
     /// The sum of the normal forces, N.
     force: f64,
-    /// The reduction of the gaps by curved surfaces, m: the mean, weighted by the normal forces; without a force over
-    /// the nodes at which curved surfaces overlap at the beginning.
+    /// The reduction of the gaps by curved surfaces, m: the mean, weighted by the normal forces. If there is no force,
+    /// it is the mean over the nodes at which curved surfaces overlap at the beginning.
     bulge: f64,
     /// The overlap at the beginning in the same mean, m; negative where contact has closed gaps.
     closed: f64,

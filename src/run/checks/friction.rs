@@ -2,8 +2,8 @@
 
 use super::prelude::*;
 
-/// The boundary with the largest share of friction at nodes constrained by supports, or without friction on the exact
-/// path.
+/// The boundary with the largest share of neglected friction: at nodes that supports constrain, and at nodes that have
+/// no friction on the exact path.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct LeftOut(usize);
 

@@ -14,7 +14,7 @@ const OF_SINGULAR: f64 = 0.6;
 /// tangential forces that were 2 to 20 % off.
 const COARSE: f64 = 0.15;
 
-/// The error of the stresses above which a warning is given, if it is also [`FAR`] times that of the mesh.
+/// A warning of the stresses is given if their error is above this and above [`FAR`] times the error of the mesh.
 const ROUGH: f64 = 0.1;
 const FAR: f64 = 3.0;
 

@@ -1,8 +1,8 @@
 //! The body of a history, whole or condensed, and the recovery of its states from those of the contact displacements.
 //!
 //! The interior follows from the contact displacements (35). If equilibrium is violated by more than rounding, as in
-//! slender bodies, the whole system is refined: its imbalance is reduced and solved for with the linearisation of that
-//! state, and the interior follows from the change.
+//! slender bodies, the whole system is refined: its imbalance is condensed, the change of the contact displacements is
+//! solved for with the linearisation of the recovered state, and the change of the interior follows.
 
 use crate::algebra::linear::{LinearError, componentwise_error};
 use crate::algebra::sparse::sum;
