@@ -25,13 +25,11 @@
 mod applicable;
 pub(crate) mod auto;
 mod checks;
-mod companion;
 mod discretise;
 mod error;
 mod force_jumps;
 #[cfg(feature = "petsc")]
 mod grid;
-mod increments;
 mod lock;
 mod need;
 mod recording;
@@ -50,7 +48,6 @@ pub use discretise::{discretise, expect_exact_path, tightening};
 pub use error::RunError;
 #[cfg(feature = "petsc")]
 pub use grid::grid;
-pub use increments::increments_for;
 pub use need::MemoryEstimate;
 pub use recording::{RecordedIncrement, Recording};
 
@@ -89,7 +86,6 @@ pub struct Run<'a> {
     /// The initial working set of condensed equations.
     reach: InitialWorkingSet,
     uniqueness: bool,
-    companion: bool,
     cycle: Option<CycleRequest>,
     /// The checkpoint from which the run resumes; `None` to begin with the unloaded body.
     from: Option<Checkpoint>,
@@ -170,21 +166,8 @@ impl<'a> Run<'a> {
         MemoryEstimate::check(&model, &reach, choice.linear, budget)?;
         let model_seconds = start.elapsed().as_secs_f64();
         let cycle = scene.and_then(|scene| scene.output.cycle);
-        let (uniqueness, companion, from) = (false, false, None);
-        Ok(Run {
-            scene,
-            model,
-            times,
-            solver,
-            choice,
-            budget,
-            reach,
-            uniqueness,
-            companion,
-            cycle,
-            from,
-            model_seconds,
-        })
+        let (uniqueness, from) = (false, None);
+        Ok(Run { scene, model, times, solver, choice, budget, reach, uniqueness, cycle, from, model_seconds })
     }
 
     /// Requests the critical friction at the end.
@@ -197,13 +180,6 @@ impl<'a> Run<'a> {
             return Err(RunError::SlidesInAPlane);
         }
         Ok(Run { uniqueness: true, ..self })
-    }
-
-    /// Requests an estimate of the time-step error of the tangential forces, by a second run with a quarter of the
-    /// increments, or with twice as many if there are few. Without friction there is no second run.
-    #[must_use]
-    pub fn with_companion(self) -> Self {
-        Run { companion: true, ..self }
     }
 
     /// Requests the results of a load cycle, at whose beginning and end increments must end. A scene with `output.cycle`

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 use stickslip::body::Model;
 use stickslip::body::mesh::{Boundary, Cell, CellKind, Mesh};
-use stickslip::run::{Run, Sink, discretise, increments_for};
+use stickslip::run::{Run, Sink, discretise};
 use stickslip::scene::{Contents, Override, OverrideSyntax, Provenance, Scene, with_contents};
 use stickslip::solver::history::SolverChoice;
 
@@ -76,7 +76,6 @@ impl GivenMesh<'_> {
 #[pyo3(from_item_all)]
 struct RunOptions {
     uniqueness: bool,
-    companion: bool,
     max_iterations: Option<usize>,
     tolerance: Option<f64>,
     /// The file in which the run is saved as it goes, and the seconds between.
@@ -257,18 +256,6 @@ impl SceneModel {
         fclib(py, &self.model, (&step, before.as_ref()), title, local, solved)
     }
 
-    /// How many increments keep the error of the tangential forces below `asked`, a share, as JSON.
-    fn increments_for(&self, py: Python<'_>, asked: f64) -> PyResult<String> {
-        if self.scene.solver.method.is_exact_path() {
-            return Err(PyValueError::new_err("increments: the exact path has no increments to choose"));
-        }
-        let files = self.files.clone();
-        let (chosen, _) = watched(py, Recorder::new(Keep::All(false), None, Raised::default()), |recorder| {
-            with_contents(files, || increments_for(&self.scene, asked, |_| (), recorder))
-        })?;
-        serde_json::to_string(&chosen).map_err(|error| PyValueError::new_err(error.to_string()))
-    }
-
     fn run<'py>(
         &self,
         py: Python<'py>,
@@ -277,11 +264,7 @@ impl SceneModel {
         callback: Option<Py<PyAny>>,
         options: RunOptions,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let RunOptions { uniqueness, companion, max_iterations, tolerance, checkpoint } = options;
-        if companion && self.scene.solver.method.is_exact_path() {
-            let message = "companion: the exact path has no increments to compare with fewer";
-            return Err(PyValueError::new_err(message));
-        }
+        let RunOptions { uniqueness, max_iterations, tolerance, checkpoint } = options;
         let SceneModel { scene, model, .. } = self;
         let raised = Raised::default();
         let (linear, own) = Algebra::new(linear, &raised)?.split(scene.solver.linear);
@@ -301,9 +284,6 @@ impl SceneModel {
             }
             if uniqueness {
                 run = run.with_uniqueness()?;
-            }
-            if companion {
-                run = run.with_companion();
             }
             if let Some(checkpoint) = left {
                 run = run.from(checkpoint);

@@ -12,7 +12,6 @@ if TYPE_CHECKING:
 _WORDS = (
     (r"`stickslip init \w+` shows (the form of every value|a complete scene)", "help(stickslip.builder) shows a complete scene"),
     (r"[;,] `stickslip check` (tells|shows) [^;.]*", ""),
-    (r"`stickslip run --companion`", "run(companion=True)"),
     (r" \(with --set\)", " (with overrides)"),
     (r"\(--for (\w+)\)", r'("\1")'),
     (r"\(--meshes coarse.msh,fine.msh\)", '(meshes=["coarse.msh", "fine.msh"])'),

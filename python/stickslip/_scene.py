@@ -265,43 +265,28 @@ class Model:
             raise ValueError(f"t: {t} found, expected a time in s")
         return float(t)
 
-    def with_increments(self, increments: int | Literal["auto"], to: float | None = None) -> Model:
+    def with_increments(self, increments: int) -> Model:
         """The same scene with other increments.
 
         Parameters
         ----------
-        increments : int or "auto"
-            So many equal increments. "auto": as many as the error of the tangential forces requires, which a first run estimates.
-        to : float, optional
-            That error, as a share; 0.05 without it. Only with "auto".
+        increments : int
+            So many equal increments.
 
         Returns
         -------
         Model
         """
-        model, _ = self._with_increments(increments, to)
-        return model
-
-    def _with_increments(self, increments: int | Literal["auto"], to: float | None) -> tuple[Model, dict[str, Any] | None]:
-        """The model, and how its increments were chosen if they were."""
-        chosen = None
-        if isinstance(increments, str) and increments == "auto":
-            asked = 0.05 if to is None else share("to", to, "a share between 0 and 1")
-            chosen = json.loads(self._core.increments_for(asked))
-            increments = chosen["increments"]
-        elif to is not None:
-            raise ValueError('to: it is the error for increments="auto"; leave it out')
-        increments = whole("increments", increments, '"auto" or a whole number of 1 or more')
+        increments = whole("increments", increments, "a whole number of 1 or more; stickslip.converge refines increments until a quantity is known")
         name, text, overrides, given = self._arguments
         model = Model.__new__(Model)
         model._has_text = self._has_text
         model._make(name, text, {**overrides, "time.increments": str(increments)}, given, self._files())
-        return model, chosen
+        return model
 
     def run(
         self, *, linear: Linear = "auto", keep_u: KeepU = "all", callback: Callback | None = None, progress: bool = False,
-        uniqueness: bool = False, companion: bool = False, increments: int | Literal["auto"] | None = None, to: float | None = None,
-        max_iterations: int | None = None, tolerance: float | None = None, checkpoint: str | os.PathLike[str] | None = None,
+        uniqueness: bool = False, increments: int | None = None, max_iterations: int | None = None, tolerance: float | None = None, checkpoint: str | os.PathLike[str] | None = None,
         checkpoint_every: float | None = None, _stacklevel: int = 3,
     ) -> Result:
         """Solves the history as the scene says.
@@ -319,10 +304,7 @@ class Model:
             A bar by tqdm.
         uniqueness : bool, optional
             Whether ``report["critical_friction"]`` is wanted.
-        companion : bool, optional
-            A second run with other increments estimates the time-step error of the tangential forces:
-            ``report["estimates"]["increments"]``.
-        increments, to : int or "auto", float, optional
+        increments : int, optional
             Other increments than the scene's, see `with_increments`; ``result.model`` has them.
         max_iterations, tolerance : int, float, optional
             In place of the scene's.
@@ -372,9 +354,7 @@ class Model:
         if checkpoint is None and checkpoint_every is not None:
             raise ValueError("checkpoint_every: it is the time between checkpoints; name their file by checkpoint")
         algebra = linear_of(linear)
-        if increments is None and to is not None:
-            raise ValueError('to: it is the error for increments="auto"; leave it out')
-        model, chosen = (self, None) if increments is None else self._with_increments(increments, to)
+        model = self if increments is None else self.with_increments(increments)
         bar: Any = None
         told: Callback | None = callback
         if progress:
@@ -392,8 +372,7 @@ class Model:
             told = counted
 
         options = {
-            "uniqueness": bool(uniqueness), "companion": bool(companion),
-            "max_iterations": most, "tolerance": tolerance,
+            "uniqueness": bool(uniqueness), "max_iterations": most, "tolerance": tolerance,
             "checkpoint": None if checkpoint is None else (checkpoint, checkpoint_every),
         }
         try:
@@ -409,8 +388,6 @@ class Model:
         result = Result._of(raw, model.problem, model, linear=algebra, stacklevel=_stacklevel)
         if raw["unsaved"]:
             warnings.warn(f"checkpoint: {raw['unsaved']}; the run went on without", RuntimeWarning, stacklevel=_stacklevel - 1)
-        if chosen is not None:
-            result.report["chosen_increments"] = chosen
         if checkpoint is not None and result.converged:
             with contextlib.suppress(FileNotFoundError):
                 os.remove(checkpoint)
@@ -436,9 +413,8 @@ def _restore(name: str, text: str, overrides: dict[str, str], given: _mesh.Given
 
 def run(
     scene: SceneLike, overrides: Mapping[str, Any] | None = None, *, mesh: Any = None, linear: Linear = "auto", keep_u: KeepU = "all",
-    callback: Callback | None = None, progress: bool = False, uniqueness: bool = False, companion: bool = False,
-    increments: int | Literal["auto"] | None = None, to: float | None = None, max_iterations: int | None = None,
-    tolerance: float | None = None, checkpoint: str | os.PathLike[str] | None = None, checkpoint_every: float | None = None,
+    callback: Callback | None = None, progress: bool = False, uniqueness: bool = False,
+    increments: int | None = None, max_iterations: int | None = None, tolerance: float | None = None, checkpoint: str | os.PathLike[str] | None = None, checkpoint_every: float | None = None,
 ) -> Result:
     """Discretises a scene and solves it: `Model` and `Model.run` in one.
 
@@ -446,7 +422,7 @@ def run(
     ----------
     scene, overrides, mesh
         See `Model`.
-    linear, keep_u, callback, progress, uniqueness, companion, increments, to, max_iterations, tolerance, checkpoint, checkpoint_every
+    linear, keep_u, callback, progress, uniqueness, increments, max_iterations, tolerance, checkpoint, checkpoint_every
         See `Model.run`.
 
     Returns
@@ -468,7 +444,7 @@ def run(
     10000 N per m of depth
     """
     return Model(scene, overrides, mesh=mesh).run(
-        linear=linear, keep_u=keep_u, callback=callback, progress=progress, uniqueness=uniqueness, companion=companion,
-        increments=increments, to=to, max_iterations=max_iterations, tolerance=tolerance, checkpoint=checkpoint,
+        linear=linear, keep_u=keep_u, callback=callback, progress=progress, uniqueness=uniqueness,
+        increments=increments, max_iterations=max_iterations, tolerance=tolerance, checkpoint=checkpoint,
         checkpoint_every=checkpoint_every, _stacklevel=4,
     )

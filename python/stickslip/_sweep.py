@@ -190,7 +190,7 @@ def _combinations(vary: Mapping[Key, Iterable[Any]]) -> list[dict[str, Any]]:
 
 def sweep(
     scene: SceneLike, vary: Mapping[Key, Iterable[Any]], *, overrides: Mapping[str, Any] | None = None, mesh: Any = None,
-    jobs: int | None = None, linear: Linear = "auto", keep_u: KeepU = "last", companion: bool = False, uniqueness: bool = False,
+    jobs: int | None = None, linear: Linear = "auto", keep_u: KeepU = "last", uniqueness: bool = False,
 ) -> Sweep:
     """Runs a scene with all combinations of values, several at a time.
 
@@ -204,7 +204,7 @@ def sweep(
         Values by key, as in `overrides`; a tuple of keys has tuples of values, which change together.
     jobs : int, optional
         How many run at a time, in threads; the number of processors without it.
-    linear, companion, uniqueness
+    linear, uniqueness
         See `Model.run`; a `LinearSolver` needs ``jobs=1``.
     keep_u : {"last", "all", "none"} or sequence of int, optional
         Of which increments displacements are kept. All of many runs may fill the memory; `Model.run` keeps all of one.
@@ -254,9 +254,7 @@ def sweep(
 
     def one(model: Model) -> Result:
         watch()
-        return model.run(
-            linear=linear, keep_u=keep_u, companion=companion, uniqueness=uniqueness, callback=watch, _stacklevel=0,
-        )
+        return model.run(linear=linear, keep_u=keep_u, uniqueness=uniqueness, callback=watch, _stacklevel=0)
 
     with ThreadPoolExecutor(jobs or os.cpu_count() or 1) as threads:
         runs = [threads.submit(one, model) for model in models]

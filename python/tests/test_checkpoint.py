@@ -44,10 +44,8 @@ def without_times(words: Any) -> Any:
 
 
 @pytest.mark.parametrize("method", ["bn", "ip", "events"])
-@pytest.mark.parametrize("options", [{}, {"keep_u": "last"}, {"keep_u": [2, 11]}, {"uniqueness": True}, {"companion": True}])
+@pytest.mark.parametrize("options", [{}, {"keep_u": "last"}, {"keep_u": [2, 11]}, {"uniqueness": True}])
 def test_a_run_that_goes_on_is_the_whole_run(method: str, options: dict[str, Any], tmp_path: Path) -> None:
-    if method == "events" and "companion" in options:
-        pytest.skip("the exact path has no second run")
     model = ss.Model(ss.Scene.example("block"), {**SMALL, "solver.method": method, "solver.setting": "default"})
     whole = model.run(**options)
     file = left(model, tmp_path / "run.ckpt", **options)

@@ -1,7 +1,6 @@
 //! The report of a run: forces, pressures, estimates of the errors, and warnings, as plain data.
 
 mod balance;
-mod companion;
 mod contact_line;
 mod csv;
 mod cycle;
@@ -27,7 +26,6 @@ mod usage;
 mod warnings;
 
 pub use balance::{AppliedForce, BalanceRecord, BalanceWatch, PointRecord, SectionRecord};
-pub use companion::{ChosenIncrements, CompanionEstimate};
 pub use contact_line::{ContactLine, ContactPoint, points as contact_points};
 pub use csv::{line as csv_line, number as csv_number, table as csv_table};
 pub use cycle::{CycleNode, CycleOfBoundary, CycleReport, CycleWatch, CycleWork, SlipRegime, last_cycles};

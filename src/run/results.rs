@@ -4,7 +4,6 @@ use std::time::Instant;
 
 use super::applicable::{fell_back, means};
 use super::checks::Solved;
-use super::companion::{Companion, Quiet};
 use super::force_jumps::JumpDetector;
 use super::watch::{ReportCollector, Watches};
 use super::{Done, Faster, RecordedIncrement, Run, RunError, Sink};
@@ -13,16 +12,14 @@ use crate::algebra::linear::{LinearError, RefinedSolver};
 use crate::body::estimate::error_of_force;
 use crate::body::model::Model;
 use crate::run::report::{
-    BodyRecord, CompanionEstimate, ComponentSums, CycleWatch, EliminatedUnknown, EstimateWatch, Estimates, ExactPath,
-    Explanation, ForceJump, Moment, PairRecord, Resultant, RunReport, SCHEMA_VERSION, Totals, Unknowns, Warning,
+    BodyRecord, ComponentSums, CycleWatch, EliminatedUnknown, EstimateWatch, Estimates, ExactPath, Explanation,
+    ForceJump, Moment, PairRecord, Resultant, RunReport, SCHEMA_VERSION, Totals, Unknowns, Warning,
 };
-use crate::solver::formulation::Layout;
 use crate::solver::history::{
     self, HistoryOutcome, HistorySettings, JumpSolver, LinearAlgebra, Observer, Status, SystemSolver,
 };
 use crate::solver::influence::influence;
 use crate::solver::laws::KktScales;
-use crate::solver::problem::State;
 use crate::solver::uniqueness::{self, CriticalFriction};
 
 /// Returns an additional result; if it could not be computed, adds a warning to `missing`.
@@ -59,13 +56,11 @@ impl Run<'_> {
     pub(super) fn report(&self, system: SystemSolver, mut audience: Sink<'_>) -> Result<RunReport, RunError> {
         let start = Instant::now();
         let (linear, condensed) = (system.name(), system.condenses());
-        let companion = self.companion();
-        let numbers = companion.as_ref().map_or(&[][..], |companion| &companion.ends[0]);
         let is_path = self.solver.method.is_exact_path();
         let cycle = self.cycle.as_ref().and_then(|cycle| CycleWatch::new(&self.model, &self.times, cycle, is_path));
         let watches = Watches::new(&self.model, cycle, JumpDetector::new(&self.model, self.solver.method));
         let (model, keeps_last, audience) = (&*self.model, self.uniqueness, &mut audience);
-        let mut collector = ReportCollector { model, audience, watches, keeps_last, numbers };
+        let mut collector = ReportCollector { model, audience, watches, keeps_last };
         if let Some(checkpoint) = &self.from {
             collector.continue_from(checkpoint).map_err(history::Error::from)?;
         }
@@ -77,7 +72,7 @@ impl Run<'_> {
         };
         let outcome = self.history_with(system, &self.times, &settings, &mut collector)?;
         let ReportCollector { audience, mut watches, .. } = collector;
-        let more = self.additional(companion.as_ref(), &settings, &outcome, &mut watches, audience.observer());
+        let more = self.additional(&settings, &outcome, &mut watches, audience.observer());
         let totals = Totals::new(&outcome, self.model_seconds, start);
         Ok(self.summary((linear, condensed), &outcome, watches, more, totals))
     }
@@ -85,7 +80,6 @@ impl Run<'_> {
     /// Solves for additional results. The history is solved, and a failure loses one result only.
     fn additional(
         &self,
-        companion: Option<&Companion>,
         settings: &HistorySettings,
         outcome: &HistoryOutcome,
         watches: &mut Watches,
@@ -95,10 +89,6 @@ impl Run<'_> {
         let found = watches.estimates.estimates(&self.model);
         let mut estimates = Estimates { increments: outcome.increment_error, ..found };
         let converged = outcome.status == Status::Converged;
-        if let Some(companion) = companion.filter(|_| converged) {
-            let compared = self.compared(companion, &watches.states, observer).map(Some);
-            estimates.companion = or_missing(&mut missing, "the estimate by a companion run", compared);
-        }
         if self.cycle.is_some() && watches.cycle.is_none() {
             missing.push(Warning::of_missing("the load cycle", &NoCycle));
         }
@@ -168,7 +158,6 @@ impl Run<'_> {
             unknowns: Unknowns::new(&outcome.layout, method.increments()),
             left_out: EliminatedUnknown::all(model, condensed, self.working_set().filter(|_| condensed)),
             working_set: outcome.working_set,
-            chosen_increments: None,
             kinks: scene.map(|scene| scene.time.kinks.clone()).unwrap_or_default(),
             increments: watches.increments,
             exact_path: method.is_exact_path().then(|| ExactPath::of(outcome)),
@@ -182,27 +171,6 @@ impl Run<'_> {
             last_reactions: watches.last_reactions,
             curves: watches.curves,
         }
-    }
-
-    /// Returns the increments of a companion run, if it was requested and there is friction.
-    fn companion(&self) -> Option<Companion> {
-        let layout = Layout::new(&self.model.problem);
-        let has_friction = (0..layout.contacts()).any(|i| layout.has_friction(i));
-        (self.companion && has_friction).then(|| Companion::of(&self.times, &self.model.loading.kinks()))
-    }
-
-    /// Solves the `companion` of a run with these `states` at the ends of its load segments, and compares.
-    fn compared(
-        &self,
-        companion: &Companion,
-        states: &[State],
-        observer: &mut dyn Observer,
-    ) -> Result<CompanionEstimate, RunError> {
-        let mut quiet = Quiet { observer, numbers: &companion.ends[1], states: Vec::new() };
-        let settings = HistorySettings { keeps_records: false, ..self.settings()? };
-        let status = self.history_with(self.system(), &companion.times, &settings, &mut quiet)?.status;
-        let both = [states, &quiet.states[..]];
-        Ok(CompanionEstimate::new(&self.model, companion.times.len(), status, both, companion.share))
     }
 
     /// Returns the error of a force by the mesh at the `moment` of its largest value, N; `None` if it is unknown, as in

@@ -5,12 +5,13 @@
 //! increments are solved again after an additional increment, which is as short as rounding permits and applies the
 //! actions at t = 0. Interference that is too small to matter, such as the rounding of gaps, is none.
 
-use super::companion::Quiet;
 use super::{Run, RunError};
 use crate::body::model::Model;
 use crate::solver::formulation::Layout;
 use crate::solver::history::{HistorySettings, Observer, Status};
+use crate::solver::newton::IterationRecord;
 use crate::solver::problem::State;
+use std::ops::ControlFlow;
 
 /// The length of the increment that applies the actions at t = 0, relative to the first increment.
 const AT_ONCE: f64 = 1e-9;
@@ -35,13 +36,21 @@ impl Run<'_> {
         }
         let settings = HistorySettings { keeps_records: false, ..self.settings()? };
         let mut last = |times: &[f64]| -> Result<Option<State>, RunError> {
-            let mut quiet = Quiet { observer: &mut *observer, numbers: &[], states: Vec::new() };
-            let outcome = self.history_with(self.system(), times, &settings, &mut quiet)?;
+            let outcome = self.history_with(self.system(), times, &settings, &mut OnlyIterations(observer))?;
             Ok((outcome.status == Status::Converged).then_some(outcome.state))
         };
         let Some(together) = last(times)? else { return Ok(None) };
         let Some(apart) = last(&[&[AT_ONCE * first], times].concat())? else { return Ok(None) };
         Ok(times.last().and_then(|&at| difference(&self.model, at, &together, &apart)))
+    }
+}
+
+/// An observer of a run that sees only the iterations of an additional solution, at which it may stop it.
+struct OnlyIterations<'a>(&'a mut dyn Observer);
+
+impl Observer for OnlyIterations<'_> {
+    fn iteration(&mut self, index: usize, record: &IterationRecord) -> ControlFlow<()> {
+        self.0.iteration(index, record)
     }
 }
 

@@ -13,7 +13,6 @@ use crate::solver::checkpoint::{Checkpoint, CheckpointError};
 use crate::solver::events::Event;
 use crate::solver::history::{IncrementRecord, IncrementView, Observer, Status};
 use crate::solver::newton::{IterationRecord, LinearSystem};
-use crate::solver::problem::State;
 use std::ops::ControlFlow;
 
 /// Takes the records of a run as they are made, in place of its report. The records of millions of increments would
@@ -58,8 +57,6 @@ pub(super) struct Watches {
     pub last_reactions: Option<BalanceRecord>,
     /// The last converged increment, if it must be kept or an exact path has ended early.
     pub last: Option<RecordedIncrement>,
-    /// The contact forces at the ends of selected increments.
-    pub states: Vec<State>,
     /// The records of the increments of this process; empty with a ledger.
     #[serde(skip)]
     pub increments: Vec<IncrementRecord>,
@@ -93,21 +90,18 @@ pub(super) struct ReportCollector<'a, 'b> {
     pub audience: &'a mut Sink<'b>,
     pub watches: Watches,
     pub keeps_last: bool,
-    /// The increments, ascending from 1, for which the contact forces at the end are kept.
-    pub numbers: &'a [usize],
 }
 
 impl ReportCollector<'_, '_> {
     /// Resumes from the data in a `checkpoint`.
     pub(super) fn continue_from(&mut self, checkpoint: &Checkpoint) -> Result<(), CheckpointError> {
         let stored: Watches = checkpoint.part(1)?;
-        let before = self.numbers.iter().filter(|number| **number <= checkpoint.increments()).count();
         let what = if stored.sizes != self.watches.sizes {
             "the mesh or its contact"
         } else if stored.cycle.is_some() != self.watches.cycle.is_some() {
             "the load cycle"
-        } else if stored.states.len() != before || stored.last.is_some() != self.keeps_last {
-            "what is asked for (--companion, --uniqueness)"
+        } else if stored.last.is_some() != self.keeps_last {
+            "what is asked for (--uniqueness)"
         } else {
             let fit = stored.checks.fit(self.model)
                 && stored.jumps.fit(self.model)
@@ -165,9 +159,6 @@ impl Observer for ReportCollector<'_, '_> {
         if let Some(cycle) = &mut watches.cycle {
             cycle.see(model, step);
         }
-        if converged && self.numbers.binary_search(&step.record.index).is_ok() {
-            watches.states.push(tangential_forces(step.state));
-        }
         if self.keeps_last && converged || step.record.status == Status::NoContinuation {
             watches.last = Some(RecordedIncrement::new(step));
         }
@@ -195,9 +186,4 @@ impl Observer for ReportCollector<'_, '_> {
         let watches = &self.watches;
         self.audience.observer().rest(&|| here().with(watches));
     }
-}
-
-/// Returns the tangential forces of a state, which a companion run compares.
-pub(super) fn tangential_forces(State { p_t, p_o, .. }: &State) -> State {
-    State { p_t: p_t.clone(), p_o: p_o.clone(), ..State::default() }
 }

@@ -54,12 +54,8 @@ pub enum Subject {
     Cantilever,
     /// The work of friction.
     Work,
-    /// The tangential forces, by the run itself.
+    /// The tangential forces.
     Friction,
-    /// The same at the ends of stretches, by a companion run.
-    Companion,
-    /// The same, by the larger of both.
-    Both,
 }
 
 impl fmt::Display for Subject {
@@ -71,8 +67,6 @@ impl fmt::Display for Subject {
             Subject::Cantilever => "cantilever",
             Subject::Work => "work of friction",
             Subject::Friction => "tangential forces",
-            Subject::Companion => "tangential forces at the ends of stretches by a companion run",
-            Subject::Both => "tangential forces by the larger of both",
         })
     }
 }

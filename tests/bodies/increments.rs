@@ -207,9 +207,8 @@ fn a_cylinder_is_warned_of_with_few_increments() {
     assert!(warned(&four)[0]);
     // The exact path has 11 % less work than 64 increments.
     assert_eq!(warned(&many), [true, false]);
-    // So few cannot tell by themselves: a second run does.
     let message = &one.warnings.iter().find(|warning| warning.kind == WarningKind::IncrementsForce).unwrap().message;
-    assert!(message.contains("a single increment") && message.contains("--companion"), "{message}");
+    assert!(message.contains("a single increment") && message.ends_with("; take 8 or more"), "{message}");
     // The stick zone on the screen: of nodes in contact.
     let share = |report: &RunReport| {
         let counts = report.increments.last().unwrap().contact;
@@ -286,8 +285,7 @@ fn nothing_is_told_without_friction() {
     assert!(solved(BLOCK, 4, &["mesh.elements=[6,6]", "contact.friction=0.0"]).estimates.increments.is_none());
 }
 
-/// The error of the increments belongs to the history, not to the method that solves it: both methods tell the same, and a
-/// companion run does not take the warning away.
+/// The error of the increments belongs to the history, not to the method that solves it: both methods tell the same.
 #[test]
 fn all_methods_tell_the_same_of_increments() {
     for (scene, n, set) in [

@@ -11,7 +11,6 @@ mod axisymmetric_contact;
 mod axisymmetric_refused;
 mod checkpoints;
 mod closed_forms;
-mod companion;
 mod concave;
 mod couplings;
 mod cube;

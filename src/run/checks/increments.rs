@@ -19,9 +19,6 @@ const FEW: usize = 3;
 /// The number suggested instead.
 const ENOUGH: usize = 8;
 
-/// The command for a reliable estimate of the force error at the ends of load segments.
-const COMPANION: &str = "`stickslip run --companion`";
-
 /// Returns the warnings of time-step errors.
 pub(super) fn warnings(solved: &Solved<'_>) -> Vec<Warning> {
     let Solved { model, estimates, .. } = solved;
@@ -67,39 +64,24 @@ fn of_start(error: f64) -> String {
     )
 }
 
-/// Warns if the time-step error of the tangential forces is large, or there are too few increments to estimate it.
-/// The estimate by a companion run covers the ends of load segments only, so the larger of both counts. If no node
-/// begins to stick during a load segment, the forces are exact.
+/// Warns if the time-step error of the tangential forces is large, or there are too few increments to estimate it. If no
+/// node begins to stick during a load segment, the forces are exact.
 fn force(Solved { estimates, outcome, .. }: &Solved<'_>) -> Option<String> {
-    let (increments, companion) =
-        (outcome.tally.increments, estimates.companion.and_then(|of| Some((of.error?, of.increments))));
-    let enough = |error: f64| (increments as f64 * error / GOOD).ceil();
-    let own = estimates.increments.and_then(|found| found.force_error);
-    if let Some((error, others)) = companion.filter(|(error, _)| own.is_none_or(|own| own <= error.max(FORCE))) {
-        return (error > FORCE).then(|| {
-            format!(
-                "the tangential forces have a time-step error of about {:.0} % with {increments} increments, by \
-                 comparison with {others}: take {:.0} for {:.0} %",
-                100.0 * error,
-                enough(error),
-                100.0 * GOOD
-            )
-        });
-    }
     let found = estimates.increments.filter(|found| found.sticking_begins > 0)?;
-    if let Some(fewest) = found.fewest.filter(|fewest| *fewest <= FEW && companion.is_none()) {
+    if let Some(fewest) = found.fewest.filter(|fewest| *fewest <= FEW) {
         let increments = if fewest == 1 { "a single increment".to_string() } else { format!("{fewest} increments") };
         return Some(format!(
             "nodes begin to stick while loads change in one direction for {increments}, too few to estimate the \
-             time-step error of the tangential forces; take {ENOUGH} or more, or estimate it with {COMPANION}"
+             time-step error of the tangential forces; take {ENOUGH} or more"
         ));
     }
     found.force_error.filter(|error| *error > FORCE).map(|error| {
+        let increments = outcome.tally.increments;
         format!(
-            "the tangential forces have a time-step error of roughly {:.0} % with {increments} increments: take \
-             {:.0} for {:.0} %; {COMPANION} estimates it better, by a second run",
+            "the tangential forces have a time-step error of roughly {:.0} % with {increments} increments; take \
+             {:.0} for {:.0} %",
             100.0 * error,
-            enough(error),
+            (increments as f64 * error / GOOD).ceil(),
             100.0 * GOOD
         )
     })

@@ -2,7 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::companion::CompanionEstimate;
 use super::largest::is_as_large;
 use super::peak::{LargestPressure, Peak};
 use crate::body::estimate::{ContactEstimate, ContactGraph, ElementEstimate, PeakZone, SlipZones, StickZone};
@@ -51,9 +50,6 @@ pub struct Estimates {
     /// The time-step error, with friction and BN only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub increments: Option<IncrementError>,
-    /// The time-step error of the tangential forces by a companion run, if it was requested.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub companion: Option<CompanionEstimate>,
     /// The error of the friction forces by loads or interference at t = 0, as a share of the largest possible friction, if there
     /// are such actions.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -220,7 +216,6 @@ impl EstimateWatch {
             work_by_width: self.slip.error(),
             negligible_work: self.negligible_work(),
             increments: None,
-            companion: None,
             start: None,
         }
     }
@@ -245,13 +240,5 @@ impl Estimates {
     pub fn stick_zone(&self) -> Option<&StickZone> {
         let sticking = self.contact.iter().filter(|contact| contact.stick.is_some());
         sticking.max_by(|a, b| a.force.total_cmp(&b.force)).and_then(|contact| contact.stick.as_ref())
-    }
-
-    /// Returns the time-step error of the tangential forces, as a share. It is the larger of the estimates by the run
-    /// and by its companion, because each covers nodes that the other misses.
-    pub fn force_error(&self) -> Option<f64> {
-        let by_transport = self.increments.and_then(|increments| increments.force_error);
-        let by_companion = self.companion.and_then(|companion| companion.error);
-        by_transport.into_iter().chain(by_companion).reduce(f64::max)
     }
 }

@@ -3,7 +3,6 @@
 use serde::Serialize;
 
 use super::balance::BalanceRecord;
-use super::companion::ChosenIncrements;
 use super::cycle::CycleReport;
 use super::estimates::Estimates;
 use super::exact_path::ExactPath;
@@ -109,9 +108,6 @@ pub struct RunReport {
     /// The working set of condensed equations, if it did not contain all contact nodes at first.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub working_set: Option<WorkingSet>,
-    /// The number of increments chosen by a first run, if it was requested.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub chosen_increments: Option<ChosenIncrements>,
     /// Additional ends of increments, s: kinks of histories that do not coincide with ends of equal increments.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub kinks: Vec<f64>,

@@ -97,7 +97,7 @@ fn words(rows: &[Row]) -> Vec<String> {
         let told = match subject {
             Subject::Line | Subject::Sphere => peaks(&of),
             Subject::Work => by_increments(&of, 0.1),
-            Subject::Friction | Subject::Companion | Subject::Both => by_increments(&of, 0.05),
+            Subject::Friction => by_increments(&of, 0.05),
             // Cells of second order have no such estimate.
             _ if kind.is_quadratic() => stiffnesses(&of),
             Subject::Pressed | Subject::Cantilever => [stiffnesses(&of), verdicts(&of, 0.05, 0.02)].concat(),

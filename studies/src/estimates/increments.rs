@@ -137,10 +137,10 @@ struct Solved {
 }
 
 impl Solved {
-    /// With so many increments `a_stretch`, and the companion.
+    /// With so many increments `a_stretch`.
     fn new(history: &History, a_stretch: usize) -> Result<Self, EstimateError> {
         let scene = history.scene(a_stretch, "bn")?;
-        Solved::of(&scene, &Run::new(&scene)?.with_companion(), a_stretch)
+        Solved::of(&scene, &Run::new(&scene)?, a_stretch)
     }
 
     fn of(scene: &Scene, run: &Run<'_>, a_stretch: usize) -> Result<Self, EstimateError> {
@@ -204,21 +204,15 @@ impl Truth {
         };
         let work = (found.friction_work - self.friction_work) / found.friction_work;
         let mut rows = vec![row(Subject::Work, work, found.work_error, warned(WarningKind::IncrementsWork))];
-        let everywhere = self.error(friction, self.a_stretch / a_stretch, 1);
-        let transported = found.force_error;
-        let companion = report.estimates.companion.and_then(|companion| companion.error);
-        let both = transported.into_iter().chain(companion).reduce(f64::max);
+        let everywhere = self.error(friction, self.a_stretch / a_stretch);
         let warned = warned(WarningKind::IncrementsForce);
-        rows.extend(transported.map(|estimate| row(Subject::Friction, everywhere, estimate, warned)));
-        let at_corners = self.error(friction, self.a_stretch / a_stretch, *a_stretch);
-        rows.extend(companion.map(|estimate| row(Subject::Companion, at_corners, estimate, None)));
-        rows.extend(both.map(|estimate| row(Subject::Both, everywhere, estimate, None)));
+        rows.extend(found.force_error.map(|estimate| row(Subject::Friction, everywhere, estimate, warned)));
         Ok(rows)
     }
 
-    /// The largest error of tangential forces at the end of each `every`th increment, by the largest there; the truth has `finer` times as many.
-    fn error(&self, friction: &[Vec<f64>], finer: usize, every: usize) -> f64 {
-        let ends = || (every..=friction.len()).step_by(every);
+    /// The largest error of tangential forces at the end of each increment, by the largest there; the truth has `finer` times as many.
+    fn error(&self, friction: &[Vec<f64>], finer: usize) -> f64 {
+        let ends = || 1..=friction.len();
         let size = |p: &mut dyn Iterator<Item = f64>| p.map(|p| p * p).sum::<f64>().sqrt();
         let exact = |k: usize| &self.friction[k * finer - 1];
         let apart = |k: usize| size(&mut friction[k - 1].iter().zip(exact(k)).map(|(p, exact)| p - exact));

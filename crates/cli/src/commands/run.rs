@@ -1,6 +1,5 @@
 //! `stickslip run`.
 
-mod increments;
 mod resume;
 mod summary;
 
@@ -10,7 +9,6 @@ mod watcher;
 use super::progress::Progress;
 use super::{ExitStatus, Failure, SceneArgs, interrupt, origin, output, threads, uniqueness};
 use clap::Args;
-use increments::{IncrementArgs, explain};
 use resume::Left;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -19,7 +17,7 @@ use stickslip::base::Budget;
 use stickslip::body::Model;
 use stickslip::run::report::ProbeTable;
 use stickslip::run::{MemoryEstimate, Run};
-use stickslip::scene::{Provenance, Scene};
+use stickslip::scene::{Override, Provenance, Scene};
 use stickslip::solver::Checkpoint;
 use stickslip::solver::history::Status;
 use stickslip_output::{KeptSolver, LockedOutputDir, Pace, ResultFolder};
@@ -68,11 +66,9 @@ pub(super) struct RunArgs {
     /// Compute the friction coefficient up to which the rates at the end are unique for the contact statuses there
     #[arg(long)]
     uniqueness: bool,
-    /// Estimate the time-step error of the tangential forces by a second run with a quarter of the increments
-    #[arg(long)]
-    companion: bool,
-    #[command(flatten)]
-    increments: IncrementArgs,
+    /// Number of increments, replaces time.increments
+    #[arg(long, value_name = "N", value_parser = increments)]
+    increments: Option<u32>,
 }
 
 impl RunArgs {
@@ -92,16 +88,15 @@ impl RunArgs {
 /// Runs on `count` threads.
 pub(super) fn run(args: &RunArgs, count: usize) -> Result<ExitStatus, Failure> {
     interrupt::listen();
-    let scene = args.scene.read()?;
+    let mut scene = args.scene.read()?;
+    if let Some(number) = args.increments {
+        scene = scene.with(&[Override::value("time.increments", i64::from(number))])?;
+    }
     #[cfg(feature = "mpi")]
     ranks::check(stickslip::algebra::linear::ranks::count(), scene.solver.linear)?;
     if args.is_verbose() {
         say!("{}", scene.title);
         say!("set-up       mesh, stiffness, contact");
-    }
-    let (mut scene, chosen) = args.increments.of(scene, count)?;
-    if let (Some(chosen), true) = (&chosen, args.is_verbose()) {
-        say!("increments   {}", explain(chosen));
     }
     let origin = origin(&scene)?;
     let claim =
@@ -151,7 +146,6 @@ pub(super) fn run(args: &RunArgs, count: usize) -> Result<ExitStatus, Failure> {
     watcher.progress.finish();
     let Watcher { mut folder, failed_write, .. } = watcher;
     let mut report = report?;
-    report.chosen_increments = chosen;
     report.solver_choice = choice;
     let mut is_written = false;
     if let Some(folder) = &mut folder {
@@ -192,23 +186,18 @@ fn prepared<'a>(args: &RunArgs, scene: &'a Scene, count: usize, left: Option<Che
     if args.uniqueness {
         run = run.with_uniqueness()?;
     }
-    if args.companion {
-        check_companion(scene)?;
-        run = run.with_companion();
-    }
     Ok(match left {
         Some(checkpoint) => run.from(checkpoint),
         None => run,
     })
 }
 
-/// Returns an error if a second run cannot estimate the time-step error.
-pub(super) fn check_companion(scene: &Scene) -> Result<(), Failure> {
-    if !scene.solver.method.is_exact_path() {
-        return Ok(());
-    }
-    let help = "remove --companion";
-    Err(Failure::Input(miette::miette!(help = help, "the exact path has no increments to compare with fewer")))
+/// Parses a number of increments.
+pub(super) fn increments(text: &str) -> Result<u32, String> {
+    text.parse().map_err(|_| match text {
+        "auto" => "give a number: `stickslip converge` refines increments until a quantity is known".to_string(),
+        _ => "not a number".to_string(),
+    })
 }
 
 fn open_folder(

@@ -15,7 +15,7 @@ use stickslip::scene::{Override, Scene};
 use stickslip_output::{FolderLock, write_file};
 
 use super::progress::bar;
-use super::run::{check_companion, write_failure};
+use super::run::{increments, write_failure};
 use super::{Cli, ExitStatus, Failure, SceneArgs, interrupt, origin, threads};
 use processes::{Ended, Processes};
 
@@ -32,10 +32,6 @@ pub(super) struct SweepArgs {
     /// Number of increments of all variants, replaces time.increments
     #[arg(long, value_name = "N", value_parser = increments)]
     increments: Option<u32>,
-    /// Estimate the time-step error of the tangential forces of each variant by a second run with a quarter of the
-    /// increments
-    #[arg(long)]
-    companion: bool,
     /// Number of variants run at a time [default: the number of processors]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
@@ -46,16 +42,6 @@ pub(super) struct SweepArgs {
     /// Print only the table, as one JSON object
     #[arg(long)]
     json: bool,
-}
-
-fn increments(text: &str) -> Result<u32, String> {
-    match text.parse() {
-        Ok(number) => Ok(number),
-        Err(_) if text == "auto" => Err("all variants have equal increments; `stickslip run SCENE --increments auto` \
-            says how many one of them requires: give the largest such number"
-            .to_string()),
-        Err(_) => Err("not a number".to_string()),
-    }
 }
 
 /// Options for what is shown of each variant.
@@ -133,7 +119,6 @@ pub(super) fn sweep(args: &SweepArgs, cli: &Cli) -> Result<ExitStatus, Failure> 
         folder: &results.path,
         // By default, the variants share the processors.
         threads: cli.threads.map_or_else(|| threads::count(None) / jobs, |count| count as usize).max(1),
-        companion: args.companion,
         quantities: &wanted,
     };
     if let Some(folder) = &args.out {
@@ -215,9 +200,6 @@ fn tasks(args: &SweepArgs) -> Result<(Vec<Task>, Places), Failure> {
     let mut task = |variant: crate::sweep::Variant| {
         let overrides = [args.scene.overrides(), increments.iter().cloned().collect(), variant.overrides].concat();
         let (fingerprint, text, scene) = one(args, &overrides)?;
-        if args.companion {
-            check_companion(&scene)?;
-        }
         places.add(&scene.description);
         Ok(Task { values: variant.values, overrides, fingerprint, text })
     };

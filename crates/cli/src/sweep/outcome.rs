@@ -37,9 +37,6 @@ pub struct VariantResult {
     pub boundaries: Vec<Resultant>,
     /// The quantities of the table and the chart: numbers in the units of the report, texts, or null.
     pub quantities: Map<String, Value>,
-    /// `true` if a second run estimated the time-step error.
-    #[serde(skip_serializing)]
-    pub has_companion: bool,
 }
 
 /// The part of `run.json` that is needed, or of the printed failure if there is no report.
@@ -58,17 +55,7 @@ struct Report {
     warnings: Vec<Told>,
     #[serde(default)]
     boundaries: Vec<Resultant>,
-    #[serde(default)]
-    estimates: Estimates,
 }
-
-#[derive(Deserialize, Default)]
-struct Estimates {
-    companion: Option<Companion>,
-}
-
-#[derive(Deserialize)]
-struct Companion {}
 
 #[derive(Deserialize)]
 struct Told {
@@ -89,18 +76,8 @@ struct Totals {
 
 impl From<Report> for VariantResult {
     fn from(report: Report) -> Self {
-        let Report {
-            status,
-            scene_text,
-            reason,
-            help,
-            increments,
-            totals,
-            largest_pressure,
-            warnings,
-            boundaries,
-            estimates,
-        } = report;
+        let Report { status, scene_text, reason, help, increments, totals, largest_pressure, warnings, boundaries } =
+            report;
         let errors = increments.iter().flat_map(|increment| increment.kkt.values());
         // `None` if there is no error, or one of them is no number.
         let error = errors.copied().collect::<Option<Vec<f64>>>().and_then(|all| all.into_iter().reduce(f64::max));
@@ -116,7 +93,6 @@ impl From<Report> for VariantResult {
             warnings: warnings.into_iter().map(|warning| warning.kind).collect(),
             boundaries,
             quantities: Map::new(),
-            has_companion: estimates.companion.is_some(),
         }
     }
 }
@@ -181,7 +157,6 @@ impl VariantResult {
             warnings: Vec::new(),
             boundaries: Vec::new(),
             quantities: Map::new(),
-            has_companion: false,
         }
     }
 

@@ -138,7 +138,7 @@ fn reduced(mut words: Vec<String>) -> Vec<String> {
         words[k] = match words[k - 1].as_str() {
             "--out" => value.replace("doc/", "results/"),
             "--solvers" if !cfg!(feature = "umfpack") => value.replace("umfpack,", ""),
-            "--increments" if value != "auto" => "2".to_string(),
+            "--increments" => "2".to_string(),
             "--to" => "0.9".to_string(),
             // A quantity is not known on one mesh.
             "--meshes" if command != "converge" => value.split(',').take(1).collect(),

@@ -236,8 +236,6 @@ fn reports() -> Vec<Value> {
     vec![
         json_of(&small(), &["--uniqueness"]),
         json_of(&small(), &["--solver", "auto"]),
-        json_of(&small(), &["--companion"]),
-        json_of(&small(), &["--setting", "default", "--increments", "auto", "--to", "0.1"]),
         json_of(&small(), &["--set", "contact.friction=0.0", "--uniqueness"]),
         // Loads that are there at t = 0 and change at once.
         json_of(&small(), &["--setting", "default", "--set", "load[0].history=[[0,1],[2,0.25]]", "--increments", "1"]),

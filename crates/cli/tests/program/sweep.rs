@@ -174,37 +174,23 @@ fn bad_quantities_are_told_before_anything_runs() {
     }
 }
 
-/// A result without the second run is no result of a sweep with it.
 #[test]
-fn increments_and_companions_are_for_all_variants() {
+fn increments_are_for_all_variants() {
     let (folder, scene) = Folder::with_scene(&small());
     let out = folder.join("out");
-    let told = |more: &[&str], kept: &str| {
-        let vary = ["--vary", "contact.friction=0.2,0.4", "--increments", "8"];
-        let output = stickslip(&sweep(&scene, &out, &[&vary[..], more].concat()));
+    let vary = ["--vary", "contact.friction=0.2,0.4", "--increments", "8"];
+    for kept in ["", ", 2 of them already complete"] {
+        let output = stickslip(&sweep(&scene, &out, &vary));
         assert_exit(&output, 0);
         assert!(stdout(&output).contains(&format!("variants     2{kept}\n")), "{}", stdout(&output));
         let (_, lines) = csv(&folder.0.join("out/sweep.csv"));
         assert!(lines.iter().all(|line| line[2] == "8"), "{lines:?}");
-        lines.iter().map(|line| line.last().unwrap().clone()).collect::<Vec<_>>()
-    };
-    let asked = ["--table", "estimates.companion.increments"];
-    let done = ", 2 of them already complete";
-    assert_eq!(told(&asked, ""), ["", ""]);
-    let with = [&asked[..], &["--companion"]].concat();
-    let estimated = told(&with, "");
-    assert!(estimated.iter().all(|increments| increments.parse::<usize>().is_ok()), "{estimated:?}");
-    assert_eq!(told(&with, done), estimated);
-    assert_eq!(told(&asked, done), estimated);
+    }
     for (more, words) in [
-        (&["--vary", "time.increments=2,4", "--increments", "8"][..], "the increments are varied"),
-        (&["--vary", "contact.friction=0.2,0.4", "--increments", "auto"], "run SCENE --increments auto` says how many"),
-        (
-            &["--vary", "contact.friction=0.2,0.4", "--companion", "--method", "events"],
-            "the exact path has no increments",
-        ),
+        (["--vary", "time.increments=2,4", "--increments", "8"], "the increments are varied"),
+        (["--vary", "contact.friction=0.2,0.4", "--increments", "auto"], "`stickslip converge` refines increments"),
     ] {
-        let output = stickslip(&[&["sweep", &scene], more].concat());
+        let output = stickslip(&[&["sweep", &scene], &more[..]].concat());
         assert_exit(&output, 2);
         assert!(stderr(&output).replace("\n  │ ", " ").contains(words), "{}", stderr(&output));
     }

@@ -5,9 +5,8 @@ use stickslip::base::{Quantity, UnitSystem, six_digits};
 use stickslip::body::{PeakOf, Pretension, StickZone};
 use stickslip::run::Run;
 use stickslip::run::report::{
-    AppliedForce, BalanceRecord, CompanionEstimate, ComponentSums, CycleReport, EliminatedUnknown, FrictionResult,
-    LargestForce, LargestPressure, PointRecord, RankRecord, Resultant, RunReport, SectionRecord, SlipRegime, Unknowns,
-    Warning,
+    AppliedForce, BalanceRecord, ComponentSums, CycleReport, EliminatedUnknown, FrictionResult, LargestForce,
+    LargestPressure, PointRecord, RankRecord, Resultant, RunReport, SectionRecord, SlipRegime, Unknowns, Warning,
 };
 use stickslip::scene::{Scene, Time};
 use stickslip::solver::formulation::Layout;
@@ -276,15 +275,6 @@ fn print_estimates(report: &RunReport) {
              again",
             100.0 * error
         );
-    }
-    if let Some(CompanionEstimate { increments, status, error, .. }) = report.estimates.companion {
-        match error {
-            Some(error) => say!(
-                "time steps   error of the tangential forces about {:.1} %, by a run with {increments} increments",
-                100.0 * error
-            ),
-            None => say!("time steps   error unknown: a run with {increments} increments ended {status}"),
-        }
     }
 }
 

@@ -31,8 +31,6 @@ pub(super) struct Processes<'a> {
     pub folder: &'a Path,
     /// The threads of each process.
     pub threads: usize,
-    /// `true` if a second run estimates the time-step error.
-    pub companion: bool,
     /// The quantities to read from the reports.
     pub quantities: &'a [TableQuantity],
 }
@@ -82,8 +80,7 @@ impl Processes<'_> {
     /// another scene.
     pub(super) fn kept(&self, task: &Task) -> Option<VariantResult> {
         let outcome = self.read(&self.whole(&task.fingerprint).join("run.json"))?;
-        let is_whole = !self.companion || outcome.has_companion || !outcome.is_converged();
-        (is_whole && outcome.is_final() && outcome.scene_text.as_ref() == Some(&task.text)).then_some(outcome)
+        (outcome.is_final() && outcome.scene_text.as_ref() == Some(&task.text)).then_some(outcome)
     }
 
     /// Keeps the results of a variant if they are final. Returns the outcome.
@@ -158,7 +155,6 @@ impl Processes<'_> {
         let mut command = self.invocation.again();
         command.arg("run").arg(self.scene).arg("--json").arg("--out").arg(&partial);
         command.args(overrides.iter().flat_map(|change| ["--set".to_string(), change.to_string()]));
-        command.args(self.companion.then_some("--companion"));
         command.envs(BLAS_THREADS.map(|name| (name, self.threads.to_string())));
         command.arg("--threads").arg(self.threads.to_string());
         let child = command.stdin(Stdio::null()).stdout(File::create(&printed)?).stderr(Stdio::null()).spawn()?;
