@@ -31,9 +31,12 @@ use clap::error::{ContextKind, ContextValue};
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::ffi::{OsStr, OsString};
 use std::iter;
+#[cfg(feature = "blas")]
+use std::os::unix::process::CommandExt as _;
 use std::path::{Path, PathBuf};
 use std::process;
-use stickslip::algebra::linear::process::take_better_kernel;
+#[cfg(feature = "blas")]
+use stickslip::algebra::linear::process::{Blas, KERNEL_VARIABLE};
 use stickslip::body::ModelError;
 use stickslip::run::RunError;
 use stickslip::scene::{Override, Provenance, Scene, SceneError};
@@ -272,10 +275,21 @@ fn with_command(mut error: clap::Error) -> clap::Error {
     error
 }
 
+/// Starts the program again in this process, if OpenBLAS has chosen a slower kernel than the fastest for this processor
+/// and the user has named none. OpenBLAS reads the name when it is loaded.
+#[cfg(feature = "blas")]
+fn take_better_kernel(invocation: &Invocation) {
+    let blas = Blas::loaded().filter(|blas| blas.selectable && blas.kernel_asked.is_none());
+    if let Some(better) = blas.and_then(|blas| blas.better_kernel) {
+        // Returns only if it fails. The program then goes on, and warns of the kernel.
+        let _ = invocation.again().args(&invocation.arguments).env(KERNEL_VARIABLE, better).exec();
+    }
+}
+
 /// Does what `invocation` says, and prints what came out.
 pub fn main(invocation: Invocation) -> ExitStatus {
-    // Before MPI or this program has a thread.
-    take_better_kernel();
+    #[cfg(feature = "blas")]
+    take_better_kernel(&invocation);
     #[cfg(feature = "mpi")]
     if ranks::may_help()
         && let Some(code) = ranks::help()

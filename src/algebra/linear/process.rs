@@ -4,7 +4,7 @@
 //! user meets what it prevents:
 //!
 //! - [`keep_freed_memory`]: without it the system clears the pages of each factor anew, a fifth of the CPU time.
-//! - [`blas::take_better_kernel`]: an OpenBLAS that does not know the processor takes its oldest kernel, which makes
+//! - [`Blas::better_kernel`]: an OpenBLAS that does not know the processor takes its oldest kernel, which makes
 //!   factorisations in space a third slower and dense products two to four times.
 //! - [`set_blas_threads`]: OpenBLAS and OpenMP would start as many threads as there are processors, for products too
 //!   small to gain from them.
@@ -19,7 +19,7 @@
 
 mod allocator;
 pub(crate) mod blas;
-pub use blas::{Blas, KERNEL_VARIABLE, take_better_kernel};
+pub use blas::{Blas, KERNEL_VARIABLE};
 
 pub use allocator::{Last, OrderlyEnd, memory_was_refused, say_last};
 

@@ -2,7 +2,7 @@
 //!
 //! OpenBLAS has kernels for many processors and chooses among them when it is loaded. A version older than the
 //! processor may not recognise it and then uses the oldest kernels, which are four times slower. [`KERNEL_VARIABLE`]
-//! selects others when the library is loaded, and [`take_better_kernel`] later.
+//! selects others when the library is loaded: the program starts itself again with it.
 
 #[cfg(feature = "blas")]
 mod kernel;
@@ -33,7 +33,7 @@ pub struct Blas {
     /// The number of threads for a large product.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub threads: Option<usize>,
-    /// The value of `OPENBLAS_CORETYPE`, if the user or [`take_better_kernel`] has set it.
+    /// The value of `OPENBLAS_CORETYPE`, if it is set.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub kernel_asked: Option<String>,
     /// The name of a faster kernel for this processor, if there is one.
@@ -42,14 +42,6 @@ pub struct Blas {
     /// `true` if the library has kernels for several processors and [`KERNEL_VARIABLE`] selects among them.
     #[serde(skip)]
     pub selectable: bool,
-}
-
-/// Makes OpenBLAS use the fastest kernel for this processor, if it has chosen a slower one and [`KERNEL_VARIABLE`] is not
-/// set. Sets the variable, so that child processes have the kernel too. Does nothing for other libraries, or if the
-/// process has threads of its own: a program calls it before it starts any.
-pub fn take_better_kernel() {
-    #[cfg(feature = "blas")]
-    loaded::take_better();
 }
 
 impl Blas {

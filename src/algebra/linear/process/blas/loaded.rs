@@ -1,5 +1,5 @@
-//! Queries of the loaded BLAS by functions specific to each library, and the change to a better kernel. Since the library
-//! is known only at run time, the functions are looked up by name.
+//! Queries of the loaded BLAS by functions specific to each library. Since the library is known only at run time, the
+//! functions are looked up by name.
 
 #![allow(unsafe_code)]
 
@@ -88,46 +88,6 @@ pub(super) fn describe() -> Blas {
             Blas { version: text(&process, b"bli_info_get_version_str\0"), kernel: blis_kernel(&process), ..blas }
         }
         _ => blas,
-    }
-}
-
-/// Returns `true` if the calling thread and those that OpenBLAS has started are all threads of this process, as Linux
-/// lists them; on other systems `false`. `threads` is the number that OpenBLAS counts, the calling thread included.
-fn is_alone(threads: usize) -> bool {
-    std::fs::read_dir("/proc/self/task").map_or(usize::MAX, Iterator::count) <= threads
-}
-
-/// Makes OpenBLAS use the fastest kernel for this processor, if it has chosen a slower one and the environment names
-/// none. Does nothing if other threads run: one of them could be in a product.
-pub(super) fn take_better() {
-    let before = describe();
-    let (Some(better), None, true) = (before.better_kernel, &before.kernel_asked, before.selectable) else { return };
-    if before.threads.is_some_and(is_alone) {
-        load_kernel(Some(better));
-        // A library that does not know the name may have taken a worse kernel than before.
-        let vectors = |blas: &Blas| blas.kernel.as_deref().and_then(Vectors::of_kernel);
-        if vectors(&describe()) < vectors(&before) {
-            load_kernel(None);
-        }
-    }
-}
-
-/// Makes OpenBLAS choose its kernel once more, the one of this name or its own choice. No product may be under way.
-fn load_kernel(name: Option<&str>) {
-    let process = Library::this();
-    // SAFETY: OpenBLAS calls these functions itself when it is loaded and unloaded. They take and return nothing, and
-    // set the table of functions that products are called by. Threads of OpenBLAS that wait for work do not read it.
-    let steps = [&b"gotoblas_dynamic_quit\0"[..], b"gotoblas_dynamic_init\0"]
-        .map(|symbol| unsafe { process.get::<unsafe extern "C" fn()>(symbol) });
-    let [Ok(quit), Ok(init)] = steps else { return };
-    // SAFETY: this is the only thread that reads or changes the environment, see `take_better`.
-    unsafe {
-        match name {
-            Some(name) => std::env::set_var(KERNEL_VARIABLE, name),
-            None => std::env::remove_var(KERNEL_VARIABLE),
-        }
-        quit();
-        init();
     }
 }
 
