@@ -64,7 +64,7 @@ use crate::solver::history::{
 use crate::solver::initial_working_set::{self, InitialWorkingSet};
 use crate::solver::laws::ContactStatus;
 use crate::solver::problem::State;
-use applicable::means;
+use applicable::available_solvers;
 use auto::factorizations;
 pub use auto::{AvailableSolvers, Choice, Done, Faster, SolverEstimate};
 pub use watch::{RecordWriter, Sink};
@@ -84,7 +84,7 @@ pub struct Run<'a> {
     /// The memory that the model leaves free.
     budget: Option<Budget>,
     /// The initial working set of condensed equations.
-    reach: InitialWorkingSet,
+    initial_set: InitialWorkingSet,
     uniqueness: bool,
     cycle: Option<CycleRequest>,
     /// The checkpoint from which the run resumes; `None` to begin with the unloaded body.
@@ -145,7 +145,7 @@ impl<'a> Run<'a> {
             Some(LinearAlgebra::Condensed(cholesky)) => Some(cholesky),
             _ => None,
         };
-        let reach = if may_condense {
+        let initial_set = if may_condense {
             initial_working_set::working_set(
                 &model.problem,
                 &model.loading,
@@ -159,15 +159,15 @@ impl<'a> Run<'a> {
         let choice = if let Some(linear) = solver.linear {
             Choice::named(linear)
         } else {
-            let means = means(&model, solver.method, budget);
-            Choice::cheapest(&model.problem, &reach, solver.method, times.len(), means)?
+            let available = available_solvers(&model, solver.method, budget);
+            Choice::cheapest(&model.problem, &initial_set, solver.method, times.len(), available)?
         };
         let model = as_chosen(scene, model, solver, choice.linear)?;
-        MemoryEstimate::check(&model, &reach, choice.linear, budget)?;
+        MemoryEstimate::check(&model, &initial_set, choice.linear, budget)?;
         let model_seconds = start.elapsed().as_secs_f64();
         let cycle = scene.and_then(|scene| scene.output.cycle);
         let (uniqueness, from) = (false, None);
-        Ok(Run { scene, model, times, solver, choice, budget, reach, uniqueness, cycle, from, model_seconds })
+        Ok(Run { scene, model, times, solver, choice, budget, initial_set, uniqueness, cycle, from, model_seconds })
     }
 
     /// Requests the critical friction at the end.
@@ -224,7 +224,7 @@ impl<'a> Run<'a> {
     /// Returns the initial working set of condensed equations, ascending; `None` if it contains all contact nodes.
     /// Other nodes are added when needed.
     pub fn working_set(&self) -> Option<&[usize]> {
-        self.reach.nodes.as_deref()
+        self.initial_set.nodes.as_deref()
     }
 
     /// Returns the body before the first increment, as increment 0: undeformed and free of contact forces, with the
@@ -253,13 +253,13 @@ impl<'a> Run<'a> {
         self.report(self.system(), Sink::Observer(observer))
     }
 
-    /// Solves the history with a `ledger` that takes the records of the increments. They are then missing in the
+    /// Solves the history with a `writer` that takes the records of the increments. They are then missing in the
     /// report, and take no memory however many there are.
     ///
     /// # Errors
     /// As [`Run::solve`].
-    pub fn solve_to(&self, ledger: &mut dyn RecordWriter) -> Result<RunReport, RunError> {
-        self.report(self.system(), Sink::RecordWriter(ledger))
+    pub fn solve_to(&self, writer: &mut dyn RecordWriter) -> Result<RunReport, RunError> {
+        self.report(self.system(), Sink::RecordWriter(writer))
     }
 
     /// Solves the history with another linear system than the chosen one, e.g. with a linear solver of your own:
@@ -283,7 +283,7 @@ impl<'a> Run<'a> {
 
     fn settings(&self) -> Result<HistorySettings, RunError> {
         let settings = self.solver.settings(&self.model.problem, &self.model.loading)?;
-        Ok(HistorySettings { working_set: self.reach.nodes.clone(), ..settings })
+        Ok(HistorySettings { working_set: self.initial_set.nodes.clone(), ..settings })
     }
 
     /// Returns the chosen linear system, with an ordering for the expected number of factorisations.
@@ -293,7 +293,7 @@ impl<'a> Run<'a> {
             LinearAlgebra::Whole(lu) => {
                 SystemSolver::from(lu.solver_for(self.model.mesh.dimension == 2 && expected() >= MANY))
             }
-            LinearAlgebra::Condensed(cholesky) => SystemSolver::condensed(cholesky, self.reach.factor.clone()),
+            LinearAlgebra::Condensed(cholesky) => SystemSolver::condensed(cholesky, self.initial_set.factor.clone()),
             #[cfg(feature = "petsc")]
             LinearAlgebra::Multigrid => grid::system(&self.model, self.solver.method.increments()),
             #[cfg(not(feature = "petsc"))]

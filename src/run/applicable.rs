@@ -41,7 +41,7 @@ pub enum Unsuited {
 }
 
 /// Returns the linear solvers available for `model` with `method`.
-pub(super) fn means(model: &Model, method: HistoryMethod, budget: Option<Budget>) -> AvailableSolvers {
+pub(super) fn available_solvers(model: &Model, method: HistoryMethod, budget: Option<Budget>) -> AvailableSolvers {
     let multigrid = LinearAlgebra::Multigrid.is_built_in() && unsuited(model, method).is_none();
     AvailableSolvers { available: budget.map(|budget| budget.bytes), multigrid, ranks: ranks() }
 }

@@ -47,7 +47,7 @@ enum Why {
     /// The fastest of these that fit into memory.
     Estimated {
         paths: Vec<SolverEstimate>,
-        means: AvailableSolvers,
+        solvers: AvailableSolvers,
     },
 }
 
@@ -112,30 +112,35 @@ impl Choice {
     }
 
     /// Returns the fastest solver that fits into memory for `increments` increments of `problem` with `method`, where
-    /// condensed equations contain the contact nodes `reach` or all. If none fits, returns the one with the least
+    /// condensed equations contain the contact nodes `initial_set` or all. If none fits, returns the one with the least
     /// memory.
     ///
     /// # Errors
     /// When memory is short for the symbolic analysis.
     pub fn cheapest(
         problem: &ContactProblem,
-        reach: &InitialWorkingSet,
+        initial_set: &InitialWorkingSet,
         method: HistoryMethod,
         increments: usize,
-        means: AvailableSolvers,
+        solvers: AvailableSolvers,
     ) -> Result<Self, LinearError> {
         let factorizations = factorizations(&Layout::new(problem), method, increments);
         let work = [increments as f64, factorizations];
-        let sizes =
-            Estimates::new(problem, reach, method, work, Cholesky::predict(problem.stiffness().assembled()?.as_ref())?);
-        let paths = sizes.paths(means);
+        let sizes = Estimates::new(
+            problem,
+            initial_set,
+            method,
+            work,
+            Cholesky::predict(problem.stiffness().assembled()?.as_ref())?,
+        );
+        let paths = sizes.paths(solvers);
         let by = |measure: fn(&SolverEstimate) -> f64| {
             move |a: &&SolverEstimate, b: &&SolverEstimate| measure(a).total_cmp(&measure(b))
         };
-        let fastest = paths.iter().filter(|path| means.have_room(path)).min_by(by(|path| path.cost.seconds));
+        let fastest = paths.iter().filter(|path| solvers.have_room(path)).min_by(by(|path| path.cost.seconds));
         let chosen = fastest.or_else(|| paths.iter().min_by(by(|path| path.cost.bytes)));
         let linear = chosen.map_or_else(LinearAlgebra::default, |path| path.linear);
-        Ok(Choice { linear, why: Why::Estimated { paths, means } })
+        Ok(Choice { linear, why: Why::Estimated { paths, solvers } })
     }
 
     /// Returns the compared solvers with their estimates; empty if there was no choice.
@@ -154,9 +159,9 @@ impl Choice {
     pub fn faster(
         &self,
         problem: &ContactProblem,
-        reach: &InitialWorkingSet,
+        initial_set: &InitialWorkingSet,
         method: HistoryMethod,
-        means: AvailableSolvers,
+        solvers: AvailableSolvers,
         done: &Done,
     ) -> Result<Option<Faster>, LinearError> {
         let unknowns = Layout::new(problem).unknowns();
@@ -165,10 +170,10 @@ impl Choice {
             return Ok(None);
         }
         let work = [done.increments, done.factorizations].map(|count| count as f64);
-        let estimates = |stiffness| Estimates::new(problem, reach, method, work, stiffness);
+        let estimates = |stiffness| Estimates::new(problem, initial_set, method, work, stiffness);
         let fastest = |estimates: &Estimates| {
-            let others = estimates.paths(means).into_iter().filter(|path| !self.is_like(path.linear));
-            let with_room = others.filter(|path| means.have_room(path));
+            let others = estimates.paths(solvers).into_iter().filter(|path| !self.is_like(path.linear));
+            let with_room = others.filter(|path| solvers.have_room(path));
             with_room.min_by(|a, b| a.cost.seconds.total_cmp(&b.cost.seconds))
         };
         // A factor has at least as many entries as the matrix.
@@ -177,7 +182,7 @@ impl Choice {
             return Ok(None);
         }
         let estimates = estimates(Cholesky::predict(problem.stiffness().assembled()?.as_ref())?);
-        let here_seconds = estimates.cost(self.linear).shared_by(means.ranks).seconds;
+        let here_seconds = estimates.cost(self.linear).shared_by(solvers.ranks).seconds;
         let worth_a_word = |other: &SolverEstimate| here_seconds > MUCH * other.cost.seconds && here_seconds > long;
         let faster = |other: SolverEstimate| Faster { solver: other.linear, seconds: other.cost.seconds, here_seconds };
         Ok(fastest(&estimates).filter(worth_a_word).map(faster))
@@ -193,10 +198,10 @@ impl Choice {
         let linear = self.linear;
         match &self.why {
             Why::Named => None,
-            Why::Estimated { paths, means } => {
+            Why::Estimated { paths, solvers } => {
                 let own = paths.iter().find(|path| path.linear == linear)?;
                 let (mut with_room, without): (Vec<&SolverEstimate>, Vec<&SolverEstimate>) =
-                    paths.iter().partition(|path| means.have_room(path));
+                    paths.iter().partition(|path| solvers.have_room(path));
                 with_room.retain(|path| path.linear != linear);
                 let seconds = |path: &&SolverEstimate| format!("{:.2} s for {}", path.cost.seconds, path.linear);
                 let mut reason = format!("estimated {:.2} s", own.cost.seconds);
@@ -206,13 +211,13 @@ impl Choice {
                 }
                 let needs = |path: &&SolverEstimate| format!("{} {}", path.linear, in_words(path.cost.bytes as u64));
                 let without: Vec<String> = without.iter().map(needs).collect();
-                if let (Some(available), false) = (means.available, without.is_empty()) {
+                if let (Some(available), false) = (solvers.available, without.is_empty()) {
                     let without = without.join(" and ");
                     reason =
                         format!("{reason}; {without} would take more memory than the {} left", in_words(available));
                 }
-                if means.ranks > 1 {
-                    reason = format!("{} processes share its work; {reason}", means.ranks);
+                if solvers.ranks > 1 {
+                    reason = format!("{} processes share its work; {reason}", solvers.ranks);
                 }
                 Some(format!("{linear} ({reason})"))
             }
@@ -259,19 +264,19 @@ struct Estimates {
 impl Estimates {
     fn new(
         problem: &ContactProblem,
-        reach: &InitialWorkingSet,
+        initial_set: &InitialWorkingSet,
         method: HistoryMethod,
         [increments, factorizations]: [f64; 2],
         stiffness: FactorInfo,
     ) -> Self {
         let layout = Layout::new(problem);
-        let held = match &reach.nodes {
+        let held = match &initial_set.nodes {
             Some(nodes) => problem.contact_displacements_of(nodes.iter().copied()),
             None => problem.contact_displacements(),
         };
         let sizes = Sizes { unknowns: layout.unknowns(), contact_displacements: held.len(), stiffness };
         // Most nodes of a partial working set are taken to be open.
-        let all_free = method.increments().is_interior() || reach.nodes.is_some();
+        let all_free = method.increments().is_interior() || initial_set.nodes.is_some();
         let work = Work { increments, factorizations, all_free };
         Estimates { displacements: layout.displacements(), sizes, work }
     }
@@ -286,15 +291,15 @@ impl Estimates {
 
     /// Returns all solvers of this build: the default sparse LU, MUMPS, condensation and multigrid. With several
     /// processes, only solvers that use all of them.
-    fn paths(&self, means: AvailableSolvers) -> Vec<SolverEstimate> {
+    fn paths(&self, solvers: AvailableSolvers) -> Vec<SolverEstimate> {
         let whole = LinearAlgebra::default();
         let mut all = vec![whole];
         all.extend((whole != MUMPS).then_some(MUMPS));
         all.push(LinearAlgebra::condensed());
-        all.extend(means.multigrid.then_some(LinearAlgebra::Multigrid));
+        all.extend(solvers.multigrid.then_some(LinearAlgebra::Multigrid));
         all.retain(|linear| linear.is_built_in());
         let shared: Vec<LinearAlgebra> = all.iter().copied().filter(|linear| linear.is_shared()).collect();
-        let (of, ranks) = if means.ranks > 1 && !shared.is_empty() { (shared, means.ranks) } else { (all, 1) };
+        let (of, ranks) = if solvers.ranks > 1 && !shared.is_empty() { (shared, solvers.ranks) } else { (all, 1) };
         of.into_iter().map(|linear| SolverEstimate { linear, cost: self.cost(linear).shared_by(ranks) }).collect()
     }
 }

@@ -137,14 +137,14 @@ impl JumpDetector {
         model: &Model,
         settings: &HistorySettings,
         scales: &KktScales,
-        means: &mut JumpSolver<'_>,
+        solver: &mut JumpSolver<'_>,
         observer: &mut dyn Observer,
     ) -> Result<Option<ForceJump>, Error> {
         let mut first: Option<ForceJump> = None;
         for suspect in self.suspects() {
-            let leap = suspect.leap(model, settings, scales, means, observer)?;
-            let leap = leap.map(|(from, to, change)| ForceJump { from, to, share: change / self.largest });
-            first = [first, leap].into_iter().flatten().min_by(|a, b| a.from.total_cmp(&b.from));
+            let jump = suspect.jump(model, settings, scales, solver, observer)?;
+            let jump = jump.map(|(from, to, change)| ForceJump { from, to, share: change / self.largest });
+            first = [first, jump].into_iter().flatten().min_by(|a, b| a.from.total_cmp(&b.from));
         }
         Ok(first)
     }
@@ -152,12 +152,12 @@ impl JumpDetector {
 
 impl Suspect {
     /// Returns the times (s) between which contact forces jump and the size of the jump, if any.
-    fn leap(
+    fn jump(
         &self,
         model: &Model,
         settings: &HistorySettings,
         scales: &KktScales,
-        means: &mut JumpSolver<'_>,
+        solver: &mut JumpSolver<'_>,
         observer: &mut dyn Observer,
     ) -> Result<Option<(f64, f64, f64)>, Error> {
         let (problem, loading) = (&model.problem, &model.loading);
@@ -172,7 +172,7 @@ impl Suspect {
             let (state, scales) = (from.state.clone(), scales.clone());
             let edge = RestartPoint { problem, loading, settings, time: from.time, state, scales };
             let mut halves = Halves { observer, problem, stays, ends: vec![from], found: None };
-            let status = edge.go_on(&[middle, to.time], &mut halves, means)?;
+            let status = edge.go_on(&[middle, to.time], &mut halves, solver)?;
             let Halves { mut ends, found, .. } = halves;
             let Some(found) = found else {
                 if matches!(status, Status::Converged | Status::Interrupted | Status::OutOfMemory) {

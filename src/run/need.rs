@@ -66,13 +66,13 @@ impl MemoryEstimate {
 
     fn with(
         model: &Model,
-        reach: &InitialWorkingSet,
+        initial_set: &InitialWorkingSet,
         linear: LinearAlgebra,
         records: usize,
         stiffness: FactorInfo,
     ) -> Self {
         let problem = &model.problem;
-        let held = match &reach.nodes {
+        let held = match &initial_set.nodes {
             Some(nodes) => problem.contact_displacements_of(nodes.iter().copied()),
             None => problem.contact_displacements(),
         };
@@ -116,11 +116,11 @@ impl MemoryEstimate {
     }
 
     /// Returns an error if `budget`, the memory left after building the model, is too small for the factors of a run of
-    /// `model` whose condensed equations contain the contact nodes `reach`. A process that takes more memory than the
+    /// `model` whose condensed equations contain the contact nodes `initial_set`. A process that takes more memory than the
     /// machine or a control group has is killed without a verdict.
     pub(super) fn check(
         model: &Model,
-        reach: &InitialWorkingSet,
+        initial_set: &InitialWorkingSet,
         linear: LinearAlgebra,
         budget: Option<Budget>,
     ) -> Result<(), RunError> {
@@ -128,7 +128,7 @@ impl MemoryEstimate {
         // The memory in use belongs to the body.
         let used = kilobytes(Path::new("/proc/self/status"), "VmRSS:").unwrap_or(0) as f64;
         let of = |stiffness| {
-            let need = Self::with(model, reach, linear, 0, stiffness);
+            let need = Self::with(model, initial_set, linear, 0, stiffness);
             need.factors + (need.body - used).max(0.0)
         };
         let (what, stiffness) = if linear == LinearAlgebra::Multigrid {
@@ -242,9 +242,9 @@ mod tests {
                 Err(RunError::NoRoom { needed, .. }) if (need.factors as u64..need.bytes()).contains(&needed)
             ));
             assert!(check(None).is_ok());
-            // Nodes out of reach take no part in the Schur complement.
+            // Nodes outside the initial set take no part in the Schur complement.
             let few = InitialWorkingSet { nodes: Some(vec![0]), ..InitialWorkingSet::default() };
-            let of = |reach| MemoryEstimate::with(&model, reach, linear, 0, FactorInfo::default()).factors;
+            let of = |initial_set| MemoryEstimate::with(&model, initial_set, linear, 0, FactorInfo::default()).factors;
             assert_eq!(of(&few) < of(&InitialWorkingSet::default()), linear.condenses());
         }
     }

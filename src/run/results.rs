@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use super::applicable::{fell_back, means};
+use super::applicable::{available_solvers, fell_back};
 use super::checks::Solved;
 use super::force_jumps::JumpDetector;
 use super::watch::{ReportCollector, Watches};
@@ -53,14 +53,14 @@ struct Additional {
 }
 
 impl Run<'_> {
-    pub(super) fn report(&self, system: SystemSolver, mut audience: Sink<'_>) -> Result<RunReport, RunError> {
+    pub(super) fn report(&self, system: SystemSolver, mut sink: Sink<'_>) -> Result<RunReport, RunError> {
         let start = Instant::now();
         let (linear, condensed) = (system.name(), system.condenses());
         let is_path = self.solver.method.is_exact_path();
         let cycle = self.cycle.as_ref().and_then(|cycle| CycleWatch::new(&self.model, &self.times, cycle, is_path));
         let watches = Watches::new(&self.model, cycle, JumpDetector::new(&self.model, self.solver.method));
-        let (model, keeps_last, audience) = (&*self.model, self.uniqueness, &mut audience);
-        let mut collector = ReportCollector { model, audience, watches, keeps_last };
+        let (model, keeps_last, sink) = (&*self.model, self.uniqueness, &mut sink);
+        let mut collector = ReportCollector { model, sink, watches, keeps_last };
         if let Some(checkpoint) = &self.from {
             collector.continue_from(checkpoint).map_err(history::Error::from)?;
         }
@@ -71,8 +71,8 @@ impl Run<'_> {
             ..self.settings()?
         };
         let outcome = self.history_with(system, &self.times, &settings, &mut collector)?;
-        let ReportCollector { audience, mut watches, .. } = collector;
-        let more = self.additional(&settings, &outcome, &mut watches, audience.observer());
+        let ReportCollector { sink, mut watches, .. } = collector;
+        let more = self.additional(&settings, &outcome, &mut watches, sink.observer());
         let totals = Totals::new(&outcome, self.model_seconds, start);
         Ok(self.summary((linear, condensed), &outcome, watches, more, totals))
     }
@@ -227,8 +227,8 @@ impl Run<'_> {
         if linear != self.choice.linear.to_string() || self.model.problem.stiffness().distributed().is_some() {
             return None;
         }
-        let means = means(&self.model, self.solver.method, self.budget);
+        let available = available_solvers(&self.model, self.solver.method, self.budget);
         let done = &Done { increments, factorizations: totals.factorizations, seconds: totals.wall_seconds };
-        self.choice.faster(&self.model.problem, &self.reach, self.solver.method, means, done).ok()?
+        self.choice.faster(&self.model.problem, &self.initial_set, self.solver.method, available, done).ok()?
     }
 }

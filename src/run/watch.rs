@@ -27,7 +27,7 @@ pub trait RecordWriter: Observer {
 pub enum Sink<'a> {
     /// An observer; the records go into the report.
     Observer(&'a mut dyn Observer),
-    /// A ledger, which takes the records in place of the report.
+    /// A writer, which takes the records in place of the report.
     RecordWriter(&'a mut dyn RecordWriter),
 }
 
@@ -35,7 +35,7 @@ impl Sink<'_> {
     pub(super) fn observer(&mut self) -> &mut dyn Observer {
         match self {
             Sink::Observer(observer) => *observer,
-            Sink::RecordWriter(ledger) => *ledger,
+            Sink::RecordWriter(writer) => *writer,
         }
     }
 }
@@ -57,7 +57,7 @@ pub(super) struct Watches {
     pub last_reactions: Option<BalanceRecord>,
     /// The last converged increment, if it must be kept or an exact path has ended early.
     pub last: Option<RecordedIncrement>,
-    /// The records of the increments of this process; empty with a ledger.
+    /// The records of the increments of this process; empty with a writer.
     #[serde(skip)]
     pub increments: Vec<IncrementRecord>,
     /// The resultants of the contact forces at the ends of these increments.
@@ -87,7 +87,7 @@ impl Watches {
 /// The collector of report data, which passes all calls on to the observer of a run.
 pub(super) struct ReportCollector<'a, 'b> {
     pub model: &'a Model,
-    pub audience: &'a mut Sink<'b>,
+    pub sink: &'a mut Sink<'b>,
     pub watches: Watches,
     pub keeps_last: bool,
 }
@@ -124,19 +124,19 @@ impl ReportCollector<'_, '_> {
 
 impl Observer for ReportCollector<'_, '_> {
     fn ready(&mut self) {
-        self.audience.observer().ready();
+        self.sink.observer().ready();
     }
 
     fn linear_system(&mut self, index: usize, system: &LinearSystem<'_>) -> ControlFlow<()> {
-        self.audience.observer().linear_system(index, system)
+        self.sink.observer().linear_system(index, system)
     }
 
     fn iteration(&mut self, index: usize, record: &IterationRecord) -> ControlFlow<()> {
-        self.audience.observer().iteration(index, record)
+        self.sink.observer().iteration(index, record)
     }
 
     fn event(&mut self, index: usize, event: &Event) {
-        self.audience.observer().event(index, event);
+        self.sink.observer().event(index, event);
     }
 
     fn part(&mut self, part: &IncrementView<'_>) {
@@ -145,7 +145,7 @@ impl Observer for ReportCollector<'_, '_> {
             cycle.part(self.model, part);
         }
         let record = self.record(part);
-        self.audience.observer().part(&IncrementView { record: record.as_ref().unwrap_or(part.record), ..*part });
+        self.sink.observer().part(&IncrementView { record: record.as_ref().unwrap_or(part.record), ..*part });
     }
 
     fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
@@ -162,7 +162,7 @@ impl Observer for ReportCollector<'_, '_> {
         if self.keeps_last && converged || step.record.status == Status::NoContinuation {
             watches.last = Some(RecordedIncrement::new(step));
         }
-        let flow = self.audience.observer().increment(step);
+        let flow = self.sink.observer().increment(step);
         let forces = if converged { ForceRecord::all(model, step) } else { Vec::new() };
         let reactions = converged.then(|| BalanceRecord::new(model, step));
         watches.curves.add(step.record, &forces);
@@ -170,8 +170,8 @@ impl Observer for ReportCollector<'_, '_> {
         if let Some(reactions) = &reactions {
             watches.balance.see(reactions);
         }
-        match self.audience {
-            Sink::RecordWriter(ledger) => ledger.add(step.record, &forces, reactions.as_ref()),
+        match self.sink {
+            Sink::RecordWriter(writer) => writer.add(step.record, &forces, reactions.as_ref()),
             Sink::Observer(_) => {
                 watches.increments.push(step.record.clone());
                 watches.forces.extend(forces);
@@ -184,6 +184,6 @@ impl Observer for ReportCollector<'_, '_> {
 
     fn rest(&mut self, here: &dyn Fn() -> Checkpoint) {
         let watches = &self.watches;
-        self.audience.observer().rest(&|| here().with(watches));
+        self.sink.observer().rest(&|| here().with(watches));
     }
 }
