@@ -33,11 +33,11 @@ const GUESSES: i64 = 1000;
 /// Memory per number of a vector while it is read, bytes: in the file, as an element, as a number, in the problem.
 const BYTES_OF_A_NUMBER: u64 = 32;
 
-fn open(bytes: &[u8]) -> Result<File<'_>, InputError> {
+fn open(bytes: &[u8]) -> Result<File, InputError> {
     File::open(bytes).map_err(|error| InputError::new("head of the file", error.to_string(), error.help()))
 }
 
-fn has(file: &File<'_>, path: &str) -> Result<bool, InputError> {
+fn has(file: &File, path: &str) -> Result<bool, InputError> {
     file.has(path).map_err(|error| of_dataset(path, &error))
 }
 
@@ -82,7 +82,7 @@ pub(super) fn read_solution(bytes: &[u8], problem: &Problem) -> Result<Solution,
     })
 }
 
-fn dimension(file: &File<'_>, path: &str) -> Result<usize, InputError> {
+fn dimension(file: &File, path: &str) -> Result<usize, InputError> {
     match one(file, path)? {
         2 => Ok(2),
         3 => Ok(3),
@@ -95,15 +95,15 @@ fn dimension(file: &File<'_>, path: &str) -> Result<usize, InputError> {
 }
 
 /// The vectors `names` in the group `path`. Their lengths are checked before anything is read.
-struct Vectors<'a, const N: usize> {
+struct Vectors<const N: usize> {
     paths: [String; N],
-    datasets: [Dataset<'a>; N],
+    datasets: [Dataset; N],
 }
 
-impl<'a, const N: usize> Vectors<'a, N> {
-    fn open(file: &File<'a>, group: &str, names: [&str; N]) -> Result<Self, InputError> {
+impl<const N: usize> Vectors<N> {
+    fn open(file: &File, group: &str, names: [&str; N]) -> Result<Self, InputError> {
         let paths = names.map(|name| format!("{group}/{name}"));
-        let datasets: Vec<Dataset<'a>> = paths.iter().map(|path| need(file, path)).collect::<Result<_, _>>()?;
+        let datasets: Vec<Dataset> = paths.iter().map(|path| need(file, path)).collect::<Result<_, _>>()?;
         match datasets.try_into() {
             Ok(datasets) => Ok(Vectors { paths, datasets }),
             Err(_) => Err(InputError::new(group, "it has unexpected vectors", "write the vectors of FCLIB")),
@@ -115,7 +115,7 @@ impl<'a, const N: usize> Vectors<'a, N> {
     }
 
     /// Reads them if there is memory for all of them.
-    fn read(&self, file: &File<'_>) -> Result<[Vec<f64>; N], InputError> {
+    fn read(&self, file: &File) -> Result<[Vec<f64>; N], InputError> {
         for (path, length) in self.paths.iter().zip(self.lengths()) {
             let bytes = BYTES_OF_A_NUMBER.saturating_mul(length as u64);
             file.take_room(bytes).map_err(|error| of_dataset(path, &error))?;
@@ -137,7 +137,7 @@ fn friction_fits(path: &str, dimension: usize, rows: usize, coefficients: usize)
     Ok(())
 }
 
-fn global(file: &File<'_>) -> Result<GlobalProblem, InputError> {
+fn global(file: &File) -> Result<GlobalProblem, InputError> {
     let dimension = dimension(file, "fclib_global/spacedim")?;
     let vectors = Vectors::open(file, "fclib_global/vectors", ["f", "w", "mu"])?;
     let [n, rows, coefficients] = vectors.lengths();
@@ -176,7 +176,7 @@ fn global(file: &File<'_>) -> Result<GlobalProblem, InputError> {
     GlobalProblem::new(Parts { dimension, m, h, f, w, mu, constraints: constraints.len() })
 }
 
-fn local(file: &File<'_>) -> Result<LocalProblem, InputError> {
+fn local(file: &File) -> Result<LocalProblem, InputError> {
     let dimension = dimension(file, "fclib_local/spacedim")?;
     for name in ["fclib_local/V", "fclib_local/R"] {
         if !is_empty(file, name)? {
@@ -197,7 +197,7 @@ fn local(file: &File<'_>) -> Result<LocalProblem, InputError> {
 
 /// Reads the solution of `problem` at `path`. Returns `None` unless all vectors of such a problem exist and were
 /// written, because some tools create the datasets of a solution that they do not have.
-fn solution(file: &File<'_>, path: &str, problem: &Problem) -> Result<Option<Solution>, InputError> {
+fn solution(file: &File, path: &str, problem: &Problem) -> Result<Option<Solution>, InputError> {
     let rows = problem.contacts() * problem.dimension();
     let (unknowns, multipliers) = match problem {
         Problem::Global(problem) => (problem.unknowns() - problem.constraints(), problem.constraints()),

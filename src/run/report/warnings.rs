@@ -126,3 +126,30 @@ impl WarningKind {
         )
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    /// The page of warnings has a row for each kind, and none for another.
+    #[test]
+    fn every_kind_has_its_row() {
+        let (_, list) = include_str!("warnings.rs").split_once("pub enum WarningKind {").unwrap();
+        let kinds = list.lines().take_while(|line| *line != "}").filter_map(|line| line.trim().strip_suffix(','));
+        let kinds: BTreeSet<String> = kinds.map(in_words).collect();
+        let page = include_str!("../../../doc/reference/warnings.md");
+        let (table, _) = page.split_once("\n## Warnings\n").unwrap().1.split_once("\n## ").unwrap();
+        let rows: BTreeSet<String> =
+            table.lines().filter_map(|line| Some(line.strip_prefix("| `")?.split_once('`')?.0.to_string())).collect();
+        assert_eq!(rows, kinds);
+    }
+
+    /// Returns the name as serde writes it.
+    fn in_words(name: &str) -> String {
+        let words = name.chars().enumerate().flat_map(|(k, c)| {
+            let dash = (c.is_uppercase() && k > 0).then_some('-');
+            dash.into_iter().chain(c.to_lowercase())
+        });
+        words.collect()
+    }
+}

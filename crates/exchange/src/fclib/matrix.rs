@@ -13,14 +13,14 @@ const BYTES_OF_AN_ENTRY: u64 = 80;
 const BYTES_OF_A_LINE: u64 = 32;
 
 /// Returns `true` if the matrix at `path` does not exist, or has no entry.
-pub(super) fn is_empty(file: &File<'_>, path: &str) -> Result<bool, InputError> {
+pub(super) fn is_empty(file: &File, path: &str) -> Result<bool, InputError> {
     let nzmax = format!("{path}/nzmax");
     Ok(written(file, &nzmax)?.is_none() || one(file, &nzmax)? == 0)
 }
 
 /// Returns an error unless the matrix at `path` has the size `rows` × `columns`, which follows from the adjacent
 /// vectors.
-pub(super) fn has_sizes(file: &File<'_>, path: &str, rows: usize, columns: usize) -> Result<(), InputError> {
+pub(super) fn has_sizes(file: &File, path: &str, rows: usize, columns: usize) -> Result<(), InputError> {
     for (name, expected) in [("m", rows), ("n", columns)] {
         let at = format!("{path}/{name}");
         let found = one(file, &at)?;
@@ -37,7 +37,7 @@ pub(super) fn has_sizes(file: &File<'_>, path: &str, rows: usize, columns: usize
 }
 
 /// Reads the `rows` × `columns` matrix at `path`.
-pub(super) fn matrix(file: &File<'_>, path: &str, rows: usize, columns: usize) -> Result<Csc, InputError> {
+pub(super) fn matrix(file: &File, path: &str, rows: usize, columns: usize) -> Result<Csc, InputError> {
     has_sizes(file, path, rows, columns)?;
     let at = |name: &str| format!("{path}/{name}");
     let fault =

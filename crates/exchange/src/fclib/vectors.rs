@@ -6,13 +6,13 @@ use crate::hdf5::{Dataset, File};
 use stickslip::base::InputError;
 
 /// Returns the dataset at `path` if it exists and was written.
-pub(super) fn written<'a>(file: &File<'a>, path: &str) -> Result<Option<Dataset<'a>>, InputError> {
+pub(super) fn written(file: &File, path: &str) -> Result<Option<Dataset>, InputError> {
     let dataset = file.dataset(path).map_err(|error| of_dataset(path, &error))?;
     Ok(dataset.filter(Dataset::is_written))
 }
 
 /// Returns the dataset at `path`, which must exist.
-pub(super) fn need<'a>(file: &File<'a>, path: &str) -> Result<Dataset<'a>, InputError> {
+pub(super) fn need(file: &File, path: &str) -> Result<Dataset, InputError> {
     match file.dataset(path).map_err(|error| of_dataset(path, &error))? {
         Some(dataset) => Ok(dataset),
         None => Err(InputError::new(format!("dataset {path}"), "it is missing", "write it, as FCLIB does")),
@@ -20,12 +20,12 @@ pub(super) fn need<'a>(file: &File<'a>, path: &str) -> Result<Dataset<'a>, Input
 }
 
 /// Returns an error unless `dataset`, at `path`, has `expected` values, for the reason `why`.
-pub(super) fn has_length(dataset: &Dataset<'_>, path: &str, expected: usize, why: &str) -> Result<(), InputError> {
+pub(super) fn has_length(dataset: &Dataset, path: &str, expected: usize, why: &str) -> Result<(), InputError> {
     if dataset.count() == expected { Ok(()) } else { Err(length(path, expected, dataset.count(), why)) }
 }
 
 /// Returns the one integer at `path`.
-pub(super) fn one(file: &File<'_>, path: &str) -> Result<i64, InputError> {
+pub(super) fn one(file: &File, path: &str) -> Result<i64, InputError> {
     let dataset = need(file, path)?;
     has_length(&dataset, path, 1, "it is one number")?;
     match dataset.integers(1).map_err(|error| of_dataset(path, &error))?[..] {
@@ -35,7 +35,7 @@ pub(super) fn one(file: &File<'_>, path: &str) -> Result<i64, InputError> {
 }
 
 /// Returns all numbers of `dataset`, at `path`, which must be finite.
-pub(super) fn numbers(dataset: &Dataset<'_>, path: &str) -> Result<Vec<f64>, InputError> {
+pub(super) fn numbers(dataset: &Dataset, path: &str) -> Result<Vec<f64>, InputError> {
     finite(path, dataset.numbers(dataset.count()).map_err(|error| of_dataset(path, &error))?)
 }
 
