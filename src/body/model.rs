@@ -2,29 +2,18 @@
 
 mod balance;
 mod bodies;
-mod carried;
-mod carrying;
 mod contact;
 mod coupling;
 mod discrete;
-mod element;
-mod energy;
 mod glued_contact;
 mod holding;
 mod joint;
-mod large_motion;
 mod load;
-mod meridian;
 mod motions;
-mod nearest;
-mod on_the_way;
 mod pair;
-mod pair_state;
 mod place;
 mod range;
 mod recovery;
-mod rigid_contact;
-mod shared;
 mod sliding;
 mod stress;
 mod support;
@@ -32,12 +21,12 @@ mod surface;
 mod unseen;
 
 pub use balance::{Balance, Wrench};
-pub use large_motion::LargeMotion;
-pub use on_the_way::OnTheWay;
+pub use discrete::{Body, Share};
 pub use pair::Pair;
-pub use shared::{Body, Share};
+pub use range::{DeformedNode, RangeLeft, TOLERATED_SHARE, range_left};
+pub use sliding::LargeMotion;
 pub use surface::SurfaceStress;
-pub use unseen::{BetweenNodes, Overlap};
+pub use unseen::{BetweenNodes, OnTheWay, Overlap};
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
@@ -55,16 +44,14 @@ use crate::body::mesh::{Boundary, Mesh, MeshError, MeshFileError};
 use crate::solver::loading::{FrictionHistory, LoadCase, Loading, Motion};
 use crate::solver::problem::{ContactProblem, Parts, ProblemError};
 use balance::Statics;
-use carrying::Carrying;
 use contact::Contacts;
 use coupling::Couplings;
 use discrete::Discrete;
 use joint::Joints;
 use load::FreeStrain;
-use motions::Motions;
-use nearest::Nearest;
+use motions::{Motions, Nearest};
 use recovery::Recovery;
-use support::Moved;
+use support::{Carrying, Moved};
 use surface::Surface;
 
 /// A discretised description.
@@ -262,7 +249,7 @@ impl Model {
 
         let recovery = Recovery::new(&mesh, &contacts, &contact_boundaries, &pairs.all);
         let past = |contact: &ContactNode| support::moves_past(&moved, &dofs, &carrying, contact);
-        let ties = [pairs.ties(&dofs, &joints), carried::ties(&couplings, &mesh, &dofs)].concat();
+        let ties = [pairs.ties(&dofs, &joints), holding::ties(&couplings, &mesh, &dofs)].concat();
         let rigid_motions = unresisted_motions(&mesh, &dofs, &springs, &ties);
         let shared = match &sharing {
             Some((share, body)) => body.stiffness(&contacts, share)?,

@@ -10,8 +10,7 @@
 //!
 //! relative to `√(uᵀ K u + η²)`.
 
-use super::places::Places;
-use super::recovery::recovered;
+use super::recovery::{Places, recovered};
 use super::strains::Strains;
 use crate::algebra::vector::minus;
 use crate::body::mesh::MAX_NODES;

@@ -17,7 +17,7 @@
 //! If a force or a contact presses a single node, strains are singular, so that θ varies on any mesh. The two layers of
 //! cells around such a node are left out.
 
-use super::places::Places;
+use super::recovery::Places;
 use super::strains::{Strains, dilatation, volume};
 use crate::algebra::vector::{minus, norm};
 use crate::body::description::{Action, Load, Where};

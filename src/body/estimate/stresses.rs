@@ -9,8 +9,7 @@
 
 use std::collections::{BTreeSet, HashSet};
 
-use super::places::Places;
-use super::recovery::{LAYERS, MONOMIALS, SPARE, monomials, scaled};
+use super::recovery::{LAYERS, MONOMIALS, Places, SPARE, monomials, scaled};
 use super::strains::{Strains, points_of};
 use crate::algebra::elimination::solve;
 use crate::algebra::vector::minus;

@@ -15,11 +15,9 @@
 
 use std::collections::HashMap;
 
-use super::elastic::{Elasticity, numbered};
+use super::element::{CellPoint, Element, InvertedElement};
 use super::facet::NodalForces;
-use super::inverted::InvertedElement;
-use super::shape::CellPoint;
-use super::strain::Element;
+use super::material::{Elasticity, numbered};
 use crate::algebra::vector::dot;
 use crate::body::mesh::{CellKind, Mesh, corner_shape, quadrature_of, shape};
 

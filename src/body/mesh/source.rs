@@ -5,9 +5,8 @@ use std::fmt::{self, Write};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::block::{graded_block, progression};
-use super::half_plane::half_plane;
-use super::joined::{append, named};
+use super::block::{graded_block, half_plane, progression};
+use super::bodies::{append, of_body};
 use super::{Boundary, CellKind, Facet, Mesh, MeshFileError, MeshFormat};
 use crate::algebra::vector::{Vector, plus};
 use crate::base::input_error::{InputError, ensure, finite, in_one_line, not_huge, positive};
@@ -446,7 +445,7 @@ fn joined(bodies: &[Body]) -> Result<Mesh, MeshError> {
             MeshError::Source(fault) => under(fault),
             file @ MeshError::File(_) => file,
         })?;
-        let mesh = named(Arc::unwrap_or_clone(mesh), name, *at);
+        let mesh = of_body(Arc::unwrap_or_clone(mesh), name, *at);
         match &mut all {
             None => all = Some(mesh),
             Some(all) => append(all, name, mesh).map_err(under)?,

@@ -2,10 +2,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::carried;
 use super::coupling::Couplings;
 use super::find;
-use super::holding::Holding;
+use super::holding::{self, Holding};
 use super::joint::{self, Joints};
 use crate::algebra::vector::{Vector, across, axis, dot, minus, norm, plus, unit};
 use crate::base::formula::Field;
@@ -77,7 +76,7 @@ impl Pairs {
         materials: &[Elasticity],
         (couplings, joints): (&Couplings, &Joints),
     ) -> Result<Self, InputError> {
-        let carried = carried::relations(couplings, description, mesh, dofs, holdings)?;
+        let carried = holding::relations(couplings, description, mesh, dofs, holdings)?;
         let in_pairs = |glued: bool| {
             let contacts = description.contacts.iter().enumerate();
             contacts.filter_map(move |(k, contact)| Some((k, contact.opposite().filter(|other| other.glued == glued)?)))

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::keywords::{Data, Keyword};
+use super::{Data, Keyword};
 use crate::body::mesh::file::MeshFormatError;
 
 /// The numbers `first`, `first + step`, ... up to `last`.
