@@ -1,6 +1,4 @@
 //! Meshes in two and three dimensions with named boundaries and material groups. A mesh may consist of several bodies.
-//!
-//! Notes on the file of a mesh.
 
 mod block;
 mod bodies;

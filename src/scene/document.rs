@@ -1,8 +1,4 @@
 //! The tables of a scene file as they are deserialised.
-//!
-//! The tables of one body in a scene file: mesh, elements and material.
-//!
-//! The output table of a scene file.
 
 use std::fmt;
 use std::marker::PhantomData;

@@ -7,8 +7,6 @@
 //! power   = operand ["^" signed]
 //! operand = number | coordinate | constant | function "(" sum { "," sum } ")" | "(" sum ")"
 //! ```
-//!
-//! The functions and constants of formulas.
 
 use std::f64::consts::{E, PI, TAU};
 

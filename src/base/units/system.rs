@@ -1,6 +1,4 @@
-//! The derived units of each kind of quantity.
-//!
-//! Numbers for people: few digits and, in SI, a prefix.
+//! The derived units of each kind of quantity, and numbers for people: few digits and, in SI, a prefix.
 
 use super::{Size, StressUnit, Units};
 

@@ -1,6 +1,5 @@
-//! Assembly of the stiffness matrix of a mesh.
-//!
-//! Held nodes: support forces, and forces on the rest of the body due to prescribed displacements.
+//! Assembly of the stiffness matrix of a mesh, and of its rows at held nodes: support forces, and forces on the rest of the
+//! body due to prescribed displacements.
 
 use std::collections::BTreeMap;
 
@@ -58,7 +57,7 @@ pub(crate) fn assemble_part(
 
 /// Assembles `K` with the nodal volumes of the mesh and springs. Calls `watch` with the nodes and the stiffness of every cell,
 /// nodal volume and spring, for the components x, y and z of all nodes.
-pub(super) fn assemble_watched(
+fn assemble_watched(
     mesh: &Mesh,
     dofs: &Dofs,
     element: Element,
@@ -121,7 +120,7 @@ fn assemble_entries(
 }
 
 /// Calls a function with the nodes and the stiffness of each of `cells` in order.
-pub(super) fn each_stiffness(
+fn each_stiffness(
     mesh: &Mesh,
     element: Element,
     law: impl Fn(usize) -> Elasticity + Sync,
@@ -143,7 +142,7 @@ pub(super) fn each_stiffness(
 }
 
 /// Returns the cells with a `wanted` node, ascending.
-pub(super) fn cells_at(mesh: &Mesh, wanted: impl Fn(usize) -> bool) -> Vec<usize> {
+fn cells_at(mesh: &Mesh, wanted: impl Fn(usize) -> bool) -> Vec<usize> {
     let has = |e: &usize| mesh.cells[*e].nodes.iter().any(|node| wanted(*node));
     (0..mesh.cells.len()).filter(has).collect()
 }

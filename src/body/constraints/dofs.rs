@@ -1,13 +1,9 @@
-//! The numbering of the free displacements.
-//!
-//! Reference points: two nodes outside the mesh whose unknowns are the motion of a rigid part.
+//! The numbering of the free displacements, those of nodes outside the mesh included: the two nodes of each reference point,
+//! which carries nodes of the mesh, and the jumps between the two sides of glued pairs.
 //!
 //! A node at `x` that a point at `p` carries moves by `u(x) = U + θ × (x - p)`. The first node of the point has the
 //! translation `U` as its displacement, the second one `r θ`, where the length `r` gives the unknowns one size; in two
 //! dimensions its first component is `r θ_z`, and the second is held.
-//!
-//! Nodes outside the mesh: the two nodes of each reference point, which carries nodes of the mesh, and the jumps between the
-//! two sides of glued pairs.
 //!
 //! The rows of a pair with the jump `J` are `Σ D u - Σ P u = J`. Along axes that are held, `J` is 0 or prescribed; along
 //! free axes it is an unknown, on which the force across the pair acts.

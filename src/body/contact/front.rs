@@ -1,6 +1,5 @@
-//! Assignment of the nodes of a boundary to obstacles; nodes that no obstacle ever reaches are left out.
-//!
-//! Holes of a surface of triangles in front of a boundary.
+//! What is in front of the nodes of a boundary: the obstacle that each meets, and holes of a surface of triangles. Nodes that
+//! no obstacle ever reaches are left out.
 
 use std::collections::HashMap;
 

@@ -1,4 +1,4 @@
-//! The contact nodes of a boundary: gaps, weights, and rows of `C_n`, `C_t` and `C_o` (2).
+//! The contact nodes of a boundary, or of a pair: gaps, weights, and rows of `C_n`, `C_t` and `C_o` (2).
 //!
 //! On a facet of second order the shape function of a corner is negative over most of the facet, so that the sign of
 //! its force does not give the sign of the pressure: under a flat punch all inner corners would open. On such facets
@@ -14,8 +14,6 @@
 //! the same way. `w̃ ≤ g̃` keeps every node out of the obstacle; in front of a plane it keeps a whole straight facet
 //! out. If normals turn along the edge and the normal of m were used for all three nodes, the height of the arc between
 //! them, as a share of a displacement, would appear as a gap.
-//!
-//! The contact nodes of a pair of boundaries.
 
 use std::collections::BTreeMap;
 use std::ops::Range;

@@ -8,11 +8,9 @@
 //! ```
 //!
 //! where i are nodes of the slave and k nodes of the master. The integrals are over the part of the slave that the
-//! master covers, seen along the normal ν of each slave facet. Since ψ is biorthogonal (`basis`), D is the identity on
+//! master covers, seen along the normal ν of each slave facet. Since ψ is biorthogonal (`cover`), D is the identity on
 //! facets of first order, so that the law at each node is independent, and `2 u_m - ½ (u_a + u_b)` on facets of second
 //! order. Between matching meshes the rows connect node to node.
-//!
-//! Errors of the pairing of two boundaries.
 
 mod bulge;
 mod cover;

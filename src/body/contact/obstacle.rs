@@ -1,9 +1,5 @@
-//! Rigid obstacles as seen from the nodes of a boundary.
-//!
-//! Errors of the placement of an obstacle.
-//!
-//! Obstacles in front of bodies of revolution. They are bodies of revolution about the same axis, x = 0, and keep this
-//! symmetry as they move.
+//! Rigid obstacles as seen from the nodes of a boundary. In front of a body of revolution they are bodies of revolution about
+//! the same axis, x = 0, and keep this symmetry as they move.
 
 use std::sync::Arc;
 
@@ -454,7 +450,7 @@ impl ObstacleError {
 }
 
 /// Checks that an obstacle of revolution with the normal `normal` keeps its symmetry and its radius as it moves.
-pub(super) fn moves_along_axis(given: &Obstacle, normal: [f64; 3]) -> Result<(), ObstacleError> {
+fn moves_along_axis(given: &Obstacle, normal: [f64; 3]) -> Result<(), ObstacleError> {
     if given.rotation.is_some() {
         return Err(ObstacleError::TurnsRound);
     }
@@ -471,7 +467,7 @@ pub(super) fn centred(apex: [f64; 3], radius: f64, normal: [f64; 3]) -> bool {
 }
 
 /// Returns `true` if the axis of a cone is x = 0.
-pub(super) fn is_about_axis(apex: Vector, axis: [f64; 3]) -> bool {
+fn is_about_axis(apex: Vector, axis: [f64; 3]) -> bool {
     apex.components()[0] == 0.0 && axis[0].abs() <= SKEW
 }
 

@@ -1,8 +1,4 @@
 //! The surfaces of rigid obstacles and their distances from points.
-//!
-//! A circular cone.
-//!
-//! Intersection of a line with a surface that is given by its height.
 
 use std::sync::Arc;
 
@@ -317,7 +313,7 @@ const MOST: usize = 200;
 
 /// A line that approaches a surface by less than this share of its length counts as parallel to it; an intersection
 /// would be millions of lengths away.
-pub(super) const GRAZING: f64 = 1e-6;
+const GRAZING: f64 = 1e-6;
 
 /// The relative rounding error of a position on the line.
 const POSITION_ROUNDING: f64 = 2.0 * f64::EPSILON;

@@ -1,9 +1,7 @@
-//! A rigid surface of triangles: intersection with lines, and nearest points.
+//! A rigid surface of triangles: intersection with lines, nearest points, holes and cracks.
 //!
 //! Triangles are counterclockwise as seen from outside the obstacle, as in an STL file. The surface may be closed or
 //! have a rim; beyond the rim it has no distance.
-//!
-//! Holes and cracks of a surface of triangles, as distinct from its outer rim.
 
 mod chords;
 mod read;

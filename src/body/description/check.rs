@@ -1,6 +1,4 @@
 //! Checks of the values of a description, individually and in combination.
-//!
-//! Check of the formulas of a description.
 
 use super::{Action, Against, Contact, Description, Opposite};
 use crate::base::formula::{Field, Formula};

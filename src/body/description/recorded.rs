@@ -1,6 +1,4 @@
-//! Points of the body at which displacement and stress are recorded over time.
-//!
-//! The load cycle whose slip and stresses are recorded.
+//! What is recorded: displacement and stress of points over time, slip and stresses of a load cycle.
 
 use std::collections::HashSet;
 

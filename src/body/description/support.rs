@@ -1,6 +1,4 @@
-//! Supports of a body.
-//!
-//! Springs and elastic foundations.
+//! What holds a body: supports, springs and elastic foundations.
 
 use super::Axis;
 use super::load::{Where, axial, components, direction};

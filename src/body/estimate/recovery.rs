@@ -1,12 +1,10 @@
-//! Recovery of strains at the nodes from strains at the integration points.
+//! Recovery of strains at the nodes from strains at the integration points: one value for each node and each law of the cells
+//! around it, since strains jump at an interface between materials.
 //!
 //! On linear cells a nodal value is the mean over the surrounding cells of one law, weighted by volume. On cells of
 //! second order means are not accurate enough: each corner has a quadratic polynomial, fitted to the strains of the
 //! surrounding cells (Zienkiewicz and Zhu, Int. J. Numer. Meth. Engng 33 (1992) 1331). A node between two corners, in
 //! hexahedra and prisms every node, has the mean of the polynomials of all corners of its cells.
-//!
-//! Nodal values, one for each node and each law of the cells around it, since strains jump at an interface between
-//! materials.
 
 use std::collections::HashMap;
 

@@ -1,7 +1,5 @@
-//! Resolution of the contact by the mesh: zones of closed nodes, and the accuracy of their pressures.
-//!
-//! Resolution of slip zones beside stick zones. Their width, and therefore the work of friction, is known only to about
-//! one node.
+//! Resolution of the contact by the mesh: zones of closed nodes, the accuracy of their pressures, and slip zones beside stick
+//! zones.
 
 use serde::{Deserialize, Serialize};
 

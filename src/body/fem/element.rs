@@ -1,12 +1,5 @@
-//! The strains of an element: from its displacements alone or with the mean dilatation (B̄).
-//!
-//! Gradients of shape functions with respect to position.
-//!
-//! The stiffness of one element.
-//!
-//! Strains and stresses in an element.
-//!
-//! Inverted or degenerate elements.
+//! Elements: gradients of their shape functions, strains from displacements alone or with the mean dilatation (B̄), and
+//! stiffness.
 
 use serde::{Deserialize, Serialize};
 

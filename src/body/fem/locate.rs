@@ -1,6 +1,4 @@
-//! Search for bodies inside one another.
-//!
-//! Reference coordinates of a point in a cell.
+//! Points in cells: their reference coordinates, and bodies inside one another.
 
 use crate::algebra::vector::dot;
 use crate::body::mesh::{Bodies, CellKind, Jacobian, Mesh, shape};

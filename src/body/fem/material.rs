@@ -1,6 +1,4 @@
-//! The materials of a body, and the elastic law of each cell of its mesh.
-//!
-//! Isotropic linear elasticity in two and three dimensions.
+//! The materials of a body, and the isotropic elastic law of each cell of its mesh.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,8 +1,4 @@
-//! Structured meshes of a rectangle or a box.
-//!
-//! A graded rectangle that approximates a half-plane.
-//!
-//! Structured meshes of triangles, tetrahedra and prisms.
+//! Structured meshes of a rectangle, a box or a half-plane, and their division into triangles, tetrahedra and prisms.
 
 use std::collections::HashSet;
 

@@ -1,6 +1,4 @@
-//! The bodies of a mesh: its connected parts, which share no node.
-//!
-//! Joining the meshes of several bodies.
+//! The bodies of a mesh, its connected parts, which share no node; and the joining of the meshes of several.
 
 use std::collections::BTreeMap;
 

@@ -1,7 +1,5 @@
-//! Checks of a mesh for inverted, degenerate, overlapping and loosely connected cells and for unused and coincident
-//! nodes.
-//!
-//! Meshes from arrays of nodes, cells and named facets.
+//! Meshes from arrays, and the checks of a mesh for inverted, degenerate, overlapping and loosely connected cells and for
+//! unused and coincident nodes.
 
 use std::collections::HashSet;
 use std::fmt::Write;
@@ -456,7 +454,7 @@ impl Mesh {
     }
 
     /// Checks that every boundary consists of outer facets, each once and with its outside on the right.
-    pub(super) fn check_boundaries(&self) -> Result<(), MeshFault> {
+    fn check_boundaries(&self) -> Result<(), MeshFault> {
         self.check_names()?;
         let outline = Outline::new(&self.cells);
         for Boundary { name, facets } in &self.boundaries {

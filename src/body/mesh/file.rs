@@ -5,8 +5,6 @@
 //! boundaries.
 //!
 //! The readers are written here because those of crates (mshio 0.4) panic or take memory without bound on damaged files.
-//!
-//! Conversion of elements and their groups to cells, material groups and boundaries.
 
 mod abaqus;
 mod gmsh;

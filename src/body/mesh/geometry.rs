@@ -1,6 +1,4 @@
 //! The body that a two-dimensional mesh represents: a slice or a body of revolution.
-//!
-//! Half sections of bodies of revolution.
 
 use std::f64::consts::TAU;
 

@@ -1,10 +1,6 @@
 //! Shape functions: linear on triangles and tetrahedra, quadratic on triangles and tetrahedra of second order, bilinear
 //! on quadrilaterals, trilinear on hexahedra, products on prisms, and those of second order of the last three. They also
-//! map the reference cell to the cell.
-//!
-//! Integration rules of the kinds of cells.
-//!
-//! Shape functions and gradients at the integration points of each kind of cell, computed once for all cells of a mesh.
+//! map the reference cell to the cell. At the integration points they are computed once for all cells of a kind.
 
 use super::kind::Functions;
 use super::{CellKind, Geometry, Mesh};

@@ -1,6 +1,4 @@
-//! The sides of cells, and the connection of cells by sides.
-//!
-//! Named boundaries from lists of facets, each oriented with its outside on the right.
+//! The sides of cells, the connection of cells by sides, and named boundaries, whose facets have their outside on the right.
 
 use std::collections::{HashMap, HashSet};
 

@@ -1,6 +1,4 @@
 //! The contact nodes of all boundaries and their opposite sides, with checks.
-//!
-//! Contact between rigid parts, whose contact forces are not determined.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -444,12 +442,7 @@ const HELP: &str =
     "end the coupled boundary before the contact, use a distributing coupling, or let one part be elastic";
 
 /// Fails if reference points carry every node of both sides of contact `k`.
-pub(super) fn not_between_carried(
-    description: &Description,
-    mesh: &Mesh,
-    dofs: &Dofs,
-    k: usize,
-) -> Result<(), InputError> {
+fn not_between_carried(description: &Description, mesh: &Mesh, dofs: &Dofs, k: usize) -> Result<(), InputError> {
     let contact = &description.contacts[k];
     let carried = |name: &String| mesh.boundary(name).is_some_and(|boundary| dofs.are_rigid(&boundary.nodes()));
     let Some(opposite) = contact.opposite().filter(|_| carried(&contact.boundary)) else { return Ok(()) };

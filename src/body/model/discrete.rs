@@ -1,10 +1,5 @@
-//! A description on its mesh before assembly: displacements, laws and springs.
-//!
-//! The element formulation of a description; it must suit the cells of the mesh.
-//!
-//! The mesh of a body of revolution.
-//!
-//! A stiffness whose rows are distributed over several processes; each process assembles its own rows.
+//! A description on its mesh before assembly: displacements, laws and springs. Without parts that join cells, several processes
+//! may each assemble rows of its stiffness.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
@@ -63,7 +58,7 @@ impl Discrete {
 }
 
 /// Returns `true` if the stiffness is a sum over cells, each on displacements of its own nodes.
-pub(super) fn is_a_sum_over_cells<'a>(
+fn is_a_sum_over_cells<'a>(
     dofs: &Dofs,
     pairs: &[Pair],
     volumes: &NodalVolumes,
@@ -103,7 +98,7 @@ pub(super) fn element(description: &Description, mesh: &Mesh) -> Result<Element,
 }
 
 /// Returns the mesh of `description`; for an axisymmetric material, as half the section of a body of revolution.
-pub(super) fn meridian(description: &Description, mesh: Arc<Mesh>) -> Result<Arc<Mesh>, InputError> {
+fn meridian(description: &Description, mesh: Arc<Mesh>) -> Result<Arc<Mesh>, InputError> {
     match (description.material.plane, mesh.geometry) {
         // The check of the material fails for a plane state of a three-dimensional mesh.
         (Some(Plane::Axisymmetric), _) if mesh.dimension == 2 => {}

@@ -1,6 +1,4 @@
-//! The displacements of a mesh that the supports of a description hold.
-//!
-//! The relations of nodes to the reference points that carry them.
+//! The displacements of a mesh that supports hold, and those that reference points determine.
 
 use std::collections::BTreeMap;
 

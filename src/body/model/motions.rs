@@ -1,6 +1,5 @@
-//! The effect of moving obstacles on the gaps and the tangential motion at contact nodes.
-//!
-//! The obstacle that a contact node meets at each time, if there are several.
+//! The effect of moving obstacles on the gaps and the tangential motion at contact nodes, and the obstacle that a node meets at
+//! each time, if there are several.
 //!
 //! A node has the same row of `C_n` for all obstacles that press along one normal, so that `w_n <= g` with the smallest
 //! gap is the law for all of them. The smallest gap is continuous in time like the gap of one obstacle. Slip is the

@@ -1,9 +1,7 @@
-//! Check that a state stays within the range of the linearised gaps.
+//! Checks of a state: the range of the linearised gaps, missing friction, bodies that pass through each other.
 //!
 //! Gaps and normals are those of the undeformed body. The error is checked afterwards: the exact distance of the
 //! deformed node from the moved obstacle, along the node's normal, is compared with the linearised distance.
-//!
-//! Checks of pairs of boundaries in a state.
 
 use std::collections::BTreeMap;
 
@@ -90,7 +88,7 @@ impl Model {
 
     /// Returns the slope of the slave of a pair at contact node `i` relative to the given direction; NaN if none is
     /// given.
-    pub(super) fn slope_in_pair(&self, i: usize) -> f64 {
+    fn slope_in_pair(&self, i: usize) -> f64 {
         let contact = &self.contacts[i];
         let slope = contact.coupled().and_then(|coupled| self.pairs[coupled.pair].slopes.get(&contact.node));
         slope.copied().unwrap_or(f64::NAN)

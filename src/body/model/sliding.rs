@@ -1,6 +1,4 @@
-//! The motion of a body that slides.
-//!
-//! Rigid bodies that move along their contact so far that the moments of their forces are wrong.
+//! The motion of bodies that slide; rigid ones may slide so far that the moments of their forces are wrong.
 
 use std::collections::BTreeSet;
 

@@ -1,6 +1,4 @@
-//! Stresses of a body from its displacements.
-//!
-//! The strain energy of a body.
+//! Stresses and strain energy of a body from its displacements.
 
 use super::Model;
 use crate::algebra::vector::dot;
@@ -66,7 +64,7 @@ impl Model {
     }
 
     /// Returns the dilatation of nodal volume `a` without the thermal part.
-    pub(super) fn elastic_dilatation(&self, a: usize, factors: &[f64], displacements: &[[f64; 3]]) -> f64 {
+    fn elastic_dilatation(&self, a: usize, factors: &[f64], displacements: &[[f64; 3]]) -> f64 {
         let free: f64 = self.thermal.iter().zip(factors).map(|((free, _), f)| f * free.of_volumes[a]).sum();
         self.volumes.dilatation(a, displacements) - 3.0 * free
     }

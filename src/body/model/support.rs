@@ -1,6 +1,5 @@
-//! The prescribed displacements of the supports of a description on its mesh.
-//!
-//! Groups of bodies with a common rigid offset by supports.
+//! The prescribed displacements of the supports of a description on its mesh, and the groups of bodies with a common rigid
+//! offset by them.
 //!
 //! A rigid offset causes no strain, and forces of the stiffness that would cancel are left out (`Moved`). Bodies that
 //! are moved by different supports have different offsets. With one offset for all, a stiff body at rest would be

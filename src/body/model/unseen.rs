@@ -1,6 +1,5 @@
-//! Overlaps with obstacles that contact nodes miss: obstacles that they do not meet, and obstacles between nodes.
-//!
-//! Obstacles that pass through the body, or leave it, within an increment.
+//! Overlaps with obstacles that contact nodes miss: obstacles that they do not meet, obstacles between nodes, and obstacles
+//! that pass through the body, or leave it, within an increment.
 
 use std::collections::BTreeMap;
 

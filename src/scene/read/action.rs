@@ -1,8 +1,4 @@
-//! The supports, springs and loads of a scene.
-//!
-//! The couplings of a scene.
-//!
-//! The pretensions of a scene.
+//! What acts on the bodies of a scene: couplings, supports, pretensions, springs and loads.
 
 use super::{Reader, given, points};
 use crate::algebra::vector::Vector;

@@ -1,6 +1,4 @@
 //! The body of a scene, or its bodies: mesh, elements and materials.
-//!
-//! The mesh of a scene.
 
 use super::{Reader, given};
 use crate::base::input_error::{InputError, ensure};

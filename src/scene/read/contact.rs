@@ -1,6 +1,4 @@
-//! The contacts of a scene: boundaries in front of obstacles, or of each other.
-//!
-//! The obstacle of a contact.
+//! The contacts of a scene: boundaries in front of obstacles, or of each other; and the obstacles.
 
 use super::{Reader, given, only, points};
 use crate::algebra::vector::Vector;

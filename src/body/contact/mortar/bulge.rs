@@ -14,8 +14,6 @@
 //!
 //! On straight facets the normals are those of [`Surface`]. On curved facets of second order `e_ij` and n are those with which
 //! c is 0 in all nodes: facets follow a circle closely only if the nodes between corners are in the middle.
-//!
-//! The normals of the surface on which the nodes of a boundary lie.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -361,7 +359,7 @@ impl<'a> Surface<'a> {
     }
 
     /// Returns `true` if facets beside each other are apart whose normals have an angle with a cosine above `least`.
-    pub(super) fn has_edges(&self, least: f64) -> bool {
+    fn has_edges(&self, least: f64) -> bool {
         let apart = |f: usize, g: usize| (least..=self.smooth).contains(&dot(self.normals[f], self.normals[g]));
         let any =
             |facets: &Vec<usize>| facets.iter().any(|&f| facets.iter().any(|&g| apart(f, g) && self.are_beside(f, g)));

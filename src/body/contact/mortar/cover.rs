@@ -1,9 +1,5 @@
-//! The covered part of each slave facet: segments in front of master facets, and the integrals over them.
-//!
-//! The biorthogonal basis on the covered part of a slave facet, and the contribution of the facet to the rows of its
-//! nodes.
-//!
-//! Search for the master facets in front of a slave facet, and the distance between two boundaries.
+//! The covered part of each slave facet: segments in front of master facets, the integrals over them, and the biorthogonal
+//! basis there with the contribution of the facet to the rows of its nodes.
 
 use std::collections::BTreeSet;
 
@@ -345,7 +341,7 @@ const FACING: f64 = 0.1;
 const SHARE_OF_SIZE: f64 = 0.1;
 
 /// The facets of the master, in a tree.
-pub(super) struct Masters {
+struct Masters {
     bounds: Vec<Bounds>,
     normals: Vec<[f64; 3]>,
     tree: Tree,
@@ -397,7 +393,7 @@ pub(super) fn convex(mesh: &Mesh, boundary: &Boundary) -> Result<(), MortarFault
 }
 
 /// Returns the least distance (m) from a node of either boundary to the other boundary, and the position of that node.
-pub(super) fn least_distance(mesh: &Mesh, sides: [&Boundary; 2]) -> (f64, [f64; 3]) {
+fn least_distance(mesh: &Mesh, sides: [&Boundary; 2]) -> (f64, [f64; 3]) {
     let mut least = (f64::INFINITY, [0.0; 3]);
     for [from, to] in [sides, [sides[1], sides[0]]] {
         let fan = |facet: &Vec<usize>| {

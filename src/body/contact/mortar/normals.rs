@@ -1,6 +1,4 @@
-//! Normals at the nodes of a boundary, and their projection on the directions that supports leave free.
-//!
-//! The effect of supports on the relative motion of two boundaries.
+//! Normals at the nodes of a boundary, and the directions along which supports hold one side or both.
 
 use std::collections::{BTreeMap, BTreeSet};
 

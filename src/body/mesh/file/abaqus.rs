@@ -1,11 +1,9 @@
-//! Parser of the mesh in input files of Abaqus and CalculiX.
+//! Parser of the mesh in input files of Abaqus and CalculiX: their keywords with parameters and data.
 //!
 //! Names are in capitals, as Abaqus does not tell capitals from small letters. The ELSETs of `*SOLID SECTION` are groups
 //! of elements, without any section all ELSETs are. A `*SURFACE` is a boundary, and so is a node set with all nodes of a
 //! side that belongs to one element only. Sources: Abaqus keywords reference manual; G. Dhondt, CalculiX CrunchiX user's
 //! manual, version 2.20, chapters 6 and 7.
-//!
-//! The keywords of an input file with their parameters and data, and those of the files that it includes.
 
 mod model;
 mod sets;

@@ -1,6 +1,4 @@
 //! The mesh of a file of any format, as it is before its elements become cells and boundaries.
-//!
-//! Outer sides of elements, and the sets of nodes that are boundaries.
 
 use std::collections::{HashMap, HashSet};
 use std::fmt;

@@ -4,8 +4,6 @@
 //! a side that belongs to one element only. Sources: Structural Dynamics Research Laboratory, University of Cincinnati,
 //! universal file formats, datasets 15, 164, 781, 2411, 2412, 2420, 2467 and 2477; for the numbers of nodes and the
 //! older datasets of groups, the files of Salome and Gmsh.
-//!
-//! The elements of universal files, by their finite element descriptor.
 
 mod lines;
 

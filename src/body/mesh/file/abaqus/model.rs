@@ -1,6 +1,4 @@
 //! The nodes, elements, sets and surfaces of an input file, and their conversion to groups.
-//!
-//! The elements of Abaqus that are read, by the number of their nodes.
 
 use std::collections::{HashMap, HashSet};
 
@@ -402,6 +400,6 @@ pub(super) fn kind_of(name: &str) -> Option<ElementKind> {
 }
 
 /// Returns `true` for a type whose last letters choose a formulation, such as CPE4R.
-pub(super) fn is_variant(name: &str) -> bool {
+fn is_variant(name: &str) -> bool {
     name.ends_with(|last: char| last.is_ascii_alphabetic())
 }
