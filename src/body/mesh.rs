@@ -23,6 +23,7 @@ pub(crate) use interpolation::{
 };
 pub use interpolation::{fine_quadrature, quadrature, quadrature_of, shape};
 pub use kind::CellKind;
+pub(crate) use sides::sorted;
 pub use source::{Body, HalfPlane, MeshError, MeshSource, Segment};
 
 use crate::algebra::vector::{cross, minus};

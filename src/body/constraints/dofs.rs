@@ -11,7 +11,6 @@
 use std::collections::BTreeMap;
 
 use super::relative::{Coefficient, Relative};
-use super::rigid::{BodyMotion, Tie};
 use crate::algebra::vector::{axis, axis_across, cross, dot, minus, norm, plus, unit};
 use crate::body::mesh::{Geometry, Mesh};
 
@@ -51,6 +50,9 @@ pub const SAME_DIRECTION: f64 = 1e-9;
 
 /// A component of a unit vector along an axis of an oblique frame counts as rounding if it is at most this.
 const AXIS_ROUNDING: f64 = 1e-14;
+
+/// A linear form of displacements, `Σ c_k · u(x_k)`, as nodes and their coefficients.
+pub type Tie = Vec<(usize, [f64; 3])>;
 
 impl Dofs {
     /// Numbers, node by node, all components for which `fixed(node, component)` is `false`.
@@ -224,7 +226,7 @@ impl Dofs {
     }
 
     /// Returns the reference point of a node outside the mesh, and `true` for the node of its rotation.
-    fn point_of(&self, node: usize) -> Option<(&ReferencePoint, bool)> {
+    pub(super) fn point_of(&self, node: usize) -> Option<(&ReferencePoint, bool)> {
         let beyond = node.checked_sub(self.of_mesh)?;
         Some((self.points.get(beyond / 2)?, beyond % 2 == 1))
     }
@@ -255,15 +257,6 @@ impl Dofs {
         match self.jump_of(node) {
             Some(jump) => jump.node,
             None => self.point_of(node).map_or(node, |(point, _)| point.carried),
-        }
-    }
-
-    /// Returns the displacement of a node of the mesh or of a reference point in a rigid motion.
-    pub fn in_motion(&self, mesh: &Mesh, node: usize, motion: &BodyMotion) -> [f64; 3] {
-        match self.point_of(node) {
-            None => motion.at(mesh.nodes[node]),
-            Some((point, false)) => motion.at(point.position),
-            Some((point, true)) => point.of_rotation(mesh.dimension, motion.rotation),
         }
     }
 

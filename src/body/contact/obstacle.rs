@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::description::{GapDirection, Obstacle, Place, Rotation, SKEW, Shape};
 use super::gap_table::{GapTable, TableError};
 use super::surface::{SolidCone, Surface};
+use super::tree::Bounds;
 use super::triangles::{Chords, SurfaceError, Triangles};
 use crate::algebra::vector::{Vector, across, axis_across, cross, dot, minus, norm, plus, unit};
 use crate::body::mesh::{Boundary, Geometry, Mesh};
@@ -93,10 +94,24 @@ impl PlacedObstacle {
             (Some(axis), _) => Ok(axis),
         };
         let round = |radius: f64, place: Place, axis| Surface::Round { radius, apex: place.apex(radius, normal), axis };
-        let flat = mesh.dimension == 2;
-        let round_about = mesh.geometry == Geometry::Axisymmetric;
-        if round_about {
+        if mesh.geometry == Geometry::Axisymmetric {
             moves_along_axis(given, normal)?;
+        }
+        // Shapes of three dimensions, each with `true` if it is about the axis of a body of revolution.
+        let in_space = match given.shape {
+            Shape::Sphere { radius, place } => Some(("sphere", is_centred(place, radius, normal))),
+            Shape::Socket { radius, place } => Some(("socket", is_centred(place, -radius, normal))),
+            Shape::Cone { apex, axis, .. } => Some(("cone", is_about_axis(apex, along(axis).unwrap_or(normal)))),
+            _ => None,
+        };
+        match (in_space, mesh.geometry) {
+            (Some((shape, false)), Geometry::Axisymmetric) => return Err(ObstacleError::OffAxis(shape)),
+            (Some(_), Geometry::Axisymmetric) => {}
+            (Some((shape, _)), _) if mesh.dimension == 2 => return Err(ObstacleError::OnlyInSpace(shape)),
+            _ if mesh.dimension == 2 && matches!(given.shape, Shape::Surface { .. }) => {
+                return Err(ObstacleError::OnlyInSpace("surface"));
+            }
+            _ => {}
         }
         let surface = match &given.shape {
             Shape::Plane { gap } => {
@@ -106,23 +121,6 @@ impl PlacedObstacle {
             Shape::PlaneThrough { through } => Surface::Plane { level: dot(normal, through.components()), gap: 0.0 },
             Shape::Cylinder { radius, place, axis: given } => round(*radius, *place, Some(axis(*given)?)),
             Shape::Bore { radius, place, axis: given } => round(-radius, *place, Some(axis(*given)?)),
-            Shape::Sphere { place, radius } if round_about && centred(place.apex(*radius, normal), *radius, normal) => {
-                round(*radius, *place, None)
-            }
-            Shape::Socket { place, radius } if round_about && centred(place.apex(-radius, normal), -radius, normal) => {
-                round(-radius, *place, None)
-            }
-            Shape::Sphere { .. } if round_about => return Err(ObstacleError::OffAxis("sphere")),
-            Shape::Socket { .. } if round_about => return Err(ObstacleError::OffAxis("socket")),
-            Shape::Sphere { .. } if flat => return Err(ObstacleError::OnlyInSpace("sphere")),
-            Shape::Socket { .. } if flat => return Err(ObstacleError::OnlyInSpace("socket")),
-            Shape::Cone { apex, axis: given, .. }
-                if round_about && !is_about_axis(*apex, along(*given).unwrap_or(normal)) =>
-            {
-                return Err(ObstacleError::OffAxis("cone"));
-            }
-            Shape::Cone { .. } if flat && !round_about => return Err(ObstacleError::OnlyInSpace("cone")),
-            Shape::Surface { .. } if flat => return Err(ObstacleError::OnlyInSpace("surface")),
             Shape::Sphere { radius, place } => round(*radius, *place, None),
             Shape::Socket { radius, place } => round(-radius, *place, None),
             Shape::Cone { apex, half_angle, axis: given } => {
@@ -140,11 +138,10 @@ impl PlacedObstacle {
             Shape::Table { file, scale } => Surface::Table(GapTable::read(file, *scale)?),
             Shape::Surface { file, scale } => Surface::Triangles(Arc::new(Triangles::read(file, *scale)?)),
         };
-        let extent = extent(mesh, boundary);
         Ok(PlacedObstacle {
             surface,
             direction: given.direction,
-            extent,
+            extent: Bounds::of(&mesh.points(&boundary.nodes())).extent(),
             normal,
             tangents: [first, cross(normal, first)],
         })
@@ -344,16 +341,6 @@ fn lies_in_plane(given: &Obstacle) -> Result<(), ObstacleError> {
     Ok(())
 }
 
-/// Returns the longest side of the bounding box of a boundary, m.
-fn extent(mesh: &Mesh, boundary: &Boundary) -> f64 {
-    let points = mesh.points(&boundary.nodes());
-    let side = |c: usize| {
-        let along = || points.iter().map(|x| x[c]);
-        along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
-    };
-    (0..3).map(side).fold(0.0, f64::max)
-}
-
 fn mean_normal(mesh: &Mesh, boundary: &Boundary) -> Option<[f64; 3]> {
     let (mut sum, mut total) = ([0.0; 3], 0.0);
     for facet in &boundary.facets {
@@ -462,8 +449,8 @@ fn moves_along_axis(given: &Obstacle, normal: [f64; 3]) -> Result<(), ObstacleEr
 }
 
 /// Returns `true` if the centre of a sphere or socket is on the axis x = 0.
-pub(super) fn centred(apex: [f64; 3], radius: f64, normal: [f64; 3]) -> bool {
-    plus(apex, radius, normal)[0].abs() <= SKEW * radius.abs()
+fn is_centred(place: Place, radius: f64, normal: [f64; 3]) -> bool {
+    plus(place.apex(radius, normal), radius, normal)[0].abs() <= SKEW * radius.abs()
 }
 
 /// Returns `true` if the axis of a cone is x = 0.

@@ -4,7 +4,7 @@ use super::{Action, Against, Contact, Description, Opposite};
 use crate::base::formula::{Field, Formula};
 use crate::base::input_error::{InputError, ensure, finite};
 use crate::base::timeline::{check_points, check_times};
-use crate::body::contact::{Obstacle, Shape};
+use crate::body::contact::Shape;
 use crate::body::fem::{Element, Plane};
 
 impl Description {
@@ -21,26 +21,12 @@ impl Description {
             let help = "plane stress does not constrain the volume, so nothing locks: use \"bilinear\"";
             return Err(InputError::new("mesh.element", message, help));
         }
-        let under = |list: &'static str, k: usize| move |fault: InputError| fault.with_key(&format!("{list}[{k}]"));
-        for (k, coupling) in self.couplings.iter().enumerate() {
-            coupling.check(&self.couplings[..k]).map_err(under("coupling", k))?;
-        }
-        for (k, support) in self.supports.iter().enumerate() {
-            support.check().map_err(under("support", k))?;
-        }
-        for (k, contact) in self.contacts.iter().enumerate() {
-            contact.check(&self.contacts[..k]).map_err(under("contact", k))?;
-        }
-        for (k, pretension) in self.pretensions.iter().enumerate() {
-            pretension.check(self, &self.pretensions[..k]).map_err(under("pretension", k))?;
-        }
-        for (k, spring) in self.springs.iter().enumerate() {
-            spring.check().map_err(under("spring", k))?;
-        }
-        for (k, load) in self.loads.iter().enumerate() {
-            load.check().map_err(under("load", k))?;
-        }
-        Ok(())
+        each("coupling", &self.couplings, |k, coupling| coupling.check(&self.couplings[..k]))?;
+        each("support", &self.supports, |_, support| support.check())?;
+        each("contact", &self.contacts, |k, contact| contact.check(&self.contacts[..k]))?;
+        each("pretension", &self.pretensions, |k, pretension| pretension.check(self, &self.pretensions[..k]))?;
+        each("spring", &self.springs, |_, spring| spring.check())?;
+        each("load", &self.loads, |_, load| load.check())
     }
 
     /// Fails if a body of two dimensions has formulas of z.
@@ -89,6 +75,12 @@ impl Description {
     }
 }
 
+/// Checks each entry of a `list` with its number; an error names its key.
+fn each<T>(list: &str, all: &[T], check: impl Fn(usize, &T) -> Result<(), InputError>) -> Result<(), InputError> {
+    let one = |(k, entry)| check(k, entry).map_err(|fault| fault.with_key(&format!("{list}[{k}]")));
+    all.iter().enumerate().try_for_each(one)
+}
+
 impl Contact {
     /// Checks a contact, also against the `earlier` ones.
     fn check(&self, earlier: &[Contact]) -> Result<(), InputError> {
@@ -112,22 +104,17 @@ impl Contact {
             let sound = history.iter().all(|point| point[1] >= 0.0);
             ensure(sound, "friction_history", history, "of factors from 0 on", "friction cannot be negative")?;
         }
-        let obstacles = match &self.against {
-            Against::Boundary(opposite) => return self.check_opposite(opposite),
-            Against::Obstacles(obstacles) => obstacles,
-        };
-        let whole = match &obstacles[..] {
-            [] => {
-                let message = format!("there is no obstacle in front of `{}`", self.boundary);
-                return Err(InputError::new("obstacle", message, "give an obstacle, or remove the contact"));
-            }
-            [obstacle] => return obstacle.check().map_err(|fault| fault.with_key("obstacle")),
-            all => all,
-        };
-        let each = |(j, obstacle): (usize, &Obstacle)| {
-            obstacle.check().map_err(|fault| fault.with_key(&format!("obstacle[{j}]")))
-        };
-        whole.iter().enumerate().try_for_each(each)
+        match &self.against {
+            Against::Boundary(opposite) => self.check_opposite(opposite),
+            Against::Obstacles(obstacles) => match &obstacles[..] {
+                [] => {
+                    let message = format!("there is no obstacle in front of `{}`", self.boundary);
+                    Err(InputError::new("obstacle", message, "give an obstacle, or remove the contact"))
+                }
+                [obstacle] => obstacle.check().map_err(|fault| fault.with_key("obstacle")),
+                all => each("obstacle", all, |_, obstacle| obstacle.check()),
+            },
+        }
     }
 
     fn check_opposite(&self, opposite: &Opposite) -> Result<(), InputError> {

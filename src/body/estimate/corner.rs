@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::graph::{CORNER, ContactGraph};
 use crate::algebra::vector::{dot, minus, norm, plus, unit};
-use crate::body::mesh::Facet;
+use crate::body::mesh::{Facet, sorted};
 use crate::body::model::Model;
 
 /// The least angle of an edge of an obstacle, rad: tables and triangles have small ones along a rounding.
@@ -31,11 +31,6 @@ pub(super) struct Corners<'a> {
     sides: BTreeMap<usize, Vec<Facet>>,
 }
 
-fn sorted(mut facet: Facet) -> Facet {
-    facet.sort_unstable();
-    facet
-}
-
 impl<'a> Corners<'a> {
     /// Creates the corners at `time` (s).
     pub fn new(model: &'a Model, graph: &'a ContactGraph, time: f64) -> Self {
@@ -44,9 +39,9 @@ impl<'a> Corners<'a> {
         let mut sides: BTreeMap<usize, Vec<Facet>> =
             model.contacts.iter().map(|contact| (contact.node, Vec::new())).collect();
         let glued = model.pairs.iter().filter(|pair| pair.glued).flat_map(|pair| pair.mortar.sides().concat());
-        let glued: BTreeSet<Facet> = glued.map(sorted).collect();
+        let glued: BTreeSet<Facet> = glued.map(|facet| sorted(&facet)).collect();
         let surface = model.mesh.surface_at(|node| sides.contains_key(&node)).into_iter();
-        for (facet, _) in surface.filter(|(facet, _)| !glued.contains(&sorted(facet.clone()))) {
+        for (facet, _) in surface.filter(|(facet, _)| !glued.contains(&sorted(facet))) {
             for node in &facet {
                 if let Some(of_node) = sides.get_mut(node) {
                     of_node.push(facet.clone());

@@ -175,6 +175,11 @@ fn list<T: ToString>(items: &[T]) -> String {
     text
 }
 
+/// Fails with a fault of the cells or nodes that were `found`, if there are any.
+pub(super) fn none<T>(found: Vec<T>, fault: fn(Vec<T>) -> MeshFault) -> Result<(), MeshFault> {
+    if found.is_empty() { Ok(()) } else { Err(fault(found)) }
+}
+
 impl MeshFault {
     /// Returns the correction, in words.
     pub fn help(&self) -> &'static str {
@@ -257,35 +262,21 @@ impl Mesh {
             self.corner_volumes(&self.cells[*e]).iter().any(|&(volume, size)| sound(volume, NEGLIGIBLE * size))
         };
         let inverted = named(&mut (0..self.cells.len()).filter(|e| is(e, |volume, least| volume < -least)));
-        if !inverted.is_empty() {
-            return Err(MeshFault::Inverted(inverted));
-        }
+        none(inverted, MeshFault::Inverted)?;
         let degenerate = named(&mut (0..self.cells.len()).filter(|e| is(e, |volume, least| volume <= least)));
-        if !degenerate.is_empty() {
-            return Err(MeshFault::Degenerate(degenerate));
-        }
+        none(degenerate, MeshFault::Degenerate)?;
         let folded = named(&mut (0..self.cells.len()).filter(|&e| self.is_folded(&self.cells[e])));
-        if !folded.is_empty() {
-            return Err(MeshFault::Folded(folded));
-        }
+        none(folded, MeshFault::Folded)?;
         let mut used = vec![false; self.nodes.len()];
         self.cells.iter().flat_map(|cell| &cell.nodes).for_each(|&node| used[node] = true);
         let unused: Vec<usize> = (0..used.len()).filter(|&k| !used[k]).map(|k| numbers.nodes[k]).collect();
-        if !unused.is_empty() {
-            return Err(MeshFault::UnusedNodes(unused));
-        }
+        none(unused, MeshFault::UnusedNodes)?;
         let numbered =
             |all: &[usize], pairs: Vec<(usize, usize)>| pairs.iter().map(|&(a, b)| (all[a], all[b])).collect();
         let of = bodies.of_nodes();
-        let coincident = self.coincident_nodes(of);
-        if !coincident.is_empty() {
-            return Err(MeshFault::CoincidentNodes(numbered(numbers.nodes, coincident)));
-        }
+        none(numbered(numbers.nodes, self.coincident_nodes(of)), MeshFault::CoincidentNodes)?;
         let sides = self.sides().map_err(|pairs| MeshFault::Overlapping(numbered(numbers.cells, pairs)))?;
-        let unmatched = self.unmatched(&sides);
-        if !unmatched.is_empty() {
-            return Err(MeshFault::Unmatched(numbered(numbers.cells, unmatched)));
-        }
+        none(numbered(numbers.cells, self.unmatched(&sides)), MeshFault::Unmatched)?;
         match self.joint(&sides, bodies.of_cells()) {
             Some(Joint { cells, node }) => {
                 Err(MeshFault::Jointed { elements: named(&mut cells.into_iter()), node: numbers.nodes[node] })
@@ -427,13 +418,9 @@ impl Mesh {
             (0..self.nodes.len()).filter(|&k| bad(&self.nodes[k])).collect()
         };
         let not_finite = those(&|x| x.iter().any(|c| !c.is_finite()));
-        if !not_finite.is_empty() {
-            return Err(MeshFault::NotFinite(not_finite));
-        }
+        none(not_finite, MeshFault::NotFinite)?;
         let lifted = those(&|x| self.dimension == 2 && x[2] != 0.0);
-        if !lifted.is_empty() {
-            return Err(MeshFault::OutOfPlane(lifted));
-        }
+        none(lifted, MeshFault::OutOfPlane)?;
         self.check_section()?;
         let (nodes, groups) = (self.nodes.len(), self.groups.len());
         for (element, Cell { kind, nodes: own, group }) in self.cells.iter().enumerate() {

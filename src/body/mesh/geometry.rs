@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use super::check::none;
 use super::{Mesh, MeshFault};
 
 /// The meaning of the coordinates of a mesh.
@@ -63,7 +64,7 @@ impl Mesh {
             return Err(MeshFault::NoSection);
         }
         let left: Vec<usize> = (0..self.nodes.len()).filter(|&node| self.nodes[node][0] < 0.0).collect();
-        if left.is_empty() { Ok(()) } else { Err(MeshFault::LeftOfAxis(left)) }
+        none(left, MeshFault::LeftOfAxis)
     }
 
     /// Returns `true` if `node` is on the axis of a body of revolution, where radial displacements are 0.

@@ -102,14 +102,10 @@ impl Mesh {
         let corners: Vec<(Facet, usize)> =
             sides.iter().map(|(facet, &e)| (self.cells[e].corners_among(facet), e)).collect();
         let of = |count: usize| corners.iter().filter(move |(facet, _)| facet.len() == count);
-        let sorted = |mut corners: Facet| {
-            corners.sort_unstable();
-            corners
-        };
-        let triangles: HashMap<Facet, usize> = of(3).map(|(facet, e)| (sorted(facet.clone()), *e)).collect();
+        let triangles: HashMap<Facet, usize> = of(3).map(|(facet, e)| (sorted(facet), *e)).collect();
         let mut pairs: Vec<(usize, usize)> = Vec::new();
         for (facet, e) in of(4) {
-            let without = |k: usize| sorted((0..4).filter(|j| *j != k).map(|j| facet[j]).collect());
+            let without = |k: usize| sorted(&(0..4).filter(|j| *j != k).map(|j| facet[j]).collect::<Facet>());
             let others = (0..4).filter_map(|k| triangles.get(&without(k))).filter(|other| *other != e);
             pairs.extend(others.map(|other| (*e.min(other), *e.max(other))));
         }
@@ -135,7 +131,7 @@ pub(super) struct Outline {
 }
 
 /// Returns the nodes of a facet in ascending order.
-pub(super) fn sorted(nodes: &[usize]) -> Facet {
+pub(crate) fn sorted(nodes: &[usize]) -> Facet {
     let mut key = nodes.to_vec();
     key.sort_unstable();
     key

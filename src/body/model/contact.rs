@@ -17,7 +17,7 @@ use crate::body::contact::{
     meetings, unreachable,
 };
 use crate::body::description::{Contact, Description};
-use crate::body::mesh::{Boundary, Mesh};
+use crate::body::mesh::{Boundary, Mesh, sorted};
 use crate::solver::loading::FrictionHistory;
 use crate::solver::problem::ProblemError;
 
@@ -279,9 +279,7 @@ fn share_no_facet(description: &Description, mesh: &Mesh, pairs: &Pairs) -> Resu
     for (k, contact) in contacts.iter().enumerate() {
         let own = pairs.of_contact(k).map_or(&contact.boundary, |pair| &pairs.all[pair].slave);
         for facet in &find(mesh, own, &format!("contact[{k}]"))?.facets {
-            let mut nodes = facet.clone();
-            nodes.sort_unstable();
-            let Some(other) = whose.insert(nodes, own) else { continue };
+            let Some(other) = whose.insert(sorted(facet), own) else { continue };
             let corners = facet.len() as f64;
             let middle = facet.iter().fold([0.0; 3], |sum, node| plus(sum, 1.0 / corners, mesh.nodes[*node]));
             let place = description.system(mesh.dimension).place(middle);

@@ -18,7 +18,7 @@ use crate::algebra::elimination::solve;
 use crate::algebra::vector::{across, cross, dot, minus, norm, plus, unit};
 use crate::body::description::{Action, Bed, Where};
 use crate::body::fem::facet_normals;
-use crate::body::mesh::{CellKind, Facet, Geometry};
+use crate::body::mesh::{CellKind, Facet, Geometry, sorted};
 use crate::solver::problem::State;
 
 /// Facets belong to one smooth surface if the cosine between their normals exceeds this: the angle of 40 degrees at which
@@ -129,7 +129,7 @@ impl Surface {
         let sides = Sides { facets: surface, normals, at_node };
         let in_contact: BTreeSet<Facet> = (model.contact_boundaries.iter())
             .filter_map(|own| mesh.boundary(&own.name))
-            .flat_map(|boundary| boundary.facets.iter().map(sorted))
+            .flat_map(|boundary| boundary.facets.iter().map(|facet| sorted(facet)))
             .collect();
         let loaded = loaded_elsewhere(model);
         let fits = (0..model.contacts.len()).map(|i| Fit::new(model, i, &sides, &in_contact, &loaded)).collect();
@@ -154,12 +154,6 @@ fn patches(model: &Model) -> Vec<Vec<usize>> {
     patches.into_iter().map(|patch| patch.into_iter().collect()).collect()
 }
 
-fn sorted(facet: &Facet) -> Facet {
-    let mut nodes = facet.clone();
-    nodes.sort_unstable();
-    nodes
-}
-
 /// Returns the facets on which loads, springs or the contact forces of other nodes act.
 fn loaded_elsewhere(model: &Model) -> BTreeSet<Facet> {
     let description = model.description();
@@ -175,7 +169,7 @@ fn loaded_elsewhere(model: &Model) -> BTreeSet<Facet> {
     });
     let masters = model.pairs.iter().map(|pair| &pair.master);
     let boundaries = of_loads.chain(of_springs).filter_map(|name| model.mesh.boundary(name)).chain(masters);
-    boundaries.flat_map(|boundary| boundary.facets.iter().map(sorted)).collect()
+    boundaries.flat_map(|boundary| boundary.facets.iter().map(|facet| sorted(facet))).collect()
 }
 
 /// The sides of the body at contact nodes.

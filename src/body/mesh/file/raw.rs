@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 use std::fmt;
 
 use crate::algebra::vector::{dot, minus, norm};
-use crate::body::mesh::{CellKind, Facet};
+use crate::body::mesh::{CellKind, Facet, sorted};
 
 /// The supported kinds of elements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -182,8 +182,7 @@ pub(super) fn outer(elements: &[Element], dimension: usize) -> Vec<Side> {
     let mut all = Vec::new();
     for (e, Element { kind, nodes, .. }) in elements.iter().enumerate() {
         for (k, side) in kind.sides().iter().enumerate().filter(|_| kind.dimension() == dimension) {
-            let mut key: Facet = side.iter().map(|&k| nodes[k]).collect();
-            key.sort_unstable();
+            let key = sorted(&side.iter().map(|&k| nodes[k]).collect::<Facet>());
             *count.entry(key.clone()).or_default() += 1;
             all.push((key, (e, k)));
         }

@@ -4,9 +4,9 @@ use std::collections::{HashMap, HashSet};
 
 use super::reader::{Fields, Reader};
 use super::{Entity, Version, announced, name_of};
-use crate::body::mesh::CellKind;
 use crate::body::mesh::file::MeshFormatError;
 use crate::body::mesh::file::raw::{Block, ElementKind, RawMesh};
+use crate::body::mesh::{CellKind, sorted};
 
 const SECTION: &str = "Elements";
 
@@ -62,12 +62,6 @@ fn placed(
         ElementKind::Cell(kind) => kind.properties().gmsh_order.iter().map(|&place| found(&nodes[place])).collect(),
         _ => nodes.iter().map(found).collect(),
     }
-}
-
-fn sorted(nodes: &[usize]) -> Vec<usize> {
-    let mut key = nodes.to_vec();
-    key.sort_unstable();
-    key
 }
 
 /// Reads `$Elements` of MSH 4, where entities of the geometry belong to physical `groups`.
