@@ -23,6 +23,7 @@ pub(crate) use interpolation::{
 };
 pub use interpolation::{fine_quadrature, quadrature, quadrature_of, shape};
 pub use kind::CellKind;
+pub(crate) use rules::{GAUSS3, UNIT_GAUSS3};
 pub(crate) use sides::sorted;
 pub use source::{Body, HalfPlane, MeshError, MeshSource, Segment};
 
@@ -85,6 +86,11 @@ impl Mesh {
     pub fn boundary(&self, name: &str) -> Option<&Boundary> {
         let exact = self.boundaries.iter().find(|boundary| boundary.name == name);
         exact.or_else(|| self.boundaries.iter().find(|boundary| is_called(&boundary.name, name)))
+    }
+
+    /// Returns the facets of the boundary called `name`; none if there is no such boundary.
+    pub(super) fn facets_of(&self, name: &str) -> &[Facet] {
+        self.boundary(name).map_or(&[], |boundary| &boundary.facets)
     }
 
     /// Returns the names of all boundaries.

@@ -262,7 +262,10 @@ impl Model {
         let rigid_modes = rigid_motions.iter().map(|motion| motion.displacements(&mesh, &dofs)).collect();
         let problem = contact_problem(stiffness, &contacts, mu, rigid_modes, dofs.free())?;
         Ok(Model {
-            passed_by: motions::passed_by(&contacts, mesh.dimension, &obstacles, past),
+            passed_by: contacts
+                .iter()
+                .map(|contact| motions::passes(contact, mesh.dimension, &obstacles, past))
+                .collect(),
             passages: Passages::new(
                 &mesh,
                 pairs.all.iter().filter(|pair| !pair.shifted).map(|pair| (&pair.mortar, &pair.gaps[..])),

@@ -65,8 +65,7 @@ impl ContactGraph {
                 together.join(b, c);
             }
         }
-        let facets_of =
-            |boundary: &ContactBoundary| model.mesh.boundary(&boundary.name).map_or(&[][..], |own| &own.facets);
+        let facets_of = |boundary: &ContactBoundary| model.mesh.facets_of(&boundary.name);
         let touching: BTreeSet<usize> =
             model.contact_boundaries.iter().flat_map(facets_of).flatten().copied().collect();
         // The sides of facets, by the contact nodes of their ends, with the facets at each, and those on seams.

@@ -206,28 +206,19 @@ fn strain_at<const D: usize>(
 /// Computes the volume of a body, m³; in two dimensions the area of its section, m².
 pub(super) fn volume(mesh: &Mesh, cells: &[usize]) -> f64 {
     let kinds = ReferenceCells::new(mesh);
-    let mut all = 0.0;
-    let at = if mesh.dimension == 2 { strain_at::<2> } else { strain_at::<3> };
-    for cell in cells.iter().map(|&e| &mesh.cells[e]) {
-        let Some(reference) = kinds.get(cell.kind) else { continue };
-        let mut nodes = [[0.0; 3]; MAX_NODES];
-        nodes.iter_mut().zip(&cell.nodes).for_each(|(x, &node)| *x = mesh.nodes[node]);
-        let nodes = &nodes[..cell.nodes.len()];
-        let points = reference.of(cell.kind, nodes).iter();
-        all += points.map(|point| at(point, Geometry::Cartesian, nodes, nodes).0).sum::<f64>();
-    }
-    all
+    let of_cell = |&e: &usize| points_of(mesh, Geometry::Cartesian, &kinds, e).iter().map(|(v, _)| v).sum::<f64>();
+    cells.iter().map(of_cell).sum()
 }
 
-/// Returns volume and position (m) of the integration points of cell `e`.
-pub(super) fn points_of(mesh: &Mesh, kinds: &ReferenceCells, e: usize) -> Vec<(f64, [f64; 3])> {
+/// Returns volume and position (m) of the integration points of cell `e` in this geometry.
+pub(super) fn points_of(mesh: &Mesh, geometry: Geometry, kinds: &ReferenceCells, e: usize) -> Vec<(f64, [f64; 3])> {
     let cell = &mesh.cells[e];
     let nodes = mesh.points(&cell.nodes);
     let at = if mesh.dimension == 2 { strain_at::<2> } else { strain_at::<3> };
     let points = kinds.get(cell.kind).map_or(&[][..], |reference| reference.of(cell.kind, &nodes));
     let place = |point: &ReferencePoint| {
         let along = |c: usize| point.shape.iter().zip(&nodes).map(|(n, x)| n * x[c]).sum();
-        (at(point, mesh.geometry, &nodes, &nodes).0, [0, 1, 2].map(along))
+        (at(point, geometry, &nodes, &nodes).0, [0, 1, 2].map(along))
     };
     points.iter().map(place).collect()
 }

@@ -46,7 +46,7 @@ struct Points {
 
 impl Points {
     fn new(mesh: &Mesh, kinds: &ReferenceCells, e: usize) -> Self {
-        let points = points_of(mesh, kinds, e);
+        let points = points_of(mesh, mesh.geometry, kinds, e);
         let volume: f64 = points.iter().map(|(volume, _)| volume).sum();
         let shares: Vec<f64> = points.iter().map(|(v, _)| v / volume).collect();
         let positions: Vec<[f64; 3]> = points.into_iter().map(|(_, x)| x).collect();

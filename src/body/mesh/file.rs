@@ -18,6 +18,7 @@ use std::{fmt, io};
 use super::check::Numbers;
 use super::sides::Outline;
 use super::{Cell, Facet, Geometry, Mesh, MeshFault, Notes};
+use crate::base::input::FileKind;
 use raw::{Block, ElementKind, RawMesh, SAME_PLACE};
 
 /// The formats of mesh files.
@@ -80,6 +81,19 @@ pub enum Place {
     Line(usize),
     /// A byte of a binary file, from 0.
     Byte(usize),
+}
+
+impl MeshFormatError {
+    fn new(file: &str, place: Place, message: impl Into<String>, help: impl Into<String>) -> Self {
+        MeshFormatError { file: file.to_string(), place, message: message.into(), help: help.into() }
+    }
+}
+
+/// Fails if the `bytes` of the file `name` are of another kind than the one `needed`.
+fn expect(name: &str, bytes: &[u8], needed: FileKind) -> Result<(), MeshFormatError> {
+    let Some(kind) = FileKind::of(bytes).filter(|kind| *kind != needed) else { return Ok(()) };
+    let message = format!("it is {}, but {} is needed", kind.name(), needed.name());
+    Err(MeshFormatError::new(name, Place::Line(1), message, kind.as_mesh()))
 }
 
 impl fmt::Display for Place {
@@ -167,12 +181,7 @@ pub(crate) fn faces(name: &str, bytes: &[u8]) -> Result<Vec<Vec<[f64; 3]>>, Mesh
 /// Creates the mesh without its boundaries; returns also the number of each cell in the file, whose name and format are
 /// for messages.
 fn mesh(file: &mut RawMesh, name: &str, format: MeshFormat) -> Result<(Mesh, Vec<usize>), MeshFormatError> {
-    let error = |message: String, help: &str| MeshFormatError {
-        file: name.to_string(),
-        place: Place::Line(1),
-        message,
-        help: help.to_string(),
-    };
+    let error = |message: String, help: &str| MeshFormatError::new(name, Place::Line(1), message, help);
     let dimension = file.blocks.iter().map(|block| block.kind.dimension()).max().unwrap_or(0);
     if dimension < 2 {
         let help = match format {

@@ -186,7 +186,7 @@ impl Model {
         let carried: Vec<[f64; 3]> = (0..self.carrying.groups).map(|group| self.carried(group, t)).collect();
         if carried.iter().any(|carried| *carried != [0.0; 3]) {
             for (node, u) in all.iter_mut().enumerate() {
-                *u = plus(*u, 1.0, carried[self.carrying.of(node)]);
+                *u = plus(*u, 1.0, carried[self.carrying.of_node[node]]);
             }
         }
         all
@@ -227,7 +227,7 @@ impl Model {
         let directions = [contact.facing.normal, contact.facing.tangents[0], contact.facing.tangents[1]];
         let coupled = contact.coupled().is_some();
         // A rigid offset of both bodies causes no relative motion.
-        let carried = if coupled { [0.0; 3] } else { self.carried(self.carrying.of(contact.node), t) };
+        let carried = if coupled { [0.0; 3] } else { self.carried(self.carrying.of_node[contact.node], t) };
         let of = |moved: &Moved| {
             if coupled {
                 return moved.beyond_contact(&self.dofs, &self.carrying, contact);
@@ -416,7 +416,7 @@ impl Model {
             let of_springs = springs.iter().zip(of_springs).filter(|(bed, _)| here(bed.coupling()));
             let wrenches = of_loads.map(|(_, w)| *w).chain(of_supports.map(|(_, w)| *w));
             let Wrench { force, moment } = wrenches.chain(of_springs.map(|(_, w)| *w)).sum();
-            let position = self.couplings.all[k].position();
+            let position = self.couplings.all[k].position;
             let moment = match self.mesh.geometry {
                 Geometry::Cartesian => minus(moment, cross(position, force)),
                 Geometry::Axisymmetric => moment,

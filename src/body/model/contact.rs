@@ -121,7 +121,7 @@ impl Contacts {
         let mut obstacles = placed(contact, description.end(), mesh, boundary, k)?;
         for (_, motion) in &mut obstacles {
             // All bodies in front of one obstacle have the same rigid offset.
-            let group = boundary.nodes().first().map_or(0, |&node| carrying.of(node));
+            let group = boundary.nodes().first().map_or(0, |&node| carrying.of_node[node]);
             for Moved { carried, history, .. } in moved {
                 motion.pass(carried[group], history);
             }

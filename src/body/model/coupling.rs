@@ -28,7 +28,7 @@ pub(super) struct Couplings {
 pub(super) struct Coupled {
     name: String,
     /// The position of the reference point, m.
-    position: [f64; 3],
+    pub position: [f64; 3],
     /// The coupled nodes with their shares in the area of the boundary, or in the volume of the body.
     shares: Vec<(usize, f64)>,
     link: Link,
@@ -239,11 +239,6 @@ impl Coupled {
             Link::Rigid { k, .. } => Some((k, self.shares.iter().map(|(node, _)| *node).collect())),
             Link::Distributing(_) => None,
         }
-    }
-
-    /// Returns the position of the reference point, m.
-    pub(super) fn position(&self) -> [f64; 3] {
-        self.position
     }
 }
 

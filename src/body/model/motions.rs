@@ -57,30 +57,21 @@ fn of_first(
         let terms: Vec<Vec<Term>> = met.iter().map(|&i| contacts[i].terms().collect()).collect();
         let all = || terms.iter().flatten();
         let (positions, facings): (Vec<[f64; 3]>, Vec<Facing>) = all().map(|term| (term.position, term.facing)).unzip();
-        let rows = |of_node: &[Rates], add: &mut dyn FnMut(usize, Rates)| {
-            let mut rest = of_node;
-            for (&i, terms) in met.iter().zip(&terms) {
-                let (own, others) = rest.split_at(terms.len());
-                rest = others;
+        for (rates, history) in motion.rates(&positions, &facings) {
+            let (mut gap, mut drift) = (vec![0.0; last + 1 - first], vec![[0.0; 2]; last + 1 - first]);
+            for ((&i, terms), own) in met.iter().zip(&terms).zip(by_row(&terms, &rates)) {
                 let sum = |rate: &dyn Fn(&Rates) -> f64| match own {
                     [one] => rate(one),
                     _ => own.iter().zip(terms).map(|(rates, term)| term.coefficient * rate(rates)).sum(),
                 };
-                add(i - first, Rates { gap: sum(&|r| r.gap), drift: [0, 1].map(|k| sum(&|r| r.drift[k])) });
+                (gap[i - first], drift[i - first]) = (sum(&|r| r.gap), [0, 1].map(|k| sum(&|r| r.drift[k])));
             }
-        };
-        for (rates, history) in motion.rates(&positions, &facings) {
-            let (mut gap, mut drift) = (vec![0.0; last + 1 - first], vec![[0.0; 2]; last + 1 - first]);
-            rows(&rates, &mut |i, rates| (gap[i], drift[i]) = (rates.gap, rates.drift));
             motions.push(Motion::new(first..last + 1, gap, drift, history)?);
         }
         if let Some(of_nodes) = motion.bends(obstacle, &positions, &facings, times) {
             let of_rows = |(t, of_nodes): (&f64, Vec<f64>)| {
                 let mut gap = vec![0.0; last + 1 - first];
-                let mut rest = &of_nodes[..];
-                for (&i, terms) in met.iter().zip(&terms) {
-                    let (own, others) = rest.split_at(terms.len());
-                    rest = others;
+                for ((&i, terms), own) in met.iter().zip(&terms).zip(by_row(&terms, &of_nodes)) {
                     gap[i - first] = bend(&contacts[i], terms, own, (obstacle, motion), *t);
                 }
                 gap
@@ -92,22 +83,21 @@ fn of_first(
     Ok((motions, bends))
 }
 
+/// Divides the values of all nodes into those of the nodes in each row.
+fn by_row<'a, T>(terms: &'a [Vec<Term>], mut rest: &'a [T]) -> impl Iterator<Item = &'a [T]> {
+    terms.iter().map(move |terms| {
+        let own;
+        (own, rest) = rest.split_at(terms.len());
+        own
+    })
+}
+
 /// Tangential motion below this share of the normal motion counts as rounding.
 const DRIFTS: f64 = 1e-9;
 
-/// Returns the result of [`passes`] for each of `contacts`.
-pub(super) fn passed_by(
-    contacts: &[ContactNode],
-    dimension: usize,
-    obstacles: &[(PlacedObstacle, ObstacleMotion)],
-    others: impl Fn(&ContactNode) -> bool,
-) -> Vec<bool> {
-    contacts.iter().map(|contact| passes(contact, dimension, obstacles, &others)).collect()
-}
-
 /// Returns `true` if the opposite side moves past a contact node along a tangential direction without a row, because
 /// supports hold the node. For another body, `others` decides for the tangents of the node passed to it.
-fn passes(
+pub(super) fn passes(
     contact: &ContactNode,
     dimension: usize,
     obstacles: &[(PlacedObstacle, ObstacleMotion)],

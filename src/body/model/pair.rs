@@ -12,7 +12,8 @@ use crate::base::input_error::InputError;
 use crate::base::units::{Quantity, UnitSystem};
 use crate::body::constraints::{Apart, Bonds, Dofs, Relative, SAME_DIRECTION, Tie};
 use crate::body::contact::{
-    ContactNode, Mortar, MortarFault, MortarOptions, MortarRow, SlaveChoice, Supports, coupled_nodes, relative,
+    ContactNode, Mortar, MortarFault, MortarOptions, MortarRow, SlaveChoice, Supports, coupled_nodes, outsides,
+    relative,
 };
 use crate::body::description::{Description, Opposite, Slave};
 use crate::body::fem::Elasticity;
@@ -445,14 +446,7 @@ fn pair(
 /// Returns the slope of the surface of `slave` relative to the normal of each row, by its node: the tangent of the
 /// angle.
 fn slopes(mesh: &Mesh, slave: &Boundary, rows: &[MortarRow]) -> BTreeMap<usize, f64> {
-    let mut normals: BTreeMap<usize, [f64; 3]> = BTreeMap::new();
-    for facet in &slave.facets {
-        let area = mesh.area_vector(facet);
-        for node in facet {
-            let sum = normals.entry(*node).or_default();
-            *sum = plus(*sum, 1.0, area);
-        }
-    }
+    let normals = outsides(mesh, slave);
     let of_row = |row: &MortarRow| {
         let normal = normals.get(&row.node).copied().unwrap_or(row.normal);
         let along = dot(normal, row.normal);

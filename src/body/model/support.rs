@@ -74,7 +74,7 @@ impl Moved {
                     if carrying.turns == Some(group) {
                         return [0.0; 3];
                     }
-                    let own = prescribed.iter().filter(|(_, node, ..)| carrying.of(*node) == group);
+                    let own = prescribed.iter().filter(|(_, node, ..)| carrying.of_node[*node] == group);
                     nearest_translation(own.map(|(_, _, n, to)| (carrying_along(*n), *to)))
                 })
                 .collect();
@@ -82,7 +82,7 @@ impl Moved {
             let mut beyond = vec![[0.0; 3]; dofs.nodes()];
             for at_node in prescribed.chunk_by(|a, b| a.1 == b.1) {
                 let node = at_node[0].1;
-                let carried = carried[carrying.of(node)];
+                let carried = carried[carrying.of_node[node]];
                 let values: Vec<_> = at_node.iter().map(|(_, _, n, to)| (*n, to - dot(carried, *n))).collect();
                 let rest = solved(dofs, node, &values);
                 let missed = |(n, to): &([f64; 3], f64)| (dot(rest, *n) - to).abs() > SAME * size;
@@ -121,7 +121,7 @@ impl Moved {
         if springs.is_empty() || self.carried.iter().all(|carried| *carried == [0.0; 3]) {
             return Vec::new();
         }
-        let carried: Vec<[f64; 3]> = (0..carrying.nodes()).map(|node| self.carried[carrying.of(node)]).collect();
+        let carried: Vec<[f64; 3]> = carrying.of_node.iter().map(|group| self.carried[*group]).collect();
         springs.iter().flat_map(|spring| spring.forces(&carried)).collect()
     }
 
@@ -129,11 +129,10 @@ impl Moved {
     /// tangents. If the body in front of it has another offset, the displacement is relative to that offset.
     pub(super) fn beyond_contact(&self, dofs: &Dofs, carrying: &Carrying, contact: &ContactNode) -> [f64; 3] {
         let relative = contact.coupled().is_some_and(|coupled| coupled.relative);
-        let own = self.carried[carrying.of(contact.node)];
-        let apart = contact
-            .terms()
-            .filter(|term| term.opposite)
-            .fold([0.0; 3], |sum, term| plus(sum, term.coefficient, minus(self.carried[carrying.of(term.node)], own)));
+        let own = self.carried[carrying.of_node[contact.node]];
+        let apart = contact.terms().filter(|term| term.opposite).fold([0.0; 3], |sum, term| {
+            plus(sum, term.coefficient, minus(self.carried[carrying.of_node[term.node]], own))
+        });
         let along = |direction: fn(&Facing) -> [f64; 3]| {
             let apart = dot(apart, direction(&contact.facing));
             if !relative {
@@ -238,7 +237,7 @@ fn pseudo_inverse(directions: impl Iterator<Item = [f64; 3]> + Clone) -> [[f64; 
 #[derive(Debug, Clone)]
 pub(super) struct Carrying {
     /// The group of each node.
-    of_node: Vec<usize>,
+    pub of_node: Vec<usize>,
     /// The number of groups.
     pub groups: usize,
     /// For each group, the group whose supports determine its offset: the group itself or, if it has no supports, the
@@ -307,16 +306,6 @@ impl Carrying {
         let group_of = |node: usize| turns.filter(|_| stays(node)).unwrap_or_else(|| group(of(node)));
         let of_node = (0..dofs.nodes()).map(group_of).collect();
         Ok(Carrying { of_node, groups: firsts.len() + usize::from(turns.is_some()), carrier, turns })
-    }
-
-    /// Returns the number of nodes.
-    pub(super) fn nodes(&self) -> usize {
-        self.of_node.len()
-    }
-
-    /// Returns the group of `node`.
-    pub(super) fn of(&self, node: usize) -> usize {
-        self.of_node[node]
     }
 }
 

@@ -14,6 +14,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::Model;
+use super::recovery::beside;
 use crate::algebra::elimination::solve;
 use crate::algebra::vector::{across, cross, dot, minus, norm, plus, unit};
 use crate::body::description::{Action, Bed, Where};
@@ -134,24 +135,12 @@ impl Surface {
         let loaded = loaded_elsewhere(model);
         let fits = (0..model.contacts.len()).map(|i| Fit::new(model, i, &sides, &in_contact, &loaded)).collect();
         let scatters = mesh.cells.iter().any(|cell| cell.kind == CellKind::Tetrahedron);
-        let patches = scatters.then(|| patches(model));
+        let patches = scatters.then(|| {
+            let beside = beside(mesh, &model.contacts, &model.contact_boundaries, |_| true);
+            (0..model.contacts.len()).map(|i| beside.get(&i).map_or_else(|| vec![i], Vec::clone)).collect()
+        });
         Surface { fits, patches }
     }
-}
-
-/// Returns for each contact node the contact nodes of its sides, itself included.
-fn patches(model: &Model) -> Vec<Vec<usize>> {
-    let mut patches: Vec<BTreeSet<usize>> = (0..model.contacts.len()).map(|i| BTreeSet::from([i])).collect();
-    for own in &model.contact_boundaries {
-        let at_node: BTreeMap<usize, usize> = own.nodes.iter().map(|&i| (model.contacts[i].node, i)).collect();
-        for facet in model.mesh.boundary(&own.name).map_or(&[][..], |boundary| &boundary.facets) {
-            let of_facet: Vec<usize> = facet.iter().filter_map(|node| at_node.get(node).copied()).collect();
-            for &i in &of_facet {
-                patches[i].extend(&of_facet);
-            }
-        }
-    }
-    patches.into_iter().map(|patch| patch.into_iter().collect()).collect()
 }
 
 /// Returns the facets on which loads, springs or the contact forces of other nodes act.

@@ -1,6 +1,7 @@
 //! Segments: the part of a slave facet that a master facet covers, and the integration points there.
 
 use super::facet::{Flat, Projected, Values};
+use crate::body::mesh::GAUSS3;
 
 /// A common part counts as rounding if it is smaller than this share of the slave facet.
 const NO_PART: f64 = 1e-12;
@@ -15,13 +16,6 @@ pub(super) struct Point {
     /// The distance from the slave to the master along the normal of the slave, m.
     pub gap: f64,
 }
-
-/// Gauss points on [-1, 1].
-const GAUSS: [(f64, f64); 3] = [
-    (-0.774_596_669_241_483_4, 0.555_555_555_555_555_6),
-    (0.0, 0.888_888_888_888_888_8),
-    (0.774_596_669_241_483_4, 0.555_555_555_555_555_6),
-];
 
 /// Six Gauss points on [0, 1].
 const GAUSS6: [(f64, f64); 6] = [
@@ -111,7 +105,7 @@ fn overlap(slave: &Projected, size: f64, master: &Projected) -> Vec<(Flat, f64)>
     let (from, to) = (a.min(b).max(c.min(d)), a.max(b).min(c.max(d)));
     if to - from > NO_PART * size {
         let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
-        GAUSS.map(|(x, weight)| ([middle + x * half, 0.0], weight * half)).into()
+        GAUSS3.map(|(x, weight)| ([middle + x * half, 0.0], weight * half)).into()
     } else {
         Vec::new()
     }

@@ -11,17 +11,13 @@ mod sets;
 use std::path::{Path, PathBuf};
 
 use super::raw::RawMesh;
-use super::{MeshFormatError, Place};
+use super::{MeshFormatError, Place, expect};
 use crate::base::input::FileKind;
 use model::Model;
 
 /// Parses `bytes`; messages name the file `name`, and files that it includes are read from its folder.
 pub(super) fn read(name: &str, bytes: &[u8]) -> Result<RawMesh, MeshFormatError> {
-    if let Some(kind) = FileKind::of(bytes).filter(|kind| *kind != FileKind::Abaqus) {
-        let message = format!("it is {}, but an input of Abaqus or CalculiX is needed", kind.name());
-        let help = kind.as_mesh().to_string();
-        return Err(MeshFormatError { file: name.to_string(), place: Place::Line(1), message, help });
-    }
+    expect(name, bytes, FileKind::Abaqus)?;
     let mut keywords = Keywords::default();
     let mut model = Model::default();
     keywords.read(Path::new(name), bytes, &mut |keyword, data| model.take(keyword, data))?;
@@ -101,8 +97,7 @@ impl Keyword<'_> {
 }
 
 fn error(file: &Path, line: usize, message: impl Into<String>, help: impl Into<String>) -> MeshFormatError {
-    let (file, place) = (file.display().to_string(), Place::Line(line));
-    MeshFormatError { file, place, message: message.into(), help: help.into() }
+    MeshFormatError::new(&file.display().to_string(), Place::Line(line), message, help)
 }
 
 /// A reader of keywords, which remembers the files that it has read.

@@ -9,7 +9,7 @@ mod reader;
 use std::collections::HashMap;
 
 use super::raw::RawMesh;
-use super::{MeshFormatError, Place};
+use super::{MeshFormatError, expect};
 use crate::base::input::FileKind;
 use reader::{Fields, Reader};
 
@@ -34,11 +34,7 @@ struct SectionsSeen {
 
 /// Parses `bytes`; messages name the file `name`.
 pub(super) fn read(name: &str, bytes: &[u8]) -> Result<RawMesh, MeshFormatError> {
-    if let Some(kind) = FileKind::of(bytes).filter(|kind| *kind != FileKind::Gmsh) {
-        let message = format!("it is {}, but a mesh of Gmsh is needed", kind.name());
-        let help = kind.as_mesh().to_string();
-        return Err(MeshFormatError { file: name.to_string(), place: Place::Line(1), message, help });
-    }
+    expect(name, bytes, FileKind::Gmsh)?;
     let mut reader = Reader::new(name, bytes);
     let version = format(&mut reader, name)?;
     let (mut file, mut seen) = (RawMesh::default(), SectionsSeen::default());
@@ -177,9 +173,8 @@ fn entities(
 ) -> Result<(), MeshFormatError> {
     let partitioned = section == "PartitionedEntities";
     if partitioned {
-        reader.row(section, "1 whole number", |row| row.size().and_then(|count| row.last(count)))?;
-        let ghosts = reader.row(section, "1 whole number", |row| row.size().and_then(|count| row.last(count)))?;
-        for _ in 0..ghosts {
+        reader.count(section)?;
+        for _ in 0..reader.count(section)? {
             reader.row(section, "2 whole numbers", |row| row.list(2, Fields::int))?;
         }
     }
@@ -244,13 +239,8 @@ fn nodes(
     file: &mut RawMesh,
 ) -> Result<HashMap<usize, usize>, MeshFormatError> {
     let section = "Nodes";
-    // MSH 4.1 has also the least and the largest number.
-    let (more, what) = if version == Version::V41 { (2, "4 whole numbers") } else { (0, "2 whole numbers") };
-    let (blocks, count) = reader.row(section, what, |row| {
-        let (blocks, count) = (row.size()?, row.size()?);
-        row.list(more, Fields::size)?;
-        row.last((blocks, count))
-    })?;
+    let (blocks, count) = reader.counts(section, version)?;
+
     let mut indices = HashMap::new();
     for _ in 0..blocks {
         let (entity, parametric, here) = reader.row(section, "4 whole numbers", |row| {
@@ -267,10 +257,7 @@ fn nodes(
         }
         let first = file.numbers.len();
         for _ in 0..here {
-            let number = reader.row(section, "1 whole number", |row| {
-                let number = row.size()?;
-                row.last(number)
-            })?;
+            let number = reader.count(section)?;
             add_node(reader, file, &mut indices, number)?;
         }
         let parameters = if parametric == 0 { 0 } else { usize::try_from(entity.clamp(0, 3)).unwrap_or(0) };

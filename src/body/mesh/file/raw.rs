@@ -219,3 +219,8 @@ pub(super) fn add_boundary(mesh: &mut RawMesh, elements: &[Element], name: &str,
         mesh.add(ElementKind::of_side(kind.dimension(), nodes.len()), vec![name.to_string()], (number, nodes));
     }
 }
+
+/// Shortens a line for messages.
+pub(super) fn shortened(line: &str) -> String {
+    line.trim().chars().take(40).flat_map(char::escape_debug).collect()
+}

@@ -10,7 +10,7 @@ mod lines;
 use std::collections::{HashMap, HashSet};
 
 use super::raw::{Element, ElementKind, RawMesh, add_boundary, no_side, outer, real, within};
-use super::{MeshFormatError, Place};
+use super::{MeshFormatError, expect};
 use crate::base::input::FileKind;
 use crate::body::mesh::CellKind;
 use lines::Lines;
@@ -20,11 +20,7 @@ const MAX_LETTERS: usize = 200;
 
 /// Parses `bytes`; messages name the file `name`.
 pub(super) fn read(name: &str, bytes: &[u8]) -> Result<RawMesh, MeshFormatError> {
-    if let Some(kind) = FileKind::of(bytes).filter(|kind| *kind != FileKind::Unv) {
-        let message = format!("it is {}, but a mesh in the format UNV is needed", kind.name());
-        let help = kind.as_mesh().to_string();
-        return Err(MeshFormatError { file: name.to_string(), place: Place::Line(1), message, help });
-    }
+    expect(name, bytes, FileKind::Unv)?;
     let mut lines = Lines::new(name, bytes);
     let mut model = Model::default();
     while let Some(dataset) = lines.dataset()? {

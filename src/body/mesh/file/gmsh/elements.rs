@@ -72,13 +72,8 @@ pub(super) fn of_entities(
     indices: &HashMap<usize, usize>,
     file: &mut RawMesh,
 ) -> Result<(), MeshFormatError> {
-    // MSH 4.1 has also the least and the largest number.
-    let (more, what) = if version == Version::V41 { (2, "4 whole numbers") } else { (0, "2 whole numbers") };
-    let (blocks, count) = reader.row(SECTION, what, |row| {
-        let (blocks, count) = (row.size()?, row.size()?);
-        row.list(more, Fields::size)?;
-        row.last((blocks, count))
-    })?;
+    let (blocks, count) = reader.counts(SECTION, version)?;
+
     let mut read = 0_usize;
     for _ in 0..blocks {
         let (first, second, kind, here) = reader.row(SECTION, "4 whole numbers", |row| {

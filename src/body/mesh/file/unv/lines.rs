@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 use std::str::FromStr;
 
+use crate::body::mesh::file::raw::shortened;
 use crate::body::mesh::file::{MeshFormatError, Place};
 
 const AGAIN: &str = "export the mesh again as UNV";
@@ -108,8 +109,7 @@ impl<'a> Lines<'a> {
 
     /// Creates an error at a `line`.
     pub(super) fn error_at(&self, line: usize, message: impl Into<String>, help: impl Into<String>) -> MeshFormatError {
-        let place = Place::Line(line.max(1));
-        MeshFormatError { file: self.file.to_string(), place, message: message.into(), help: help.into() }
+        MeshFormatError::new(self.file, Place::Line(line.max(1)), message, help)
     }
 
     /// Creates the error of a fault that only a new export cures.
@@ -121,9 +121,4 @@ impl<'a> Lines<'a> {
     pub(super) fn malformed(&self, what: &str) -> MeshFormatError {
         self.damaged(format!("dataset {}: {what} expected in this line", self.dataset))
     }
-}
-
-/// Shortens a line for messages.
-fn shortened(line: &str) -> String {
-    line.trim().chars().take(40).flat_map(char::escape_debug).collect()
 }
