@@ -439,11 +439,9 @@ fn master_weights(mesh: &Mesh, master: &Boundary, covers: &Covers) -> Vec<(usize
 
 /// The error of two boundaries that cannot be paired.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{}", self.told(|x| format!("{x} m"), |at| format!("{at:?}")))]
 pub enum MortarFault {
     /// The master is nowhere in front of the slave within the search distance.
-    #[error(
-        "nothing of `{master}` is in front of `{slave}` within {search} m; the least distance is {least} m, at {at:?}"
-    )]
     NothingInFront {
         /// The slave boundary.
         slave: String,
@@ -457,7 +455,6 @@ pub enum MortarFault {
         at: Vector,
     },
     /// Two layers of the master are in front of part of a slave facet.
-    #[error("two layers of `{master}` are in front of the facet of `{slave}` at {at:?}")]
     TwoLayers {
         /// The slave boundary.
         slave: String,
@@ -467,7 +464,6 @@ pub enum MortarFault {
         at: Vector,
     },
     /// A quadrilateral that cannot be clipped.
-    #[error("the quadrilateral of `{boundary}` at {at:?} is not convex")]
     NotConvex {
         /// The boundary.
         boundary: String,
@@ -476,7 +472,6 @@ pub enum MortarFault {
     },
     /// A facet is bent so much that places in front of the other boundary have no local coordinates: the facet folds there, or an edge
     /// bends far away from its chord.
-    #[error("the facet of `{boundary}` at {at:?} is bent too much, seen along the normal of the slave")]
     TooBent {
         /// The boundary.
         boundary: String,
@@ -484,7 +479,6 @@ pub enum MortarFault {
         at: Vector,
     },
     /// Supports hold all slave nodes in front of the master along their normals.
-    #[error("supports or a coupling hold `{slave}` along its normal wherever `{master}` is in front of it")]
     SlaveHeld {
         /// The slave boundary.
         slave: String,
@@ -492,7 +486,6 @@ pub enum MortarFault {
         master: String,
     },
     /// Facets that meet in a node, or that are in front of it, have opposite normals.
-    #[error("the normals of the facets of `{boundary}` around {at:?} cancel")]
     NormalsCancel {
         /// The boundary.
         boundary: String,
@@ -500,7 +493,6 @@ pub enum MortarFault {
         at: Vector,
     },
     /// The given direction points into the slave.
-    #[error("the direction points into the body at {at:?} of `{slave}`")]
     Inwards {
         /// The slave boundary.
         slave: String,
@@ -510,25 +502,64 @@ pub enum MortarFault {
 }
 
 impl MortarFault {
-    /// Returns the correction, in words.
-    pub fn help(&self) -> &'static str {
+    /// Describes the fault, with lengths and places in the words of `length` and `place`.
+    pub(crate) fn told(&self, length: impl Fn(f64) -> String, place: impl Fn(&Vector) -> String) -> String {
         match self {
-            MortarFault::NothingInFront { search, least, .. } if least <= search => {
-                "let the two face each other, so that the normals of the one meet facets of the other that look back"
+            MortarFault::NothingInFront { slave, master, search, least, at } => format!(
+                "nothing of `{master}` is in front of `{slave}` within {}; the least distance is {}, at {}",
+                length(*search),
+                length(*least),
+                place(at)
+            ),
+            MortarFault::TwoLayers { slave, master, at } => {
+                format!("two layers of `{master}` are in front of the facet of `{slave}` at {}", place(at))
             }
-            MortarFault::NothingInFront { .. } => "give a longer `search`, or move the bodies to where they meet",
+            MortarFault::NotConvex { boundary, at } => {
+                format!("the quadrilateral of `{boundary}` at {} is not convex", place(at))
+            }
+            MortarFault::TooBent { boundary, at } => {
+                let at = place(at);
+                format!("the facet of `{boundary}` at {at} is bent too much, seen along the normal of the slave")
+            }
+            MortarFault::SlaveHeld { slave, master } => {
+                format!("supports or a coupling hold `{slave}` along its normal wherever `{master}` is in front of it")
+            }
+            MortarFault::NormalsCancel { boundary, at } => {
+                format!("the normals of the facets of `{boundary}` around {} cancel", place(at))
+            }
+            MortarFault::Inwards { slave, at } => {
+                format!("the direction points into the body at {} of `{slave}`", place(at))
+            }
+        }
+    }
+
+    /// Returns the key in a contact that the fault concerns, and the correction, in words.
+    pub(crate) fn cure(&self) -> (&'static str, &'static str) {
+        match self {
+            MortarFault::NothingInFront { search, least, .. } if least <= search => (
+                "search",
+                "let the two face each other, so that the normals of the one meet facets of the other that look back",
+            ),
+            MortarFault::NothingInFront { .. } => {
+                ("search", "give a longer `search`, or move the bodies to where they meet")
+            }
             MortarFault::TwoLayers { .. } => {
-                "give a shorter `search`, or name only the part of the boundary that is to be met"
+                ("search", "give a shorter `search`, or name only the part of the boundary that is to be met")
             }
             MortarFault::NotConvex { .. } => {
-                "mesh again; no angle of a quadrilateral on a contact boundary may exceed 180°"
+                ("against", "mesh again; no angle of a quadrilateral on a contact boundary may exceed 180°")
             }
-            MortarFault::TooBent { .. } => {
-                "mesh again, finer where the boundary is curved, or name only the part of it that faces the other"
+            MortarFault::TooBent { .. } => (
+                "against",
+                "mesh again, finer where the boundary is curved, or name only the part of it that faces the other",
+            ),
+            MortarFault::SlaveHeld { .. } => ("against", "swap the two: what nothing holds is to be the slave"),
+            MortarFault::NormalsCancel { .. } => {
+                ("against", "name the two sides of a sharp edge as different boundaries")
             }
-            MortarFault::SlaveHeld { .. } => "swap the two: what nothing holds is to be the slave",
-            MortarFault::NormalsCancel { .. } => "name the two sides of a sharp edge as different boundaries",
-            MortarFault::Inwards { .. } => "turn the direction round: it points out of the slave, towards the master",
+            MortarFault::Inwards { .. } => {
+                ("direction", "turn the direction round: it points out of the slave, towards the master")
+            }
         }
     }
 }

@@ -6,7 +6,7 @@ use super::coupling::Couplings;
 use super::find;
 use super::holding::{self, Holding};
 use super::joint::{self, Joints};
-use crate::algebra::vector::{Vector, across, axis, dot, minus, norm, plus, unit};
+use crate::algebra::vector::{across, axis, dot, minus, norm, plus, unit};
 use crate::base::formula::Field;
 use crate::base::input_error::InputError;
 use crate::base::units::{Quantity, UnitSystem};
@@ -356,8 +356,9 @@ fn pair(
     let direction = opposite.direction.map(|direction| unit(direction.components()));
     let options = MortarOptions { search: opposite.search, direction };
     let refused = |fault: MortarFault| {
-        let message = told(&fault, &units).unwrap_or_else(|| fault.to_string());
-        InputError::new(format!("{key}.{}", key_of(&fault)), message, fault.help())
+        let length = |x: f64| units.rounded(Quantity::Length, x, 4);
+        let (at, help) = fault.cure();
+        InputError::new(format!("{key}.{at}"), fault.told(length, |at| units.place(at.components())), help)
     };
     let all_held = first.nodes().into_iter().all(|node| supports.held(node).len() == 3);
     if opposite.slave == Slave::Automatic && opposite.boundaries.len() > 1 {
@@ -482,48 +483,6 @@ fn young(mesh: &Mesh, boundary: &Boundary, materials: &[Elasticity]) -> f64 {
         mu * (3.0 * lambda + 2.0 * mu) / (lambda + mu)
     };
     (0..mesh.cells.len()).filter(at_boundary).map(young).fold(f64::INFINITY, f64::min)
-}
-
-/// Returns the key that `fault` concerns.
-fn key_of(fault: &MortarFault) -> &'static str {
-    match fault {
-        MortarFault::NothingInFront { .. } | MortarFault::TwoLayers { .. } => "search",
-        MortarFault::Inwards { .. } => "direction",
-        MortarFault::NotConvex { .. }
-        | MortarFault::TooBent { .. }
-        | MortarFault::SlaveHeld { .. }
-        | MortarFault::NormalsCancel { .. } => "against",
-    }
-}
-
-/// Returns the message of a fault with lengths, in `units`.
-fn told(fault: &MortarFault, units: &UnitSystem) -> Option<String> {
-    let place = |at: &Vector| units.place(at.components());
-    let length = |x: f64| units.rounded(Quantity::Length, x, 4);
-    Some(match fault {
-        MortarFault::NothingInFront { slave, master, search, least, at } => format!(
-            "nothing of `{master}` is in front of `{slave}` within {}; the least distance is {}, at {}",
-            length(*search),
-            length(*least),
-            place(at)
-        ),
-        MortarFault::TwoLayers { slave, master, at } => {
-            format!("two layers of `{master}` are in front of the facet of `{slave}` at {}", place(at))
-        }
-        MortarFault::NotConvex { boundary, at } => {
-            format!("the quadrilateral of `{boundary}` at {} is not convex", place(at))
-        }
-        MortarFault::TooBent { boundary, at } => {
-            format!("the facet of `{boundary}` at {} is bent too much, seen along the normal of the slave", place(at))
-        }
-        MortarFault::NormalsCancel { boundary, at } => {
-            format!("the normals of the facets of `{boundary}` around {} cancel", place(at))
-        }
-        MortarFault::Inwards { slave, at } => {
-            format!("the direction points into the body at {} of `{slave}`", place(at))
-        }
-        MortarFault::SlaveHeld { .. } => return None,
-    })
 }
 
 /// Returns the thickness along `normal` of the body of `boundary`, m.
