@@ -82,7 +82,7 @@ fn assemble_entries(
 ) -> Result<Symmetric, InvertedElement> {
     let mut k = Symmetric::of(dofs.free(), |take| {
         let of_cells = cells.iter().map(|&e| &mesh.cells[e].nodes[..]);
-        for nodes in of_cells.chain(volumes.iter().map(NodalVolume::nodes)) {
+        for nodes in of_cells.chain(volumes.volumes.iter().map(|volume: &NodalVolume| &volume.nodes[..])) {
             let unknowns = dofs.unknowns_of(nodes);
             for (k, &column) in unknowns.iter().enumerate() {
                 unknowns[k..].iter().filter(|row| wanted(**row, column)).for_each(|&row| take(row, column));
@@ -110,8 +110,8 @@ fn assemble_entries(
             add(nodes, &k);
         }
     })?;
-    for volume in volumes.iter().filter(|volume| !dofs.are_rigid(volume.nodes())) {
-        add(volume.nodes(), &volume.stiffness(mesh.dimension));
+    for volume in volumes.volumes.iter().filter(|volume| !dofs.are_rigid(&volume.nodes)) {
+        add(&volume.nodes, &volume.stiffness(mesh.dimension));
     }
     for spring in springs {
         add(spring.nodes(), spring.stiffness());

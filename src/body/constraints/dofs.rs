@@ -23,7 +23,7 @@ type Frame = [[f64; 3]; 3];
 /// turned so that the held directions are axes of the frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Dofs {
-    dimension: usize,
+    pub(crate) dimension: usize,
     /// The number of nodes of the mesh; the two nodes of each reference point and the node of each jump follow.
     pub(super) of_mesh: usize,
     /// The reference points.
@@ -119,11 +119,6 @@ impl Dofs {
             self.numbers.push(counts.then_some(self.free));
             self.free += usize::from(counts);
         }
-    }
-
-    /// Returns the number of dimensions.
-    pub(crate) fn dimension(&self) -> usize {
-        self.dimension
     }
 
     /// Returns the number of nodes, including those of reference points and jumps.
@@ -263,20 +258,20 @@ impl Dofs {
     /// Returns the force on the node of the rotation of point `k` that is equivalent to a `moment`, N m.
     pub fn of_moment(&self, k: usize, moment: [f64; 3]) -> [f64; 3] {
         let radius = self.points[k].radius;
-        self.points[k].of_rotation(self.dimension(), moment).map(|x| x / (radius * radius))
+        self.points[k].of_rotation(self.dimension, moment).map(|x| x / (radius * radius))
     }
 
     /// Returns the rotation (rad) of point `k` from the displacement of its second node.
     pub fn rotation(&self, k: usize, u: [f64; 3]) -> [f64; 3] {
         let [x, y, z] = u.map(|u| u / self.points[k].radius);
-        if self.dimension() == 2 { [0.0, 0.0, x] } else { [x, y, z] }
+        if self.dimension == 2 { [0.0, 0.0, x] } else { [x, y, z] }
     }
 
     /// Returns the moment (N m) of a force on the node of a rotation; `None` for other nodes.
     pub fn moment(&self, node: usize, force: [f64; 3]) -> Option<[f64; 3]> {
         let (point, _) = self.point_of(node).filter(|(_, rotation)| *rotation)?;
         let [x, y, z] = force.map(|f| point.radius * f);
-        Some(if self.dimension() == 2 { [0.0, 0.0, x] } else { [x, y, z] })
+        Some(if self.dimension == 2 { [0.0, 0.0, x] } else { [x, y, z] })
     }
 
     /// Returns the stiffness (N/m, along the components of the second node) of a `rotational` stiffness of point `k`, N m.

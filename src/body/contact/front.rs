@@ -184,7 +184,7 @@ pub fn holes_in_front_of(
         }
         let [normal, first, second] =
             [obstacle.normal, obstacle.tangents[0], obstacle.tangents[1]].map(|axis| motion.back(t, [0.0; 3], axis).1);
-        let before = plus(hole.middle, -2.0 * triangles.extent(), normal);
+        let before = plus(hole.middle, -2.0 * triangles.extent, normal);
         let way = dot(minus(hole.middle, before), normal);
         if triangles.entry(before, normal).is_some_and(|entry| entry.distance < way - hole.size) {
             return false;

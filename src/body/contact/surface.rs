@@ -181,7 +181,7 @@ impl Surface {
             }
             Surface::Cone(cone) => cone.inward(foot),
             Surface::Triangles(triangles) => {
-                triangles.entry(x, n).map_or(facing, |entry| triangles.normal(entry.triangle).map(|c| -c))
+                triangles.entry(x, n).map_or(facing, |entry| triangles.normals[entry.triangle].map(|c| -c))
             }
             Surface::Wedge { apex, aside, slope } => {
                 let side = if dot(minus(foot, *apex), *aside) < 0.0 { -1.0 } else { 1.0 };

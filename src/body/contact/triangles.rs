@@ -20,7 +20,7 @@ use crate::algebra::vector::{cross, dot, minus, norm, plus, unit};
 pub(super) struct Triangles {
     corners: Vec<[[f64; 3]; 3]>,
     /// Unit normals out of the obstacle.
-    normals: Vec<[f64; 3]>,
+    pub(super) normals: Vec<[f64; 3]>,
     /// The indices in `vertices` of the corners of each triangle.
     points: Vec<[usize; 3]>,
     /// The indices in `edges` of the sides of each triangle; side k begins at corner k.
@@ -29,7 +29,7 @@ pub(super) struct Triangles {
     edges: Vec<Feature>,
     tree: Tree,
     /// The longest side of the bounding box, m.
-    extent: f64,
+    pub(super) extent: f64,
 }
 
 /// An edge or a corner of the surface.
@@ -193,16 +193,6 @@ impl Triangles {
     /// Returns the number of triangles.
     pub(super) fn count(&self) -> usize {
         self.corners.len()
-    }
-
-    /// Returns the longest side of the bounding box, m.
-    pub(super) fn extent(&self) -> f64 {
-        self.extent
-    }
-
-    /// Returns the unit normal of a triangle, out of the obstacle.
-    pub(super) fn normal(&self, triangle: usize) -> [f64; 3] {
-        self.normals[triangle]
     }
 
     /// Returns the point where the line through `x` along the unit vector `n` enters the obstacle: behind `x` if `x` is

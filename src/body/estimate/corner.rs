@@ -62,7 +62,7 @@ impl<'a> Corners<'a> {
         let Corners { model, graph, .. } = self;
         let node = model.contacts[i].node;
         let cut = |normal: [f64; 3]| {
-            graph.is_mirrored(i) && model.dofs.held(node).any(|held| dot(held, normal).abs() > IN_PLANE)
+            graph.mirrored[i] && model.dofs.held(node).any(|held| dot(held, normal).abs() > IN_PLANE)
         };
         let sides = self.sides.get(&node).into_iter().flatten();
         let normals: Vec<[f64; 3]> =
@@ -77,7 +77,7 @@ impl<'a> Corners<'a> {
             let length = norm(minus(self.model.contacts[j].position, self.model.contacts[i].position));
             ((self.gaps[j] - self.gaps[i]) / length).atan()
         };
-        let neighbours = self.graph.neighbours(i).iter().copied();
+        let neighbours = self.graph.neighbours[i].iter().copied();
         let (inside, beyond): (Vec<usize>, Vec<usize>) = neighbours.partition(|&j| closed(j));
         let steepest =
             |nodes: &[usize], sign: f64| nodes.iter().map(|&j| (j, sign * slope(j))).max_by(|a, b| a.1.total_cmp(&b.1));

@@ -31,7 +31,7 @@ pub(super) fn recovered(model: &Model, places: &Places, strains: &Strains) -> Op
     for cell in cells {
         known[cell.kind as usize].get_or_insert_with(|| continuation(cell.kind, model.mesh.geometry));
     }
-    Some(places.means(strains.volumes(), |e, k| {
+    Some(places.means(&strains.volumes, |e, k| {
         let points = strains.of_cell(e);
         let mut sum = [0.0; 6];
         let Some(weights) = &known[cells[e].kind as usize] else { return sum };
@@ -158,17 +158,17 @@ fn fitted(model: &Model, places: &Places, strains: &Strains) -> Option<Vec<[f64;
         begins.push(samples.len());
     }
     let corners = |e: usize| &places.of_cell(e)[..mesh.cells[e].kind.corners()];
-    let mut around = vec![Vec::new(); places.count()];
-    let mut nodes = vec![0; places.count()];
+    let mut around = vec![Vec::new(); places.count];
+    let mut nodes = vec![0; places.count];
     for (e, cell) in mesh.cells.iter().enumerate() {
         for &place in corners(e) {
             around[place].push(e);
         }
         places.of_cell(e).iter().zip(&cell.nodes).for_each(|(&place, &node)| nodes[place] = node);
     }
-    let mut sums = vec![([0.0; 6], 0.0); places.count()];
+    let mut sums = vec![([0.0; 6], 0.0); places.count];
     // The corner whose polynomial was last added at each place.
-    let mut last = vec![usize::MAX; places.count()];
+    let mut last = vec![usize::MAX; places.count];
     for (corner, own) in around.iter().enumerate().filter(|(_, own)| !own.is_empty()) {
         let mut patch = own.clone();
         let fit = (0..LAYERS).find_map(|_| {
@@ -203,9 +203,9 @@ pub(super) struct Places {
     /// The first position in `of_cells` of each cell, and the end.
     begins: Vec<usize>,
     /// The number of values.
-    count: usize,
+    pub(super) count: usize,
     /// The number of the law of each cell.
-    laws: Vec<usize>,
+    pub(super) laws: Vec<usize>,
 }
 
 impl Places {
@@ -248,16 +248,6 @@ impl Places {
     /// Returns the indices of the values of the nodes of cell `e`.
     pub(super) fn of_cell(&self, e: usize) -> &[usize] {
         &self.of_cells[self.begins[e]..self.begins[e + 1]]
-    }
-
-    /// Returns the number of values.
-    pub(super) fn count(&self) -> usize {
-        self.count
-    }
-
-    /// Returns the number of the law of each cell.
-    pub(super) fn laws(&self) -> &[usize] {
-        &self.laws
     }
 
     /// Computes each nodal value as the mean of the surrounding cells, weighted by their volumes. `value` takes a cell

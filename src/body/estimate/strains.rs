@@ -19,9 +19,9 @@ pub(super) struct Strains<'a> {
     /// The first sample of each cell, and the end.
     begins: Vec<usize>,
     /// The volume of each cell.
-    volumes: Vec<f64>,
+    pub(super) volumes: Vec<f64>,
     /// The strain energy of each cell, J, in two dimensions per m of depth.
-    energies: Vec<f64>,
+    pub(super) energies: Vec<f64>,
 }
 
 impl<'a> Strains<'a> {
@@ -71,16 +71,6 @@ impl<'a> Strains<'a> {
         let moved = displacements.iter().flatten().fold(0.0_f64, |most, u| most.max(u.abs())) / model.mesh.size();
         let with_moved: f64 = self.volumes.iter().zip(model.materials()).map(|(volume, law)| volume * law.mu).sum();
         self.energies.iter().sum::<f64>() <= with_moved * (STRAIN_ROUNDING * moved).powi(2)
-    }
-
-    /// Returns the volumes of the cells.
-    pub(super) fn volumes(&self) -> &[f64] {
-        &self.volumes
-    }
-
-    /// Returns the strain energies of the cells, J, in two dimensions per m of depth.
-    pub(super) fn energies(&self) -> &[f64] {
-        &self.energies
     }
 
     /// Returns the root mean square of the magnitude `√(ε : ε)` of the strains, weighted by the strain energy; 0 without
@@ -280,7 +270,7 @@ mod tests {
                         assert!(strain.iter().zip(other).all(|(a, b)| (a - b).abs() < 1e-11), "{strain:?} {other:?}");
                         volume += v;
                     }
-                    assert!((volume - strains.volumes()[e]).abs() < 1e-13 * volume);
+                    assert!((volume - &strains.volumes[e]).abs() < 1e-13 * volume);
                     let points = strains.at_fine_points(e, &mut fine);
                     assert_eq!(points.len(), fine.len());
                     let fine: f64 = fine.iter().map(|(volume, _)| volume).sum();

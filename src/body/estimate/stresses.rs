@@ -148,8 +148,8 @@ impl<'a> Search<'a> {
     fn new(model: &'a Model, places: &'a Places) -> Self {
         let mesh = &model.mesh;
         let quadratic = mesh.cells.iter().any(|cell| cell.kind.is_quadratic());
-        let mut around = vec![Vec::new(); places.count()];
-        let mut at = vec![(usize::MAX, usize::MAX); places.count()];
+        let mut around = vec![Vec::new(); places.count];
+        let mut at = vec![(usize::MAX, usize::MAX); places.count];
         let mut outside: HashSet<[usize; 4]> = HashSet::new();
         for (e, cell) in mesh.cells.iter().enumerate() {
             let own = places.of_cell(e);
@@ -259,7 +259,7 @@ impl StressRecovery {
     pub(crate) fn new(model: &Model, wanted: impl Fn(usize) -> bool) -> Self {
         let places = Places::by_material(model);
         let mut search = Search::new(model, &places);
-        let mut patches_of = vec![Vec::new(); places.count()];
+        let mut patches_of = vec![Vec::new(); places.count];
         for (e, cell) in model.mesh.cells.iter().enumerate().filter(|(e, _)| wanted(*e)) {
             let own = places.of_cell(e);
             // Corners come before the nodes between them.

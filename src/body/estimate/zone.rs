@@ -141,7 +141,7 @@ impl ContactEstimate {
     /// Estimates the resolution of surface `k` of `graph` in a `state` at `time` (s), without its stick zone; `None` without
     /// contact.
     pub(crate) fn new(model: &Model, graph: &ContactGraph, k: usize, time: f64, state: &State) -> Option<Self> {
-        let surface = &graph.surfaces()[k];
+        let surface = &graph.surfaces[k];
         let p_n = &state.p_n;
         let closed: Vec<usize> = surface.nodes.iter().copied().filter(|&i| p_n[i] > 0.0).collect();
         let sum = |nodes: &[usize]| nodes.iter().map(|&i| p_n[i]).sum::<f64>();
@@ -163,9 +163,9 @@ impl ContactEstimate {
         let scatter = peak_pressure / patch_pressure - 1.0;
         // On half a mesh of triangles, a node in a symmetry plane has only one cell and an inaccurate pressure, which
         // makes up a third of its patch.
-        let beside = graph.neighbours(peak);
+        let beside = &graph.neighbours[peak];
         let mean = beside.iter().map(|&j| pressure(j)).sum::<f64>() / beside.len() as f64;
-        let mirrored = graph.is_mirrored(peak) && model.mesh.dimension == 2 && mean > 0.0;
+        let mirrored = graph.mirrored[peak] && model.mesh.dimension == 2 && mean > 0.0;
         let off = if mirrored { peak_pressure / mean - 1.0 } else { scatter };
         let (around_peak, across_peak) = zones.iter().find(|(zone, _)| zone.contains(&peak))?;
         let peak_error = across_peak.map(|n| match peak_error(n) {
@@ -225,7 +225,7 @@ fn zones(model: &Model, graph: &ContactGraph, surface: &[usize], p_n: &[f64]) ->
 
 /// Returns the zone of contact node `i` with the number of nodes across it.
 fn zone_of(model: &Model, graph: &ContactGraph, p_n: &[f64], i: usize) -> Option<(Vec<usize>, Option<usize>)> {
-    let surface = graph.surfaces().iter().find(|surface| surface.nodes.contains(&i))?;
+    let surface = graph.surfaces.iter().find(|surface| surface.nodes.contains(&i))?;
     zones(model, graph, &surface.nodes, p_n).into_iter().find(|(zone, _)| zone.contains(&i))
 }
 
@@ -241,14 +241,14 @@ fn nodes_across(
     if dimension == 3 {
         return Some(2 * deepest - 1);
     }
-    let mirrored = zone.iter().any(|&i| graph.is_mirrored(i));
+    let mirrored = zone.iter().any(|&i| graph.mirrored[i]);
     Some(if mirrored { 2 * zone.len() - 1 } else { zone.len() })
 }
 
 /// Returns the mean distance of contact node `i` to its neighbours, m.
 fn element_size(model: &Model, graph: &ContactGraph, i: usize) -> f64 {
     let distance = |j: &usize| norm(minus(model.contacts[*j].position, model.contacts[i].position));
-    let neighbours = graph.neighbours(i);
+    let neighbours = &graph.neighbours[i];
     neighbours.iter().map(distance).sum::<f64>() / neighbours.len() as f64
 }
 
@@ -260,7 +260,7 @@ fn edge_ratio(model: &Model, graph: &ContactGraph, zone: &[usize]) -> Option<f64
     }
     let ratio = |&i: &usize| {
         let (node, from) = (model.contacts[i].node, model.contacts[i].position);
-        let inside = minus(from, model.contacts[*graph.neighbours(i).first()?].position);
+        let inside = minus(from, model.contacts[*graph.neighbours[i].first()?].position);
         let beyond = (model.mesh.cells.iter().filter(|cell| cell.nodes.contains(&node)))
             .flat_map(|cell| cell.nodes.iter().map(|&other| minus(model.mesh.nodes[other], from)))
             .filter(|beyond| norm(*beyond) > 0.0 && dot(unit(*beyond), unit(inside)) > STRAIGHT)
@@ -290,7 +290,7 @@ impl PeakZone {
     pub(crate) fn all(model: &Model, graph: &ContactGraph, state: &State) -> Vec<Self> {
         let pressures = pressures(model, graph, state);
         let of_surface = |surface: &ContactPatch| zones(model, graph, &surface.nodes, &state.p_n);
-        let zones = graph.surfaces().iter().flat_map(of_surface);
+        let zones = graph.surfaces.iter().flat_map(of_surface);
         zones.map(|(nodes, across)| PeakZone { across, peak: largest(&pressures, &nodes), nodes }).collect()
     }
 
@@ -331,7 +331,7 @@ impl StickZone {
         let p_n = &state.p_n;
         let mu = model.loading.friction().map_or_else(|| model.problem.mu().to_vec(), |friction| friction.at(time));
         let is_at_the_limit = |i: usize| state.p_t[i].hypot(state.p_o[i]) >= (1.0 - AT_THE_LIMIT) * mu[i] * p_n[i];
-        let surface = &graph.surfaces()[k];
+        let surface = &graph.surfaces[k];
         let sum = |nodes: &[usize]| nodes.iter().map(|&i| p_n[i]).sum::<f64>();
         let zones = zones(model, graph, &surface.nodes, p_n);
         let (zone, across) = zones.into_iter().max_by(|a, b| sum(&a.0).total_cmp(&sum(&b.0)))?;

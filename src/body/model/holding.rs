@@ -145,7 +145,9 @@ pub(super) fn dofs(
         directions[*node].push(*n);
     }
     directions.extend((0..joints.all.len()).map(|k| joints.held(k, mesh.dimension)));
-    let dofs = Dofs::with_points(mesh, points, joints.jumps(), |node| std::mem::take(&mut directions[node]));
+    let dofs = Dofs::with_points(mesh, points, joints.all.iter().map(|joint| joint.jump.clone()).collect(), |node| {
+        std::mem::take(&mut directions[node])
+    });
     if dofs.free() == 0 {
         let message = "the supports fix every node of the mesh, so nothing is left to solve";
         return Err(InputError::new("support[0].boundary", message, "support fewer boundaries, or use a finer mesh"));

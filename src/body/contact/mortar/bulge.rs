@@ -100,10 +100,10 @@ impl Bulges {
     fn of_facets(mesh: &Mesh, boundary: &Boundary, surface: &Surface) -> Vec<Option<Bulge>> {
         let mut known = BTreeMap::new();
         let of_facet = |(f, facet): (usize, &Vec<usize>)| {
-            if surface.corners(f).is_empty() {
+            if surface.corners[f].is_empty() {
                 return Bulge::through(mesh, facet);
             }
-            let corners = surface.corners(f);
+            let corners = &surface.corners[f];
             let mut normal = |node: usize, f: usize| {
                 let fan = surface.fan(node, f);
                 let first = fan.first().copied().unwrap_or(f);
@@ -364,11 +364,6 @@ impl<'a> Surface<'a> {
         let any =
             |facets: &Vec<usize>| facets.iter().any(|&f| facets.iter().any(|&g| apart(f, g) && self.are_beside(f, g)));
         self.around.values().any(any)
-    }
-
-    /// Returns the corners of facet `f`; none if it follows the surface.
-    pub(super) fn corners(&self, f: usize) -> &[usize] {
-        &self.corners[f]
     }
 
     /// Returns the unit normal in `node` of the surface of the facets `fan`, see [`Surface::fan`].

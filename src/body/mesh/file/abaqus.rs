@@ -31,7 +31,7 @@ pub(super) fn includes(path: &Path) -> Vec<PathBuf> {
         // A fault is reported when the mesh is read.
         let _ = keywords.read(path, &bytes, &mut |_, _| Ok(()));
     }
-    keywords.into_included()
+    keywords.included
 }
 
 /// The number of files that may include one another; Abaqus allows five.
@@ -108,11 +108,6 @@ struct Keywords {
 }
 
 impl Keywords {
-    /// Returns the files that were included.
-    fn into_included(self) -> Vec<PathBuf> {
-        self.included
-    }
-
     /// Hands each keyword of the file at `path` with these `bytes` to `take`, and those of included files in their place.
     fn read(&mut self, path: &Path, bytes: &[u8], take: Take<'_>) -> Result<(), MeshFormatError> {
         let text = String::from_utf8_lossy(bytes);

@@ -90,7 +90,7 @@ impl Model {
             if self.nodes.insert(number, self.mesh.nodes.len()).is_some() {
                 return Err(lines.damaged(format!("the node {number} is there twice")));
             }
-            self.first_in.entry(system).or_insert((number, lines.line()));
+            self.first_in.entry(system).or_insert((number, lines.line));
             self.mesh.nodes.push([x, y, z]);
             self.mesh.numbers.push(number);
         }
@@ -273,7 +273,7 @@ impl Model {
         let sets: Vec<&Group> = self.groups.iter().filter(|set| !set.has_elements && !set.nodes.is_empty()).collect();
         let outer = if sets.is_empty() { Vec::new() } else { outer(&self.elements, dimension) };
         // Node sets that repeat one another could otherwise have more sides than the memory holds.
-        let mut left = 1000 + 16 * lines.line();
+        let mut left = 1000 + 16 * lines.line;
         for Group { name, nodes, .. } in sets {
             let sides = within(&self.elements, &outer, nodes);
             if sides.is_empty() {

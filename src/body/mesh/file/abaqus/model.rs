@@ -178,7 +178,7 @@ impl Model {
         let elements = self.element_sets.indices(&of, &self.element_indices);
         let nodes: HashSet<usize> = elements.iter().flat_map(|&e| self.elements[e].nodes.iter().copied()).collect();
         self.node_sets.add(&name, nodes.into_iter().map(|node| Span::one(self.mesh.numbers[node])));
-        self.limited(keyword, self.node_sets.size())
+        self.limited(keyword, self.node_sets.size)
     }
 
     fn take_surface(&mut self, keyword: &Keyword<'_>, data: &[Data<'_>]) -> Result<(), MeshFormatError> {

@@ -30,7 +30,7 @@ pub(super) struct Sets {
     pub names: Vec<String>,
     spans: HashMap<String, Vec<Span>>,
     /// The number of spans of all sets.
-    size: usize,
+    pub(super) size: usize,
 }
 
 impl Sets {
@@ -47,11 +47,6 @@ impl Sets {
 
     pub(super) fn has(&self, name: &str) -> bool {
         self.spans.contains_key(name)
-    }
-
-    /// The number of spans of all sets.
-    pub(super) fn size(&self) -> usize {
-        self.size
     }
 
     /// Adds the data of `*NSET` or `*ELSET` to the set `name`: numbers and names of sets, or with GENERATE first and last

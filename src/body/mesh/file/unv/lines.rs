@@ -17,7 +17,7 @@ pub(super) struct Lines<'a> {
     file: &'a str,
     rest: &'a [u8],
     /// The number of the last line read, from 1.
-    line: usize,
+    pub(super) line: usize,
     /// The number of the dataset that is read.
     dataset: String,
 }
@@ -25,11 +25,6 @@ pub(super) struct Lines<'a> {
 impl<'a> Lines<'a> {
     pub(super) fn new(file: &'a str, bytes: &'a [u8]) -> Self {
         Lines { file, rest: bytes, line: 0, dataset: String::new() }
-    }
-
-    /// The number of the last line read, from 1.
-    pub(super) fn line(&self) -> usize {
-        self.line
     }
 
     /// Returns the next line without its end.
