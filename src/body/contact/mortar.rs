@@ -533,33 +533,34 @@ impl MortarFault {
         }
     }
 
-    /// Returns the key in a contact that the fault concerns, and the correction, in words.
-    pub(crate) fn cure(&self) -> (&'static str, &'static str) {
+    /// Returns the correction, in words.
+    pub fn help(&self) -> &'static str {
         match self {
-            MortarFault::NothingInFront { search, least, .. } if least <= search => (
-                "search",
-                "let the two face each other, so that the normals of the one meet facets of the other that look back",
-            ),
-            MortarFault::NothingInFront { .. } => {
-                ("search", "give a longer `search`, or move the bodies to where they meet")
+            MortarFault::NothingInFront { search, least, .. } if least <= search => {
+                "let the two face each other, so that the normals of the one meet facets of the other that look back"
             }
+            MortarFault::NothingInFront { .. } => "give a longer `search`, or move the bodies to where they meet",
             MortarFault::TwoLayers { .. } => {
-                ("search", "give a shorter `search`, or name only the part of the boundary that is to be met")
+                "give a shorter `search`, or name only the part of the boundary that is to be met"
             }
             MortarFault::NotConvex { .. } => {
-                ("against", "mesh again; no angle of a quadrilateral on a contact boundary may exceed 180°")
+                "mesh again; no angle of a quadrilateral on a contact boundary may exceed 180°"
             }
-            MortarFault::TooBent { .. } => (
-                "against",
-                "mesh again, finer where the boundary is curved, or name only the part of it that faces the other",
-            ),
-            MortarFault::SlaveHeld { .. } => ("against", "swap the two: what nothing holds is to be the slave"),
-            MortarFault::NormalsCancel { .. } => {
-                ("against", "name the two sides of a sharp edge as different boundaries")
+            MortarFault::TooBent { .. } => {
+                "mesh again, finer where the boundary is curved, or name only the part of it that faces the other"
             }
-            MortarFault::Inwards { .. } => {
-                ("direction", "turn the direction round: it points out of the slave, towards the master")
-            }
+            MortarFault::SlaveHeld { .. } => "swap the two: what nothing holds is to be the slave",
+            MortarFault::NormalsCancel { .. } => "name the two sides of a sharp edge as different boundaries",
+            MortarFault::Inwards { .. } => "turn the direction round: it points out of the slave, towards the master",
+        }
+    }
+
+    /// Returns the key in a contact that the fault concerns.
+    pub(crate) fn key(&self) -> &'static str {
+        match self {
+            MortarFault::NothingInFront { .. } | MortarFault::TwoLayers { .. } => "search",
+            MortarFault::Inwards { .. } => "direction",
+            _ => "against",
         }
     }
 }

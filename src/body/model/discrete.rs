@@ -4,18 +4,19 @@
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
 
-use super::coupling::Couplings;
+use super::coupling::{Couplings, about_axes};
 use super::holding::{self, Holding};
 use super::joint::Joints;
 use super::pair::{Pair, Pairs};
-use super::{Model, ModelError, bodies, discrete, load};
+use super::place::{in_space, node, with_area};
+use super::{Model, ModelError, bodies, find};
 use crate::algebra::linear::{LinearError, Stiffness};
 use crate::algebra::sparse::{NodeRows, Symmetric};
 use crate::base::input_error::InputError;
 use crate::body::constraints::{Dofs, assemble_part};
 use crate::body::contact::ContactNode;
-use crate::body::description::Description;
-use crate::body::fem::{Elasticity, Element, NodalVolumes, Plane, Spring};
+use crate::body::description::{Bed, Description, Where};
+use crate::body::fem::{Bedding, Elasticity, Element, NodalVolumes, Plane, Spring};
 use crate::body::mesh::{CellKind, Geometry, Mesh, MeshFault};
 
 /// The parts of a model before assembly.
@@ -52,7 +53,7 @@ impl Discrete {
         let mut pairs = Pairs::new(description, &mesh, &dofs, &holdings, &materials, (&couplings, &joints))?;
         let dofs = pairs.dofs(description, &mesh, &joints, dofs)?;
         let volumes = NodalVolumes::new(&mesh, element, |e| materials[e])?;
-        let beds = load::springs(description, &mesh, &couplings, &dofs)?;
+        let beds = springs(description, &mesh, &couplings, &dofs)?;
         Ok(Discrete { mesh, couplings, joints, holdings, dofs, element, materials, pairs, volumes, beds })
     }
 }
@@ -125,6 +126,47 @@ fn meridian(description: &Description, mesh: Arc<Mesh>) -> Result<Arc<Mesh>, Inp
     })
 }
 
+/// Creates the springs of each bed of `description`.
+fn springs(
+    description: &Description,
+    mesh: &Mesh,
+    couplings: &Couplings,
+    dofs: &Dofs,
+) -> Result<Vec<Vec<Spring>>, InputError> {
+    let units = description.system(mesh.dimension);
+    let bedded = |name: &str, key: &str| {
+        with_area(mesh, name, &format!("{key}.boundary"), find(mesh, name, key)?, "a foundation")
+    };
+    let of_bed = |(k, bed): (usize, &Bed)| {
+        let key = format!("spring[{k}]");
+        match bed {
+            Bed::Axes { at, stiffness } => {
+                let stiffness = in_space(mesh, stiffness, &format!("{key}.stiffness"))?;
+                match at {
+                    Where::Point(point) => Ok(vec![Spring::at_node(node(mesh, *point, &units, &key)?, stiffness)]),
+                    Where::Boundary(name) => {
+                        Ok(Spring::foundation(mesh, bedded(name, &key)?, Bedding::Axes(stiffness)))
+                    }
+                    Where::Coupling(name) => {
+                        let (_, [translation, _]) = couplings.rigid(name, "the spring", &key)?;
+                        Ok(vec![Spring::at_node(translation, stiffness)])
+                    }
+                }
+            }
+            Bed::Rotational { coupling, rotational } => {
+                let about = about_axes(mesh, rotational, &format!("{key}.rotational"))?;
+                let (point, [_, rotation]) = couplings.rigid(coupling, "the spring", &key)?;
+                Ok(vec![Spring::at_node(rotation, dofs.of_rotational(point, about))])
+            }
+            Bed::Surface { boundary, normal, tangential } => {
+                let bedding = Bedding::Surface { normal: *normal, tangential: *tangential };
+                Ok(Spring::foundation(mesh, bedded(boundary, &key)?, bedding))
+            }
+        }
+    };
+    description.springs.iter().enumerate().map(of_bed).collect()
+}
+
 /// A function that distributes a stiffness over processes, from its rows and the nodes whose columns this process
 /// keeps. `None` if this is impossible, for example because another process does not have the same body.
 pub type Share<'a> = &'a dyn Fn(&dyn NodeRows, &[bool]) -> Result<Option<Stiffness>, LinearError>;
@@ -153,7 +195,7 @@ impl Body {
         let Discrete { mesh, dofs, element, materials, pairs: Pairs { all: pairs, .. }, volumes, beds, .. } = discrete;
         let body =
             || Body { mesh: Arc::clone(mesh), dofs: dofs.clone(), element: *element, materials: materials.clone() };
-        discrete::is_a_sum_over_cells(dofs, pairs, volumes, beds.iter().flatten()).then(body)
+        is_a_sum_over_cells(dofs, pairs, volumes, beds.iter().flatten()).then(body)
     }
 
     /// Returns `K` distributed by `share`; `None` if the rows of a contact node contain displacements of other nodes.
@@ -189,7 +231,7 @@ impl Model {
     /// Returns `true` if its stiffness can be assembled by rows of nodes on each process: [`Body::of`] returns a body,
     /// and contact rows contain displacements of single nodes.
     pub(crate) fn has_rows(&self) -> bool {
-        discrete::is_a_sum_over_cells(&self.dofs, &self.pairs, &self.volumes, self.statics.springs())
+        is_a_sum_over_cells(&self.dofs, &self.pairs, &self.volumes, self.statics.springs())
             && alone_with_contact(&self.mesh, &self.dofs, &self.contacts).is_some()
     }
 }

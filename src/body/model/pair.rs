@@ -357,8 +357,8 @@ fn pair(
     let options = MortarOptions { search: opposite.search, direction };
     let refused = |fault: MortarFault| {
         let length = |x: f64| units.rounded(Quantity::Length, x, 4);
-        let (at, help) = fault.cure();
-        InputError::new(format!("{key}.{at}"), fault.told(length, |at| units.place(at.components())), help)
+        let message = fault.told(length, |at| units.place(at.components()));
+        InputError::new(format!("{key}.{}", fault.key()), message, fault.help())
     };
     let all_held = first.nodes().into_iter().all(|node| supports.held(node).len() == 3);
     if opposite.slave == Slave::Automatic && opposite.boundaries.len() > 1 {
