@@ -1,7 +1,6 @@
 //! Discretisation of a description: mesh, `K`, contact maps and loads.
 
 mod balance;
-mod bodies;
 mod contact;
 mod coupling;
 mod discrete;
@@ -332,11 +331,8 @@ impl Model {
 fn find<'a>(mesh: &'a Mesh, name: &str, key: &str) -> Result<&'a Boundary, InputError> {
     mesh.boundary(name).ok_or_else(|| {
         if let Some((_, fault)) = mesh.notes.unusable.iter().find(|(group, _)| group == name) {
-            return InputError::new(
-                format!("{key}.boundary"),
-                format!("`{name}` is no boundary: {fault}"),
-                fault.help(),
-            );
+            let message = format!("`{name}` is no boundary: {fault}");
+            return InputError::new(format!("{key}.boundary"), message, fault.help());
         }
         let known = mesh.boundary_names();
         let help = if known.is_empty() {

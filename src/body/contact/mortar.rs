@@ -16,7 +16,6 @@ mod bulge;
 mod cover;
 mod facet;
 mod normals;
-mod segment;
 mod side;
 
 use std::collections::{BTreeMap, BTreeSet};

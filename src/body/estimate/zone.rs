@@ -288,10 +288,14 @@ pub(crate) struct PeakZone {
 impl PeakZone {
     /// Returns the zones of all contact surfaces in a `state`.
     pub(crate) fn all(model: &Model, graph: &ContactGraph, state: &State) -> Vec<Self> {
-        let pressures = pressures(model, graph, state);
+        let pressures = match PeakOf::of(model) {
+            PeakOf::Nodes => model.contact_pressures(state),
+            PeakOf::Patches => graph.patch_pressures(model, &state.p_n),
+        };
+        let peak = |zone: &[usize]| zone.iter().map(|&i| pressures[i]).fold(0.0, f64::max);
         let of_surface = |surface: &ContactPatch| zones(model, graph, &surface.nodes, &state.p_n);
         let zones = graph.surfaces.iter().flat_map(of_surface);
-        zones.map(|(nodes, across)| PeakZone { across, peak: largest(&pressures, &nodes), nodes }).collect()
+        zones.map(|(nodes, across)| PeakZone { across, peak: peak(&nodes), nodes }).collect()
     }
 
     /// Returns the number of nodes across the zone of contact node `i` with the normal forces `p_n` (N); `None` if no open
@@ -309,18 +313,6 @@ impl PeakZone {
     pub(crate) fn largest_possible(&self) -> Option<f64> {
         self.across.map(|n| self.peak * (1.0 + peak_error(n)))
     }
-}
-
-/// Returns the pressures of which a peak is the largest, Pa.
-fn pressures(model: &Model, graph: &ContactGraph, state: &State) -> Vec<f64> {
-    match PeakOf::of(model) {
-        PeakOf::Nodes => model.contact_pressures(state),
-        PeakOf::Patches => graph.patch_pressures(model, &state.p_n),
-    }
-}
-
-fn largest(pressures: &[f64], zone: &[usize]) -> f64 {
-    zone.iter().map(|&i| pressures[i]).fold(0.0, f64::max)
 }
 
 impl StickZone {

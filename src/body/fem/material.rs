@@ -167,11 +167,8 @@ impl Material {
             THICKNESS("material.thickness", thickness)?;
             if self.is_axisymmetric() {
                 let message = "a body of revolution has no thickness";
-                return Err(InputError::new(
-                    "material.thickness",
-                    message,
-                    "remove the key: forces are those all around",
-                ));
+                let help = "remove the key: forces are those all around";
+                return Err(InputError::new("material.thickness", message, help));
             }
         }
         for (k, &Layer { thickness, young, poisson }) in self.layers.iter().enumerate() {

@@ -332,13 +332,8 @@ impl HalfPlane {
         let (key, width) = ("mesh.contact_width", self.contact_width);
         finite(key, width)?;
         let must = "positive and less than the width of the mesh";
-        ensure(
-            width > 0.0 && width < self.size[0],
-            key,
-            &width,
-            must,
-            "give the contact zone in m or as [units] says",
-        )?;
+        let help = "give the contact zone in m or as [units] says";
+        ensure(width > 0.0 && width < self.size[0], key, &width, must, help)?;
         let (contact, outer, layers) = (self.contact_elements, self.outer_elements, self.layers);
         for (key, n) in [("mesh.contact_elements", contact), ("mesh.outer_elements", outer), ("mesh.layers", layers)] {
             let must = "at least 1 and at most 50 million";

@@ -96,12 +96,14 @@ impl Contacts {
         }
         refuse_idle_history(contact, &own_mu, k)?;
         let first = self.nodes.len();
+        // The nodes at both ends of a period are one.
+        let apart: BTreeSet<usize> = boundary.nodes().into_iter().map(|node| dofs.moving_alike(node)).collect();
         self.boundaries.push(ContactBoundary {
             name: pair.slave.clone(),
             contact: k,
             nodes: (first..first + nodes.len()).collect(),
             weights: nodes.iter().map(|node| node.weight).collect(),
-            beyond: alike(dofs, boundary).saturating_sub(nodes.len()),
+            beyond: apart.len().saturating_sub(nodes.len()),
             obstacles: self.obstacles.len()..self.obstacles.len(),
             pair: Some(number),
         });
@@ -134,11 +136,8 @@ impl Contacts {
             } else {
                 format!("supports hold every node of the contact boundary `{}`", contact.boundary)
             };
-            return Err(InputError::new(
-                format!("contact[{k}].boundary"),
-                message,
-                "remove the contact or the support",
-            ));
+            let help = "remove the contact or the support";
+            return Err(InputError::new(format!("contact[{k}].boundary"), message, help));
         }
         let first = self.obstacles.len();
         self.obstacles.extend(obstacles);
@@ -242,11 +241,6 @@ impl Contacts {
         self.nodes[same] = ContactNode { others, weight, ..nearest.clone() };
         Ok(same)
     }
-}
-
-/// Returns the number of nodes of a boundary that move differently: those at both ends of a period are one.
-fn alike(dofs: &Dofs, boundary: &Boundary) -> usize {
-    boundary.nodes().into_iter().map(|node| dofs.moving_alike(node)).collect::<BTreeSet<usize>>().len()
 }
 
 /// Returns `true` if two contact nodes have the same rows.

@@ -108,11 +108,8 @@ impl Couplings {
             let name = given.part.name();
             let message = format!("`{name}` has its nodes on one line, so that it cannot follow a rotation about it");
             let place = format!("{key}.{}", given.part.key());
-            return Err(InputError::new(
-                place,
-                message,
-                "couple a larger boundary, or use a support, a spring or a force",
-            ));
+            let help = "couple a larger boundary, or use a support, a spring or a force";
+            return Err(InputError::new(place, message, help));
         }
         let link = match given.kind {
             CouplingKind::Rigid => {

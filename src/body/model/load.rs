@@ -101,11 +101,8 @@ pub(super) fn load(
             }
             if mesh.geometry == Geometry::Axisymmetric && through.components()[0] != 0.0 {
                 let message = "the axis of the rotation does not go through that of the body, x = 0";
-                return Err(InputError::new(
-                    at("rotation.through"),
-                    message,
-                    "give a point of the axis, such as [0, 0]",
-                ));
+                let help = "give a point of the axis, such as [0, 0]";
+                return Err(InputError::new(at("rotation.through"), message, help));
             }
             let density = description.material.densities(mesh)?;
             let through = through.components();

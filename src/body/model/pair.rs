@@ -369,9 +369,8 @@ fn pair(
     let (mut mortar, choice) = if opposite.slave == Slave::Automatic || all_held && may_change {
         let young = [first, second].map(|boundary| young(mesh, boundary, materials));
         let taken = [first, second].map(|boundary| slaves.contains(&boundary.name));
-        let sides = [first, second];
         let (mortar, choice) =
-            Mortar::of_better_slave(mesh, sides, young, taken, &options, supports).map_err(refused)?;
+            Mortar::of_better_slave(mesh, [first, second], young, taken, &options, supports).map_err(refused)?;
         (mortar, Some(choice))
     } else {
         (Mortar::new(mesh, first, second, &options, supports).map_err(refused)?, None)
@@ -421,26 +420,21 @@ fn pair(
             return Err(InputError::new(format!("{key}.{place}"), message, help));
         }
     }
-    let edges = edges(mesh, master, &mortar.rows);
-    let slopes = opposite.direction.map_or_else(BTreeMap::new, |_| slopes(mesh, slave, &mortar.rows));
-    let (slave, master) = (slave.name.clone(), master.clone());
-    let relative = BTreeMap::new();
     let tightened = description.pretensions.iter().any(|own| own.boundary == description.contacts[k].boundary);
-    let jumps = moved.is_some() || tightened;
     Ok(Pair {
         contact: k,
-        slave,
-        master,
+        slave: slave.name.clone(),
+        master: master.clone(),
         choice,
         glued: opposite.glued,
         gap: opposite.gap.clone(),
         shifted: moved.is_some(),
-        jumps,
+        jumps: moved.is_some() || tightened,
+        slopes: opposite.direction.map_or_else(BTreeMap::new, |_| slopes(mesh, slave, &mortar.rows)),
+        edges: edges(mesh, master, &mortar.rows),
         mortar,
         gaps,
-        slopes,
-        edges,
-        relative,
+        relative: BTreeMap::new(),
     })
 }
 

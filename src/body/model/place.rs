@@ -53,11 +53,8 @@ fn only(
     };
     let names = [node, other].map(|node| bodies.told(of[node]));
     let message = format!("{} and {} both have a node at {}", names[0], names[1], units.place(mesh.nodes[node]));
-    Err(InputError::new(
-        format!("{key}.point"),
-        message,
-        "name a boundary in place of the point: those are of one body",
-    ))
+    let help = "name a boundary in place of the point: those are of one body";
+    Err(InputError::new(format!("{key}.point"), message, help))
 }
 
 /// Fails unless a vector has as many components as the body has dimensions.

@@ -4,8 +4,7 @@
 use std::collections::BTreeSet;
 
 use super::bulge::Bulges;
-use super::facet::{MOST, Plane, Values, position};
-use super::segment::{Point, Rules, Segment, Side, segment, size};
+use super::facet::{MOST, Plane, Point, Rules, Segment, Side, Values, position, segment, size};
 use super::{GapAt, MortarFault, place};
 use crate::algebra::vector::{cross, dot, minus, unit};
 use crate::body::contact::tree::{Bounds, Tree};

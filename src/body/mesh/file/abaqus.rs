@@ -6,7 +6,6 @@
 //! manual, version 2.20, chapters 6 and 7.
 
 mod model;
-mod sets;
 
 use std::path::{Path, PathBuf};
 
