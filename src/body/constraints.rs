@@ -12,7 +12,7 @@ mod relative;
 mod rigid;
 mod transform;
 
-pub(crate) use assembly::{HeldRows, assemble_part, nearest_translation};
+pub(crate) use assembly::{HeldRows, assemble_part};
 pub use assembly::{assemble, facet_load};
 pub(crate) use bonds::{Apart, Bonds};
 pub use dofs::{Dofs, Jump, ReferencePoint, Tie};

@@ -7,7 +7,6 @@ use rayon::prelude::*;
 
 use super::dofs::Dofs;
 use crate::algebra::sparse::{Csr, Symmetric};
-use crate::algebra::vector::{axis, dot, minus};
 use crate::body::fem::{
     Elasticity, Element, InvertedElement, NodalForces, NodalVolume, NodalVolumes, Spring, element_stiffness,
     uniform_traction,
@@ -241,47 +240,9 @@ impl Gathered {
     }
 }
 
-/// A translation counts as not prescribed if its effect on the held directions is below this share of the largest
-/// effect.
-const FELT: f64 = 1e-6;
-
-/// Computes the translation (m) nearest in the least-squares sense to displacements prescribed at nodes, pairs of a
-/// unit vector and the displacement (m) along it. The translation is 0 along directions that are not prescribed.
-pub(crate) fn nearest_translation(prescribed: impl Iterator<Item = ([f64; 3], f64)> + Clone) -> [f64; 3] {
-    // Gram-Schmidt on the columns of `n · t = value`, twice, recording the combination for each basis vector. The
-    // longest column is first, since a column that is small because a direction is off its axis by rounding contains no
-    // information.
-    let mut columns: Vec<(usize, Vec<f64>)> =
-        (0..3).map(|c| (c, prescribed.clone().map(|(n, _)| n[c]).collect())).collect();
-    columns.sort_by(|(_, a), (_, b)| dot(b, b).total_cmp(&dot(a, a)));
-    let whole = dot(&columns[0].1, &columns[0].1).sqrt();
-    let mut basis: Vec<(Vec<f64>, [f64; 3])> = Vec::new();
-    for (c, mut member) in columns {
-        let mut made_of = axis(c);
-        for (other, of) in basis.iter().chain(&basis) {
-            let along = dot(&member, other);
-            member.iter_mut().zip(other).for_each(|(x, y)| *x -= along * y);
-            made_of = minus(made_of, of.map(|x| along * x));
-        }
-        let rest = dot(&member, &member).sqrt();
-        if rest > FELT * whole {
-            basis.push((member.into_iter().map(|x| x / rest).collect(), made_of.map(|x| x / rest)));
-        }
-    }
-    let mut left: Vec<f64> = prescribed.map(|(_, value)| value).collect();
-    let mut translation = [0.0; 3];
-    for (member, made_of) in basis.iter().chain(&basis) {
-        let along = dot(&left, member);
-        left.iter_mut().zip(member).for_each(|(x, y)| *x -= along * y);
-        (0..3).for_each(|c| translation[c] += along * made_of[c]);
-    }
-    translation
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::algebra::vector::{norm, unit};
     use crate::body::mesh::block;
 
     #[test]
@@ -301,24 +262,5 @@ mod tests {
             count += usize::from(wanted);
         }
         assert!(count > 0 && count == part.lower().values().len());
-    }
-
-    #[test]
-    fn what_moves_as_a_whole_is_seen_to() {
-        let to = [1.0, -2.0, 3e-3];
-        let along = |n: [f64; 3]| (n, dot(n, to));
-        let oblique = unit([1.0, 1.0, 0.0]);
-        let all = [axis(0), axis(1), axis(2), oblique].map(along);
-        let found = nearest_translation(all.into_iter());
-        assert!((0..3).all(|c| (found[c] - to[c]).abs() < 1e-15), "{found:?}");
-        // The motion across is not prescribed.
-        let found = nearest_translation([along(oblique), along(oblique)].into_iter());
-        assert!((dot(found, oblique) - dot(to, oblique)).abs() < 1e-15 && found[2] == 0.0, "{found:?}");
-        assert_eq!(nearest_translation(std::iter::empty()), [0.0; 3]);
-        // A direction turned off its axis by rounding.
-        for off in [1e-25, 6e-17, 1e-10, 1e-7] {
-            let found = nearest_translation([(unit([off, -1.0, 0.0]), 1e-6); 5].into_iter());
-            assert!(norm(found) < 1.1e-6 && (found[1] + 1e-6).abs() < 1e-12, "{off}: {found:?}");
-        }
     }
 }

@@ -270,7 +270,7 @@ mod tests {
                         assert!(strain.iter().zip(other).all(|(a, b)| (a - b).abs() < 1e-11), "{strain:?} {other:?}");
                         volume += v;
                     }
-                    assert!((volume - &strains.volumes[e]).abs() < 1e-13 * volume);
+                    assert!((volume - strains.volumes[e]).abs() < 1e-13 * volume);
                     let points = strains.at_fine_points(e, &mut fine);
                     assert_eq!(points.len(), fine.len());
                     let fine: f64 = fine.iter().map(|(volume, _)| volume).sum();

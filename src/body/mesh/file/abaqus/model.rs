@@ -367,7 +367,7 @@ fn complete(keyword: &Keyword<'_>) -> Result<(), MeshFormatError> {
 
 /// Returns the kind of elements of Abaqus's type `name`; `None` if it is not supported. Abaqus and
 /// [`CellKind`] have the same orders of nodes and of sides. Gmsh writes lines as trusses.
-pub(super) fn kind_of(name: &str) -> Option<ElementKind> {
+fn kind_of(name: &str) -> Option<ElementKind> {
     match name {
         "T2D2" | "T3D2" => return Some(ElementKind::Line),
         "T2D3" | "T3D3" => return Some(ElementKind::Line3),
@@ -405,14 +405,14 @@ fn is_variant(name: &str) -> bool {
 
 /// The numbers `first`, `first + step`, ... up to `last`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Span {
+struct Span {
     first: usize,
     last: usize,
     step: usize,
 }
 
 impl Span {
-    pub(super) fn one(number: usize) -> Self {
+    fn one(number: usize) -> Self {
         Span { first: number, last: number, step: 1 }
     }
 
@@ -423,17 +423,17 @@ impl Span {
 
 /// Sets of numbers by name. A set of many numbers may be one [`Span`].
 #[derive(Default)]
-pub(super) struct Sets {
+struct Sets {
     /// The names in the order of the file.
     pub names: Vec<String>,
     spans: HashMap<String, Vec<Span>>,
     /// The number of spans of all sets.
-    pub(super) size: usize,
+    size: usize,
 }
 
 impl Sets {
     /// Adds members to the set `name`.
-    pub(super) fn add(&mut self, name: &str, members: impl IntoIterator<Item = Span>) {
+    fn add(&mut self, name: &str, members: impl IntoIterator<Item = Span>) {
         if !self.spans.contains_key(name) {
             self.names.push(name.to_string());
         }
@@ -443,13 +443,13 @@ impl Sets {
         self.size += spans.len() - before;
     }
 
-    pub(super) fn has(&self, name: &str) -> bool {
+    fn has(&self, name: &str) -> bool {
         self.spans.contains_key(name)
     }
 
     /// Adds the data of `*NSET` or `*ELSET` to the set `name`: numbers and names of sets, or with GENERATE first and last
     /// number and increment. There may be `most` members of all sets.
-    pub(super) fn define(
+    fn define(
         &mut self,
         name: &str,
         keyword: &Keyword<'_>,
@@ -489,7 +489,7 @@ impl Sets {
     }
 
     /// Returns the members of a set, or the number itself, of a `field`; `None` if it is neither.
-    pub(super) fn members(&self, field: &str) -> Option<Vec<Span>> {
+    fn members(&self, field: &str) -> Option<Vec<Span>> {
         match field.parse() {
             Ok(number) => Some(vec![Span::one(number)]),
             Err(_) => self.spans.get(&field.trim_matches('"').to_uppercase()).cloned(),
@@ -497,13 +497,13 @@ impl Sets {
     }
 
     /// Returns the indices of all members of the set `name` that `indices` has, in increasing order of numbers.
-    pub(super) fn indices(&self, name: &str, indices: &HashMap<usize, usize>) -> Vec<usize> {
+    fn indices(&self, name: &str, indices: &HashMap<usize, usize>) -> Vec<usize> {
         present(self.spans.get(name).map_or(&[], Vec::as_slice), indices)
     }
 }
 
 /// Returns the indices of all numbers in `spans` that `indices` has, each once, in increasing order of numbers.
-pub(super) fn present(spans: &[Span], indices: &HashMap<usize, usize>) -> Vec<usize> {
+fn present(spans: &[Span], indices: &HashMap<usize, usize>) -> Vec<usize> {
     let mut found: Vec<(usize, usize)> = Vec::new();
     for span in spans {
         let count = span.last.saturating_sub(span.first) / span.step;
@@ -526,7 +526,7 @@ pub(super) fn present(spans: &[Span], indices: &HashMap<usize, usize>) -> Vec<us
     found.into_iter().map(|(_, index)| index).collect()
 }
 
-pub(super) fn too_many(keyword: &Keyword<'_>) -> MeshFormatError {
+fn too_many(keyword: &Keyword<'_>) -> MeshFormatError {
     keyword
         .error("the sets repeat one another: they have far more members than the file has numbers", "define fewer sets")
 }
